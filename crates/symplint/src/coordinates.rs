@@ -1,0 +1,81 @@
+//! What the coordinates of a phase space mean: periods and weights.
+
+use crate::error::Error;
+
+/// Periods of the positions and weights of the momenta.
+///
+/// * `period(i)` is the period of q_i, or 0 where q_i is not periodic.
+/// * The canonical momentum of degree of freedom i is `weight(i)` × p_i: a code that
+///   carries velocities states its masses or particle weights here.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coordinates {
+    dof: usize,
+    periods: Option<Vec<f64>>,
+    weights: Option<Vec<f64>>,
+}
+
+impl Coordinates {
+    /// Nothing periodic, every momentum canonical as it is.
+    pub fn plain(dof: usize) -> Self {
+        Coordinates {
+            dof,
+            periods: None,
+            weights: None,
+        }
+    }
+
+    /// States the period of every position; 0 where there is none.
+    ///
+    /// # Errors
+    /// If the number of periods is not d, or one is negative or not finite.
+    pub fn with_periods(mut self, periods: Vec<f64>) -> Result<Self, Error> {
+        Error::check_length("periods", self.dof, periods.len())?;
+        for (dof, &value) in periods.iter().enumerate() {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(Error::BadCoordinate {
+                    what: "period",
+                    dof,
+                    value,
+                    remedy: "give a finite period, or 0 for a position that is not periodic",
+                });
+            }
+        }
+        self.periods = Some(periods);
+        Ok(self)
+    }
+
+    /// States the weight of every momentum.
+    ///
+    /// # Errors
+    /// If the number of weights is not d, or one is zero or not finite.
+    pub fn with_weights(mut self, weights: Vec<f64>) -> Result<Self, Error> {
+        Error::check_length("weights", self.dof, weights.len())?;
+        for (dof, &value) in weights.iter().enumerate() {
+            if !(value.is_finite() && value != 0.0) {
+                return Err(Error::BadCoordinate {
+                    what: "weight",
+                    dof,
+                    value,
+                    remedy: "give a finite weight that is not zero",
+                });
+            }
+        }
+        self.weights = Some(weights);
+        Ok(self)
+    }
+
+    /// Degrees of freedom.
+    pub fn dof(&self) -> usize {
+        self.dof
+    }
+
+    /// Period of q_i, 0 where it is not periodic.
+    pub fn period(&self, i: usize) -> f64 {
+        self.periods.as_ref().map_or(0.0, |periods| periods[i])
+    }
+
+    /// Weight of p_i.
+    pub fn weight(&self, i: usize) -> f64 {
+        self.weights.as_ref().map_or(1.0, |weights| weights[i])
+    }
+}

@@ -1,0 +1,103 @@
+//! What can go wrong, with the numbers in it and the remedy in the text.
+
+/// Errors of the diagnostic.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A list has another length than there are degrees of freedom.
+    #[error("{what}: got {got} values for {expected} degrees of freedom; give one for each")]
+    Length {
+        /// Which list.
+        what: &'static str,
+        /// Degrees of freedom.
+        expected: usize,
+        /// Values given.
+        got: usize,
+    },
+    /// A period or weight that means nothing.
+    #[error("{what} of degree of freedom {dof} is {value}; {remedy}")]
+    BadCoordinate {
+        /// Period or weight.
+        what: &'static str,
+        /// Degree of freedom.
+        dof: usize,
+        /// The value given.
+        value: f64,
+        /// What to give instead.
+        remedy: &'static str,
+    },
+    /// Too few samples for a loop integral.
+    #[error("a loop integral from {samples} samples has no meaning; use 3 or more")]
+    TooFewSamples {
+        /// Samples given.
+        samples: usize,
+    },
+    /// A quantity is outside the range in which it has a meaning.
+    #[error("{what} is {value}; {remedy}")]
+    OutOfRange {
+        /// Which quantity.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// What to give instead.
+        remedy: &'static str,
+    },
+    /// A state that is not finite.
+    #[error(
+        "{coordinate} of degree of freedom {dof} is {value} at sample {sample}{}; {remedy}",
+        .step_size.map_or(String::new(), |h| format!(" after a step of h = {h}"))
+    )]
+    NotFinite {
+        /// `q` or `p`.
+        coordinate: &'static str,
+        /// Degree of freedom.
+        dof: usize,
+        /// Sample along the loop.
+        sample: usize,
+        /// The step size, where a map made the state.
+        step_size: Option<f64>,
+        /// NaN or an infinity.
+        value: f64,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The map reported a failure.
+    #[error("the map failed at sample {sample} with h = {step_size}: {reason}")]
+    StepFailed {
+        /// Sample along the loop.
+        sample: usize,
+        /// The step size.
+        step_size: f64,
+        /// The map's reason.
+        reason: String,
+    },
+    /// The loop integral of the initial loop vanishes, so a relative defect has no meaning.
+    #[error(
+        "the initial loop encloses no area: its loop integral is {integral:e} where its size would \
+         allow {scale:e}; take a loop whose areas do not cancel, or another radius"
+    )]
+    NoArea {
+        /// The loop integral.
+        integral: f64,
+        /// Sum of the absolute contributions that could have been.
+        scale: f64,
+    },
+    /// Map and loop live in different phase spaces.
+    #[error("the map has {map} degrees of freedom and the loop {phase_loop}; they must agree")]
+    DofMismatch {
+        /// Degrees of freedom of the map.
+        map: usize,
+        /// Degrees of freedom of the loop.
+        phase_loop: usize,
+    },
+}
+
+impl Error {
+    pub(crate) fn check_length(what: &'static str, expected: usize, got: usize) -> Result<(), Error> {
+        if got == expected {
+            Ok(())
+        } else {
+            Err(Error::Length { what, expected, got })
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Views of a strided table of coordinates: one row for each degree of freedom.
+//!
+//! An [`Ensemble`](crate::Ensemble) keeps one long contiguous row of samples for
+//! each degree of freedom; a block of it is a set of equally long pieces of those
+//! rows. [`Rows`] and [`RowsMut`] are that set. This is the only file with
+//! `unsafe`: safe Rust cannot hand out disjoint column ranges of one table.
+
+use std::marker::PhantomData;
+
+/// Read-only rows: `count` rows of `len` values, equally spaced in memory.
+#[derive(Clone, Copy)]
+pub struct Rows<'a> {
+    start: *const f64,
+    stride: usize,
+    count: usize,
+    len: usize,
+    life: PhantomData<&'a [f64]>,
+}
+
+/// Rows that can be written: `count` rows of `len` values, equally spaced in memory.
+pub struct RowsMut<'a> {
+    start: *mut f64,
+    stride: usize,
+    count: usize,
+    len: usize,
+    life: PhantomData<&'a mut [f64]>,
+}
+
+// SAFETY: a `Rows` is a set of shared slices of `f64`, a `RowsMut` a set of
+// disjoint exclusive ones; both may go wherever those slices may.
+unsafe impl Send for Rows<'_> {}
+// SAFETY: as above.
+unsafe impl Sync for Rows<'_> {}
+// SAFETY: as above.
+unsafe impl Send for RowsMut<'_> {}
+// SAFETY: as above; a shared `RowsMut` only gives shared slices.
+unsafe impl Sync for RowsMut<'_> {}
+
+/// Checks that `count` rows of `len` values, `stride` apart, fit into `available` values.
+fn assert_fits(available: usize, count: usize, stride: usize, len: usize) {
+    let needed = match count {
+        0 => 0,
+        n => (n - 1) * stride + len,
+    };
+    assert!(
+        len <= stride && needed <= available,
+        "{count} rows of {len} values, {stride} apart, do not fit into {available} values"
+    );
+}
+
+impl<'a> Rows<'a> {
+    /// The first `len` values of `count` rows that lie `stride` values apart in `data`.
+    ///
+    /// # Panics
+    /// If `data` is too short or `len` exceeds `stride`.
+    pub fn new(data: &'a [f64], count: usize, stride: usize, len: usize) -> Self {
+        assert_fits(data.len(), count, stride, len);
+        Rows {
+            start: data.as_ptr(),
+            stride,
+            count,
+            len,
+            life: PhantomData,
+        }
+    }
+
+    /// Number of rows: degrees of freedom.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Length of a row: samples.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether the rows hold no sample.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Row `i`, one value for each sample.
+    ///
+    /// # Panics
+    /// If there is no row `i`.
+    pub fn row(&self, i: usize) -> &'a [f64] {
+        assert!(i < self.count, "row {i} of {}", self.count);
+        // SAFETY: `assert_fits` held when `start`, `stride`, `count` and `len` were
+        // set, so row `i` lies inside the slice borrowed for `'a`.
+        unsafe { std::slice::from_raw_parts(self.start.add(i * self.stride), self.len) }
+    }
+}
+
+impl<'a> RowsMut<'a> {
+    /// The first `len` values of `count` rows that lie `stride` values apart in `data`.
+    ///
+    /// # Panics
+    /// If `data` is too short or `len` exceeds `stride`.
+    pub fn new(data: &'a mut [f64], count: usize, stride: usize, len: usize) -> Self {
+        assert_fits(data.len(), count, stride, len);
+        RowsMut {
+            start: data.as_mut_ptr(),
+            stride,
+            count,
+            len,
+            life: PhantomData,
+        }
+    }
+
+    /// Number of rows: degrees of freedom.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Length of a row: samples.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether the rows hold no sample.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Row `i`, one value for each sample.
+    ///
+    /// # Panics
+    /// If there is no row `i`.
+    pub fn row(&self, i: usize) -> &[f64] {
+        self.as_rows().row(i)
+    }
+
+    /// Row `i` for writing, one value for each sample.
+    ///
+    /// # Panics
+    /// If there is no row `i`.
+    pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
+        assert!(i < self.count, "row {i} of {}", self.count);
+        // SAFETY: as in `Rows::row`; `&mut self` makes this the only live access
+        // to these rows, and other `RowsMut` of the same table are disjoint.
+        unsafe { std::slice::from_raw_parts_mut(self.start.add(i * self.stride), self.len) }
+    }
+
+    /// The same rows, read-only.
+    pub fn as_rows(&self) -> Rows<'_> {
+        Rows {
+            start: self.start,
+            stride: self.stride,
+            count: self.count,
+            len: self.len,
+            life: PhantomData,
+        }
+    }
+
+    /// The same rows for a shorter time, so that they can be passed on and used again.
+    pub fn reborrow(&mut self) -> RowsMut<'_> {
+        RowsMut {
+            start: self.start,
+            stride: self.stride,
+            count: self.count,
+            len: self.len,
+            life: PhantomData,
+        }
+    }
+
+    /// Sets every value.
+    pub fn fill(&mut self, value: f64) {
+        for i in 0..self.count {
+            self.row_mut(i).fill(value);
+        }
+    }
+
+    /// Copies rows of the same shape.
+    ///
+    /// # Panics
+    /// If the shapes differ.
+    pub fn copy_from(&mut self, source: Rows<'_>) {
+        assert_eq!((self.count, self.len), (source.count, source.len));
+        for i in 0..self.count {
+            self.row_mut(i).copy_from_slice(source.row(i));
+        }
+    }
+
+    /// Cuts the rows into column ranges of at most `width` samples each.
+    ///
+    /// # Panics
+    /// If `width` is zero.
+    pub fn column_blocks(self, width: usize) -> impl Iterator<Item = RowsMut<'a>> {
+        assert!(width > 0, "a block needs at least one sample");
+        (0..self.len).step_by(width).map(move |first| RowsMut {
+            // SAFETY: `first < len`, so the pointer stays inside the first row; the
+            // ranges [first, first + len) of different blocks do not overlap.
+            start: unsafe { self.start.add(first) },
+            stride: self.stride,
+            count: self.count,
+            len: width.min(self.len - first),
+            life: PhantomData,
+        })
+    }
+}
