@@ -1,6 +1,11 @@
 //! All samples at one time.
 
+use rayon::prelude::*;
+
 use crate::block::Block;
+use crate::error::Error;
+use crate::loops::Loop;
+use crate::map::TimeAdvance;
 use crate::rows::{Rows, RowsMut};
 
 /// The states of all samples, one contiguous row of N_s values for each coordinate.
@@ -87,4 +92,127 @@ impl Ensemble {
         const BLOCK_VALUES: usize = 32 * 1024;
         (BLOCK_VALUES / (2 * dof.max(1)) / 8 * 8).clamp(16, 1024)
     }
+
+    /// The samples γ(k/N_s), k = 0 … N_s − 1, of a loop.
+    ///
+    /// # Errors
+    /// If `samples` is less than 3 or the loop is not finite somewhere.
+    pub fn sample(phase_loop: &dyn Loop, samples: usize) -> Result<Self, Error> {
+        if samples < 3 {
+            return Err(Error::TooFewSamples { samples });
+        }
+        let mut ensemble = Self::zeros(phase_loop.dof(), samples);
+        let width = Self::block_width(ensemble.dof);
+        let each = |(b, mut block): (usize, Block<'_>)| {
+            let s: Vec<f64> = (0..block.len())
+                .map(|k| (b * width + k) as f64 / samples as f64)
+                .collect();
+            phase_loop.sample(&s, &mut block);
+            match first_not_finite(&block) {
+                None => Ok(()),
+                Some(found) => Err(found.into_error(b * width, None)),
+            }
+        };
+        let blocks = ensemble.blocks().into_par_iter().enumerate();
+        first_error(blocks.map(each).collect())?;
+        Ok(ensemble)
+    }
+
+    /// Advances every sample by one step of size `h`, in place, over the threads of the
+    /// current Rayon pool.
+    ///
+    /// # Errors
+    /// If map and ensemble differ in their degrees of freedom, the map fails, or it returns a state
+    /// that is not finite. The error is that of the first block of samples that has one,
+    /// on any number of threads; the ensemble is then half advanced and of no use.
+    pub fn advance(&mut self, map: &dyn TimeAdvance, h: f64) -> Result<(), Error> {
+        if map.dof() != self.dof {
+            return Err(Error::DofMismatch {
+                map: map.dof(),
+                phase_loop: self.dof,
+            });
+        }
+        let width = Self::block_width(self.dof);
+        let each = |(b, mut block): (usize, Block<'_>)| {
+            map.advance(h, &mut block)
+                .map_err(|failure| Error::StepFailed {
+                    sample: b * width + failure.sample,
+                    step_size: h,
+                    reason: failure.reason,
+                })?;
+            match first_not_finite(&block) {
+                None => Ok(()),
+                Some(found) => Err(found.into_error(b * width, Some(h))),
+            }
+        };
+        let blocks = self.blocks().into_par_iter().enumerate();
+        first_error(blocks.map(each).collect())
+    }
+
+    /// Checks that every state is finite.
+    ///
+    /// `step_size` is that of the step that made the states, if one did.
+    ///
+    /// # Errors
+    /// Names the first sample that is not, the coordinate and its value.
+    pub fn check_finite(&mut self, step_size: Option<f64>) -> Result<(), Error> {
+        match first_not_finite(&self.block()) {
+            None => Ok(()),
+            Some(found) => Err(found.into_error(0, step_size)),
+        }
+    }
+}
+
+/// The first error in the order of the blocks, so that it does not depend on the threads.
+fn first_error(results: Vec<Result<(), Error>>) -> Result<(), Error> {
+    results.into_iter().collect()
+}
+
+/// A state of a block that is not finite.
+struct NotFinite {
+    coordinate: &'static str,
+    dof: usize,
+    sample: usize,
+    value: f64,
+}
+
+impl NotFinite {
+    fn into_error(self, first_sample: usize, step_size: Option<f64>) -> Error {
+        Error::NotFinite {
+            coordinate: self.coordinate,
+            dof: self.dof,
+            sample: first_sample + self.sample,
+            step_size,
+            value: self.value,
+            remedy: match step_size {
+                None => "give finite initial states",
+                Some(_) => "look at the map there, or take smaller step sizes or a smaller loop",
+            },
+        }
+    }
+}
+
+fn first_not_finite(block: &Block<'_>) -> Option<NotFinite> {
+    let mut first: Option<NotFinite> = None;
+    for (coordinate, rows) in [("q", block.q.as_rows()), ("p", block.p.as_rows())] {
+        for dof in 0..rows.count() {
+            let row = rows.row(dof);
+            // One pass without branches first: nearly always all is well.
+            if row.iter().fold(true, |fine, v| fine & v.is_finite()) {
+                continue;
+            }
+            let Some(sample) = row.iter().position(|v| !v.is_finite()) else {
+                continue;
+            };
+            if first.as_ref().is_none_or(|found| sample < found.sample) {
+                first = Some(NotFinite {
+                    coordinate,
+                    dof,
+                    sample,
+                    value: row[sample],
+                });
+            }
+        }
+    }
+    first
 }

@@ -42,6 +42,26 @@ pub enum Error {
         /// What to give instead.
         remedy: &'static str,
     },
+    /// A degree of freedom that is not there.
+    #[error("there is no degree of freedom {dof}: there are {count}, counted from 0")]
+    NoSuchDof {
+        /// The number given.
+        dof: usize,
+        /// Degrees of freedom.
+        count: usize,
+    },
+    /// The centre of a loop is not finite.
+    #[error(
+        "the loop's centre {coordinate} is {value} in degree of freedom {dof}; give finite centres"
+    )]
+    BadCentre {
+        /// `q` or `p`.
+        coordinate: &'static str,
+        /// Degree of freedom.
+        dof: usize,
+        /// NaN or an infinity.
+        value: f64,
+    },
     /// A state that is not finite.
     #[error(
         "{coordinate} of degree of freedom {dof} is {value} at sample {sample}{}; {remedy}",
@@ -93,11 +113,19 @@ pub enum Error {
 }
 
 impl Error {
-    pub(crate) fn check_length(what: &'static str, expected: usize, got: usize) -> Result<(), Error> {
+    pub(crate) fn check_length(
+        what: &'static str,
+        expected: usize,
+        got: usize,
+    ) -> Result<(), Error> {
         if got == expected {
             Ok(())
         } else {
-            Err(Error::Length { what, expected, got })
+            Err(Error::Length {
+                what,
+                expected,
+                got,
+            })
         }
     }
 }

@@ -1,0 +1,132 @@
+//! Breaks: jumps of an advanced loop.
+//!
+//! Samples alone cannot tell a jump from a steep but smooth stretch. A map can be evaluated
+//! at any s, so here every suspicion ([`suspects`]) is followed down to the resolution of double
+//! precision ([`follow`]): what is still a jump there is a break.
+
+mod follow;
+mod suspects;
+
+use serde::Serialize;
+
+use crate::coordinates::Coordinates;
+use crate::ensemble::Ensemble;
+use crate::error::Error;
+use crate::loops::Loop;
+use crate::map::TimeAdvance;
+
+/// A place where an advanced loop is discontinuous, in the degree of freedom
+/// that led to it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Break {
+    /// Where: the loop parameter in [0, 1).
+    pub s: f64,
+    /// Degree of freedom.
+    pub dof: usize,
+    /// q(s⁺) − q(s⁻) there.
+    pub jump_q: f64,
+    /// p(s⁺) − p(s⁻) there.
+    pub jump_p: f64,
+}
+
+/// Looks for a break of the loop that `map` makes of `phase_loop` in one step of size `h`.
+///
+/// `advanced` holds the advanced samples. The most suspicious degrees of freedom are
+/// followed; the first break found is returned. `None` means that the samples show no jump, or that
+/// what looked like one is continuous when evaluated more closely.
+///
+/// # Errors
+/// Those of the map where it is evaluated between the samples.
+pub fn find_break(
+    map: &dyn TimeAdvance,
+    phase_loop: &dyn Loop,
+    h: f64,
+    advanced: &Ensemble,
+    coordinates: &Coordinates,
+) -> Result<Option<Break>, Error> {
+    for suspect in suspects::suspects(advanced, coordinates) {
+        let found = follow::follow(map, phase_loop, h, &suspect, advanced.samples())?;
+        if found.is_some() {
+            return Ok(found);
+        }
+    }
+    Ok(None)
+}
+
+/// Fourth difference of five equispaced values: removes a cubic, and leaves three times a jump.
+fn fourth_difference(x: [f64; 5]) -> f64 {
+    (x[0] + x[4]) - 4.0 * (x[1] + x[3]) + 6.0 * x[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::loops::Circle;
+    use crate::map::PerSample;
+
+    /// A kick by the gradient of a potential whose slope jumps, bends or is steep at q = 0.3.
+    fn kick(force: impl Fn(f64) -> f64 + Send + Sync) -> impl TimeAdvance {
+        PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+            p[0] += h * force(q[0] - 0.3);
+            q[0] += h * p[0];
+        })
+    }
+
+    fn search(map: &dyn TimeAdvance, samples: usize) -> Option<Break> {
+        let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
+        let mut ensemble = Ensemble::sample(&circle, samples).unwrap();
+        ensemble.advance(map, 0.5).unwrap();
+        find_break(map, &circle, 0.5, &ensemble, &Coordinates::plain(1)).unwrap()
+    }
+
+    #[test]
+    fn a_jump_is_found_to_round_off() {
+        let expected = 0.3f64.asin() / std::f64::consts::TAU;
+        for samples in [48, 64, 257, 4096] {
+            let found = search(&kick(|x| -x.signum()), samples).expect("the force jumps");
+            let other = 0.5 - expected;
+            let distance = (found.s - expected).abs().min((found.s - other).abs());
+            assert!(distance < 1e-13, "{samples} samples: s = {}", found.s);
+            assert!((found.jump_p.abs() - 1.0).abs() < 1e-9);
+            assert!((found.jump_q.abs() - 0.5).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_small_jump_in_a_large_slope_is_found() {
+        let map = kick(|x| 3.0 * x - 1e-6 * x.signum());
+        let found = search(&map, 4096).expect("the force jumps by 2e-6");
+        assert!((found.jump_p.abs() - 1e-6).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_kink_is_no_break() {
+        for samples in [64, 1024, 16384] {
+            assert_eq!(search(&kick(|x| -x.abs()), samples), None);
+        }
+    }
+
+    #[test]
+    fn a_steep_force_is_no_break() {
+        for width in [1e-2, 1e-4, 1e-6, 1e-8] {
+            let map = kick(move |x| -x / x.hypot(width));
+            assert_eq!(search(&map, 512), None, "width {width}");
+        }
+    }
+
+    #[test]
+    fn single_precision_is_no_break() {
+        let map = kick(|x| f64::from((x as f32).sin()));
+        for samples in [64, 512, 4096, 65536] {
+            assert_eq!(search(&map, samples), None, "{samples} samples");
+        }
+    }
+
+    #[test]
+    fn a_smooth_map_is_no_break() {
+        let map = kick(|x| -x.sin());
+        for samples in [16, 64, 1024, 65536] {
+            assert_eq!(search(&map, samples), None, "{samples} samples");
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! Loop integrals ∮ p·dq of an ensemble, by one of the rules.
+
+mod finite_difference;
+mod pseudospectral;
+mod unwrap;
+
+pub use finite_difference::{Cutoff, Cutoffs, OmittedCell};
+pub use unwrap::unwrap_row;
+
+use crate::coordinates::Coordinates;
+use crate::ensemble::Ensemble;
+use crate::error::Error;
+
+/// How ∮ p·dq is computed from equispaced samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rule {
+    /// Differentiates q by Fourier transform: Barham & Burby, section 2.3, appendix A.
+    ///
+    /// Converges as fast as the loop is smooth. On a loop with jumps it does not converge to
+    /// the absolutely continuous integral.
+    Pseudospectral,
+    /// Sums p_k (q_{k+1} − q_k) over the cells that the cut-offs retain: section 2.3,
+    /// appendix B. First order in the number of samples.
+    FiniteDifference(Cutoffs),
+}
+
+impl Rule {
+    /// The rule's name in configurations and reports.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Rule::Pseudospectral => "pseudospectral",
+            Rule::FiniteDifference(_) => "finite-difference",
+        }
+    }
+}
+
+/// ∮ p·dq of one ensemble with what is known of its error.
+#[derive(Clone, Debug)]
+pub struct LoopIntegral {
+    /// ∮ p·dq, in units of momentum × position.
+    pub value: f64,
+    /// The part of each degree of freedom; `value` is their sum.
+    pub contributions: Vec<f64>,
+    /// Estimate of the distance from the integral of the loop that the samples belong to, absolute.
+    ///
+    /// From the same integral with every second sample and from what the samples show of the
+    /// loop's roughness; it tends to overestimate. `None` where the samples are too
+    /// few to tell.
+    pub quadrature_error: Option<f64>,
+    /// What double precision alone leaves uncertain, absolute.
+    pub roundoff: f64,
+    /// Sum of the absolute values of all terms: `value` is accurate relative to this.
+    pub scale: f64,
+    /// The cells that the finite-difference rule left out; `None` for rules that leave out none.
+    pub omitted: Option<Vec<OmittedCell>>,
+}
+
+impl LoopIntegral {
+    /// Integrates in plain coordinates: nothing periodic, every momentum canonical.
+    ///
+    /// # Errors
+    /// See [`LoopIntegral::in_coordinates`].
+    pub fn of(ensemble: &Ensemble, rule: &Rule) -> Result<Self, Error> {
+        Self::in_coordinates(ensemble, rule, &Coordinates::plain(ensemble.dof()))
+    }
+
+    /// Integrates with the periods and weights of `coordinates`.
+    ///
+    /// Positions with a period are unwrapped and may wind. States must be finite: an
+    /// [`Ensemble`] from a loop or a map was checked when it was made. Rows are spread over the threads
+    /// of the current Rayon pool; the result does not depend on their number.
+    ///
+    /// # Errors
+    /// If there are fewer than 3 samples, `coordinates` has other degrees of freedom than
+    /// the ensemble, or a cut-off is not positive.
+    pub fn in_coordinates(
+        ensemble: &Ensemble,
+        rule: &Rule,
+        coordinates: &Coordinates,
+    ) -> Result<Self, Error> {
+        Error::check_length("coordinates", ensemble.dof(), coordinates.dof())?;
+        if ensemble.samples() < 3 {
+            return Err(Error::TooFewSamples {
+                samples: ensemble.samples(),
+            });
+        }
+        let rows = match rule {
+            Rule::Pseudospectral => pseudospectral::rows(ensemble, coordinates),
+            Rule::FiniteDifference(cutoffs) => {
+                cutoffs.check()?;
+                finite_difference::rows(ensemble, coordinates, cutoffs)
+            }
+        };
+        Ok(Self::sum(rows, coordinates, rule))
+    }
+
+    /// Adds the degrees of freedom in their order, whoever computed them.
+    fn sum(rows: Vec<RowIntegral>, coordinates: &Coordinates, rule: &Rule) -> Self {
+        let mut total = LoopIntegral {
+            value: 0.0,
+            contributions: Vec::with_capacity(rows.len()),
+            quadrature_error: Some(0.0),
+            roundoff: 0.0,
+            scale: 0.0,
+            omitted: match rule {
+                Rule::Pseudospectral => None,
+                Rule::FiniteDifference(_) => Some(Vec::new()),
+            },
+        };
+        let mut value = CompensatedSum::default();
+        for (dof, row) in rows.into_iter().enumerate() {
+            let weight = coordinates.weight(dof);
+            let contribution = weight * row.value;
+            value.add(contribution);
+            total.contributions.push(contribution);
+            total.quadrature_error = (total.quadrature_error.zip(row.quadrature_error))
+                .map(|(sum, error)| sum + weight.abs() * error);
+            total.roundoff += weight.abs() * row.roundoff;
+            total.scale += weight.abs() * row.scale;
+            if let Some(omitted) = &mut total.omitted {
+                omitted.extend(row.omitted.iter().map(|&cell| OmittedCell { dof, cell }));
+            }
+        }
+        total.value = value.total();
+        total.roundoff += f64::EPSILON * total.value.abs();
+        total
+    }
+}
+
+/// ∮ p dq of one degree of freedom, without its weight.
+#[derive(Debug, Default)]
+struct RowIntegral {
+    value: f64,
+    quadrature_error: Option<f64>,
+    roundoff: f64,
+    scale: f64,
+    omitted: Vec<usize>,
+}
+
+/// Half a unit in the last place: the relative error of one rounding.
+const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
+
+/// Neumaier's sum: the error does not grow with the number of terms.
+#[derive(Clone, Copy, Debug, Default)]
+struct CompensatedSum {
+    sum: f64,
+    lost: f64,
+}
+
+impl CompensatedSum {
+    fn add(&mut self, term: f64) {
+        let sum = self.sum + term;
+        self.lost += if self.sum.abs() >= term.abs() {
+            (self.sum - sum) + term
+        } else {
+            (term - sum) + self.sum
+        };
+        self.sum = sum;
+    }
+
+    fn total(&self) -> f64 {
+        self.sum + self.lost
+    }
+}

@@ -1,0 +1,40 @@
+//! Closed loops of initial states γ(s), s in [0, 1).
+
+mod circle;
+mod fourier;
+mod sampled;
+
+pub use circle::Circle;
+pub use fourier::FourierLoop;
+pub use sampled::SampledLoop;
+
+use crate::block::Block;
+
+/// A closed curve in phase space that can be sampled at any s.
+///
+/// s runs once round the loop in [0, 1); the loop is periodic in s, except that a
+/// periodic position may gain whole periods in one turn.
+pub trait Loop: Send + Sync {
+    /// Degrees of freedom of the phase space.
+    fn dof(&self) -> usize;
+
+    /// Writes γ(`s[k]`) into sample k of `block`.
+    ///
+    /// `s` and `block` have the same length. What is written for one sample must not
+    /// depend on the others.
+    fn sample(&self, s: &[f64], block: &mut Block<'_>);
+}
+
+macro_rules! forward_loop {
+    ($($pointer:ty),*) => {$(
+        impl<L: Loop + ?Sized> Loop for $pointer {
+            fn dof(&self) -> usize {
+                (**self).dof()
+            }
+            fn sample(&self, s: &[f64], block: &mut Block<'_>) {
+                (**self).sample(s, block);
+            }
+        }
+    )*};
+}
+forward_loop!(&L, Box<L>, std::sync::Arc<L>);
