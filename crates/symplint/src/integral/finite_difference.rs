@@ -105,7 +105,7 @@ fn largest(values: &[f64]) -> f64 {
 /// An increment this part of the one over twice the distance has not halved: a jump.
 const STAYS: f64 = 0.75;
 
-/// A retained increment this many times the mean is suspected of a jump.
+/// A jump is this many times the mean increment, or more.
 const STEEP: f64 = 20.0;
 
 fn integrate(row: &Row<'_>, cutoffs: &Cutoffs) -> RowIntegral {
@@ -115,8 +115,15 @@ fn integrate(row: &Row<'_>, cutoffs: &Cutoffs) -> RowIntegral {
     let retained = |(dq, dp): (f64, f64), cells: f64| {
         dq.abs() * cells <= limit_q && dp.abs() * cells <= limit_p
     };
-    let variation: f64 = (0..n).map(|k| row.increment(k, 1).0.abs()).sum();
-    let steep = STEEP * variation / n as f64;
+    let (mut q_variation, mut p_variation) = (0.0, 0.0);
+    for k in 0..n {
+        let (dq, dp) = row.increment(k, 1);
+        q_variation += dq.abs();
+        p_variation += dp.abs();
+    }
+    let jumps = |increment: f64, wide: f64, variation: f64| {
+        increment.abs() > STAYS * wide.abs() && increment.abs() > STEEP * variation / n as f64
+    };
 
     let (mut value, mut coarse) = (CompensatedSum::default(), CompensatedSum::default());
     let (mut scale, mut doubtful) = (0.0, 0.0);
@@ -127,21 +134,21 @@ fn integrate(row: &Row<'_>, cutoffs: &Cutoffs) -> RowIntegral {
         let term = row.p[k] * dq;
         // The cell of twice the width that holds this one.
         let wide = row.increment(k - k % 2, 2);
-        let q_stays = dq.abs() > STAYS * wide.0.abs();
+        let q_jumps = jumps(dq, wide.0, q_variation);
         if retained((dq, dp), n as f64) {
             value.add(term);
             scale += term.abs();
             q_squared += dq * dq;
             p_squared += dp * dp;
-            if q_stays && dq.abs() > steep {
+            if q_jumps {
                 doubtful += term.abs();
             }
         } else {
             omitted.push(k);
-            let p_stays = dp.abs() > STAYS * wide.1.abs();
-            if !(q_stays && dq.abs() > steep || p_stays) {
+            if !q_jumps && !jumps(dp, wide.1, p_variation) {
                 // Steep but smooth: its part of the integral is missing.
-                doubtful += term.abs();
+                let larger_p = row.p[k].abs().max((row.p[k] + dp).abs());
+                doubtful += larger_p * dq.abs();
             }
         }
         if k % 2 == 0 && k + 1 < n && retained(wide, n as f64 / 2.0) {

@@ -1,0 +1,259 @@
+//! The whole diagnosis: sweeps over the step size and the number of samples, and the verdict.
+
+mod point;
+mod probe;
+mod random_loop;
+mod resolve;
+
+pub use point::{Point, Sweep};
+
+use serde::Serialize;
+
+use crate::breaks::Break;
+use crate::error::Error;
+use crate::integral::{Cutoffs, Rule};
+use crate::loops::Loop;
+use crate::map::TimeAdvance;
+use crate::verdict::{Fit, LoopEvidence, StepEvidence, Verdict, judge};
+use probe::{Probe, Subject, displacement};
+use random_loop::random_loop;
+use resolve::resolve;
+
+/// Which rule computes the loop integrals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RuleChoice {
+    /// Pseudospectral, unless the advanced loop is broken at the largest step size: then finite differences
+    /// with these cut-offs.
+    Auto(Cutoffs),
+    /// This one.
+    Fixed(Rule),
+}
+
+/// How many samples a loop gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SampleCount {
+    /// Doubled from 64 until the quadrature error of the largest step reaches round-off, stops
+    /// falling, or the ensemble reaches its limit (65,536 samples or 512 MiB).
+    Auto,
+    /// This many, 3 or more.
+    Fixed(usize),
+}
+
+/// A sweep over the number of samples at one step size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SampleSweep {
+    /// Numbers of samples, each 3 or more.
+    pub counts: Vec<usize>,
+    /// The step size.
+    pub step_size: f64,
+}
+
+/// What to measure; [`Diagnostic::run`] measures it.
+///
+/// ```
+/// use symplint::{Circle, Diagnostic, PerSample, VerdictKind};
+///
+/// // A pendulum by symplectic Euler.
+/// let map = PerSample::new(1, |h, q, p| {
+///     p[0] -= h * q[0].sin();
+///     q[0] += h * p[0];
+/// });
+/// let circle = Circle::new(vec![0.3], vec![0.5], 1.0)?;
+/// let diagnosis = Diagnostic::halving(-1, -6).run(&map, &circle, &|_| {})?;
+/// assert_eq!(diagnosis.verdict.kind, VerdictKind::Symplectic);
+/// # Ok::<(), symplint::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Diagnostic {
+    /// The rule.
+    pub rule: RuleChoice,
+    /// The number of samples.
+    pub samples: SampleCount,
+    /// Step sizes h, not zero. The verdict leans on the largest.
+    pub step_sizes: Vec<f64>,
+    /// An optional sweep over the number of samples.
+    pub sample_sweep: Option<SampleSweep>,
+    /// Loops in all: the given one, and random ones of its size round its centre that are tried at
+    /// the largest step size (at all, where one shows a defect). One loop is one probe.
+    pub loops: usize,
+    /// Seed of the random loops.
+    pub seed: u64,
+}
+
+impl Default for Diagnostic {
+    /// Step sizes 2^-1 … 2^-10, everything else automatic, four loops.
+    fn default() -> Self {
+        Diagnostic {
+            rule: RuleChoice::Auto(Cutoffs::relative(1000.0)),
+            samples: SampleCount::Auto,
+            step_sizes: (1..=10).map(|m| 0.5f64.powi(m)).collect(),
+            sample_sweep: None,
+            loops: 4,
+            seed: 1,
+        }
+    }
+}
+
+/// What happens while a diagnosis runs.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// So many more points will be measured.
+    Planned(usize),
+    /// A point was measured.
+    Measured(&'a Point),
+}
+
+/// The outcome of a [`Diagnostic`].
+#[derive(Clone, Debug, Serialize)]
+pub struct Diagnosis {
+    /// The verdict with its reasons.
+    pub verdict: Verdict,
+    /// Everything measured.
+    pub points: Vec<Point>,
+    /// Power laws fitted to the points.
+    pub fits: Vec<Fit>,
+    /// The breaks that were found, one at most for each advanced loop.
+    pub breaks: Vec<Break>,
+}
+
+impl Diagnostic {
+    /// Step sizes 2^`from`, 2^(`from` − 1), …, 2^`to`; everything else as by default.
+    pub fn halving(from: i32, to: i32) -> Self {
+        Diagnostic {
+            step_sizes: (to..=from).rev().map(|m| 2f64.powi(m)).collect(),
+            ..Diagnostic::default()
+        }
+    }
+
+    /// Measures and judges, on the threads of the current Rayon pool.
+    ///
+    /// `watch` is told of each point as it is measured. Only one ensemble is in memory at any
+    /// time: the loop is sampled anew for each step size.
+    ///
+    /// # Errors
+    /// If map and loop do not fit, a step size is zero or not finite, the loop encloses
+    /// no area, or the map fails or returns states that are not finite.
+    pub fn run(
+        &self,
+        map: &dyn TimeAdvance,
+        phase_loop: &dyn Loop,
+        watch: &dyn Fn(Event<'_>),
+    ) -> Result<Diagnosis, Error> {
+        let largest = self.largest_step()?;
+        if map.dof() != phase_loop.dof() {
+            return Err(Error::DofMismatch {
+                map: map.dof(),
+                phase_loop: phase_loop.dof(),
+            });
+        }
+        let coordinates = map.coordinates();
+        let mut study = Study {
+            watch,
+            points: Vec::new(),
+            breaks: Vec::new(),
+        };
+        let random_loops = (1..self.loops as u64)
+            .map(|index| random_loop(phase_loop, self.seed.wrapping_add(index)))
+            .collect::<Result<Vec<_>, Error>>()?;
+        let probe = |index, phase_loop| {
+            let subject = Subject {
+                map,
+                phase_loop,
+                coordinates: &coordinates,
+            };
+            resolve(index, subject, self.rule, self.samples, largest)
+        };
+        let configured = probe(0, phase_loop)?;
+        let mut loops = vec![study.sweep_steps(&configured, &self.step_sizes)?];
+        if let Some(sweep) = &self.sample_sweep {
+            study.sweep_samples(&configured, sweep)?;
+        }
+        for (index, random) in (1..).zip(&random_loops) {
+            let probe = probe(index, random)?;
+            let mut evidence = study.sweep_steps(&probe, &[largest])?;
+            if evidence.shows_defect() && !loops[0].shows_defect() {
+                let others: Vec<f64> = (self.step_sizes.iter().copied())
+                    .filter(|&h| h != largest)
+                    .collect();
+                evidence
+                    .steps
+                    .extend(study.sweep_steps(&probe, &others)?.steps);
+            }
+            loops.push(evidence);
+        }
+        let displacement = displacement(map, phase_loop, largest)?;
+        let (verdict, fits) = judge(&loops, displacement);
+        Ok(Diagnosis {
+            verdict,
+            points: study.points,
+            fits,
+            breaks: study.breaks,
+        })
+    }
+
+    /// The step size of the largest size, after checking them all.
+    fn largest_step(&self) -> Result<f64, Error> {
+        let of_samples = self.sample_sweep.as_ref().map(|sweep| sweep.step_size);
+        for &h in self.step_sizes.iter().chain(&of_samples) {
+            if !h.is_finite() || h == 0.0 {
+                return Err(Error::OutOfRange {
+                    what: "step size",
+                    value: h,
+                    remedy: "give finite step sizes that are not zero",
+                });
+            }
+        }
+        let largest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        (self.step_sizes.iter().copied().reduce(largest)).ok_or(Error::OutOfRange {
+            what: "number of step sizes",
+            value: 0.0,
+            remedy: "give one or more",
+        })
+    }
+}
+
+/// A diagnosis under way.
+struct Study<'a> {
+    watch: &'a dyn Fn(Event<'_>),
+    points: Vec<Point>,
+    breaks: Vec<Break>,
+}
+
+impl Study<'_> {
+    fn sweep_steps(
+        &mut self,
+        probe: &Probe<'_>,
+        step_sizes: &[f64],
+    ) -> Result<LoopEvidence, Error> {
+        (self.watch)(Event::Planned(step_sizes.len()));
+        let mut evidence = LoopEvidence::new(probe.index, probe.samples);
+        for &h in step_sizes {
+            evidence
+                .steps
+                .push(self.measure(Sweep::StepSize, probe, h)?);
+        }
+        Ok(evidence)
+    }
+
+    fn sweep_samples(&mut self, probe: &Probe<'_>, sweep: &SampleSweep) -> Result<(), Error> {
+        (self.watch)(Event::Planned(sweep.counts.len()));
+        for &samples in &sweep.counts {
+            let probe = probe.with_samples(samples)?;
+            self.measure(Sweep::Samples, &probe, sweep.step_size)?;
+        }
+        Ok(())
+    }
+
+    fn measure(&mut self, sweep: Sweep, probe: &Probe<'_>, h: f64) -> Result<StepEvidence, Error> {
+        let measured = probe.measure(h)?;
+        let point = Point::new(sweep, probe, h, &measured);
+        (self.watch)(Event::Measured(&point));
+        self.points.push(point);
+        self.breaks.extend(measured.found);
+        Ok(StepEvidence {
+            step_size: h,
+            defect: measured.defect,
+            found: measured.found,
+        })
+    }
+}

@@ -1,0 +1,29 @@
+//! Further probes: random loops like the given one.
+
+use crate::ensemble::Ensemble;
+use crate::error::Error;
+use crate::loops::{FourierLoop, Loop};
+
+/// A random loop about as large as `phase_loop` round the same centre.
+pub(super) fn random_loop(phase_loop: &dyn Loop, seed: u64) -> Result<FourierLoop, Error> {
+    let ensemble = Ensemble::sample(phase_loop, 64)?;
+    let (mut centre, mut radius) = ([vec![], vec![]], [vec![], vec![]]);
+    for (c, rows) in [ensemble.q(), ensemble.p()].into_iter().enumerate() {
+        for i in 0..rows.count() {
+            let row = rows.row(i);
+            let low = row.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = row.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            centre[c].push((low + high) / 2.0);
+            radius[c].push((high - low) / 2.0);
+        }
+        // The map must keep areas in every plane: move what the given loop leaves at rest, too.
+        let typical = radius[c].iter().copied().fold(0.0, f64::max);
+        for radius in &mut radius[c] {
+            if *radius == 0.0 {
+                *radius = typical;
+            }
+        }
+    }
+    let ([q0, p0], [radius_q, radius_p]) = (centre, radius);
+    FourierLoop::random(q0, p0, &radius_q, &radius_p, seed)
+}

@@ -1,0 +1,82 @@
+//! Choosing the rule and the number of samples.
+
+use super::probe::{Probe, Subject};
+use super::{RuleChoice, SampleCount};
+use crate::error::Error;
+use crate::integral::Rule;
+
+/// Where automatic doubling begins.
+const FEWEST: usize = 64;
+
+/// Where it ends at the latest.
+const MOST: usize = 1 << 16;
+
+/// Memory of the largest ensemble that is chosen without being asked for.
+const MOST_BYTES: usize = 512 << 20;
+
+/// Samples of a broken loop, where the finite-difference rule converges slowly.
+const BROKEN: usize = 1 << 14;
+
+/// A quadrature error of this size is as good as round-off.
+const ENOUGH: f64 = 1e-14;
+
+/// Twice the samples that gain less than this factor hit noise: smooth loops gain far more,
+/// kinked ones 4 or more, jumps 2, noise of the states √2.
+const STALLED: f64 = 1.7;
+
+/// The probe of a loop by the wanted rule and samples, judged at step size `h`.
+pub(super) fn resolve<'a>(
+    index: usize,
+    subject: Subject<'a>,
+    rule: RuleChoice,
+    samples: SampleCount,
+    h: f64,
+) -> Result<Probe<'a>, Error> {
+    let (first, cutoffs) = match rule {
+        RuleChoice::Auto(cutoffs) => (Rule::Pseudospectral, Some(cutoffs)),
+        RuleChoice::Fixed(rule) => (rule, None),
+    };
+    let (mut count, most) = match samples {
+        SampleCount::Fixed(count) => (count, count),
+        SampleCount::Auto => (FEWEST, most_samples(subject.phase_loop.dof())),
+    };
+    let mut last_error = f64::INFINITY;
+    let mut stalls = 0;
+    loop {
+        let probe = Probe::new(index, subject, first, count)?;
+        if cutoffs.is_none() && 2 * count > most {
+            return Ok(probe);
+        }
+        let measured = probe.measure(h)?;
+        if measured.found.is_some() {
+            let count = if count == most {
+                count
+            } else {
+                BROKEN.min(most)
+            };
+            return match cutoffs {
+                Some(cutoffs) => Probe::new(index, subject, Rule::FiniteDifference(cutoffs), count),
+                None => probe.with_samples(count),
+            };
+        }
+        let error = measured.defect.quadrature_error.unwrap_or(f64::INFINITY);
+        stalls = if error * STALLED > last_error {
+            stalls + 1
+        } else {
+            0
+        };
+        let enough = error <= ENOUGH.max(4.0 * measured.defect.roundoff);
+        if enough || stalls == 2 || 2 * count > most {
+            return Ok(probe);
+        }
+        last_error = error;
+        count *= 2;
+    }
+}
+
+fn most_samples(dof: usize) -> usize {
+    let fits = MOST_BYTES / (16 * dof.max(1));
+    // A power of two: the doubling begins at one.
+    let fits = fits.checked_ilog2().map_or(0, |exponent| 1 << exponent);
+    fits.clamp(FEWEST, MOST)
+}

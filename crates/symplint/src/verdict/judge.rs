@@ -1,0 +1,264 @@
+//! From the evidence to the answer.
+
+use super::fit::{Fit, fit_order};
+use super::{LoopEvidence, StepEvidence, Verdict, VerdictKind};
+
+/// A step that moves the loop by less than this part of its size tests nothing: even a method
+/// that is far from symplectic has a defect below round-off there.
+const LEAST_DISPLACEMENT: f64 = 0.1;
+
+/// A defect below this needs a trend in h to count: a constant one can be noise of the map itself.
+const SMALL: f64 = 1e-10;
+
+/// Slopes below this are no trend.
+const TREND: f64 = 0.5;
+
+/// Judges what the loops showed.
+///
+/// `loops` holds the given loop first; `displacement` is how far the largest step moved
+/// it, relative to its size.
+pub fn judge(loops: &[LoopEvidence], displacement: f64) -> (Verdict, Vec<Fit>) {
+    let fits: Vec<Fit> = loops.iter().filter_map(fit_order).take(1).collect();
+    let case = Case {
+        loops,
+        displacement,
+        fit: fits.first(),
+    };
+    let verdict = (case.broken())
+        .or_else(|| case.not_symplectic())
+        .or_else(|| case.undecided())
+        .unwrap_or_else(|| case.symplectic());
+    (verdict, fits)
+}
+
+struct Case<'a> {
+    loops: &'a [LoopEvidence],
+    displacement: f64,
+    fit: Option<&'a Fit>,
+}
+
+impl Case<'_> {
+    fn steps(&self) -> impl Iterator<Item = (&LoopEvidence, &StepEvidence)> {
+        (self.loops.iter()).flat_map(|evidence| evidence.steps.iter().map(move |s| (evidence, s)))
+    }
+
+    /// The step with the largest defect among those that `wanted` picks.
+    fn worst(
+        &self,
+        wanted: impl Fn(&StepEvidence) -> bool,
+    ) -> Option<(&LoopEvidence, &StepEvidence)> {
+        (self.steps().filter(|(_, step)| wanted(step)))
+            .max_by(|a, b| a.1.defect.magnitude().total_cmp(&b.1.defect.magnitude()))
+    }
+
+    fn broken(&self) -> Option<Verdict> {
+        let (evidence, step, found) =
+            (self.steps()).find_map(|(e, step)| step.found.map(|found| (e, step, found)))?;
+        let of_all = self.steps().count();
+        let broken = self
+            .steps()
+            .filter(|(_, step)| step.found.is_some())
+            .count();
+        Some(Verdict {
+            kind: VerdictKind::BrokenLoops,
+            digits: None,
+            order: None,
+            summary: format!(
+                "The map is discontinuous and breaks loops, so it is not symplectic: {} jumps \
+                 at s = {:.12} (degree of freedom {}).",
+                jump(found.jump_q, found.jump_p),
+                found.s,
+                found.dof
+            ),
+            evidence: vec![
+                format!(
+                    "At h = {} {} the break keeps its size, {:.3e} in q and {:.3e} in p, on a \
+                     stretch of 1e-13 of the loop.",
+                    step.step_size,
+                    name(evidence),
+                    found.jump_q,
+                    found.jump_p
+                ),
+                format!("{broken} of {of_all} advanced loops are broken."),
+            ],
+            advice: vec![
+                "Use a smoother interpolation: a force that is continuous where particles cross cells."
+                    .into(),
+                "If q is an angle or a position in a periodic box, keep it unwrapped or state its period."
+                    .into(),
+            ],
+        })
+    }
+
+    fn not_symplectic(&self) -> Option<Verdict> {
+        let (evidence, step) = self.worst(StepEvidence::is_beyond_doubt)?;
+        let defect = step.defect.magnitude();
+        let trend = self.fit.filter(|fit| fit.slope > TREND);
+        if defect < SMALL && trend.is_none() {
+            return None;
+        }
+        let law = trend.map_or(String::new(), |fit| {
+            format!(", falling as h^{}", fit.order())
+        });
+        let mut lines = vec![format!(
+            "At h = {} {} the loop integral changes by {:+.3e} of itself; quadrature error and \
+             round-off are below {:.1e}.",
+            step.step_size,
+            name(evidence),
+            step.defect.signed,
+            step.defect.uncertainty()
+        )];
+        if let Some(fit) = self.fit {
+            lines.push(format!(
+                "Between h = {:.3e} and h = {:.3e} the defect goes as h^({:.3} ± {:.3}).",
+                fit.from, fit.to, fit.slope, fit.uncertainty
+            ));
+        }
+        let mut advice = Vec::new();
+        if trend.is_none() {
+            advice.push(
+                "The defect does not fall with h: look for a wrong sign, momenta that are not \
+                 canonical, or a weight that is missing."
+                    .into(),
+            );
+        }
+        Some(Verdict {
+            kind: VerdictKind::NotSymplectic,
+            digits: None,
+            order: trend.map(Fit::order),
+            summary: format!(
+                "The map is not symplectic: its loop integral changes by {defect:.1e} at h = {}{law}.",
+                step.step_size
+            ),
+            evidence: lines,
+            advice,
+        })
+    }
+
+    fn undecided(&self) -> Option<Verdict> {
+        let because = |summary: String, advice: &str| Verdict {
+            kind: VerdictKind::Undecided,
+            digits: None,
+            order: None,
+            summary,
+            evidence: self.bounds(),
+            advice: vec![advice.into()],
+        };
+        if self.displacement < LEAST_DISPLACEMENT {
+            return Some(because(
+                format!(
+                    "Undecided: the largest step moves the loop by only {:.1e} of its size, too little \
+                     to show a defect.",
+                    self.displacement
+                ),
+                "Take larger step sizes, up to where one step moves the loop by about its radius.",
+            ));
+        }
+        if let Some((_, step)) = self.worst(StepEvidence::is_unexplained) {
+            return Some(because(
+                format!(
+                    "Undecided: a defect of {:.1e} at h = {} is more than quadrature error and round-off \
+                     explain ({:.1e}) and too little to be sure.",
+                    step.defect.magnitude(),
+                    step.step_size,
+                    step.defect.uncertainty()
+                ),
+                "Take more samples and larger step sizes: a true defect grows with h, an error does not.",
+            ));
+        }
+        // Random loops that the samples do not resolve cannot testify, but one must.
+        let unresolved = match self.loops {
+            [given, ..] if given.weak_step().is_some() => given.weak_step(),
+            [_, random @ ..]
+                if !random.is_empty() && random.iter().all(|e| e.weak_step().is_some()) =>
+            {
+                random[0].weak_step()
+            }
+            _ => None,
+        };
+        unresolved.map(|step| {
+            because(
+                format!(
+                    "Undecided: at h = {} the quadrature only bounds the defect by {:.1e}.",
+                    step.step_size,
+                    step.bound()
+                ),
+                "Take more samples; use the pseudospectral rule unless the loop is broken; or take a smaller loop.",
+            )
+        })
+    }
+
+    fn symplectic(&self) -> Verdict {
+        let resolved = |evidence: &&LoopEvidence| evidence.weak_step().is_none();
+        let bound = (self.loops.iter().filter(resolved))
+            .flat_map(|evidence| &evidence.steps)
+            .map(StepEvidence::bound)
+            .fold(f64::EPSILON, f64::max);
+        let digits = (-bound.log10() * 10.0).floor() / 10.0;
+        let sizes = self.loops[0].steps.iter().map(|step| step.step_size.abs());
+        let (low, high) = sizes.fold((f64::INFINITY, 0.0), |(l, h): (f64, f64), size| {
+            (l.min(size), h.max(size))
+        });
+        Verdict {
+            kind: VerdictKind::Symplectic,
+            digits: Some(digits),
+            order: None,
+            summary: format!(
+                "The map is symplectic to {digits} digits: no defect above {bound:.1e} for {low} ≤ h ≤ {high}."
+            ),
+            evidence: self.bounds(),
+            advice: match self.loops.len() {
+                1 => vec!["One loop is one probe: set loops to 4 or more to be surer.".into()],
+                _ => Vec::new(),
+            },
+        }
+    }
+
+    /// One line a loop: how large its defect may be.
+    fn bounds(&self) -> Vec<String> {
+        let line = |evidence: &LoopEvidence| {
+            let step = (evidence.steps.iter()).max_by(|a, b| a.bound().total_cmp(&b.bound()))?;
+            Some(format!(
+                "{} with {} samples: |E| ≤ {:.1e} (measured {:.1e}, quadrature error and \
+                 round-off {:.1e}) at the worst, h = {}.",
+                capitalised(name(evidence)),
+                evidence.samples,
+                step.bound(),
+                step.defect.magnitude(),
+                step.defect.uncertainty(),
+                step.step_size
+            ))
+        };
+        let mut lines: Vec<String> = self.loops.iter().filter_map(line).collect();
+        lines.push(format!(
+            "The largest step moves the loop by {:.2} of its size.",
+            self.displacement
+        ));
+        lines
+    }
+}
+
+fn name(evidence: &LoopEvidence) -> String {
+    match evidence.index {
+        0 => "the given loop".into(),
+        k => format!("random loop {k}"),
+    }
+}
+
+fn capitalised(text: String) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}
+
+fn jump(jump_q: f64, jump_p: f64) -> &'static str {
+    let (q, p) = (jump_q.abs(), jump_p.abs());
+    if q > 1e3 * p {
+        "q"
+    } else if p > 1e3 * q {
+        "p"
+    } else {
+        "(q, p)"
+    }
+}

@@ -1,0 +1,126 @@
+//! The verdict: what the defects say, and when they say nothing.
+//!
+//! A symplectic map conserves the loop integral of every closed loop exactly, at every step
+//! size. So one defect beyond all doubt is proof that a map is not symplectic, and so is one
+//! break; the absence of both, however, only bounds the defect for the loops and steps
+//! that were tried.
+
+mod fit;
+mod judge;
+
+pub use fit::Fit;
+pub use judge::judge;
+
+use serde::Serialize;
+
+use crate::breaks::Break;
+use crate::defect::Defect;
+
+/// The four answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum VerdictKind {
+    /// No defect was found, down to the stated number of digits.
+    Symplectic,
+    /// The map is discontinuous: it breaks loops.
+    BrokenLoops,
+    /// The loop integral changes beyond all doubt.
+    NotSymplectic,
+    /// The numbers do not decide.
+    Undecided,
+}
+
+impl std::fmt::Display for VerdictKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            VerdictKind::Symplectic => "symplectic",
+            VerdictKind::BrokenLoops => "broken-loops",
+            VerdictKind::NotSymplectic => "not-symplectic",
+            VerdictKind::Undecided => "undecided",
+        })
+    }
+}
+
+/// A verdict with the numbers that led to it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verdict {
+    /// The answer.
+    pub kind: VerdictKind,
+    /// Digits to which the loop integral is conserved, where the verdict is symplectic.
+    pub digits: Option<f64>,
+    /// k of defect ~ h^k, where a trend was found.
+    pub order: Option<f64>,
+    /// One sentence.
+    pub summary: String,
+    /// The numbers behind it.
+    pub evidence: Vec<String>,
+    /// What to do next.
+    pub advice: Vec<String>,
+}
+
+/// What one loop showed.
+#[derive(Clone, Debug)]
+pub struct LoopEvidence {
+    /// 0 is the given loop, the others are random.
+    pub index: usize,
+    /// Samples N_s.
+    pub samples: usize,
+    /// Step by step.
+    pub steps: Vec<StepEvidence>,
+}
+
+/// What one step of one loop showed.
+#[derive(Clone, Copy, Debug)]
+pub struct StepEvidence {
+    /// Step size h.
+    pub step_size: f64,
+    /// Change of the loop integral.
+    pub defect: Defect,
+    /// A break of the advanced loop.
+    pub found: Option<Break>,
+}
+
+/// A defect this many times its uncertainty is beyond doubt.
+const BEYOND_DOUBT: f64 = 10.0;
+
+/// A defect this many times its uncertainty is not explained by it.
+const UNEXPLAINED: f64 = 3.0;
+
+/// A bound on the defect above this is too weak to call a map symplectic.
+const WEAKEST_BOUND: f64 = 1e-6;
+
+impl LoopEvidence {
+    /// No steps yet.
+    pub fn new(index: usize, samples: usize) -> Self {
+        LoopEvidence {
+            index,
+            samples,
+            steps: Vec::new(),
+        }
+    }
+
+    /// Whether a step broke the loop or changed its integral beyond doubt.
+    pub fn shows_defect(&self) -> bool {
+        (self.steps.iter()).any(|step| step.found.is_some() || step.is_beyond_doubt())
+    }
+
+    /// A step that bounds the defect too weakly to call a map symplectic.
+    fn weak_step(&self) -> Option<&StepEvidence> {
+        self.steps.iter().find(|step| step.bound() > WEAKEST_BOUND)
+    }
+}
+
+impl StepEvidence {
+    fn is_beyond_doubt(&self) -> bool {
+        self.defect.magnitude() > BEYOND_DOUBT * self.defect.uncertainty()
+    }
+
+    fn is_unexplained(&self) -> bool {
+        self.defect.magnitude() > UNEXPLAINED * self.defect.uncertainty()
+    }
+
+    /// The largest defect that the step may have.
+    fn bound(&self) -> f64 {
+        self.defect.magnitude() + self.defect.uncertainty()
+    }
+}

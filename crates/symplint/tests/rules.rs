@@ -1,0 +1,359 @@
+//! The loop-integral rules against a slow control, closed forms and properties.
+
+use std::f64::consts::{PI, TAU};
+
+use proptest::prelude::*;
+use symplint::{
+    Circle, Coordinates, Cutoff, Cutoffs, Ensemble, FourierLoop, LoopIntegral, OmittedCell, Rule,
+};
+
+/// An ensemble from functions of s, one degree of freedom.
+fn curve(samples: usize, q: impl Fn(f64) -> f64, p: impl Fn(f64) -> f64) -> Ensemble {
+    let mut ensemble = Ensemble::zeros(1, samples);
+    for k in 0..samples {
+        let s = k as f64 / samples as f64;
+        ensemble.block().q.row_mut(0)[k] = q(s);
+        ensemble.block().p.row_mut(0)[k] = p(s);
+    }
+    ensemble
+}
+
+/// The paper's p : (D q) Δs with the derivative matrix of the trigonometric interpolant, written
+/// out: O(N²), no transform.
+fn derivative_matrix_integral(q: &[f64], p: &[f64]) -> f64 {
+    let n = q.len();
+    let entry = |j: usize| -> f64 {
+        // Antisymmetric in j; the smaller argument keeps the digits of sin.
+        let (j, side) = if 2 * j > n { (n - j, -1.0) } else { (j, 1.0) };
+        let x = PI * j as f64 / n as f64;
+        let sign = if j % 2 == 0 { side } else { -side };
+        match (2 * j == n, n % 2) {
+            (true, _) => 0.0,
+            (_, 0) => PI * sign * x.cos() / x.sin(),
+            _ => PI * sign / x.sin(),
+        }
+    };
+    // Shifting q by its mean changes nothing and spares digits.
+    let mean = q.iter().sum::<f64>() / n as f64;
+    let mut sum = 0.0;
+    for k in 0..n {
+        for j in 0..n {
+            if k != j {
+                sum += p[k] * entry((k + n - j) % n) * (q[j] - mean);
+            }
+        }
+    }
+    sum / n as f64
+}
+
+fn pseudospectral(ensemble: &Ensemble) -> LoopIntegral {
+    LoopIntegral::of(ensemble, &Rule::Pseudospectral).unwrap()
+}
+
+fn finite_difference(ensemble: &Ensemble, cutoffs: Cutoffs) -> LoopIntegral {
+    LoopIntegral::of(ensemble, &Rule::FiniteDifference(cutoffs)).unwrap()
+}
+
+#[test]
+fn agrees_with_the_derivative_matrix_at_every_length() {
+    for n in (3..70).chain([101, 128, 255, 256, 360, 509]) {
+        // Rough data: nothing is resolved, so every mode counts.
+        let q = |s: f64| (37.0 * s).sin() + (s - 0.4).abs();
+        let p = |s: f64| (91.0 * s * s).cos() + if s > 0.7 { 1.0 } else { 0.0 };
+        let ensemble = curve(n, q, p);
+        let expected = derivative_matrix_integral(ensemble.q().row(0), ensemble.p().row(0));
+        let value = pseudospectral(&ensemble);
+        let error = (value.value - expected).abs();
+        assert!(
+            error < 1e-13 * value.scale.max(1.0),
+            "N = {n}: off by {error:e}"
+        );
+    }
+}
+
+#[test]
+fn circles_far_away_and_badly_scaled_are_exact() {
+    for (centre, stretch) in [
+        (0.0, 1.0),
+        (1e3, 1.0),
+        (-1e6, 1.0),
+        (0.0, 1e8),
+        (0.0, 1e-8),
+        (10.0, 1e4),
+    ] {
+        for n in [16, 63, 64, 1000, 4096] {
+            let ensemble = curve(
+                n,
+                |s| centre + stretch * (TAU * s).sin(),
+                |s| centre + (TAU * s).cos(),
+            );
+            let integral = pseudospectral(&ensemble);
+            let error = (integral.value / (PI * stretch) - 1.0).abs();
+            // Storing the samples costs half an ulp of the centre each.
+            let stored = f64::EPSILON * (centre.abs() / stretch + centre.abs());
+            assert!(
+                error < 1e-14 + 10.0 * stored,
+                "centre {centre}, {stretch}, N = {n}: {error:e}"
+            );
+            let claimed = integral.roundoff / integral.value.abs();
+            assert!(
+                error < 4.0 * claimed + 1e-15,
+                "claimed {claimed:e}, is {error:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_winding_loop_has_the_area_under_it() {
+    // q runs twice round the period 3 with a wobble, p = 0.7 + 0.2 sin 2πs.
+    let (period, turns) = (3.0, 2.0);
+    let q = |s: f64| 0.4 + turns * period * s + 0.1 * (TAU * s).cos();
+    let p = |s: f64| 0.7 + 0.2 * (TAU * s).sin();
+    // ∮ p dq = 0.7·6 − 0.1·2π·0.2/2.
+    let exact = 0.7 * turns * period - 0.02 * PI;
+    let coordinates = Coordinates::plain(1).with_periods(vec![period]).unwrap();
+    for n in [31, 64] {
+        let wrapped = curve(n, |s| q(s).rem_euclid(period), p);
+        let integral =
+            LoopIntegral::in_coordinates(&wrapped, &Rule::Pseudospectral, &coordinates).unwrap();
+        assert!((integral.value - exact).abs() < 1e-14, "{}", integral.value);
+        assert!(integral.quadrature_error.unwrap() < 1e-13);
+    }
+    let rule = Rule::FiniteDifference(Cutoffs::relative(1e3));
+    let wrapped = curve(4096, |s| q(s).rem_euclid(period), p);
+    let integral = LoopIntegral::in_coordinates(&wrapped, &rule, &coordinates).unwrap();
+    assert!((integral.value - exact).abs() < 1e-3);
+    assert_eq!(integral.omitted, Some(vec![]));
+}
+
+#[test]
+fn weights_make_momenta_canonical() {
+    let circle = Circle::new(vec![0.0; 3], vec![0.0; 3], 1.0).unwrap();
+    let ensemble = Ensemble::sample(&circle, 32).unwrap();
+    let weights = Coordinates::plain(3)
+        .with_weights(vec![1.0, 2.0, 0.5])
+        .unwrap();
+    for rule in [
+        Rule::Pseudospectral,
+        Rule::FiniteDifference(Cutoffs::none()),
+    ] {
+        let integral = LoopIntegral::in_coordinates(&ensemble, &rule, &weights).unwrap();
+        let plain = LoopIntegral::of(&ensemble, &rule).unwrap();
+        assert!((integral.contributions[1] - 2.0 * plain.contributions[1]).abs() < 1e-15);
+        assert!((integral.value - 3.5 * plain.contributions[0]).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn finite_differences_converge_at_first_order_and_leave_out_the_jumps() {
+    // q jumps by 1 at s = 0.3; ∫ p dq over the smooth part, p = s: ∫ s · 2π cos 2πs ds = 0, plus
+    // nothing from the jump.
+    let q = |s: f64| (TAU * s).sin() + if s > 0.3 { 1.0 } else { 0.0 } - s;
+    let p = |s: f64| 1.0 + s * (1.0 - s);
+    // ∫ p q' = ∫ p (2π cos 2πs − 1): the first part by parts −∫ (1 − 2s) sin 2πs = −1/π.
+    let exact = -1.0 / PI - (1.0 + 1.0 / 6.0);
+    let mut last = f64::NAN;
+    for n in [1001, 2001, 4001, 8001] {
+        let ensemble = curve(n, q, p);
+        let integral = finite_difference(&ensemble, Cutoffs::relative(100.0));
+        let cell = (0.3 * n as f64) as usize;
+        assert_eq!(integral.omitted, Some(vec![OmittedCell { dof: 0, cell }]));
+        let error = integral.value - exact;
+        assert!(
+            (last.is_nan()) || (last / error - 2.0).abs() < 0.05,
+            "ratio {}",
+            last / error
+        );
+        last = error;
+        // The cell that is left out is not seen by the halved rule: an estimate, not a bound.
+        assert!(error.abs() < 4.0 * integral.quadrature_error.unwrap());
+    }
+}
+
+#[test]
+fn absolute_cutoffs_count_slopes_in_units_of_the_coordinate() {
+    let ensemble = curve(1000, |s| (TAU * s).sin(), |s| 3.0 * (TAU * s).cos());
+    let omitted = |q: f64, p: f64| {
+        let cutoffs = Cutoffs {
+            q: Cutoff::Absolute(q),
+            p: Cutoff::Absolute(p),
+        };
+        finite_difference(&ensemble, cutoffs).omitted.unwrap().len()
+    };
+    assert_eq!(omitted(TAU, 3.0 * TAU), 0);
+    // |cos| > 1/2 on two thirds of the loop.
+    assert!((omitted(0.5 * TAU, 100.0) as f64 - 667.0).abs() < 3.0);
+    assert!((omitted(100.0, 1.5 * TAU) as f64 - 667.0).abs() < 3.0);
+}
+
+#[test]
+fn smooth_cells_left_out_are_owned_up_to() {
+    // The cut-off bites into the smooth loop: a wrong value must come with a large error.
+    let ensemble = curve(4096, |s| (TAU * s).sin(), |s| (TAU * s).cos());
+    let integral = finite_difference(&ensemble, Cutoffs::relative(5.0));
+    let error = (integral.value - PI).abs();
+    assert!(error > 0.1);
+    assert!(integral.quadrature_error.unwrap() > error);
+}
+
+#[test]
+fn estimates_of_the_quadrature_error_hold() {
+    // Kinks and jumps in q, in p, in both; the exact value from a very fine sum.
+    type Curve = fn(f64) -> f64;
+    let shapes: [(Curve, Curve); 4] = [
+        (|s| (TAU * s).sin(), |s| ((TAU * s).sin() + 0.3).abs()),
+        (|s| ((TAU * s).cos() - 0.2).abs(), |s| (TAU * s).sin()),
+        (
+            |s| ((TAU * s).cos() - 0.2).abs(),
+            |s| ((TAU * s).sin() + 0.3).abs().powi(3),
+        ),
+        (|s| 1.0 / (1.03 - (TAU * s).cos()), |s| (TAU * s).sin()),
+    ];
+    for (shape, (q, p)) in shapes.into_iter().enumerate() {
+        let fine = curve(1 << 19, q, p);
+        let exact = pseudospectral(&fine).value;
+        for n in [16, 33, 64, 127, 128, 256, 1000, 1024, 4096] {
+            let integral = pseudospectral(&curve(n, q, p));
+            let error = (integral.value - exact).abs();
+            let claimed = integral.quadrature_error.unwrap() + integral.roundoff;
+            assert!(
+                error <= 1.5 * claimed + 1e-9,
+                "shape {shape}, N = {n}: {error:e} but claims {claimed:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn noise_of_single_precision_shows_in_the_estimate() {
+    for n in [64, 1024, 16384] {
+        let single = |x: f64| f64::from(x as f32);
+        let ensemble = curve(
+            n,
+            |s| single(3.0 + (TAU * s).sin()),
+            |s| single((TAU * s).cos()),
+        );
+        let integral = pseudospectral(&ensemble);
+        let error = (integral.value - PI).abs();
+        let claimed = integral.quadrature_error.unwrap();
+        assert!(error < 3.0 * claimed, "{error:e} against {claimed:e}");
+        assert!(claimed < 1e-6);
+    }
+}
+
+#[test]
+fn fewer_than_three_samples_are_refused() {
+    for n in [0, 1, 2] {
+        let error = LoopIntegral::of(&Ensemble::zeros(1, n), &Rule::Pseudospectral).unwrap_err();
+        assert!(error.to_string().contains("3 or more"), "{error}");
+    }
+}
+
+/// Random loops of two degrees of freedom and any number of samples.
+fn loops() -> impl Strategy<Value = (FourierLoop, usize)> {
+    (any::<u64>(), 24usize..200).prop_map(|(seed, samples)| {
+        let radii = [1.0, 0.5];
+        let phase_loop = FourierLoop::random(vec![1.0, -2.0], vec![0.5, 3.0], &radii, &radii, seed);
+        (phase_loop.unwrap(), samples)
+    })
+}
+
+/// Applies a map of (q, p) vectors to every sample.
+fn mapped(
+    ensemble: &Ensemble,
+    map: impl Fn([f64; 2], [f64; 2]) -> ([f64; 2], [f64; 2]),
+) -> Ensemble {
+    let mut image = ensemble.clone();
+    for k in 0..ensemble.samples() {
+        let at = |rows: symplint::Rows<'_>| [rows.row(0)[k], rows.row(1)[k]];
+        let (q, p) = map(at(ensemble.q()), at(ensemble.p()));
+        let mut block = image.block();
+        for i in 0..2 {
+            block.q.row_mut(i)[k] = q[i];
+            block.p.row_mut(i)[k] = p[i];
+        }
+    }
+    image
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn reversing_the_loop_changes_the_sign((phase_loop, samples) in loops()) {
+        let forward = Ensemble::sample(&phase_loop, samples).unwrap();
+        let mut backward = forward.clone();
+        let mut block = backward.block();
+        for i in 0..2 {
+            block.q.row_mut(i).reverse();
+            block.p.row_mut(i).reverse();
+        }
+        let (a, b) = (pseudospectral(&forward), pseudospectral(&backward));
+        prop_assert!((a.value + b.value).abs() < 2e-14 * a.scale);
+    }
+
+    #[test]
+    fn starting_elsewhere_changes_nothing((phase_loop, samples) in loops(), by in 1usize..20) {
+        let ensemble = Ensemble::sample(&phase_loop, samples).unwrap();
+        let mut later = ensemble.clone();
+        let mut block = later.block();
+        for i in 0..2 {
+            block.q.row_mut(i).rotate_left(by);
+            block.p.row_mut(i).rotate_left(by);
+        }
+        for rule in [Rule::Pseudospectral, Rule::FiniteDifference(Cutoffs::none())] {
+            let a = LoopIntegral::of(&ensemble, &rule).unwrap();
+            let b = LoopIntegral::of(&later, &rule).unwrap();
+            prop_assert!((a.value - b.value).abs() < 3e-14 * a.scale);
+        }
+    }
+
+    #[test]
+    fn translations_change_nothing(
+        (phase_loop, samples) in loops(), dq in -100.0..100.0, dp in -100.0..100.0,
+    ) {
+        let ensemble = Ensemble::sample(&phase_loop, samples).unwrap();
+        let moved = mapped(&ensemble, |q, p| (q.map(|q| q + dq), p.map(|p| p + dp)));
+        let (a, b) = (pseudospectral(&ensemble), pseudospectral(&moved));
+        prop_assert!((a.value - b.value).abs() < 1e-13);
+    }
+
+    #[test]
+    fn canonical_linear_maps_conserve(
+        (phase_loop, samples) in loops(),
+        shear in -2.0..2.0, other in -2.0..2.0, stretch in 0.2..5.0, angle in 0.0..TAU,
+    ) {
+        let ensemble = Ensemble::sample(&phase_loop, samples).unwrap();
+        let (sin, cos) = f64::sin_cos(angle);
+        // A rotation mixing the two positions and momenta alike, a stretch, and two shears.
+        let image = mapped(&ensemble, |q, p| {
+            let q = [cos * q[0] - sin * q[1], sin * q[0] + cos * q[1]];
+            let p = [cos * p[0] - sin * p[1], sin * p[0] + cos * p[1]];
+            let (q, p) = ([stretch * q[0], q[1]], [p[0] / stretch, p[1]]);
+            let p = [p[0] + shear * q[1], p[1] + shear * q[0]];
+            ([q[0] + other * p[0], q[1]], p)
+        });
+        let (a, b) = (pseudospectral(&ensemble), pseudospectral(&image));
+        prop_assert!((a.value - b.value).abs() < 1e-13 * (1.0 + b.scale));
+    }
+
+    #[test]
+    fn another_parametrisation_changes_nothing(seed in any::<u64>(), bend in -0.5..0.5) {
+        use symplint::{Block, Loop};
+        struct Bent(FourierLoop, f64);
+        impl Loop for Bent {
+            fn dof(&self) -> usize { self.0.dof() }
+            fn sample(&self, s: &[f64], block: &mut Block<'_>) {
+                let bent: Vec<f64> = s.iter().map(|s| s + self.1 * (TAU * s).sin() / TAU).collect();
+                self.0.sample(&bent, block);
+            }
+        }
+        let radii = [1.0, 0.5];
+        let plain = FourierLoop::random(vec![0.0; 2], vec![0.0; 2], &radii, &radii, seed).unwrap();
+        let bent = Bent(plain.clone(), bend);
+        let a = pseudospectral(&Ensemble::sample(&plain, 64).unwrap());
+        let b = pseudospectral(&Ensemble::sample(&bent, 256).unwrap());
+        prop_assert!((a.value - b.value).abs() < 1e-13);
+    }
+}
