@@ -1,2 +1,41 @@
-//! The program.
-fn main() {}
+//! The `symplint` program: is a time-advance map symplectic?
+
+mod cli;
+mod commands;
+mod config;
+mod figure;
+mod output;
+mod paper;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use cli::{Cli, Command};
+use commands::Failure;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(&cli) {
+        Ok(status) => status,
+        Err(failure) => {
+            anstream::eprintln!("{:?}", miette::Report::from(failure));
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(cli: &Cli) -> Result<ExitCode, Failure> {
+    let common = &cli.common;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(common.threads.map_or(0, usize::from))
+        .build()
+        .map_err(|error| Failure::Threads { reason: error.to_string() })?;
+    pool.install(|| match &cli.command {
+        Command::Check { config } => commands::check(config, common),
+        Command::Trace { config } => commands::trace(config, common),
+        Command::Reproduce { ids, list } => commands::reproduce(ids, *list, common),
+        Command::List { what } => commands::list(*what),
+        Command::Init { system } => commands::init(system),
+    })
+}

@@ -1,1 +1,52 @@
-//! Models.
+//! Hamiltonian systems and the integrators that advance them, to be tested by [`symplint`].
+//!
+//! * [`systems`]: pendula, a wedge, a pendulum on a grid, oscillators, Hénon–Heiles.
+//! * [`integrators`]: splitting and explicit Runge–Kutta methods, as data, and a
+//!   [catalogue](integrators::catalogue) of them by name.
+//! * [`maps`]: maps made from maps: sequences, repetitions, inverses, adjoints.
+//! * [`Separable`] and [`Hamiltonian`]: what a system of your own supplies.
+//! * [`bspline`], [`PeriodicGrid`] and [`PeriodicSpline`]: interpolation on a grid.
+//!
+//! A system acts on blocks of samples, one row for each degree of freedom. An integrator makes a
+//! [`TimeAdvance`](symplint::TimeAdvance) map of it, which needs no more than the block, the step
+//! size and scratch memory of its thread:
+//!
+//! ```
+//! use symplint::{Block, RowsMut, TimeAdvance};
+//! use symplint_models::integrators::{Splitting, Variant, splitting_methods};
+//! use symplint_models::systems::{Pendulum, PendulumPotential};
+//!
+//! let pendulum = Pendulum::new(PendulumPotential::Cos);
+//! let step = Splitting::new(splitting_methods::strang(Variant::PositionFirst), pendulum);
+//!
+//! // Three samples of one degree of freedom.
+//! let (mut q, mut p) = ([3.0, 3.1, 3.2], [0.0, 0.1, 0.2]);
+//! let mut block = Block::new(RowsMut::new(&mut q, 1, 3, 3), RowsMut::new(&mut p, 1, 3, 3));
+//! step.advance(0.1, &mut block)?;
+//!
+//! let kicked = 0.1 + 0.1 * (3.1_f64 + 0.05 * 0.1).sin();
+//! assert!((p[1] - kicked).abs() < 1e-15);
+//! assert!((q[1] - (3.1 + 0.05 * (0.1 + kicked))).abs() < 1e-15);
+//! # Ok::<(), symplint::StepFailure>(())
+//! ```
+//!
+//! Names and equations are those of W. Barham & J. Burby, "Diagnosing symplecticity in
+//! simulations of high-dimensional Hamiltonian systems"; HLW is E. Hairer, C. Lubich & G. Wanner,
+//! "Geometric Numerical Integration", 2nd edition.
+
+#![forbid(unsafe_code)]
+
+pub mod bspline;
+mod error;
+mod hamiltonian;
+pub mod integrators;
+pub mod maps;
+mod periodic_grid;
+mod periodic_spline;
+mod random;
+pub mod systems;
+
+pub use error::ModelError;
+pub use hamiltonian::{Hamiltonian, Separable};
+pub use periodic_grid::PeriodicGrid;
+pub use periodic_spline::PeriodicSpline;

@@ -1,0 +1,105 @@
+//! The command line.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Tells whether a time-advance map is symplectic.
+///
+/// A closed loop of initial states is sent through one step of the map, and the Poincaré loop integral
+/// ∮ p·dq is compared before and after, while the step size and the number of samples vary.
+#[derive(Parser)]
+#[command(version, max_term_width = 100, after_help = AFTER)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Options of every command.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+const AFTER: &str = "Examples:
+  symplint init pendulum > pendulum.toml          a commented configuration to start from
+  symplint check pendulum.toml                    is it symplectic?
+  symplint check pendulum.toml --set integrator.name=rk2 --out run
+  symplint reproduce fig2                         a figure of the paper
+
+Exit status of `check`: 0 symplectic, 1 not symplectic or loops broken, 2 bad usage, bad input or a \
+failed run, 3 undecided.";
+
+/// What to do.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Full diagnosis of a configuration: sweeps, verdict, figures.
+    ///
+    /// Sweeps the step size (and, if asked for, the number of samples), tries further random loops at the
+    /// largest step size, and gives a verdict. With --out DIR everything measured is written there.
+    Check {
+        /// The configuration; `symplint init SYSTEM` prints one to start from.
+        config: PathBuf,
+    },
+    /// Loop integral and energy against time.
+    ///
+    /// Takes [trace].steps steps of size [trace].step_size and follows the loop integral, and the
+    /// energy of the orbit that starts at the centre of the loop.
+    Trace {
+        /// The configuration; `symplint init SYSTEM` prints one to start from.
+        config: PathBuf,
+    },
+    /// The paper: its figures and closed forms, with the claims they bear out.
+    ///
+    /// Writes figures (SVG, PNG), data (CSV) and the judged claims into one folder, `symplint-paper`
+    /// unless --out names another. --set changes the settings of a single item.
+    Reproduce {
+        /// Which items; all if none is named. `symplint list figures` shows them.
+        ids: Vec<String>,
+        /// Only show the items with their cost.
+        #[arg(long)]
+        list: bool,
+    },
+    /// What there is to choose from.
+    List {
+        /// Of what.
+        what: What,
+    },
+    /// Print a commented starter configuration.
+    Init {
+        /// The system; `symplint list systems` shows them.
+        system: String,
+    },
+}
+
+/// What can be listed.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum What {
+    /// Hamiltonians.
+    Systems,
+    /// Time-advance maps.
+    Integrators,
+    /// Rules for the loop integral.
+    Rules,
+    /// Items of `reproduce`.
+    Figures,
+}
+
+/// Options of every command.
+#[derive(Args)]
+pub struct Common {
+    /// Change a key of the configuration, such as integrator.name=rk2 (repeatable)
+    #[arg(long, value_name = "KEY=VALUE", global = true)]
+    pub set: Vec<String>,
+    /// Run folder: report.json, points.csv, figures/, config.toml as resolved
+    #[arg(long, value_name = "DIR", global = true)]
+    pub out: Option<PathBuf>,
+    /// Print the report as JSON on standard output, and nothing else there
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Number of threads; all cores if left out. Results do not depend on it
+    #[arg(long, value_name = "N", global = true)]
+    pub threads: Option<NonZeroUsize>,
+    /// No progress bars and no tables; only the verdict
+    #[arg(long, global = true)]
+    pub quiet: bool,
+}

@@ -1,0 +1,53 @@
+//! `symplint check CONFIG.toml`.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use symplint::VerdictKind;
+
+use super::Failure;
+use crate::cli::Common;
+use crate::config::Config;
+use crate::output::{self, Progress, Report, RunFolder};
+
+/// Diagnoses a configuration.
+pub fn check(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
+    let config = Config::load(path, &common.set)?;
+    // Before hours of work, not after.
+    let folder = common.out.as_deref().map(RunFolder::create).transpose()?;
+    let progress = Progress::new("points", common.quiet || common.json);
+    let diagnosis = config.diagnostic.run(&*config.map, &*config.phase_loop, &|event| {
+        progress.diagnosis(event);
+    })?;
+    progress.finish();
+
+    let report = Report::new(&config.resolved, &diagnosis);
+    if let Some(folder) = &folder {
+        folder.write_config(&config.resolved)?;
+        folder.write_json("report.json", &report)?;
+        folder.write_csv("points.csv", &diagnosis.points)?;
+        for (name, figure) in output::check_figures(&config, &diagnosis)? {
+            figure.save(&folder.figures(), name)?;
+        }
+    }
+    if common.json {
+        anstream::println!("{}", report.to_json());
+    } else {
+        if !common.quiet {
+            anstream::println!("{}", output::points_table(&config, &diagnosis));
+        }
+        anstream::println!("{}", output::verdict_text(&diagnosis, common.quiet));
+        match &folder {
+            Some(folder) if !common.quiet => anstream::println!("\nWritten to {}", folder.path().display()),
+            None if !common.quiet => {
+                anstream::println!("\nAdd --out DIR for figures, all points and the report.");
+            }
+            _ => {}
+        }
+    }
+    Ok(match diagnosis.verdict.kind {
+        VerdictKind::Symplectic => ExitCode::SUCCESS,
+        VerdictKind::NotSymplectic | VerdictKind::BrokenLoops => ExitCode::from(1),
+        VerdictKind::Undecided => ExitCode::from(3),
+    })
+}

@@ -1,0 +1,17 @@
+//! `symplint init SYSTEM`.
+
+use std::process::ExitCode;
+
+use super::Failure;
+use crate::config::{SYSTEMS, suggestion, template};
+
+/// Prints a starter configuration.
+pub fn init(name: &str) -> Result<ExitCode, Failure> {
+    let info = (SYSTEMS.iter().find(|info| info.name == name)).ok_or_else(|| Failure::Unknown {
+        what: "system",
+        name: name.to_owned(),
+        suggestion: suggestion(name, SYSTEMS.iter().map(|info| info.name)),
+    })?;
+    anstream::print!("{}", template(info));
+    Ok(ExitCode::SUCCESS)
+}

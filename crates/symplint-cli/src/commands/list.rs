@@ -1,0 +1,68 @@
+//! `symplint list`.
+
+use std::process::ExitCode;
+
+use symplint_models::integrators::CATALOGUE;
+
+use super::Failure;
+use crate::cli::What;
+use crate::config::SYSTEMS;
+use crate::output::plain_table;
+use crate::paper::ITEMS;
+
+/// Prints what there is to choose from.
+pub fn list(what: What) -> Result<ExitCode, Failure> {
+    let (header, rows): (&[&str], Vec<Vec<String>>) = match what {
+        What::Systems => (
+            &["system", "what it is", "keys"],
+            (SYSTEMS.iter())
+                .map(|info| {
+                    let keys: Vec<&str> = info.keys.iter().map(|key| key.name).collect();
+                    vec![info.name.into(), info.summary.into(), keys.join(", ")]
+                })
+                .collect(),
+        ),
+        What::Integrators => (
+            &["integrator", "variants", "order", "symplectic", "what it is"],
+            (CATALOGUE.iter())
+                .map(|info| {
+                    vec![
+                        info.name.into(),
+                        info.variants.join(", "),
+                        info.order.to_string(),
+                        if info.symplectic { "yes" } else { "no" }.into(),
+                        format!("{} ({})", info.summary, info.reference),
+                    ]
+                })
+                .collect(),
+        ),
+        What::Rules => (
+            &["rule", "what it is", "use it for"],
+            vec![
+                vec![
+                    "auto".into(),
+                    "pseudospectral, or finite-difference where the advanced loop is broken".into(),
+                    "everything".into(),
+                ],
+                vec![
+                    "pseudospectral".into(),
+                    "q differentiated by Fourier transform (paper, section 2.3, appendix A)".into(),
+                    "smooth and kinked loops".into(),
+                ],
+                vec![
+                    "finite-difference".into(),
+                    "increments of q over the cells that cut-offs retain (appendix B)".into(),
+                    "broken loops, to a few digits".into(),
+                ],
+            ],
+        ),
+        What::Figures => (
+            &["item", "what it shows", "cost"],
+            (ITEMS.iter())
+                .map(|item| vec![item.id.into(), item.title.into(), item.cost.into()])
+                .collect(),
+        ),
+    };
+    anstream::println!("{}", plain_table(header, rows));
+    Ok(ExitCode::SUCCESS)
+}

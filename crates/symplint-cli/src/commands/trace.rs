@@ -1,0 +1,71 @@
+//! `symplint trace CONFIG.toml`.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use symplint::{Orbit, Rule, RuleChoice, Rows, Trace, TraceRecord};
+use symplint_models::Hamiltonian;
+
+use super::Failure;
+use crate::cli::Common;
+use crate::config::{Config, ConfigError};
+use crate::output::{self, Progress, RunFolder, TraceReport};
+
+/// Follows loop integral and energy in time.
+pub fn trace(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
+    let config = Config::load(path, &common.set)?;
+    let folder = common.out.as_deref().map(RunFolder::create).transpose()?;
+    let progress = Progress::new("steps", common.quiet || common.json);
+    let record = run(&config, &progress)?;
+    progress.finish();
+
+    let report = TraceReport::new(&config.resolved, &record.points);
+    if let Some(folder) = &folder {
+        folder.write_config(&config.resolved)?;
+        folder.write_json("report.json", &report)?;
+        folder.write_csv("points.csv", &record.points)?;
+        for (step, ensemble) in &record.snapshots {
+            folder.write_samples(&format!("loop_{step}.csv"), ensemble)?;
+        }
+        for (name, figure) in output::trace_figures(&config, &record) {
+            figure.save(&folder.figures(), name)?;
+        }
+    }
+    if common.json {
+        anstream::println!("{}", report.to_json());
+    } else {
+        anstream::println!("{}", output::trace_table(&record.points, common.quiet));
+        if let Some(folder) = folder.as_ref().filter(|_| !common.quiet) {
+            anstream::println!("\nWritten to {}", folder.path().display());
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn run(config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> {
+    let settings = &config.trace;
+    if let Some(&late) = settings.snapshots.iter().find(|&&step| step > settings.steps) {
+        let text = format!("trace.snapshots names step {late} of {}", settings.steps);
+        return Err(ConfigError::new(text, "take more steps or drop the snapshot").into());
+    }
+    let trace = Trace {
+        rule: match config.diagnostic.rule {
+            RuleChoice::Auto(_) => Rule::Pseudospectral,
+            RuleChoice::Fixed(rule) => rule,
+        },
+        samples: settings.samples,
+        step_size: settings.step_size,
+        steps: settings.steps,
+        snapshots: settings.snapshots.clone(),
+    };
+    let system = &config.system;
+    let energy = |q: Rows<'_>, p: Rows<'_>, out: &mut [f64]| system.hamiltonian.energy(q, p, out);
+    let orbit = Orbit {
+        q: &system.q0,
+        p: &system.p0,
+        energy: &energy,
+    };
+    progress.plan(settings.steps + 1);
+    let watch = |_: &symplint::TracePoint| progress.step();
+    Ok(trace.run(&*config.map, &*config.phase_loop, Some(orbit), &watch)?)
+}

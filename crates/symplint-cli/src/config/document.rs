@@ -1,0 +1,183 @@
+//! The settings as written: a tree in which every value knows its place.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::rc::Rc;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::error::{ConfigError, Place, Source};
+
+/// A value and where it was written.
+#[derive(Clone, Debug)]
+pub struct Node {
+    pub value: Value,
+    pub place: Place,
+}
+
+/// A TOML value; dates have no use here.
+#[derive(Clone, Debug)]
+pub enum Value {
+    Text(String),
+    Integer(i64),
+    Float(f64),
+    Boolean(bool),
+    List(Vec<Node>),
+    Table(Table),
+}
+
+/// The keys of a table with their places.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    pub entries: BTreeMap<String, (Place, Node)>,
+}
+
+impl Value {
+    /// What kind of value this is, for messages.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Value::Text(_) => "a text",
+            Value::Integer(_) => "a whole number",
+            Value::Float(_) => "a number",
+            Value::Boolean(_) => "true or false",
+            Value::List(_) => "a list",
+            Value::Table(_) => "a table",
+        }
+    }
+
+    /// The value for a resolved configuration.
+    pub fn to_toml(&self) -> toml::Value {
+        match self {
+            Value::Text(text) => toml::Value::String(text.clone()),
+            Value::Integer(number) => toml::Value::Integer(*number),
+            Value::Float(number) => toml::Value::Float(*number),
+            Value::Boolean(flag) => toml::Value::Boolean(*flag),
+            Value::List(list) => list.iter().map(|node| node.value.to_toml()).collect(),
+            Value::Table(table) => (table.entries.iter())
+                .map(|(key, (_, node))| (key.clone(), node.value.to_toml()))
+                .collect::<toml::Table>()
+                .into(),
+        }
+    }
+}
+
+/// Reads a configuration file and lays `--set` settings over it, the last one on top.
+pub fn load(path: &Path, settings: &[String]) -> Result<Table, ConfigError> {
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        ConfigError::new(
+            format!("cannot read {}: {error}", path.display()),
+            "give the path of a configuration; `symplint init SYSTEM` prints one to start from",
+        )
+    })?;
+    let mut table = parse(&path.display().to_string(), text)?;
+    for setting in settings {
+        overlay(&mut table, parse_setting(setting)?);
+    }
+    Ok(table)
+}
+
+/// Only `--set` settings: for commands without a configuration file.
+pub fn settings_only(settings: &[String]) -> Result<Table, ConfigError> {
+    let mut table = Table::default();
+    for setting in settings {
+        overlay(&mut table, parse_setting(setting)?);
+    }
+    Ok(table)
+}
+
+/// Reads a text as TOML.
+pub fn parse(name: &str, text: String) -> Result<Table, ConfigError> {
+    let source = Rc::new(Source {
+        name: name.to_owned(),
+        text,
+    });
+    let parsed = DeTable::parse(&source.text).map_err(|error| {
+        let place = Place {
+            source: Rc::clone(&source),
+            span: error.span().unwrap_or(0..0),
+        };
+        ConfigError::new(
+            format!("{name} is not TOML: {}", error.message()),
+            "write keys as `name = value` under their [section]; texts in quotes",
+        )
+        .at(&place, "here")
+    })?;
+    convert_table(parsed.get_ref(), &source)
+}
+
+/// `KEY=VALUE` with a dotted key; a value that is not TOML is taken as a text.
+fn parse_setting(setting: &str) -> Result<Table, ConfigError> {
+    let Some((key, value)) = setting.split_once('=') else {
+        return Err(ConfigError::new(
+            format!("--set {setting} has no value"),
+            "write --set KEY=VALUE, for example --set integrator.name=rk2",
+        ));
+    };
+    let (key, value) = (key.trim(), value.trim());
+    let as_written = format!("{key} = {value}");
+    if DeTable::parse(&as_written).is_ok() {
+        return parse("--set", as_written);
+    }
+    let quoted = toml::Value::String(value.to_owned());
+    parse("--set", format!("{key} = {quoted}"))
+}
+
+/// Puts the entries of `over` into `table`, table by table.
+fn overlay(table: &mut Table, over: Table) {
+    for (key, (place, node)) in over.entries {
+        match (table.entries.get_mut(&key), node) {
+            (
+                Some((_, Node { value: Value::Table(old), .. })),
+                Node { value: Value::Table(new), .. },
+            ) => overlay(old, new),
+            (_, node) => {
+                table.entries.insert(key, (place, node));
+            }
+        }
+    }
+}
+
+fn convert_table(table: &DeTable<'_>, source: &Rc<Source>) -> Result<Table, ConfigError> {
+    let place = |span| Place {
+        source: Rc::clone(source),
+        span,
+    };
+    let mut entries = BTreeMap::new();
+    for (key, value) in table {
+        let node = convert(value, source)?;
+        entries.insert(key.get_ref().to_string(), (place(key.span()), node));
+    }
+    Ok(Table { entries })
+}
+
+fn convert(value: &Spanned<DeValue<'_>>, source: &Rc<Source>) -> Result<Node, ConfigError> {
+    let place = Place {
+        source: Rc::clone(source),
+        span: value.span(),
+    };
+    let unreadable = |what: &str| {
+        ConfigError::new(format!("{what} cannot be represented"), "write a smaller number")
+            .at(&place, "here")
+    };
+    let value = match value.get_ref() {
+        DeValue::String(text) => Value::Text(text.to_string()),
+        DeValue::Integer(number) => Value::Integer(
+            i64::from_str_radix(number.as_str(), number.radix())
+                .map_err(|_| unreadable("this whole number"))?,
+        ),
+        DeValue::Float(number) => {
+            Value::Float(number.as_str().parse().map_err(|_| unreadable("this number"))?)
+        }
+        DeValue::Boolean(flag) => Value::Boolean(*flag),
+        DeValue::Array(list) => Value::List(
+            (list.iter().map(|item| convert(item, source))).collect::<Result<_, _>>()?,
+        ),
+        DeValue::Table(table) => Value::Table(convert_table(table, source)?),
+        DeValue::Datetime(_) => {
+            return Err(ConfigError::new("a date has no meaning here", "write a number or a text")
+                .at(&place, "a date"));
+        }
+    };
+    Ok(Node { value, place })
+}

@@ -1,0 +1,94 @@
+//! Configurations: from a file and `--set` to a map, a loop and what to measure.
+
+mod diagnostic;
+mod document;
+mod error;
+mod integrator;
+mod number;
+mod phase_loop;
+mod section;
+mod state_file;
+mod system;
+mod template;
+mod trace;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use symplint::{Diagnostic, Loop, TimeAdvance};
+
+pub use error::ConfigError;
+pub use section::{Accept, Key, Section, suggestion};
+pub use system::{SYSTEMS, System, SystemInfo};
+pub use template::template;
+pub use trace::TraceSettings;
+
+use document::Table;
+
+const SECTIONS: [&str; 5] = ["system", "integrator", "loop", "diagnostic", "trace"];
+
+/// A configuration with everything in it resolved.
+pub struct Config {
+    /// The system under test.
+    pub system: System,
+    /// Name of the integrator.
+    pub integrator: String,
+    /// One step of it.
+    pub map: Box<dyn TimeAdvance>,
+    /// The loop.
+    pub phase_loop: Box<dyn Loop>,
+    /// What `check` measures.
+    pub diagnostic: Diagnostic,
+    /// What `trace` does.
+    pub trace: TraceSettings,
+    /// Every key with its value, defaults included.
+    pub resolved: toml::Table,
+}
+
+impl Config {
+    /// Reads a file, lays `--set` settings over it and builds what it describes.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with its place and the remedy.
+    pub fn load(path: &Path, settings: &[String]) -> Result<Self, ConfigError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::build(document::load(path, settings)?, folder)
+    }
+
+    /// `folder` is where relative paths of initial states start.
+    fn build(table: Table, folder: &Path) -> Result<Self, ConfigError> {
+        section::check_keys("", &table, SECTIONS.into_iter())?;
+        let node = |name: &str| table.entries.get(name).map(|(_, node)| node);
+        let mut resolved = toml::Table::new();
+
+        let (system, section) = system::read(node("system"), folder)?;
+        resolved.insert("system".into(), section.resolved().into());
+        let hamiltonian = Arc::clone(&system.hamiltonian);
+        let (integrator, map, section) = integrator::read(node("integrator"), hamiltonian)?;
+        resolved.insert("integrator".into(), section.resolved().into());
+        let (phase_loop, section) = phase_loop::read(node("loop"), &system)?;
+        resolved.insert("loop".into(), section.resolved().into());
+        let (diagnostic, section) = diagnostic::read(node("diagnostic"))?;
+        resolved.insert("diagnostic".into(), section.resolved().into());
+        let (trace, section) = trace::read(node("trace"))?;
+        resolved.insert("trace".into(), section.resolved().into());
+        Ok(Config {
+            system,
+            integrator,
+            map,
+            phase_loop,
+            diagnostic,
+            trace,
+            resolved,
+        })
+    }
+}
+
+/// The settings of something without a configuration file: `--set` over the defaults of `keys`.
+///
+/// # Errors
+/// If a setting is not one of `keys`, or cannot be read.
+pub fn settings(name: &str, settings: &[String], keys: &[Key]) -> Result<Section, ConfigError> {
+    let table = document::settings_only(settings)?;
+    Section::from_table(name, table, keys.to_vec())
+}

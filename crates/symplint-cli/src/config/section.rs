@@ -1,0 +1,314 @@
+//! One section of a configuration: typed keys with defaults, and nothing else.
+
+use std::cell::RefCell;
+
+use super::document::{Node, Table, Value};
+use super::error::{ConfigError, Place};
+use super::number;
+
+/// A key that a section knows.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    pub name: &'static str,
+    /// The default as TOML; `None` where leaving the key out has a meaning of its own.
+    pub default: Option<&'static str>,
+    /// What it is, in one line.
+    pub help: &'static str,
+}
+
+impl Key {
+    /// A key with a default.
+    pub const fn new(name: &'static str, default: &'static str, help: &'static str) -> Self {
+        Key {
+            name,
+            default: Some(default),
+            help,
+        }
+    }
+
+    /// A key that may be left out; `help` says what that means.
+    pub const fn optional(name: &'static str, help: &'static str) -> Self {
+        Key {
+            name,
+            default: None,
+            help,
+        }
+    }
+}
+
+/// Numbers that a key accepts.
+#[derive(Clone, Copy, Debug)]
+pub enum Accept {
+    Finite,
+    Positive,
+    NotNegative,
+}
+
+impl Accept {
+    fn test(self, value: f64) -> Result<(), &'static str> {
+        match self {
+            _ if !value.is_finite() => Err("a finite number"),
+            Accept::Positive if value <= 0.0 => Err("a number above 0"),
+            Accept::NotNegative if value < 0.0 => Err("a number that is not negative"),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Reads the keys of one table and records what they resolved to.
+pub struct Section {
+    /// Dotted path, empty for the top.
+    path: String,
+    table: Table,
+    place: Option<Place>,
+    keys: Vec<Key>,
+    resolved: RefCell<toml::Table>,
+}
+
+impl Section {
+    /// The section `path`; `node` is what the user wrote for it, if anything.
+    ///
+    /// # Errors
+    /// If it is not a table or holds a key that `keys` does not list.
+    pub fn new(path: &str, node: Option<&Node>, keys: Vec<Key>) -> Result<Self, ConfigError> {
+        let (table, place) = match node {
+            None => (Table::default(), None),
+            Some(Node {
+                value: Value::Table(table),
+                place,
+            }) => (table.clone(), Some(place.clone())),
+            Some(node) => {
+                return Err(wrong(path, node, "a table", "write its keys under [section] or in { }"));
+            }
+        };
+        Self::checked(path, table, place, keys)
+    }
+
+    /// The section `path` from its entries.
+    ///
+    /// # Errors
+    /// If there is a key that `keys` does not list.
+    pub fn from_table(path: &str, table: Table, keys: Vec<Key>) -> Result<Self, ConfigError> {
+        Self::checked(path, table, None, keys)
+    }
+
+    fn checked(
+        path: &str,
+        table: Table,
+        place: Option<Place>,
+        keys: Vec<Key>,
+    ) -> Result<Self, ConfigError> {
+        check_keys(path, &table, keys.iter().map(|key| key.name))?;
+        Ok(Section {
+            path: path.to_owned(),
+            table,
+            place,
+            keys,
+            resolved: RefCell::default(),
+        })
+    }
+
+    /// The keys as resolved: what was written, and defaults for the rest.
+    pub fn resolved(self) -> toml::Table {
+        self.resolved.into_inner()
+    }
+
+    /// The dotted name of a key.
+    fn dotted(&self, key: &str) -> String {
+        format!("{}.{key}", self.path)
+    }
+
+    /// The place of a key, or of the section, for errors found later.
+    pub fn place(&self, key: &str) -> Option<Place> {
+        let of_key = self.table.entries.get(key).map(|(_, node)| node.place.clone());
+        of_key.or_else(|| self.place.clone())
+    }
+
+    /// An error about the value of a key.
+    pub fn error(&self, key: &str, message: impl Into<String>, help: impl Into<String>) -> ConfigError {
+        let error = ConfigError::new(format!("{}: {}", self.dotted(key), message.into()), help);
+        match self.place(key) {
+            Some(place) => error.at(&place, "set here"),
+            None => error,
+        }
+    }
+
+    /// What was written for a key, or its default; `None` for an optional key left out.
+    pub fn node(&self, key: &str) -> Result<Option<Node>, ConfigError> {
+        let spec = (self.keys.iter().find(|spec| spec.name == key))
+            .unwrap_or_else(|| panic!("section {} reads the unlisted key {key}", self.path));
+        let node = match self.table.entries.get(key) {
+            Some((_, node)) => node.clone(),
+            None => {
+                let Some(default) = spec.default else {
+                    return Ok(None);
+                };
+                let table = super::document::parse("default", format!("{key} = {default}"))?;
+                table.entries[key].1.clone()
+            }
+        };
+        self.resolved.borrow_mut().insert(key.to_owned(), node.value.to_toml());
+        Ok(Some(node))
+    }
+
+    fn required(&self, key: &str) -> Result<Node, ConfigError> {
+        self.node(key)?.ok_or_else(|| {
+            self.error(key, "is missing", format!("add `{key} = …` to [{}]", self.path))
+        })
+    }
+
+    /// A number.
+    pub fn number(&self, key: &str, accept: Accept) -> Result<f64, ConfigError> {
+        read_number(&self.dotted(key), &self.required(key)?, accept)
+    }
+
+    /// A number that may be left out.
+    pub fn optional_number(&self, key: &str, accept: Accept) -> Result<Option<f64>, ConfigError> {
+        (self.node(key)?)
+            .map(|node| read_number(&self.dotted(key), &node, accept))
+            .transpose()
+    }
+
+    /// One number for each degree of freedom: a list, or one number for all.
+    pub fn numbers(&self, key: &str, count: usize) -> Result<Vec<f64>, ConfigError> {
+        let node = self.required(key)?;
+        let path = self.dotted(key);
+        let Value::List(list) = &node.value else {
+            return Ok(vec![read_number(&path, &node, Accept::Finite)?; count]);
+        };
+        if list.len() != count {
+            return Err(self.error(
+                key,
+                format!("has {} numbers for {count} degrees of freedom", list.len()),
+                "give one number for each degree of freedom, or a single one for all",
+            ));
+        }
+        (list.iter().map(|item| read_number(&path, item, Accept::Finite))).collect()
+    }
+
+    /// A whole number of at least `least`.
+    pub fn whole(&self, key: &str, least: u64) -> Result<u64, ConfigError> {
+        read_whole(&self.dotted(key), &self.required(key)?, least)
+    }
+
+    /// A list of whole numbers of at least `least`, that may be left out.
+    pub fn optional_wholes(&self, key: &str, least: u64) -> Result<Option<Vec<u64>>, ConfigError> {
+        let path = self.dotted(key);
+        match self.node(key)? {
+            None => Ok(None),
+            Some(Node { value: Value::List(list), .. }) => (list.iter())
+                .map(|item| read_whole(&path, item, least))
+                .collect::<Result<_, _>>()
+                .map(Some),
+            Some(node) => Ok(Some(vec![read_whole(&path, &node, least)?])),
+        }
+    }
+
+    /// A text.
+    pub fn text(&self, key: &str) -> Result<String, ConfigError> {
+        let node = self.required(key)?;
+        match node.value {
+            Value::Text(text) => Ok(text),
+            _ => Err(wrong(&self.dotted(key), &node, "a text", "put it in quotes")),
+        }
+    }
+
+    /// A text that may be left out.
+    pub fn optional_text(&self, key: &str) -> Result<Option<String>, ConfigError> {
+        match self.node(key)? {
+            None => Ok(None),
+            Some(Node { value: Value::Text(text), .. }) => Ok(Some(text)),
+            Some(node) => Err(wrong(&self.dotted(key), &node, "a text", "put it in quotes")),
+        }
+    }
+
+    /// One of some words.
+    pub fn choice(&self, key: &str, choices: &[&'static str]) -> Result<&'static str, ConfigError> {
+        let text = self.text(key)?;
+        (choices.iter().copied().find(|choice| *choice == text)).ok_or_else(|| {
+            self.error(
+                key,
+                format!("there is no \"{text}\""),
+                suggestion(&text, choices.iter().copied()),
+            )
+        })
+    }
+
+    /// A table inside this one, or `None` where it was left out.
+    pub fn subsection(&self, key: &str, keys: &[Key]) -> Result<Option<Section>, ConfigError> {
+        (self.node(key)?)
+            .map(|node| Section::new(&self.dotted(key), Some(&node), keys.to_vec()))
+            .transpose()
+    }
+}
+
+/// Reads a number written as a number or as a text like `2^-1` or `pi/2`.
+pub fn read_number(path: &str, node: &Node, accept: Accept) -> Result<f64, ConfigError> {
+    let value = match &node.value {
+        Value::Integer(number) => Some(*number as f64),
+        Value::Float(number) => Some(*number),
+        Value::Text(text) => number::parse(text),
+        _ => None,
+    };
+    let Some(value) = value else {
+        return Err(wrong(path, node, "a number", "write a number, \"2^-3\" or \"pi/2\""));
+    };
+    accept.test(value).map_err(|expected| {
+        ConfigError::new(format!("{path} is {value}"), format!("give {expected}"))
+            .at(&node.place, format!("must be {expected}"))
+    })?;
+    Ok(value)
+}
+
+/// Reads a whole number written as a number or as a text like `2^15`.
+pub fn read_whole(path: &str, node: &Node, least: u64) -> Result<u64, ConfigError> {
+    let value = read_number(path, node, Accept::Finite)?;
+    if value.fract() != 0.0 || value < least as f64 || value > 9e15 {
+        return Err(
+            ConfigError::new(
+                format!("{path} is {value}"),
+                format!("give a whole number of at least {least}"),
+            )
+            .at(&node.place, format!("must be a whole number of at least {least}")),
+        );
+    }
+    Ok(value as u64)
+}
+
+fn wrong(path: &str, node: &Node, expected: &str, help: &str) -> ConfigError {
+    ConfigError::new(format!("{path} is {}, not {expected}", node.value.kind()), help)
+        .at(&node.place, format!("must be {expected}"))
+}
+
+/// Refuses keys that are not known.
+pub fn check_keys(
+    path: &str,
+    table: &Table,
+    known: impl Iterator<Item = &'static str> + Clone,
+) -> Result<(), ConfigError> {
+    for (key, (place, _)) in &table.entries {
+        if !known.clone().any(|name| name == key) {
+            let what = if path.is_empty() {
+                format!("there is no section [{key}]")
+            } else {
+                format!("[{path}] has no key \"{key}\"")
+            };
+            return Err(ConfigError::new(what, suggestion(key, known)).at(place, "unknown"));
+        }
+    }
+    Ok(())
+}
+
+/// The nearest known name, and all of them.
+pub fn suggestion(name: &str, known: impl Iterator<Item = &'static str> + Clone) -> String {
+    let nearest = (known.clone())
+        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let all = known.collect::<Vec<_>>().join(", ");
+    match nearest {
+        Some((likeness, candidate)) if likeness > 0.7 => {
+            format!("did you mean \"{candidate}\"? There are: {all}")
+        }
+        _ => format!("there are: {all}"),
+    }
+}

@@ -1,0 +1,38 @@
+//! [trace]: what `trace` follows.
+
+use super::document::Node;
+use super::error::ConfigError;
+use super::section::{Accept, Key, Section};
+
+/// The keys of [trace].
+pub const KEYS: &[Key] = &[
+    Key::new("step_size", "0.1", "h"),
+    Key::new("steps", "1000", "number of steps"),
+    Key::new("samples", "2048", "samples of the loop"),
+    Key::new("snapshots", "[0, 10, 20, 40, 80]", "steps at which the loop is drawn (one degree of freedom) and written"),
+];
+
+/// What `trace` does.
+pub struct TraceSettings {
+    /// Step size h.
+    pub step_size: f64,
+    /// Number of steps.
+    pub steps: usize,
+    /// Samples N_s.
+    pub samples: usize,
+    /// Steps at which the loop is kept.
+    pub snapshots: Vec<usize>,
+}
+
+/// Reads [trace].
+pub fn read(node: Option<&Node>) -> Result<(TraceSettings, Section), ConfigError> {
+    let section = Section::new("trace", node, KEYS.to_vec())?;
+    let snapshots = section.optional_wholes("snapshots", 0)?.unwrap_or_default();
+    let settings = TraceSettings {
+        step_size: section.number("step_size", Accept::Positive)?,
+        steps: section.whole("steps", 1)? as usize,
+        samples: section.whole("samples", 3)? as usize,
+        snapshots: snapshots.into_iter().map(|step| step as usize).collect(),
+    };
+    Ok((settings, section))
+}

@@ -1,0 +1,43 @@
+//! Writing the files of a figure.
+
+use std::fs;
+use std::path::Path;
+
+use super::font::Typeface;
+use super::{Figure, FigureError, draw, png, svg};
+
+impl Figure {
+    /// Writes `name.svg` and `name.png` into `folder`, making the folder if need be and
+    /// replacing older files. The PNG has two pixels for each unit of the SVG: 1300 for the
+    /// width of one panel.
+    ///
+    /// # Errors
+    ///
+    /// [`FigureError`] if the figure has no panels, is too large for a picture, or a file
+    /// cannot be written. Values that an axis cannot show are no error.
+    pub fn save(&self, folder: &Path, name: &str) -> Result<(), FigureError> {
+        let base = folder.join(name);
+        if self.panels.is_empty() {
+            return Err(FigureError::NoPanels { path: base });
+        }
+        let face = Typeface::load().map_err(|cause| FigureError::Font {
+            path: base.clone(),
+            cause,
+        })?;
+        fs::create_dir_all(folder).map_err(|source| FigureError::Folder {
+            path: folder.to_path_buf(),
+            source,
+        })?;
+        let scene = draw::scene(self, &face);
+
+        let path = folder.join(format!("{name}.svg"));
+        let text = svg::paint(&scene).map_err(|error| FigureError::Draw {
+            path: path.clone(),
+            cause: error.to_string(),
+        })?;
+        fs::write(&path, text).map_err(|source| FigureError::Write { path, source })?;
+
+        let path = folder.join(format!("{name}.png"));
+        png::write(&scene, &face, &path, self.panels.len())
+    }
+}

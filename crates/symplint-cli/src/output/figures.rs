@@ -1,0 +1,216 @@
+//! Figures of `check` and `trace`.
+
+use symplint::{Diagnosis, Ensemble, Point, Sweep, TraceRecord};
+use symplint_models::Hamiltonian;
+
+use crate::commands::Failure;
+use crate::config::Config;
+use crate::figure::{Axis, Figure, Panel, Scale, Series, Style};
+use crate::paper::{portrait, reference_slope};
+
+/// The axis of step sizes.
+pub fn step_axis() -> Axis {
+    Axis {
+        label: "step size h".into(),
+        scale: Scale::Log2,
+        range: None,
+    }
+}
+
+/// The axis of relative defects.
+pub fn error_axis() -> Axis {
+    Axis {
+        label: "relative loop defect |E|".into(),
+        scale: Scale::Log10,
+        range: None,
+    }
+}
+
+/// The figures of a diagnosis with their names.
+pub fn check_figures(
+    config: &Config,
+    diagnosis: &Diagnosis,
+) -> Result<Vec<(&'static str, Figure)>, Failure> {
+    let title = format!("{}, {}", config.system.name, config.integrator);
+    let mut figures = vec![("step_sizes", step_sizes(&title, diagnosis))];
+    if diagnosis.points.iter().any(|point| point.sweep == Sweep::Samples) {
+        figures.push(("samples", samples(&title, diagnosis)));
+    }
+    figures.push(("loop", advanced_loop(&title, config)?));
+    Ok(figures)
+}
+
+fn series(label: &str, points: Vec<(f64, f64)>, style: Style, color: usize) -> Series {
+    Series {
+        label: label.into(),
+        points,
+        style,
+        color,
+    }
+}
+
+fn single(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Figure {
+    Figure {
+        title: None,
+        panels: vec![Panel {
+            title: title.into(),
+            x,
+            y,
+            series,
+            equal_aspect: false,
+        }],
+        columns: 1,
+    }
+}
+
+/// Quadrature error and round-off: what lies below cannot be told from zero.
+fn floor(points: &[&Point], x: impl Fn(&Point) -> f64) -> Series {
+    let floor = points.iter().map(|point| {
+        let quadrature = point.quadrature_error.unwrap_or(f64::NAN);
+        (x(point), quadrature + point.roundoff)
+    });
+    series("quadrature error + round-off", floor.collect(), Style::Floor, 0)
+}
+
+fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
+    let of_loop = |wanted: fn(usize) -> bool| -> Vec<&Point> {
+        (diagnosis.points.iter())
+            .filter(|point| point.sweep == Sweep::StepSize && wanted(point.loop_index))
+            .collect()
+    };
+    let at = |point: &Point| (point.step_size, point.defect);
+    let given = of_loop(|index| index == 0);
+    let random = of_loop(|index| index > 0);
+    let mut all = vec![
+        floor(&given, |point| point.step_size),
+        series(
+            "given loop",
+            given.iter().map(|point| at(point)).collect(),
+            Style::LineAndPoints,
+            0,
+        ),
+    ];
+    if !random.is_empty() {
+        let points = random.iter().map(|point| at(point)).collect();
+        all.push(series("random loops", points, Style::Points, 1));
+    }
+    if let Some(order) = diagnosis.verdict.order {
+        let points: Vec<(f64, f64)> = given.iter().map(|point| at(point)).collect();
+        all.push(reference_slope(&points, order, "h"));
+    }
+    single(title, step_axis(), error_axis(), all)
+}
+
+fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
+    let points: Vec<&Point> = (diagnosis.points.iter())
+        .filter(|point| point.sweep == Sweep::Samples)
+        .collect();
+    let x = Axis {
+        label: "samples Nₛ".into(),
+        scale: Scale::Log2,
+        range: None,
+    };
+    let count = |point: &Point| point.samples as f64;
+    let defects = points.iter().map(|point| (count(point), point.defect)).collect();
+    let all = vec![
+        floor(&points, count),
+        series("given loop", defects, Style::LineAndPoints, 0),
+    ];
+    single(title, x, error_axis(), all)
+}
+
+/// Positions and momenta of one degree of freedom.
+fn plane(ensemble: &Ensemble, dof: usize) -> Vec<(f64, f64)> {
+    let (q, p) = (ensemble.q().row(dof), ensemble.p().row(dof));
+    q.iter().copied().zip(p.iter().copied()).collect()
+}
+
+/// The loop before and after the largest step, in the plane of the first degree of freedom.
+///
+/// Drawn as points, because a line would hide that a loop is broken.
+fn advanced_loop(title: &str, config: &Config) -> Result<Figure, Failure> {
+    const SAMPLES: usize = 720;
+    let h = (config.diagnostic.step_sizes.iter().copied()).fold(0.0, f64::max);
+    let mut ensemble = Ensemble::sample(&*config.phase_loop, SAMPLES)?;
+    let before = series("before", plane(&ensemble, 0), Style::Closed, 0);
+    ensemble.advance(&*config.map, h)?;
+    let after = series(
+        &format!("after one step of {}", super::power_of_two(h)),
+        plane(&ensemble, 0),
+        Style::Points,
+        1,
+    );
+    Ok(Figure {
+        title: None,
+        panels: vec![Panel {
+            title: title.into(),
+            x: phase_axis(if ensemble.dof() == 1 { "q" } else { "q₀" }),
+            y: phase_axis(if ensemble.dof() == 1 { "p" } else { "p₀" }),
+            series: vec![before, after],
+            equal_aspect: true,
+        }],
+        columns: 1,
+    })
+}
+
+fn phase_axis(label: &str) -> Axis {
+    Axis {
+        label: label.into(),
+        scale: Scale::Linear,
+        range: None,
+    }
+}
+
+/// The figures of a trace with their names.
+pub fn trace_figures(config: &Config, record: &TraceRecord) -> Vec<(&'static str, Figure)> {
+    let title = format!("{}, {}", config.system.name, config.integrator);
+    let time = || Axis {
+        label: "time t".into(),
+        scale: Scale::Linear,
+        range: None,
+    };
+    let defects = record.points.iter().map(|point| (point.time, point.defect)).collect();
+    let floor = (record.points.iter())
+        .map(|point| (point.time, point.quadrature_error.unwrap_or(f64::NAN)))
+        .collect();
+    let integral = vec![
+        series("quadrature error", floor, Style::Thin, 0),
+        series("loop integral", defects, Style::Line, 0),
+    ];
+    let energy = (record.points.iter())
+        .map(|point| (point.time, point.energy_error.unwrap_or(f64::NAN)))
+        .collect();
+    let energy_axis = Axis {
+        label: "relative energy error".into(),
+        scale: Scale::Linear,
+        range: None,
+    };
+    let mut figures = vec![
+        ("loop_integral", single(&title, time(), error_axis(), integral)),
+        (
+            "energy",
+            single(&title, time(), energy_axis, vec![series("", energy, Style::Line, 0)]),
+        ),
+    ];
+    if config.map.dof() == 1 && !record.snapshots.is_empty() {
+        let loops: Vec<(String, Vec<(f64, f64)>)> = (record.snapshots.iter())
+            .map(|(step, ensemble)| {
+                let time = *step as f64 * config.trace.step_size;
+                (format!("t = {time}"), plane(ensemble, 0))
+            })
+            .collect();
+        let energy = |q: symplint::Rows<'_>, p: symplint::Rows<'_>, out: &mut [f64]| {
+            config.system.hamiltonian.energy(q, p, out);
+        };
+        let panel = portrait(&title, &loops, &energy);
+        figures.push((
+            "loops",
+            Figure {
+                title: None,
+                panels: vec![panel],
+                columns: 1,
+            },
+        ));
+    }
+    figures
+}

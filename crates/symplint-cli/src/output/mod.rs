@@ -1,0 +1,15 @@
+//! What the program prints and writes.
+
+mod figures;
+mod power;
+mod progress;
+mod report;
+mod run_folder;
+mod table;
+
+pub use figures::{check_figures, error_axis, step_axis, trace_figures};
+pub use power::power_of_two;
+pub use progress::Progress;
+pub use report::{Report, TraceReport, to_json};
+pub use run_folder::RunFolder;
+pub use table::{plain_table, points_table, trace_table, verdict_text};

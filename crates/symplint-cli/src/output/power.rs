@@ -1,0 +1,24 @@
+//! Powers of two as people read them.
+
+/// `2^-3` for 0.125; other numbers in four digits.
+pub fn power_of_two(value: f64) -> String {
+    let exponent = value.log2();
+    if exponent.fract() == 0.0 && exponent.abs() >= 1.0 {
+        format!("2^{exponent}")
+    } else {
+        format!("{value:.4}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::power_of_two;
+
+    #[test]
+    fn powers_and_others() {
+        assert_eq!(power_of_two(0.125), "2^-3");
+        assert_eq!(power_of_two(1024.0), "2^10");
+        assert_eq!(power_of_two(0.1), "0.1000");
+        assert_eq!(power_of_two(1.0), "1.0000");
+    }
+}

@@ -1,0 +1,60 @@
+//! Progress on standard error, if that is a terminal.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use symplint::Event;
+
+use super::power_of_two;
+
+/// A progress bar that may be silent.
+pub struct Progress {
+    bar: ProgressBar,
+}
+
+impl Progress {
+    /// A bar that counts `unit`s; nothing is drawn if `silent` or standard error is no terminal.
+    pub fn new(unit: &str, silent: bool) -> Self {
+        let target = if silent {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr()
+        };
+        let bar = ProgressBar::with_draw_target(Some(0), target);
+        let template = format!("{{bar:40.cyan/dim}} {{pos}}/{{len}} {unit}, {{elapsed}}, {{eta}} left  {{msg}}");
+        if let Ok(style) = ProgressStyle::with_template(&template) {
+            bar.set_style(style);
+        }
+        Progress { bar }
+    }
+
+    /// So many more to come.
+    pub fn plan(&self, more: usize) {
+        self.bar.inc_length(more as u64);
+    }
+
+    /// One is done.
+    pub fn step(&self) {
+        self.bar.inc(1);
+    }
+
+    /// What is at work.
+    pub fn say(&self, message: &str) {
+        self.bar.set_message(message.to_owned());
+        self.bar.tick();
+    }
+
+    /// Follows a diagnosis.
+    pub fn diagnosis(&self, event: Event<'_>) {
+        match event {
+            Event::Planned(more) => self.plan(more),
+            Event::Measured(point) => {
+                self.bar.set_message(format!("h = {}", power_of_two(point.step_size)));
+                self.step();
+            }
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

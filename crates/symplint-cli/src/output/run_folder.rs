@@ -1,0 +1,95 @@
+//! The folder that a run leaves behind.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use symplint::Ensemble;
+
+use crate::commands::Failure;
+
+/// A folder with `figures/` in it.
+pub struct RunFolder {
+    path: PathBuf,
+}
+
+impl RunFolder {
+    /// Makes the folder if it is not there, and checks that files can be written in it.
+    pub fn create(path: &Path) -> Result<Self, Failure> {
+        let folder = RunFolder {
+            path: path.to_owned(),
+        };
+        let figures = folder.figures();
+        fs::create_dir_all(&figures).map_err(|error| cannot_write(&figures, &error))?;
+        let probe = path.join(".writable");
+        fs::write(&probe, "").map_err(|error| cannot_write(path, &error))?;
+        fs::remove_file(&probe).map_err(|error| cannot_write(path, &error))?;
+        Ok(folder)
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Where figures go.
+    pub fn figures(&self) -> PathBuf {
+        self.path.join("figures")
+    }
+
+    /// Writes `config.toml` as resolved.
+    pub fn write_config(&self, config: &toml::Table) -> Result<(), Failure> {
+        self.write_text("config.toml", &config.to_string())
+    }
+
+    /// Writes a text.
+    pub fn write_text(&self, name: &str, text: &str) -> Result<(), Failure> {
+        let path = self.path.join(name);
+        fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
+    }
+
+    /// Writes JSON.
+    pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<(), Failure> {
+        self.write_text(name, &(super::to_json(value) + "\n"))
+    }
+
+    /// Writes records as CSV with a header; what is not given is an empty field.
+    pub fn write_csv<T: Serialize>(&self, name: &str, records: &[T]) -> Result<(), Failure> {
+        let path = self.path.join(name);
+        let write = || -> csv::Result<()> {
+            let mut writer = csv::Writer::from_path(&path)?;
+            for record in records {
+                writer.serialize(record)?;
+            }
+            Ok(writer.flush()?)
+        };
+        write().map_err(|error| cannot_write(&path, &error))
+    }
+
+    /// Writes the samples of a loop as CSV: s, then q and p of each degree of freedom.
+    pub fn write_samples(&self, name: &str, ensemble: &Ensemble) -> Result<(), Failure> {
+        let path = self.path.join(name);
+        let write = || -> csv::Result<()> {
+            let mut writer = csv::Writer::from_path(&path)?;
+            let dof = ensemble.dof();
+            let columns = |c: &str| (0..dof).map(|i| format!("{c}{i}")).collect::<Vec<_>>();
+            writer.write_record([vec!["s".to_owned()], columns("q"), columns("p")].concat())?;
+            for k in 0..ensemble.samples() {
+                let s = k as f64 / ensemble.samples() as f64;
+                let q = (0..dof).map(|i| ensemble.q().row(i)[k]);
+                let p = (0..dof).map(|i| ensemble.p().row(i)[k]);
+                let record = std::iter::once(s).chain(q).chain(p);
+                writer.write_record(record.map(|value| format!("{value:?}")))?;
+            }
+            Ok(writer.flush()?)
+        };
+        write().map_err(|error| cannot_write(&path, &error))
+    }
+}
+
+fn cannot_write(path: &Path, error: &impl ToString) -> Failure {
+    Failure::Write {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    }
+}

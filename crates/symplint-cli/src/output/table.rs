@@ -1,0 +1,139 @@
+//! Tables on the terminal.
+
+use anstyle::{AnsiColor, Style};
+use comfy_table::{CellAlignment, Table, presets};
+use symplint::{Diagnosis, Point, Sweep, TracePoint, VerdictKind};
+
+use super::power_of_two;
+use crate::config::Config;
+
+/// Rows of one sweep at most, so that a screen holds the table.
+const MOST_ROWS: usize = 16;
+
+/// A table with a header.
+pub fn plain_table(header: &[&str], rows: Vec<Vec<String>>) -> String {
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
+    table.set_content_arrangement(comfy_table::ContentArrangement::Dynamic);
+    table.set_header(header.to_vec());
+    table.add_rows(rows);
+    table.to_string()
+}
+
+/// The sweeps of the given loop.
+pub fn points_table(config: &Config, diagnosis: &Diagnosis) -> String {
+    let mut text = format!(
+        "{} · {} · {} degree{} of freedom\n",
+        config.system.name,
+        config.integrator,
+        config.map.dof(),
+        if config.map.dof() == 1 { "" } else { "s" }
+    );
+    for sweep in [Sweep::StepSize, Sweep::Samples] {
+        let points: Vec<&Point> = (diagnosis.points.iter())
+            .filter(|point| point.sweep == sweep && point.loop_index == 0)
+            .collect();
+        if !points.is_empty() {
+            text += &sweep_table(&points);
+            text.push('\n');
+        }
+    }
+    text
+}
+
+fn sweep_table(points: &[&Point]) -> String {
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
+    let omitted = points.iter().any(|point| point.omitted_cells.is_some());
+    let mut header = vec!["h", "samples", "rule", "∮p·dq", "defect", "quadrature", "round-off"];
+    if omitted {
+        header.push("omitted");
+    }
+    table.set_header(header);
+    let every = points.len().div_ceil(MOST_ROWS);
+    for point in points.iter().step_by(every) {
+        let mut row = vec![
+            power_of_two(point.step_size),
+            point.samples.to_string(),
+            point.rule.to_owned(),
+            format!("{:.9e}", point.advanced),
+            format!("{:+.2e}", point.signed_defect),
+            point.quadrature_error.map_or("?".into(), |error| format!("{error:.0e}")),
+            format!("{:.0e}", point.roundoff),
+        ];
+        if omitted {
+            row.push(point.omitted_cells.map_or(String::new(), |cells| cells.to_string()));
+        }
+        table.add_row(row);
+    }
+    for (index, column) in table.column_iter_mut().enumerate() {
+        if index != 2 {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    let text = table.to_string();
+    if every > 1 {
+        format!("{text}\n(every {every}th point is shown)")
+    } else {
+        text
+    }
+}
+
+/// The verdict, with its reasons unless `short`.
+pub fn verdict_text(diagnosis: &Diagnosis, short: bool) -> String {
+    let verdict = &diagnosis.verdict;
+    let color = match verdict.kind {
+        VerdictKind::Symplectic => AnsiColor::Green,
+        VerdictKind::NotSymplectic | VerdictKind::BrokenLoops => AnsiColor::Red,
+        VerdictKind::Undecided => AnsiColor::Yellow,
+    };
+    let style = Style::new().bold().fg_color(Some(color.into()));
+    let mut text = format!("{style}{}{style:#}", verdict.kind);
+    if let Some(digits) = verdict.digits {
+        text += &format!(" to {digits} digits");
+    }
+    if let Some(order) = verdict.order {
+        text += &format!(", defect of order h^{order}");
+    }
+    if short {
+        return text;
+    }
+    text += &format!("\n{}", verdict.summary);
+    for line in &verdict.evidence {
+        text += &format!("\n  · {line}");
+    }
+    for line in &verdict.advice {
+        text += &format!("\n  → {line}");
+    }
+    text
+}
+
+/// Some moments of a trace and its worst.
+pub fn trace_table(points: &[TracePoint], short: bool) -> String {
+    let worst = |of: fn(&TracePoint) -> f64| points.iter().map(of).fold(0.0, f64::max);
+    let summary = format!(
+        "largest defect of the loop integral {:.2e}, largest energy error {:.2e}",
+        worst(|point| point.defect),
+        worst(|point| point.energy_error.map_or(0.0, f64::abs))
+    );
+    if short {
+        return summary;
+    }
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
+    table.set_header(["t", "∮p·dq", "defect", "quadrature", "energy error"]);
+    let every = (points.len() / MOST_ROWS).max(1);
+    for point in points.iter().step_by(every) {
+        table.add_row([
+            format!("{:.4}", point.time),
+            format!("{:.9e}", point.integral),
+            format!("{:+.2e}", point.signed_defect),
+            point.quadrature_error.map_or("?".into(), |error| format!("{error:.0e}")),
+            point.energy_error.map_or(String::new(), |error| format!("{error:+.2e}")),
+        ]);
+    }
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    format!("{table}\n{summary}")
+}

@@ -1,0 +1,174 @@
+//! Figure 4: the interpolated pendulum against the step size.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use symplint::{Circle, Cutoffs, Rule};
+use symplint_models::Separable;
+use symplint_models::systems::InterpolatedPendulum;
+
+use super::claim::{Claim, Judgement};
+use super::plot::{axis, reference_slope, series};
+use super::sweep::{Record, Study, halvings, last_slope, step_of, worst};
+use super::Item;
+use crate::commands::Failure;
+use crate::config::{Accept, Key, Section};
+use crate::figure::{Figure, Panel, Scale, Style};
+use crate::output::{RunFolder, error_axis, step_axis};
+
+pub const ITEM: Item = Item {
+    id: "fig4",
+    title: "interpolated pendulum: defect against the step size",
+    cost: "10 s",
+    keys: &[
+        Key::new("samples_smooth", "\"2^16\"", "samples without interpolation and for degree 3"),
+        Key::new("samples_rough", "\"2^20\"", "samples for degrees 1 and 2"),
+        Key::new("halvings", "14", "step sizes 2^-1 … 2^-halvings"),
+        Key::new("p0", "0.0", "centre of the loop, momentum"),
+        Key::new("cutoff", "10.0", "λ_q = λ_p of the finite-difference rule"),
+    ],
+    run,
+};
+
+/// One panel of figures 3 and 4.
+pub struct Case {
+    /// Spline degree; 0 for no interpolation.
+    pub degree: usize,
+    /// Title.
+    pub title: &'static str,
+    /// Whether the paper uses finite differences, because loops break.
+    pub broken: bool,
+    /// Rate of convergence in the samples, where there is one to show.
+    pub sample_order: Option<f64>,
+}
+
+impl Case {
+    /// The paper's rule for this case.
+    pub fn rule_name(&self) -> &'static str {
+        if self.broken { "finite-difference" } else { "pseudospectral" }
+    }
+}
+
+/// The panels.
+pub const CASES: [Case; 4] = [
+    Case { degree: 0, title: "not interpolated", broken: false, sample_order: None },
+    Case { degree: 1, title: "piecewise linear", broken: true, sample_order: None },
+    Case { degree: 2, title: "piecewise quadratic", broken: false, sample_order: Some(2.0) },
+    Case { degree: 3, title: "piecewise cubic", broken: false, sample_order: Some(3.0) },
+];
+
+/// Label, name and variant.
+pub const INTEGRATORS: [(&str, &str, &str); 2] = [
+    ("Strang", "strang", "position-first"),
+    ("RK2", "rk2", "midpoint"),
+];
+
+/// The system on the paper's 25 cells.
+pub fn pendulum(degree: usize) -> Result<Arc<dyn Separable>, Failure> {
+    Ok(Arc::new(InterpolatedPendulum::new(degree, 25)?))
+}
+
+/// The unit circle round (π, p0).
+pub fn circle_round(p0: f64) -> Result<Circle, Failure> {
+    Ok(Circle::new(vec![PI], vec![p0], 1.0)?)
+}
+
+fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
+    let smooth = settings.whole("samples_smooth", 3)? as usize;
+    let rough = settings.whole("samples_rough", 3)? as usize;
+    let steps = halvings(-1, -(settings.whole("halvings", 2)?.min(40) as i32));
+    let p0 = settings.number("p0", Accept::Finite)?;
+    let circle = circle_round(p0)?;
+    let cutoffs = Cutoffs::relative(settings.number("cutoff", Accept::Positive)?);
+    let mut records: Vec<Record> = Vec::new();
+    let mut panels = Vec::new();
+    for case in &CASES {
+        let samples = if matches!(case.degree, 1 | 2) { rough } else { smooth };
+        let system = pendulum(case.degree)?;
+        let mut drawn = Vec::new();
+        for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
+            let map = step_of(name, variant, &system)?;
+            for rule in [Rule::Pseudospectral, Rule::FiniteDifference(cutoffs)] {
+                let study = Study {
+                    case: case.title,
+                    integrator: label,
+                    map: &*map,
+                    phase_loop: &circle,
+                    rule,
+                };
+                let points = study.over_steps(samples, &steps)?;
+                if matches!(rule, Rule::Pseudospectral) != case.broken {
+                    let curve = points.iter().map(Record::over_step).collect();
+                    drawn.push(series(label, curve, Style::LineAndPoints, index));
+                }
+                records.extend(points);
+            }
+        }
+        let rk2 = drawn[1].points.clone();
+        drawn.push(reference_slope(&rk2, if case.broken { 2.0 } else { 4.0 }, "h"));
+        panels.push(Panel {
+            title: format!("{} (Nₛ = 2^{})", case.title, samples.ilog2()),
+            x: step_axis(),
+            y: error_axis(),
+            series: drawn,
+            equal_aspect: false,
+        });
+    }
+    Figure {
+        title: None,
+        panels,
+        columns: 2,
+    }
+    .save(&folder.figures(), "fig4")?;
+    folder.write_csv("fig4.csv", &records)?;
+    Ok(claims(&records, p0))
+}
+
+fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
+    let curve = |case: &Case, integrator: &str| -> Vec<&Record> {
+        (records.iter())
+            .filter(|r| r.case == case.title && r.integrator == integrator && r.rule == case.rule_name())
+            .collect()
+    };
+    let mut claims = Vec::new();
+    for case in CASES.iter().filter(|case| !case.broken) {
+        let strang = curve(case, "Strang");
+        let largest = worst(strang.iter().copied());
+        claims.push(Claim {
+            item: "fig4",
+            place: "section 4.3",
+            says: format!("{}: Strang conserves the loop integral at every step size", case.title),
+            measured: format!("no defect above {largest:.1e}"),
+            judgement: Judgement::of(largest < 1e-11),
+        });
+        let rk2: Vec<(f64, f64)> = curve(case, "RK2").iter().map(|r| r.over_step()).collect();
+        let slope = last_slope(&rk2, 1e-11).unwrap_or(f64::NAN);
+        claims.push(Claim {
+            item: "fig4",
+            place: "section 4.3",
+            says: format!("{}: RK2 goes as h⁴", case.title),
+            measured: format!(
+                "midpoint goes as h^{slope:.2} round (π, {p0}); its h³ term is odd in p and cancels on a \
+                 loop centred at p = 0"
+            ),
+            judgement: Judgement::with_correction(
+                (slope - 4.0).abs() < 0.1,
+                p0 != 0.0 && (slope - 3.0).abs() < 0.1,
+            ),
+        });
+    }
+    let linear = &CASES[1];
+    let trusted = |r: &&Record| r.step_size >= 2f64.powi(-6);
+    let ratio = (curve(linear, "Strang").into_iter().filter(trusted))
+        .zip(curve(linear, "RK2").into_iter().filter(trusted))
+        .map(|(strang, rk2)| strang.defect() / rk2.defect())
+        .fold((f64::INFINITY, 0.0f64), |(low, high), r| (low.min(r), high.max(r)));
+    claims.push(Claim {
+        item: "fig4",
+        place: "section 4.3",
+        says: "piecewise linear: Strang and RK2 are largely indistinguishable for h ≥ 2^-6".into(),
+        measured: format!("defect of Strang over that of RK2 between {:.2} and {:.2}", ratio.0, ratio.1),
+        judgement: Judgement::of(ratio.0 > 0.5 && ratio.1 < 2.0),
+    });
+    claims
+}

@@ -1,0 +1,50 @@
+//! The paper, item by item: what it shows, and whether what it says holds.
+//!
+//! Barham & Burby, "Diagnosing symplecticity in simulations of high-dimensional Hamiltonian
+//! systems". Each item writes its figures and data into the run folder and judges
+//! the paper's claims from the numbers it measured.
+
+mod appendix_a;
+mod appendix_b;
+mod claim;
+mod closed_forms;
+mod fig1;
+mod fig2;
+mod fig3;
+mod fig4;
+mod fig5;
+mod plot;
+mod sweep;
+
+pub use claim::{Claim, Judgement, claims_markdown, claims_table};
+pub use plot::{portrait, reference_slope};
+
+use crate::commands::Failure;
+use crate::config::{Key, Section};
+use crate::output::RunFolder;
+
+/// One figure, table or set of formulas of the paper.
+pub struct Item {
+    /// Its name on the command line.
+    pub id: &'static str,
+    /// What it shows.
+    pub title: &'static str,
+    /// About how long it takes on two cores.
+    pub cost: &'static str,
+    /// Its settings, for `--set`.
+    pub keys: &'static [Key],
+    /// Measures, draws and judges.
+    pub run: fn(&Section, &RunFolder) -> Result<Vec<Claim>, Failure>,
+}
+
+/// Everything that `reproduce` knows.
+pub const ITEMS: &[Item] = &[
+    fig1::ITEM,
+    fig2::ITEM,
+    closed_forms::ITEM,
+    fig3::ITEM,
+    fig4::ITEM,
+    fig5::ITEM,
+    appendix_a::ITEM,
+    appendix_b::ITEM,
+];

@@ -1,0 +1,124 @@
+//! Hamiltonians as the integrators see them: forces and velocities on blocks of samples.
+//!
+//! All methods work on rows: row i holds degree of freedom i of every sample of a block.
+//! Rows of one call have the same length; methods panic where they do not.
+
+use symplint::{Coordinates, Rows, RowsMut, scratch};
+
+/// A separable Hamiltonian H(q, p) = T(p) + V(q), whose two parts have exact flows.
+///
+/// A system with T = |p|²/2 supplies [`dof`](Self::dof), [`kick`](Self::kick) and
+/// [`potential_energy`](Self::potential_energy).
+pub trait Separable: Send + Sync {
+    /// Degrees of freedom d.
+    fn dof(&self) -> usize;
+
+    /// The exact flow of T for a time `tau`: q += τ ∂T/∂p. By default T = |p|²/2.
+    fn drift(&self, tau: f64, p: Rows<'_>, q: &mut RowsMut<'_>) {
+        for i in 0..p.count() {
+            for (q, p) in q.row_mut(i).iter_mut().zip(p.row(i)) {
+                *q += tau * p;
+            }
+        }
+    }
+
+    /// The exact flow of V for a time `tau`: p −= τ ∂V/∂q.
+    fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>);
+
+    /// Writes T of every sample into `out`. By default T = |p|²/2.
+    fn kinetic_energy(&self, p: Rows<'_>, out: &mut [f64]) {
+        out.fill(0.0);
+        for i in 0..p.count() {
+            for (out, p) in out.iter_mut().zip(p.row(i)) {
+                *out += 0.5 * p * p;
+            }
+        }
+    }
+
+    /// Writes V of every sample into `out`.
+    fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]);
+
+    /// Which positions are periodic, and what makes momenta canonical. By default nothing is
+    /// periodic and p is canonical as it is.
+    fn coordinates(&self) -> Coordinates {
+        Coordinates::plain(self.dof())
+    }
+}
+
+/// Any Hamiltonian H(q, p), separable or not.
+///
+/// Every [`Separable`] system is one of these; import only the trait that is meant, as both
+/// have a `dof` and `coordinates`.
+pub trait Hamiltonian: Send + Sync {
+    /// Degrees of freedom d.
+    fn dof(&self) -> usize;
+
+    /// Writes H of every sample into `out`.
+    fn energy(&self, q: Rows<'_>, p: Rows<'_>, out: &mut [f64]);
+
+    /// Adds velocities: `out` += τ ∂H/∂p.
+    fn add_velocity(&self, tau: f64, q: Rows<'_>, p: Rows<'_>, out: &mut RowsMut<'_>);
+
+    /// Adds forces: `out` −= τ ∂H/∂q.
+    fn add_force(&self, tau: f64, q: Rows<'_>, p: Rows<'_>, out: &mut RowsMut<'_>);
+
+    /// Which positions are periodic, and what makes momenta canonical. By default nothing is
+    /// periodic and p is canonical as it is.
+    fn coordinates(&self) -> Coordinates {
+        Coordinates::plain(self.dof())
+    }
+}
+
+impl<S: Separable + ?Sized> Hamiltonian for S {
+    fn dof(&self) -> usize {
+        Separable::dof(self)
+    }
+
+    fn energy(&self, q: Rows<'_>, p: Rows<'_>, out: &mut [f64]) {
+        self.kinetic_energy(p, out);
+        scratch::with_buffer(out.len(), |potential| {
+            self.potential_energy(q, potential);
+            for (out, potential) in out.iter_mut().zip(potential) {
+                *out += *potential;
+            }
+        });
+    }
+
+    fn add_velocity(&self, tau: f64, _q: Rows<'_>, p: Rows<'_>, out: &mut RowsMut<'_>) {
+        self.drift(tau, p, out);
+    }
+
+    fn add_force(&self, tau: f64, q: Rows<'_>, _p: Rows<'_>, out: &mut RowsMut<'_>) {
+        self.kick(tau, q, out);
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        Separable::coordinates(self)
+    }
+}
+
+macro_rules! forward_separable {
+    ($($pointer:ty),*) => {$(
+        impl<S: Separable + ?Sized> Separable for $pointer {
+            fn dof(&self) -> usize {
+                Separable::dof(&**self)
+            }
+            fn drift(&self, tau: f64, p: Rows<'_>, q: &mut RowsMut<'_>) {
+                (**self).drift(tau, p, q);
+            }
+            fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
+                (**self).kick(tau, q, p);
+            }
+            fn kinetic_energy(&self, p: Rows<'_>, out: &mut [f64]) {
+                (**self).kinetic_energy(p, out);
+            }
+            fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]) {
+                (**self).potential_energy(q, out);
+            }
+            fn coordinates(&self) -> Coordinates {
+                Separable::coordinates(&**self)
+            }
+        }
+    )*};
+}
+forward_separable!(&S, Box<S>, std::sync::Arc<S>);

@@ -1,0 +1,155 @@
+//! Explicit Runge–Kutta methods, ordinary and partitioned.
+
+use symplint::{Block, Coordinates, Rows, RowsMut, StepFailure, TimeAdvance, scratch};
+
+use super::stage_plan::{Dependence, Slope, StagePlan, Term};
+use super::tableau::TableauPair;
+use crate::error::ModelError;
+use crate::hamiltonian::{Hamiltonian, Separable};
+
+/// An explicit Runge–Kutta method, ordinary or partitioned, applied to a Hamiltonian system.
+///
+/// Not [`Invertible`](crate::maps::Invertible): the inverse of a step is implicit.
+///
+/// ```
+/// use symplint_models::integrators::{RungeKutta, tableaus};
+/// use symplint_models::systems::Pendulum;
+///
+/// let rk4 = RungeKutta::separable(tableaus::rk4(), Pendulum::default())?;
+/// # Ok::<(), symplint_models::ModelError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct RungeKutta<H> {
+    method: TableauPair,
+    plan: StagePlan,
+    system: H,
+}
+
+impl<H: Hamiltonian> RungeKutta<H> {
+    /// The map of `method`, a tableau or a pair of them, for any Hamiltonian.
+    ///
+    /// # Errors
+    /// If the method is implicit.
+    pub fn new(method: impl Into<TableauPair>, system: H) -> Result<Self, ModelError> {
+        Self::build(method.into(), system, Dependence::General)
+    }
+
+    fn build(method: TableauPair, system: H, dependence: Dependence) -> Result<Self, ModelError> {
+        let plan = StagePlan::new(&method, dependence)?;
+        Ok(RungeKutta {
+            method,
+            plan,
+            system,
+        })
+    }
+
+    /// The method.
+    pub fn method(&self) -> &TableauPair {
+        &self.method
+    }
+
+    /// The system.
+    pub fn system(&self) -> &H {
+        &self.system
+    }
+}
+
+impl<S: Separable> RungeKutta<S> {
+    /// The map of `method` for a separable Hamiltonian.
+    ///
+    /// Velocities depend on momenta only and forces on positions only, so stages cost less, and
+    /// partitioned methods such as
+    /// [`strang_position_first`](super::tableaus::strang_position_first) are explicit here that
+    /// are implicit in general.
+    ///
+    /// # Errors
+    /// If the method is implicit all the same.
+    pub fn separable(method: impl Into<TableauPair>, system: S) -> Result<Self, ModelError> {
+        Self::build(method.into(), system, Dependence::Separable)
+    }
+}
+
+impl<H: Hamiltonian> TimeAdvance for RungeKutta<H> {
+    fn dof(&self) -> usize {
+        self.system.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        let evaluations = &self.plan.evaluations;
+        scratch::with_tables(2 + evaluations.len(), block.dof(), block.len(), |tables| {
+            let (states, slopes) = tables.split_at_mut(2);
+            let (stage_q, stage_p) = states.split_at_mut(1);
+            let mut stage_q = StageState::new(&mut stage_q[0]);
+            let mut stage_p = StageState::new(&mut stage_p[0]);
+            for (place, evaluation) in evaluations.iter().enumerate() {
+                let (earlier, rest) = slopes.split_at_mut(place);
+                let stage = evaluation.stage;
+                let (q, p) = (block.q.as_rows(), block.p.as_rows());
+                let q = stage_q.at(stage, q, h, evaluation.q_terms.as_deref(), earlier);
+                let p = stage_p.at(stage, p, h, evaluation.p_terms.as_deref(), earlier);
+                let slope = &mut rest[0];
+                slope.fill(0.0);
+                match evaluation.slope {
+                    Slope::Velocity => self.system.add_velocity(1.0, q, p, slope),
+                    Slope::Force => self.system.add_force(1.0, q, p, slope),
+                }
+            }
+            add_terms(&mut block.q, h, &self.plan.q_update, slopes);
+            add_terms(&mut block.p, h, &self.plan.p_update, slopes);
+        });
+        Ok(())
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        self.system.coordinates()
+    }
+}
+
+/// Room for the positions, or momenta, of one stage.
+struct StageState<'a, 'b> {
+    rows: &'a mut RowsMut<'b>,
+    /// The stage they belong to: velocity and force of one stage share them.
+    held: Option<usize>,
+}
+
+impl<'a, 'b> StageState<'a, 'b> {
+    fn new(rows: &'a mut RowsMut<'b>) -> Self {
+        StageState { rows, held: None }
+    }
+
+    /// The state of `stage`: `start` plus h times `terms`. `start` itself where there is nothing
+    /// to add, or where the state is not read.
+    fn at<'c>(
+        &'c mut self,
+        stage: usize,
+        start: Rows<'c>,
+        h: f64,
+        terms: Option<&[Term]>,
+        slopes: &[RowsMut<'_>],
+    ) -> Rows<'c> {
+        match terms {
+            None | Some([]) => start,
+            Some(terms) => {
+                if self.held != Some(stage) {
+                    self.rows.copy_from(start);
+                    add_terms(self.rows, h, terms, slopes);
+                    self.held = Some(stage);
+                }
+                self.rows.as_rows()
+            }
+        }
+    }
+}
+
+/// `out` += h Σ coefficient × slope, row by row, so that a row stays in the nearest cache.
+fn add_terms(out: &mut RowsMut<'_>, h: f64, terms: &[Term], slopes: &[RowsMut<'_>]) {
+    for i in 0..out.count() {
+        let out = out.row_mut(i);
+        for &(coefficient, place) in terms {
+            let factor = h * coefficient;
+            for (out, slope) in out.iter_mut().zip(slopes[place].row(i)) {
+                *out += factor * slope;
+            }
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Maps one after the other.
+
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+
+use super::Invertible;
+use crate::error::ModelError;
+
+/// Maps one after the other, each with its fraction of the step: Φ^n_{c_n h} ∘ … ∘ Φ^1_{c_1 h}.
+///
+/// Maps of different types go together as `Box<dyn TimeAdvance>` or `Box<dyn Invertible>`.
+///
+/// ```
+/// use symplint_models::integrators::{Splitting, Variant, splitting_methods};
+/// use symplint_models::maps::Compose;
+/// use symplint_models::systems::Pendulum;
+///
+/// // The triple jump: three steps of order 2 make one of order 4.
+/// let step = Splitting::new(splitting_methods::strang(Variant::PositionFirst), Pendulum::default());
+/// let outer = 1.0 / (2.0 - 2.0_f64.cbrt());
+/// let jump = Compose::new(vec![(outer, &step), (1.0 - 2.0 * outer, &step), (outer, &step)])?;
+/// # Ok::<(), symplint_models::ModelError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compose<M> {
+    parts: Vec<(f64, M)>,
+}
+
+impl<M: TimeAdvance> Compose<M> {
+    /// The composition of `parts`, pairs of a fraction and a map, the first to be applied first.
+    ///
+    /// # Errors
+    /// If there is no part, a fraction is not finite, or parts differ in their degrees of freedom,
+    /// periods or momentum weights.
+    pub fn new(parts: Vec<(f64, M)>) -> Result<Self, ModelError> {
+        let Some((_, first)) = parts.first() else {
+            return Err(ModelError::EmptyComposition);
+        };
+        let (dof, coordinates) = (first.dof(), first.coordinates());
+        for (part, (fraction, map)) in parts.iter().enumerate() {
+            ModelError::check_finite("the fraction of a composed map", *fraction)?;
+            if map.dof() != dof {
+                return Err(ModelError::ComposedDof {
+                    part,
+                    expected: dof,
+                    got: map.dof(),
+                });
+            }
+            if map.coordinates() != coordinates {
+                return Err(ModelError::ComposedCoordinates { part });
+            }
+        }
+        Ok(Compose { parts })
+    }
+}
+
+impl<M: TimeAdvance> TimeAdvance for Compose<M> {
+    fn dof(&self) -> usize {
+        self.parts[0].1.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.parts
+            .iter()
+            .try_for_each(|(fraction, map)| map.advance(fraction * h, block))
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        self.parts[0].1.coordinates()
+    }
+}
+
+impl<M: Invertible> Invertible for Compose<M> {
+    fn advance_inverse(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.parts
+            .iter()
+            .rev()
+            .try_for_each(|(fraction, map)| map.advance_inverse(fraction * h, block))
+    }
+}

@@ -1,0 +1,29 @@
+//! The inverse of a map.
+
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+
+use super::Invertible;
+
+/// The map (Φ_h)^{-1}.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inverse<M>(pub M);
+
+impl<M: Invertible> TimeAdvance for Inverse<M> {
+    fn dof(&self) -> usize {
+        self.0.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.0.advance_inverse(h, block)
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        self.0.coordinates()
+    }
+}
+
+impl<M: Invertible> Invertible for Inverse<M> {
+    fn advance_inverse(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.0.advance(h, block)
+    }
+}

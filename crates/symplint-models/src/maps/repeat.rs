@@ -1,0 +1,46 @@
+//! Several steps of one map.
+
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+
+use super::Invertible;
+use crate::error::ModelError;
+
+/// The map Φ_h ∘ … ∘ Φ_h of n steps of size h each: it advances by a time n h.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Repeat<M> {
+    map: M,
+    steps: usize,
+}
+
+impl<M: TimeAdvance> Repeat<M> {
+    /// `steps` steps of `map`.
+    ///
+    /// # Errors
+    /// If `steps` is 0.
+    pub fn new(map: M, steps: usize) -> Result<Self, ModelError> {
+        if steps == 0 {
+            return Err(ModelError::NoSteps);
+        }
+        Ok(Repeat { map, steps })
+    }
+}
+
+impl<M: TimeAdvance> TimeAdvance for Repeat<M> {
+    fn dof(&self) -> usize {
+        self.map.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        (0..self.steps).try_for_each(|_| self.map.advance(h, block))
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        self.map.coordinates()
+    }
+}
+
+impl<M: Invertible> Invertible for Repeat<M> {
+    fn advance_inverse(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        (0..self.steps).try_for_each(|_| self.map.advance_inverse(h, block))
+    }
+}

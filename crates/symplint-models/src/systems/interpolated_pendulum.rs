@@ -1,0 +1,130 @@
+//! A pendulum whose potential is known on a grid only.
+
+use std::f64::consts::TAU;
+
+use symplint::{Coordinates, Rows, RowsMut};
+
+use crate::error::ModelError;
+use crate::hamiltonian::Separable;
+use crate::periodic_grid::PeriodicGrid;
+use crate::periodic_spline::PeriodicSpline;
+
+/// H = p²/2 + V(q) with V = sin q + cos²(2q + 1), or its periodic B-spline interpolant.
+///
+/// The interpolant of degree α takes the values of V at the nodes 2πi/cells and has α − 1
+/// continuous derivatives, so the degree sets the regularity of the Hamiltonian: at α = 1 the
+/// force jumps at every node, at α = 2 it has kinks (Barham & Burby, section 4.3, where there
+/// are 25 cells). One degree of freedom, q of period 2π.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InterpolatedPendulum {
+    /// Nothing for V itself.
+    spline: Option<PeriodicSpline>,
+}
+
+impl InterpolatedPendulum {
+    /// The number of cells in Barham & Burby, section 4.3.
+    pub const CELLS: usize = 25;
+
+    /// The interpolant of `degree` 1 to 5 on `cells` cells, or for degree 0 the potential itself,
+    /// not interpolated; then `cells` is not read.
+    ///
+    /// # Errors
+    /// If the degree exceeds 5, there are not more cells than the degree, there are more than
+    /// [`PeriodicGrid::MAX_CELLS`], or degree and cells are both even: then the alternating
+    /// combination of splines vanishes at all nodes, and values there determine no interpolant.
+    pub fn new(degree: usize, cells: usize) -> Result<Self, ModelError> {
+        if degree == 0 {
+            return Ok(InterpolatedPendulum { spline: None });
+        }
+        let grid = PeriodicGrid::new(cells, TAU)?;
+        let values: Vec<f64> = (0..cells).map(|i| potential(grid.node(i))).collect();
+        let spline = PeriodicSpline::interpolating(degree, TAU, &values)?;
+        Ok(InterpolatedPendulum {
+            spline: Some(spline),
+        })
+    }
+
+    /// The interpolant, unless the potential is not interpolated.
+    pub fn spline(&self) -> Option<&PeriodicSpline> {
+        self.spline.as_ref()
+    }
+}
+
+/// V(q) = sin q + cos²(2q + 1).
+fn potential(q: f64) -> f64 {
+    q.sin() + (2.0 * q + 1.0).cos().powi(2)
+}
+
+/// V'(q).
+fn slope(q: f64) -> f64 {
+    q.cos() - 2.0 * (4.0 * q + 2.0).sin()
+}
+
+impl Separable for InterpolatedPendulum {
+    fn dof(&self) -> usize {
+        1
+    }
+
+    fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
+        let states = p.row_mut(0).iter_mut().zip(q.row(0));
+        match &self.spline {
+            None => states.for_each(|(p, q)| *p -= tau * slope(*q)),
+            Some(spline) => states.for_each(|(p, q)| *p -= tau * spline.derivative(*q)),
+        }
+    }
+
+    fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]) {
+        for (out, q) in out.iter_mut().zip(q.row(0)) {
+            *out = match &self.spline {
+                None => potential(*q),
+                Some(spline) => spline.value(*q),
+            };
+        }
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        super::angle()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_potential_is_matched_at_the_nodes() {
+        for degree in 1..=5 {
+            let system = InterpolatedPendulum::new(degree, InterpolatedPendulum::CELLS).unwrap();
+            let spline = system.spline().unwrap();
+            for i in 0..25 {
+                let q = TAU * f64::from(i) / 25.0;
+                assert!(
+                    (spline.value(q) - potential(q)).abs() < 3e-15,
+                    "degree {degree}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn grids_that_cannot_work_are_refused() {
+        assert!(matches!(
+            InterpolatedPendulum::new(2, 24),
+            Err(ModelError::SingularCollocation {
+                degree: 2,
+                cells: 24
+            })
+        ));
+        assert!(matches!(
+            InterpolatedPendulum::new(5, 5),
+            Err(ModelError::TooFewCells { .. })
+        ));
+        assert!(matches!(
+            InterpolatedPendulum::new(6, 25),
+            Err(ModelError::Degree { .. })
+        ));
+        assert!(InterpolatedPendulum::new(1, 0).is_err());
+        assert!(InterpolatedPendulum::new(3, usize::MAX).is_err());
+        assert!(InterpolatedPendulum::new(0, 0).is_ok());
+    }
+}
