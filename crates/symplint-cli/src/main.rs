@@ -30,7 +30,9 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(common.threads.map_or(0, usize::from))
         .build()
-        .map_err(|error| Failure::Threads { reason: error.to_string() })?;
+        .map_err(|error| Failure::Threads {
+            reason: error.to_string(),
+        })?;
     pool.install(|| match &cli.command {
         Command::Check { config } => commands::check(config, common),
         Command::Trace { config } => commands::trace(config, common),

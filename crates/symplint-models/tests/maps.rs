@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{State, distance, stepped};
+use common::{Rotor, State, distance, stepped};
 use proptest::prelude::*;
 use symplint::{Coordinates, TimeAdvance};
 use symplint_models::ModelError;
@@ -157,18 +157,18 @@ fn repetition_is_step_after_step() {
 #[test]
 fn coordinates_are_passed_on() {
     let strang = splitting_methods::strang(Variant::PositionFirst);
-    let pendulum = Splitting::new(strang, Pendulum::default());
-    let angle = pendulum.coordinates();
-    assert_ne!(angle, Coordinates::plain(1));
+    let rotor = Splitting::new(strang, Rotor(Pendulum::default()));
+    let of_rotor = rotor.coordinates();
+    assert_ne!(of_rotor, Coordinates::plain(1));
     let maps: [&dyn TimeAdvance; 5] = [
-        &Inverse(&pendulum),
-        &Adjoint(&pendulum),
-        &Repeat::new(&pendulum, 2).unwrap(),
-        &Compose::new(vec![(1.0, &pendulum)]).unwrap(),
-        &RungeKutta::separable(tableaus::rk4(), Pendulum::default()).unwrap(),
+        &Inverse(&rotor),
+        &Adjoint(&rotor),
+        &Repeat::new(&rotor, 2).unwrap(),
+        &Compose::new(vec![(1.0, &rotor)]).unwrap(),
+        &RungeKutta::separable(tableaus::rk4(), Rotor(Pendulum::default())).unwrap(),
     ];
     for map in maps {
-        assert_eq!(map.coordinates(), angle);
+        assert_eq!(map.coordinates(), of_rotor);
         assert_eq!(map.dof(), 1);
     }
 }
@@ -182,7 +182,7 @@ fn combinations_without_meaning_are_refused() {
             system,
         ))
     };
-    let pendulum = || strang(Box::<Pendulum>::default());
+    let pendulum = || strang(Box::new(Rotor(Pendulum::default())));
     let error =
         |parts: Vec<(f64, Box<dyn TimeAdvance>)>| Compose::new(parts).map(|_| ()).unwrap_err();
     assert_eq!(error(vec![]), ModelError::EmptyComposition);

@@ -5,7 +5,7 @@ mod common;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use common::{State, distance, stepped};
+use common::{Rotor, State, distance, stepped};
 use proptest::prelude::*;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
@@ -229,9 +229,9 @@ fn henon_heiles_steps_keep_the_two_form() {
 
 #[test]
 fn a_shared_system_works_in_every_family() {
-    let system: Arc<dyn Separable> = Arc::new(Pendulum::default());
+    let system: Arc<dyn Separable> = Arc::new(Rotor(Pendulum::default()));
     let strang = splitting_methods::strang(Variant::PositionFirst);
-    let boxed: Box<dyn Separable> = Box::new(Pendulum::default());
+    let boxed: Box<dyn Separable> = Box::new(Rotor(Pendulum::default()));
     let maps: [Box<dyn TimeAdvance>; 3] = [
         Box::new(Splitting::new(strang.clone(), system.clone())),
         Box::new(RungeKutta::separable(tableaus::strang_position_first(), system).unwrap()),

@@ -16,9 +16,11 @@ pub fn check(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
     // Before hours of work, not after.
     let folder = common.out.as_deref().map(RunFolder::create).transpose()?;
     let progress = Progress::new("points", common.quiet || common.json);
-    let diagnosis = config.diagnostic.run(&*config.map, &*config.phase_loop, &|event| {
-        progress.diagnosis(event);
-    })?;
+    let diagnosis = config
+        .diagnostic
+        .run(&*config.map, &*config.phase_loop, &|event| {
+            progress.diagnosis(event);
+        })?;
     progress.finish();
 
     let report = Report::new(&config.resolved, &diagnosis);
@@ -38,7 +40,9 @@ pub fn check(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
         }
         anstream::println!("{}", output::verdict_text(&diagnosis, common.quiet));
         match &folder {
-            Some(folder) if !common.quiet => anstream::println!("\nWritten to {}", folder.path().display()),
+            Some(folder) if !common.quiet => {
+                anstream::println!("\nWritten to {}", folder.path().display())
+            }
             None if !common.quiet => {
                 anstream::println!("\nAdd --out DIR for figures, all points and the report.");
             }

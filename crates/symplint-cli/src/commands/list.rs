@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use symplint_models::integrators::CATALOGUE;
+use symplint_models::integrators::catalogue::CATALOGUE;
 
 use super::Failure;
 use crate::cli::What;
@@ -23,7 +23,13 @@ pub fn list(what: What) -> Result<ExitCode, Failure> {
                 .collect(),
         ),
         What::Integrators => (
-            &["integrator", "variants", "order", "symplectic", "what it is"],
+            &[
+                "integrator",
+                "variants",
+                "order",
+                "symplectic",
+                "what it is",
+            ],
             (CATALOGUE.iter())
                 .map(|info| {
                     vec![

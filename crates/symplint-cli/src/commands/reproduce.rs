@@ -42,7 +42,10 @@ pub fn reproduce(ids: &[String], only_list: bool, common: &Common) -> Result<Exi
         anstream::println!("{}", crate::output::to_json(&claims));
     } else {
         anstream::println!("{}", paper::claims_table(&claims));
-        anstream::println!("\nFigures, data and claims.md are in {}", folder.path().display());
+        anstream::println!(
+            "\nFigures, data and claims.md are in {}",
+            folder.path().display()
+        );
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use symplint::{Orbit, Rule, RuleChoice, Rows, Trace, TraceRecord};
+use symplint::{Orbit, Rows, Rule, RuleChoice, Trace, TraceRecord};
 use symplint_models::Hamiltonian;
 
 use super::Failure;
@@ -44,7 +44,11 @@ pub fn trace(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
 
 fn run(config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> {
     let settings = &config.trace;
-    if let Some(&late) = settings.snapshots.iter().find(|&&step| step > settings.steps) {
+    if let Some(&late) = settings
+        .snapshots
+        .iter()
+        .find(|&&step| step > settings.steps)
+    {
         let text = format!("trace.snapshots names step {late} of {}", settings.steps);
         return Err(ConfigError::new(text, "take more steps or drop the snapshot").into());
     }

@@ -8,15 +8,41 @@ use super::section::{Accept, Key, Section, read_number};
 
 /// The keys of [diagnostic].
 pub const KEYS: &[Key] = &[
-    Key::new("rule", "\"auto\"", "\"auto\", \"pseudospectral\" or \"finite-difference\""),
-    Key::new("step_sizes", "{ from = \"2^-1\", to = \"2^-10\" }", "halving from … to …, or a list; the verdict leans on the largest"),
-    Key::new("samples", "\"auto\"", "samples of the loop: \"auto\", or a number from 3"),
-    Key::optional("sample_sweep", "doubling: { from = \"2^6\", to = \"2^15\", step_size = 0.1 }; none if left out"),
-    Key::new("cutoff_q", "1000.0", "λ_q: finite differences leave out cells where |dq/ds| > λ_q max|q|"),
+    Key::new(
+        "rule",
+        "\"auto\"",
+        "\"auto\", \"pseudospectral\" or \"finite-difference\"",
+    ),
+    Key::new(
+        "step_sizes",
+        "{ from = \"2^-1\", to = \"2^-10\" }",
+        "halving from … to …, or a list; the verdict leans on the largest",
+    ),
+    Key::new(
+        "samples",
+        "\"auto\"",
+        "samples of the loop: \"auto\", or a number from 3",
+    ),
+    Key::optional(
+        "sample_sweep",
+        "doubling: { from = \"2^6\", to = \"2^15\", step_size = 0.1 }; none if left out",
+    ),
+    Key::new(
+        "cutoff_q",
+        "1000.0",
+        "λ_q: finite differences leave out cells where |dq/ds| > λ_q max|q|",
+    ),
     Key::new("cutoff_p", "1000.0", "λ_p: the same for p"),
-    Key::optional("cutoff_q_absolute", "τ_q: cut-off on |dq/ds| itself, in place of cutoff_q"),
+    Key::optional(
+        "cutoff_q_absolute",
+        "τ_q: cut-off on |dq/ds| itself, in place of cutoff_q",
+    ),
     Key::optional("cutoff_p_absolute", "τ_p: the same for p"),
-    Key::new("loops", "4", "loops in all; those after the first are random and tried at the largest step size"),
+    Key::new(
+        "loops",
+        "4",
+        "loops in all; those after the first are random and tried at the largest step size",
+    ),
     Key::new("seed", "1", "of the random loops"),
 ];
 
@@ -93,7 +119,9 @@ fn step_sizes(section: &Section) -> Result<Vec<f64>, ConfigError> {
             .map(|item| read_number(path, item, Accept::Positive))
             .collect(),
         Value::Table(_) => {
-            let range = section.subsection("step_sizes", &FROM_TO)?.expect("it is a table");
+            let range = section
+                .subsection("step_sizes", &FROM_TO)?
+                .expect("it is a table");
             let from = range.number("from", Accept::Positive)?;
             let to = range.number("to", Accept::Positive)?;
             // Halves of `from` down to `to`, with room for rounding at the end.

@@ -53,7 +53,9 @@ impl Value {
             Value::Integer(number) => toml::Value::Integer(*number),
             Value::Float(number) => toml::Value::Float(*number),
             Value::Boolean(flag) => toml::Value::Boolean(*flag),
-            Value::List(list) => list.iter().map(|node| node.value.to_toml()).collect(),
+            Value::List(list) => {
+                toml::Value::Array(list.iter().map(|node| node.value.to_toml()).collect())
+            }
             Value::Table(table) => (table.entries.iter())
                 .map(|(key, (_, node))| (key.clone(), node.value.to_toml()))
                 .collect::<toml::Table>()
@@ -128,8 +130,17 @@ fn overlay(table: &mut Table, over: Table) {
     for (key, (place, node)) in over.entries {
         match (table.entries.get_mut(&key), node) {
             (
-                Some((_, Node { value: Value::Table(old), .. })),
-                Node { value: Value::Table(new), .. },
+                Some((
+                    _,
+                    Node {
+                        value: Value::Table(old),
+                        ..
+                    },
+                )),
+                Node {
+                    value: Value::Table(new),
+                    ..
+                },
             ) => overlay(old, new),
             (_, node) => {
                 table.entries.insert(key, (place, node));
@@ -157,8 +168,11 @@ fn convert(value: &Spanned<DeValue<'_>>, source: &Rc<Source>) -> Result<Node, Co
         span: value.span(),
     };
     let unreadable = |what: &str| {
-        ConfigError::new(format!("{what} cannot be represented"), "write a smaller number")
-            .at(&place, "here")
+        ConfigError::new(
+            format!("{what} cannot be represented"),
+            "write a smaller number",
+        )
+        .at(&place, "here")
     };
     let value = match value.get_ref() {
         DeValue::String(text) => Value::Text(text.to_string()),
@@ -166,17 +180,22 @@ fn convert(value: &Spanned<DeValue<'_>>, source: &Rc<Source>) -> Result<Node, Co
             i64::from_str_radix(number.as_str(), number.radix())
                 .map_err(|_| unreadable("this whole number"))?,
         ),
-        DeValue::Float(number) => {
-            Value::Float(number.as_str().parse().map_err(|_| unreadable("this number"))?)
-        }
-        DeValue::Boolean(flag) => Value::Boolean(*flag),
-        DeValue::Array(list) => Value::List(
-            (list.iter().map(|item| convert(item, source))).collect::<Result<_, _>>()?,
+        DeValue::Float(number) => Value::Float(
+            number
+                .as_str()
+                .parse()
+                .map_err(|_| unreadable("this number"))?,
         ),
+        DeValue::Boolean(flag) => Value::Boolean(*flag),
+        DeValue::Array(list) => {
+            Value::List((list.iter().map(|item| convert(item, source))).collect::<Result<_, _>>()?)
+        }
         DeValue::Table(table) => Value::Table(convert_table(table, source)?),
         DeValue::Datetime(_) => {
-            return Err(ConfigError::new("a date has no meaning here", "write a number or a text")
-                .at(&place, "a date"));
+            return Err(
+                ConfigError::new("a date has no meaning here", "write a number or a text")
+                    .at(&place, "a date"),
+            );
         }
     };
     Ok(Node { value, place })

@@ -31,7 +31,10 @@ impl ConfigError {
 
     /// Points at a place.
     pub fn at(mut self, place: &Place, label: impl Into<String>) -> Self {
-        self.source_code = Some(NamedSource::new(&place.source.name, place.source.text.clone()));
+        self.source_code = Some(NamedSource::new(
+            &place.source.name,
+            place.source.text.clone(),
+        ));
         self.span = Some(place.span.clone().into());
         self.label = label.into();
         self

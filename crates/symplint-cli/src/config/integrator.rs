@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use symplint::TimeAdvance;
-use symplint_models::integrators::{CATALOGUE, build};
+use symplint_models::integrators::catalogue::{CATALOGUE, build};
 use symplint_models::{ModelError, Separable};
 
 use super::document::Node;
@@ -13,7 +13,10 @@ use super::section::{Key, Section, suggestion};
 /// The keys of [integrator].
 pub const KEYS: &[Key] = &[
     Key::new("name", "\"strang\"", "see `symplint list integrators`"),
-    Key::optional("variant", "\"position-first\" or \"momentum-first\"; for rk2 \"midpoint\" or \"heun\""),
+    Key::optional(
+        "variant",
+        "\"position-first\" or \"momentum-first\"; for rk2 \"midpoint\" or \"heun\"",
+    ),
 ];
 
 /// Reads [integrator] and builds its step.

@@ -19,7 +19,7 @@ use symplint::{Diagnostic, Loop, TimeAdvance};
 
 pub use error::ConfigError;
 pub use section::{Accept, Key, Section, suggestion};
-pub use system::{SYSTEMS, System, SystemInfo};
+pub use system::{SYSTEMS, System};
 pub use template::template;
 pub use trace::TraceSettings;
 

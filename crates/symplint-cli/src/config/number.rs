@@ -15,7 +15,11 @@ pub fn parse(text: &str) -> Option<f64> {
     loop {
         let end = rest.find(['*', '/']).unwrap_or(rest.len());
         let factor = power(&rest[..end])?;
-        value = if operator == '*' { value * factor } else { value / factor };
+        value = if operator == '*' {
+            value * factor
+        } else {
+            value / factor
+        };
         match rest[end..].chars().next() {
             None => return Some(value),
             Some(next) => {

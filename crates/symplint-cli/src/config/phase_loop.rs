@@ -9,10 +9,21 @@ use super::system::System;
 
 /// The keys of [loop].
 pub const KEYS: &[Key] = &[
-    Key::new("shape", "\"circle\"", "\"circle\": q = q0 + r sin 2πs, p = p0 + r cos 2πs; or \"fourier\": random modes 1 to 3"),
+    Key::new(
+        "shape",
+        "\"circle\"",
+        "\"circle\": q = q0 + r sin 2πs, p = p0 + r cos 2πs; or \"fourier\": random modes 1 to 3",
+    ),
     Key::new("radius", "1.0", "r, in units of q and of p"),
-    Key::optional("dofs", "degrees of freedom that a circle moves, counted from 0; all if left out"),
-    Key::new("phases", "\"equal\"", "\"random\" starts each degree of freedom elsewhere on its circle"),
+    Key::optional(
+        "dofs",
+        "degrees of freedom that a circle moves, counted from 0; all if left out",
+    ),
+    Key::new(
+        "phases",
+        "\"equal\"",
+        "\"random\" starts each degree of freedom elsewhere on its circle",
+    ),
     Key::new("seed", "1", "of random phases and modes"),
 ];
 

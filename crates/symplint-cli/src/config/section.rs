@@ -78,7 +78,12 @@ impl Section {
                 place,
             }) => (table.clone(), Some(place.clone())),
             Some(node) => {
-                return Err(wrong(path, node, "a table", "write its keys under [section] or in { }"));
+                return Err(wrong(
+                    path,
+                    node,
+                    "a table",
+                    "write its keys under [section] or in { }",
+                ));
             }
         };
         Self::checked(path, table, place, keys)
@@ -120,12 +125,21 @@ impl Section {
 
     /// The place of a key, or of the section, for errors found later.
     pub fn place(&self, key: &str) -> Option<Place> {
-        let of_key = self.table.entries.get(key).map(|(_, node)| node.place.clone());
+        let of_key = self
+            .table
+            .entries
+            .get(key)
+            .map(|(_, node)| node.place.clone());
         of_key.or_else(|| self.place.clone())
     }
 
     /// An error about the value of a key.
-    pub fn error(&self, key: &str, message: impl Into<String>, help: impl Into<String>) -> ConfigError {
+    pub fn error(
+        &self,
+        key: &str,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> ConfigError {
         let error = ConfigError::new(format!("{}: {}", self.dotted(key), message.into()), help);
         match self.place(key) {
             Some(place) => error.at(&place, "set here"),
@@ -147,13 +161,19 @@ impl Section {
                 table.entries[key].1.clone()
             }
         };
-        self.resolved.borrow_mut().insert(key.to_owned(), node.value.to_toml());
+        self.resolved
+            .borrow_mut()
+            .insert(key.to_owned(), node.value.to_toml());
         Ok(Some(node))
     }
 
     fn required(&self, key: &str) -> Result<Node, ConfigError> {
         self.node(key)?.ok_or_else(|| {
-            self.error(key, "is missing", format!("add `{key} = …` to [{}]", self.path))
+            self.error(
+                key,
+                "is missing",
+                format!("add `{key} = …` to [{}]", self.path),
+            )
         })
     }
 
@@ -183,7 +203,10 @@ impl Section {
                 "give one number for each degree of freedom, or a single one for all",
             ));
         }
-        (list.iter().map(|item| read_number(&path, item, Accept::Finite))).collect()
+        (list
+            .iter()
+            .map(|item| read_number(&path, item, Accept::Finite)))
+        .collect()
     }
 
     /// A whole number of at least `least`.
@@ -196,7 +219,10 @@ impl Section {
         let path = self.dotted(key);
         match self.node(key)? {
             None => Ok(None),
-            Some(Node { value: Value::List(list), .. }) => (list.iter())
+            Some(Node {
+                value: Value::List(list),
+                ..
+            }) => (list.iter())
                 .map(|item| read_whole(&path, item, least))
                 .collect::<Result<_, _>>()
                 .map(Some),
@@ -209,7 +235,12 @@ impl Section {
         let node = self.required(key)?;
         match node.value {
             Value::Text(text) => Ok(text),
-            _ => Err(wrong(&self.dotted(key), &node, "a text", "put it in quotes")),
+            _ => Err(wrong(
+                &self.dotted(key),
+                &node,
+                "a text",
+                "put it in quotes",
+            )),
         }
     }
 
@@ -217,8 +248,16 @@ impl Section {
     pub fn optional_text(&self, key: &str) -> Result<Option<String>, ConfigError> {
         match self.node(key)? {
             None => Ok(None),
-            Some(Node { value: Value::Text(text), .. }) => Ok(Some(text)),
-            Some(node) => Err(wrong(&self.dotted(key), &node, "a text", "put it in quotes")),
+            Some(Node {
+                value: Value::Text(text),
+                ..
+            }) => Ok(Some(text)),
+            Some(node) => Err(wrong(
+                &self.dotted(key),
+                &node,
+                "a text",
+                "put it in quotes",
+            )),
         }
     }
 
@@ -251,7 +290,12 @@ pub fn read_number(path: &str, node: &Node, accept: Accept) -> Result<f64, Confi
         _ => None,
     };
     let Some(value) = value else {
-        return Err(wrong(path, node, "a number", "write a number, \"2^-3\" or \"pi/2\""));
+        return Err(wrong(
+            path,
+            node,
+            "a number",
+            "write a number, \"2^-3\" or \"pi/2\"",
+        ));
     };
     accept.test(value).map_err(|expected| {
         ConfigError::new(format!("{path} is {value}"), format!("give {expected}"))
@@ -264,20 +308,24 @@ pub fn read_number(path: &str, node: &Node, accept: Accept) -> Result<f64, Confi
 pub fn read_whole(path: &str, node: &Node, least: u64) -> Result<u64, ConfigError> {
     let value = read_number(path, node, Accept::Finite)?;
     if value.fract() != 0.0 || value < least as f64 || value > 9e15 {
-        return Err(
-            ConfigError::new(
-                format!("{path} is {value}"),
-                format!("give a whole number of at least {least}"),
-            )
-            .at(&node.place, format!("must be a whole number of at least {least}")),
-        );
+        return Err(ConfigError::new(
+            format!("{path} is {value}"),
+            format!("give a whole number of at least {least}"),
+        )
+        .at(
+            &node.place,
+            format!("must be a whole number of at least {least}"),
+        ));
     }
     Ok(value as u64)
 }
 
 fn wrong(path: &str, node: &Node, expected: &str, help: &str) -> ConfigError {
-    ConfigError::new(format!("{path} is {}, not {expected}", node.value.kind()), help)
-        .at(&node.place, format!("must be {expected}"))
+    ConfigError::new(
+        format!("{path} is {}, not {expected}", node.value.kind()),
+        help,
+    )
+    .at(&node.place, format!("must be {expected}"))
 }
 
 /// Refuses keys that are not known.

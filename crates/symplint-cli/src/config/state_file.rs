@@ -36,14 +36,20 @@ pub fn read_state(path: &Path, dof: usize) -> Result<(Vec<f64>, Vec<f64>), State
     };
     if q.len() != dof {
         return Err(unusable(
-            format!("{name} holds {} degrees of freedom where the system has {dof}", q.len()),
+            format!(
+                "{name} holds {} degrees of freedom where the system has {dof}",
+                q.len()
+            ),
             "make the two agree",
         ));
     }
     for (coordinate, values) in [("position", &q), ("momentum", &p)] {
         if let Some(i) = values.iter().position(|value| !value.is_finite()) {
             return Err(unusable(
-                format!("{name} has {} as {coordinate} of degree of freedom {i}", values[i]),
+                format!(
+                    "{name} has {} as {coordinate} of degree of freedom {i}",
+                    values[i]
+                ),
                 "give finite numbers",
             ));
         }
@@ -63,7 +69,10 @@ fn open(path: &Path) -> Result<BufReader<File>, StateFileError> {
 fn read_npy(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
     let name = path.display();
     let broken = |error: std::io::Error| {
-        unusable(format!("{name} is no NumPy array: {error}"), "write it by numpy.save")
+        unusable(
+            format!("{name} is no NumPy array: {error}"),
+            "write it by numpy.save",
+        )
     };
     let file = NpyFile::new(open(path)?).map_err(broken)?;
     let shape = file.shape().to_vec();
@@ -126,7 +135,11 @@ fn read_csv(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
             _ if row == 0 && record.iter().all(|field| field.parse::<f64>().is_err()) => {}
             _ => {
                 return Err(unusable(
-                    format!("{name} has no numbers in row {}: {}", row + 1, record.as_slice()),
+                    format!(
+                        "{name} has no numbers in row {}: {}",
+                        row + 1,
+                        record.as_slice()
+                    ),
                     columns,
                 ));
             }

@@ -47,7 +47,11 @@ pub const SYSTEMS: &[SystemInfo] = &[
         name: "pendulum",
         summary: "nonlinear pendulum, H = p²/2 + cos q (paper, section 3.2)",
         keys: &[
-            Key::new("potential", "\"cos\"", "\"cos\" as in the paper's figures, \"sin\" as in its text"),
+            Key::new(
+                "potential",
+                "\"cos\"",
+                "\"cos\" as in the paper's figures, \"sin\" as in its text",
+            ),
             Q0_AT_PI,
             Key::new("p0", "0.5", "centre of the loop, momentum"),
         ],
@@ -78,7 +82,11 @@ pub const SYSTEMS: &[SystemInfo] = &[
         summary: "V = sin q + cos²(2q + 1) interpolated by periodic B-splines (section 4.3)",
         keys: &[
             Key::new("degree", "3", "B-spline degree 1 to 5; 0 for V itself"),
-            Key::new("cells", "25", "cells in a period of 2π; odd for degrees 2 and 4"),
+            Key::new(
+                "cells",
+                "25",
+                "cells in a period of 2π; odd for degrees 2 and 4",
+            ),
             Q0_AT_PI,
             P0,
         ],
@@ -86,7 +94,11 @@ pub const SYSTEMS: &[SystemInfo] = &[
             let degree = section.whole("degree", 0)? as usize;
             let cells = section.whole("cells", 1)? as usize;
             let system = InterpolatedPendulum::new(degree, cells).map_err(|error| {
-                let key = if matches!(error, ModelError::Degree { .. }) { "degree" } else { "cells" };
+                let key = if matches!(error, ModelError::Degree { .. }) {
+                    "degree"
+                } else {
+                    "cells"
+                };
                 refused(section, key, error)
             })?;
             plane(section, "interpolated-pendulum", system)
@@ -96,10 +108,18 @@ pub const SYSTEMS: &[SystemInfo] = &[
         name: "pendulum-array",
         summary: "a ring of pendula coupled by springs (section 4.4)",
         keys: &[
-            Key::new("pendula", "1024", "number of pendula, the degrees of freedom"),
+            Key::new(
+                "pendula",
+                "1024",
+                "number of pendula, the degrees of freedom",
+            ),
             Key::new("alpha", "1.0", "strength of the pendula"),
             Key::new("k", "1.0", "strength of the springs"),
-            Key::new("initial", "\"uniform\"", "random in [0, 1), or { file = \"state.npy\" } with rows q, p (.csv: columns)"),
+            Key::new(
+                "initial",
+                "\"uniform\"",
+                "random in [0, 1), or { file = \"state.npy\" } with rows q, p (.csv: columns)",
+            ),
             Key::new("seed", "1", "of the random initial state"),
         ],
         build: pendulum_array,
@@ -116,7 +136,8 @@ pub const SYSTEMS: &[SystemInfo] = &[
         build: |section, _| {
             let dof = section.whole("dof", 1)? as usize;
             let omega = section.numbers("omega", dof)?;
-            let system = HarmonicOscillator::new(omega).map_err(|e| refused(section, "omega", e))?;
+            let system =
+                HarmonicOscillator::new(omega).map_err(|e| refused(section, "omega", e))?;
             space(section, "harmonic-oscillator", system)
         },
     },
@@ -139,7 +160,10 @@ pub fn read(node: Option<&Node>, folder: &Path) -> Result<(System, Section), Con
     // First with every key of every system, to read the name before judging the keys.
     let any = Section::new("system", node, all_keys.chain([NAME]).collect())?;
     let Some(name) = any.optional_text("name")? else {
-        let help = format!("add [system] with name = one of {}", names().collect::<Vec<_>>().join(", "));
+        let help = format!(
+            "add [system] with name = one of {}",
+            names().collect::<Vec<_>>().join(", ")
+        );
         return Err(any.error("name", "is missing", help));
     };
     let Some(info) = SYSTEMS.iter().find(|info| info.name == name) else {
@@ -199,15 +223,22 @@ fn pendulum_array(section: &Section, folder: &Path) -> Result<System, ConfigErro
     let alpha = section.number("alpha", Accept::Finite)?;
     let k = section.number("k", Accept::Finite)?;
     let seed = section.whole("seed", 0)?;
-    let array = PendulumArray::new(pendula, alpha, k).map_err(|e| refused(section, "pendula", e))?;
+    let array =
+        PendulumArray::new(pendula, alpha, k).map_err(|e| refused(section, "pendula", e))?;
     let initial = section.node("initial")?;
     let (q0, p0) = match initial.as_ref().map(|node| &node.value) {
         Some(Value::Text(text)) if text == "uniform" => array.uniform_state(seed),
         Some(Value::Table(_)) => {
             let keys = [Key::optional("file", "rows q and p, or columns in .csv")];
-            let inner = section.subsection("initial", &keys)?.expect("it is a table");
+            let inner = section
+                .subsection("initial", &keys)?
+                .expect("it is a table");
             let Some(file) = inner.optional_text("file")? else {
-                return Err(section.error("initial", "names no file", "write { file = \"state.npy\" }"));
+                return Err(section.error(
+                    "initial",
+                    "names no file",
+                    "write { file = \"state.npy\" }",
+                ));
             };
             read_state(&folder.join(file), pendula)
                 .map_err(|error| section.error("initial", error.message, error.remedy))?

@@ -9,7 +9,11 @@ pub const KEYS: &[Key] = &[
     Key::new("step_size", "0.1", "h"),
     Key::new("steps", "1000", "number of steps"),
     Key::new("samples", "2048", "samples of the loop"),
-    Key::new("snapshots", "[0, 10, 20, 40, 80]", "steps at which the loop is drawn (one degree of freedom) and written"),
+    Key::new(
+        "snapshots",
+        "[0, 10, 20, 40, 80]",
+        "steps at which the loop is drawn (one degree of freedom) and written",
+    ),
 ];
 
 /// What `trace` does.

@@ -33,7 +33,11 @@ pub fn check_figures(
 ) -> Result<Vec<(&'static str, Figure)>, Failure> {
     let title = format!("{}, {}", config.system.name, config.integrator);
     let mut figures = vec![("step_sizes", step_sizes(&title, diagnosis))];
-    if diagnosis.points.iter().any(|point| point.sweep == Sweep::Samples) {
+    if diagnosis
+        .points
+        .iter()
+        .any(|point| point.sweep == Sweep::Samples)
+    {
         figures.push(("samples", samples(&title, diagnosis)));
     }
     figures.push(("loop", advanced_loop(&title, config)?));
@@ -69,7 +73,12 @@ fn floor(points: &[&Point], x: impl Fn(&Point) -> f64) -> Series {
         let quadrature = point.quadrature_error.unwrap_or(f64::NAN);
         (x(point), quadrature + point.roundoff)
     });
-    series("quadrature error + round-off", floor.collect(), Style::Floor, 0)
+    series(
+        "quadrature error + round-off",
+        floor.collect(),
+        Style::Floor,
+        0,
+    )
 }
 
 fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
@@ -111,7 +120,10 @@ fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
         range: None,
     };
     let count = |point: &Point| point.samples as f64;
-    let defects = points.iter().map(|point| (count(point), point.defect)).collect();
+    let defects = points
+        .iter()
+        .map(|point| (count(point), point.defect))
+        .collect();
     let all = vec![
         floor(&points, count),
         series("given loop", defects, Style::LineAndPoints, 0),
@@ -169,7 +181,11 @@ pub fn trace_figures(config: &Config, record: &TraceRecord) -> Vec<(&'static str
         scale: Scale::Linear,
         range: None,
     };
-    let defects = record.points.iter().map(|point| (point.time, point.defect)).collect();
+    let defects = record
+        .points
+        .iter()
+        .map(|point| (point.time, point.defect))
+        .collect();
     let floor = (record.points.iter())
         .map(|point| (point.time, point.quadrature_error.unwrap_or(f64::NAN)))
         .collect();
@@ -186,10 +202,18 @@ pub fn trace_figures(config: &Config, record: &TraceRecord) -> Vec<(&'static str
         range: None,
     };
     let mut figures = vec![
-        ("loop_integral", single(&title, time(), error_axis(), integral)),
+        (
+            "loop_integral",
+            single(&title, time(), error_axis(), integral),
+        ),
         (
             "energy",
-            single(&title, time(), energy_axis, vec![series("", energy, Style::Line, 0)]),
+            single(
+                &title,
+                time(),
+                energy_axis,
+                vec![series("", energy, Style::Line, 0)],
+            ),
         ),
     ];
     if config.map.dof() == 1 && !record.snapshots.is_empty() {

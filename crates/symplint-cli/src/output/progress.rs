@@ -19,7 +19,9 @@ impl Progress {
             ProgressDrawTarget::stderr()
         };
         let bar = ProgressBar::with_draw_target(Some(0), target);
-        let template = format!("{{bar:40.cyan/dim}} {{pos}}/{{len}} {unit}, {{elapsed}}, {{eta}} left  {{msg}}");
+        let template = format!(
+            "{{bar:40.cyan/dim}} {{pos}}/{{len}} {unit}, {{elapsed}}, {{eta}} left  {{msg}}"
+        );
         if let Ok(style) = ProgressStyle::with_template(&template) {
             bar.set_style(style);
         }
@@ -47,7 +49,8 @@ impl Progress {
         match event {
             Event::Planned(more) => self.plan(more),
             Event::Measured(point) => {
-                self.bar.set_message(format!("h = {}", power_of_two(point.step_size)));
+                self.bar
+                    .set_message(format!("h = {}", power_of_two(point.step_size)));
                 self.step();
             }
         }

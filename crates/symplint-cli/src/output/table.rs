@@ -13,7 +13,7 @@ const MOST_ROWS: usize = 16;
 /// A table with a header.
 pub fn plain_table(header: &[&str], rows: Vec<Vec<String>>) -> String {
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::UTF8_BORDERS_ONLY);
     table.set_content_arrangement(comfy_table::ContentArrangement::Dynamic);
     table.set_header(header.to_vec());
     table.add_rows(rows);
@@ -43,9 +43,17 @@ pub fn points_table(config: &Config, diagnosis: &Diagnosis) -> String {
 
 fn sweep_table(points: &[&Point]) -> String {
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::UTF8_BORDERS_ONLY);
     let omitted = points.iter().any(|point| point.omitted_cells.is_some());
-    let mut header = vec!["h", "samples", "rule", "∮p·dq", "defect", "quadrature", "round-off"];
+    let mut header = vec![
+        "h",
+        "samples",
+        "rule",
+        "∮p·dq",
+        "defect",
+        "quadrature",
+        "round-off",
+    ];
     if omitted {
         header.push("omitted");
     }
@@ -58,11 +66,17 @@ fn sweep_table(points: &[&Point]) -> String {
             point.rule.to_owned(),
             format!("{:.9e}", point.advanced),
             format!("{:+.2e}", point.signed_defect),
-            point.quadrature_error.map_or("?".into(), |error| format!("{error:.0e}")),
+            point
+                .quadrature_error
+                .map_or("?".into(), |error| format!("{error:.0e}")),
             format!("{:.0e}", point.roundoff),
         ];
         if omitted {
-            row.push(point.omitted_cells.map_or(String::new(), |cells| cells.to_string()));
+            row.push(
+                point
+                    .omitted_cells
+                    .map_or(String::new(), |cells| cells.to_string()),
+            );
         }
         table.add_row(row);
     }
@@ -120,7 +134,7 @@ pub fn trace_table(points: &[TracePoint], short: bool) -> String {
         return summary;
     }
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::UTF8_BORDERS_ONLY);
     table.set_header(["t", "∮p·dq", "defect", "quadrature", "energy error"]);
     let every = (points.len() / MOST_ROWS).max(1);
     for point in points.iter().step_by(every) {
@@ -128,8 +142,12 @@ pub fn trace_table(points: &[TracePoint], short: bool) -> String {
             format!("{:.4}", point.time),
             format!("{:.9e}", point.integral),
             format!("{:+.2e}", point.signed_defect),
-            point.quadrature_error.map_or("?".into(), |error| format!("{error:.0e}")),
-            point.energy_error.map_or(String::new(), |error| format!("{error:+.2e}")),
+            point
+                .quadrature_error
+                .map_or("?".into(), |error| format!("{error:.0e}")),
+            point
+                .energy_error
+                .map_or(String::new(), |error| format!("{error:+.2e}")),
         ]);
     }
     for column in table.column_iter_mut() {

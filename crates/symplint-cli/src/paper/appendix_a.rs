@@ -3,9 +3,9 @@
 use serde::Serialize;
 use symplint::{Ensemble, LoopIntegral, Rule};
 
+use super::Item;
 use super::claim::{Claim, Judgement};
 use super::plot::{axis, reference_slope, series};
-use super::Item;
 use crate::commands::Failure;
 use crate::config::{Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
@@ -72,7 +72,9 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     for degree in [2usize, 3, 4] {
         let exact = exact(degree);
         let mut curve = Vec::new();
-        for count in std::iter::successors(Some(from.min(to)), |n| Some(2 * n)).take_while(|&n| n <= to) {
+        for count in
+            std::iter::successors(Some(from.min(to)), |n| Some(2 * n)).take_while(|&n| n <= to)
+        {
             let samples = (count | 1) as usize;
             let mut ensemble = Ensemble::zeros(1, samples);
             let mut block = ensemble.block();
@@ -99,11 +101,18 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         claims.push(Claim {
             item: "appendix-a",
             place: "appendix A, theorem 1",
-            says: format!("loops in H^r, r < {r}, converge at least as N^-min(2r − 1, r) = N^-{rate}"),
+            says: format!(
+                "loops in H^r, r < {r}, converge at least as N^-min(2r − 1, r) = N^-{rate}"
+            ),
             measured: format!("N^{measured:.2} for Bernoulli polynomials of degree {degree}"),
             judgement: Judgement::of(-measured > rate - 0.1),
         });
-        drawn.push(series(&format!("r < {r}"), curve.clone(), Style::LineAndPoints, degree - 2));
+        drawn.push(series(
+            &format!("r < {r}"),
+            curve.clone(),
+            Style::LineAndPoints,
+            degree - 2,
+        ));
         drawn.push(reference_slope(&curve, -(degree as f64), "N"));
     }
     folder.write_csv("appendix_a.csv", &rows)?;
@@ -147,7 +156,10 @@ mod tests {
             for x in [0.1, 0.4, 0.83] {
                 let e = 1e-4;
                 let slope = (bernoulli(m, x + e) - bernoulli(m, x - e)) / (2.0 * e);
-                assert!((slope - m as f64 * bernoulli(m - 1, x)).abs() < 1e-7, "degree {m}");
+                assert!(
+                    (slope - m as f64 * bernoulli(m - 1, x)).abs() < 1e-7,
+                    "degree {m}"
+                );
             }
         }
         assert!((bernoulli(4, 0.0) + 1.0 / 30.0).abs() < 1e-15);
@@ -170,7 +182,11 @@ mod tests {
                 })
                 .sum::<f64>()
                 / n as f64;
-            assert!((sum - exact(degree)).abs() < 1e-9, "degree {degree}: {sum} {}", exact(degree));
+            assert!(
+                (sum - exact(degree)).abs() < 1e-9,
+                "degree {degree}: {sum} {}",
+                exact(degree)
+            );
         }
     }
 }

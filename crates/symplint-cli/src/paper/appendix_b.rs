@@ -5,10 +5,10 @@ use std::f64::consts::{PI, TAU};
 use serde::Serialize;
 use symplint::{Cutoffs, Ensemble, LoopIntegral, Rule};
 
+use super::Item;
 use super::appendix_a::mean_rate;
 use super::claim::{Claim, Judgement};
 use super::plot::{axis, reference_slope, series};
-use super::Item;
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
@@ -59,9 +59,12 @@ struct Row {
 
 fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let (from, to) = (settings.whole("from", 3)?, settings.whole("to", 3)?);
-    let rule = Rule::FiniteDifference(Cutoffs::relative(settings.number("cutoff", Accept::Positive)?));
+    let rule = Rule::FiniteDifference(Cutoffs::relative(
+        settings.number("cutoff", Accept::Positive)?,
+    ));
     let mut rows = Vec::new();
-    for count in std::iter::successors(Some(from.min(to)), |n| Some(2 * n)).take_while(|&n| n <= to) {
+    for count in std::iter::successors(Some(from.min(to)), |n| Some(2 * n)).take_while(|&n| n <= to)
+    {
         let samples = (count | 1) as usize;
         let mut ensemble = Ensemble::zeros(1, samples);
         let mut block = ensemble.block();
@@ -81,8 +84,14 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         });
     }
     folder.write_csv("appendix_b.csv", &rows)?;
-    let errors: Vec<(f64, f64)> = rows.iter().map(|row| (row.samples as f64, row.error)).collect();
-    let bounds: Vec<(f64, f64)> = rows.iter().map(|row| (row.samples as f64, row.bound)).collect();
+    let errors: Vec<(f64, f64)> = rows
+        .iter()
+        .map(|row| (row.samples as f64, row.error))
+        .collect();
+    let bounds: Vec<(f64, f64)> = rows
+        .iter()
+        .map(|row| (row.samples as f64, row.bound))
+        .collect();
     let rate = mean_rate(&errors);
     let below = rows.iter().all(|row| row.error <= row.bound);
     Figure {

@@ -21,7 +21,11 @@ pub enum Judgement {
 impl Judgement {
     /// Holds, or does not.
     pub fn of(holds: bool) -> Self {
-        if holds { Judgement::Holds } else { Judgement::DoesNotHold }
+        if holds {
+            Judgement::Holds
+        } else {
+            Judgement::DoesNotHold
+        }
     }
 
     /// Holds as said; or else with a correction; or else not.

@@ -8,10 +8,10 @@ use symplint::{Circle, Cutoffs, Rule};
 use symplint_models::Separable;
 use symplint_models::systems::AbsoluteValue;
 
+use super::Item;
 use super::claim::{Claim, Judgement};
 use super::plot::{axis, series};
 use super::sweep::{Study, step_of, worst};
-use super::Item;
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
@@ -24,7 +24,11 @@ pub const ITEM: Item = Item {
     keys: &[
         Key::new("samples", "\"2^20\"", "samples for |q|"),
         Key::new("epsilon", "0.1", "of the mollified form"),
-        Key::new("mollified_samples", "\"2^14\"", "samples for the mollified form"),
+        Key::new(
+            "mollified_samples",
+            "\"2^14\"",
+            "samples for the mollified form",
+        ),
     ],
     run,
 };
@@ -125,9 +129,15 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
             ),
             judgement: Judgement::of(off < 1e-5),
         });
-        let exact = (1..=95).map(|k| 0.02 * f64::from(k)).map(|h| (h, (form.value)(h))).collect();
+        let exact = (1..=95)
+            .map(|k| 0.02 * f64::from(k))
+            .map(|h| (h, (form.value)(h)))
+            .collect();
         curves.push(series("", exact, Style::Line, index));
-        let points = of_form.iter().map(|row| (row.step_size, row.measured)).collect();
+        let points = of_form
+            .iter()
+            .map(|row| (row.step_size, row.measured))
+            .collect();
         curves.push(series(&name, points, Style::Points, index));
         rows.extend(of_form);
 
@@ -146,7 +156,9 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         item: "closed-forms",
         place: "section 4.2, remark",
         says: format!("with √(q² + ε²), ε = {epsilon}, all four are symplectic"),
-        measured: format!("no defect above {largest:.1e} (pseudospectral, {mollified_samples} samples)"),
+        measured: format!(
+            "no defect above {largest:.1e} (pseudospectral, {mollified_samples} samples)"
+        ),
         judgement: Judgement::of(largest < 1e-12),
     });
     folder.write_csv("closed_forms.csv", &rows)?;

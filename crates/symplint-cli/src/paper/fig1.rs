@@ -7,10 +7,10 @@ use symplint::{Circle, Orbit, Rows, Rule, Trace};
 use symplint_models::systems::{Pendulum, PendulumPotential};
 use symplint_models::{Hamiltonian, Separable};
 
+use super::Item;
 use super::claim::{Claim, Judgement};
 use super::plot::{axis, portrait, series};
 use super::sweep::step_of;
-use super::Item;
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};

@@ -7,10 +7,10 @@ use symplint::{Circle, Rule, Trace};
 use symplint_models::Separable;
 use symplint_models::systems::{Pendulum, PendulumPotential};
 
+use super::Item;
 use super::claim::{Claim, Judgement};
 use super::plot::{axis, series};
 use super::sweep::step_of;
-use super::Item;
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
@@ -52,7 +52,11 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         folder.write_csv(&format!("fig2_{name}.csv"), &record.points)?;
         let lost = record.points.iter().find(|point| point.defect > LOST);
         onset.push(lost.map(|point| point.time));
-        let defects = record.points.iter().map(|point| (point.time, point.defect)).collect();
+        let defects = record
+            .points
+            .iter()
+            .map(|point| (point.time, point.defect))
+            .collect();
         panels.push(Panel {
             title: title.into(),
             x: axis("time t", Scale::Linear),

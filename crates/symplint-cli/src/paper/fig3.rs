@@ -2,11 +2,11 @@
 
 use symplint::{Cutoffs, Rule};
 
+use super::Item;
 use super::claim::{Claim, Judgement};
 use super::fig4::{CASES, INTEGRATORS, circle_round, pendulum};
 use super::plot::{axis, reference_slope, series};
 use super::sweep::{Record, Study, last_slope, step_of};
-use super::Item;
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
@@ -90,7 +90,9 @@ fn curve<'a>(records: &'a [Record], case: &str, integrator: &str, rule: &str) ->
 fn claims(records: &[Record]) -> Vec<Claim> {
     let mut claims = Vec::new();
     let last = |case: &str, integrator: &str, rule: &str| {
-        curve(records, case, integrator, rule).last().map_or(f64::NAN, |r| r.defect())
+        curve(records, case, integrator, rule)
+            .last()
+            .map_or(f64::NAN, |r| r.defect())
     };
     let rk2: Vec<f64> = (CASES.iter())
         .map(|case| last(case.title, "RK2", case.rule_name()))
@@ -110,13 +112,17 @@ fn claims(records: &[Record]) -> Vec<Claim> {
         item: "fig3",
         place: "section 4.3; the caption of figure 3 says 1e-6",
         says: "for degree 1 both integrators saturate about 1e-3".into(),
-        measured: format!("Strang {linear:.1e}, RK2 {:.1e} by finite differences: text right, caption wrong", rk2[1]),
+        measured: format!(
+            "Strang {linear:.1e}, RK2 {:.1e} by finite differences: text right, caption wrong",
+            rk2[1]
+        ),
         judgement: Judgement::of([linear, rk2[1]].iter().all(|d| (1e-4..1e-2).contains(d))),
     });
     for case in CASES.iter().filter(|case| case.degree >= 2) {
-        let points: Vec<(f64, f64)> = (curve(records, case.title, "Strang", "pseudospectral").iter())
-            .map(|record| record.over_samples())
-            .collect();
+        let points: Vec<(f64, f64)> = (curve(records, case.title, "Strang", "pseudospectral")
+            .iter())
+        .map(|record| record.over_samples())
+        .collect();
         // A single doubling is noisy: the mean slope over the whole sweep down to round-off.
         let clear: Vec<(f64, f64)> = points.iter().copied().filter(|p| p.1 > 1e-12).collect();
         let ends = [clear.first(), clear.last()].map(|p| p.copied().unwrap_or((1.0, f64::NAN)));
@@ -124,8 +130,14 @@ fn claims(records: &[Record]) -> Vec<Claim> {
         claims.push(Claim {
             item: "fig3",
             place: "section 4.3",
-            says: format!("Strang, {}: converges with the samples roughly as N^-{}", case.title, case.degree),
-            measured: format!("mean slope {slope:.2} from {} to {} samples", ends[0].0, ends[1].0),
+            says: format!(
+                "Strang, {}: converges with the samples roughly as N^-{}",
+                case.title, case.degree
+            ),
+            measured: format!(
+                "mean slope {slope:.2} from {} to {} samples",
+                ends[0].0, ends[1].0
+            ),
             judgement: Judgement::of((slope + case.degree as f64).abs() < 0.7),
         });
     }

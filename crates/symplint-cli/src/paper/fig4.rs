@@ -7,13 +7,13 @@ use symplint::{Circle, Cutoffs, Rule};
 use symplint_models::Separable;
 use symplint_models::systems::InterpolatedPendulum;
 
-use super::claim::{Claim, Judgement};
-use super::plot::{axis, reference_slope, series};
-use super::sweep::{Record, Study, halvings, last_slope, step_of, worst};
 use super::Item;
+use super::claim::{Claim, Judgement};
+use super::plot::{reference_slope, series};
+use super::sweep::{Record, Study, halvings, last_slope, step_of, worst};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
-use crate::figure::{Figure, Panel, Scale, Style};
+use crate::figure::{Figure, Panel, Style};
 use crate::output::{RunFolder, error_axis, step_axis};
 
 pub const ITEM: Item = Item {
@@ -21,7 +21,11 @@ pub const ITEM: Item = Item {
     title: "interpolated pendulum: defect against the step size",
     cost: "10 s",
     keys: &[
-        Key::new("samples_smooth", "\"2^16\"", "samples without interpolation and for degree 3"),
+        Key::new(
+            "samples_smooth",
+            "\"2^16\"",
+            "samples without interpolation and for degree 3",
+        ),
         Key::new("samples_rough", "\"2^20\"", "samples for degrees 1 and 2"),
         Key::new("halvings", "14", "step sizes 2^-1 … 2^-halvings"),
         Key::new("p0", "0.0", "centre of the loop, momentum"),
@@ -45,16 +49,40 @@ pub struct Case {
 impl Case {
     /// The paper's rule for this case.
     pub fn rule_name(&self) -> &'static str {
-        if self.broken { "finite-difference" } else { "pseudospectral" }
+        if self.broken {
+            "finite-difference"
+        } else {
+            "pseudospectral"
+        }
     }
 }
 
 /// The panels.
 pub const CASES: [Case; 4] = [
-    Case { degree: 0, title: "not interpolated", broken: false, sample_order: None },
-    Case { degree: 1, title: "piecewise linear", broken: true, sample_order: None },
-    Case { degree: 2, title: "piecewise quadratic", broken: false, sample_order: Some(2.0) },
-    Case { degree: 3, title: "piecewise cubic", broken: false, sample_order: Some(3.0) },
+    Case {
+        degree: 0,
+        title: "not interpolated",
+        broken: false,
+        sample_order: None,
+    },
+    Case {
+        degree: 1,
+        title: "piecewise linear",
+        broken: true,
+        sample_order: None,
+    },
+    Case {
+        degree: 2,
+        title: "piecewise quadratic",
+        broken: false,
+        sample_order: Some(2.0),
+    },
+    Case {
+        degree: 3,
+        title: "piecewise cubic",
+        broken: false,
+        sample_order: Some(3.0),
+    },
 ];
 
 /// Label, name and variant.
@@ -83,7 +111,11 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let mut records: Vec<Record> = Vec::new();
     let mut panels = Vec::new();
     for case in &CASES {
-        let samples = if matches!(case.degree, 1 | 2) { rough } else { smooth };
+        let samples = if matches!(case.degree, 1 | 2) {
+            rough
+        } else {
+            smooth
+        };
         let system = pendulum(case.degree)?;
         let mut drawn = Vec::new();
         for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
@@ -105,7 +137,11 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
             }
         }
         let rk2 = drawn[1].points.clone();
-        drawn.push(reference_slope(&rk2, if case.broken { 2.0 } else { 4.0 }, "h"));
+        drawn.push(reference_slope(
+            &rk2,
+            if case.broken { 2.0 } else { 4.0 },
+            "h",
+        ));
         panels.push(Panel {
             title: format!("{} (Nₛ = 2^{})", case.title, samples.ilog2()),
             x: step_axis(),
@@ -127,7 +163,9 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
 fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
     let curve = |case: &Case, integrator: &str| -> Vec<&Record> {
         (records.iter())
-            .filter(|r| r.case == case.title && r.integrator == integrator && r.rule == case.rule_name())
+            .filter(|r| {
+                r.case == case.title && r.integrator == integrator && r.rule == case.rule_name()
+            })
             .collect()
     };
     let mut claims = Vec::new();
@@ -137,7 +175,10 @@ fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
         claims.push(Claim {
             item: "fig4",
             place: "section 4.3",
-            says: format!("{}: Strang conserves the loop integral at every step size", case.title),
+            says: format!(
+                "{}: Strang conserves the loop integral at every step size",
+                case.title
+            ),
             measured: format!("no defect above {largest:.1e}"),
             judgement: Judgement::of(largest < 1e-11),
         });
@@ -162,12 +203,17 @@ fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
     let ratio = (curve(linear, "Strang").into_iter().filter(trusted))
         .zip(curve(linear, "RK2").into_iter().filter(trusted))
         .map(|(strang, rk2)| strang.defect() / rk2.defect())
-        .fold((f64::INFINITY, 0.0f64), |(low, high), r| (low.min(r), high.max(r)));
+        .fold((f64::INFINITY, 0.0f64), |(low, high), r| {
+            (low.min(r), high.max(r))
+        });
     claims.push(Claim {
         item: "fig4",
         place: "section 4.3",
         says: "piecewise linear: Strang and RK2 are largely indistinguishable for h ≥ 2^-6".into(),
-        measured: format!("defect of Strang over that of RK2 between {:.2} and {:.2}", ratio.0, ratio.1),
+        measured: format!(
+            "defect of Strang over that of RK2 between {:.2} and {:.2}",
+            ratio.0, ratio.1
+        ),
         judgement: Judgement::of(ratio.0 > 0.5 && ratio.1 < 2.0),
     });
     claims

@@ -6,10 +6,10 @@ use symplint::{Circle, Rule, Trace};
 use symplint_models::Separable;
 use symplint_models::systems::PendulumArray;
 
+use super::Item;
 use super::claim::{Claim, Judgement};
 use super::plot::{axis, reference_slope, series};
 use super::sweep::{Record, Study, halvings, last_slope, step_of, worst};
-use super::Item;
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
@@ -23,7 +23,11 @@ pub const ITEM: Item = Item {
         Key::new("pendula", "4096", "degrees of freedom"),
         Key::new("samples", "4096", "samples of the loop"),
         Key::new("halvings", "10", "step sizes 2^-1 … 2^-halvings"),
-        Key::new("trace_pendula", "256", "degrees of freedom of the time trace"),
+        Key::new(
+            "trace_pendula",
+            "256",
+            "degrees of freedom of the time trace",
+        ),
         Key::new("trace_samples", "1024", "samples of the time trace"),
         Key::new("trace_step_size", "0.1", "h of the time trace"),
         Key::new("trace_steps", "200", "steps of the time trace"),
@@ -90,7 +94,11 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     .save(&folder.figures(), "fig5")?;
     folder.write_csv("fig5_steps.csv", &records)?;
 
-    let strang = worst(records.iter().filter(|record| record.integrator == "Strang"));
+    let strang = worst(
+        records
+            .iter()
+            .filter(|record| record.integrator == "Strang"),
+    );
     Ok(vec![
         Claim {
             item: "fig5",
@@ -131,7 +139,11 @@ fn trace(settings: &Section, folder: &RunFolder, seed: u64) -> Result<Panel, Fai
         let map = step_of(name, variant, &system)?;
         let record = trace.run(&*map, &circle, None, &|_| {})?;
         folder.write_csv(&format!("fig5_time_{name}_{variant}.csv"), &record.points)?;
-        let points = record.points.iter().map(|point| (point.time, point.defect)).collect();
+        let points = record
+            .points
+            .iter()
+            .map(|point| (point.time, point.defect))
+            .collect();
         drawn.push(series(label, points, Style::Line, index));
     }
     Ok(Panel {

@@ -28,7 +28,10 @@ pub fn series(label: &str, points: Vec<(f64, f64)>, style: Style, color: usize) 
 /// that lie well above round-off.
 pub fn reference_slope(points: &[(f64, f64)], order: f64, variable: &str) -> Series {
     let clear: Vec<(f64, f64)> = points.iter().copied().filter(|p| p.1 > 1e-13).collect();
-    let anchor = clear.get(clear.len() / 2).copied().unwrap_or((1.0, f64::NAN));
+    let anchor = clear
+        .get(clear.len() / 2)
+        .copied()
+        .unwrap_or((1.0, f64::NAN));
     let line = |x: f64| (x, 0.3 * anchor.1 * (x / anchor.0).powf(order));
     series(
         &format!("{variable}{}", superscript(order)),
@@ -95,15 +98,21 @@ fn contours(x: (f64, f64), y: (f64, f64), energy: Observable<'_>) -> Vec<Series>
     const LEVELS: usize = 11;
     let step = |range: (f64, f64), count: usize| (range.1 - range.0) / (count - 1) as f64;
     let (dx, dy) = (step(x, COLUMNS), step(y, ROWS));
-    let mut q: Vec<f64> = (0..COLUMNS * ROWS).map(|k| x.0 + (k % COLUMNS) as f64 * dx).collect();
-    let mut p: Vec<f64> = (0..COLUMNS * ROWS).map(|k| y.0 + (k / COLUMNS) as f64 * dy).collect();
+    let mut q: Vec<f64> = (0..COLUMNS * ROWS)
+        .map(|k| x.0 + (k % COLUMNS) as f64 * dx)
+        .collect();
+    let mut p: Vec<f64> = (0..COLUMNS * ROWS)
+        .map(|k| y.0 + (k / COLUMNS) as f64 * dy)
+        .collect();
     let mut values = vec![0.0; COLUMNS * ROWS];
     let n = values.len();
     let states = Block::new(RowsMut::new(&mut q, 1, n, n), RowsMut::new(&mut p, 1, n, n));
     energy(states.q.as_rows(), states.p.as_rows(), &mut values);
     let mut sorted = values.clone();
     sorted.sort_by(f64::total_cmp);
-    let levels: Vec<f64> = (1..=LEVELS).map(|k| sorted[k * (n - 1) / (LEVELS + 1)]).collect();
+    let levels: Vec<f64> = (1..=LEVELS)
+        .map(|k| sorted[k * (n - 1) / (LEVELS + 1)])
+        .collect();
     let builder = ContourBuilder::new(COLUMNS, ROWS, true)
         .x_origin(x.0)
         .y_origin(y.0)

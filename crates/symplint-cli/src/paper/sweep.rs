@@ -6,7 +6,7 @@ use serde::Serialize;
 use symplint::{
     Diagnostic, Loop, Point, Rule, RuleChoice, SampleCount, SampleSweep, Sweep, TimeAdvance,
 };
-use symplint_models::integrators::build;
+use symplint_models::integrators::catalogue::build;
 use symplint_models::{ModelError, Separable};
 
 use crate::commands::Failure;
@@ -100,7 +100,11 @@ impl Study<'_> {
         step_sizes: &[f64],
         sample_sweep: Option<SampleSweep>,
     ) -> Result<Vec<Record>, Failure> {
-        let wanted = if sample_sweep.is_some() { Sweep::Samples } else { Sweep::StepSize };
+        let wanted = if sample_sweep.is_some() {
+            Sweep::Samples
+        } else {
+            Sweep::StepSize
+        };
         let diagnostic = Diagnostic {
             rule: RuleChoice::Fixed(self.rule),
             samples: SampleCount::Fixed(samples),
@@ -110,7 +114,10 @@ impl Study<'_> {
             seed: 0,
         };
         let diagnosis = diagnostic.run(self.map, self.phase_loop, &|_| {})?;
-        let points = diagnosis.points.into_iter().filter(|point| point.sweep == wanted);
+        let points = diagnosis
+            .points
+            .into_iter()
+            .filter(|point| point.sweep == wanted);
         Ok(points.map(|point| self.record(&point)).collect())
     }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use symplint::{Coordinates, Rows, RowsMut};
+use symplint::{Rows, RowsMut};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
@@ -14,7 +14,8 @@ use crate::periodic_spline::PeriodicSpline;
 /// The interpolant of degree α takes the values of V at the nodes 2πi/cells and has α − 1
 /// continuous derivatives, so the degree sets the regularity of the Hamiltonian: at α = 1 the
 /// force jumps at every node, at α = 2 it has kinks (Barham & Burby, section 4.3, where there
-/// are 25 cells). One degree of freedom, q of period 2π.
+/// are 25 cells). One degree of freedom; positions are not
+/// wrapped into the period.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InterpolatedPendulum {
     /// Nothing for V itself.
@@ -80,10 +81,6 @@ impl Separable for InterpolatedPendulum {
                 Some(spline) => spline.value(*q),
             };
         }
-    }
-
-    fn coordinates(&self) -> Coordinates {
-        super::angle()
     }
 }
 

@@ -1,6 +1,6 @@
 //! The nonlinear pendulum.
 
-use symplint::{Coordinates, Rows, RowsMut};
+use symplint::{Rows, RowsMut};
 
 use crate::hamiltonian::Separable;
 
@@ -16,7 +16,7 @@ pub enum PendulumPotential {
 
 /// The nonlinear pendulum H = p²/2 + cos q, or + sin q (Barham & Burby, section 3.2).
 ///
-/// One degree of freedom, q of period 2π.
+/// One degree of freedom. V has the period 2π; positions are not wrapped into it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pendulum {
     /// The potential V.
@@ -50,9 +50,5 @@ impl Separable for Pendulum {
                 PendulumPotential::Sin => q.sin(),
             };
         }
-    }
-
-    fn coordinates(&self) -> Coordinates {
-        super::angle()
     }
 }

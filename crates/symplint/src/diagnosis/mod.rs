@@ -74,7 +74,8 @@ pub struct Diagnostic {
     /// An optional sweep over the number of samples.
     pub sample_sweep: Option<SampleSweep>,
     /// Loops in all: the given one, and random ones of its size round its centre that are tried at
-    /// the largest step size (at all, where one shows a defect). One loop is one probe.
+    /// the largest step size; the first of them that shows a defect is tried at all. One
+    /// loop is one probe, and a symmetric one hides terms of lower order.
     pub loops: usize,
     /// Seed of the random loops.
     pub seed: u64,
@@ -168,13 +169,16 @@ impl Diagnostic {
         if let Some(sweep) = &self.sample_sweep {
             study.sweep_samples(&configured, sweep)?;
         }
+        let others: Vec<f64> = (self.step_sizes.iter().copied())
+            .filter(|&h| h != largest)
+            .collect();
         for (index, random) in (1..).zip(&random_loops) {
             let probe = probe(index, random)?;
             let mut evidence = study.sweep_steps(&probe, &[largest])?;
-            if evidence.shows_defect() && !loops[0].shows_defect() {
-                let others: Vec<f64> = (self.step_sizes.iter().copied())
-                    .filter(|&h| h != largest)
-                    .collect();
+            // The order is that of a full sweep, and a symmetric loop hides terms of lower
+            // order: the given loop and one random one are worth it.
+            let known = loops[1..].iter().any(LoopEvidence::shows_defect);
+            if evidence.shows_defect() && !known {
                 evidence
                     .steps
                     .extend(study.sweep_steps(&probe, &others)?.steps);

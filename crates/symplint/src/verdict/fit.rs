@@ -11,6 +11,9 @@ pub struct Fit {
     pub quantity: &'static str,
     /// Against what.
     pub against: &'static str,
+    /// Which loop.
+    #[serde(rename = "loop")]
+    pub loop_index: usize,
     /// Exponent.
     pub slope: f64,
     /// Half the spread of the slopes between neighbouring points.
@@ -70,6 +73,7 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     Some(Fit {
         quantity: "defect",
         against: "step_size",
+        loop_index: evidence.index,
         slope: local[0],
         uncertainty: (high - low) / 2.0,
         from: points[0].0.exp(),

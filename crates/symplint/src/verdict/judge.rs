@@ -18,11 +18,11 @@ const TREND: f64 = 0.5;
 /// `loops` holds the given loop first; `displacement` is how far the largest step moved
 /// it, relative to its size.
 pub fn judge(loops: &[LoopEvidence], displacement: f64) -> (Verdict, Vec<Fit>) {
-    let fits: Vec<Fit> = loops.iter().filter_map(fit_order).take(1).collect();
+    let fits: Vec<Fit> = loops.iter().filter_map(fit_order).collect();
     let case = Case {
         loops,
         displacement,
-        fit: fits.first(),
+        fits: &fits,
     };
     let verdict = (case.broken())
         .or_else(|| case.not_symplectic())
@@ -34,7 +34,7 @@ pub fn judge(loops: &[LoopEvidence], displacement: f64) -> (Verdict, Vec<Fit>) {
 struct Case<'a> {
     loops: &'a [LoopEvidence],
     displacement: f64,
-    fit: Option<&'a Fit>,
+    fits: &'a [Fit],
 }
 
 impl Case<'_> {
@@ -72,10 +72,10 @@ impl Case<'_> {
             ),
             evidence: vec![
                 format!(
-                    "At h = {} {} the break keeps its size, {:.3e} in q and {:.3e} in p, on a \
+                    "At h = {} the break of {} keeps its size, {:.3e} in q and {:.3e} in p, on a \
                      stretch of 1e-13 of the loop.",
-                    step.step_size,
-                    name(evidence),
+                    size(step.step_size),
+                    name(evidence.index),
                     found.jump_q,
                     found.jump_p
                 ),
@@ -93,7 +93,9 @@ impl Case<'_> {
     fn not_symplectic(&self) -> Option<Verdict> {
         let (evidence, step) = self.worst(StepEvidence::is_beyond_doubt)?;
         let defect = step.defect.magnitude();
-        let trend = self.fit.filter(|fit| fit.slope > TREND);
+        // The lowest order is the map's: a symmetric loop can hide it.
+        let trend = (self.fits.iter().filter(|fit| fit.slope > TREND))
+            .min_by(|a, b| a.slope.total_cmp(&b.slope));
         if defect < SMALL && trend.is_none() {
             return None;
         }
@@ -101,19 +103,23 @@ impl Case<'_> {
             format!(", falling as h^{}", fit.order())
         });
         let mut lines = vec![format!(
-            "At h = {} {} the loop integral changes by {:+.3e} of itself; quadrature error and \
+            "At h = {} the loop integral of {} changes by {:+.3e} of itself; quadrature error and \
              round-off are below {:.1e}.",
-            step.step_size,
-            name(evidence),
+            size(step.step_size),
+            name(evidence.index),
             step.defect.signed,
             step.defect.uncertainty()
         )];
-        if let Some(fit) = self.fit {
-            lines.push(format!(
-                "Between h = {:.3e} and h = {:.3e} the defect goes as h^({:.3} ± {:.3}).",
-                fit.from, fit.to, fit.slope, fit.uncertainty
-            ));
-        }
+        lines.extend(self.fits.iter().map(|fit| {
+            format!(
+                "The defect of {} goes as h^({:.3} ± {:.3}) between h = {} and h = {}.",
+                name(fit.loop_index),
+                fit.slope,
+                fit.uncertainty,
+                size(fit.from),
+                size(fit.to)
+            )
+        }));
         let mut advice = Vec::new();
         if trend.is_none() {
             advice.push(
@@ -127,8 +133,8 @@ impl Case<'_> {
             digits: None,
             order: trend.map(Fit::order),
             summary: format!(
-                "The map is not symplectic: its loop integral changes by {defect:.1e} at h = {}{law}.",
-                step.step_size
+                "The map is not symplectic: it changes a loop integral by {defect:.1e} at h = {}{law}.",
+                size(step.step_size)
             ),
             evidence: lines,
             advice,
@@ -160,7 +166,7 @@ impl Case<'_> {
                     "Undecided: a defect of {:.1e} at h = {} is more than quadrature error and round-off \
                      explain ({:.1e}) and too little to be sure.",
                     step.defect.magnitude(),
-                    step.step_size,
+                    size(step.step_size),
                     step.defect.uncertainty()
                 ),
                 "Take more samples and larger step sizes: a true defect grows with h, an error does not.",
@@ -180,7 +186,7 @@ impl Case<'_> {
             because(
                 format!(
                     "Undecided: at h = {} the quadrature only bounds the defect by {:.1e}.",
-                    step.step_size,
+                    size(step.step_size),
                     step.bound()
                 ),
                 "Take more samples; use the pseudospectral rule unless the loop is broken; or take a smaller loop.",
@@ -204,7 +210,9 @@ impl Case<'_> {
             digits: Some(digits),
             order: None,
             summary: format!(
-                "The map is symplectic to {digits} digits: no defect above {bound:.1e} for {low} ≤ h ≤ {high}."
+                "The map is symplectic to {digits} digits: no defect above {bound:.1e} for h from {} to {}.",
+                size(low),
+                size(high)
             ),
             evidence: self.bounds(),
             advice: match self.loops.len() {
@@ -219,14 +227,13 @@ impl Case<'_> {
         let line = |evidence: &LoopEvidence| {
             let step = (evidence.steps.iter()).max_by(|a, b| a.bound().total_cmp(&b.bound()))?;
             Some(format!(
-                "{} with {} samples: |E| ≤ {:.1e} (measured {:.1e}, quadrature error and \
-                 round-off {:.1e}) at the worst, h = {}.",
-                capitalised(name(evidence)),
+                "{} ({} samples): |E| ≤ {:.1e}; measured {:.1e} ± {:.1e} at the worst, h = {}.",
+                capitalised(name(evidence.index)),
                 evidence.samples,
                 step.bound(),
                 step.defect.magnitude(),
                 step.defect.uncertainty(),
-                step.step_size
+                size(step.step_size)
             ))
         };
         let mut lines: Vec<String> = self.loops.iter().filter_map(line).collect();
@@ -238,8 +245,21 @@ impl Case<'_> {
     }
 }
 
-fn name(evidence: &LoopEvidence) -> String {
-    match evidence.index {
+/// A step size as people read it: `2^-3`, or three digits.
+fn size(h: f64) -> String {
+    let exponent = h.abs().log2();
+    if exponent.fract() == 0.0 && exponent != 0.0 {
+        let sign = if h < 0.0 { "-" } else { "" };
+        return format!("{sign}2^{exponent}");
+    }
+    match h.abs() {
+        0.001..1000.0 => format!("{}", (h * 1e6).round() / 1e6),
+        _ => format!("{h:.3e}"),
+    }
+}
+
+fn name(index: usize) -> String {
+    match index {
         0 => "the given loop".into(),
         k => format!("random loop {k}"),
     }
