@@ -27,7 +27,7 @@ fn derivative_matrix_integral(q: &[f64], p: &[f64]) -> f64 {
         let (j, side) = if 2 * j > n { (n - j, -1.0) } else { (j, 1.0) };
         let x = PI * j as f64 / n as f64;
         let sign = if j % 2 == 0 { side } else { -side };
-        match (2 * j == n, n % 2) {
+        match (j == 0 || 2 * j == n, n % 2) {
             (true, _) => 0.0,
             (_, 0) => PI * sign * x.cos() / x.sin(),
             _ => PI * sign / x.sin(),
@@ -36,11 +36,9 @@ fn derivative_matrix_integral(q: &[f64], p: &[f64]) -> f64 {
     // Shifting q by its mean changes nothing and spares digits.
     let mean = q.iter().sum::<f64>() / n as f64;
     let mut sum = 0.0;
-    for k in 0..n {
-        for j in 0..n {
-            if k != j {
-                sum += p[k] * entry((k + n - j) % n) * (q[j] - mean);
-            }
+    for (k, p) in p.iter().enumerate() {
+        for (j, q) in q.iter().enumerate() {
+            sum += p * entry((k + n - j) % n) * (q - mean);
         }
     }
     sum / n as f64

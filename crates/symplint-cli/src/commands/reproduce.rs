@@ -41,7 +41,7 @@ pub fn reproduce(ids: &[String], only_list: bool, common: &Common) -> Result<Exi
     if common.json {
         anstream::println!("{}", crate::output::to_json(&claims));
     } else {
-        anstream::println!("{}", paper::claims_table(&claims));
+        anstream::println!("{}", paper::claims_summary(&claims));
         anstream::println!(
             "\nFigures, data and claims.md are in {}",
             folder.path().display()

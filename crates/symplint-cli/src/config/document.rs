@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::rc::Rc;
+use std::sync::Arc;
 
+use miette::NamedSource;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::error::{ConfigError, Place, Source};
+use super::error::{ConfigError, Place};
 
 /// A value and where it was written.
 #[derive(Clone, Debug)]
@@ -90,13 +91,10 @@ pub fn settings_only(settings: &[String]) -> Result<Table, ConfigError> {
 
 /// Reads a text as TOML.
 pub fn parse(name: &str, text: String) -> Result<Table, ConfigError> {
-    let source = Rc::new(Source {
-        name: name.to_owned(),
-        text,
-    });
-    let parsed = DeTable::parse(&source.text).map_err(|error| {
+    let source = Arc::new(NamedSource::new(name, text));
+    let parsed = DeTable::parse(source.inner()).map_err(|error| {
         let place = Place {
-            source: Rc::clone(&source),
+            source: Arc::clone(&source),
             span: error.span().unwrap_or(0..0),
         };
         ConfigError::new(
@@ -149,9 +147,12 @@ fn overlay(table: &mut Table, over: Table) {
     }
 }
 
-fn convert_table(table: &DeTable<'_>, source: &Rc<Source>) -> Result<Table, ConfigError> {
+fn convert_table(
+    table: &DeTable<'_>,
+    source: &Arc<NamedSource<String>>,
+) -> Result<Table, ConfigError> {
     let place = |span| Place {
-        source: Rc::clone(source),
+        source: Arc::clone(source),
         span,
     };
     let mut entries = BTreeMap::new();
@@ -162,9 +163,12 @@ fn convert_table(table: &DeTable<'_>, source: &Rc<Source>) -> Result<Table, Conf
     Ok(Table { entries })
 }
 
-fn convert(value: &Spanned<DeValue<'_>>, source: &Rc<Source>) -> Result<Node, ConfigError> {
+fn convert(
+    value: &Spanned<DeValue<'_>>,
+    source: &Arc<NamedSource<String>>,
+) -> Result<Node, ConfigError> {
     let place = Place {
-        source: Rc::clone(source),
+        source: Arc::clone(source),
         span: value.span(),
     };
     let unreadable = |what: &str| {

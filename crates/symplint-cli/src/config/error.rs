@@ -1,5 +1,7 @@
 //! Errors of a configuration: they point at the place and name the remedy.
 
+use std::sync::Arc;
+
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
 /// What is wrong with a configuration, where, and what to do.
@@ -9,7 +11,7 @@ pub struct ConfigError {
     /// What is wrong.
     pub message: String,
     #[source_code]
-    source_code: Option<NamedSource<String>>,
+    source_code: Option<Arc<NamedSource<String>>>,
     #[label("{label}")]
     span: Option<SourceSpan>,
     label: String,
@@ -31,30 +33,18 @@ impl ConfigError {
 
     /// Points at a place.
     pub fn at(mut self, place: &Place, label: impl Into<String>) -> Self {
-        self.source_code = Some(NamedSource::new(
-            &place.source.name,
-            place.source.text.clone(),
-        ));
+        self.source_code = Some(Arc::clone(&place.source));
         self.span = Some(place.span.clone().into());
         self.label = label.into();
         self
     }
 }
 
-/// A text that settings came from.
-#[derive(Debug)]
-pub struct Source {
-    /// File name, or `--set`.
-    pub name: String,
-    /// The whole text.
-    pub text: String,
-}
-
 /// Where in which text a setting stands.
 #[derive(Clone, Debug)]
 pub struct Place {
-    /// The text.
-    pub source: std::rc::Rc<Source>,
+    /// The text, with the name of its file, or `--set`.
+    pub source: Arc<NamedSource<String>>,
     /// Bytes of it.
     pub span: std::ops::Range<usize>,
 }

@@ -6,6 +6,7 @@ use symplint::{Ensemble, LoopIntegral, Rule};
 use super::Item;
 use super::claim::{Claim, Judgement};
 use super::plot::{axis, reference_slope, series};
+use super::sweep::mean_rate;
 use crate::commands::Failure;
 use crate::config::{Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
@@ -49,7 +50,7 @@ fn bernoulli(degree: usize, x: f64) -> f64 {
 /// ∮ p dq for q(s) = B_m(s + a), p(s) = B_m(s + b): (−1)^{m+1} (m!)²/(2m − 1)! B_{2m−1}(a − b).
 fn exact(degree: usize) -> f64 {
     let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
-    let sign = if degree % 2 == 0 { -1.0 } else { 1.0 };
+    let sign = if degree.is_multiple_of(2) { -1.0 } else { 1.0 };
     let factor = factorial(degree).powi(2) / factorial(2 * degree - 1);
     sign * factor * bernoulli(2 * degree - 1, -OFFSET)
 }
@@ -129,20 +130,6 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     }
     .save(&folder.figures(), "appendix_a")?;
     Ok(claims)
-}
-
-/// Least-squares slope, in log–log, of what lies above round-off: single doublings are noisy.
-pub fn mean_rate(curve: &[(f64, f64)]) -> f64 {
-    let points: Vec<(f64, f64)> = (curve.iter())
-        .filter(|point| point.1 > 1e-13)
-        .map(|point| (point.0.ln(), point.1.ln()))
-        .collect();
-    let n = points.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let above: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-    let below: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
-    above / below
 }
 
 #[cfg(test)]

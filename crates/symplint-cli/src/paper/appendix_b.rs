@@ -6,9 +6,9 @@ use serde::Serialize;
 use symplint::{Cutoffs, Ensemble, LoopIntegral, Rule};
 
 use super::Item;
-use super::appendix_a::mean_rate;
 use super::claim::{Claim, Judgement};
 use super::plot::{axis, reference_slope, series};
+use super::sweep::mean_rate;
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};

@@ -4,8 +4,6 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::output::plain_table;
-
 /// Whether a claim holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -81,17 +79,33 @@ pub fn claims_markdown(claims: &[Claim]) -> String {
     text
 }
 
-/// All claims for the terminal.
-pub fn claims_table(claims: &[Claim]) -> String {
-    let rows = (claims.iter())
-        .map(|claim| {
-            vec![
-                claim.item.to_owned(),
-                claim.says.clone(),
-                claim.measured.clone(),
-                claim.judgement.text().to_owned(),
-            ]
-        })
-        .collect();
-    plain_table(&["item", "the paper says", "measured", "judgement"], rows)
+/// A summary for the terminal: how many hold, and which do not as they are said.
+pub fn claims_summary(claims: &[Claim]) -> String {
+    let count = |judgement| {
+        claims
+            .iter()
+            .filter(|claim| claim.judgement == judgement)
+            .count()
+    };
+    let mut text = format!(
+        "{} claims: {} hold, {} hold with a correction, {} do not hold",
+        claims.len(),
+        count(Judgement::Holds),
+        count(Judgement::HoldsCorrected),
+        count(Judgement::DoesNotHold)
+    );
+    for claim in claims
+        .iter()
+        .filter(|claim| claim.judgement != Judgement::Holds)
+    {
+        let _ = write!(
+            text,
+            "\n  · {} ({}): {}\n    measured: {}",
+            claim.judgement.text(),
+            claim.place,
+            claim.says,
+            claim.measured
+        );
+    }
+    text
 }

@@ -127,7 +127,8 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
             measured: format!(
                 "within {off:.1e} of it for h = 0.01 … 1.9 (finite differences, {samples} samples)"
             ),
-            judgement: Judgement::of(off < 1e-5),
+            // Of first order: the omitted cells alone hold a few times 2π/N.
+            judgement: Judgement::of(off < 2e-5),
         });
         let exact = (1..=95)
             .map(|k| 0.02 * f64::from(k))

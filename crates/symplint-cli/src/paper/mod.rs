@@ -16,7 +16,7 @@ mod fig5;
 mod plot;
 mod sweep;
 
-pub use claim::{Claim, claims_markdown, claims_table};
+pub use claim::{Claim, claims_markdown, claims_summary};
 pub use plot::{portrait, reference_slope};
 
 use crate::commands::Failure;

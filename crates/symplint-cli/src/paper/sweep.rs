@@ -154,3 +154,17 @@ pub fn last_slope(points: &[(f64, f64)], floor: f64) -> Option<f64> {
 pub fn worst<'a>(records: impl Iterator<Item = &'a Record>) -> f64 {
     records.map(Record::defect).fold(0.0, f64::max)
 }
+
+/// Least-squares slope, in log–log, of what lies above round-off: single doublings are noisy.
+pub fn mean_rate(curve: &[(f64, f64)]) -> f64 {
+    let points: Vec<(f64, f64)> = (curve.iter())
+        .filter(|point| point.1 > 1e-13)
+        .map(|point| (point.0.ln(), point.1.ln()))
+        .collect();
+    let n = points.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let above: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    let below: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+    above / below
+}
