@@ -65,7 +65,7 @@ pub enum Error {
     /// A state that is not finite.
     #[error(
         "{coordinate} of degree of freedom {dof} is {value} at sample {sample}{}; {remedy}",
-        .step_size.map_or(String::new(), |h| format!(" after a step of h = {h}"))
+        .step_size.map_or(String::new(), |h| format!(" after a step of h = {h:?}"))
     )]
     NotFinite {
         /// `q` or `p`.
@@ -82,7 +82,7 @@ pub enum Error {
         remedy: &'static str,
     },
     /// The map reported a failure.
-    #[error("the map failed at sample {sample} with h = {step_size}: {reason}")]
+    #[error("the map failed at sample {sample} with h = {step_size:?}: {reason}")]
     StepFailed {
         /// Sample along the loop.
         sample: usize,
@@ -94,7 +94,8 @@ pub enum Error {
     /// The loop integral of the initial loop vanishes, so a relative defect has no meaning.
     #[error(
         "the initial loop encloses no area: its loop integral is {integral:e} where its size would \
-         allow {scale:e}; take a loop whose areas do not cancel, or another radius"
+         allow {scale:e}; take a loop whose areas do not cancel, another radius, or a \
+         centre nearer to the origin"
     )]
     NoArea {
         /// The loop integral.

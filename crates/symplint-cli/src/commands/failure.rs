@@ -15,7 +15,7 @@ pub enum Failure {
     #[diagnostic(transparent)]
     Config(#[from] ConfigError),
     /// The run itself.
-    #[error("the run failed: {0}")]
+    #[error("the run failed")]
     Run(#[from] symplint::Error),
     /// A model of the paper's reproduction.
     #[error(transparent)]

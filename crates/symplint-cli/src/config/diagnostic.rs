@@ -101,7 +101,11 @@ fn samples(section: &Section) -> Result<SampleCount, ConfigError> {
         _ => {
             let count = section.whole("samples", 3)?;
             if count > MOST_SAMPLES {
-                return Err(section.error("samples", format!("is {count}"), "give at most 2^28"));
+                return Err(section.error(
+                    "samples",
+                    format!("{count} are too many"),
+                    "give at most 2^28",
+                ));
             }
             Ok(SampleCount::Fixed(count as usize))
         }
@@ -113,7 +117,7 @@ fn step_sizes(section: &Section) -> Result<Vec<f64>, ConfigError> {
     let path = "diagnostic.step_sizes";
     match &node.value {
         Value::List(list) if list.is_empty() => {
-            Err(section.error("step_sizes", "is empty", "give one step size or more"))
+            Err(section.error("step_sizes", "empty", "give one step size or more"))
         }
         Value::List(list) => (list.iter())
             .map(|item| read_number(path, item, Accept::Positive))
@@ -160,5 +164,6 @@ fn sample_sweep(section: &Section) -> Result<Option<SampleSweep>, ConfigError> {
         ));
     }
     let step_size = range.number("step_size", Accept::Positive)?;
+    section.adopt("sample_sweep", range);
     Ok(Some(SampleSweep { counts, step_size }))
 }

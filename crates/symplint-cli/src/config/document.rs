@@ -126,21 +126,18 @@ fn parse_setting(setting: &str) -> Result<Table, ConfigError> {
 /// Puts the entries of `over` into `table`, table by table.
 fn overlay(table: &mut Table, over: Table) {
     for (key, (place, node)) in over.entries {
-        match (table.entries.get_mut(&key), node) {
-            (
-                Some((
-                    _,
-                    Node {
-                        value: Value::Table(old),
-                        ..
-                    },
-                )),
-                Node {
-                    value: Value::Table(new),
-                    ..
-                },
-            ) => overlay(old, new),
-            (_, node) => {
+        match (table.entries.get_mut(&key), node.value) {
+            (Some((_, old)), Value::Table(new)) if matches!(old.value, Value::Table(_)) => {
+                old.place = node.place;
+                if let Value::Table(old) = &mut old.value {
+                    overlay(old, new);
+                }
+            }
+            (_, value) => {
+                let node = Node {
+                    value,
+                    place: node.place,
+                };
                 table.entries.insert(key, (place, node));
             }
         }

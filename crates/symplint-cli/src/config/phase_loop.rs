@@ -55,7 +55,7 @@ pub fn read(node: Option<&Node>, system: &System) -> Result<(Box<dyn Loop>, Sect
         if let Some(key) = circle_only.or((phases == "random").then_some("phases")) {
             return Err(section.error(
                 key,
-                "belongs to circles",
+                "only for circles",
                 "leave it out: a fourier loop has random phases in every degree of freedom",
             ));
         }

@@ -171,7 +171,7 @@ impl Section {
         self.node(key)?.ok_or_else(|| {
             self.error(
                 key,
-                "is missing",
+                "missing",
                 format!("add `{key} = …` to [{}]", self.path),
             )
         })
@@ -199,7 +199,7 @@ impl Section {
         if list.len() != count {
             return Err(self.error(
                 key,
-                format!("has {} numbers for {count} degrees of freedom", list.len()),
+                format!("{} numbers for {count} degrees of freedom", list.len()),
                 "give one number for each degree of freedom, or a single one for all",
             ));
         }
@@ -271,6 +271,13 @@ impl Section {
                 suggestion(&text, choices.iter().copied()),
             )
         })
+    }
+
+    /// Records what a table inside this one resolved to.
+    pub fn adopt(&self, key: &str, inner: Section) {
+        self.resolved
+            .borrow_mut()
+            .insert(key.to_owned(), inner.resolved().into());
     }
 
     /// A table inside this one, or `None` where it was left out.

@@ -155,23 +155,38 @@ pub const SYSTEMS: &[SystemInfo] = &[
 /// Reads [system].
 pub fn read(node: Option<&Node>, folder: &Path) -> Result<(System, Section), ConfigError> {
     const NAME: Key = Key::optional("name", "which system");
+    // The name says which keys there are, so it is read before they are judged.
     let names = || SYSTEMS.iter().map(|info| info.name);
-    let all_keys = SYSTEMS.iter().flat_map(|info| info.keys).copied();
-    // First with every key of every system, to read the name before judging the keys.
-    let any = Section::new("system", node, all_keys.chain([NAME]).collect())?;
-    let Some(name) = any.optional_text("name")? else {
-        let help = format!(
-            "add [system] with name = one of {}",
-            names().collect::<Vec<_>>().join(", ")
-        );
-        return Err(any.error("name", "is missing", help));
+    let bare = Section::new("system", None, vec![NAME])?;
+    let written = match node.map(|node| &node.value) {
+        Some(Value::Table(table)) => table.entries.get("name").map(|(_, node)| node),
+        _ => None,
+    };
+    let Some(written) = written else {
+        let all = names().collect::<Vec<_>>().join(", ");
+        return Err(bare.error(
+            "name",
+            "missing",
+            format!("add [system] with name = one of {all}"),
+        ));
+    };
+    let Value::Text(name) = &written.value else {
+        return Err(bare
+            .error(
+                "name",
+                format!("{}, not a text", written.value.kind()),
+                "put it in quotes",
+            )
+            .at(&written.place, "must be a text"));
     };
     let Some(info) = SYSTEMS.iter().find(|info| info.name == name) else {
-        return Err(any.error(
-            "name",
-            format!("there is no system \"{name}\""),
-            suggestion(&name, names()),
-        ));
+        return Err(bare
+            .error(
+                "name",
+                format!("there is no \"{name}\""),
+                suggestion(name, names()),
+            )
+            .at(&written.place, "unknown"));
     };
     let keys = info.keys.iter().copied().chain([NAME]).collect();
     let section = Section::new("system", node, keys)?;
@@ -236,7 +251,7 @@ fn pendulum_array(section: &Section, folder: &Path) -> Result<System, ConfigErro
             let Some(file) = inner.optional_text("file")? else {
                 return Err(section.error(
                     "initial",
-                    "names no file",
+                    "no file named",
                     "write { file = \"state.npy\" }",
                 ));
             };
@@ -246,7 +261,7 @@ fn pendulum_array(section: &Section, folder: &Path) -> Result<System, ConfigErro
         _ => {
             return Err(section.error(
                 "initial",
-                "is neither \"uniform\" nor a file",
+                "neither \"uniform\" nor a file",
                 "write \"uniform\" or { file = \"state.npy\" }",
             ));
         }

@@ -147,7 +147,7 @@ fn advanced_loop(title: &str, config: &Config) -> Result<Figure, Failure> {
     let before = series("before", plane(&ensemble, 0), Style::Closed, 0);
     ensemble.advance(&*config.map, h)?;
     let after = series(
-        &format!("after one step of {}", super::power_of_two(h)),
+        &format!("after one step of {}", super::raised_power_of_two(h)),
         plane(&ensemble, 0),
         Style::Points,
         1,
@@ -190,7 +190,7 @@ pub fn trace_figures(config: &Config, record: &TraceRecord) -> Vec<(&'static str
         .map(|point| (point.time, point.quadrature_error.unwrap_or(f64::NAN)))
         .collect();
     let integral = vec![
-        series("quadrature error", floor, Style::Thin, 0),
+        series("quadrature error", floor, Style::Floor, 0),
         series("loop integral", defects, Style::Line, 0),
     ];
     let energy = (record.points.iter())

@@ -10,6 +10,9 @@ use crate::config::Config;
 /// Rows of one sweep at most, so that a screen holds the table.
 const MOST_ROWS: usize = 16;
 
+/// A relative quadrature error above this says nothing of the loop integral.
+const UNRESOLVED: f64 = 1e-6;
+
 /// A table with a header.
 pub fn plain_table(header: &[&str], rows: Vec<Vec<String>>) -> String {
     let mut table = Table::new();
@@ -124,11 +127,29 @@ pub fn verdict_text(diagnosis: &Diagnosis, short: bool) -> String {
 
 /// Some moments of a trace and its worst.
 pub fn trace_table(points: &[TracePoint], short: bool) -> String {
-    let worst = |of: fn(&TracePoint) -> f64| points.iter().map(of).fold(0.0, f64::max);
+    let energy = (points.iter().filter_map(|point| point.energy_error))
+        .map(f64::abs)
+        .fold(0.0, f64::max);
+    let lost = points.iter().position(|point| {
+        point
+            .quadrature_error
+            .is_none_or(|error| error > UNRESOLVED)
+    });
+    let resolved = &points[..lost.unwrap_or(points.len())];
+    let defect = resolved
+        .iter()
+        .map(|point| point.defect)
+        .fold(0.0, f64::max);
+    let until = match lost {
+        None => "the samples resolve the loop to the end".to_owned(),
+        Some(0) => "the samples do not resolve the loop: take more".to_owned(),
+        Some(step) => format!(
+            "the samples resolve the loop until t = {:.4}, beyond which its integral is not known",
+            points[step].time
+        ),
+    };
     let summary = format!(
-        "largest defect of the loop integral {:.2e}, largest energy error {:.2e}",
-        worst(|point| point.defect),
-        worst(|point| point.energy_error.map_or(0.0, f64::abs))
+        "{until}\nlargest defect while resolved {defect:.2e}, largest energy error {energy:.2e}"
     );
     if short {
         return summary;

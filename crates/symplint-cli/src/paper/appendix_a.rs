@@ -120,7 +120,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     Figure {
         title: None,
         panels: vec![Panel {
-            title: "pseudospectral rule, loops in H^r".into(),
+            title: "pseudospectral rule, loops in Hʳ".into(),
             x: axis("samples Nₛ", Scale::Log2),
             y: axis("relative error of ∮ p dq", Scale::Log10),
             series: drawn,

@@ -14,7 +14,7 @@ use super::sweep::{Record, Study, halvings, last_slope, step_of, worst};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Style};
-use crate::output::{RunFolder, error_axis, step_axis};
+use crate::output::{RunFolder, error_axis, raised_power_of_two, step_axis};
 
 pub const ITEM: Item = Item {
     id: "fig4",
@@ -143,7 +143,11 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
             "h",
         ));
         panels.push(Panel {
-            title: format!("{} (Nₛ = 2^{})", case.title, samples.ilog2()),
+            title: format!(
+                "{} (Nₛ = {})",
+                case.title,
+                raised_power_of_two(samples as f64)
+            ),
             x: step_axis(),
             y: error_axis(),
             series: drawn,

@@ -4,6 +4,10 @@ use contour::ContourBuilder;
 use symplint::{Block, Observable, RowsMut};
 
 use crate::figure::{Axis, Panel, Scale, Series, Style};
+use crate::output::superscript;
+
+/// Palette index of what is no measurement.
+const BLACK: usize = 6;
 
 /// An axis with an automatic range.
 pub fn axis(label: &str, scale: Scale) -> Axis {
@@ -37,27 +41,8 @@ pub fn reference_slope(points: &[(f64, f64)], order: f64, variable: &str) -> Ser
         &format!("{variable}{}", superscript(order)),
         points.iter().map(|p| line(p.0)).collect(),
         Style::Dashed,
-        7,
+        BLACK,
     )
-}
-
-fn superscript(order: f64) -> String {
-    (format!("{order}").chars())
-        .map(|c| match c {
-            '-' => '⁻',
-            '0' => '⁰',
-            '1' => '¹',
-            '2' => '²',
-            '3' => '³',
-            '4' => '⁴',
-            '5' => '⁵',
-            '6' => '⁶',
-            '7' => '⁷',
-            '8' => '⁸',
-            '9' => '⁹',
-            _ => '·',
-        })
-        .collect()
 }
 
 /// Loops over the contours of the energy, one degree of freedom.

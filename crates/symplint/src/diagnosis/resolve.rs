@@ -24,6 +24,9 @@ const ENOUGH: f64 = 1e-14;
 /// kinked ones 4 or more, jumps 2, noise of the states √2.
 const STALLED: f64 = 1.7;
 
+/// Above this an error that does not fall is not yet noise: the loop is steep somewhere.
+const NOISE: f64 = 1e-5;
+
 /// The probe of a loop by the wanted rule and samples, judged at step size `h`.
 pub(super) fn resolve<'a>(
     index: usize,
@@ -60,7 +63,7 @@ pub(super) fn resolve<'a>(
             };
         }
         let error = measured.defect.quadrature_error.unwrap_or(f64::INFINITY);
-        stalls = if error * STALLED > last_error {
+        stalls = if error < NOISE && error * STALLED > last_error {
             stalls + 1
         } else {
             0

@@ -86,14 +86,19 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     })
 }
 
-/// The exponent k of h^k (a + b h + c h²), and how far it can be off.
+/// The exponent k of h^k (a + b h + c h²), and how far it can be off: a whole number if one fits,
+/// as it does for every smooth map.
 fn polynomial_law(data: &[Datum]) -> Option<(f64, f64)> {
     // Terms of higher order pass for a lower one with a vanishing leading term: the highest exponent
     // that fits is the true one.
-    let highest = (exponents(0.0, HIGHEST_ORDER).rev()).find(|&k| misfit(data, k) <= 1.0)?;
-    let near = || exponents(highest - 0.5, highest);
-    let slope = near().min_by(|&a, &b| misfit(data, a).total_cmp(&misfit(data, b)))?;
-    Some((slope, highest - slope))
+    let fits = |&k: &f64| misfit(data, k) <= 1.0;
+    let highest = exponents(0.0, HIGHEST_ORDER).rev().find(fits)?;
+    let whole = Some((highest + STEP / 2.0).floor()).filter(fits);
+    let slope = whole.or_else(|| {
+        exponents(highest - 0.5, highest)
+            .min_by(|&a, &b| misfit(data, a).total_cmp(&misfit(data, b)))
+    })?;
+    Some((slope, (highest - slope).max(0.0)))
 }
 
 /// The mean slope of log |E| over log h, and half the spread of the local slopes.

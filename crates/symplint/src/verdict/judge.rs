@@ -189,7 +189,7 @@ impl Case<'_> {
                     size(step.step_size),
                     step.bound()
                 ),
-                "Take more samples; use the pseudospectral rule unless the loop is broken; or take a smaller loop.",
+                "Take more samples or a smaller loop; finite differences are only good to a few digits.",
             )
         })
     }

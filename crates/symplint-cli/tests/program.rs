@@ -1,0 +1,515 @@
+//! The program as its users run it: exit statuses, files, messages.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::Command;
+use serde_json::Value;
+use tempfile::TempDir;
+
+fn symplint(arguments: &[&str]) -> Output {
+    Command::cargo_bin("symplint")
+        .unwrap()
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn example(name: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    root.join(name).to_str().unwrap().to_owned()
+}
+
+/// A configuration in a folder of its own.
+fn configuration(text: &str) -> (TempDir, PathBuf) {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("run.toml");
+    fs::write(&path, text).unwrap();
+    (folder, path)
+}
+
+fn report(arguments: &[&str]) -> Value {
+    let output = symplint(&[arguments, &["--json"]].concat());
+    assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("nothing but JSON on standard output")
+}
+
+#[test]
+fn the_first_command_of_the_readme() {
+    let output = symplint(&["check", &example("pendulum.toml")]);
+    assert_eq!(output.status.code(), Some(0));
+    let said = text(&output.stdout);
+    assert!(said.contains("symplectic to 14"), "{said}");
+    assert!(said.lines().count() < 28, "a screen holds it:\n{said}");
+    assert!(!said.contains('\u{1b}'), "no colours in a pipe");
+}
+
+#[test]
+fn an_integrator_that_is_not_symplectic() {
+    for (variant, order) in [("midpoint", 3.0), ("heun", 4.0)] {
+        let set = format!("integrator.variant={variant}");
+        let arguments = [
+            "check",
+            &example("pendulum.toml"),
+            "--set",
+            "integrator.name=rk2",
+            "--set",
+            &set,
+        ];
+        assert_eq!(symplint(&arguments).status.code(), Some(1));
+        let report = report(&arguments);
+        assert_eq!(report["verdict"]["kind"], "not-symplectic");
+        assert_eq!(report["verdict"]["order"], order);
+        assert_eq!(report["verdict"]["digits"], Value::Null);
+        assert_eq!(report["config"]["integrator"]["variant"], variant);
+    }
+}
+
+#[test]
+fn the_report_has_the_fields_of_its_schema() {
+    let report = report(&["check", &example("pendulum.toml")]);
+    assert_eq!(report["schema"], "symplint/report/1");
+    let point = &report["points"][0];
+    for field in [
+        "sweep",
+        "loop",
+        "step_size",
+        "samples",
+        "rule",
+        "initial",
+        "final",
+        "signed_defect",
+        "defect",
+        "quadrature_error",
+        "roundoff",
+        "omitted_cells",
+        "jumps",
+        "chord",
+        "closed_defect",
+        "evaluations",
+    ] {
+        assert!(point.get(field).is_some(), "{field} is missing: {point}");
+    }
+    assert_eq!(point["sweep"], "step-size");
+    assert_eq!(point["jumps"], Value::Null);
+    assert!((point["initial"].as_f64().unwrap() - std::f64::consts::PI).abs() < 1e-14);
+    for field in ["kind", "digits", "order", "summary", "evidence", "advice"] {
+        assert!(report["verdict"].get(field).is_some(), "{field}");
+    }
+}
+
+#[test]
+fn broken_loops_and_undecided_have_their_own_status() {
+    let (_folder, path) = configuration("[system]\nname = \"absolute-value\"\n");
+    let path = path.to_str().unwrap();
+    let output = symplint(&["check", path, "--quiet"]);
+    assert_eq!(
+        (output.status.code(), text(&output.stdout).trim()),
+        (Some(1), "broken-loops")
+    );
+    let output = symplint(&[
+        "check",
+        path,
+        "--quiet",
+        "--set",
+        "diagnostic.step_sizes=[1e-6]",
+        "--set",
+        "system.q0=5",
+    ]);
+    assert_eq!(
+        (output.status.code(), text(&output.stdout).trim()),
+        (Some(3), "undecided")
+    );
+}
+
+#[test]
+fn a_run_folder_holds_everything() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("deep/run");
+    let sweep = "diagnostic.sample_sweep={from=8,to=64,step_size=0.5}";
+    let output = symplint(&[
+        "check",
+        &example("pendulum.toml"),
+        "--set",
+        sweep,
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(output.status.code(), Some(0));
+    for name in [
+        "report.json",
+        "points.csv",
+        "config.toml",
+        "figures/step_sizes.svg",
+        "figures/step_sizes.png",
+        "figures/samples.svg",
+        "figures/loop.png",
+    ] {
+        assert!(
+            fs::metadata(out.join(name)).is_ok_and(|data| data.len() > 100),
+            "{name}"
+        );
+    }
+    let points = fs::read_to_string(out.join("points.csv")).unwrap();
+    assert!(
+        points.starts_with("sweep,loop,step_size,samples,rule,initial,final,"),
+        "{points}"
+    );
+    assert_eq!(
+        points
+            .lines()
+            .filter(|line| line.starts_with("samples,0,0.5,"))
+            .count(),
+        4
+    );
+    // What was resolved can be run again, and gives the same bits.
+    let resolved = out.join("config.toml");
+    let again = report(&["check", resolved.to_str().unwrap()]);
+    let first: Value =
+        serde_json::from_str(&fs::read_to_string(out.join("report.json")).unwrap()).unwrap();
+    assert_eq!(again["points"], first["points"]);
+}
+
+#[test]
+fn threads_do_not_change_the_report() {
+    let (_folder, path) = configuration(
+        "[system]\nname = \"pendulum-array\"\npendula = 50\n[diagnostic]\nsamples = 300\n",
+    );
+    let path = path.to_str().unwrap();
+    let one = symplint(&["check", path, "--json", "--threads", "1"]).stdout;
+    assert_eq!(
+        symplint(&["check", path, "--json", "--threads", "2"]).stdout,
+        one
+    );
+    assert_eq!(
+        symplint(&["check", path, "--json", "--threads", "3"]).stdout,
+        one
+    );
+}
+
+#[test]
+fn a_trace_follows_loop_and_energy() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let arguments = [
+        "trace",
+        &example("pendulum.toml"),
+        "--set",
+        "system.q0=pi",
+        "--set",
+        "trace.steps=50",
+        "--set",
+        "trace.samples=256",
+        "--set",
+        "trace.snapshots=[0, 50]",
+        "--out",
+        out,
+    ];
+    assert_eq!(symplint(&arguments).status.code(), Some(0));
+    for name in [
+        "report.json",
+        "points.csv",
+        "loop_50.csv",
+        "figures/loops.svg",
+        "figures/energy.png",
+    ] {
+        assert!(folder.path().join(name).exists(), "{name}");
+    }
+    let report = report(&arguments);
+    let points = report["points"].as_array().unwrap();
+    assert_eq!(points.len(), 51);
+    assert!((points[50]["time"].as_f64().unwrap() - 5.0).abs() < 1e-12);
+    assert!(
+        points
+            .iter()
+            .all(|point| point["defect"].as_f64().unwrap() < 1e-13)
+    );
+    assert!(
+        points
+            .iter()
+            .all(|point| point["energy_error"].as_f64().unwrap().abs() < 1e-2)
+    );
+    let samples = fs::read_to_string(folder.path().join("loop_50.csv")).unwrap();
+    assert_eq!(
+        (samples.lines().count(), samples.lines().next()),
+        (257, Some("s,q0,p0"))
+    );
+}
+
+#[test]
+fn every_system_has_a_starter_that_runs() {
+    let listed = text(&symplint(&["list", "systems"]).stdout);
+    for name in [
+        "pendulum",
+        "absolute-value",
+        "interpolated-pendulum",
+        "pendulum-array",
+        "harmonic-oscillator",
+        "henon-heiles",
+    ] {
+        assert!(listed.contains(name));
+        let starter = text(&symplint(&["init", name]).stdout);
+        assert!(starter.contains("# "), "it is commented:\n{starter}");
+        let (_folder, path) = configuration(&starter);
+        // Few pendula, so that it is quick; every other key as the starter has it.
+        let pendula = if name == "pendulum-array" {
+            vec!["--set", "system.pendula=16"]
+        } else {
+            vec![]
+        };
+        let output =
+            symplint(&[&["check", path.to_str().unwrap(), "--quiet"], &pendula[..]].concat());
+        let expected = if name == "absolute-value" { 1 } else { 0 };
+        assert_eq!(
+            output.status.code(),
+            Some(expected),
+            "{name}: {}",
+            text(&output.stderr)
+        );
+    }
+}
+
+#[test]
+fn everything_can_be_listed() {
+    for (what, some) in [
+        ("integrators", "yoshida8"),
+        ("rules", "pseudospectral"),
+        ("figures", "fig5"),
+    ] {
+        let output = symplint(&["list", what]);
+        assert_eq!(output.status.code(), Some(0));
+        assert!(text(&output.stdout).contains(some));
+    }
+}
+
+#[test]
+fn items_of_the_paper_with_settings() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let output = symplint(&[
+        "reproduce",
+        "fig2",
+        "--set",
+        "steps=80",
+        "--set",
+        "samples=512",
+        "--out",
+        out,
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let claims: Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("claims.json")).unwrap())
+            .unwrap();
+    assert_eq!(claims[0]["item"], "fig2");
+    assert_eq!(claims[0]["judgement"], "holds");
+    for name in [
+        "claims.md",
+        "fig2_stable.csv",
+        "figures/fig2.svg",
+        "figures/fig2.png",
+    ] {
+        assert!(folder.path().join(name).exists(), "{name}");
+    }
+}
+
+/// Runs `check` and demands exit status 2 and every word of `expected` on standard error.
+fn refused(configuration_text: &str, settings: &[&str], expected: &[&str]) {
+    let (_folder, path) = configuration(configuration_text);
+    let mut arguments = vec!["check", path.to_str().unwrap()];
+    for setting in settings {
+        arguments.extend(["--set", setting]);
+    }
+    let output = symplint(&arguments);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{settings:?}: {said}");
+    assert!(output.stdout.is_empty(), "{}", text(&output.stdout));
+    // Messages are folded to the width of the terminal.
+    let unfolded = said
+        .replace('│', " ")
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
+    for part in expected {
+        assert!(unfolded.contains(part), "{part:?} is not in: {unfolded}");
+    }
+    assert!(!said.contains("panicked"), "{said}");
+}
+
+const PENDULUM: &str = "[system]\nname = \"pendulum\"\n";
+
+#[test]
+fn bad_settings_are_refused_with_place_and_remedy() {
+    refused(
+        "[system]\nname = \"pendulm\"\n",
+        &[],
+        &["pendulm", "run.toml:2:8", "did you mean \"pendulum\""],
+    );
+    refused(
+        "[system]\nname = \"pendulum\"\nq1 = 2\n",
+        &[],
+        &["\"q1\"", "run.toml:3:1", "q0"],
+    );
+    refused(
+        "[sytem]\nname = \"pendulum\"\n",
+        &[],
+        &["[sytem]", "did you mean \"system\""],
+    );
+    refused("name = \"pendulum\"\n", &[], &["no section [name]"]);
+    refused("", &[], &["system.name: missing", "harmonic-oscillator"]);
+    refused("[system\n", &[], &["not TOML", "run.toml:1"]);
+    refused(
+        PENDULUM,
+        &["loop.radius=-1"],
+        &["loop.radius is -1", "above 0"],
+    );
+    refused(
+        PENDULUM,
+        &["loop.radius=\"\""],
+        &["loop.radius is a text, not a number"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.samples=2"],
+        &["diagnostic.samples is 2", "at least 3"],
+    );
+    refused(PENDULUM, &["diagnostic.samples=64.5"], &["whole number"]);
+    refused(
+        PENDULUM,
+        &["diagnostic.step_sizes=[0.1, -0.1]"],
+        &["-0.1", "above 0"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.step_sizes=[]"],
+        &["step_sizes", "one step size or more"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.rule=spectral"],
+        &["did you mean \"pseudospectral\""],
+    );
+    refused(
+        PENDULUM,
+        &["integrator.name=strnag"],
+        &["did you mean \"strang\""],
+    );
+    refused(
+        PENDULUM,
+        &["integrator.variant=first"],
+        &["position-first", "momentum-first"],
+    );
+    refused(
+        PENDULUM,
+        &["loop.dofs=[1]"],
+        &["no degree of freedom 1", "there are 1"],
+    );
+    refused(PENDULUM, &["loop"], &["--set KEY=VALUE"]);
+    refused(PENDULUM, &["system.q0=1e300"], &["encloses no area"]);
+    let spline = "[system]\nname = \"interpolated-pendulum\"\n";
+    refused(spline, &["system.degree=6"], &["spline degree 6", "1 to 5"]);
+    refused(
+        spline,
+        &["system.degree=2", "system.cells=24"],
+        &["even", "odd number of cells"],
+    );
+    refused(spline, &["system.degree=3", "system.cells=2"], &["cells"]);
+}
+
+#[test]
+fn bad_state_files_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let file = |name: &str, content: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, content).unwrap();
+        format!("system.initial={{ file = '{}' }}", path.display())
+    };
+    /// A NumPy 1.0 file of doubles in C order.
+    fn npy(shape: &str, values: &[f64]) -> Vec<u8> {
+        let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+        while (10 + header.len() + 1) % 64 != 0 {
+            header.push(' ');
+        }
+        header.push('\n');
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+        bytes
+    }
+    let array = "[system]\nname = \"pendulum-array\"\npendula = 3\n";
+    let good = file("good.npy", &npy("(2, 3)", &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6]));
+    let (_run, path) = configuration(array);
+    let output = symplint(&["check", path.to_str().unwrap(), "--quiet", "--set", &good]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+
+    let shape = file("shape.npy", &npy("(3, 2)", &[0.0; 6]));
+    refused(array, &[&shape], &["[3, 2]", "(2, dof)"]);
+    let long = file("long.npy", &npy("(2, 4)", &[0.0; 8]));
+    refused(
+        array,
+        &[&long],
+        &["4 degrees of freedom where the system has 3"],
+    );
+    let nan = file(
+        "nan.npy",
+        &npy("(2, 3)", &[0.0, 0.0, 0.0, 0.0, f64::NAN, 0.0]),
+    );
+    refused(array, &[&nan], &["NaN", "momentum of degree of freedom 1"]);
+    let cut = file("cut.npy", &npy("(2, 3)", &[0.0; 5]));
+    refused(array, &[&cut], &["cut.npy"]);
+    let noise = file("noise.npy", b"not an array");
+    refused(array, &[&noise], &["noise.npy", "numpy.save"]);
+    let columns = file("columns.csv", b"0.1,0.2,0.3\n");
+    refused(array, &[&columns], &["3 columns", "two columns"]);
+    let words = file("words.csv", b"0.1,0.2\nx,0.2\n0.1,0.2\n");
+    refused(array, &[&words], &["row 2"]);
+    let kind = file("state.txt", b"0.1 0.2\n");
+    refused(array, &[&kind], &[".npy nor .csv"]);
+    refused(
+        array,
+        &["system.initial={file='/nowhere/state.npy'}"],
+        &["cannot open", "relative"],
+    );
+    refused(array, &["system.initial=random"], &["uniform"]);
+}
+
+#[test]
+fn places_that_cannot_be_written_are_refused_before_the_run() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("file");
+    fs::write(&file, "").unwrap();
+    let below = file.join("run");
+    let output = symplint(&[
+        "check",
+        &example("pendulum.toml"),
+        "--out",
+        below.to_str().unwrap(),
+    ]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("cannot write"));
+    assert!(output.stdout.is_empty());
+}
+
+#[test]
+fn bad_usage_has_status_2() {
+    for arguments in [
+        &["check"][..],
+        &["chekc", "x.toml"],
+        &["check", "nowhere.toml"],
+        &["check", "x.toml", "--threads", "0"],
+        &["reproduce", "fig99"],
+        &["reproduce", "fig1", "fig2", "--set", "steps=3"],
+        &["reproduce", "fig1", "--set", "stesp=3"],
+        &["init", "pendullum"],
+        &["list", "everything"],
+    ] {
+        let output = symplint(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(!output.stderr.is_empty());
+    }
+}
