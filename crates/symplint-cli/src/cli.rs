@@ -42,7 +42,7 @@ pub enum Command {
     },
     /// Loop integral and energy against time.
     ///
-    /// Takes [trace].steps steps of size [trace].step_size and follows the loop integral, and the
+    /// Takes trace.steps steps of size trace.step_size and follows the loop integral, and the
     /// energy of the orbit that starts at the centre of the loop.
     Trace {
         /// The configuration; `symplint init SYSTEM` prints one to start from.

@@ -1,4 +1,4 @@
-//! [diagnostic]: what `check` measures.
+//! `[diagnostic]`: what `check` measures.
 
 use symplint::{Cutoff, Cutoffs, Diagnostic, Rule, RuleChoice, SampleCount, SampleSweep};
 
@@ -6,7 +6,7 @@ use super::document::{Node, Value};
 use super::error::ConfigError;
 use super::section::{Accept, Key, Section, read_number};
 
-/// The keys of [diagnostic].
+/// The keys of `[diagnostic]`.
 pub const KEYS: &[Key] = &[
     Key::new(
         "rule",
@@ -63,7 +63,7 @@ const LONGEST: usize = 64;
 /// Samples of one loop at most: their ensemble must fit into memory many times over.
 const MOST_SAMPLES: u64 = 1 << 28;
 
-/// Reads [diagnostic].
+/// Reads `[diagnostic]`.
 pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
     let section = Section::new("diagnostic", node, KEYS.to_vec())?;
     let cutoffs = cutoffs(&section)?;

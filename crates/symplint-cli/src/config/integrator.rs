@@ -1,4 +1,4 @@
-//! [integrator]: the time-advance map.
+//! `[integrator]`: the time-advance map.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::document::Node;
 use super::error::ConfigError;
 use super::section::{Key, Section, suggestion};
 
-/// The keys of [integrator].
+/// The keys of `[integrator]`.
 pub const KEYS: &[Key] = &[
     Key::new("name", "\"strang\"", "see `symplint list integrators`"),
     Key::optional(
@@ -19,7 +19,7 @@ pub const KEYS: &[Key] = &[
     ),
 ];
 
-/// Reads [integrator] and builds its step.
+/// Reads `[integrator]` and builds its step.
 pub fn read(
     node: Option<&Node>,
     system: Arc<dyn Separable>,

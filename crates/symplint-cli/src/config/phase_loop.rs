@@ -1,4 +1,4 @@
-//! [loop]: the closed curve of initial states.
+//! `[loop]`: the closed curve of initial states.
 
 use symplint::{Circle, FourierLoop, Loop};
 
@@ -7,7 +7,7 @@ use super::error::ConfigError;
 use super::section::{Accept, Key, Section};
 use super::system::System;
 
-/// The keys of [loop].
+/// The keys of `[loop]`.
 pub const KEYS: &[Key] = &[
     Key::new(
         "shape",
@@ -27,7 +27,7 @@ pub const KEYS: &[Key] = &[
     Key::new("seed", "1", "of random phases and modes"),
 ];
 
-/// Reads [loop]; it goes round the system's initial state.
+/// Reads `[loop]`; it goes round the system's initial state.
 pub fn read(node: Option<&Node>, system: &System) -> Result<(Box<dyn Loop>, Section), ConfigError> {
     let section = Section::new("loop", node, KEYS.to_vec())?;
     let shape = section.choice("shape", &["circle", "fourier"])?;

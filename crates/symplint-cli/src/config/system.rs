@@ -1,4 +1,4 @@
-//! [system]: the Hamiltonian and the state that loops go round.
+//! `[system]`: the Hamiltonian and the state that loops go round.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -152,7 +152,7 @@ pub const SYSTEMS: &[SystemInfo] = &[
     },
 ];
 
-/// Reads [system].
+/// Reads `[system]`.
 pub fn read(node: Option<&Node>, folder: &Path) -> Result<(System, Section), ConfigError> {
     const NAME: Key = Key::optional("name", "which system");
     // The name says which keys there are, so it is read before they are judged.

@@ -1,10 +1,10 @@
-//! [trace]: what `trace` follows.
+//! `[trace]`: what `trace` follows.
 
 use super::document::Node;
 use super::error::ConfigError;
 use super::section::{Accept, Key, Section};
 
-/// The keys of [trace].
+/// The keys of `[trace]`.
 pub const KEYS: &[Key] = &[
     Key::new("step_size", "0.1", "h"),
     Key::new("steps", "1000", "number of steps"),
@@ -28,7 +28,7 @@ pub struct TraceSettings {
     pub snapshots: Vec<usize>,
 }
 
-/// Reads [trace].
+/// Reads `[trace]`.
 pub fn read(node: Option<&Node>) -> Result<(TraceSettings, Section), ConfigError> {
     let section = Section::new("trace", node, KEYS.to_vec())?;
     let snapshots = section.optional_wholes("snapshots", 0)?.unwrap_or_default();
