@@ -25,7 +25,8 @@ pub const KEYS: &[Key] = &[
     ),
     Key::optional(
         "sample_sweep",
-        "doubling: { from = \"2^6\", to = \"2^15\", step_size = 0.1 }; none if left out",
+        "{ from = \"2^6\", to = \"2^15\", step_size = 0.1 }",
+        "doubling from … to …; no sweep if left out",
     ),
     Key::new(
         "cutoff_q",
@@ -35,9 +36,10 @@ pub const KEYS: &[Key] = &[
     Key::new("cutoff_p", "1000.0", "λ_p: the same for p"),
     Key::optional(
         "cutoff_q_absolute",
+        "100.0",
         "τ_q: cut-off on |dq/ds| itself, in place of cutoff_q",
     ),
-    Key::optional("cutoff_p_absolute", "τ_p: the same for p"),
+    Key::optional("cutoff_p_absolute", "100.0", "τ_p: the same for p"),
     Key::new(
         "loops",
         "4",
@@ -47,8 +49,8 @@ pub const KEYS: &[Key] = &[
 ];
 
 const FROM_TO: [Key; 2] = [
-    Key::optional("from", "the first"),
-    Key::optional("to", "the last"),
+    Key::optional("from", "\"2^-1\"", "the first"),
+    Key::optional("to", "\"2^-10\"", "the last"),
 ];
 
 const SAMPLE_SWEEP: [Key; 3] = [

@@ -15,6 +15,7 @@ pub const KEYS: &[Key] = &[
     Key::new("name", "\"strang\"", "see `symplint list integrators`"),
     Key::optional(
         "variant",
+        "\"position-first\"",
         "\"position-first\" or \"momentum-first\"; for rk2 \"midpoint\" or \"heun\"",
     ),
 ];

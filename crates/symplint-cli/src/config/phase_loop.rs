@@ -17,6 +17,7 @@ pub const KEYS: &[Key] = &[
     Key::new("radius", "1.0", "r, in units of q and of p"),
     Key::optional(
         "dofs",
+        "[0]",
         "degrees of freedom that a circle moves, counted from 0; all if left out",
     ),
     Key::new(

@@ -10,8 +10,10 @@ use super::number;
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
     pub name: &'static str,
-    /// The default as TOML; `None` where leaving the key out has a meaning of its own.
-    pub default: Option<&'static str>,
+    /// The default, as TOML; of an optional key an example.
+    pub value: &'static str,
+    /// Whether leaving the key out has a meaning of its own.
+    pub optional: bool,
     /// What it is, in one line.
     pub help: &'static str,
 }
@@ -21,16 +23,18 @@ impl Key {
     pub const fn new(name: &'static str, default: &'static str, help: &'static str) -> Self {
         Key {
             name,
-            default: Some(default),
+            value: default,
+            optional: false,
             help,
         }
     }
 
     /// A key that may be left out; `help` says what that means.
-    pub const fn optional(name: &'static str, help: &'static str) -> Self {
+    pub const fn optional(name: &'static str, example: &'static str, help: &'static str) -> Self {
         Key {
             name,
-            default: None,
+            value: example,
+            optional: true,
             help,
         }
     }
@@ -154,10 +158,11 @@ impl Section {
         let node = match self.table.entries.get(key) {
             Some((_, node)) => node.clone(),
             None => {
-                let Some(default) = spec.default else {
+                if spec.optional {
                     return Ok(None);
-                };
-                let table = super::document::parse("default", format!("{key} = {default}"))?;
+                }
+                let default = format!("{key} = {}", spec.value);
+                let table = super::document::parse("default", default)?;
                 table.entries[key].1.clone()
             }
         };

@@ -154,7 +154,7 @@ pub const SYSTEMS: &[SystemInfo] = &[
 
 /// Reads `[system]`.
 pub fn read(node: Option<&Node>, folder: &Path) -> Result<(System, Section), ConfigError> {
-    const NAME: Key = Key::optional("name", "which system");
+    const NAME: Key = Key::optional("name", "\"pendulum\"", "which system");
     // The name says which keys there are, so it is read before they are judged.
     let names = || SYSTEMS.iter().map(|info| info.name);
     let bare = Section::new("system", None, vec![NAME])?;
@@ -244,7 +244,11 @@ fn pendulum_array(section: &Section, folder: &Path) -> Result<System, ConfigErro
     let (q0, p0) = match initial.as_ref().map(|node| &node.value) {
         Some(Value::Text(text)) if text == "uniform" => array.uniform_state(seed),
         Some(Value::Table(_)) => {
-            let keys = [Key::optional("file", "rows q and p, or columns in .csv")];
+            let keys = [Key::optional(
+                "file",
+                "\"state.npy\"",
+                "rows q and p, or columns in .csv",
+            )];
             let inner = section
                 .subsection("initial", &keys)?
                 .expect("it is a table");

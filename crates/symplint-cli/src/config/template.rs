@@ -27,10 +27,8 @@ pub fn template(system: &SystemInfo) -> String {
 
 fn write_keys(text: &mut String, keys: &[Key]) {
     for key in keys {
-        let line = match key.default {
-            Some(default) => format!("{} = {default}", key.name),
-            None => format!("# {} = …", key.name),
-        };
+        let mark = if key.optional { "# " } else { "" };
+        let line = format!("{mark}{} = {}", key.name, key.value);
         let _ = writeln!(text, "{line:<34} # {}", key.help);
     }
 }

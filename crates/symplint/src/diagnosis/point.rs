@@ -52,7 +52,7 @@ pub struct Point {
     pub chord: Option<f64>,
     /// Defect of the closed integral.
     pub closed_defect: Option<f64>,
-    /// Single states that the map advanced for this point.
+    /// Single states that the map advanced for this point, the search for breaks aside.
     pub evaluations: usize,
 }
 
