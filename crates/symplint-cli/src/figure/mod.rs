@@ -36,6 +36,7 @@ mod ticks;
 mod tests;
 
 pub use error::FigureError;
+pub use number::superscript;
 
 /// A figure: panels in a grid, filled row by row.
 #[derive(Debug, Clone, PartialEq)]

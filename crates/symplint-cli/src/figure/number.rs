@@ -1,11 +1,12 @@
 //! Numbers as readers of papers expect them: real minus signs, raised exponents.
 
-/// `n` in raised figures: −16 is ⁻¹⁶.
-pub(super) fn superscript(n: i32) -> String {
+/// A number in raised figures: −16 is ⁻¹⁶, 2.5 is ²·⁵.
+pub fn superscript(n: impl std::fmt::Display) -> String {
     n.to_string()
         .chars()
         .map(|c| match c {
             '-' => '⁻',
+            '.' => '·',
             '1' => '¹',
             '2' => '²',
             '3' => '³',
@@ -64,6 +65,7 @@ mod tests {
         assert_eq!(power(2, -1), "2⁻¹");
         assert_eq!(power(2, 10), "2¹⁰");
         assert_eq!(power(10, 0), "10⁰");
+        assert_eq!(superscript(2.5), "²·⁵");
     }
 
     #[test]

@@ -8,7 +8,7 @@ mod run_folder;
 mod table;
 
 pub use figures::{check_figures, error_axis, step_axis, trace_figures};
-pub use power::{power_of_two, raised_power_of_two, superscript};
+pub use power::{power_of_two, raised_power_of_two};
 pub use progress::Progress;
 pub use report::{Report, TraceReport, to_json};
 pub use run_folder::RunFolder;

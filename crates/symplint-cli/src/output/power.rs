@@ -1,5 +1,7 @@
 //! Powers of two as people read them.
 
+use crate::figure::superscript;
+
 /// `2^-3` for 0.125; other numbers in four digits.
 pub fn power_of_two(value: f64) -> String {
     let exponent = value.log2();
@@ -20,26 +22,6 @@ pub fn raised_power_of_two(value: f64) -> String {
     }
 }
 
-/// An exponent in raised digits.
-pub fn superscript(exponent: f64) -> String {
-    (format!("{exponent}").chars())
-        .map(|c| match c {
-            '-' => '⁻',
-            '0' => '⁰',
-            '1' => '¹',
-            '2' => '²',
-            '3' => '³',
-            '4' => '⁴',
-            '5' => '⁵',
-            '6' => '⁶',
-            '7' => '⁷',
-            '8' => '⁸',
-            '9' => '⁹',
-            _ => '·',
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -51,6 +33,5 @@ mod tests {
         assert_eq!(power_of_two(0.1), "0.1000");
         assert_eq!(power_of_two(1.0), "1.0000");
         assert_eq!(raised_power_of_two(2f64.powi(-10)), "2⁻¹⁰");
-        assert_eq!(superscript(2.5), "²·⁵");
     }
 }

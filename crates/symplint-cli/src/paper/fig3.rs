@@ -1,15 +1,15 @@
 //! Figure 3: the interpolated pendulum against the number of samples.
 
-use symplint::{Cutoffs, Rule};
+use symplint::Cutoffs;
 
 use super::Item;
 use super::claim::{Claim, Judgement};
-use super::fig4::{CASES, INTEGRATORS, circle_round, pendulum};
-use super::plot::{axis, reference_slope, series};
-use super::sweep::{Record, Study, mean_rate, step_of};
+use super::interpolated::{CASES, circle_round, sweep_case};
+use super::plot::{axis, reference_slope};
+use super::sweep::{Record, mean_rate};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
-use crate::figure::{Figure, Panel, Scale, Style};
+use crate::figure::{Figure, Panel, Scale};
 use crate::output::{RunFolder, error_axis};
 
 pub const ITEM: Item = Item {
@@ -38,26 +38,15 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let mut records: Vec<Record> = Vec::new();
     let mut panels = Vec::new();
     for case in &CASES {
-        let system = pendulum(case.degree)?;
-        let mut drawn = Vec::new();
-        for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
-            let map = step_of(name, variant, &system)?;
-            for rule in [Rule::Pseudospectral, Rule::FiniteDifference(cutoffs)] {
-                let study = Study {
-                    case: case.title,
-                    integrator: label,
-                    map: &*map,
-                    phase_loop: &circle,
-                    rule,
-                };
-                let points = study.over_samples(&counts, h)?;
-                if matches!(rule, Rule::Pseudospectral) != case.broken {
-                    let curve = points.iter().map(Record::over_samples).collect();
-                    drawn.push(series(label, curve, Style::LineAndPoints, index));
-                }
-                records.extend(points);
-            }
-        }
+        let swept = sweep_case(
+            case,
+            &circle,
+            cutoffs,
+            |study| study.over_samples(&counts, h),
+            Record::over_samples,
+        )?;
+        records.extend(swept.records);
+        let mut drawn = swept.curves;
         if let Some(order) = case.sample_order {
             let strang = drawn[0].points.clone();
             drawn.push(reference_slope(&strang, -order, "Nₛ"));

@@ -1,19 +1,15 @@
 //! Figure 4: the interpolated pendulum against the step size.
 
-use std::f64::consts::PI;
-use std::sync::Arc;
-
-use symplint::{Circle, Cutoffs, Rule};
-use symplint_models::Separable;
-use symplint_models::systems::InterpolatedPendulum;
+use symplint::Cutoffs;
 
 use super::Item;
 use super::claim::{Claim, Judgement};
-use super::plot::{reference_slope, series};
-use super::sweep::{Record, Study, halvings, last_slope, step_of, worst};
+use super::interpolated::{CASES, Case, circle_round, sweep_case};
+use super::plot::reference_slope;
+use super::sweep::{Record, halvings, last_slope, worst};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
-use crate::figure::{Figure, Panel, Style};
+use crate::figure::{Figure, Panel};
 use crate::output::{RunFolder, error_axis, raised_power_of_two, step_axis};
 
 pub const ITEM: Item = Item {
@@ -34,73 +30,6 @@ pub const ITEM: Item = Item {
     run,
 };
 
-/// One panel of figures 3 and 4.
-pub struct Case {
-    /// Spline degree; 0 for no interpolation.
-    pub degree: usize,
-    /// Title.
-    pub title: &'static str,
-    /// Whether the paper uses finite differences, because loops break.
-    pub broken: bool,
-    /// Rate of convergence in the samples, where there is one to show.
-    pub sample_order: Option<f64>,
-}
-
-impl Case {
-    /// The paper's rule for this case.
-    pub fn rule_name(&self) -> &'static str {
-        if self.broken {
-            "finite-difference"
-        } else {
-            "pseudospectral"
-        }
-    }
-}
-
-/// The panels.
-pub const CASES: [Case; 4] = [
-    Case {
-        degree: 0,
-        title: "not interpolated",
-        broken: false,
-        sample_order: None,
-    },
-    Case {
-        degree: 1,
-        title: "piecewise linear",
-        broken: true,
-        sample_order: None,
-    },
-    Case {
-        degree: 2,
-        title: "piecewise quadratic",
-        broken: false,
-        sample_order: Some(2.0),
-    },
-    Case {
-        degree: 3,
-        title: "piecewise cubic",
-        broken: false,
-        sample_order: Some(3.0),
-    },
-];
-
-/// Label, name and variant.
-pub const INTEGRATORS: [(&str, &str, &str); 2] = [
-    ("Strang", "strang", "position-first"),
-    ("RK2", "rk2", "midpoint"),
-];
-
-/// The system on the paper's 25 cells.
-pub fn pendulum(degree: usize) -> Result<Arc<dyn Separable>, Failure> {
-    Ok(Arc::new(InterpolatedPendulum::new(degree, 25)?))
-}
-
-/// The unit circle round (π, p0).
-pub fn circle_round(p0: f64) -> Result<Circle, Failure> {
-    Ok(Circle::new(vec![PI], vec![p0], 1.0)?)
-}
-
 fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let smooth = settings.whole("samples_smooth", 3)? as usize;
     let rough = settings.whole("samples_rough", 3)? as usize;
@@ -116,26 +45,15 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         } else {
             smooth
         };
-        let system = pendulum(case.degree)?;
-        let mut drawn = Vec::new();
-        for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
-            let map = step_of(name, variant, &system)?;
-            for rule in [Rule::Pseudospectral, Rule::FiniteDifference(cutoffs)] {
-                let study = Study {
-                    case: case.title,
-                    integrator: label,
-                    map: &*map,
-                    phase_loop: &circle,
-                    rule,
-                };
-                let points = study.over_steps(samples, &steps)?;
-                if matches!(rule, Rule::Pseudospectral) != case.broken {
-                    let curve = points.iter().map(Record::over_step).collect();
-                    drawn.push(series(label, curve, Style::LineAndPoints, index));
-                }
-                records.extend(points);
-            }
-        }
+        let swept = sweep_case(
+            case,
+            &circle,
+            cutoffs,
+            |study| study.over_steps(samples, &steps),
+            Record::over_step,
+        )?;
+        records.extend(swept.records);
+        let mut drawn = swept.curves;
         let rk2 = drawn[1].points.clone();
         drawn.push(reference_slope(
             &rk2,

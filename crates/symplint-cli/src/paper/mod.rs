@@ -13,6 +13,7 @@ mod fig2;
 mod fig3;
 mod fig4;
 mod fig5;
+mod interpolated;
 mod plot;
 mod sweep;
 

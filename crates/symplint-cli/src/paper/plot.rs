@@ -3,8 +3,7 @@
 use contour::ContourBuilder;
 use symplint::{Block, Observable, RowsMut};
 
-use crate::figure::{Axis, Panel, Scale, Series, Style};
-use crate::output::superscript;
+use crate::figure::{Axis, Panel, Scale, Series, Style, superscript};
 
 /// Palette index of what is no measurement.
 const BLACK: usize = 6;
