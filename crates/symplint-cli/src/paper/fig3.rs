@@ -51,6 +51,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
             let strang = drawn[0].points.clone();
             drawn.push(reference_slope(&strang, -order, "Nₛ"));
         }
+        drawn.extend(swept.floor);
         panels.push(Panel {
             title: case.title.into(),
             x: axis("samples Nₛ", Scale::Log2),

@@ -60,6 +60,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
             if case.broken { 2.0 } else { 4.0 },
             "h",
         ));
+        drawn.extend(swept.floor);
         panels.push(Panel {
             title: format!(
                 "{} (Nₛ = {})",

@@ -8,7 +8,7 @@ use symplint_models::systems::PendulumArray;
 
 use super::Item;
 use super::claim::{Claim, Judgement};
-use super::plot::{axis, reference_slope, series};
+use super::plot::{axis, floor, reference_slope, series};
 use super::sweep::{Record, Study, halvings, last_slope, step_of, worst};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
@@ -57,6 +57,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let steps = halvings(-1, -(settings.whole("halvings", 2)?.min(40) as i32));
     let (system, circle) = array(pendula, seed)?;
     let mut records: Vec<Record> = Vec::new();
+    let mut floors = Vec::new();
     let mut drawn = Vec::new();
     for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
         let map = step_of(name, variant, &system)?;
@@ -68,6 +69,9 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
             rule: Rule::Pseudospectral,
         };
         let points = study.over_steps(samples, &steps)?;
+        if index == 0 {
+            floors.push(floor(&points, Record::over_step));
+        }
         let curve = points.iter().map(Record::over_step).collect();
         drawn.push(series(label, curve, Style::LineAndPoints, index));
         records.extend(points);
@@ -79,6 +83,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         let points = drawn[index].points.clone();
         drawn.push(reference_slope(&points, order, "h"));
     }
+    drawn.extend(floors);
     let step_panel = Panel {
         title: format!("{pendula} pendula, one step"),
         x: step_axis(),

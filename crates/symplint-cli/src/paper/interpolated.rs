@@ -7,7 +7,7 @@ use symplint::{Circle, Cutoffs, Rule};
 use symplint_models::Separable;
 use symplint_models::systems::InterpolatedPendulum;
 
-use super::plot::series;
+use super::plot::{floor, series};
 use super::sweep::{Record, Study, step_of};
 use crate::commands::Failure;
 use crate::figure::{Series, Style};
@@ -83,6 +83,8 @@ pub fn circle_round(p0: f64) -> Result<Circle, Failure> {
 pub struct Swept {
     /// One curve for each of [`INTEGRATORS`], by the paper's rule.
     pub curves: Vec<Series>,
+    /// The floor of the first.
+    pub floor: Option<Series>,
     /// The points by both rules.
     pub records: Vec<Record>,
 }
@@ -98,6 +100,7 @@ pub fn sweep_case(
     let system = pendulum(case.degree)?;
     let mut swept = Swept {
         curves: Vec::new(),
+        floor: None,
         records: Vec::new(),
     };
     for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
@@ -111,6 +114,9 @@ pub fn sweep_case(
                 rule,
             })?;
             if rule.name() == case.rule_name() {
+                if index == 0 {
+                    swept.floor = Some(floor(&points, at));
+                }
                 let curve = points.iter().map(at).collect();
                 swept
                     .curves

@@ -3,6 +3,7 @@
 use contour::ContourBuilder;
 use symplint::{Block, Observable, RowsMut};
 
+use super::sweep::Record;
 use crate::figure::{Axis, Panel, Scale, Series, Style, superscript};
 
 /// Palette index of what is no measurement.
@@ -27,15 +28,23 @@ pub fn series(label: &str, points: Vec<(f64, f64)>, style: Style, color: usize) 
     }
 }
 
-/// A dashed line of slope `order` somewhat below the defects `points`, through the middle of those
-/// that lie well above round-off.
+/// The floor of `records`, placed by the abscissa of `at`.
+pub fn floor(records: &[Record], at: fn(&Record) -> (f64, f64)) -> Series {
+    let points = records
+        .iter()
+        .map(|record| (at(record).0, record.floor()))
+        .collect();
+    series("floor of Strang", points, Style::Floor, 0)
+}
+
+/// A dashed line of slope `order` that runs just below those of the defects `points` that lie well above
+/// round-off.
 pub fn reference_slope(points: &[(f64, f64)], order: f64, variable: &str) -> Series {
-    let clear: Vec<(f64, f64)> = points.iter().copied().filter(|p| p.1 > 1e-13).collect();
-    let anchor = clear
-        .get(clear.len() / 2)
-        .copied()
-        .unwrap_or((1.0, f64::NAN));
-    let line = |x: f64| (x, 0.3 * anchor.1 * (x / anchor.0).powf(order));
+    let factor = (points.iter())
+        .filter(|point| point.1 > 1e-13)
+        .map(|point| 0.5 * point.1 / point.0.powf(order))
+        .fold(f64::INFINITY, f64::min);
+    let line = |x: f64| (x, factor * x.powf(order));
     series(
         &format!("{variable}{}", superscript(order)),
         points.iter().map(|p| line(p.0)).collect(),

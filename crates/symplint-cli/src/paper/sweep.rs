@@ -45,6 +45,11 @@ impl Record {
         self.signed_defect.abs()
     }
 
+    /// Quadrature error and round-off together: the floor below which |E| means nothing.
+    pub fn floor(&self) -> f64 {
+        self.quadrature_error.unwrap_or(f64::NAN) + self.roundoff
+    }
+
     /// |E| against h.
     pub fn over_step(&self) -> (f64, f64) {
         (self.step_size, self.defect())
