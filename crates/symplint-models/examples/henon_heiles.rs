@@ -1,7 +1,7 @@
 //! A system and its integrators from the library, diagnosed one after the other: the Hénon–Heiles
 //! system, from the catalogue of integrators.
 //!
-//! Run it with: cargo run --release -p symplint-models --example henon_heiles
+//! Run it with: cargo run --release --example henon_heiles
 
 use std::error::Error;
 use std::sync::Arc;

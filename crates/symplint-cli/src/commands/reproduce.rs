@@ -22,7 +22,7 @@ pub fn reproduce(ids: &[String], only_list: bool, common: &Common) -> Result<Exi
     if !common.set.is_empty() && items.len() != 1 {
         return Err(Failure::Usage {
             message: "--set changes the settings of one item".into(),
-            remedy: "name the item, for example: symplint reproduce fig4 --set samples=4096".into(),
+            remedy: "name the item, for example: symplint reproduce fig2 --set samples=4096".into(),
         });
     }
     let folder = RunFolder::create(common.out.as_deref().unwrap_or(Path::new(FOLDER)))?;

@@ -10,6 +10,9 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::{ConfigError, Place};
 
+/// The name of settings from the command line as a source.
+pub const SETTING: &str = "--set";
+
 /// A value and where it was written.
 #[derive(Clone, Debug)]
 pub struct Node {
@@ -117,10 +120,10 @@ fn parse_setting(setting: &str) -> Result<Table, ConfigError> {
     let (key, value) = (key.trim(), value.trim());
     let as_written = format!("{key} = {value}");
     if DeTable::parse(&as_written).is_ok() {
-        return parse("--set", as_written);
+        return parse(SETTING, as_written);
     }
     let quoted = toml::Value::String(value.to_owned());
-    parse("--set", format!("{key} = {quoted}"))
+    parse(SETTING, format!("{key} = {quoted}"))
 }
 
 /// Puts the entries of `over` into `table`, table by table.

@@ -6,7 +6,7 @@ use symplint::TimeAdvance;
 use symplint_models::integrators::catalogue::{CATALOGUE, build};
 use symplint_models::{ModelError, Separable};
 
-use super::document::Node;
+use super::document::{Node, SETTING};
 use super::error::ConfigError;
 use super::section::{Key, Section, suggestion};
 
@@ -27,7 +27,12 @@ pub fn read(
 ) -> Result<(String, Box<dyn TimeAdvance>, Section), ConfigError> {
     let section = Section::new("integrator", node, KEYS.to_vec())?;
     let name = section.text("name")?;
-    let variant = section.optional_text("variant")?;
+    let of_other = variant_of_another(&section, &name);
+    let variant = if of_other {
+        None
+    } else {
+        section.optional_text("variant")?
+    };
     let map = build(&name, variant.as_deref(), system).map_err(|error| {
         let names = CATALOGUE.iter().map(|info| info.name);
         match &error {
@@ -49,4 +54,24 @@ pub fn read(
     })?;
     let full_name = variant.map_or(name.clone(), |variant| format!("{name}, {variant}"));
     Ok((full_name, map, section))
+}
+
+/// Whether `--set` named another integrator than the file did, for which the file's variant
+/// means nothing.
+fn variant_of_another(section: &Section, name: &str) -> bool {
+    let set = |key| {
+        section
+            .written_place(key)
+            .is_some_and(|place| place.source.name() == SETTING)
+    };
+    let known = CATALOGUE
+        .iter()
+        .find(|info| info.name == name)
+        .map(|info| info.variants);
+    let written = section.written_text("variant");
+    set("name")
+        && !set("variant")
+        && written
+            .zip(known)
+            .is_some_and(|(variant, known)| !known.contains(&variant))
 }

@@ -137,6 +137,19 @@ impl Section {
         of_key.or_else(|| self.place.clone())
     }
 
+    /// Where a key was written, if it was.
+    pub fn written_place(&self, key: &str) -> Option<&Place> {
+        self.table.entries.get(key).map(|(_, node)| &node.place)
+    }
+
+    /// A text as it was written, if it was.
+    pub fn written_text(&self, key: &str) -> Option<&str> {
+        match self.table.entries.get(key).map(|(_, node)| &node.value) {
+            Some(Value::Text(text)) => Some(text),
+            _ => None,
+        }
+    }
+
     /// An error about the value of a key.
     pub fn error(
         &self,
@@ -362,11 +375,16 @@ pub fn check_keys(
 /// The nearest known name, and all of them.
 pub fn suggestion(name: &str, known: impl Iterator<Item = &'static str> + Clone) -> String {
     let nearest = (known.clone())
-        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .map(|candidate| {
+            (
+                strsim::normalized_damerau_levenshtein(name, candidate),
+                candidate,
+            )
+        })
         .max_by(|a, b| a.0.total_cmp(&b.0));
     let all = known.collect::<Vec<_>>().join(", ");
     match nearest {
-        Some((likeness, candidate)) if likeness > 0.7 => {
+        Some((likeness, candidate)) if likeness > 0.4 => {
             format!("did you mean \"{candidate}\"? There are: {all}")
         }
         _ => format!("there are: {all}"),

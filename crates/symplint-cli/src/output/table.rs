@@ -105,13 +105,7 @@ pub fn verdict_text(diagnosis: &Diagnosis, short: bool) -> String {
         VerdictKind::Undecided => AnsiColor::Yellow,
     };
     let style = Style::new().bold().fg_color(Some(color.into()));
-    let mut text = format!("{style}{}{style:#}", verdict.kind);
-    if let Some(digits) = verdict.digits {
-        text += &format!(" to {digits} digits");
-    }
-    if let Some(order) = verdict.order {
-        text += &format!(", defect of order h^{order}");
-    }
+    let mut text = format!("{style}{}{style:#}", verdict.headline());
     if short {
         return text;
     }

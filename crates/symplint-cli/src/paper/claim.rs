@@ -14,6 +14,8 @@ pub enum Judgement {
     HoldsCorrected,
     /// Not.
     DoesNotHold,
+    /// Cannot be told with these settings: the samples do not resolve the loops.
+    Unresolved,
 }
 
 impl Judgement {
@@ -40,6 +42,7 @@ impl Judgement {
             Judgement::Holds => "holds",
             Judgement::HoldsCorrected => "holds, corrected",
             Judgement::DoesNotHold => "does not hold",
+            Judgement::Unresolved => "not resolved",
         }
     }
 }

@@ -95,6 +95,7 @@ fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
     for case in CASES.iter().filter(|case| !case.broken) {
         let strang = curve(case, "Strang");
         let largest = worst(strang.iter().copied());
+        let floor = strang.iter().map(|r| r.floor()).fold(0.0, f64::max);
         claims.push(Claim {
             item: "fig4",
             place: "section 4.3",
@@ -102,24 +103,28 @@ fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
                 "{}: Strang conserves the loop integral at every step size",
                 case.title
             ),
-            measured: format!("no defect above {largest:.1e}"),
-            judgement: Judgement::of(largest < 1e-11),
+            measured: format!("no defect above {largest:.1e}, floor below {floor:.1e}"),
+            judgement: if floor > 1e-6 {
+                Judgement::Unresolved
+            } else {
+                Judgement::of(strang.iter().all(|r| r.defect() <= r.floor()))
+            },
         });
-        let rk2: Vec<(f64, f64)> = curve(case, "RK2").iter().map(|r| r.over_step()).collect();
-        let slope = last_slope(&rk2, 1e-11).unwrap_or(f64::NAN);
-        claims.push(Claim {
-            item: "fig4",
-            place: "section 4.3",
-            says: format!("{}: RK2 goes as h⁴", case.title),
-            measured: format!(
-                "midpoint goes as h^{slope:.2} round (π, {p0}); its h³ term is odd in p and cancels on a \
-                 loop centred at p = 0"
-            ),
-            judgement: Judgement::with_correction(
-                (slope - 4.0).abs() < 0.1,
-                p0 != 0.0 && (slope - 3.0).abs() < 0.1,
-            ),
-        });
+        // The paper's loop; round another centre the order is 3.
+        if p0 == 0.0 {
+            let rk2: Vec<(f64, f64)> = curve(case, "RK2").iter().map(|r| r.over_step()).collect();
+            let slope = last_slope(&rk2, 1e-11).unwrap_or(f64::NAN);
+            claims.push(Claim {
+                item: "fig4",
+                place: "section 4.3",
+                says: format!("{}: RK2 goes as h⁴", case.title),
+                measured: format!(
+                    "the midpoint rule goes as h^{slope:.2}; its h³ term is odd in p and cancels on a loop \
+                     centred at p = 0"
+                ),
+                judgement: Judgement::of((slope - 4.0).abs() < 0.1),
+            });
+        }
     }
     let linear = &CASES[1];
     let trusted = |r: &&Record| r.step_size >= 2f64.powi(-6);

@@ -14,9 +14,6 @@ const MOST: usize = 1 << 16;
 /// Memory of the largest ensemble that is chosen without being asked for.
 const MOST_BYTES: usize = 512 << 20;
 
-/// Samples of a broken loop, where the finite-difference rule converges slowly.
-const BROKEN: usize = 1 << 14;
-
 /// A quadrature error of this size is as good as round-off.
 const ENOUGH: f64 = 1e-14;
 
@@ -52,14 +49,10 @@ pub(super) fn resolve<'a>(
         }
         let measured = probe.measure(h)?;
         if measured.found.is_some() {
-            let count = if count == most {
-                count
-            } else {
-                BROKEN.min(most)
-            };
             return match cutoffs {
-                Some(cutoffs) => Probe::new(index, subject, Rule::FiniteDifference(cutoffs), count),
-                None => probe.with_samples(count),
+                // Of first order: it needs all the samples it can get.
+                Some(cutoffs) => Probe::new(index, subject, Rule::FiniteDifference(cutoffs), most),
+                None => Ok(probe),
             };
         }
         let error = measured.defect.quadrature_error.unwrap_or(f64::INFINITY);

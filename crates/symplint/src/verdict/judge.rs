@@ -64,11 +64,11 @@ impl Case<'_> {
             digits: None,
             order: None,
             summary: format!(
-                "The map is discontinuous and breaks loops, so it is not symplectic: {} jumps \
-                 at s = {:.12} (degree of freedom {}).",
+                "The map is discontinuous and breaks loops: {} of degree of freedom {} jumps at \
+                 s = {:.12}.",
                 jump(found.jump_q, found.jump_p),
-                found.s,
-                found.dof
+                found.dof,
+                found.s
             ),
             evidence: vec![
                 format!(
@@ -133,7 +133,7 @@ impl Case<'_> {
             digits: None,
             order: trend.map(Fit::order),
             summary: format!(
-                "The map is not symplectic: it changes a loop integral by {defect:.1e} at h = {}{law}.",
+                "The map changes a loop integral by {defect:.1e} at h = {}{law}.",
                 size(step.step_size)
             ),
             evidence: lines,
@@ -153,7 +153,7 @@ impl Case<'_> {
         if self.displacement < LEAST_DISPLACEMENT {
             return Some(because(
                 format!(
-                    "Undecided: the largest step moves the loop by only {:.1e} of its size, too little \
+                    "The largest step moves the loop by only {:.1e} of its size, too little \
                      to show a defect.",
                     self.displacement
                 ),
@@ -163,7 +163,7 @@ impl Case<'_> {
         if let Some((_, step)) = self.worst(StepEvidence::is_unexplained) {
             return Some(because(
                 format!(
-                    "Undecided: a defect of {:.1e} at h = {} is more than quadrature error and round-off \
+                    "A defect of {:.1e} at h = {} is more than quadrature error and round-off \
                      explain ({:.1e}) and too little to be sure.",
                     step.defect.magnitude(),
                     size(step.step_size),
@@ -185,7 +185,7 @@ impl Case<'_> {
         unresolved.map(|step| {
             because(
                 format!(
-                    "Undecided: at h = {} the quadrature only bounds the defect by {:.1e}.",
+                    "At h = {} the quadrature only bounds the defect by {:.1e}.",
                     size(step.step_size),
                     step.bound()
                 ),
@@ -205,12 +205,17 @@ impl Case<'_> {
         let (low, high) = sizes.fold((f64::INFINITY, 0.0), |(l, h): (f64, f64), size| {
             (l.min(size), h.max(size))
         });
+        let random = match self.loops.len() - 1 {
+            0 => String::new(),
+            1 => format!(", nor on a random one at {}", size(high)),
+            others => format!(", nor on {others} random ones at {}", size(high)),
+        };
         Verdict {
             kind: VerdictKind::Symplectic,
             digits: Some(digits),
             order: None,
             summary: format!(
-                "The map is symplectic to {digits} digits: no defect above {bound:.1e} for h from {} to {}.",
+                "No defect above {bound:.1e} on the given loop for h from {} to {}{random}.",
                 size(low),
                 size(high)
             ),
@@ -227,19 +232,19 @@ impl Case<'_> {
         let line = |evidence: &LoopEvidence| {
             let step = (evidence.steps.iter()).max_by(|a, b| a.bound().total_cmp(&b.bound()))?;
             Some(format!(
-                "{} ({} samples): |E| ≤ {:.1e}; measured {:.1e} ± {:.1e} at the worst, h = {}.",
+                "{} ({} samples): |E| ≤ {:.1e}; measured {} ± {:.1e} at the worst, h = {}.",
                 capitalised(name(evidence.index)),
                 evidence.samples,
                 step.bound(),
-                step.defect.magnitude(),
+                short(step.defect.magnitude()),
                 step.defect.uncertainty(),
                 size(step.step_size)
             ))
         };
         let mut lines: Vec<String> = self.loops.iter().filter_map(line).collect();
         lines.push(format!(
-            "The largest step moves the loop by {:.2} of its size.",
-            self.displacement
+            "The largest step moves the loop by {} of its size.",
+            short(self.displacement)
         ));
         lines
     }
@@ -248,13 +253,22 @@ impl Case<'_> {
 /// A step size as people read it: `2^-3`, or three digits.
 fn size(h: f64) -> String {
     let exponent = h.abs().log2();
-    if exponent.fract() == 0.0 && exponent != 0.0 {
+    if exponent.fract() == 0.0 && h.abs() != 1.0 {
         let sign = if h < 0.0 { "-" } else { "" };
         return format!("{sign}2^{exponent}");
     }
     match h.abs() {
         0.001..1000.0 => format!("{}", (h * 1e6).round() / 1e6),
         _ => format!("{h:.3e}"),
+    }
+}
+
+/// Two digits, and no exponent where none is needed.
+fn short(value: f64) -> String {
+    match value {
+        0.0 => "0".into(),
+        0.01..1000.0 => format!("{value:.2}"),
+        _ => format!("{value:.1e}"),
     }
 }
 

@@ -58,6 +58,26 @@ pub struct Verdict {
     pub advice: Vec<String>,
 }
 
+impl Verdict {
+    /// The answer in a few words: `symplectic to 14.2 digits`, `not-symplectic, defect of order h^3`.
+    pub fn headline(&self) -> String {
+        let mut text = self.kind.to_string();
+        if let Some(digits) = self.digits {
+            text += &format!(" to {digits} digits");
+        }
+        if let Some(order) = self.order {
+            text += &format!(", defect of order h^{order}");
+        }
+        text
+    }
+}
+
+impl std::fmt::Display for Verdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}", self.headline(), self.summary)
+    }
+}
+
 /// What one loop showed.
 #[derive(Clone, Debug)]
 pub struct LoopEvidence {
