@@ -25,10 +25,17 @@ fn main() -> ExitCode {
     }
 }
 
+/// More threads than any machine has cores only cost memory.
+const MOST_THREADS: usize = 1024;
+
 fn run(cli: &Cli) -> Result<ExitCode, Failure> {
     let common = &cli.common;
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(common.threads.map_or(0, usize::from))
+        .num_threads(
+            common
+                .threads
+                .map_or(0, |n| usize::from(n).min(MOST_THREADS)),
+        )
         .build()
         .map_err(|error| Failure::Threads {
             reason: error.to_string(),

@@ -410,6 +410,13 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     );
     refused(PENDULUM, &["loop"], &["--set KEY=VALUE"]);
     refused(PENDULUM, &["system.q0=1e300"], &["encloses no area"]);
+    refused(PENDULUM, &["loop.radius=1e160"], &["overflows"]);
+    refused(PENDULUM, &["diagnostic.samples=2^40"], &["too many"]);
+    refused(PENDULUM, &["trace.samples=2^40"], &["too many"]);
+    refused(PENDULUM, &["trace.steps=1e15"], &["too many"]);
+    refused(PENDULUM, &["diagnostic.loops=1e9"], &["too many"]);
+    let array = "[system]\nname = \"pendulum-array\"\n";
+    refused(array, &["system.pendula=1e15"], &["too many"]);
     let spline = "[system]\nname = \"interpolated-pendulum\"\n";
     refused(spline, &["system.degree=6"], &["spline degree 6", "1 to 5"]);
     refused(
@@ -468,6 +475,10 @@ fn bad_state_files_are_refused() {
     refused(array, &[&columns], &["3 columns", "two columns"]);
     let words = file("words.csv", b"0.1,0.2\nx,0.2\n0.1,0.2\n");
     refused(array, &[&words], &["row 2"]);
+    let huge = file("huge.npy", &npy("(2, 9223372036854775808)", &[0.0; 4]));
+    refused(array, &[&huge], &["huge.npy"]);
+    let mistyped = file("mistyped.csv", b"O.1,O.2\n0.1,0.2\n0.1,0.2\n0.1,0.2\n");
+    refused(array, &[&mistyped], &["row 1"]);
     let kind = file("state.txt", b"0.1 0.2\n");
     refused(array, &[&kind], &[".npy nor .csv"]);
     refused(
@@ -493,6 +504,23 @@ fn places_that_cannot_be_written_are_refused_before_the_run() {
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("cannot write"));
     assert!(output.stdout.is_empty());
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_no_panic() {
+    let full = fs::OpenOptions::new()
+        .write(true)
+        .open("/dev/full")
+        .unwrap();
+    let program = assert_cmd::cargo::cargo_bin("symplint");
+    let output = std::process::Command::new(program)
+        .args(["list", "systems"])
+        .stdout(full)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("standard output"));
 }
 
 #[test]

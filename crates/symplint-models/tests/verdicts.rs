@@ -503,9 +503,9 @@ fn failures_of_the_map_are_named() {
     let error = Diagnostic::default()
         .run(&Stubborn, &circle(&[0.0], &[0.0], 1.0), &|_| {})
         .unwrap_err();
-    // sin 2πk/64 < −1/2 first at k = 38.
+    // sin 2πk/4096 < −1/2 first at k = 2390, in the third block.
     assert!(
-        matches!(error, Error::StepFailed { sample: 38, .. }),
+        matches!(error, Error::StepFailed { sample: 2390, .. }),
         "{error:?}"
     );
     assert!(error.to_string().contains("Newton"));
@@ -530,4 +530,224 @@ fn composing_with_the_inverse_returns_the_loop() {
             }
         }
     }
+}
+
+#[test]
+fn overflow_is_an_error_and_no_verdict() {
+    let map = PerSample::new(1, |_, q: &mut [f64], p: &mut [f64]| {
+        q[0] *= 1e200;
+        p[0] *= 1e200;
+    });
+    let error = Diagnostic::default()
+        .run(&map, &circle(&[0.0], &[0.0], 1.0), &|_| {})
+        .unwrap_err();
+    assert!(matches!(error, Error::Overflow { dof: 0, .. }), "{error:?}");
+    let loops = circle(&[0.0], &[0.0], 1e160);
+    let map = PerSample::new(1, |_, _: &mut [f64], _: &mut [f64]| {});
+    assert!(Diagnostic::default().run(&map, &loops, &|_| {}).is_err());
+}
+
+#[test]
+fn a_translation_is_no_test() {
+    // Far out on the p axis a step of an oscillator moves the loop far and deforms it little.
+    let oscillator = HarmonicOscillator::new(vec![1.0]).unwrap();
+    let rk4 = build("rk4", None, Arc::new(oscillator) as Arc<dyn Separable>).unwrap();
+    let phase_loop = circle(&[0.0], &[1000.0], 1.0);
+    let verdict = diagnose(&Diagnostic::halving(-10, -16), &*rk4, &phase_loop).verdict;
+    assert_eq!(verdict.kind, VerdictKind::Undecided, "{verdict:?}");
+    assert_eq!(verdict_of(|_, q, _| *q += 1.0).0, VerdictKind::Undecided);
+    // A kick alone deforms p as a function of q.
+    assert_eq!(
+        verdict_of(|h, q, p| *p -= h * 2.0 * q.sin()).0,
+        VerdictKind::Symplectic
+    );
+}
+
+#[test]
+fn cutoffs_on_a_steep_loop_do_not_make_a_verdict() {
+    for (epsilon, lambda, p0) in [(1e-6, 10.0, 0.0), (1e-4, 1000.0, 0.5), (1e-3, 30.0, 0.5)] {
+        let system: Arc<dyn Separable> = Arc::new(AbsoluteValue::new(epsilon).unwrap());
+        let diagnostic = Diagnostic {
+            rule: RuleChoice::Fixed(Rule::FiniteDifference(Cutoffs::relative(lambda))),
+            ..Diagnostic::default()
+        };
+        for variant in ["position-first", "momentum-first"] {
+            let map = build("strang", Some(variant), Arc::clone(&system)).unwrap();
+            let verdict = diagnose(&diagnostic, &*map, &circle(&[0.0], &[p0], 1.0)).verdict;
+            assert_eq!(
+                verdict.kind,
+                VerdictKind::Undecided,
+                "ε = {epsilon}, {variant}: {verdict:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn steep_stretches_near_a_wrap_are_no_breaks() {
+    struct Steep(f64);
+    impl TimeAdvance for Steep {
+        fn dof(&self) -> usize {
+            1
+        }
+        fn advance(&self, h: f64, block: &mut symplint::Block<'_>) -> Result<(), StepFailure> {
+            for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
+                *p -= h * 0.1 * ((2.0 * PI * *q).sin() / self.0).tanh();
+                *q = (*q + h * *p).rem_euclid(1.0);
+            }
+            Ok(())
+        }
+        fn coordinates(&self) -> Coordinates {
+            Coordinates::plain(1).with_periods(vec![1.0]).unwrap()
+        }
+    }
+    for width in [1e-2, 1e-4] {
+        for samples in [64, 100, 256, 1024] {
+            let diagnostic = Diagnostic {
+                samples: SampleCount::Fixed(samples),
+                ..Diagnostic::halving(0, -4)
+            };
+            let verdict =
+                diagnose(&diagnostic, &Steep(width), &circle(&[0.1], &[0.3], 0.3)).verdict;
+            assert_ne!(
+                verdict.kind,
+                VerdictKind::BrokenLoops,
+                "{width}, {samples}: {verdict:?}"
+            );
+            assert_ne!(
+                verdict.kind,
+                VerdictKind::NotSymplectic,
+                "{width}, {samples}"
+            );
+        }
+    }
+}
+
+#[test]
+fn small_jumps_and_jumps_at_small_steps_are_found() {
+    let (kind, ..) = verdict_of(|h, q, p| {
+        *p -= h * q.sin();
+        if h < 0.1 && *q > 0.3 {
+            *p += 1e-5;
+        }
+        *q += h * *p;
+    });
+    assert_eq!(kind, VerdictKind::BrokenLoops);
+    let (kind, ..) = verdict_of(|h, q, p| {
+        *p -= h * q.sin();
+        *q += h * *p;
+        if *q > 0.3 {
+            *p += 1e-9;
+        }
+    });
+    assert_eq!(kind, VerdictKind::BrokenLoops);
+}
+
+#[test]
+fn narrow_features_of_small_systems_are_seen() {
+    // A kick that acts on a thousandth of the loop only.
+    let (kind, ..) = verdict_of(|h, q, p| {
+        if (*q - 0.31).abs() < 2e-3 {
+            *p += h;
+        }
+        *q += h * *p;
+    });
+    assert_eq!(kind, VerdictKind::BrokenLoops);
+    let verdict = diagnose(
+        &Diagnostic::default(),
+        &PerSample::new(1, |h, q: &mut [f64], p: &mut [f64]| {
+            q[0] += h * p[0];
+            p[0] -= h * q[0].sin();
+        }),
+        &circle(&[0.4], &[0.7], 1.0),
+    )
+    .verdict;
+    assert!(
+        verdict
+            .evidence
+            .iter()
+            .any(|line| line.contains("narrower than 1/4096"))
+    );
+}
+
+#[test]
+fn orders_need_enough_step_sizes() {
+    let map = build(
+        "rk2",
+        None,
+        Arc::new(Pendulum::default()) as Arc<dyn Separable>,
+    )
+    .unwrap();
+    let order_of = |step_sizes: &[f64]| {
+        let diagnostic = Diagnostic {
+            step_sizes: step_sizes.to_vec(),
+            ..Diagnostic::default()
+        };
+        let verdict = diagnose(&diagnostic, &*map, &circle(&[2.0], &[0.5], 1.0)).verdict;
+        assert_eq!(verdict.kind, VerdictKind::NotSymplectic, "{step_sizes:?}");
+        assert!(
+            !verdict
+                .advice
+                .iter()
+                .any(|line| line.contains("wrong sign")),
+            "{step_sizes:?}"
+        );
+        verdict.order
+    };
+    for few in [&[0.5][..], &[0.5, 0.49], &[0.5, 0.25], &[0.5, 0.49, 0.48]] {
+        assert_eq!(order_of(few), None, "{few:?}");
+    }
+    assert_eq!(order_of(&[0.125, 0.0625, 0.03125]), Some(3.0));
+    assert_eq!(order_of(&[0.1, 0.05, 0.025, 0.0125]), Some(3.0));
+    assert_eq!(order_of(&[0.0125, 0.1, 0.025, 0.05, 0.2]), Some(3.0));
+}
+
+#[test]
+fn breaks_in_very_many_coordinates_are_sorted_out() {
+    const DOF: usize = 2000;
+    let map = PerSample::new(DOF, |h, q: &mut [f64], p: &mut [f64]| {
+        for i in 0..DOF {
+            p[i] += h * (q[(i + 1) % DOF] + q[7 * i % DOF]).sin();
+            if q[i] > (i as f64).sin() {
+                p[i] += 0.1 * h;
+            }
+        }
+        for i in 0..DOF {
+            q[i] += h * p[i];
+        }
+    });
+    let phase_loop = circle(&[0.0; DOF], &[0.5; DOF], 1.0);
+    let verdict = diagnose(&Diagnostic::halving(-1, -2), &map, &phase_loop).verdict;
+    assert_eq!(verdict.kind, VerdictKind::BrokenLoops);
+}
+
+#[test]
+fn random_loops_may_leave_the_domain_of_the_map() {
+    // log is defined on the given loop, just so; the outermost random loops stay inside it.
+    let map = PerSample::new(1, |h, q: &mut [f64], p: &mut [f64]| {
+        p[0] -= h * (q[0] + 1.2).ln();
+        q[0] += h * p[0];
+    });
+    for seed in 1..12 {
+        let diagnostic = Diagnostic {
+            seed,
+            ..Diagnostic::default()
+        };
+        let verdict = diagnose(&diagnostic, &map, &circle(&[0.0], &[0.0], 1.0)).verdict;
+        assert_eq!(
+            verdict.kind,
+            VerdictKind::Symplectic,
+            "seed {seed}: {verdict:?}"
+        );
+    }
+    // On a circle that is flat in q but for one degree of freedom, others are moved as far.
+    let two = PerSample::new(2, |h, q: &mut [f64], p: &mut [f64]| {
+        p[0] -= h * q[0].sin();
+        q[0] += h * p[0];
+        p[1] -= 0.2 * h * p[1];
+        q[1] += h * p[1];
+    });
+    let flat = circle(&[0.0; 2], &[0.3; 2], 1.0).on(&[0]).unwrap();
+    let verdict = diagnose(&Diagnostic::default(), &two, &flat).verdict;
+    assert_eq!(verdict.kind, VerdictKind::NotSymplectic, "{verdict:?}");
 }

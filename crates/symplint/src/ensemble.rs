@@ -96,11 +96,13 @@ impl Ensemble {
     /// The samples γ(k/N_s), k = 0 … N_s − 1, of a loop.
     ///
     /// # Errors
-    /// If `samples` is less than 3 or the loop is not finite somewhere.
+    /// If `samples` is less than 3, the ensemble is beyond all memory, or the loop is not finite
+    /// somewhere.
     pub fn sample(phase_loop: &dyn Loop, samples: usize) -> Result<Self, Error> {
         if samples < 3 {
             return Err(Error::TooFewSamples { samples });
         }
+        Self::check_size(phase_loop.dof(), samples)?;
         let mut ensemble = Self::zeros(phase_loop.dof(), samples);
         let width = Self::block_width(ensemble.dof);
         let each = |(b, mut block): (usize, Block<'_>)| {
@@ -116,6 +118,20 @@ impl Ensemble {
         let blocks = ensemble.blocks().into_par_iter().enumerate();
         first_error(blocks.map(each).collect())?;
         Ok(ensemble)
+    }
+
+    /// Refuses what no machine holds, before the allocation fails.
+    fn check_size(dof: usize, samples: usize) -> Result<(), Error> {
+        const MOST_BYTES: f64 = (1u64 << 46) as f64;
+        let bytes = 16.0 * dof as f64 * samples as f64;
+        if bytes > MOST_BYTES {
+            return Err(Error::TooLarge {
+                dof,
+                samples,
+                bytes,
+            });
+        }
+        Ok(())
     }
 
     /// Advances every sample by one step of size `h`, in place, over the threads of the

@@ -91,6 +91,30 @@ pub enum Error {
         /// The map's reason.
         reason: String,
     },
+    /// A loop integral beyond the range of double precision.
+    #[error(
+        "the loop integral of degree of freedom {dof} overflows (it is {value}); choose units in which \
+         positions and momenta are of moderate size"
+    )]
+    Overflow {
+        /// Degree of freedom.
+        dof: usize,
+        /// NaN or an infinity.
+        value: f64,
+    },
+    /// An ensemble that no memory holds.
+    #[error(
+        "{samples} samples of {dof} degrees of freedom are {bytes:.1e} bytes; take fewer samples or \
+         degrees of freedom"
+    )]
+    TooLarge {
+        /// Degrees of freedom.
+        dof: usize,
+        /// Samples.
+        samples: usize,
+        /// Size of the ensemble.
+        bytes: f64,
+    },
     /// The loop integral of the initial loop vanishes, so a relative defect has no meaning.
     #[error(
         "the initial loop encloses no area: its loop integral is {integral:e} where its size would \

@@ -39,11 +39,13 @@ unsafe impl Sync for RowsMut<'_> {}
 /// Checks that `count` rows of `len` values, `stride` apart, fit into `available` values.
 fn assert_fits(available: usize, count: usize, stride: usize, len: usize) {
     let needed = match count {
-        0 => 0,
-        n => (n - 1) * stride + len,
+        0 => Some(0),
+        n => (n - 1)
+            .checked_mul(stride)
+            .and_then(|start| start.checked_add(len)),
     };
     assert!(
-        len <= stride && needed <= available,
+        len <= stride && needed.is_some_and(|needed| needed <= available),
         "{count} rows of {len} values, {stride} apart, do not fit into {available} values"
     );
 }
@@ -187,9 +189,11 @@ impl<'a> RowsMut<'a> {
     /// If `width` is zero.
     pub fn column_blocks(self, width: usize) -> impl Iterator<Item = RowsMut<'a>> {
         assert!(width > 0, "a block needs at least one sample");
-        (0..self.len).step_by(width).map(move |first| RowsMut {
-            // SAFETY: `first < len`, so the pointer stays inside the first row; the
-            // ranges [first, first + len) of different blocks do not overlap.
+        // Without rows there is no memory behind the pointer, and nothing to cut.
+        let columns = if self.count == 0 { 0 } else { self.len };
+        (0..columns).step_by(width).map(move |first| RowsMut {
+            // SAFETY: `first < len` and there is a row, so the pointer stays inside the first
+            // row; the ranges [first, first + len) of different blocks do not overlap.
             start: unsafe { self.start.add(first) },
             stride: self.stride,
             count: self.count,

@@ -113,7 +113,7 @@ impl Trace {
         let mut ensemble = Ensemble::sample(phase_loop, self.samples)?;
         let initial = LoopIntegral::in_coordinates(&ensemble, &self.rule, &coordinates)?;
         let mut record = TraceRecord {
-            points: Vec::with_capacity(self.steps + 1),
+            points: Vec::new(),
             snapshots: Vec::new(),
         };
         for step in 0..=self.steps {

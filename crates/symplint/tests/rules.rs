@@ -241,6 +241,91 @@ fn noise_of_single_precision_shows_in_the_estimate() {
 }
 
 #[test]
+fn every_estimate_carries_the_weight() {
+    let rough = curve(64, |s| (TAU * s).sin(), |s| ((TAU * s).sin() + 0.3).abs());
+    for rule in [
+        Rule::Pseudospectral,
+        Rule::FiniteDifference(Cutoffs::none()),
+    ] {
+        let plain = LoopIntegral::of(&rough, &rule).unwrap();
+        let weights = Coordinates::plain(1).with_weights(vec![-5.0]).unwrap();
+        let heavy = LoopIntegral::in_coordinates(&rough, &rule, &weights).unwrap();
+        assert_eq!(heavy.value, -5.0 * plain.value);
+        assert_eq!(
+            heavy.quadrature_error,
+            plain.quadrature_error.map(|error| 5.0 * error)
+        );
+        assert!((heavy.roundoff / plain.roundoff - 5.0).abs() < 1e-9);
+        assert_eq!(heavy.scale, 5.0 * plain.scale);
+    }
+}
+
+#[test]
+fn the_round_off_of_finite_differences_is_what_storing_costs() {
+    // The same loop at the origin and far out: the far one is stored with larger errors.
+    let at = |centre: f64| {
+        let far = curve(
+            1000,
+            |s| centre + (TAU * s).sin(),
+            |s| centre + (TAU * s).cos(),
+        );
+        finite_difference(&far, Cutoffs::none())
+    };
+    let near = at(0.0);
+    for centre in [1e4, 1e6, 1e8] {
+        let far = at(centre);
+        let off = (far.value - near.value).abs();
+        assert!(
+            off > 0.0 && off < 10.0 * far.roundoff,
+            "{off:e} against {:e}",
+            far.roundoff
+        );
+        assert!(far.roundoff < 1e-10 * centre, "{:e}", far.roundoff);
+    }
+}
+
+#[test]
+fn a_jump_that_was_retained_is_owned_up_to() {
+    let q = |s: f64| (TAU * s).sin() + if s > 0.3 && s < 0.55 { 0.5 } else { 0.0 };
+    let broken = curve(1001, q, |s| (TAU * s).cos());
+    let integral = finite_difference(&broken, Cutoffs::none());
+    let error = (integral.value - PI).abs();
+    assert!(error > 0.1 && integral.quadrature_error.unwrap() > 0.5 * error);
+}
+
+#[test]
+fn the_last_cell_of_an_odd_loop_belongs_to_the_coarse_sum() {
+    // Smooth, so the estimate is the first-order term alone: far below one cell's share.
+    let smooth = curve(101, |s| (TAU * s).sin(), |s| 4.0 + (TAU * s).cos());
+    let integral = finite_difference(&smooth, Cutoffs::none());
+    assert!(integral.quadrature_error.unwrap() < 0.05);
+}
+
+#[test]
+fn a_rough_momentum_makes_a_winding_loop_uncertain() {
+    // q is a pure ramp, so all of the error is in the mean of p.
+    let p = |s: f64| if s > 0.31 { 1.0 } else { 0.0 };
+    let coordinates = Coordinates::plain(1).with_periods(vec![1.0]).unwrap();
+    let ramp = curve(64, |s| s, p);
+    let integral =
+        LoopIntegral::in_coordinates(&ramp, &Rule::Pseudospectral, &coordinates).unwrap();
+    let error = (integral.value - 0.69).abs();
+    assert!(error > 1e-3 && integral.quadrature_error.unwrap() > 0.5 * error);
+}
+
+#[test]
+fn integrals_beyond_double_precision_are_errors() {
+    let huge = curve(64, |s| 1e200 * (TAU * s).sin(), |s| 1e200 * (TAU * s).cos());
+    for rule in [
+        Rule::Pseudospectral,
+        Rule::FiniteDifference(Cutoffs::none()),
+    ] {
+        let error = LoopIntegral::of(&huge, &rule).unwrap_err();
+        assert!(error.to_string().contains("overflows"), "{error}");
+    }
+}
+
+#[test]
 fn fewer_than_three_samples_are_refused() {
     for n in [0, 1, 2] {
         let error = LoopIntegral::of(&Ensemble::zeros(1, n), &Rule::Pseudospectral).unwrap_err();

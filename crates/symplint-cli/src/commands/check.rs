@@ -33,18 +33,18 @@ pub fn check(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
         }
     }
     if common.json {
-        anstream::println!("{}", report.to_json());
+        output::say(report.to_json())?;
     } else {
         if !common.quiet {
-            anstream::println!("{}", output::points_table(&config, &diagnosis));
+            output::say(output::points_table(&config, &diagnosis))?;
         }
-        anstream::println!("{}", output::verdict_text(&diagnosis, common.quiet));
+        output::say(output::verdict_text(&diagnosis, common.quiet))?;
         match &folder {
             Some(folder) if !common.quiet => {
-                anstream::println!("\nWritten to {}", folder.path().display())
+                output::say(format!("\nWritten to {}", folder.path().display()))?;
             }
             None if !common.quiet => {
-                anstream::println!("\nAdd --out DIR for figures, all points and the report.");
+                output::say("\nAdd --out DIR for figures, all points and the report.")?;
             }
             _ => {}
         }

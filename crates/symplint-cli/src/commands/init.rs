@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use super::Failure;
 use crate::config::{SYSTEMS, suggestion, template};
+use crate::output::say;
 
 /// Prints a starter configuration.
 pub fn init(name: &str) -> Result<ExitCode, Failure> {
@@ -12,6 +13,6 @@ pub fn init(name: &str) -> Result<ExitCode, Failure> {
         name: name.to_owned(),
         suggestion: suggestion(name, SYSTEMS.iter().map(|info| info.name)),
     })?;
-    anstream::print!("{}", template(info));
+    say(template(info).trim_end())?;
     Ok(ExitCode::SUCCESS)
 }

@@ -7,7 +7,7 @@ use symplint_models::integrators::catalogue::CATALOGUE;
 use super::Failure;
 use crate::cli::What;
 use crate::config::SYSTEMS;
-use crate::output::plain_table;
+use crate::output::{plain_table, say};
 use crate::paper::ITEMS;
 
 /// Prints what there is to choose from.
@@ -69,6 +69,6 @@ pub fn list(what: What) -> Result<ExitCode, Failure> {
                 .collect(),
         ),
     };
-    anstream::println!("{}", plain_table(header, rows));
+    say(plain_table(header, rows))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -7,7 +7,7 @@ use super::Failure;
 use super::list::list;
 use crate::cli::{Common, What};
 use crate::config::{settings, suggestion};
-use crate::output::{Progress, RunFolder};
+use crate::output::{Progress, RunFolder, say, to_json};
 use crate::paper::{self, ITEMS, Item};
 
 /// Where results go unless `--out` says otherwise.
@@ -39,13 +39,13 @@ pub fn reproduce(ids: &[String], only_list: bool, common: &Common) -> Result<Exi
     folder.write_json("claims.json", &claims)?;
     folder.write_text("claims.md", &paper::claims_markdown(&claims))?;
     if common.json {
-        anstream::println!("{}", crate::output::to_json(&claims));
+        say(to_json(&claims))?;
     } else {
-        anstream::println!("{}", paper::claims_summary(&claims));
-        anstream::println!(
+        say(paper::claims_summary(&claims))?;
+        say(format!(
             "\nFigures, data and claims.md are in {}",
             folder.path().display()
-        );
+        ))?;
     }
     Ok(ExitCode::SUCCESS)
 }

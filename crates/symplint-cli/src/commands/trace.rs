@@ -32,11 +32,11 @@ pub fn trace(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
         }
     }
     if common.json {
-        anstream::println!("{}", report.to_json());
+        output::say(report.to_json())?;
     } else {
-        anstream::println!("{}", output::trace_table(&record.points, common.quiet));
+        output::say(output::trace_table(&record.points, common.quiet))?;
         if let Some(folder) = folder.as_ref().filter(|_| !common.quiet) {
-            anstream::println!("\nWritten to {}", folder.path().display());
+            output::say(format!("\nWritten to {}", folder.path().display()))?;
         }
     }
     Ok(ExitCode::SUCCESS)

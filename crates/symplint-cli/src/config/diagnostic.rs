@@ -63,7 +63,10 @@ const SAMPLE_SWEEP: [Key; 3] = [
 const LONGEST: usize = 64;
 
 /// Samples of one loop at most: their ensemble must fit into memory many times over.
-const MOST_SAMPLES: u64 = 1 << 28;
+pub const MOST_SAMPLES: u64 = 1 << 28;
+
+/// Loops at most: each is a run of its own.
+const MOST_LOOPS: u64 = 10_000;
 
 /// Reads `[diagnostic]`.
 pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
@@ -79,7 +82,7 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         samples: samples(&section)?,
         step_sizes: step_sizes(&section)?,
         sample_sweep: sample_sweep(&section)?,
-        loops: section.whole("loops", 1)? as usize,
+        loops: section.whole_between("loops", 1, MOST_LOOPS)? as usize,
         seed: section.whole("seed", 0)?,
     };
     Ok((diagnostic, section))
@@ -101,14 +104,7 @@ fn samples(section: &Section) -> Result<SampleCount, ConfigError> {
     match section.node("samples")?.map(|node| node.value) {
         Some(Value::Text(text)) if text == "auto" => Ok(SampleCount::Auto),
         _ => {
-            let count = section.whole("samples", 3)?;
-            if count > MOST_SAMPLES {
-                return Err(section.error(
-                    "samples",
-                    format!("{count} are too many"),
-                    "give at most 2^28",
-                ));
-            }
+            let count = section.whole_between("samples", 3, MOST_SAMPLES)?;
             Ok(SampleCount::Fixed(count as usize))
         }
     }

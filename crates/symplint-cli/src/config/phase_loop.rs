@@ -39,7 +39,13 @@ pub fn read(node: Option<&Node>, system: &System) -> Result<(Box<dyn Loop>, Sect
     let (q0, p0) = (system.q0.clone(), system.p0.clone());
     let refused = |key: &'static str| {
         let section = &section;
-        move |error: symplint::Error| section.error(key, error.to_string(), "change this key")
+        move |error: symplint::Error| {
+            let text = error.to_string();
+            match text.split_once("; ") {
+                Some((message, remedy)) => section.error(key, message, remedy),
+                None => section.error(key, text, "name degrees of freedom from 0 on"),
+            }
+        }
     };
     let phase_loop: Box<dyn Loop> = if shape == "circle" {
         let mut circle = Circle::new(q0, p0, radius).map_err(refused("radius"))?;

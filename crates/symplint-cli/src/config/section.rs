@@ -227,9 +227,39 @@ impl Section {
         .collect()
     }
 
+    /// A list of numbers, that may be left out.
+    pub fn optional_numbers(
+        &self,
+        key: &str,
+        accept: Accept,
+    ) -> Result<Option<Vec<f64>>, ConfigError> {
+        let path = self.dotted(key);
+        match self.node(key)? {
+            None => Ok(None),
+            Some(Node {
+                value: Value::List(list),
+                ..
+            }) => (list.iter())
+                .map(|item| read_number(&path, item, accept))
+                .collect::<Result<_, _>>()
+                .map(Some),
+            Some(node) => Err(wrong(&path, &node, "a list", "write [1.0, 2.0]")),
+        }
+    }
+
     /// A whole number of at least `least`.
     pub fn whole(&self, key: &str, least: u64) -> Result<u64, ConfigError> {
         read_whole(&self.dotted(key), &self.required(key)?, least)
+    }
+
+    /// A whole number from `least` to `most`.
+    pub fn whole_between(&self, key: &str, least: u64, most: u64) -> Result<u64, ConfigError> {
+        let value = self.whole(key, least)?;
+        if value > most {
+            let message = format!("{value} is too many");
+            return Err(self.error(key, message, format!("give at most {most}")));
+        }
+        Ok(value)
     }
 
     /// A list of whole numbers of at least `least`, that may be left out.

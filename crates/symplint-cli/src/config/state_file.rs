@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use npyz::{DType, NpyFile, Order};
+use npyz::{NpyFile, Order};
 
 /// Why a state file is of no use, and what to do.
 #[derive(Debug)]
@@ -70,10 +70,11 @@ fn read_npy(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
     let name = path.display();
     let broken = |error: std::io::Error| {
         unusable(
-            format!("{name} is no NumPy array: {error}"),
-            "write it by numpy.save",
+            format!("{name} is no NumPy array that can be read: {error}"),
+            "write an array of double precision by numpy.save",
         )
     };
+    let bytes = open(path)?.get_ref().metadata().map_err(broken)?.len();
     let file = NpyFile::new(open(path)?).map_err(broken)?;
     let shape = file.shape().to_vec();
     let [2, columns] = shape[..] else {
@@ -82,20 +83,34 @@ fn read_npy(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
             "give an array of shape (2, dof): row 0 positions, row 1 momenta",
         ));
     };
-    let columns = columns as usize;
     let order = file.order();
-    let dtype = file.dtype();
-    let values: Vec<f64> = match &dtype {
-        DType::Plain(plain) if plain.num_bytes() == Some(4) => {
-            let single: Vec<f32> = file.into_vec().map_err(broken)?;
-            single.into_iter().map(f64::from).collect()
-        }
-        _ => file.into_vec().map_err(|_| {
-            unusable(
-                format!("{name} holds {} values", dtype.descr()),
+    let descr = file.dtype().descr();
+    let width = match descr.trim_matches('\'') {
+        "<f8" | ">f8" => 8,
+        "<f4" | ">f4" => 4,
+        _ => {
+            return Err(unusable(
+                format!("{name} holds {descr} values"),
                 "give double or single precision numbers",
-            )
-        })?,
+            ));
+        }
+    };
+    // Before anything is allocated: a header can claim any size.
+    if columns
+        .checked_mul(2 * width)
+        .is_none_or(|needed| needed > bytes)
+    {
+        return Err(unusable(
+            format!("{name} is cut short: its header promises 2 × {columns} numbers"),
+            "write it again",
+        ));
+    }
+    let columns = columns as usize;
+    let values: Vec<f64> = if width == 4 {
+        let single: Vec<f32> = file.into_vec().map_err(broken)?;
+        single.into_iter().map(f64::from).collect()
+    } else {
+        file.into_vec().map_err(broken)?
     };
     let at = |row: usize| {
         (0..columns)
@@ -131,8 +146,8 @@ fn read_csv(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
                 q.push(position);
                 p.push(momentum);
             }
-            // A first row of words is a header.
-            _ if row == 0 && record.iter().all(|field| field.parse::<f64>().is_err()) => {}
+            // A first row of words is a header; a number mistyped is none.
+            _ if row == 0 && !record.as_slice().contains(|c: char| c.is_ascii_digit()) => {}
             _ => {
                 return Err(unusable(
                     format!(

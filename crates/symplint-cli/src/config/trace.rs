@@ -1,5 +1,6 @@
 //! `[trace]`: what `trace` follows.
 
+use super::diagnostic::MOST_SAMPLES;
 use super::document::Node;
 use super::error::ConfigError;
 use super::section::{Accept, Key, Section};
@@ -15,6 +16,9 @@ pub const KEYS: &[Key] = &[
         "steps at which the loop is drawn (one degree of freedom) and written",
     ),
 ];
+
+/// Steps at most: each is a row of the report.
+const MOST_STEPS: u64 = 10_000_000;
 
 /// What `trace` does.
 pub struct TraceSettings {
@@ -34,8 +38,8 @@ pub fn read(node: Option<&Node>) -> Result<(TraceSettings, Section), ConfigError
     let snapshots = section.optional_wholes("snapshots", 0)?.unwrap_or_default();
     let settings = TraceSettings {
         step_size: section.number("step_size", Accept::Positive)?,
-        steps: section.whole("steps", 1)? as usize,
-        samples: section.whole("samples", 3)? as usize,
+        steps: section.whole_between("steps", 1, MOST_STEPS)? as usize,
+        samples: section.whole_between("samples", 3, MOST_SAMPLES)? as usize,
         snapshots: snapshots.into_iter().map(|step| step as usize).collect(),
     };
     Ok((settings, section))

@@ -5,6 +5,7 @@ mod power;
 mod progress;
 mod report;
 mod run_folder;
+mod say;
 mod table;
 
 pub use figures::{check_figures, error_axis, step_axis, trace_figures};
@@ -12,4 +13,5 @@ pub use power::{power_of_two, raised_power_of_two};
 pub use progress::Progress;
 pub use report::{Report, TraceReport, to_json};
 pub use run_folder::RunFolder;
+pub use say::say;
 pub use table::{plain_table, points_table, trace_table, verdict_text};

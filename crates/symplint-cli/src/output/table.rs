@@ -1,5 +1,7 @@
 //! Tables on the terminal.
 
+use std::io::IsTerminal;
+
 use anstyle::{AnsiColor, Style};
 use comfy_table::{CellAlignment, Table, presets};
 use symplint::{Diagnosis, Point, Sweep, TracePoint, VerdictKind};
@@ -18,6 +20,9 @@ pub fn plain_table(header: &[&str], rows: Vec<Vec<String>>) -> String {
     let mut table = Table::new();
     table.load_style(presets::UTF8_BORDERS_ONLY);
     table.set_content_arrangement(comfy_table::ContentArrangement::Dynamic);
+    if !std::io::stdout().is_terminal() {
+        table.set_width(100);
+    }
     table.set_header(header.to_vec());
     table.add_rows(rows);
     table.to_string()

@@ -4,6 +4,7 @@ use super::suspects::{Coordinate, OUTSTANDING, Suspect};
 use super::{Break, fourth_difference};
 use crate::ensemble::Ensemble;
 use crate::error::Error;
+use crate::integral::unwrap_row;
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
 
@@ -18,7 +19,7 @@ const STAYS: f64 = 0.5;
 
 /// Evaluates the map on ever shorter stretches round the largest fourth difference.
 ///
-/// Returns the break if the difference has not shrunk when the stretch is as short as double
+/// Positions are unwrapped with `period`. Returns the break if the difference has not shrunk when the stretch is as short as double
 /// precision can resolve, `None` if it fades: the loop is steep but continuous there.
 pub(super) fn follow(
     map: &dyn TimeAdvance,
@@ -26,6 +27,7 @@ pub(super) fn follow(
     h: f64,
     suspect: &Suspect,
     samples: usize,
+    period: f64,
 ) -> Result<Option<Break>, Error> {
     let spacing = 1.0 / samples as f64;
     let mut start = suspect.first as f64 * spacing;
@@ -33,7 +35,9 @@ pub(super) fn follow(
     loop {
         let cell = length / CELLS as f64;
         let s: Vec<f64> = (0..=CELLS).map(|k| start + k as f64 * cell).collect();
-        let states = advanced_at(map, phase_loop, h, &s)?;
+        let mut states = advanced_at(map, phase_loop, h, &s)?;
+        // A wrap is no jump.
+        unwrap_row(states.block().q.row_mut(suspect.dof), period);
         let row = match suspect.coordinate {
             Coordinate::Q => states.q(),
             Coordinate::P => states.p(),

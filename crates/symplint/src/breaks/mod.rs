@@ -45,7 +45,8 @@ pub fn find_break(
     coordinates: &Coordinates,
 ) -> Result<Option<Break>, Error> {
     for suspect in suspects::suspects(advanced, coordinates) {
-        let found = follow::follow(map, phase_loop, h, &suspect, advanced.samples())?;
+        let period = coordinates.period(suspect.dof);
+        let found = follow::follow(map, phase_loop, h, &suspect, advanced.samples(), period)?;
         if found.is_some() {
             return Ok(found);
         }

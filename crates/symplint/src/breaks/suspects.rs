@@ -27,6 +27,13 @@ pub(super) struct Suspect {
     pub noise: f64,
 }
 
+impl Suspect {
+    /// The difference over its noise.
+    fn outstanding(&self) -> f64 {
+        self.difference / self.noise
+    }
+}
+
 /// How many suspects are worth following.
 const MOST: usize = 4;
 
@@ -58,7 +65,7 @@ pub(super) fn suspects(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<Su
         .flatten()
         .collect();
     // A stable sort: equals stay in the order of the degrees of freedom.
-    found.sort_by(|a, b| (b.difference * a.noise).total_cmp(&(a.difference * b.noise)));
+    found.sort_by(|a, b| b.outstanding().total_cmp(&a.outstanding()));
     found.truncate(MOST);
     found
 }

@@ -15,7 +15,7 @@ use crate::integral::{Cutoffs, Rule};
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
 use crate::verdict::{Fit, LoopEvidence, StepEvidence, Verdict, judge};
-use probe::{Probe, Subject, displacement};
+use probe::{Probe, Subject, deformation};
 use random_loop::random_loop;
 use resolve::resolve;
 
@@ -153,46 +153,63 @@ impl Diagnostic {
             points: Vec::new(),
             breaks: Vec::new(),
         };
-        let random_loops = (1..self.loops as u64)
-            .map(|index| random_loop(phase_loop, self.seed.wrapping_add(index)))
-            .collect::<Result<Vec<_>, Error>>()?;
-        let probe = |index, phase_loop| {
-            let subject = Subject {
-                map,
-                phase_loop,
-                coordinates: &coordinates,
-            };
-            resolve(index, subject, self.rule, self.samples, largest)
+        let subject = Subject {
+            map,
+            phase_loop,
+            coordinates: &coordinates,
         };
-        let configured = probe(0, phase_loop)?;
+        let configured = resolve(0, subject, self.rule, self.samples, largest)?;
         let mut loops = vec![study.sweep_steps(&configured, &self.step_sizes)?];
         if let Some(sweep) = &self.sample_sweep {
             study.sweep_samples(&configured, sweep)?;
         }
-        let others: Vec<f64> = (self.step_sizes.iter().copied())
-            .filter(|&h| h != largest)
-            .collect();
-        for (index, random) in (1..).zip(&random_loops) {
-            let probe = probe(index, random)?;
-            let mut evidence = study.sweep_steps(&probe, &[largest])?;
+        for index in 1..self.loops {
+            let random = random_loop(phase_loop, self.seed.wrapping_add(index as u64))?;
+            let subject = Subject {
+                phase_loop: &random,
+                ..subject
+            };
             // The order is that of a full sweep, and a symmetric loop hides terms of lower
             // order: the given loop and one random one are worth it.
             let known = loops[1..].iter().any(LoopEvidence::shows_defect);
-            if evidence.shows_defect() && !known {
-                evidence
-                    .steps
-                    .extend(study.sweep_steps(&probe, &others)?.steps);
-            }
-            loops.push(evidence);
+            loops.push(match self.try_random(&mut study, index, subject, known) {
+                Ok(evidence) => evidence,
+                // A loop that nobody asked for may leave the map's domain.
+                Err(error @ (Error::NotFinite { .. } | Error::StepFailed { .. })) => {
+                    LoopEvidence::failed(index, error)
+                }
+                Err(error) => return Err(error),
+            });
         }
-        let displacement = displacement(map, phase_loop, largest)?;
-        let (verdict, fits) = judge(&loops, displacement);
+        let deformation = deformation(map, phase_loop, largest)?;
+        let (verdict, fits) = judge(&loops, deformation);
         Ok(Diagnosis {
             verdict,
             points: study.points,
             fits,
             breaks: study.breaks,
         })
+    }
+
+    /// A random loop at the largest step size; at all if it shows a defect and none did before.
+    fn try_random(
+        &self,
+        study: &mut Study<'_>,
+        index: usize,
+        subject: Subject<'_>,
+        known: bool,
+    ) -> Result<LoopEvidence, Error> {
+        let largest = self.largest_step()?;
+        let probe = resolve(index, subject, self.rule, self.samples, largest)?;
+        let mut evidence = study.sweep_steps(&probe, &[largest])?;
+        if evidence.shows_defect() && !known {
+            let others: Vec<f64> = (self.step_sizes.iter().copied())
+                .filter(|&h| h != largest)
+                .collect();
+            let rest = study.sweep_steps(&probe, &others)?;
+            evidence.steps.extend(rest.steps);
+        }
+        Ok(evidence)
     }
 
     /// The step size of the largest size, after checking them all.

@@ -5,7 +5,7 @@ use crate::coordinates::Coordinates;
 use crate::defect::Defect;
 use crate::ensemble::Ensemble;
 use crate::error::Error;
-use crate::integral::{LoopIntegral, Rule};
+use crate::integral::{LoopIntegral, Rule, unwrap_row};
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
 
@@ -34,10 +34,6 @@ pub(super) struct Measured {
     pub found: Option<Break>,
 }
 
-/// Below this quadrature error the Fourier series of the loop ends well before the samples do: it
-/// has no jumps, and none are looked for.
-const RESOLVED: f64 = 1e-12;
-
 impl<'a> Probe<'a> {
     pub fn new(
         index: usize,
@@ -59,6 +55,20 @@ impl<'a> Probe<'a> {
     /// The same with another number of samples.
     pub fn with_samples(&self, samples: usize) -> Result<Self, Error> {
         Probe::new(self.index, self.subject, self.rule, samples)
+    }
+
+    /// The quadrature error of a finite-difference integral of a loop without breaks, not less than its
+    /// distance from the pseudospectral one: cut-offs can leave out steep but smooth cells.
+    fn cross_checked(
+        &self,
+        ensemble: &Ensemble,
+        integral: &LoopIntegral,
+    ) -> Result<Option<f64>, Error> {
+        let rule = Rule::Pseudospectral;
+        let other = LoopIntegral::in_coordinates(ensemble, &rule, self.subject.coordinates)?;
+        let distance = (other.value - integral.value).abs();
+        let errors = integral.quadrature_error.zip(other.quadrature_error);
+        Ok(errors.map(|(own, of_other)| own.max(distance + of_other)))
     }
 
     /// Whether the cell of a break is among those that make up the integral.
@@ -84,18 +94,14 @@ impl<'a> Probe<'a> {
         ensemble.advance(map, h)?;
         let mut integral = LoopIntegral::in_coordinates(&ensemble, &self.rule, coordinates)?;
         let mut defect = Defect::between(&self.initial, &integral)?;
-        let resolved = matches!(self.rule, Rule::Pseudospectral)
-            && defect
-                .quadrature_error
-                .is_some_and(|error| error < RESOLVED);
-        let found = if resolved {
-            None
-        } else {
-            find_break(map, phase_loop, h, &ensemble, coordinates)?
-        };
-        if found.is_some_and(|found| self.retains(&integral, &found)) {
-            // The rule took a jump for a part of the loop: nobody knows how far off that is.
-            integral.quadrature_error = None;
+        let found = find_break(map, phase_loop, h, &ensemble, coordinates)?;
+        if let Rule::FiniteDifference(_) = self.rule {
+            integral.quadrature_error = match found {
+                // The rule took a jump for a part of the loop: nobody knows how far off that is.
+                Some(found) if self.retains(&integral, &found) => None,
+                Some(_) => integral.quadrature_error,
+                None => self.cross_checked(&ensemble, &integral)?,
+            };
             defect = Defect::between(&self.initial, &integral)?;
         }
         Ok(Measured {
@@ -106,9 +112,11 @@ impl<'a> Probe<'a> {
     }
 }
 
-/// How far one step moves the loop, relative to the loop's size: the largest ratio over all
-/// coordinates, from a few samples.
-pub(super) fn displacement(
+/// How much one step deforms the loop, relative to its size: the largest motion of a coordinate against
+/// the mean motion, over half the coordinate's range on the loop, from a few samples.
+///
+/// A translation deforms nothing, and no defect can come of it.
+pub(super) fn deformation(
     map: &dyn TimeAdvance,
     phase_loop: &dyn Loop,
     h: f64,
@@ -117,21 +125,34 @@ pub(super) fn displacement(
     let before = Ensemble::sample(phase_loop, SAMPLES)?;
     let mut after = before.clone();
     after.advance(map, h)?;
+    let coordinates = map.coordinates();
     let mut largest: f64 = 0.0;
-    for (before, after) in [(before.q(), after.q()), (before.p(), after.p())] {
-        for i in 0..before.count() {
-            let (a, b) = (before.row(i), after.row(i));
-            let low = a.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = a.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let moved = a
-                .iter()
-                .zip(b)
-                .map(|(a, b)| (b - a).abs())
-                .fold(0.0, f64::max);
-            if high > low {
-                largest = largest.max(2.0 * moved / (high - low));
-            }
-        }
+    for i in 0..before.dof() {
+        let (q, p) = (before.q().row(i), before.p().row(i));
+        let of_q = motion(q, after.q().row(i), coordinates.period(i));
+        let of_p = motion(p, after.p().row(i), 0.0);
+        largest = largest.max(of_q).max(of_p);
     }
     Ok(largest)
+}
+
+/// Largest distance between the motions of two samples, over the range of the coordinate; motions are
+/// counted modulo `period`, if there is one.
+fn motion(before: &[f64], after: &[f64], period: f64) -> f64 {
+    let range = |values: &[f64]| {
+        let (low, high) = values
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
+                (l.min(v), h.max(v))
+            });
+        high - low
+    };
+    let mut motions: Vec<f64> = before.iter().zip(after).map(|(a, b)| b - a).collect();
+    unwrap_row(&mut motions, period);
+    let size = range(before);
+    if size > 0.0 {
+        range(&motions) / size
+    } else {
+        0.0
+    }
 }

@@ -5,8 +5,12 @@ use super::{RuleChoice, SampleCount};
 use crate::error::Error;
 use crate::integral::Rule;
 
-/// Where automatic doubling begins.
-const FEWEST: usize = 64;
+/// Where automatic doubling begins in one degree of freedom: what is narrower than a cell of the loop is
+/// not seen, and samples of small systems cost nothing.
+const FEWEST: usize = 1 << 12;
+
+/// Where it begins in many.
+const FEWEST_OF_MANY: usize = 64;
 
 /// Where it ends at the latest.
 const MOST: usize = 1 << 16;
@@ -38,7 +42,7 @@ pub(super) fn resolve<'a>(
     };
     let (mut count, most) = match samples {
         SampleCount::Fixed(count) => (count, count),
-        SampleCount::Auto => (FEWEST, most_samples(subject.phase_loop.dof())),
+        SampleCount::Auto => range_of_samples(subject.phase_loop.dof()),
     };
     let mut last_error = f64::INFINITY;
     let mut stalls = 0;
@@ -70,9 +74,10 @@ pub(super) fn resolve<'a>(
     }
 }
 
-fn most_samples(dof: usize) -> usize {
-    let fits = MOST_BYTES / (16 * dof.max(1));
-    // A power of two: the doubling begins at one.
-    let fits = fits.checked_ilog2().map_or(0, |exponent| 1 << exponent);
-    fits.clamp(FEWEST, MOST)
+/// The fewest and the most samples, powers of two, for so many degrees of freedom.
+fn range_of_samples(dof: usize) -> (usize, usize) {
+    let power_below = |count: usize| count.checked_ilog2().map_or(0, |exponent| 1 << exponent);
+    let fewest = power_below(FEWEST / dof.max(1)).max(FEWEST_OF_MANY);
+    let most = power_below(MOST_BYTES / (16 * dof.max(1))).clamp(fewest, MOST);
+    (fewest, most)
 }

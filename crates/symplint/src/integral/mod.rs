@@ -72,7 +72,7 @@ impl LoopIntegral {
     ///
     /// # Errors
     /// If there are fewer than 3 samples, `coordinates` has other degrees of freedom than
-    /// the ensemble, or a cut-off is not positive.
+    /// the ensemble, a cut-off is not positive, or the integral overflows.
     pub fn in_coordinates(
         ensemble: &Ensemble,
         rule: &Rule,
@@ -91,6 +91,14 @@ impl LoopIntegral {
                 finite_difference::rows(ensemble, coordinates, cutoffs)
             }
         };
+        for (dof, row) in rows.iter().enumerate() {
+            let weight = coordinates.weight(dof).abs();
+            let estimate = row.quadrature_error.unwrap_or(0.0);
+            let value = weight * (row.value.abs() + row.scale + row.roundoff + estimate);
+            if !value.is_finite() {
+                return Err(Error::Overflow { dof, value });
+            }
+        }
         Ok(Self::sum(rows, coordinates, rule))
     }
 

@@ -81,8 +81,10 @@ impl Workspace {
             integral.scale += (gain * mean).abs();
             integral.roundoff += 2.0 * UNIT_ROUNDOFF * gain.abs() * largest(p);
             if let Some((coarse, error)) = spectra.coarse_mean_p().zip(integral.quadrature_error) {
-                let change = gain * (self.p[0].re / n - coarse);
-                integral.quadrature_error = Some(error + change.abs());
+                // The highest modes fold back into the mean as into every other mode.
+                let folded = spectra.top(&self.p) / n;
+                let change = (self.p[0].re / n - coarse).abs().max(folded);
+                integral.quadrature_error = Some(error + gain.abs() * change);
             }
         }
         integral

@@ -40,6 +40,15 @@ impl Fit {
 /// Points of a fit at most: those of the smallest steps, where the leading terms rule.
 const MOST_POINTS: usize = 6;
 
+/// Points of a fit at least.
+const FEWEST_POINTS: usize = 3;
+
+/// The largest step of a fit over the smallest, at least.
+const NARROWEST: f64 = 3.9;
+
+/// An exponent less certain than this is none.
+const UNCERTAIN: f64 = 1.0;
+
 /// A defect must exceed its uncertainty by this factor for the range to begin there.
 const CLEAR: f64 = 50.0;
 
@@ -58,8 +67,8 @@ type Datum = (f64, f64, f64);
 /// Fits the defect's power of h at the smallest steps where it is clear of its uncertainty.
 ///
 /// The law is E = h^k (a + b h + c h²), signed: a sign change of E, which bends the curve of |E|,
-/// is part of it. Where no such law passes through the points, the mean slope. `None` with fewer
-/// than two points.
+/// is part of it. With three points, or where no such law passes through them, the mean slope. `None`
+/// with fewer than three points, over less than a factor of four, or where the slopes disagree.
 pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     let mut data: Vec<Datum> = (evidence.steps.iter())
         .map(|step| {
@@ -71,10 +80,13 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     data.dedup_by(|a, b| a.0 == b.0);
     let first = data.iter().position(|d| d.1.abs() > CLEAR * d.2)?;
     let data = &data[first..data.len().min(first + MOST_POINTS)];
-    if data.len() < 2 {
+    if data.len() < FEWEST_POINTS || data[data.len() - 1].0 < NARROWEST * data[0].0 {
         return None;
     }
     let (slope, uncertainty) = polynomial_law(data).unwrap_or_else(|| plain_law(data));
+    if uncertainty > UNCERTAIN {
+        return None;
+    }
     Some(Fit {
         quantity: "defect",
         against: "step_size",
@@ -89,6 +101,9 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
 /// The exponent k of h^k (a + b h + c h²), and how far it can be off: a whole number if one fits,
 /// as it does for every smooth map.
 fn polynomial_law(data: &[Datum]) -> Option<(f64, f64)> {
+    if data.len() < 4 {
+        return None;
+    }
     // Terms of higher order pass for a lower one with a vanishing leading term: the highest exponent
     // that fits is the true one.
     let fits = |&k: &f64| misfit(data, k) <= 1.0;
@@ -104,6 +119,12 @@ fn polynomial_law(data: &[Datum]) -> Option<(f64, f64)> {
 /// The mean slope of log |E| over log h, and half the spread of the local slopes.
 fn plain_law(data: &[Datum]) -> (f64, f64) {
     let slope = |a: &Datum, b: &Datum| (b.1 / a.1).abs().ln() / (b.0 / a.0).ln();
+    if data
+        .windows(2)
+        .any(|pair| pair[0].1.signum() != pair[1].1.signum())
+    {
+        return (f64::NAN, f64::INFINITY);
+    }
     let (low, high) = (data.windows(2).map(|pair| slope(&pair[0], &pair[1])))
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| {
             (l.min(s), h.max(s))
@@ -134,7 +155,8 @@ fn misfit(data: &[Datum], exponent: f64) -> f64 {
     let allowed: Vec<f64> = (noise.iter().enumerate())
         .map(|(i, n)| TOLERANCE * nearby(&reduced, i) + 3.0 * n)
         .collect();
-    let terms = (data.len() - 1).min(3);
+    // One point more than the terms and the exponent together.
+    let terms = (data.len() - 2).min(3);
     let fitted = polynomial(&x, &reduced, &allowed, terms);
     (reduced.iter().zip(&fitted).zip(&allowed))
         .map(|((r, f), a)| (r - f).abs() / a)

@@ -3,9 +3,9 @@
 use super::fit::{Fit, fit_order};
 use super::{LoopEvidence, StepEvidence, Verdict, VerdictKind};
 
-/// A step that moves the loop by less than this part of its size tests nothing: even a method
+/// A step that deforms the loop by less than this part of its size tests nothing: even a method
 /// that is far from symplectic has a defect below round-off there.
-const LEAST_DISPLACEMENT: f64 = 0.1;
+const LEAST_DEFORMATION: f64 = 0.2;
 
 /// A defect below this needs a trend in h to count: a constant one can be noise of the map itself.
 const SMALL: f64 = 1e-10;
@@ -15,13 +15,13 @@ const TREND: f64 = 0.5;
 
 /// Judges what the loops showed.
 ///
-/// `loops` holds the given loop first; `displacement` is how far the largest step moved
+/// `loops` holds the given loop first; `deformation` is how much the largest step deforms
 /// it, relative to its size.
-pub fn judge(loops: &[LoopEvidence], displacement: f64) -> (Verdict, Vec<Fit>) {
+pub fn judge(loops: &[LoopEvidence], deformation: f64) -> (Verdict, Vec<Fit>) {
     let fits: Vec<Fit> = loops.iter().filter_map(fit_order).collect();
     let case = Case {
         loops,
-        displacement,
+        deformation,
         fits: &fits,
     };
     let verdict = (case.broken())
@@ -33,7 +33,7 @@ pub fn judge(loops: &[LoopEvidence], displacement: f64) -> (Verdict, Vec<Fit>) {
 
 struct Case<'a> {
     loops: &'a [LoopEvidence],
-    displacement: f64,
+    deformation: f64,
     fits: &'a [Fit],
 }
 
@@ -86,6 +86,7 @@ impl Case<'_> {
                     .into(),
                 "If q is an angle or a position in a periodic box, keep it unwrapped or state its period."
                     .into(),
+                "If a solver inside the map stops at a tolerance, tighten it.".into(),
             ],
         })
     }
@@ -121,7 +122,9 @@ impl Case<'_> {
             )
         }));
         let mut advice = Vec::new();
-        if trend.is_none() {
+        if self.fits.is_empty() {
+            advice.push("Give four or more step sizes, halving, to learn the order.".into());
+        } else if trend.is_none() {
             advice.push(
                 "The defect does not fall with h: look for a wrong sign, momenta that are not \
                  canonical, or a weight that is missing."
@@ -150,14 +153,14 @@ impl Case<'_> {
             evidence: self.bounds(),
             advice: vec![advice.into()],
         };
-        if self.displacement < LEAST_DISPLACEMENT {
+        if self.deformation < LEAST_DEFORMATION {
             return Some(because(
                 format!(
-                    "The largest step moves the loop by only {:.1e} of its size, too little \
+                    "The largest step deforms the loop by only {:.1e} of its size, too little \
                      to show a defect.",
-                    self.displacement
+                    self.deformation
                 ),
-                "Take larger step sizes, up to where one step moves the loop by about its radius.",
+                "Take larger step sizes, up to where one step deforms the loop by about its size.",
             ));
         }
         if let Some((_, step)) = self.worst(StepEvidence::is_unexplained) {
@@ -173,29 +176,39 @@ impl Case<'_> {
             ));
         }
         // Random loops that the samples do not resolve cannot testify, but one must.
-        let unresolved = match self.loops {
-            [given, ..] if given.weak_step().is_some() => given.weak_step(),
-            [_, random @ ..]
-                if !random.is_empty() && random.iter().all(|e| e.weak_step().is_some()) =>
-            {
-                random[0].weak_step()
-            }
-            _ => None,
-        };
-        unresolved.map(|step| {
-            because(
-                format!(
-                    "At h = {} the quadrature only bounds the defect by {:.1e}.",
-                    size(step.step_size),
-                    step.bound()
-                ),
-                "Take more samples or a smaller loop; finite differences are only good to a few digits.",
-            )
-        })
+        let (given, random) = self.loops.split_first()?;
+        if !random.is_empty() && !random.iter().any(LoopEvidence::testifies) {
+            let Some(step) = random.iter().find_map(LoopEvidence::weak_step) else {
+                return Some(because(
+                    "The map fails on every random loop of the given one's size.".into(),
+                    "Take a smaller loop, well inside the domain of the map, or set loops to 1.",
+                ));
+            };
+            return Some(self.unresolved(step));
+        }
+        given.weak_step().map(|step| self.unresolved(step))
+    }
+
+    fn unresolved(&self, step: &StepEvidence) -> Verdict {
+        Verdict {
+            kind: VerdictKind::Undecided,
+            digits: None,
+            order: None,
+            summary: format!(
+                "At h = {} the quadrature only bounds the defect by {:.1e}.",
+                size(step.step_size),
+                step.bound()
+            ),
+            evidence: self.bounds(),
+            advice: vec![
+                "Take more samples or a smaller loop; finite differences are only good to a few digits."
+                    .into(),
+            ],
+        }
     }
 
     fn symplectic(&self) -> Verdict {
-        let resolved = |evidence: &&LoopEvidence| evidence.weak_step().is_none();
+        let resolved = |evidence: &&LoopEvidence| evidence.testifies();
         let bound = (self.loops.iter().filter(resolved))
             .flat_map(|evidence| &evidence.steps)
             .map(StepEvidence::bound)
@@ -205,7 +218,8 @@ impl Case<'_> {
         let (low, high) = sizes.fold((f64::INFINITY, 0.0), |(l, h): (f64, f64), size| {
             (l.min(size), h.max(size))
         });
-        let random = match self.loops.len() - 1 {
+        let testifying = self.loops[1..].iter().filter(|e| e.testifies()).count();
+        let random = match testifying {
             0 => String::new(),
             1 => format!(", nor on a random one at {}", size(high)),
             others => format!(", nor on {others} random ones at {}", size(high)),
@@ -230,6 +244,12 @@ impl Case<'_> {
     /// One line a loop: how large its defect may be.
     fn bounds(&self) -> Vec<String> {
         let line = |evidence: &LoopEvidence| {
+            if let Some(failure) = &evidence.failure {
+                let who = capitalised(name(evidence.index));
+                return Some(format!(
+                    "{who} says nothing, for the map fails on it: {failure}."
+                ));
+            }
             let step = (evidence.steps.iter()).max_by(|a, b| a.bound().total_cmp(&b.bound()))?;
             Some(format!(
                 "{} ({} samples): |E| ≤ {:.1e}; measured {} ± {:.1e} at the worst, h = {}.",
@@ -243,8 +263,12 @@ impl Case<'_> {
         };
         let mut lines: Vec<String> = self.loops.iter().filter_map(line).collect();
         lines.push(format!(
-            "The largest step moves the loop by {} of its size.",
-            short(self.displacement)
+            "What is narrower than 1/{} of the loop is not seen.",
+            self.loops[0].samples
+        ));
+        lines.push(format!(
+            "The largest step deforms the loop by {} of its size.",
+            short(self.deformation)
         ));
         lines
     }

@@ -15,6 +15,7 @@ use serde::Serialize;
 
 use crate::breaks::Break;
 use crate::defect::Defect;
+use crate::error::Error;
 
 /// The four answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -87,6 +88,8 @@ pub struct LoopEvidence {
     pub samples: usize,
     /// Step by step.
     pub steps: Vec<StepEvidence>,
+    /// Why there are none.
+    pub failure: Option<Error>,
 }
 
 /// What one step of one loop showed.
@@ -116,7 +119,23 @@ impl LoopEvidence {
             index,
             samples,
             steps: Vec::new(),
+            failure: None,
         }
+    }
+
+    /// A random loop on which the map failed.
+    pub fn failed(index: usize, failure: Error) -> Self {
+        LoopEvidence {
+            index,
+            samples: 0,
+            steps: Vec::new(),
+            failure: Some(failure),
+        }
+    }
+
+    /// Whether it bounds the defect well enough to testify for a map.
+    fn testifies(&self) -> bool {
+        !self.steps.is_empty() && self.weak_step().is_none()
     }
 
     /// Whether a step broke the loop or changed its integral beyond doubt.
@@ -126,7 +145,8 @@ impl LoopEvidence {
 
     /// A step that bounds the defect too weakly to call a map symplectic.
     fn weak_step(&self) -> Option<&StepEvidence> {
-        self.steps.iter().find(|step| step.bound() > WEAKEST_BOUND)
+        // Not `bound > …`: a bound that is no number is no bound.
+        (self.steps.iter()).find(|step| !matches!(step.bound(), 0.0..=WEAKEST_BOUND))
     }
 }
 

@@ -1,0 +1,18 @@
+//! Printing on standard output.
+
+use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
+
+use crate::commands::Failure;
+
+/// Prints a text and ends the line. A reader that has gone away is no failure.
+pub fn say(text: impl std::fmt::Display) -> Result<(), Failure> {
+    let mut out = anstream::stdout().lock();
+    match writeln!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Write {
+            path: PathBuf::from("standard output"),
+            reason: error.to_string(),
+        }),
+        _ => Ok(()),
+    }
+}
