@@ -34,6 +34,16 @@ pub enum ModelError {
         /// Highest degree provided.
         highest: usize,
     },
+    /// A degree that a family of particle shapes does not have.
+    #[error("there are no {family} shapes of degree {degree}; give 1 to {highest}")]
+    ShapeDegree {
+        /// Name of the family.
+        family: &'static str,
+        /// The degree given.
+        degree: usize,
+        /// Highest degree of the family.
+        highest: usize,
+    },
     /// Fewer cells than a spline covers, so that it would overlap itself round the period.
     #[error(
         "{cells} cells are too few for splines of degree {degree}, which cover {needed}; give at \

@@ -1,6 +1,7 @@
 //! Hamiltonian systems and the integrators that advance them, to be tested by [`symplint`].
 //!
 //! * [`systems`]: pendula, a wedge, a pendulum on a grid, oscillators, Hénon–Heiles.
+//! * [`pic`]: electrostatic particle-in-cell plasmas in one and two dimensions.
 //! * [`integrators`]: splitting and explicit Runge–Kutta methods, as data, and a
 //!   [catalogue](integrators::catalogue) of them by name.
 //! * [`maps`]: maps made from maps: sequences, repetitions, inverses, adjoints.
@@ -43,6 +44,7 @@ pub mod integrators;
 pub mod maps;
 mod periodic_grid;
 mod periodic_spline;
+pub mod pic;
 mod random;
 pub mod systems;
 

@@ -6,6 +6,7 @@ mod henon_heiles;
 mod interpolated_pendulum;
 mod pendulum;
 mod pendulum_array;
+mod two_cell;
 
 pub use absolute_value::AbsoluteValue;
 pub use harmonic_oscillator::HarmonicOscillator;
@@ -13,3 +14,4 @@ pub use henon_heiles::HenonHeiles;
 pub use interpolated_pendulum::InterpolatedPendulum;
 pub use pendulum::{Pendulum, PendulumPotential};
 pub use pendulum_array::PendulumArray;
+pub use two_cell::TwoCell;

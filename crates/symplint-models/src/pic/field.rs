@@ -1,0 +1,225 @@
+//! From charge to potential: one Fourier transform over the cells each way, and one small
+//! matrix for each mode.
+
+use std::sync::Arc;
+
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::num_complex::Complex64;
+use rustfft::{Fft, FftPlanner};
+
+use super::element::{AxisMode, ComplexMatrix};
+use super::mesh::Mesh;
+use super::scratch::with_complex_buffer;
+
+/// G = B^{s/2} L⁺ B^{s/2} on tables of nodal values: L the stiffness matrix (∇N_i, ∇N_j), L⁺ its
+/// inverse on the mean-zero subspace, B the binary filter.
+///
+/// Where L and B commute, as for B-splines, this is the paper's L⁻¹ B^s. It is symmetric in any
+/// case, so that the field energy ½ ρᵀ G ρ has the potential G ρ.
+#[derive(Clone)]
+pub(super) struct FieldSolver<const D: usize> {
+    cells: usize,
+    components: usize,
+    /// For each mode of the half spectrum, the matrix of G between the components, row by row,
+    /// over the number of cells: the transforms are not normalised.
+    green: Vec<Complex64>,
+    forward: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+    /// Both ways along the first of two axes; none in one dimension.
+    across: Option<[Arc<dyn Fft<f64>>; 2]>,
+    transform_scratch: usize,
+}
+
+/// Nodes of a cell at most: degree 3 in two dimensions.
+const MAX_COMPONENTS: usize = 9;
+
+impl<const D: usize> FieldSolver<D> {
+    /// The solver on a mesh, with `passes` passes of the binary filter.
+    pub(super) fn new(mesh: &Mesh<D>, passes: u32) -> Self {
+        let cells = mesh.cells();
+        let mut planner = RealFftPlanner::new();
+        let forward = planner.plan_fft_forward(cells);
+        let inverse = planner.plan_fft_inverse(cells);
+        let across = (D == 2).then(|| {
+            let mut planner = FftPlanner::new();
+            [
+                planner.plan_fft_forward(cells),
+                planner.plan_fft_inverse(cells),
+            ]
+        });
+        let plans = across.iter().flatten();
+        let transform_scratch = plans
+            .map(|plan| plan.get_inplace_scratch_len())
+            .chain([forward.get_scratch_len(), inverse.get_scratch_len()])
+            .max()
+            .unwrap_or(0);
+        FieldSolver {
+            cells,
+            components: mesh.components(),
+            green: green(mesh, passes),
+            forward,
+            inverse,
+            across,
+            transform_scratch,
+        }
+    }
+
+    /// Modes that the transform of one real row holds.
+    fn half(&self) -> usize {
+        self.cells / 2 + 1
+    }
+
+    /// Each row of a table with its modes.
+    fn rows_and_modes<'a>(
+        &self,
+        nodes: &'a mut [f64],
+        spectrum: &'a mut [Complex64],
+    ) -> impl Iterator<Item = (&'a mut [f64], &'a mut [Complex64])> {
+        let rows = nodes.chunks_exact_mut(self.cells);
+        rows.zip(spectrum.chunks_exact_mut(self.half()))
+    }
+
+    /// Turns the charges of the nodes into their potentials, in place.
+    pub(super) fn solve(&self, nodes: &mut [f64]) {
+        let rows = nodes.len() / self.cells;
+        let spectrum_len = rows * self.half();
+        let column_len = if D == 2 { self.cells } else { 0 };
+        let len = spectrum_len + column_len + self.transform_scratch;
+        with_complex_buffer(len, |buffer| {
+            let (spectrum, rest) = buffer.split_at_mut(spectrum_len);
+            let (column, scratch) = rest.split_at_mut(column_len);
+            for (row, modes) in self.rows_and_modes(nodes, spectrum) {
+                self.forward
+                    .process_with_scratch(row, modes, scratch)
+                    .expect("rows and modes have the lengths of the plan");
+            }
+            if let Some([forward, inverse]) = &self.across {
+                self.along_columns(&**forward, spectrum, column, scratch);
+                self.apply_green(spectrum);
+                self.along_columns(&**inverse, spectrum, column, scratch);
+            } else {
+                self.apply_green(spectrum);
+            }
+            for (row, modes) in self.rows_and_modes(nodes, spectrum) {
+                // Real but for rounding errors, which the inverse transform does not accept.
+                modes[0].im = 0.0;
+                if self.cells.is_multiple_of(2) {
+                    modes[self.half() - 1].im = 0.0;
+                }
+                self.inverse
+                    .process_with_scratch(modes, row, scratch)
+                    .expect("rows and modes have the lengths of the plan");
+            }
+        });
+    }
+
+    /// Transforms along the first of two axes.
+    fn along_columns(
+        &self,
+        plan: &dyn Fft<f64>,
+        spectrum: &mut [Complex64],
+        column: &mut [Complex64],
+        scratch: &mut [Complex64],
+    ) {
+        let half = self.half();
+        for component in spectrum.chunks_exact_mut(self.cells * half) {
+            for k in 0..half {
+                for (value, row) in column.iter_mut().zip(component.chunks_exact(half)) {
+                    *value = row[k];
+                }
+                plan.process_with_scratch(column, scratch);
+                for (value, row) in column.iter().zip(component.chunks_exact_mut(half)) {
+                    row[k] = *value;
+                }
+            }
+        }
+    }
+
+    fn apply_green(&self, spectrum: &mut [Complex64]) {
+        let m = self.components;
+        if m == 1 {
+            for (mode, green) in spectrum.iter_mut().zip(&self.green) {
+                *mode *= green.re;
+            }
+            return;
+        }
+        let modes = spectrum.len() / m;
+        let mut charge = [Complex64::ZERO; MAX_COMPONENTS];
+        for (k, matrix) in self.green.chunks_exact(m * m).enumerate() {
+            for (component, charge) in charge[..m].iter_mut().enumerate() {
+                *charge = spectrum[component * modes + k];
+            }
+            for (component, row) in matrix.chunks_exact(m).enumerate() {
+                spectrum[component * modes + k] =
+                    row.iter().zip(&charge).map(|(g, charge)| g * charge).sum();
+            }
+        }
+    }
+}
+
+/// The matrices of G for all modes of the half spectrum, the last axis running fastest.
+fn green<const D: usize>(mesh: &Mesh<D>, passes: u32) -> Vec<Complex64> {
+    let cells = mesh.cells();
+    let axis = |k| AxisMode::new(mesh.shape(), cells, passes, k);
+    // Two slopes and `D` integrals: L goes as the cell width to the power D − 2.
+    let scale = mesh.cell_width().powi(2 - D as i32);
+    let norm = Complex64::from(scale / mesh.values_per_component() as f64);
+    let mut green = Vec::new();
+    let mut push = |matrix: ComplexMatrix| {
+        // nalgebra stores columns.
+        green.extend((matrix * norm).transpose().iter());
+    };
+    if D == 1 {
+        for k in 0..=cells / 2 {
+            let mode = axis(k);
+            push(mode_green(mode.stiffness, mode.basis, &mode.filter, k == 0));
+        }
+    } else {
+        let modes: Vec<AxisMode> = (0..cells).map(axis).collect();
+        for (kx, x) in modes.iter().enumerate() {
+            for (ky, y) in modes[..=cells / 2].iter().enumerate() {
+                let stiffness = x.stiffness.kronecker(&y.mass) + x.mass.kronecker(&y.stiffness);
+                let basis = x.basis.kronecker(&y.basis);
+                let filter = x.filter.kronecker(&y.filter);
+                push(mode_green(stiffness, basis, &filter, kx == 0 && ky == 0));
+            }
+        }
+    }
+    green
+}
+
+/// F T L'⁻¹ T* F for one mode: L' the stiffness in the basis T, F half the filter.
+///
+/// In the constant mode the first function of T is the constant, for which L' is zero. There the
+/// inverse is that on the others, and the mean over the nodes is taken off before and after.
+fn mode_green(
+    stiffness: ComplexMatrix,
+    basis: ComplexMatrix,
+    filter: &ComplexMatrix,
+    constant: bool,
+) -> ComplexMatrix {
+    let m = stiffness.nrows();
+    let (stiffness, basis) = if constant {
+        (
+            stiffness.remove_row(0).remove_column(0),
+            basis.remove_column(0),
+        )
+    } else {
+        (stiffness, basis)
+    };
+    if stiffness.is_empty() {
+        return ComplexMatrix::zeros(m, m);
+    }
+    let inverse = stiffness
+        .cholesky()
+        .expect("the stiffness matrix is positive definite off the constants")
+        .inverse();
+    let mut functions = filter * basis;
+    if constant {
+        let mean = functions.row_mean();
+        for mut row in functions.row_iter_mut() {
+            row -= &mean;
+        }
+    }
+    &functions * inverse * functions.adjoint()
+}

@@ -1,0 +1,41 @@
+//! Electrostatic particle-in-cell plasmas: Barham & Burby, section 5.
+//!
+//! A [`Pic`] is a separable Hamiltonian system like any other: [`Pic1d`] on a line, [`Pic2d`] in a
+//! plane. Its particles start as in [`Landau`] or [`TwoStream`], or wherever they are put:
+//!
+//! ```
+//! use std::sync::Arc;
+//! use symplint::{Circle, Defect, Ensemble, LoopIntegral, Rule};
+//! use symplint_models::integrators::catalogue;
+//! use symplint_models::pic::{Pic1d, PicConfig, TwoStream};
+//!
+//! let pic = Arc::new(Pic1d::new(PicConfig::default())?);
+//! let (x, v) = TwoStream::default().sample(&pic, 1)?;
+//! let step = catalogue::build("strang", None, pic)?;
+//!
+//! let mut ensemble = Ensemble::sample(&Circle::new(x, v, 1.0)?, 1024)?;
+//! let integral = |e: &_| LoopIntegral::in_coordinates(e, &Rule::Pseudospectral, &step.coordinates());
+//! let initial = integral(&ensemble)?;
+//! ensemble.advance(&*step, 0.1)?;
+//! let defect = Defect::between(&initial, &integral(&ensemble)?)?;
+//! assert!(defect.magnitude() < 1e-7, "{defect:?}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! From the particles to the force: `shape` knows the basis functions of a cell, `mesh` numbers the
+//! nodes, `deposit` carries charge to them and gradients back, `element` has the
+//! matrices of one axis and one Fourier mode, `field` solves for the potential, `system` is the
+//! Hamiltonian.
+
+mod deposit;
+mod element;
+mod field;
+mod initial;
+mod mesh;
+mod scratch;
+mod shape;
+mod system;
+
+pub use initial::{Landau, TwoStream, VelocityConvention};
+pub use shape::ShapeFamily;
+pub use system::{ParticleWeights, Pic, Pic1d, Pic2d, PicConfig};

@@ -1,0 +1,357 @@
+//! The particle-in-cell Hamiltonian.
+
+use symplint::{Coordinates, Rows, RowsMut, scratch};
+
+use super::element::node_integrals;
+use super::field::FieldSolver;
+use super::mesh::Mesh;
+use super::shape::{Shape, ShapeFamily};
+use crate::error::ModelError;
+use crate::hamiltonian::Separable;
+
+/// How much charge, and as much mass, each particle carries.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ParticleWeights {
+    /// The same for all `particles`, so that their density in the box is `density`: n_0 L^D / N_p.
+    Equal {
+        /// N_p.
+        particles: usize,
+        /// n_0.
+        density: f64,
+    },
+    /// One for each particle.
+    Each(Vec<f64>),
+}
+
+/// What a particle-in-cell system is made of.
+///
+/// The default is that of Barham & Burby, section 5.2: two particles of density 1 on 128 cells
+/// of a box of length 50, here with cubic splines and no filter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PicConfig {
+    /// Number and weights of the particles.
+    pub weights: ParticleWeights,
+    /// Cells along each axis.
+    pub cells: usize,
+    /// L, the length of each axis.
+    pub length: f64,
+    /// Basis functions of charge and potential.
+    pub family: ShapeFamily,
+    /// Their degree p.
+    pub degree: usize,
+    /// Passes s of the binary filter.
+    pub filter_passes: u32,
+}
+
+impl Default for PicConfig {
+    fn default() -> Self {
+        PicConfig {
+            weights: ParticleWeights::Equal {
+                particles: 2,
+                density: 1.0,
+            },
+            cells: 128,
+            length: 50.0,
+            family: ShapeFamily::BSpline,
+            degree: 3,
+            filter_passes: 0,
+        }
+    }
+}
+
+/// Charged particles in a periodic box of `D` = 1 or 2 axes and a neutralizing background
+/// (Barham & Burby, section 5):
+///
+/// H = ½ Σ_a w_a |v_a|² + ½ ρᵀ G ρ, with ρ_i = Σ_a w_a N_i(x_a) − ρ0_i,
+///
+/// with N_i the basis functions and G the inverse of their stiffness matrix on the mean-zero
+/// subspace, with half of the binary filter on either side (where the two commute, as for
+/// B-splines, that is the paper's L⁻¹ B^s). In two dimensions basis functions and filter are tensor
+/// products. The box is a square.
+///
+/// * Axis c of particle a is degree of freedom `D` a + c.
+/// * Momenta are velocities; canonical momenta are w_a v_a, which
+///   [`coordinates`](Separable::coordinates) says.
+/// * The force is exactly −(1/w_a) ∂H/∂x_a, an interpolated gradient: with B-splines of degree p it
+///   has p − 2 continuous derivatives; at degree 1, and for Lagrange elements of any
+///   degree, it jumps where a particle enters a cell. On the boundary itself it is that of
+///   the cell above.
+/// * Positions are not wrapped into the box: only the look-up is.
+/// * A shape may be wider than the box; its periodic images add up. On one cell, B-splines carry
+///   no field at all.
+///
+/// ```
+/// use symplint_models::Separable;
+/// use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
+///
+/// let weights = ParticleWeights::Each(vec![1.0, 2.0, 0.5]);
+/// let pic = Pic1d::new(PicConfig { weights, ..PicConfig::default() })?;
+/// assert_eq!(pic.dof(), 3);
+///
+/// // The box is neutral, and like charges repel.
+/// let positions = [1.0, 30.0, 31.5];
+/// assert!(pic.total_charge(&positions).abs() < 1e-14);
+/// let field = pic.field(&positions);
+/// assert!(field[1] < field[2]);
+/// # Ok::<(), symplint_models::ModelError>(())
+/// ```
+#[derive(Clone)]
+pub struct Pic<const D: usize> {
+    mesh: Mesh<D>,
+    weights: Vec<f64>,
+    /// ρ0, the same in every cell: one for each component.
+    background: Vec<f64>,
+    solver: FieldSolver<D>,
+    coordinates: Coordinates,
+}
+
+/// Particles on a line.
+pub type Pic1d = Pic<1>;
+
+/// Particles in a plane.
+pub type Pic2d = Pic<2>;
+
+impl<const D: usize> Pic<D> {
+    /// The system that `config` describes. There are systems for `D` = 1 and 2 only.
+    ///
+    /// # Errors
+    /// If there is no particle, a weight or the density is zero or not finite, the degree does
+    /// not exist in the family, there is no cell or more than memory is meant to be spent on, or the
+    /// length is not positive and finite.
+    pub fn new(config: PicConfig) -> Result<Self, ModelError> {
+        const { assert!(D == 1 || D == 2, "there are boxes of 1 and 2 axes") };
+        let shape = Shape::new(config.family, config.degree)?;
+        let mesh = Mesh::new(shape, config.cells, config.length)?;
+        let weights = match config.weights {
+            ParticleWeights::Each(weights) => weights,
+            ParticleWeights::Equal { particles, density } => {
+                let share = config.length.powi(D as i32) / particles.max(1) as f64;
+                check_not_zero("the density of the particles", density)?;
+                vec![density * share; particles]
+            }
+        };
+        if weights.is_empty() {
+            return Err(ModelError::Empty {
+                system: "a plasma",
+                parts: "particles",
+            });
+        }
+        for &weight in &weights {
+            check_not_zero("the weight of a particle", weight)?;
+        }
+        let charge: f64 = weights.iter().sum();
+        ModelError::check_finite("the total weight of the particles", charge)?;
+        Ok(Pic {
+            background: background(&mesh, charge),
+            solver: FieldSolver::new(&mesh, config.filter_passes),
+            coordinates: coordinates::<D>(&weights),
+            mesh,
+            weights,
+        })
+    }
+
+    /// Number of particles N_p.
+    pub fn particles(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Weights w_a.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// L, the length of an axis.
+    pub fn length(&self) -> f64 {
+        self.mesh.length()
+    }
+
+    /// Cells along an axis.
+    pub fn cells(&self) -> usize {
+        self.mesh.cells()
+    }
+
+    /// The electric field at each of the particles: `D` values for each, as the positions are.
+    ///
+    /// # Panics
+    /// If there are not `D` N_p positions.
+    pub fn field(&self, positions: &[f64]) -> Vec<f64> {
+        let mut field = Vec::with_capacity(positions.len());
+        self.with_potential(positions, |potential| {
+            for &x in self.split(positions) {
+                field.extend(self.mesh.gradient(potential, x).map(|slope| -slope));
+            }
+        });
+        field
+    }
+
+    /// The electrostatic potential at each of the points `at`, for particles at `positions`.
+    ///
+    /// # Panics
+    /// If there are not `D` N_p positions.
+    pub fn potential_at(&self, positions: &[f64], at: &[[f64; D]]) -> Vec<f64> {
+        self.with_potential(positions, |potential| {
+            let points = at.iter();
+            points
+                .map(|&x| self.mesh.interpolate(potential, x))
+                .collect()
+        })
+    }
+
+    /// The charge of the particles and the background together, as deposited: 0 but for rounding
+    /// errors.
+    ///
+    /// # Panics
+    /// If there are not `D` N_p positions.
+    pub fn total_charge(&self, positions: &[f64]) -> f64 {
+        let mut nodes = vec![0.0; self.mesh.nodes()];
+        self.deposit(positions, &mut nodes);
+        nodes.iter().sum()
+    }
+
+    /// Total momentum Σ_a w_a v_a.
+    ///
+    /// The force does not conserve it: H is invariant when all particles are shifted by a whole cell, not
+    /// by less. A lone particle is pushed by its own field (see
+    /// [`TwoCell`](crate::systems::TwoCell)), though not on average over a cell.
+    ///
+    /// # Panics
+    /// If there are not `D` N_p velocities.
+    pub fn momentum(&self, velocities: &[f64]) -> [f64; D] {
+        let mut momentum = [0.0; D];
+        for (v, weight) in self.split(velocities).iter().zip(&self.weights) {
+            for (sum, v) in momentum.iter_mut().zip(v) {
+                *sum += weight * v;
+            }
+        }
+        momentum
+    }
+
+    /// One array of `D` coordinates for each particle.
+    fn split<'a>(&self, coordinates: &'a [f64]) -> &'a [[f64; D]] {
+        let (particles, rest) = coordinates.as_chunks();
+        assert!(
+            rest.is_empty() && particles.len() == self.particles(),
+            "{} coordinates for {} particles with {D} each",
+            coordinates.len(),
+            self.particles()
+        );
+        particles
+    }
+
+    /// Writes ρ.
+    fn deposit(&self, positions: &[f64], nodes: &mut [f64]) {
+        let components = nodes.chunks_exact_mut(self.mesh.values_per_component());
+        for (component, background) in components.zip(&self.background) {
+            component.fill(-background);
+        }
+        for (&x, &weight) in self.split(positions).iter().zip(&self.weights) {
+            self.mesh.deposit(weight, x, nodes);
+        }
+    }
+
+    /// Hands the nodal values of the potential to `work`.
+    fn with_potential<R>(&self, positions: &[f64], work: impl FnOnce(&[f64]) -> R) -> R {
+        scratch::with_buffer(self.mesh.nodes(), |nodes| {
+            self.deposit(positions, nodes);
+            self.solver.solve(nodes);
+            work(nodes)
+        })
+    }
+
+    /// ½ ρᵀ G ρ.
+    fn field_energy(&self, positions: &[f64]) -> f64 {
+        scratch::with_buffer(self.mesh.nodes(), |charge| {
+            self.deposit(positions, charge);
+            scratch::with_buffer(charge.len(), |potential| {
+                potential.copy_from_slice(charge);
+                self.solver.solve(potential);
+                let products = charge.iter().zip(potential.iter());
+                0.5 * products
+                    .map(|(charge, potential)| charge * potential)
+                    .sum::<f64>()
+            })
+        })
+    }
+
+    /// Calls `work` with each sample of a block and its positions.
+    fn each_sample(&self, q: Rows<'_>, mut work: impl FnMut(usize, &[f64])) {
+        scratch::with_buffer(q.count(), |positions| {
+            for sample in 0..q.len() {
+                for (i, x) in positions.iter_mut().enumerate() {
+                    *x = q.row(i)[sample];
+                }
+                work(sample, positions);
+            }
+        });
+    }
+}
+
+fn check_not_zero(what: &'static str, value: f64) -> Result<(), ModelError> {
+    if value.is_finite() && value != 0.0 {
+        return Ok(());
+    }
+    Err(ModelError::OutOfRange {
+        what,
+        value,
+        remedy: "give a finite number other than 0",
+    })
+}
+
+/// A charge of −`charge` spread evenly over the box, as deposited on the nodes of one cell.
+fn background<const D: usize>(mesh: &Mesh<D>, charge: f64) -> Vec<f64> {
+    let per_cell = charge / mesh.values_per_component() as f64;
+    let axis = node_integrals(mesh.shape());
+    (0..D).fold(vec![per_cell], |products, _| {
+        let products = products.iter();
+        products
+            .flat_map(|product| axis.iter().map(move |integral| product * integral))
+            .collect()
+    })
+}
+
+/// Every axis of a particle carries its weight.
+fn coordinates<const D: usize>(weights: &[f64]) -> Coordinates {
+    let each_axis = weights.iter().flat_map(|&weight| [weight; D]).collect();
+    let weighted = Coordinates::plain(D * weights.len()).with_weights(each_axis);
+    weighted.expect("weights are finite and not zero")
+}
+
+impl<const D: usize> Separable for Pic<D> {
+    fn dof(&self) -> usize {
+        D * self.particles()
+    }
+
+    fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
+        self.each_sample(q, |sample, positions| {
+            self.with_potential(positions, |potential| {
+                for (particle, &x) in self.split(positions).iter().enumerate() {
+                    let gradient = self.mesh.gradient(potential, x);
+                    for (axis, slope) in gradient.iter().enumerate() {
+                        p.row_mut(D * particle + axis)[sample] -= tau * slope;
+                    }
+                }
+            });
+        });
+    }
+
+    fn kinetic_energy(&self, p: Rows<'_>, out: &mut [f64]) {
+        out.fill(0.0);
+        for i in 0..p.count() {
+            let half_weight = 0.5 * self.weights[i / D];
+            for (out, v) in out.iter_mut().zip(p.row(i)) {
+                *out += half_weight * v * v;
+            }
+        }
+    }
+
+    /// The field energy ½ ρᵀ G ρ.
+    fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]) {
+        self.each_sample(q, |sample, positions| {
+            out[sample] = self.field_energy(positions);
+        });
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        self.coordinates.clone()
+    }
+}
