@@ -8,12 +8,19 @@ mod appendix_a;
 mod appendix_b;
 mod claim;
 mod closed_forms;
+mod families;
 mod fig1;
 mod fig2;
 mod fig3;
 mod fig4;
 mod fig5;
+mod fig6;
+mod fig7;
+mod fig8;
+mod fig9;
 mod interpolated;
+mod physics;
+mod pic;
 mod plot;
 mod sweep;
 
@@ -46,6 +53,12 @@ pub const ITEMS: &[Item] = &[
     fig3::ITEM,
     fig4::ITEM,
     fig5::ITEM,
+    fig6::ITEM,
+    fig7::ITEM,
+    fig8::ITEM,
+    fig9::ITEM,
+    families::ITEM,
+    physics::ITEM,
     appendix_a::ITEM,
     appendix_b::ITEM,
 ];

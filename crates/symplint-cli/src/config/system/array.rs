@@ -1,0 +1,51 @@
+//! The pendulum array.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use symplint_models::systems::PendulumArray;
+
+use super::initial::{Initial, initial};
+use super::{MOST_DOF, System, SystemInfo, refused};
+use crate::config::ConfigError;
+use crate::config::section::{Accept, Key, Section};
+
+pub const PENDULUM_ARRAY: SystemInfo = SystemInfo {
+    name: "pendulum-array",
+    summary: "a ring of pendula coupled by springs (section 4.4)",
+    keys: &[
+        Key::new(
+            "pendula",
+            "1024",
+            "number of pendula, the degrees of freedom",
+        ),
+        Key::new("alpha", "1.0", "strength of the pendula"),
+        Key::new("k", "1.0", "strength of the springs"),
+        Key::new(
+            "initial",
+            "\"uniform\"",
+            "random in [0, 1), or { file = \"state.npy\" } with rows q, p (.csv: columns)",
+        ),
+        Key::new("seed", "1", "of the random initial state"),
+    ],
+    build: pendulum_array,
+};
+
+fn pendulum_array(section: &Section, folder: &Path) -> Result<System, ConfigError> {
+    let pendula = section.whole_between("pendula", 1, MOST_DOF)? as usize;
+    let alpha = section.number("alpha", Accept::Finite)?;
+    let k = section.number("k", Accept::Finite)?;
+    let seed = section.whole("seed", 0)?;
+    let array =
+        PendulumArray::new(pendula, alpha, k).map_err(|e| refused(section, "pendula", e))?;
+    let (q0, p0) = match initial(section, folder, &["uniform"], pendula)? {
+        Initial::Named(_) => array.uniform_state(seed),
+        Initial::State(q, p) => (q, p),
+    };
+    Ok(System {
+        name: "pendulum-array",
+        hamiltonian: Arc::new(array),
+        q0,
+        p0,
+    })
+}

@@ -1,0 +1,146 @@
+//! Particle-in-cell.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use symplint_models::pic::{
+    Landau, ParticleWeights, Pic, PicConfig, ShapeFamily, TwoStream, VelocityConvention,
+};
+use symplint_models::{ModelError, Separable};
+
+use super::initial::{Initial, initial};
+use super::{MOST_DOF, System, SystemInfo, refused};
+use crate::config::ConfigError;
+use crate::config::section::{Accept, Key, Section};
+
+pub const PIC_1D: SystemInfo = SystemInfo {
+    name: "pic-1d",
+    summary: "electrostatic particle-in-cell on a periodic line (section 5)",
+    keys: KEYS,
+    build: |section, folder| pic::<1>("pic-1d", section, folder),
+};
+
+pub const PIC_2D: SystemInfo = SystemInfo {
+    name: "pic-2d",
+    summary: "the same on a doubly periodic square, with tensor-product shapes",
+    keys: KEYS,
+    build: |section, folder| pic::<2>("pic-2d", section, folder),
+};
+
+const KEYS: &[Key] = &[
+    Key::new(
+        "family",
+        "\"b-spline\"",
+        "\"b-spline\", degree 1 to 5, or \"lagrange\", C⁰, degree 1 to 3",
+    ),
+    Key::new(
+        "degree",
+        "3",
+        "of the shapes; 1 breaks loops, and so does every C⁰ family",
+    ),
+    Key::new("cells", "128", "along each axis"),
+    Key::new("length", "50.0", "of each axis"),
+    Key::new("particles", "2", "number of particles"),
+    Key::new(
+        "density",
+        "1.0",
+        "mean density; the weights are density × length^D / particles",
+    ),
+    Key::optional(
+        "weights",
+        "[10.0, 40.0]",
+        "one for each particle, in place of particles and density",
+    ),
+    Key::new("filter", "0", "passes of the binary filter"),
+    Key::new(
+        "initial",
+        "\"two-stream\"",
+        "\"landau\", or { file = \"state.npy\" } with rows x, v (.csv: columns)",
+    ),
+    Key::new("thermal_velocity", "1.0", "v_th"),
+    Key::new(
+        "velocities",
+        "\"text\"",
+        "what v_th means: \"text\", exp(-v²/v_th²), or \"code\", variance v_th²",
+    ),
+    Key::new("beam_velocity", "3.0", "v_b of two-stream"),
+    Key::new("amplitude", "0.5", "A of the density or velocity wave"),
+    Key::new("mode", "1", "wavelengths of it in the box"),
+    Key::new("seed", "42", "of the random initial state"),
+];
+
+fn pic<const D: usize>(
+    name: &'static str,
+    section: &Section,
+    folder: &Path,
+) -> Result<System, ConfigError> {
+    let config = PicConfig {
+        weights: weights(section)?,
+        cells: section.whole("cells", 1)? as usize,
+        length: section.number("length", Accept::Positive)?,
+        family: match section.choice("family", &["b-spline", "lagrange"])? {
+            "lagrange" => ShapeFamily::Lagrange,
+            _ => ShapeFamily::BSpline,
+        },
+        degree: section.whole("degree", 0)? as usize,
+        filter_passes: section.whole("filter", 0)?.min(u64::from(u32::MAX)) as u32,
+    };
+    let at_fault = |error: &ModelError| match error {
+        ModelError::Degree { .. } => "degree",
+        ModelError::TooManyCells { .. } | ModelError::TooFewCells { .. } => "cells",
+        _ if section.written_place("weights").is_some() => "weights",
+        _ => "particles",
+    };
+    let pic = Pic::<D>::new(config).map_err(|error| refused(section, at_fault(&error), error))?;
+    let (q0, p0) = state(&pic, section, folder)?;
+    Ok(System {
+        name,
+        hamiltonian: Arc::new(pic),
+        q0,
+        p0,
+    })
+}
+
+fn weights(section: &Section) -> Result<ParticleWeights, ConfigError> {
+    let particles = section.whole_between("particles", 1, MOST_DOF)? as usize;
+    let density = section.number("density", Accept::Positive)?;
+    Ok(match section.optional_numbers("weights", Accept::Finite)? {
+        Some(weights) => ParticleWeights::Each(weights),
+        None => ParticleWeights::Equal { particles, density },
+    })
+}
+
+fn state<const D: usize>(
+    pic: &Pic<D>,
+    section: &Section,
+    folder: &Path,
+) -> Result<(Vec<f64>, Vec<f64>), ConfigError> {
+    let thermal_velocity = section.number("thermal_velocity", Accept::NotNegative)?;
+    let beam_velocity = section.number("beam_velocity", Accept::Finite)?;
+    let amplitude = section.number("amplitude", Accept::Finite)?;
+    let mode = section.whole("mode", 1)?.min(u64::from(u32::MAX)) as u32;
+    let seed = section.whole("seed", 0)?;
+    let convention = match section.choice("velocities", &["text", "code"])? {
+        "code" => VelocityConvention::Code,
+        _ => VelocityConvention::Text,
+    };
+    let drawn = match initial(section, folder, &["two-stream", "landau"], pic.dof())? {
+        Initial::State(x, v) => return Ok((x, v)),
+        Initial::Named("landau") => Landau {
+            amplitude,
+            mode,
+            thermal_velocity,
+            convention,
+        }
+        .sample(pic, seed),
+        Initial::Named(_) => TwoStream {
+            beam_velocity,
+            thermal_velocity,
+            amplitude,
+            mode,
+            convention,
+        }
+        .sample(pic, seed),
+    };
+    drawn.map_err(|error| refused(section, "amplitude", error))
+}
