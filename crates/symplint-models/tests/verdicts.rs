@@ -751,3 +751,64 @@ fn random_loops_may_leave_the_domain_of_the_map() {
     let verdict = diagnose(&Diagnostic::default(), &two, &flat).verdict;
     assert_eq!(verdict.kind, VerdictKind::NotSymplectic, "{verdict:?}");
 }
+
+#[test]
+fn particle_in_cell_breaks_loops_unless_its_shapes_are_c1() {
+    use symplint_models::pic::{Pic, PicConfig, ShapeFamily, TwoStream};
+    fn kind<const D: usize>(family: ShapeFamily, degree: usize, integrator: &str) -> VerdictKind {
+        let pic = Pic::<D>::new(PicConfig {
+            family,
+            degree,
+            cells: 16,
+            length: 12.0,
+            ..PicConfig::default()
+        })
+        .unwrap();
+        let (x, v) = TwoStream::default().sample(&pic, 5).unwrap();
+        let map = build(integrator, None, Arc::new(pic) as Arc<dyn Separable>).unwrap();
+        diagnose(&Diagnostic::halving(-1, -4), &*map, &circle(&x, &v, 1.0))
+            .verdict
+            .kind
+    }
+    for degree in [2, 3] {
+        let spline = ShapeFamily::BSpline;
+        assert_eq!(
+            kind::<1>(spline, degree, "strang"),
+            VerdictKind::Symplectic,
+            "{degree}"
+        );
+        assert_eq!(
+            kind::<2>(spline, degree, "strang"),
+            VerdictKind::Symplectic,
+            "{degree}"
+        );
+        assert_eq!(
+            kind::<1>(spline, degree, "rk2"),
+            VerdictKind::NotSymplectic,
+            "{degree}"
+        );
+        assert_eq!(
+            kind::<2>(spline, degree, "rk2"),
+            VerdictKind::NotSymplectic,
+            "{degree}"
+        );
+    }
+    for (family, degree) in [
+        (ShapeFamily::BSpline, 1),
+        (ShapeFamily::Lagrange, 1),
+        (ShapeFamily::Lagrange, 2),
+        (ShapeFamily::Lagrange, 3),
+    ] {
+        let what = format!("{family:?}, degree {degree}");
+        assert_eq!(
+            kind::<1>(family, degree, "strang"),
+            VerdictKind::BrokenLoops,
+            "{what}"
+        );
+        assert_eq!(
+            kind::<2>(family, degree, "strang"),
+            VerdictKind::BrokenLoops,
+            "{what}"
+        );
+    }
+}

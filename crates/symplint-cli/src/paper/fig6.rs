@@ -20,7 +20,7 @@ pub const ITEM: Item = Item {
         Key::new("particles", "128", "number of particles"),
         Key::new("step_size", "0.1", "h"),
         Key::new("from", "\"2^6\"", "fewest samples"),
-        Key::new("to", "\"2^13\"", "most samples"),
+        Key::new("to", "\"2^15\"", "most samples"),
         LAMBDA,
         STRANG,
         RK2,
@@ -84,42 +84,47 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     .save(&folder.figures(), "fig6")?;
     folder.write_csv("fig6.csv", &records)?;
 
-    let curve = |case: &str| -> Vec<(f64, f64)> {
+    let curve = |case: &str, of: fn(&Record) -> f64| -> Vec<(f64, f64)> {
         (records.iter())
             .filter(|r| r.case == case && r.integrator == "Strang")
-            .map(Record::over_samples)
+            .map(|r| (r.samples as f64, of(r)))
             .collect()
     };
     let mut claims = Vec::new();
     for (degree, degree_name) in DEGREES.into_iter().skip(1) {
-        let rates = PLASMAS.map(|name| mean_rate(&curve(&format!("{name}, {degree_name}"))));
+        // Single defects scatter below their quadrature error, whose trend is the rate.
+        let rates =
+            PLASMAS.map(|name| mean_rate(&curve(&format!("{name}, {degree_name}"), Record::floor)));
         claims.push(Claim {
             item: "fig6",
             place: "section 5.2",
             says: format!("p = {degree}: Strang converges with the samples as N^-{degree}"),
             measured: format!(
-                "N^{:.2} (Landau) and N^{:.2} (two-stream) by least squares",
+                "its quadrature error goes as N^{:.2} (Landau) and N^{:.2} (two-stream), the defect below it",
                 rates[0], rates[1]
             ),
-            judgement: Judgement::of(rates.iter().all(|rate| (rate + degree as f64).abs() < 0.75)),
+            judgement: Judgement::of(rates.iter().all(|rate| (rate + degree as f64).abs() < 0.5)),
         });
     }
-    let linear: Vec<&Record> = (records.iter())
-        .filter(|r| r.case.ends_with("linear"))
+    let linear = || records.iter().filter(|r| r.case.ends_with("linear"));
+    let whole = linear()
+        .filter(|r| r.omitted_cells == Some(0))
+        .map(|r| r.samples)
+        .max();
+    let whole = whole.unwrap_or(0);
+    let points: Vec<(f64, f64)> = curve("two-stream, linear", Record::defect)
+        .into_iter()
+        .filter(|point| point.0 <= whole as f64)
         .collect();
-    let omitted = (linear.iter().filter(|r| r.samples > 1000))
-        .filter_map(|r| r.omitted_cells)
-        .max()
-        .unwrap_or(0);
-    let rate = mean_rate(&curve("two-stream, linear"));
+    let rate = mean_rate(&points);
     claims.push(Claim {
         item: "fig6",
         place: "section 5.2",
         says: "p = 1: no convergence is seen, because the cut-offs let the quadrature error saturate for N_s > 1000"
             .into(),
         measured: format!(
-            "at most {omitted} cells are left out beyond 1000 samples; the defect goes as N^{rate:.2}: where no \
-             cell is left out it is the error of the left end-point, not the jumps"
+            "up to {whole} samples no cell at all is left out, and the defect goes as N^{rate:.2}: the error of the \
+             left end-point, not the jumps"
         ),
         judgement: Judgement::with_correction(rate > -0.3, rate < -0.3),
     });

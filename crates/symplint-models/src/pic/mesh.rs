@@ -33,9 +33,10 @@ struct AxisNumbering {
 ///
 /// A shape wider than the box touches a node more than once, and its images add up.
 pub(super) struct AxisStencil {
+    shape: Shape,
     places: [usize; MAX_DEGREE + 1],
-    values: CellWeights,
-    slopes: CellWeights,
+    /// Where in the cell, from 0 to 1.
+    fraction: f64,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -111,9 +112,9 @@ impl<const D: usize> Mesh<D> {
     pub(super) fn stencil(&self, axis: usize, x: f64) -> AxisStencil {
         let (cell, fraction) = self.grid.locate(x);
         AxisStencil {
+            shape: self.shape,
             places: self.places(axis, cell),
-            values: self.shape.values(fraction),
-            slopes: self.shape.slopes(fraction),
+            fraction,
         }
     }
 
@@ -146,10 +147,21 @@ impl<const D: usize> Mesh<D> {
 }
 
 impl AxisStencil {
-    /// The place, the value and the slope of every function that does not vanish, for a shape
-    /// of the given degree.
+    /// Places of the functions that do not vanish, with their values.
     #[inline]
-    pub(super) fn touched(&self, degree: usize) -> impl Iterator<Item = (usize, f64, f64)> + '_ {
-        (0..=degree).map(|j| (self.places[j], self.values[j], self.slopes[j]))
+    pub(super) fn values(&self) -> impl Iterator<Item = (usize, f64)> + Clone + use<> {
+        self.beside(self.shape.values(self.fraction))
+    }
+
+    /// Places of the functions that do not vanish, with their slopes.
+    #[inline]
+    pub(super) fn slopes(&self) -> impl Iterator<Item = (usize, f64)> + Clone + use<> {
+        self.beside(self.shape.slopes(self.fraction))
+    }
+
+    #[inline]
+    fn beside(&self, weights: CellWeights) -> impl Iterator<Item = (usize, f64)> + Clone + use<> {
+        let places = self.places;
+        (0..=self.shape.degree()).map(move |j| (places[j], weights[j]))
     }
 }

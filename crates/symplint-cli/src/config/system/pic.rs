@@ -16,58 +16,61 @@ use crate::config::section::{Accept, Key, Section};
 pub const PIC_1D: SystemInfo = SystemInfo {
     name: "pic-1d",
     summary: "electrostatic particle-in-cell on a periodic line (section 5)",
-    keys: KEYS,
+    keys: &keys("128"),
     build: |section, folder| pic::<1>("pic-1d", section, folder),
 };
 
 pub const PIC_2D: SystemInfo = SystemInfo {
     name: "pic-2d",
     summary: "the same on a doubly periodic square, with tensor-product shapes",
-    keys: KEYS,
+    keys: &keys("16"),
     build: |section, folder| pic::<2>("pic-2d", section, folder),
 };
 
-const KEYS: &[Key] = &[
-    Key::new(
-        "family",
-        "\"b-spline\"",
-        "\"b-spline\", degree 1 to 5, or \"lagrange\", C⁰, degree 1 to 3",
-    ),
-    Key::new(
-        "degree",
-        "3",
-        "of the shapes; 1 breaks loops, and so does every C⁰ family",
-    ),
-    Key::new("cells", "128", "along each axis"),
-    Key::new("length", "50.0", "of each axis"),
-    Key::new("particles", "2", "number of particles"),
-    Key::new(
-        "density",
-        "1.0",
-        "mean density; the weights are density × length^D / particles",
-    ),
-    Key::optional(
-        "weights",
-        "[10.0, 40.0]",
-        "one for each particle, in place of particles and density",
-    ),
-    Key::new("filter", "0", "passes of the binary filter"),
-    Key::new(
-        "initial",
-        "\"two-stream\"",
-        "\"landau\", or { file = \"state.npy\" } with rows x, v (.csv: columns)",
-    ),
-    Key::new("thermal_velocity", "1.0", "v_th"),
-    Key::new(
-        "velocities",
-        "\"text\"",
-        "what v_th means: \"text\", exp(-v²/v_th²), or \"code\", variance v_th²",
-    ),
-    Key::new("beam_velocity", "3.0", "v_b of two-stream"),
-    Key::new("amplitude", "0.5", "A of the density or velocity wave"),
-    Key::new("mode", "1", "wavelengths of it in the box"),
-    Key::new("seed", "42", "of the random initial state"),
-];
+/// The keys; a plane has cells² of them.
+const fn keys(cells: &'static str) -> [Key; 15] {
+    [
+        Key::new(
+            "family",
+            "\"b-spline\"",
+            "\"b-spline\", degree 1 to 5, or \"lagrange\", C⁰, degree 1 to 3",
+        ),
+        Key::new(
+            "degree",
+            "3",
+            "of the shapes; 1 breaks loops, and so does every C⁰ family",
+        ),
+        Key::new("cells", cells, "along each axis"),
+        Key::new("length", "50.0", "of each axis"),
+        Key::new("particles", "2", "number of particles"),
+        Key::new(
+            "density",
+            "1.0",
+            "mean density; the weights are density × length^D / particles",
+        ),
+        Key::optional(
+            "weights",
+            "[10.0, 40.0]",
+            "one for each particle, in place of particles and density",
+        ),
+        Key::new("filter", "0", "passes of the binary filter"),
+        Key::new(
+            "initial",
+            "\"two-stream\"",
+            "\"landau\", or { file = \"state.npy\" } with rows x, v (.csv: columns)",
+        ),
+        Key::new("thermal_velocity", "1.0", "v_th"),
+        Key::new(
+            "velocities",
+            "\"text\"",
+            "what v_th means: \"text\", exp(-v²/v_th²), or \"code\", variance v_th²",
+        ),
+        Key::new("beam_velocity", "3.0", "v_b of two-stream"),
+        Key::new("amplitude", "0.5", "A of the density or velocity wave"),
+        Key::new("mode", "1", "wavelengths of it in the box"),
+        Key::new("seed", "42", "of the random initial state"),
+    ]
+}
 
 fn pic<const D: usize>(
     name: &'static str,
