@@ -107,9 +107,14 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         });
     }
     let linear = || records.iter().filter(|r| r.case.ends_with("linear"));
-    let whole = linear()
-        .filter(|r| r.omitted_cells == Some(0))
+    let cut = linear()
+        .filter(|r| r.omitted_cells != Some(0))
         .map(|r| r.samples)
+        .min();
+    let whole = counts
+        .iter()
+        .copied()
+        .filter(|&n| cut.is_none_or(|cut| n < cut))
         .max();
     let whole = whole.unwrap_or(0);
     let points: Vec<(f64, f64)> = curve("two-stream, linear", Record::defect)

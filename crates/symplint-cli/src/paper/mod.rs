@@ -18,6 +18,7 @@ mod fig6;
 mod fig7;
 mod fig8;
 mod fig9;
+mod formulas;
 mod interpolated;
 mod physics;
 mod pic;
@@ -59,6 +60,7 @@ pub const ITEMS: &[Item] = &[
     fig9::ITEM,
     families::ITEM,
     physics::ITEM,
+    formulas::ITEM,
     appendix_a::ITEM,
     appendix_b::ITEM,
 ];
