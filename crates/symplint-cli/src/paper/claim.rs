@@ -91,11 +91,12 @@ pub fn claims_summary(claims: &[Claim]) -> String {
             .count()
     };
     let mut text = format!(
-        "{} claims: {} hold, {} hold with a correction, {} do not hold",
+        "claims: {}; hold: {}, with a correction: {}, do not: {}, not resolved: {}",
         claims.len(),
         count(Judgement::Holds),
         count(Judgement::HoldsCorrected),
-        count(Judgement::DoesNotHold)
+        count(Judgement::DoesNotHold),
+        count(Judgement::Unresolved)
     );
     for claim in claims
         .iter()

@@ -6,7 +6,7 @@ use symplint_models::pic::ShapeFamily;
 
 use super::Item;
 use super::claim::{Claim, Judgement};
-use super::pic::{SEED, plasma};
+use super::pic::{MOST_PARTICLES, SEED, plasma};
 use super::sweep::step_of;
 use crate::commands::Failure;
 use crate::config::{Key, Section};
@@ -29,7 +29,7 @@ struct Row {
 }
 
 fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
-    let particles = settings.whole("particles", 1)? as usize;
+    let particles = settings.whole_between("particles", 1, MOST_PARTICLES)? as usize;
     let seed = settings.whole("seed", 0)?;
     let mut rows = Vec::new();
     let mut wrong = 0;

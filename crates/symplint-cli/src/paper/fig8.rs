@@ -10,7 +10,7 @@ use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, ShapeFamily, TwoSt
 
 use super::Item;
 use super::claim::{Claim, Judgement};
-use super::pic::{DEGREES, SEED, STRANG};
+use super::pic::{DEGREES, MOST_PARTICLES, SEED, STRANG};
 use super::plot::{axis, series};
 use super::sweep::step_of;
 use crate::commands::Failure;
@@ -48,7 +48,7 @@ struct Moment {
 const MOMENTS: usize = 2000;
 
 fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
-    let particles = settings.whole("particles", 1)? as usize;
+    let particles = settings.whole_between("particles", 1, MOST_PARTICLES)? as usize;
     let cells = settings.whole("cells", 1)? as usize;
     let h = settings.number("step_size", Accept::Positive)?;
     let steps = (settings.number("until", Accept::Positive)? / h)

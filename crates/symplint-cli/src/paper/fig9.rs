@@ -5,7 +5,7 @@ use symplint_models::pic::ShapeFamily;
 
 use super::Item;
 use super::claim::{Claim, Judgement};
-use super::pic::{LAMBDA, RK2, SEED, STRANG, Steps, plasma, rule, sweep_plasma};
+use super::pic::{LAMBDA, MOST_PARTICLES, RK2, SEED, STRANG, Steps, plasma, rule, sweep_plasma};
 use super::sweep::{Record, halvings, worst};
 use crate::commands::Failure;
 use crate::config::{Key, Section};
@@ -32,7 +32,7 @@ pub const ITEM: Item = Item {
 const PASSES: [u32; 3] = [0, 2, 4];
 
 fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
-    let particles = settings.whole("particles", 1)? as usize;
+    let particles = settings.whole_between("particles", 1, MOST_PARTICLES)? as usize;
     let samples = settings.whole("samples", 3)? as usize;
     let step_sizes = halvings(-1, -(settings.whole("halvings", 2)?.min(40) as i32));
     let seed = settings.whole("seed", 0)?;
@@ -89,6 +89,11 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
             .collect()
     };
     let quadratic = PASSES.map(|passes| worst(strang("quadratic", passes).into_iter()));
+    let floor = (PASSES
+        .iter()
+        .flat_map(|&passes| strang("quadratic", passes)))
+    .map(Record::floor)
+    .fold(0.0, f64::max);
     // The largest steps are where the defects of broken loops stand clear of the quadrature.
     let linear = PASSES.map(|passes| worst(strang("linear", passes).into_iter()));
     Ok(vec![
@@ -97,20 +102,26 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
             place: "section 5.3",
             says: "linear: filtering has almost no effect on the defect".into(),
             measured: format!(
-                "largest defect of Strang {:.1e}, {:.1e}, {:.1e} for s = 0, 2, 4",
+                "largest defect of Strang {:.1e}, {:.1e}, {:.1e} for s = 0, 2, 4: of the same order, but smaller",
                 linear[0], linear[1], linear[2]
             ),
-            judgement: Judgement::of(linear[2] > 0.1 * linear[0]),
+            judgement: Judgement::with_correction(
+                linear[2] > 0.5 * linear[0],
+                linear[2] > 0.1 * linear[0],
+            ),
         },
         Claim {
             item: "fig9",
             place: "section 5.3",
             says: "quadratic: filtering reduces the defect slightly".into(),
             measured: format!(
-                "largest defect of Strang {:.1e}, {:.1e}, {:.1e} for s = 0, 2, 4: all of it quadrature",
+                "largest defect of Strang {:.1e}, {:.1e}, {:.1e} for s = 0, 2, 4, below the floor {floor:.1e}",
                 quadratic[0], quadratic[1], quadratic[2]
             ),
-            judgement: Judgement::of(quadratic[2] <= quadratic[0]),
+            judgement: Judgement::with_correction(
+                quadratic[2] <= quadratic[0] && quadratic[2] > 0.1 * quadratic[0],
+                quadratic[2] <= quadratic[0],
+            ),
         },
     ])
 }

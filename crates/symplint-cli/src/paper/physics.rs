@@ -12,6 +12,7 @@ use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
 
 use super::Item;
 use super::claim::{Claim, Judgement};
+use super::pic::MOST_PARTICLES;
 use super::plot::{axis, series};
 use super::sweep::step_of;
 use crate::commands::Failure;
@@ -183,7 +184,7 @@ struct Row {
 }
 
 fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
-    let particles = settings.whole("particles", 100)? as usize;
+    let particles = settings.whole_between("particles", 100, MOST_PARTICLES)? as usize;
     let cases = [
         ("cold plasma", cold_plasma()?, OMEGA_P, "rings at ω_p"),
         (

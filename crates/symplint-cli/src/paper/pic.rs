@@ -30,6 +30,9 @@ pub const RK2: Key = Key::new(
     "as in the published code; \"midpoint\" is the other one",
 );
 
+/// Particles at most.
+pub const MOST_PARTICLES: u64 = 1 << 24;
+
 /// The paper's two plasmas.
 pub const PLASMAS: [&str; 2] = ["Landau", "two-stream"];
 

@@ -27,6 +27,9 @@ pub const PIC_2D: SystemInfo = SystemInfo {
     build: |section, folder| pic::<2>("pic-2d", section, folder),
 };
 
+/// Filter passes at most: so many leave nothing of the field.
+const MOST_PASSES: u64 = 1_000_000;
+
 /// The keys; a plane has cells² of them.
 const fn keys(cells: &'static str) -> [Key; 15] {
     [
@@ -86,10 +89,10 @@ fn pic<const D: usize>(
             _ => ShapeFamily::BSpline,
         },
         degree: section.whole("degree", 0)? as usize,
-        filter_passes: section.whole("filter", 0)?.min(u64::from(u32::MAX)) as u32,
+        filter_passes: section.whole_between("filter", 0, MOST_PASSES)? as u32,
     };
     let at_fault = |error: &ModelError| match error {
-        ModelError::Degree { .. } => "degree",
+        ModelError::Degree { .. } | ModelError::ShapeDegree { .. } => "degree",
         ModelError::TooManyCells { .. } | ModelError::TooFewCells { .. } => "cells",
         _ if section.written_place("weights").is_some() => "weights",
         _ => "particles",
