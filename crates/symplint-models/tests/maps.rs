@@ -1,9 +1,12 @@
 //! Inverses, adjoints, repetitions and compositions.
 
 mod common;
+#[path = "common/rotor.rs"]
+mod rotor;
 
-use common::{Rotor, State, distance, stepped};
+use common::{State, distance, stepped};
 use proptest::prelude::*;
+use rotor::Rotor;
 use symplint::{Coordinates, TimeAdvance};
 use symplint_models::ModelError;
 use symplint_models::integrators::{RungeKutta, Splitting, Variant, splitting_methods, tableaus};

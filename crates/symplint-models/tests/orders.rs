@@ -4,12 +4,18 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{State, at_time, distance};
+use common::{State, distance, stepped};
 use symplint::{Rows, RowsMut, TimeAdvance};
 use symplint_models::Hamiltonian;
 use symplint_models::integrators::catalogue::{self, CATALOGUE};
 use symplint_models::integrators::{RungeKutta, Splitting, Variant, splitting_methods, tableaus};
 use symplint_models::systems::{HarmonicOscillator, HenonHeiles};
+
+/// Advances one state by `steps` steps to `time`.
+fn at_time(map: &dyn TimeAdvance, time: f64, steps: u32, start: &State) -> State {
+    let h = time / f64::from(steps);
+    (0..steps).fold(start.clone(), |state, _| stepped(map, h, &state))
+}
 
 const TIME: f64 = 4.0;
 

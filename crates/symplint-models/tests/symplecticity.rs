@@ -1,12 +1,15 @@
 //! Which steps are symplectic: areas, loop integrals, and methods that are the same map.
 
 mod common;
+#[path = "common/rotor.rs"]
+mod rotor;
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use common::{Rotor, State, distance, stepped};
+use common::{State, distance, stepped};
 use proptest::prelude::*;
+use rotor::Rotor;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 use symplint::{Block, RowsMut, TimeAdvance};

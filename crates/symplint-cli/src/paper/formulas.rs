@@ -51,7 +51,7 @@ fn logarithmic_form() -> Claim {
     for k in 1..=200 {
         let initial = f64::from(k) * PI;
         let advanced = initial * (1.0 + 8.0 * f64::EPSILON);
-        let exact = ((advanced - initial) / f64::EPSILON) / initial;
+        let exact = units_between(initial, advanced);
         direct = direct.max(((advanced - initial) / initial / f64::EPSILON - exact).abs());
         let logarithmic = logarithmic_defect(initial, advanced).unwrap_or(f64::NAN);
         by_logarithms = by_logarithms.max((logarithmic / f64::EPSILON - exact).abs());
@@ -65,6 +65,15 @@ fn logarithmic_form() -> Claim {
         ),
         Judgement::of(by_logarithms <= direct),
     )
+}
+
+/// The relative distance of two neighbours in one binade in units of `f64::EPSILON`, from their bits: the
+/// number of steps between them over the significand, one rounding and no subtraction.
+fn units_between(initial: f64, advanced: f64) -> f64 {
+    const HIDDEN: u64 = 1 << 52;
+    let steps = advanced.to_bits() - initial.to_bits();
+    let significand = initial.to_bits() % HIDDEN + HIDDEN;
+    steps as f64 / significand as f64 * HIDDEN as f64
 }
 
 fn spline_index() -> Claim {
