@@ -455,6 +455,14 @@ fn bad_plasmas_are_refused() {
     refused(line, &["system.weights=[1.0, nan]"], &["weights is NaN"]);
     refused(line, &["system.weights=[1.0, 0.0]"], &["system.weights"]);
     refused(line, &["system.weights=[]"], &["system.weights"]);
+    for other in ["system.particles=2", "system.density=2.0"] {
+        refused(
+            line,
+            &["system.weights=[1.0, 2.0]", other],
+            &["leave out either weights"],
+        );
+    }
+    refused(line, &["system.density=1e308"], &["system.density", "inf"]);
     refused(
         line,
         &["system.initial=landua"],

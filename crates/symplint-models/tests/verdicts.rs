@@ -812,3 +812,20 @@ fn particle_in_cell_breaks_loops_unless_its_shapes_are_c1() {
         );
     }
 }
+
+#[test]
+fn samples_that_jump_over_the_grid_do_not_decide() {
+    use symplint_models::pic::{Pic1d, PicConfig, TwoStream};
+    // 2.6 × 10^5 cells of a field too weak to be felt, from one sample to the next.
+    let pic = Pic1d::new(PicConfig {
+        degree: 1,
+        length: 1e-6,
+        ..PicConfig::default()
+    })
+    .unwrap();
+    let (x, v) = TwoStream::default().sample(&pic, 5).unwrap();
+    let map = build("strang", None, Arc::new(pic) as Arc<dyn Separable>).unwrap();
+    let verdict = diagnose(&Diagnostic::default(), &*map, &circle(&x, &v, 1.0)).verdict;
+    assert_eq!(verdict.kind, VerdictKind::Undecided, "{verdict:?}");
+    assert!(verdict.summary.contains("do not see the grid"), "{verdict}");
+}

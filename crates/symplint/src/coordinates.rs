@@ -1,17 +1,20 @@
-//! What the coordinates of a phase space mean: periods and weights.
+//! What the coordinates of a phase space mean: periods, weights and grids.
 
 use crate::error::Error;
 
-/// Periods of the positions and weights of the momenta.
+/// Periods and grids of the positions and weights of the momenta.
 ///
 /// * `period(i)` is the period of q_i, or 0 where q_i is not periodic.
 /// * The canonical momentum of degree of freedom i is `weight(i)` × p_i: a code that
 ///   carries velocities states its masses or particle weights here.
+/// * `grid_spacing()` is the cell width of the grid on which the map interpolates positions, or 0
+///   where there is none. Samples of a loop that are cells apart do not see the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coordinates {
     dof: usize,
     periods: Option<Vec<f64>>,
     weights: Option<Vec<f64>>,
+    grid_spacing: f64,
 }
 
 impl Coordinates {
@@ -21,6 +24,7 @@ impl Coordinates {
             dof,
             periods: None,
             weights: None,
+            grid_spacing: 0.0,
         }
     }
 
@@ -64,6 +68,22 @@ impl Coordinates {
         Ok(self)
     }
 
+    /// States the cell width of the grid that all positions live on; 0 if there is none.
+    ///
+    /// # Errors
+    /// If it is negative or not finite.
+    pub fn with_grid_spacing(mut self, value: f64) -> Result<Self, Error> {
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(Error::OutOfRange {
+                what: "grid spacing",
+                value,
+                remedy: "give a finite cell width, or 0 for a map without a grid",
+            });
+        }
+        self.grid_spacing = value;
+        Ok(self)
+    }
+
     /// Degrees of freedom.
     pub fn dof(&self) -> usize {
         self.dof
@@ -77,5 +97,10 @@ impl Coordinates {
     /// Weight of p_i.
     pub fn weight(&self, i: usize) -> f64 {
         self.weights.as_ref().map_or(1.0, |weights| weights[i])
+    }
+
+    /// Cell width of the grid of the positions, 0 if there is none.
+    pub fn grid_spacing(&self) -> f64 {
+        self.grid_spacing
     }
 }

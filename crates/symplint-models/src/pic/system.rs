@@ -144,7 +144,7 @@ impl<const D: usize> Pic<D> {
         Ok(Pic {
             background: background(&mesh, charge),
             solver: FieldSolver::new(&mesh, config.filter_passes),
-            coordinates: coordinates::<D>(&weights),
+            coordinates: coordinates::<D>(&weights, mesh.cell_width()),
             mesh,
             weights,
         })
@@ -310,10 +310,12 @@ fn background<const D: usize>(mesh: &Mesh<D>, charge: f64) -> Vec<f64> {
 }
 
 /// Every axis of a particle carries its weight.
-fn coordinates<const D: usize>(weights: &[f64]) -> Coordinates {
+fn coordinates<const D: usize>(weights: &[f64], cell_width: f64) -> Coordinates {
     let each_axis = weights.iter().flat_map(|&weight| [weight; D]).collect();
     let weighted = Coordinates::plain(D * weights.len()).with_weights(each_axis);
-    weighted.expect("weights are finite and not zero")
+    weighted
+        .and_then(|coordinates| coordinates.with_grid_spacing(cell_width))
+        .expect("weights are finite and not zero, the cells finite")
 }
 
 impl<const D: usize> Separable for Pic<D> {

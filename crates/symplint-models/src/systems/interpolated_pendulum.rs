@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use symplint::{Rows, RowsMut};
+use symplint::{Coordinates, Rows, RowsMut};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
@@ -80,6 +80,16 @@ impl Separable for InterpolatedPendulum {
                 None => potential(*q),
                 Some(spline) => spline.value(*q),
             };
+        }
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        let plain = Coordinates::plain(1);
+        match &self.spline {
+            None => plain,
+            Some(spline) => {
+                (plain.with_grid_spacing(spline.grid().node(1))).expect("cells have a finite width")
+            }
         }
     }
 }

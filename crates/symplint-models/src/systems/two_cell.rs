@@ -1,6 +1,6 @@
 //! A particle that meets only its own field.
 
-use symplint::{Rows, RowsMut};
+use symplint::{Coordinates, Rows, RowsMut};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
@@ -58,6 +58,11 @@ impl Separable for TwoCell {
             let (distance, _) = self.locate(x);
             *out = -0.25 * (distance - distance * distance);
         }
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        let plain = Coordinates::plain(1);
+        (plain.with_grid_spacing(self.cell)).expect("the length was checked")
     }
 }
 

@@ -275,6 +275,7 @@ impl Study<'_> {
             step_size: h,
             defect: measured.defect,
             found: measured.found,
+            cells_apart: measured.cells_apart,
         })
     }
 }

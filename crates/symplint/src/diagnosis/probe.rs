@@ -32,6 +32,8 @@ pub(super) struct Measured {
     pub integral: LoopIntegral,
     pub defect: Defect,
     pub found: Option<Break>,
+    /// Grid cells from one sample to the next at most.
+    pub cells_apart: f64,
 }
 
 impl<'a> Probe<'a> {
@@ -108,8 +110,33 @@ impl<'a> Probe<'a> {
             integral,
             defect,
             found,
+            cells_apart: cells_apart(&ensemble, coordinates),
         })
     }
+}
+
+/// Grid cells between neighbouring samples at most; 0 where there is no grid.
+fn cells_apart(ensemble: &Ensemble, coordinates: &Coordinates) -> f64 {
+    let spacing = coordinates.grid_spacing();
+    if spacing == 0.0 {
+        return 0.0;
+    }
+    let furthest = |dof: usize| {
+        let (row, period) = (ensemble.q().row(dof), coordinates.period(dof));
+        let distance = |a: f64, b: f64| {
+            let direct = (b - a).abs();
+            if period > 0.0 {
+                direct.min((direct - period).abs())
+            } else {
+                direct
+            }
+        };
+        let closing = distance(row[row.len() - 1], row[0]);
+        let steps = row.windows(2).map(|pair| distance(pair[0], pair[1]));
+        steps.fold(closing, f64::max)
+    };
+    let largest = (0..ensemble.dof()).map(furthest).fold(0.0, f64::max);
+    largest / spacing
 }
 
 /// How much one step deforms the loop, relative to its size: the largest motion of a coordinate against

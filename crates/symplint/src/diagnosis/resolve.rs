@@ -4,6 +4,7 @@ use super::probe::{Probe, Subject};
 use super::{RuleChoice, SampleCount};
 use crate::error::Error;
 use crate::integral::Rule;
+use crate::verdict::MOST_CELLS_APART;
 
 /// Where automatic doubling begins in one degree of freedom: what is narrower than a cell of the loop is
 /// not seen, and samples of small systems cost nothing.
@@ -66,7 +67,8 @@ pub(super) fn resolve<'a>(
             0
         };
         let enough = error <= ENOUGH.max(4.0 * measured.defect.roundoff);
-        if enough || stalls == 2 || 2 * count > most {
+        let sees_the_grid = measured.cells_apart <= MOST_CELLS_APART;
+        if (sees_the_grid && (enough || stalls == 2)) || 2 * count > most {
             return Ok(probe);
         }
         last_error = error;

@@ -163,6 +163,18 @@ impl Case<'_> {
                 "Take larger step sizes, up to where one step deforms the loop by about its size.",
             ));
         }
+        if let Some((evidence, step)) = self.worst(StepEvidence::misses_the_grid) {
+            return Some(because(
+                format!(
+                    "The samples of {} lie {} cells of the map's grid apart at h = {}: they do not \
+                     see the grid.",
+                    name(evidence.index),
+                    short(step.cells_apart),
+                    size(step.step_size)
+                ),
+                "Take more samples or a smaller loop: two samples or more in each cell it crosses.",
+            ));
+        }
         if let Some((_, step)) = self.worst(StepEvidence::is_unexplained) {
             return Some(because(
                 format!(

@@ -101,6 +101,8 @@ pub struct StepEvidence {
     pub defect: Defect,
     /// A break of the advanced loop.
     pub found: Option<Break>,
+    /// Cells of the map's grid between neighbouring samples at most; 0 for a map without one.
+    pub cells_apart: f64,
 }
 
 /// A defect this many times its uncertainty is beyond doubt.
@@ -108,6 +110,10 @@ const BEYOND_DOUBT: f64 = 10.0;
 
 /// A defect this many times its uncertainty is not explained by it.
 const UNEXPLAINED: f64 = 3.0;
+
+/// Samples further apart than this many cells of the map's grid do not see the grid: what they show
+/// is not the map.
+pub(crate) const MOST_CELLS_APART: f64 = 0.5;
 
 /// A bound on the defect above this is too weak to call a map symplectic.
 const WEAKEST_BOUND: f64 = 1e-6;
@@ -151,8 +157,14 @@ impl LoopEvidence {
 }
 
 impl StepEvidence {
+    /// Whether the samples miss the grid of the map.
+    fn misses_the_grid(&self) -> bool {
+        self.cells_apart > MOST_CELLS_APART
+    }
+
     fn is_beyond_doubt(&self) -> bool {
-        self.defect.magnitude() > BEYOND_DOUBT * self.defect.uncertainty()
+        !self.misses_the_grid()
+            && self.defect.magnitude() > BEYOND_DOUBT * self.defect.uncertainty()
     }
 
     fn is_unexplained(&self) -> bool {

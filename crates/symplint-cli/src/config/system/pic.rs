@@ -41,7 +41,7 @@ const fn keys(cells: &'static str) -> [Key; 15] {
         Key::new(
             "degree",
             "3",
-            "of the shapes; 1 breaks loops, and so does every C⁰ family",
+            "of the shapes; B-splines of degree 1 and every C⁰ family make forces that jump",
         ),
         Key::new("cells", cells, "along each axis"),
         Key::new("length", "50.0", "of each axis"),
@@ -54,13 +54,13 @@ const fn keys(cells: &'static str) -> [Key; 15] {
         Key::optional(
             "weights",
             "[10.0, 40.0]",
-            "one for each particle, in place of particles and density",
+            "one for each particle, in place of particles and density; momenta are weight × v",
         ),
         Key::new("filter", "0", "passes of the binary filter"),
         Key::new(
             "initial",
             "\"two-stream\"",
-            "\"landau\", or { file = \"state.npy\" } with rows x, v (.csv: columns)",
+            "\"landau\", or { file = \"state.npy\" } with rows x and velocities v (.csv: columns)",
         ),
         Key::new("thermal_velocity", "1.0", "v_th"),
         Key::new(
@@ -68,7 +68,11 @@ const fn keys(cells: &'static str) -> [Key; 15] {
             "\"text\"",
             "what v_th means: \"text\", exp(-v²/v_th²), or \"code\", variance v_th²",
         ),
-        Key::new("beam_velocity", "3.0", "v_b of two-stream"),
+        Key::new(
+            "beam_velocity",
+            "3.0",
+            "v_b of two-stream; landau has no beams",
+        ),
         Key::new("amplitude", "0.5", "A of the density or velocity wave"),
         Key::new("mode", "1", "wavelengths of it in the box"),
         Key::new("seed", "42", "of the random initial state"),
@@ -95,6 +99,7 @@ fn pic<const D: usize>(
         ModelError::Degree { .. } | ModelError::ShapeDegree { .. } => "degree",
         ModelError::TooManyCells { .. } | ModelError::TooFewCells { .. } => "cells",
         _ if section.written_place("weights").is_some() => "weights",
+        ModelError::OutOfRange { .. } => "density",
         _ => "particles",
     };
     let pic = Pic::<D>::new(config).map_err(|error| refused(section, at_fault(&error), error))?;
@@ -110,10 +115,19 @@ fn pic<const D: usize>(
 fn weights(section: &Section) -> Result<ParticleWeights, ConfigError> {
     let particles = section.whole_between("particles", 1, MOST_DOF)? as usize;
     let density = section.number("density", Accept::Positive)?;
-    Ok(match section.optional_numbers("weights", Accept::Finite)? {
-        Some(weights) => ParticleWeights::Each(weights),
-        None => ParticleWeights::Equal { particles, density },
-    })
+    let Some(weights) = section.optional_numbers("weights", Accept::Finite)? else {
+        return Ok(ParticleWeights::Equal { particles, density });
+    };
+    for other in ["particles", "density"] {
+        if section.written_place(other).is_some() {
+            return Err(section.error(
+                other,
+                "given besides weights, which already say it",
+                format!("leave out either weights or {other}"),
+            ));
+        }
+    }
+    Ok(ParticleWeights::Each(weights))
 }
 
 fn state<const D: usize>(
