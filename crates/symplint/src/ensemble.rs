@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::block::Block;
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::{StepFailure, TimeAdvance};
 use crate::rows::{Rows, RowsMut};
 
 /// The states of all samples, one contiguous row of N_s values for each coordinate.
@@ -142,6 +142,29 @@ impl Ensemble {
     /// that is not finite. The error is that of the first block of samples that has one,
     /// on any number of threads; the ensemble is then half advanced and of no use.
     pub fn advance(&mut self, map: &dyn TimeAdvance, h: f64) -> Result<(), Error> {
+        self.advance_by(map, h, |block| map.advance(h, block))
+    }
+
+    /// Advances every sample by one substep of a step of size `h`, as [`advance`](Self::advance)
+    /// does by the whole step.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn advance_substep(
+        &mut self,
+        map: &dyn TimeAdvance,
+        substep: usize,
+        h: f64,
+    ) -> Result<(), Error> {
+        self.advance_by(map, h, |block| map.advance_substep(substep, h, block))
+    }
+
+    fn advance_by(
+        &mut self,
+        map: &dyn TimeAdvance,
+        h: f64,
+        step: impl Fn(&mut Block<'_>) -> Result<(), StepFailure> + Sync,
+    ) -> Result<(), Error> {
         if map.dof() != self.dof {
             return Err(Error::DofMismatch {
                 map: map.dof(),
@@ -150,12 +173,11 @@ impl Ensemble {
         }
         let width = Self::block_width(self.dof);
         let each = |(b, mut block): (usize, Block<'_>)| {
-            map.advance(h, &mut block)
-                .map_err(|failure| Error::StepFailed {
-                    sample: b * width + failure.sample,
-                    step_size: h,
-                    reason: failure.reason,
-                })?;
+            step(&mut block).map_err(|failure| Error::StepFailed {
+                sample: b * width + failure.sample,
+                step_size: h,
+                reason: failure.reason,
+            })?;
             match first_not_finite(&block) {
                 None => Ok(()),
                 Some(found) => Err(found.into_error(b * width, Some(h))),

@@ -91,6 +91,14 @@ pub enum Error {
         /// The map's reason.
         reason: String,
     },
+    /// The map went wrong between samples, where the piecewise rule asked for a state.
+    #[error("at s = {s} of the loop: {source}")]
+    OnTheWay {
+        /// The loop parameter (of a closing segment, its own from 0 to 1).
+        s: f64,
+        /// What happened; its sample is that of a batch.
+        source: Box<Error>,
+    },
     /// A loop integral beyond the range of double precision.
     #[error(
         "the loop integral of degree of freedom {dof} overflows (it is {value}); choose units in which \
@@ -138,6 +146,17 @@ pub enum Error {
 }
 
 impl Error {
+    /// Says at which parameter a sample was.
+    pub(crate) fn on_the_way(self, parameter: impl Fn(usize) -> f64) -> Error {
+        match self {
+            Error::NotFinite { sample, .. } | Error::StepFailed { sample, .. } => Error::OnTheWay {
+                s: parameter(sample),
+                source: Box::new(self),
+            },
+            other => other,
+        }
+    }
+
     pub(crate) fn check_length(
         what: &'static str,
         expected: usize,

@@ -224,6 +224,20 @@ impl<S: Separable> TimeAdvance for Splitting<S> {
         Ok(())
     }
 
+    fn substeps(&self) -> usize {
+        self.method.substeps.len()
+    }
+
+    fn advance_substep(
+        &self,
+        substep: usize,
+        h: f64,
+        block: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        self.follow(&self.method.substeps[substep], h, block);
+        Ok(())
+    }
+
     fn coordinates(&self) -> Coordinates {
         self.system.coordinates()
     }

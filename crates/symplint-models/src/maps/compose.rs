@@ -64,6 +64,27 @@ impl<M: TimeAdvance> TimeAdvance for Compose<M> {
             .try_for_each(|(fraction, map)| map.advance(fraction * h, block))
     }
 
+    fn substeps(&self) -> usize {
+        self.parts.iter().map(|(_, map)| map.substeps()).sum()
+    }
+
+    fn advance_substep(
+        &self,
+        substep: usize,
+        h: f64,
+        block: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        let mut before = 0;
+        for (fraction, map) in &self.parts {
+            let substeps = map.substeps();
+            if substep < before + substeps {
+                return map.advance_substep(substep - before, fraction * h, block);
+            }
+            before += substeps;
+        }
+        panic!("substep {substep} of {before}");
+    }
+
     fn coordinates(&self) -> Coordinates {
         self.parts[0].1.coordinates()
     }

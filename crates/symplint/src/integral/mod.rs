@@ -146,17 +146,17 @@ struct RowIntegral {
 }
 
 /// Half a unit in the last place: the relative error of one rounding.
-const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
+pub(crate) const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
 /// Neumaier's sum: the error does not grow with the number of terms.
 #[derive(Clone, Copy, Debug, Default)]
-struct CompensatedSum {
+pub(crate) struct CompensatedSum {
     sum: f64,
     lost: f64,
 }
 
 impl CompensatedSum {
-    fn add(&mut self, term: f64) {
+    pub(crate) fn add(&mut self, term: f64) {
         let sum = self.sum + term;
         self.lost += if self.sum.abs() >= term.abs() {
             (self.sum - sum) + term
@@ -166,7 +166,7 @@ impl CompensatedSum {
         self.sum = sum;
     }
 
-    fn total(&self) -> f64 {
+    pub(crate) fn total(&self) -> f64 {
         self.sum + self.lost
     }
 }

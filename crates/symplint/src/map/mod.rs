@@ -44,7 +44,28 @@ pub trait TimeAdvance: Send + Sync {
     /// looked for: the diagnostic checks.
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure>;
 
-    /// Which coordinates are periodic, and what makes momenta canonical.
+    /// Number of substeps, for a step that is a composition of maps of phase space, such as
+    /// the drifts and kicks of a splitting method. By default the step is one whole.
+    fn substeps(&self) -> usize {
+        1
+    }
+
+    /// Takes one substep of a step of size `h`: all of them, 0 first, are what
+    /// [`advance`](Self::advance) does, to the last bit.
+    ///
+    /// # Errors
+    /// As those of [`advance`](Self::advance).
+    fn advance_substep(
+        &self,
+        substep: usize,
+        h: f64,
+        block: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        assert_eq!(substep, 0, "the step is one whole");
+        self.advance(h, block)
+    }
+
+    /// Which coordinates are periodic, what makes momenta canonical, and where the grid is.
     fn coordinates(&self) -> Coordinates {
         Coordinates::plain(self.dof())
     }
@@ -68,6 +89,17 @@ macro_rules! forward_time_advance {
             }
             fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
                 (**self).advance(h, block)
+            }
+            fn substeps(&self) -> usize {
+                (**self).substeps()
+            }
+            fn advance_substep(
+                &self,
+                substep: usize,
+                h: f64,
+                block: &mut Block<'_>,
+            ) -> Result<(), StepFailure> {
+                (**self).advance_substep(substep, h, block)
             }
             fn coordinates(&self) -> Coordinates {
                 (**self).coordinates()

@@ -1,0 +1,288 @@
+//! Chebyshev–Lobatto interpolation on [−1, 1], and what a break does to its coefficients.
+
+use std::sync::LazyLock;
+
+/// Degree of the interpolants.
+pub(super) const DEGREE: usize = 12;
+
+/// Their nodes, both ends among them.
+pub(super) const NODES: usize = DEGREE + 1;
+
+/// Coefficients from here on are small on a smooth piece; what a break leaves there gives it away.
+pub(super) const SMOOTH: usize = 6;
+
+/// Number of those coefficients.
+const TAIL: usize = NODES - SMOOTH;
+
+/// A break is a difference of two smooth functions: a polynomial of at most this many coefficients.
+pub(super) const TERMS: usize = 3;
+
+/// Values at the nodes, or coefficients of the Chebyshev polynomials T_0 … T_12.
+pub(super) type Values = [f64; NODES];
+
+/// Everything that depends on the degree alone.
+pub(super) struct Lobatto {
+    /// −cos(πj/12), rising.
+    pub nodes: Values,
+    /// Rows: coefficients from values.
+    transform: [Values; NODES],
+    /// ∫ P Q' = Σ p_j area_jk q_k for the interpolants of p and q.
+    area: [Values; NODES],
+    /// A break between nodes i and i + 1.
+    pub gaps: [Gap; DEGREE],
+}
+
+/// The one table of these.
+pub(super) static LOBATTO: LazyLock<Lobatto> = LazyLock::new(Lobatto::new);
+
+impl Lobatto {
+    fn new() -> Self {
+        let angle = |j: usize| std::f64::consts::PI * j as f64 / DEGREE as f64;
+        let mut nodes = Values::default();
+        for j in 0..=DEGREE / 2 {
+            nodes[j] = -angle(j).cos();
+            nodes[DEGREE - j] = -nodes[j];
+        }
+        nodes[DEGREE / 2] = 0.0;
+        // T_k(x_j) = (−1)^k cos(kπj/n); the sums over the nodes halve the ends.
+        let polynomial = |k: usize, j: usize| {
+            let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+            sign * angle((k * j) % (2 * DEGREE)).cos()
+        };
+        let half_at_ends = |j: usize| if j == 0 || j == DEGREE { 0.5 } else { 1.0 };
+        let transform: [Values; NODES] = std::array::from_fn(|k| {
+            std::array::from_fn(|j| {
+                2.0 / DEGREE as f64 * half_at_ends(k) * half_at_ends(j) * polynomial(k, j)
+            })
+        });
+        // ∫ T_j T_k': T_k' is 2k times the sum of T_{k−1}, T_{k−3}, …, with T_0 halved.
+        let product = |j: usize, k: usize| {
+            let lower = (0..k).rev().step_by(2).map(|m| {
+                let weight = if m == 0 { 0.5 } else { 1.0 };
+                weight * 0.5 * (integral_of(j + m) + integral_of(j.abs_diff(m)))
+            });
+            2.0 * k as f64 * lower.sum::<f64>()
+        };
+        let products: [Values; NODES] =
+            std::array::from_fn(|j| std::array::from_fn(|k| product(j, k)));
+        let area = std::array::from_fn(|j| {
+            std::array::from_fn(|k| {
+                let mut sum = 0.0;
+                for a in 0..NODES {
+                    for b in 0..NODES {
+                        sum += transform[a][j] * products[a][b] * transform[b][k];
+                    }
+                }
+                sum
+            })
+        });
+        let gaps = std::array::from_fn(|i| Gap::new(i, &nodes, &transform));
+        Lobatto {
+            nodes,
+            transform,
+            area,
+            gaps,
+        }
+    }
+
+    /// Chebyshev coefficients of the interpolant.
+    pub fn coefficients(&self, values: &Values) -> Values {
+        std::array::from_fn(|k| dot(&self.transform[k], values))
+    }
+
+    /// ∫ P dQ over the piece, whatever its length.
+    pub fn area(&self, p: &Values, q: &Values) -> f64 {
+        let rows = self.area.iter().zip(p);
+        rows.map(|(row, p)| p * dot(row, q)).sum()
+    }
+}
+
+/// ∫ T_r over [−1, 1].
+fn integral_of(r: usize) -> f64 {
+    if r.is_multiple_of(2) {
+        2.0 / (1.0 - (r * r) as f64)
+    } else {
+        0.0
+    }
+}
+
+fn dot(a: &Values, b: &Values) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Σ a_k T_k(x).
+pub(super) fn evaluate(coefficients: &[f64], x: f64) -> f64 {
+    let (mut current, mut next) = (0.0, 0.0);
+    for &a in coefficients.iter().skip(1).rev() {
+        (current, next) = (a + 2.0 * x * current - next, current);
+    }
+    coefficients[0] + x * current - next
+}
+
+/// Coefficients of the derivative by x, the last of them 0.
+pub(super) fn derivative(coefficients: &Values) -> Values {
+    let mut slopes = Values::default();
+    for k in (0..DEGREE).rev() {
+        let above = slopes.get(k + 2).copied().unwrap_or(0.0);
+        slopes[k] = above + 2.0 * (k + 1) as f64 * coefficients[k + 1];
+    }
+    slopes[0] *= 0.5;
+    slopes
+}
+
+/// What a function looks like that jumps by a polynomial D(x) = D_0 + D_1 x + … between two
+/// neighbouring nodes: it takes D from the right one on, and 0 before.
+pub(super) struct Gap {
+    /// Coefficients of (nothing, then x^l) for each term l.
+    columns: Vec<Values>,
+    /// An orthonormal basis of the tails of those.
+    basis: Vec<[f64; TAIL]>,
+    /// The tails in that basis: upper triangle, by columns.
+    triangle: [[f64; TERMS]; TERMS],
+}
+
+impl Gap {
+    fn new(left: usize, nodes: &Values, transform: &[Values; NODES]) -> Self {
+        // No more terms than one of the sides has nodes to tell them apart.
+        let terms = TERMS.min(left + 1).min(DEGREE - left);
+        let mut gap = Gap {
+            columns: Vec::new(),
+            basis: Vec::new(),
+            triangle: Default::default(),
+        };
+        for l in 0..terms {
+            let stepped: Values = std::array::from_fn(|j| {
+                if j > left {
+                    nodes[j].powi(l as i32)
+                } else {
+                    0.0
+                }
+            });
+            let column: Values = std::array::from_fn(|k| dot(&transform[k], &stepped));
+            let mut rest: [f64; TAIL] = std::array::from_fn(|k| column[SMOOTH + k]);
+            // Twice is enough for an orthogonal basis.
+            for _ in 0..2 {
+                for (row, unit) in gap.basis.iter().enumerate() {
+                    let along: f64 = unit.iter().zip(&rest).map(|(a, b)| a * b).sum();
+                    gap.triangle[l][row] += along;
+                    for (rest, unit) in rest.iter_mut().zip(unit) {
+                        *rest -= along * unit;
+                    }
+                }
+            }
+            let norm = rest.iter().map(|r| r * r).sum::<f64>().sqrt();
+            gap.triangle[l][l] = norm;
+            gap.basis.push(rest.map(|r| r / norm));
+            gap.columns.push(column);
+        }
+        gap
+    }
+
+    /// Number of coefficients of D that the nodes on the shorter side can tell apart.
+    pub fn terms(&self) -> usize {
+        self.basis.len()
+    }
+
+    /// The part of the tail of `coefficients` that a break here explains, squared.
+    pub fn explained(&self, coefficients: &Values) -> f64 {
+        self.along(coefficients).iter().map(|a| a * a).sum()
+    }
+
+    fn along(&self, coefficients: &Values) -> [f64; TERMS] {
+        let tail = &coefficients[SMOOTH..];
+        let mut along = [0.0; TERMS];
+        for (along, unit) in along.iter_mut().zip(&self.basis) {
+            *along = unit.iter().zip(tail).map(|(a, b)| a * b).sum();
+        }
+        along
+    }
+
+    /// The best D: its coefficients.
+    pub fn jump(&self, coefficients: &Values) -> [f64; TERMS] {
+        let mut jump = self.along(coefficients);
+        for l in (0..self.basis.len()).rev() {
+            jump[l] /= self.triangle[l][l];
+            for row in 0..l {
+                jump[row] -= self.triangle[l][row] * jump[l];
+            }
+        }
+        jump
+    }
+
+    /// The smooth part of the left side, when the right side has `jump` more.
+    pub fn left(&self, coefficients: &Values, jump: &[f64; TERMS]) -> [f64; SMOOTH] {
+        std::array::from_fn(|k| {
+            let stepped = self.columns.iter().zip(jump);
+            coefficients[k] - stepped.map(|(column, d)| column[k] * d).sum::<f64>()
+        })
+    }
+}
+
+/// Sum of the squares of the tail.
+pub(super) fn tail_squared(coefficients: &Values) -> f64 {
+    coefficients[SMOOTH..].iter().map(|a| a * a).sum()
+}
+
+/// D(x).
+pub(super) fn polynomial(terms: &[f64; TERMS], x: f64) -> f64 {
+    terms.iter().rev().fold(0.0, |sum, d| sum * x + d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn values(f: impl Fn(f64) -> f64) -> Values {
+        LOBATTO.nodes.map(f)
+    }
+
+    #[test]
+    fn interpolants_meet_what_they_interpolate() {
+        let a = LOBATTO.coefficients(&values(|x| (2.0 * x).sin() + x));
+        let slopes = derivative(&a);
+        for step in -10..=10 {
+            let x = f64::from(step) / 10.0;
+            assert!((evaluate(&a, x) - (2.0 * x).sin() - x).abs() < 2e-9);
+            assert!((evaluate(&slopes, x) - 2.0 * (2.0 * x).cos() - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn areas_are_exact_for_polynomials() {
+        // ∫ x^a d(x^b) = b ∫ x^{a+b−1}.
+        for a in 0..=12 {
+            for b in 1..=12 {
+                let power = a + b - 1;
+                let expected = if power % 2 == 0 {
+                    2.0 * f64::from(b) / f64::from(power + 1)
+                } else {
+                    0.0
+                };
+                let got = LOBATTO.area(&values(|x| x.powi(a)), &values(|x| x.powi(b)));
+                assert!((got - expected).abs() < 1e-13, "{a} {b}: {got} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_break_is_found_in_its_gap_with_its_size() {
+        for gap in 2..10 {
+            let (left, right) = (LOBATTO.nodes[gap], LOBATTO.nodes[gap + 1]);
+            let at = 0.3 * left + 0.7 * right;
+            let jump = |x: f64| 0.2 + 0.1 * (x - at);
+            let f = |x: f64| x.cos() + if x > at { jump(x) } else { 0.0 };
+            let a = LOBATTO.coefficients(&values(f));
+            let best = (0..DEGREE)
+                .max_by(|&i, &j| {
+                    let explained = |i: usize| LOBATTO.gaps[i].explained(&a);
+                    explained(i).total_cmp(&explained(j))
+                })
+                .unwrap();
+            assert_eq!(best, gap);
+            let found = LOBATTO.gaps[gap].jump(&a);
+            assert!((polynomial(&found, at) - 0.2).abs() < 1e-3, "{found:?}");
+            let smooth = LOBATTO.gaps[gap].left(&a, &found);
+            assert!((evaluate(&smooth, at) - at.cos()).abs() < 1e-3);
+        }
+    }
+}

@@ -1,0 +1,415 @@
+//! A stretch of a curve, and what its samples say of it.
+
+use super::bracket::Bracket;
+use super::curves::{Images, coordinate};
+use super::lobatto::{
+    DEGREE, LOBATTO, NODES, SMOOTH, TERMS, Values, derivative, evaluate, polynomial, tail_squared,
+};
+use super::scales::{Scales, period};
+use crate::coordinates::Coordinates;
+use crate::ensemble::Ensemble;
+use crate::integral::unwrap_row;
+
+/// A stretch [a, b] of a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Piece {
+    pub curve: usize,
+    pub a: f64,
+    pub b: f64,
+}
+
+/// Where an interpolant is held against states that it was not made of.
+const CHECKS: [f64; 2] = [-0.618, 0.267];
+
+/// States of a piece that are looked at.
+pub(super) const POINTS: usize = NODES + CHECKS.len();
+
+/// A stretch this short is a straight line.
+const SHORTEST: f64 = 1e-11;
+
+/// Part of the highest coefficients, squared, that one break has to explain.
+const EXPLAINS: f64 = 0.95;
+
+/// Explanations that are this good, relative to the best, are as good.
+const AS_GOOD: f64 = 0.999;
+
+/// Coefficients that fall by this factor, squared, along the tail belong to a smooth function: those of a
+/// jump of the third derivative fall by 16 in amplitude from the 6th to the 12th.
+const DECAYS: f64 = 1e-3;
+
+/// A break whose size vanishes somewhere in its gap, to this part squared, is a kink there.
+const VANISHES: f64 = 0.02;
+
+/// Turning points looked at in one piece at most.
+const MOST_TURNS: usize = 64;
+
+/// What a piece turned out to be.
+pub(super) enum Finding {
+    /// Smooth: its part of the integral, if the states at `turns` agree.
+    Smooth(Smooth),
+    /// It jumps in this bracket.
+    Jumps(Bracket),
+    /// It has a kink between two parameters, or is too long: cut it there.
+    Cut { at: Vec<f64>, explained: bool },
+}
+
+/// A resolved piece.
+pub(super) struct Smooth {
+    pub piece: Piece,
+    /// ∫ (p − p_ref) dq of each degree of freedom.
+    pub areas: Vec<f64>,
+    /// q(b) − q(a) of each.
+    pub gains: Vec<f64>,
+    /// Largest |q| and |p − p_ref| times the motion of the other, summed: what rounding acts on.
+    pub exposure: f64,
+    /// Bound on the error by interpolation.
+    pub error: f64,
+    /// Points where positions turn round, and what each coordinate should be there.
+    pub turns: Vec<(f64, Vec<f64>)>,
+    /// Whether it is as good as wanted.
+    pub resolved: bool,
+}
+
+impl Piece {
+    pub fn length(&self) -> f64 {
+        self.b - self.a
+    }
+
+    /// Parameter at x in [−1, 1]; the ends are met exactly.
+    pub fn s(&self, x: f64) -> f64 {
+        if x <= -1.0 {
+            self.a
+        } else if x >= 1.0 {
+            self.b
+        } else {
+            self.a + 0.5 * (1.0 + x) * self.length()
+        }
+    }
+
+    pub fn x(&self, s: f64) -> f64 {
+        2.0 * (s - self.a) / self.length() - 1.0
+    }
+
+    /// The parameters to evaluate: nodes, then checks.
+    pub fn points(&self) -> impl Iterator<Item = f64> + '_ {
+        LOBATTO.nodes.iter().chain(&CHECKS).map(|&x| self.s(x))
+    }
+}
+
+/// The samples of one piece in a batch.
+pub(super) struct View<'a> {
+    pub piece: Piece,
+    pub images: &'a Images,
+    /// Its first sample.
+    pub first: usize,
+    pub scales: &'a Scales,
+    pub coordinates: &'a Coordinates,
+}
+
+impl View<'_> {
+    fn dof(&self) -> usize {
+        self.coordinates.dof()
+    }
+
+    fn values(&self, states: &Ensemble, c: usize) -> [f64; POINTS] {
+        let row = &coordinate(states, c)[self.first..self.first + POINTS];
+        let mut values: [f64; POINTS] = row.try_into().expect("a piece has so many points");
+        let period = period(self.coordinates, c);
+        if period > 0.0 {
+            let (nodes, checks) = values.split_at_mut(NODES);
+            unwrap_row(nodes, period);
+            // A check lies between two nodes.
+            for (check, x) in checks.iter_mut().zip(CHECKS) {
+                let after = LOBATTO.nodes.iter().position(|&node| node > x);
+                let near = nodes[after.unwrap_or(DEGREE)];
+                *check += period * ((near - *check) / period).round();
+            }
+        }
+        values
+    }
+
+    /// Looks at the piece; `last` if it is to be taken as it is.
+    pub fn examine(&self, last: bool) -> Finding {
+        let dof = self.dof();
+        let short = self.piece.length() < SHORTEST;
+        let mut fits: Vec<Fit> = Vec::with_capacity(2 * dof);
+        let mut resolved = true;
+        for c in 0..2 * dof {
+            let fit = Fit::of(&self.values(&self.images.after, c), short);
+            // What the rounding of the state that the map got becomes where the loop is steep.
+            let rounded = self.scales.input_rounding * fit.range() / self.piece.length();
+            resolved &= fit.off <= self.scales.tolerance[c] + rounded;
+            fits.push(fit);
+        }
+        if resolved || last || short {
+            return Finding::Smooth(self.smooth(&fits, resolved));
+        }
+        self.seek_break(&fits)
+    }
+
+    fn smooth(&self, fits: &[Fit], resolved: bool) -> Smooth {
+        let dof = self.dof();
+        let mut smooth = Smooth {
+            piece: self.piece,
+            areas: Vec::with_capacity(dof),
+            gains: Vec::with_capacity(dof),
+            exposure: 0.0,
+            error: 0.0,
+            turns: Vec::new(),
+            resolved,
+        };
+        for i in 0..dof {
+            let (q, p) = (&fits[i], &fits[dof + i]);
+            let weight = self.coordinates.weight(i);
+            let reference = self.scales.p_reference[i];
+            let from_start = q.values.map(|v| v - q.values[0]);
+            let from_reference = p.values.map(|v| v - reference);
+            smooth
+                .areas
+                .push(weight * LOBATTO.area(&from_reference, &from_start));
+            smooth.gains.push(q.values[DEGREE] - q.values[0]);
+            let largest = |values: &Values| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            smooth.error += weight.abs()
+                * if resolved {
+                    q.off * p.range() + p.off * q.range()
+                } else {
+                    // Any part of it may be a jump.
+                    q.range() * (p.range() + largest(&from_reference))
+                };
+            smooth.exposure +=
+                weight.abs() * (largest(&q.values) * p.range() + largest(&p.values) * q.range());
+        }
+        if resolved && self.piece.length() >= SHORTEST {
+            smooth.turns = (self.turning_points().into_iter())
+                .map(|x| {
+                    (
+                        x,
+                        fits.iter()
+                            .map(|fit| evaluate(&fit.coefficients, x))
+                            .collect(),
+                    )
+                })
+                .collect();
+        }
+        smooth
+    }
+
+    /// Where a position turns round, at the beginning of any substep or at the end: a particle that
+    /// only grazes a place where the force jumps does so there, between two nodes.
+    fn turning_points(&self) -> Vec<f64> {
+        let mut turns = Vec::new();
+        let Images { after, inputs } = self.images;
+        for i in 0..self.dof() {
+            for states in inputs.iter().chain([after]) {
+                turns.extend(turn(&Fit::of(&self.values(states, i), false)));
+            }
+            // A step that is one whole evaluates its force somewhere in between.
+            if let [before] = &inputs[..] {
+                let (a, b) = (self.values(before, i), self.values(after, i));
+                turns.extend(turn(&Fit::of(
+                    &std::array::from_fn(|k| 0.5 * (a[k] + b[k])),
+                    false,
+                )));
+            }
+        }
+        turns.sort_by(f64::total_cmp);
+        turns.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+        let every = turns.len().div_ceil(MOST_TURNS).max(1);
+        turns.into_iter().step_by(every).collect()
+    }
+
+    /// The gap between two nodes in which one break explains the coefficients best.
+    fn seek_break(&self, fits: &[Fit]) -> Finding {
+        let mut explained = [0.0; DEGREE];
+        let mut all = 0.0;
+        for (c, fit) in fits.iter().enumerate() {
+            let weight = self.scales.weight(c).powi(2);
+            all += weight * tail_squared(&fit.coefficients);
+            for (sum, gap) in explained.iter_mut().zip(&LOBATTO.gaps) {
+                *sum += weight * gap.explained(&fit.coefficients);
+            }
+        }
+        let most = explained.iter().copied().fold(0.0, f64::max);
+        if most < EXPLAINS * all || self.decays(fits) {
+            return Finding::Cut {
+                at: vec![self.piece.s(0.0)],
+                explained: false,
+            };
+        }
+        // Three terms next to an end can say what one at the end itself says.
+        let best = (0..DEGREE)
+            .filter(|&i| explained[i] >= AS_GOOD * most)
+            .min_by_key(|&i| LOBATTO.gaps[i].terms())
+            .expect("the largest is one of them");
+        let gap = &LOBATTO.gaps[best];
+        let jumps: Vec<[f64; TERMS]> = (fits.iter())
+            .map(|fit| gap.jump(&fit.coefficients))
+            .collect();
+        let (low, high) = (LOBATTO.nodes[best], LOBATTO.nodes[best + 1]);
+        if let Some(ends) = self.kink(&jumps, [low, high], (all - most).max(0.0)) {
+            return Finding::Cut {
+                at: ends.map(|x| self.piece.s(x)).into(),
+                explained: true,
+            };
+        }
+        let middle = 0.5 * (low + high);
+        let direction: Vec<f64> = (jumps.iter().enumerate())
+            .map(|(c, jump)| self.scales.weight(c).powi(2) * polynomial(jump, middle))
+            .collect();
+        let mut left = [0.0; SMOOTH];
+        let mut jump = [0.0; TERMS];
+        let mut projected = [0.0; 2];
+        let mut expected = 0.0;
+        let reference: Vec<f64> = fits.iter().map(|fit| fit.values[best]).collect();
+        for (c, fit) in fits.iter().enumerate() {
+            let part = gap.left(&fit.coefficients, &jumps[c]);
+            for (sum, a) in left.iter_mut().zip(part) {
+                *sum += direction[c] * a;
+            }
+            left[0] -= direction[c] * reference[c];
+            for (sum, d) in jump.iter_mut().zip(jumps[c]) {
+                *sum += direction[c] * d;
+            }
+            for (sum, k) in projected.iter_mut().zip([best, best + 1]) {
+                *sum += direction[c] * (fit.values[k] - reference[c]);
+            }
+            expected += direction[c] * polynomial(&jumps[c], middle);
+        }
+        Finding::Jumps(Bracket {
+            piece: self.piece,
+            gap: [low, high].map(|x| self.piece.s(x)),
+            low: self.piece.s(low),
+            high: self.piece.s(high),
+            direction,
+            reference,
+            left,
+            jump,
+            projected,
+            expected,
+            turns: 0,
+        })
+    }
+
+    /// Whether the tails fall as those of smooth functions do.
+    fn decays(&self, fits: &[Fit]) -> bool {
+        let (mut early, mut late) = (0.0, 0.0);
+        for (c, fit) in fits.iter().enumerate() {
+            let weight = self.scales.weight(c).powi(2);
+            let square = |range: std::ops::Range<usize>| {
+                let part = &fit.coefficients[range];
+                weight * part.iter().map(|a| a * a).sum::<f64>()
+            };
+            early += square(SMOOTH..SMOOTH + 3);
+            late += square(DEGREE - 2..DEGREE + 1);
+        }
+        late < DECAYS * early
+    }
+
+    /// Between which points the jump of all coordinates vanishes, if it does: as closely as what is
+    /// left `unexplained` lets it be known.
+    fn kink(
+        &self,
+        jumps: &[[f64; TERMS]],
+        [low, high]: [f64; 2],
+        unexplained: f64,
+    ) -> Option<[f64; 2]> {
+        const PLACES: usize = 64;
+        const SAFETY: f64 = 16.0;
+        let square = |x: f64| {
+            let terms = jumps.iter().enumerate();
+            terms
+                .map(|(c, jump)| (self.scales.weight(c) * polynomial(jump, x)).powi(2))
+                .sum::<f64>()
+        };
+        let places = (0..=PLACES).map(|k| low + (high - low) * k as f64 / PLACES as f64);
+        let (mut at, mut least, mut most) = (low, f64::INFINITY, 0.0f64);
+        for x in places {
+            let size = square(x);
+            most = most.max(size);
+            if size < least {
+                (at, least) = (x, size);
+            }
+        }
+        if least >= VANISHES * most {
+            return None;
+        }
+        // Next to the end of the gap: what is wider than one place is not known to be smooth.
+        let enough = SAFETY * unexplained.max(least);
+        let edge = |mut inside: f64, mut outside: f64| {
+            if square(outside) <= enough {
+                return outside;
+            }
+            for _ in 0..30 {
+                let middle = 0.5 * (inside + outside);
+                if square(middle) <= enough {
+                    inside = middle;
+                } else {
+                    outside = middle;
+                }
+            }
+            outside
+        };
+        Some([edge(at, low), edge(at, high)])
+    }
+}
+
+/// The interpolant of one coordinate on a piece.
+struct Fit {
+    values: Values,
+    coefficients: Values,
+    /// How far off it may be.
+    off: f64,
+}
+
+impl Fit {
+    /// Of values at the nodes and the checks; a `short` piece is a straight line.
+    fn of(points: &[f64; POINTS], short: bool) -> Self {
+        let values: Values = points[..NODES].try_into().expect("nodes come first");
+        let coefficients = LOBATTO.coefficients(&values);
+        let mut fit = Fit {
+            values,
+            coefficients,
+            off: 0.0,
+        };
+        if short {
+            fit.off = fit.range();
+            return fit;
+        }
+        let last = &coefficients[DEGREE - 2..];
+        let misses = CHECKS.iter().zip(&points[NODES..]);
+        let misfit = misses.map(|(&x, value)| (evaluate(&coefficients, x) - value).abs());
+        fit.off = (last.iter().map(|a| a.abs()))
+            .chain(misfit)
+            .fold(0.0, f64::max);
+        fit
+    }
+
+    fn range(&self) -> f64 {
+        let low = self.values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = self
+            .values
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max);
+        high - low
+    }
+}
+
+/// Where the interpolant turns round, if it does so once.
+fn turn(fit: &Fit) -> Option<f64> {
+    let slopes = derivative(&fit.coefficients);
+    let (mut low, mut high) = (-1.0, 1.0);
+    let rising = evaluate(&slopes, low) > 0.0;
+    if rising == (evaluate(&slopes, high) > 0.0) {
+        return None;
+    }
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if (evaluate(&slopes, middle) > 0.0) == rising {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
+}

@@ -1,0 +1,313 @@
+//! Pieces and brackets at work, in batches.
+
+use rayon::prelude::*;
+
+use super::bracket::{Bracket, Closed};
+use super::curves::{At, Curves, Images, coordinate};
+use super::piece::{Finding, POINTS, Piece, Smooth, View};
+use super::scales::{Scales, nearest, period};
+use crate::breaks::Break;
+use crate::coordinates::Coordinates;
+use crate::ensemble::Ensemble;
+use crate::error::Error;
+
+/// Everything that is known of the curves so far.
+pub(super) struct Queue<'a> {
+    pub curves: Curves<'a>,
+    pub coordinates: &'a Coordinates,
+    pub scales: Scales,
+    /// Pieces that are done.
+    pub smooth: Vec<Smooth>,
+    /// Breaks of all curves.
+    pub breaks: Vec<Found>,
+    pub evaluations: usize,
+    most_evaluations: usize,
+}
+
+/// A break of a curve.
+pub(super) struct Found {
+    pub curve: usize,
+    /// The last parameter before it and the first after it.
+    pub sides: [f64; 2],
+    /// q(s⁺) − q(s⁻) of each degree of freedom, of the loop; empty for closing segments.
+    pub jumps: Vec<f64>,
+    pub summary: Break,
+}
+
+/// One thing to do.
+enum Task {
+    Piece(Piece),
+    Bracket(Box<Bracket>),
+    /// A piece that looks smooth, but for the turning points of its positions.
+    Turns(Box<Smooth>),
+}
+
+/// What came of it.
+enum Outcome {
+    Done(Box<Smooth>),
+    More(Vec<Task>),
+    /// A stretch that nothing explains and that is very short: noise, perhaps.
+    Noisy(Vec<Task>),
+    Broken {
+        curve: usize,
+        sides: [f64; 2],
+        more: Vec<Task>,
+    },
+}
+
+/// Unexplained stretches shorter than this make one look for noise.
+const NOISE_LENGTH: f64 = 1e-3;
+
+/// States of one batch take this much memory at most, all substeps together.
+const BATCH_BYTES: usize = 64 << 20;
+
+impl Task {
+    /// Parameters of the states it asks for.
+    fn points(&self) -> Vec<f64> {
+        match self {
+            Task::Piece(piece) => piece.points().collect(),
+            Task::Bracket(bracket) => vec![bracket.middle()],
+            Task::Turns(smooth) => {
+                let turns = smooth.turns.iter();
+                turns.map(|(x, _)| smooth.piece.s(*x)).collect()
+            }
+        }
+    }
+
+    fn curve(&self) -> usize {
+        match self {
+            Task::Piece(piece) => piece.curve,
+            Task::Bracket(bracket) => bracket.piece.curve,
+            Task::Turns(smooth) => smooth.piece.curve,
+        }
+    }
+}
+
+impl<'a> Queue<'a> {
+    pub fn new(
+        curves: Curves<'a>,
+        coordinates: &'a Coordinates,
+        scales: Scales,
+        most_evaluations: usize,
+    ) -> Self {
+        Queue {
+            curves,
+            coordinates,
+            scales,
+            smooth: Vec::new(),
+            breaks: Vec::new(),
+            evaluations: 0,
+            most_evaluations,
+        }
+    }
+
+    /// Largest |q_i| that was met, to judge rounding by.
+    pub fn largest_position(&self, i: usize) -> f64 {
+        self.scales.magnitude[i]
+    }
+
+    /// Resolves `pieces` of curves that meet `substep` first.
+    pub fn run(&mut self, substep: usize, pieces: Vec<Piece>) -> Result<(), Error> {
+        let mut tasks: Vec<Task> = pieces.into_iter().map(Task::Piece).collect();
+        while !tasks.is_empty() {
+            let mut next = Vec::new();
+            while !tasks.is_empty() {
+                let others = tasks.split_off(self.batch(&tasks, substep));
+                next.extend(self.turn(tasks, substep)?);
+                tasks = others;
+            }
+            tasks = next;
+        }
+        Ok(())
+    }
+
+    /// How many tasks go into one batch.
+    fn batch(&self, tasks: &[Task], substep: usize) -> usize {
+        let copies = self.curves.map.substeps() - substep + 1;
+        let state = 16 * self.curves.dof() * copies;
+        let most = (BATCH_BYTES / state).max(1);
+        let mut states = 0;
+        let fitting = tasks.iter().take_while(|task| {
+            states += match task {
+                Task::Piece(_) => POINTS,
+                Task::Bracket(_) => 1,
+                Task::Turns(smooth) => smooth.turns.len(),
+            };
+            states <= most
+        });
+        fitting.count().max(1)
+    }
+
+    /// Evaluates what a batch asks for, and sees what comes of it.
+    fn turn(&mut self, batch: Vec<Task>, substep: usize) -> Result<Vec<Task>, Error> {
+        let mut points = Vec::new();
+        let mut firsts = Vec::with_capacity(batch.len());
+        for task in &batch {
+            firsts.push(points.len());
+            let curve = task.curve();
+            points.extend(task.points().into_iter().map(|s| At { curve, s }));
+        }
+        self.evaluations += points.len();
+        let last = self.evaluations >= self.most_evaluations;
+        let keep = batch.iter().any(|task| matches!(task, Task::Piece(_)));
+        let images = self.curves.images(&points, substep, keep)?;
+        let outcomes: Vec<Outcome> = (batch.into_par_iter().zip(firsts))
+            .map(|(task, first)| self.proceed(task, &images, first, last))
+            .collect();
+        let mut next = Vec::new();
+        let mut noisy = false;
+        for outcome in outcomes {
+            match outcome {
+                Outcome::Done(smooth) => self.smooth.push(*smooth),
+                Outcome::More(more) => next.extend(more),
+                Outcome::Noisy(more) => {
+                    noisy = true;
+                    next.extend(more);
+                }
+                Outcome::Broken { curve, sides, more } => {
+                    self.breaks.push(Found {
+                        curve,
+                        sides,
+                        jumps: Vec::new(),
+                        summary: Break {
+                            s: sides[1],
+                            dof: 0,
+                            jump_q: 0.0,
+                            jump_p: 0.0,
+                        },
+                    });
+                    next.extend(more);
+                }
+            }
+        }
+        if noisy {
+            self.evaluations += self.scales.learn_noise(&self.curves)?;
+        }
+        Ok(next)
+    }
+
+    fn proceed(&self, task: Task, images: &Images, first: usize, last: bool) -> Outcome {
+        match task {
+            Task::Piece(piece) => self.look(piece, images, first, last),
+            Task::Bracket(mut bracket) => {
+                let value = bracket.project(&images.after, first, self.coordinates);
+                let piece = bracket.piece;
+                let between = |a: f64, b: f64| {
+                    let curve = piece.curve;
+                    (b > a).then_some(Task::Piece(Piece { curve, a, b }))
+                };
+                if last {
+                    return Outcome::More(vec![Task::Piece(piece)]);
+                }
+                match bracket.halve(value) {
+                    Closed::No => Outcome::More(vec![Task::Bracket(bracket)]),
+                    Closed::Jump => Outcome::Broken {
+                        curve: piece.curve,
+                        sides: [bracket.low, bracket.high],
+                        more: (between(piece.a, bracket.low).into_iter())
+                            .chain(between(bracket.high, piece.b))
+                            .collect(),
+                    },
+                    // A kink close to an end, or a steep place: closer up it will show.
+                    Closed::Faded => Outcome::More(cut(piece, &bracket.gap)),
+                }
+            }
+            Task::Turns(smooth) => self.check_turns(smooth, images, first, last),
+        }
+    }
+
+    fn look(&self, piece: Piece, images: &Images, first: usize, last: bool) -> Outcome {
+        let view = View {
+            piece,
+            images,
+            first,
+            scales: &self.scales,
+            coordinates: self.coordinates,
+        };
+        match view.examine(last) {
+            Finding::Smooth(smooth) if smooth.turns.is_empty() || last => {
+                Outcome::Done(Box::new(smooth))
+            }
+            Finding::Smooth(smooth) => Outcome::More(vec![Task::Turns(Box::new(smooth))]),
+            Finding::Jumps(bracket) => Outcome::More(vec![Task::Bracket(Box::new(bracket))]),
+            Finding::Cut { at, explained } => {
+                let halves = cut(piece, &at);
+                if !explained && piece.length() < NOISE_LENGTH {
+                    Outcome::Noisy(halves)
+                } else {
+                    Outcome::More(halves)
+                }
+            }
+        }
+    }
+
+    /// Accepts a piece if its turning points are where the interpolant has them; else cuts it there.
+    fn check_turns(
+        &self,
+        smooth: Box<Smooth>,
+        images: &Images,
+        first: usize,
+        last: bool,
+    ) -> Outcome {
+        for (k, (x, expected)) in smooth.turns.iter().enumerate() {
+            let misses = expected.iter().enumerate().any(|(c, expected)| {
+                let value = coordinate(&images.after, c)[first + k];
+                let off = nearest(value - expected, period(self.coordinates, c));
+                // The tolerance is that of the interpolant's own estimate.
+                off.abs() > 2.0 * self.scales.tolerance[c]
+            });
+            if misses && !last {
+                return Outcome::More(cut(smooth.piece, &[smooth.piece.s(*x)]));
+            }
+        }
+        Outcome::Done(smooth)
+    }
+
+    /// Learns from the advanced states on both sides of each of the breaks from `first` on how far
+    /// the coordinates jump.
+    pub fn measure_breaks(&mut self, first: usize, after: &Ensemble) {
+        let dof = self.curves.dof();
+        for (k, found) in self.breaks[first..].iter_mut().enumerate() {
+            let jump = |c: usize| {
+                let row = coordinate(after, c);
+                nearest(row[2 * k + 1] - row[2 * k], period(self.coordinates, c))
+            };
+            let size = |i: usize| {
+                let of = |c: usize| (self.scales.weight(c) * jump(c)).abs();
+                of(i).max(of(dof + i))
+            };
+            let most = (0..dof).fold((0, 0.0), |most, i| {
+                let size = size(i);
+                if size > most.1 { (i, size) } else { most }
+            });
+            found.summary.dof = most.0;
+            found.summary.jump_q = jump(most.0);
+            found.summary.jump_p = jump(dof + most.0);
+            if found.curve == 0 {
+                found.summary.s = found.sides[1].rem_euclid(1.0);
+                found.jumps = (0..dof).map(jump).collect();
+            }
+        }
+    }
+}
+
+/// A piece cut at rising parameters: in the middle if they are not inside.
+fn cut(piece: Piece, at: &[f64]) -> Vec<Task> {
+    let Piece { curve, a, b } = piece;
+    let mut edges = vec![a];
+    edges.extend(at.iter().copied().filter(|&s| s > a && s < b));
+    if edges.len() == 1 {
+        edges.push(0.5 * (a + b));
+    }
+    edges.push(b);
+    edges.dedup();
+    (edges.windows(2))
+        .map(|ends| {
+            Task::Piece(Piece {
+                curve,
+                a: ends[0],
+                b: ends[1],
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,127 @@
+//! How large and how exact each coordinate is.
+
+use super::curves::{At, Curves, coordinate};
+use crate::coordinates::Coordinates;
+use crate::ensemble::Ensemble;
+use crate::error::Error;
+use crate::integral::unwrap_row;
+
+/// Sizes and tolerances of the 2d coordinates, positions first.
+pub(super) struct Scales {
+    /// Half the range of each coordinate along the loop.
+    pub size: Vec<f64>,
+    /// The reference from which momenta are counted: those of the loop at s = 0, advanced.
+    pub p_reference: Vec<f64>,
+    /// What an interpolant may be off.
+    pub tolerance: Vec<f64>,
+    /// Largest absolute value of each coordinate.
+    pub magnitude: Vec<f64>,
+    /// How far along the loop the rounding of a state is, as a part of one turn.
+    pub input_rounding: f64,
+    noise_known: bool,
+}
+
+/// Rounding of a few operations.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// Coordinates much smaller than the largest count as this part of it.
+const SMALLEST_PART: f64 = 1e-6;
+
+impl Scales {
+    /// From a few samples of the advanced loop.
+    pub fn new(advanced: &Ensemble, coordinates: &Coordinates, tolerance: f64) -> Self {
+        let dof = advanced.dof();
+        let mut size: Vec<f64> = Vec::with_capacity(2 * dof);
+        let mut magnitude: Vec<f64> = Vec::with_capacity(2 * dof);
+        for c in 0..2 * dof {
+            let mut row = coordinate(advanced, c).to_vec();
+            magnitude.push(row.iter().fold(0.0, |m: f64, v| m.max(v.abs())));
+            unwrap_row(&mut row, period(coordinates, c));
+            let low = row.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = row.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            size.push(0.5 * (high - low));
+        }
+        for half in size.chunks_exact_mut(dof) {
+            let largest = half.iter().copied().fold(0.0, f64::max);
+            for size in half {
+                *size = size.max(SMALLEST_PART * largest).max(f64::MIN_POSITIVE);
+            }
+        }
+        let tolerances = size.iter().zip(&magnitude);
+        Scales {
+            tolerance: tolerances
+                .map(|(size, magnitude)| tolerance * size + ROUNDING * magnitude)
+                .collect(),
+            p_reference: (0..dof).map(|i| advanced.p().row(i)[0]).collect(),
+            input_rounding: ROUNDING
+                * size
+                    .iter()
+                    .zip(&magnitude)
+                    .map(|(s, m)| m / s)
+                    .fold(1.0, f64::max),
+            size,
+            magnitude,
+            noise_known: false,
+        }
+    }
+
+    /// Weight of a coordinate beside the others.
+    pub fn weight(&self, c: usize) -> f64 {
+        1.0 / self.size[c]
+    }
+
+    /// Raises the tolerances to the noise of the map, once: that of a solver that stops at a
+    /// tolerance, of single precision.
+    ///
+    /// The sixth difference of a smooth coordinate over so short a stretch is below round-off; what
+    /// is left is noise (Moré & Wild, "Estimating computational noise", 2011). Breaks spoil one of
+    /// three places at most, and their median counts.
+    pub fn learn_noise(&mut self, curves: &Curves<'_>) -> Result<usize, Error> {
+        const PLACES: [f64; 3] = [0.137, 0.412, 0.829];
+        const SPACING: f64 = 1e-4;
+        /// Binomial coefficients of the sixth difference, and the root of the sum of their squares.
+        const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
+        const GAIN: f64 = 30.4;
+        const SAFETY: f64 = 8.0;
+        if self.noise_known {
+            return Ok(0);
+        }
+        self.noise_known = true;
+        let points: Vec<At> = (PLACES.iter())
+            .flat_map(|place| (0..7).map(move |k| place + SPACING * f64::from(k)))
+            .map(|s| At { curve: 0, s })
+            .collect();
+        let images = curves.images(&points, 0, false)?;
+        for (c, tolerance) in self.tolerance.iter_mut().enumerate() {
+            let row = coordinate(&images.after, c);
+            let mut noise: Vec<f64> = (row.chunks_exact(7))
+                .map(|values| {
+                    let terms = values.iter().zip(SIXTH);
+                    terms.map(|(value, factor)| value * factor).sum::<f64>()
+                })
+                .map(|difference| difference.abs() / GAIN)
+                .collect();
+            noise.sort_by(f64::total_cmp);
+            *tolerance = tolerance.max(SAFETY * noise[1]);
+        }
+        Ok(points.len())
+    }
+}
+
+/// Period of a coordinate: momenta have none.
+pub(super) fn period(coordinates: &Coordinates, c: usize) -> f64 {
+    if c < coordinates.dof() {
+        coordinates.period(c)
+    } else {
+        0.0
+    }
+}
+
+/// `difference` less whole periods, as near to 0 as can be.
+pub(super) fn nearest(difference: f64, period: f64) -> f64 {
+    if period > 0.0 {
+        difference - period * (difference / period).round()
+    } else {
+        difference
+    }
+}
