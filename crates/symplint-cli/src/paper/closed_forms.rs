@@ -9,7 +9,7 @@ use symplint_models::Separable;
 use symplint_models::systems::AbsoluteValue;
 
 use super::Item;
-use super::claim::{Claim, Judgement};
+use super::claim::{Claim, Judgement, Origin};
 use super::plot::{axis, series};
 use super::sweep::{Study, step_of, worst};
 use crate::commands::Failure;
@@ -129,6 +129,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         let name = format!("{} {}", form.variant, form.integrator);
         claims.push(Claim {
             item: "closed-forms",
+            origin: Origin::Paper,
             place: "section 4.2",
             says: format!("{name} on |q| gives {}", form.formula),
             measured: format!(
@@ -161,6 +162,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let largest = worst(mollified.iter());
     claims.push(Claim {
         item: "closed-forms",
+        origin: Origin::Paper,
         place: "section 4.2, remark",
         says: format!("with √(q² + ε²), ε = {epsilon}, all four are symplectic"),
         measured: format!(

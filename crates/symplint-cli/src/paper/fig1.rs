@@ -8,7 +8,7 @@ use symplint_models::systems::{Pendulum, PendulumPotential};
 use symplint_models::{Hamiltonian, Separable};
 
 use super::Item;
-use super::claim::{Claim, Judgement};
+use super::claim::{Claim, Judgement, Origin};
 use super::plot::{axis, portrait, series};
 use super::sweep::step_of;
 use crate::commands::Failure;
@@ -84,6 +84,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let (first, second) = (worst(first), worst(second));
     Ok(vec![Claim {
         item: "fig1",
+        origin: Origin::Paper,
         place: "section 3.2, figure 1b",
         says: "Strang splitting nearly conserves the energy".into(),
         measured: format!(
