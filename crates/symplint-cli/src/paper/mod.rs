@@ -4,6 +4,7 @@
 //! systems". Each item writes its figures and data into the run folder and judges
 //! the paper's claims from the numbers it measured.
 
+mod accumulation;
 mod appendix_a;
 mod appendix_b;
 mod claim;

@@ -63,8 +63,11 @@ pub fn measure_panels(
     Ok((curves, figure))
 }
 
+/// Where a record lies in a panel.
+type PointOf = fn(&Record) -> (f64, f64);
+
 fn draw(panel: &PanelOf, curves: &Curves, over: &Over) -> Panel {
-    let (x, variable, at): (Axis, &str, fn(&Record) -> (f64, f64)) = match over {
+    let (x, variable, at): (Axis, &str, PointOf) = match over {
         Over::Steps { .. } => (step_axis(), "h", Record::over_step),
         Over::Samples { .. } => (axis("samples Nₛ", Scale::Log2), "Nₛ", Record::over_samples),
     };
