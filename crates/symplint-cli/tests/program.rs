@@ -321,6 +321,58 @@ fn items_of_the_paper_with_settings() {
     }
 }
 
+/// The claims that `reproduce` judged, and claims.md.
+fn claims_of(arguments: &[&str]) -> (Vec<Value>, String) {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let output = symplint(&[&["reproduce"], arguments, &["--out", out]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let read = |name| fs::read_to_string(folder.path().join(name)).unwrap();
+    let claims = serde_json::from_str(&read("claims.json")).unwrap();
+    (claims, read("claims.md"))
+}
+
+#[test]
+fn claims_are_left_open_where_the_settings_cannot_carry_them() {
+    for arguments in [
+        &["fig6", "--set", "to=64", "--set", "scaling_to=2^13"][..],
+        &["fig7", "--set", "samples=64"],
+        &["fig8", "--set", "until=1", "--set", "particles=50"],
+    ] {
+        let (claims, _) = claims_of(arguments);
+        assert!(!claims.is_empty());
+        for claim in claims {
+            assert_eq!(claim["judgement"], "unresolved", "{arguments:?}: {claim}");
+        }
+    }
+}
+
+#[test]
+fn checks_beyond_the_paper_are_no_claims_of_it() {
+    let (claims, table) = claims_of(&[
+        "physics",
+        "--set",
+        "cold_particles=100",
+        "--set",
+        "landau_particles=100",
+        "--set",
+        "beam_particles=100",
+    ]);
+    assert_eq!(claims.len(), 3);
+    assert!(claims.iter().all(|claim| claim["origin"] == "beyond"));
+    assert!(table.starts_with("# Checks beyond the paper"), "{table}");
+}
+
+#[test]
+fn runs_without_end_are_refused() {
+    let output = symplint(&["reproduce", "fig8", "--set", "until=1e300"]);
+    assert_eq!(output.status.code(), Some(2));
+    let error = text(&output.stderr);
+    for expected in ["fig8.until", "too many", "at most"] {
+        assert!(error.contains(expected), "{expected}: {error}");
+    }
+}
+
 /// Runs `check` and demands exit status 2 and every word of `expected` on standard error.
 fn refused(configuration_text: &str, settings: &[&str], expected: &[&str]) {
     let (_folder, path) = configuration(configuration_text);

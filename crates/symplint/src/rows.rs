@@ -85,6 +85,7 @@ impl<'a> Rows<'a> {
     ///
     /// # Panics
     /// If there is no row `i`.
+    #[inline]
     pub fn row(&self, i: usize) -> &'a [f64] {
         assert!(i < self.count, "row {i} of {}", self.count);
         // SAFETY: `assert_fits` held when `start`, `stride`, `count` and `len` were
@@ -128,6 +129,7 @@ impl<'a> RowsMut<'a> {
     ///
     /// # Panics
     /// If there is no row `i`.
+    #[inline]
     pub fn row(&self, i: usize) -> &[f64] {
         self.as_rows().row(i)
     }
@@ -136,6 +138,7 @@ impl<'a> RowsMut<'a> {
     ///
     /// # Panics
     /// If there is no row `i`.
+    #[inline]
     pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
         assert!(i < self.count, "row {i} of {}", self.count);
         // SAFETY: as in `Rows::row`; `&mut self` makes this the only live access
@@ -144,6 +147,7 @@ impl<'a> RowsMut<'a> {
     }
 
     /// The same rows, read-only.
+    #[inline]
     pub fn as_rows(&self) -> Rows<'_> {
         Rows {
             start: self.start,

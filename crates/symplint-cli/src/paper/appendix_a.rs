@@ -4,9 +4,9 @@ use serde::Serialize;
 use symplint::{Ensemble, LoopIntegral, Rule};
 
 use super::Item;
-use super::claim::{Claim, Judgement};
+use super::claim::{Claim, Judgement, Origin};
 use super::plot::{axis, reference_slope, series};
-use super::sweep::mean_rate;
+use super::sweep::{doublings, power_law, trend_text};
 use crate::commands::Failure;
 use crate::config::{Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
@@ -73,10 +73,8 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     for degree in [2usize, 3, 4] {
         let exact = exact(degree);
         let mut curve = Vec::new();
-        for count in
-            std::iter::successors(Some(from.min(to)), |n| Some(2 * n)).take_while(|&n| n <= to)
-        {
-            let samples = (count | 1) as usize;
+        for count in doublings(from, to) {
+            let samples = count | 1;
             let mut ensemble = Ensemble::zeros(1, samples);
             let mut block = ensemble.block();
             for k in 0..samples {
@@ -98,15 +96,21 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         }
         let r = degree as f64 - 0.5;
         let rate = (2.0 * r - 1.0).min(r);
-        let measured = mean_rate(&curve);
+        let measured = power_law(&curve);
         claims.push(Claim {
             item: "appendix-a",
+            origin: Origin::Paper,
             place: "appendix A, theorem 1",
             says: format!(
                 "loops in H^r, r < {r}, converge at least as N^-min(2r − 1, r) = N^-{rate}"
             ),
-            measured: format!("N^{measured:.2} for Bernoulli polynomials of degree {degree}"),
-            judgement: Judgement::of(-measured > rate - 0.1),
+            measured: format!(
+                "{} for Bernoulli polynomials of degree {degree}",
+                trend_text("N", measured)
+            ),
+            judgement: measured.map_or(Judgement::Unresolved, |measured| {
+                Judgement::of(-measured > rate - 0.1)
+            }),
         });
         drawn.push(series(
             &format!("r < {r}"),

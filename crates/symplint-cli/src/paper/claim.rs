@@ -14,7 +14,8 @@ pub enum Judgement {
     HoldsCorrected,
     /// Not.
     DoesNotHold,
-    /// Cannot be told with these settings: the samples do not resolve the loops.
+    /// Cannot be told with these settings: they do not cover what the claim is about, or the samples do not
+    /// resolve the loops.
     Unresolved,
 }
 
@@ -37,6 +38,15 @@ impl Judgement {
         }
     }
 
+    /// This judgement where the numbers can carry one.
+    pub fn if_resolved(self, resolved: bool) -> Self {
+        if resolved {
+            self
+        } else {
+            Judgement::Unresolved
+        }
+    }
+
     fn text(self) -> &'static str {
         match self {
             Judgement::Holds => "holds",
@@ -47,14 +57,26 @@ impl Judgement {
     }
 }
 
+/// Who claims it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Origin {
+    /// The paper.
+    Paper,
+    /// Nobody: a check of this program that the paper does not make.
+    Beyond,
+}
+
 /// A quantitative claim.
 #[derive(Clone, Debug, Serialize)]
 pub struct Claim {
     /// Item that judged it.
     pub item: &'static str,
-    /// Where the paper says it.
+    /// Who claims it.
+    pub origin: Origin,
+    /// Where it is said.
     pub place: &'static str,
-    /// What it says.
+    /// What is said.
     pub says: String,
     /// What was measured, and how.
     pub measured: String,
@@ -62,54 +84,124 @@ pub struct Claim {
     pub judgement: Judgement,
 }
 
-/// All claims as a Markdown table.
+impl Claim {
+    /// A claim of the paper.
+    pub fn of_paper(
+        item: &'static str,
+        place: &'static str,
+        says: impl Into<String>,
+        measured: impl Into<String>,
+        judgement: Judgement,
+    ) -> Self {
+        Claim {
+            item,
+            origin: Origin::Paper,
+            place,
+            says: says.into(),
+            measured: measured.into(),
+            judgement,
+        }
+    }
+
+    /// This claim, judged only where the measured numbers can carry a judgement.
+    pub fn resolved_if(self, resolved: bool) -> Self {
+        Claim {
+            judgement: self.judgement.if_resolved(resolved),
+            ..self
+        }
+    }
+}
+
+/// The tables: what they list, their titles in Markdown and their names on the terminal.
+const TABLES: [(Origin, &str, &str); 2] = [
+    (Origin::Paper, "Claims of the paper", "claims"),
+    (
+        Origin::Beyond,
+        "Checks beyond the paper",
+        "checks beyond the paper",
+    ),
+];
+
+/// All claims as Markdown tables, the paper's before the checks beyond it.
 pub fn claims_markdown(claims: &[Claim]) -> String {
-    let mut text = String::from(
-        "# Claims of the paper\n\n| item | where | what it says | measured | judgement |\n|---|---|---|---|---|\n",
-    );
-    let cell = |text: &str| text.replace('|', "\\|");
-    for claim in claims {
-        let _ = writeln!(
+    let mut text = String::new();
+    for (origin, title, _) in TABLES {
+        let rows: Vec<&Claim> = (claims.iter()).filter(|c| c.origin == origin).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        if !text.is_empty() {
+            text.push('\n');
+        }
+        let _ = write!(
             text,
-            "| {} | {} | {} | {} | {} |",
-            claim.item,
-            claim.place,
-            cell(&claim.says),
-            cell(&claim.measured),
-            claim.judgement.text()
+            "# {title}\n\n| item | where | what it says | measured | judgement |\n|---|---|---|---|---|\n"
         );
+        for claim in rows {
+            let _ = writeln!(
+                text,
+                "| {} | {} | {} | {} | {} |",
+                claim.item,
+                claim.place,
+                cell(&claim.says),
+                cell(&claim.measured),
+                claim.judgement.text()
+            );
+        }
     }
     text
 }
 
+/// Text for a cell of a table.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
+}
+
 /// A summary for the terminal: how many hold, and which do not as they are said.
 pub fn claims_summary(claims: &[Claim]) -> String {
-    let count = |judgement| {
-        claims
-            .iter()
-            .filter(|claim| claim.judgement == judgement)
-            .count()
-    };
-    let mut text = format!(
-        "claims: {}; hold: {}, with a correction: {}, do not: {}, not resolved: {}",
-        claims.len(),
-        count(Judgement::Holds),
-        count(Judgement::HoldsCorrected),
-        count(Judgement::DoesNotHold),
-        count(Judgement::Unresolved)
-    );
-    for claim in claims
-        .iter()
-        .filter(|claim| claim.judgement != Judgement::Holds)
-    {
-        let _ = write!(
-            text,
-            "\n  · {} ({}): {}\n    measured: {}",
-            claim.judgement.text(),
-            claim.place,
-            claim.says,
-            claim.measured
-        );
+    let mut lines = Vec::new();
+    for (origin, _, name) in TABLES {
+        let rows: Vec<&Claim> = (claims.iter()).filter(|c| c.origin == origin).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        let count = |judgement| rows.iter().filter(|c| c.judgement == judgement).count();
+        lines.push(format!(
+            "{name}: {}; hold: {}, with a correction: {}, do not: {}, not resolved: {}",
+            rows.len(),
+            count(Judgement::Holds),
+            count(Judgement::HoldsCorrected),
+            count(Judgement::DoesNotHold),
+            count(Judgement::Unresolved)
+        ));
+        for claim in rows.iter().filter(|c| c.judgement != Judgement::Holds) {
+            lines.push(format!(
+                "  · {} ({}): {}\n    measured: {}",
+                claim.judgement.text(),
+                claim.place,
+                claim.says,
+                claim.measured
+            ));
+        }
     }
-    text
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn checks_beyond_the_paper_have_their_own_table() {
+        let of = |origin, says: &str| Claim {
+            origin,
+            ..Claim::of_paper("fig1", "here", says, "1 | 2", Judgement::Holds)
+        };
+        let text = claims_markdown(&[of(Origin::Beyond, "ours"), of(Origin::Paper, "theirs")]);
+        let (theirs, title) = (text.find("theirs"), text.find("# Checks beyond the paper"));
+        assert!(theirs < title && title < text.find("ours"), "{text}");
+        assert!(text.contains("1 \\| 2"), "{text}");
+        let only = claims_markdown(&[of(Origin::Paper, "theirs")]);
+        assert!(!only.contains("beyond"), "{only}");
+    }
 }

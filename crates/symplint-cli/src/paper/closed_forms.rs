@@ -9,7 +9,8 @@ use symplint_models::Separable;
 use symplint_models::systems::AbsoluteValue;
 
 use super::Item;
-use super::claim::{Claim, Judgement};
+use super::accumulation::{Named, accumulated, break_line};
+use super::claim::{Claim, Judgement, Origin};
 use super::plot::{axis, series};
 use super::sweep::{Study, step_of, worst};
 use crate::commands::Failure;
@@ -19,10 +20,15 @@ use crate::output::RunFolder;
 
 pub const ITEM: Item = Item {
     id: "closed-forms",
-    title: "|q|: closed forms of the four splittings (section 4.2), and its mollified form",
+    title: "|q|: closed forms of the four splittings, many steps, and the mollified form (section 4.2)",
     cost: "2 s",
     keys: &[
         Key::new("samples", "\"2^20\"", "samples for |q|"),
+        Key::new(
+            "accumulated_samples",
+            "\"2^18\"",
+            "samples for |q| over many steps",
+        ),
         Key::new("epsilon", "0.1", "of the mollified form"),
         Key::new(
             "mollified_samples",
@@ -91,6 +97,7 @@ struct Row {
 
 fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let samples = settings.whole("samples", 3)? as usize;
+    let accumulated_samples = settings.whole("accumulated_samples", 3)? as usize;
     let epsilon = settings.number("epsilon", Accept::Positive)?;
     let mollified_samples = settings.whole("mollified_samples", 3)? as usize;
     let circle = Circle::new(vec![0.0], vec![0.0], 1.0)?;
@@ -100,6 +107,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let mut claims = Vec::new();
     let mut curves = Vec::new();
     let mut mollified = Vec::new();
+    let mut maps: Vec<Named> = Vec::new();
     for (index, form) in FORMS.iter().enumerate() {
         let map = step_of(form.integrator, form.variant, &sharp)?;
         let study = Study {
@@ -129,6 +137,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         let name = format!("{} {}", form.variant, form.integrator);
         claims.push(Claim {
             item: "closed-forms",
+            origin: Origin::Paper,
             place: "section 4.2",
             says: format!("{name} on |q| gives {}", form.formula),
             measured: format!(
@@ -147,6 +156,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
             .collect();
         curves.push(series(&name, points, Style::Points, index));
         rows.extend(of_form);
+        maps.push((name, map));
 
         let map = step_of(form.integrator, form.variant, &smooth)?;
         let study = Study {
@@ -158,9 +168,19 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         };
         mollified.extend(study.over_steps(mollified_samples, &STEPS)?);
     }
+    claims.push(break_line(&maps[0], &circle, "q + hp = 0", 1.0)?);
+    claims.push(break_line(&maps[1], &circle, "q = 0", 0.0)?);
+    claims.push(accumulated(
+        &maps,
+        &circle,
+        CUTOFFS,
+        accumulated_samples,
+        folder,
+    )?);
     let largest = worst(mollified.iter());
     claims.push(Claim {
         item: "closed-forms",
+        origin: Origin::Paper,
         place: "section 4.2, remark",
         says: format!("with √(q² + ε²), ε = {epsilon}, all four are symplectic"),
         measured: format!(

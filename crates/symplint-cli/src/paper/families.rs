@@ -5,7 +5,7 @@ use symplint::{Diagnostic, VerdictKind};
 use symplint_models::pic::ShapeFamily;
 
 use super::Item;
-use super::claim::{Claim, Judgement};
+use super::claim::{Claim, Judgement, Origin};
 use super::pic::{MOST_PARTICLES, SEED, plasma};
 use super::sweep::step_of;
 use crate::commands::Failure;
@@ -63,6 +63,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         .collect();
     Ok(vec![Claim {
         item: "families",
+        origin: Origin::Paper,
         place: "section 6",
         says: "shapes that are not C¹ break loops at any degree; B-splines of degree 2 and more do not".into(),
         measured: found.join("; "),

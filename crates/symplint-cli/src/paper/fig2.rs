@@ -8,7 +8,7 @@ use symplint_models::Separable;
 use symplint_models::systems::{Pendulum, PendulumPotential};
 
 use super::Item;
-use super::claim::{Claim, Judgement};
+use super::claim::{Claim, Judgement, Origin};
 use super::plot::{axis, series};
 use super::sweep::step_of;
 use crate::commands::Failure;
@@ -84,6 +84,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     Ok(vec![
         Claim {
             item: "fig2",
+            origin: Origin::Paper,
             place: "section 3.2, figure 2",
             says: "a loop that is well resolved stays so for at least a few steps, how long depends on where it lies"
                 .into(),
@@ -94,6 +95,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
         },
         Claim {
             item: "fig2",
+            origin: Origin::Paper,
             place: "section 3.2, text against figures",
             says: "H = p²/2 + sin q has its loops round (π, ½) and (0, 0)".into(),
             measured: format!("with cos q, for which q = π is stable and q = 0 an x-point, {both}"),

@@ -1,12 +1,14 @@
 //! Figure 4: the interpolated pendulum against the step size.
 
-use symplint::Cutoffs;
+use symplint::{Cutoffs, Rule};
 
 use super::Item;
-use super::claim::{Claim, Judgement};
-use super::interpolated::{CASES, Case, circle_round, sweep_case};
+use super::claim::{Claim, Judgement, Origin};
+use super::interpolated::{CASES, Case, circle_round, pendulum, sweep_case};
 use super::plot::reference_slope;
-use super::sweep::{Record, halvings, last_slope, worst};
+use super::sweep::{
+    Record, Study, fitted_order, halvings, order_text, short_power, step_of, worst,
+};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel};
@@ -29,6 +31,10 @@ pub const ITEM: Item = Item {
     ],
     run,
 };
+
+/// The paper's samples: without interpolation and for degree 3, and for degrees 1 and 2.
+const PAPER_SMOOTH: usize = 1 << 16;
+const PAPER_ROUGH: usize = 1 << 20;
 
 fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let smooth = settings.whole("samples_smooth", 3)? as usize;
@@ -80,17 +86,13 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     }
     .save(&folder.figures(), "fig4")?;
     folder.write_csv("fig4.csv", &records)?;
-    Ok(claims(&records, p0))
+    let mut claims = claims(&records, p0);
+    claims.push(expected_slope()?);
+    Ok(claims)
 }
 
 fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
-    let curve = |case: &Case, integrator: &str| -> Vec<&Record> {
-        (records.iter())
-            .filter(|r| {
-                r.case == case.title && r.integrator == integrator && r.rule == case.rule_name()
-            })
-            .collect()
-    };
+    let curve = |case: &Case, integrator: &str| curve(records, case, integrator);
     let mut claims = Vec::new();
     for case in CASES.iter().filter(|case| !case.broken) {
         let strang = curve(case, "Strang");
@@ -98,6 +100,7 @@ fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
         let floor = strang.iter().map(|r| r.floor()).fold(0.0, f64::max);
         claims.push(Claim {
             item: "fig4",
+            origin: Origin::Paper,
             place: "section 4.3",
             says: format!(
                 "{}: Strang conserves the loop integral at every step size",
@@ -112,20 +115,24 @@ fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
         });
         // The paper's loop; round another centre the order is 3.
         if p0 == 0.0 {
-            let rk2: Vec<(f64, f64)> = curve(case, "RK2").iter().map(|r| r.over_step()).collect();
-            let slope = last_slope(&rk2, 1e-11).unwrap_or(f64::NAN);
+            let fit = fitted_order(curve(case, "RK2"));
             claims.push(Claim {
                 item: "fig4",
+                origin: Origin::Paper,
                 place: "section 4.3",
                 says: format!("{}: RK2 goes as h⁴", case.title),
                 measured: format!(
-                    "the midpoint rule goes as h^{slope:.2}; its h³ term is odd in p and cancels on a loop \
-                     centred at p = 0"
+                    "the midpoint rule goes as {}; its h³ term is odd in p and cancels on a loop centred at p = 0",
+                    order_text(fit.as_ref())
                 ),
-                judgement: Judgement::of((slope - 4.0).abs() < 0.1),
+                judgement: fit.map_or(Judgement::Unresolved, |fit| {
+                    Judgement::of((fit.slope - 4.0).abs() < 0.1)
+                }),
             });
         }
     }
+    claims.push(quadrature_below_trends(records));
+    claims.extend(linear_resolution(records));
     let linear = &CASES[1];
     let trusted = |r: &&Record| r.step_size >= 2f64.powi(-6);
     let ratio = (curve(linear, "Strang").into_iter().filter(trusted))
@@ -136,6 +143,7 @@ fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
         });
     claims.push(Claim {
         item: "fig4",
+        origin: Origin::Paper,
         place: "section 4.3",
         says: "piecewise linear: Strang and RK2 are largely indistinguishable for h ≥ 2^-6".into(),
         measured: format!(
@@ -145,4 +153,125 @@ fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
         judgement: Judgement::of(ratio.0 > 0.5 && ratio.1 < 2.0),
     });
     claims
+}
+
+/// The points of one curve by the paper's rule, the largest step first.
+fn curve<'a>(records: &'a [Record], case: &Case, integrator: &str) -> Vec<&'a Record> {
+    (records.iter())
+        .filter(|r| {
+            r.case == case.title && r.integrator == integrator && r.rule == case.rule_name()
+        })
+        .collect()
+}
+
+fn claim(says: &str, measured: String, judgement: Judgement) -> Claim {
+    Claim::of_paper("fig4", "section 4.3", says, measured, judgement)
+}
+
+/// Judges whether the defects of RK2 stand above the quadrature error wherever it is used.
+fn quadrature_below_trends(records: &[Record]) -> Claim {
+    let mut texts = Vec::new();
+    let (mut above, mut all) = (0, 0);
+    let mut paper = true;
+    for case in CASES.iter().filter(|case| !case.broken) {
+        let rk2 = curve(records, case, "RK2");
+        let clear: Vec<_> = rk2.iter().take_while(|r| r.defect() > r.floor()).collect();
+        let samples = if case.degree == 2 {
+            PAPER_ROUGH
+        } else {
+            PAPER_SMOOTH
+        };
+        paper &= rk2.iter().all(|r| r.samples == samples);
+        above += clear.len();
+        all += rk2.len();
+        texts.push(match clear.last() {
+            Some(last) => format!(
+                "{}: down to h = {}",
+                case.title,
+                short_power(last.step_size)
+            ),
+            None => format!("{}: nowhere", case.title),
+        });
+    }
+    claim(
+        "the samples make the quadrature error smaller than the trends of RK2 (pseudospectral rule)",
+        format!(
+            "so for {above} of {all} defects of RK2; {}",
+            texts.join("; ")
+        ),
+        Judgement::with_correction(above == all, 2 * above >= all).if_resolved(paper),
+    )
+}
+
+/// Judges what the finite-difference rule resolves with linear splines.
+fn linear_resolution(records: &[Record]) -> [Claim; 2] {
+    let strang = curve(records, &CASES[1], "Strang");
+    let paper = strang.first().is_some_and(|r| r.samples == PAPER_ROUGH);
+    let floor = strang.iter().map(|r| r.floor()).fold(0.0, f64::max);
+    let digits = -floor.log10();
+    // What is left of a defect without the quadrature error must exceed that.
+    let trusted = (strang.iter().take_while(|r| r.defect() > 2.0 * r.floor())).last();
+    let reaches = strang.last().is_some_and(|r| r.step_size < 2f64.powi(-8));
+    [
+        claim(
+            "piecewise linear: O(1/N_s) with 2^20 samples suggests about six digits",
+            format!("quadrature error estimated at {floor:.1e}, {digits:.1} digits"),
+            Judgement::of(digits >= 5.5).if_resolved(paper && floor.is_finite()),
+        ),
+        claim(
+            "piecewise linear: the error in symplecticity exceeds that of the quadrature for h above about 2^-6",
+            match trusted {
+                Some(r) => format!(
+                    "down to h = {}, where the defect is {:.1e} and the quadrature error {:.1e}",
+                    short_power(r.step_size),
+                    r.defect(),
+                    r.floor()
+                ),
+                None => "at no step size".into(),
+            },
+            Judgement::of(
+                trusted.is_some_and(|r| (2f64.powi(-7)..=2f64.powi(-5)).contains(&r.step_size)),
+            )
+            .if_resolved(paper && reaches),
+        ),
+    ]
+}
+
+/// Judges the slope that the paper expects of RK2, on a loop without symmetry.
+fn expected_slope() -> Result<Claim, Failure> {
+    let system = pendulum(0)?;
+    let circle = circle_round(0.5)?;
+    let mut fits = Vec::new();
+    for variant in ["midpoint", "heun"] {
+        let map = step_of("rk2", variant, &system)?;
+        let study = Study {
+            case: CASES[0].title,
+            integrator: "RK2",
+            map: &*map,
+            phase_loop: &circle,
+            rule: Rule::Pseudospectral,
+        };
+        fits.push(fitted_order(
+            &study.over_steps(1 << 10, &halvings(-1, -10))?,
+        ));
+    }
+    let judgement = match &fits[..] {
+        [Some(midpoint), Some(heun)] => Judgement::with_correction(
+            [midpoint, heun]
+                .iter()
+                .all(|fit| (fit.slope - 2.0).abs() < 0.1),
+            (midpoint.slope - 3.0).abs() < 0.1 && (heun.slope - 4.0).abs() < 0.1,
+        ),
+        _ => Judgement::Unresolved,
+    };
+    Ok(claim(
+        "the slope expected of RK2 is 2",
+        format!(
+            "not interpolated, round (π, ½), a loop without the symmetry: midpoint as {}, Heun as {}; one step of \
+             a method of order p is off by O(h^(p+1))",
+            order_text(fits[0].as_ref()),
+            order_text(fits[1].as_ref())
+        ),
+        judgement,
+    ))
 }

@@ -10,7 +10,7 @@ use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_models::systems::TwoCell;
 
 use super::Item;
-use super::claim::{Claim, Judgement};
+use super::claim::{Claim, Judgement, Origin};
 use crate::commands::Failure;
 use crate::config::Section;
 use crate::output::RunFolder;
@@ -38,6 +38,7 @@ fn run(_: &Section, _: &RunFolder) -> Result<Vec<Claim>, Failure> {
 fn claim(place: &'static str, says: &str, measured: String, judgement: Judgement) -> Claim {
     Claim {
         item: "formulas",
+        origin: Origin::Paper,
         place,
         says: says.to_owned(),
         measured,

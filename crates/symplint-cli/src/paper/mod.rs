@@ -4,6 +4,7 @@
 //! systems". Each item writes its figures and data into the run folder and judges
 //! the paper's claims from the numbers it measured.
 
+mod accumulation;
 mod appendix_a;
 mod appendix_b;
 mod claim;
@@ -15,13 +16,18 @@ mod fig3;
 mod fig4;
 mod fig5;
 mod fig6;
+mod fig6_claims;
 mod fig7;
+mod fig7_claims;
 mod fig8;
 mod fig9;
+mod fig9_claims;
 mod formulas;
 mod interpolated;
+mod particle_scaling;
 mod physics;
 mod pic;
+mod pic_panels;
 mod plot;
 mod sweep;
 

@@ -2,15 +2,13 @@
 
 use std::sync::Arc;
 
-use symplint::{Circle, Cutoffs, Rule, TimeAdvance};
+use symplint::{Circle, Cutoffs, Rule};
 use symplint_models::Separable;
 use symplint_models::pic::{Landau, ParticleWeights, Pic1d, PicConfig, ShapeFamily, TwoStream};
 
-use super::plot::{floor, series};
 use super::sweep::{Record, Study, step_of};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
-use crate::figure::{Series, Style};
 
 /// Settings of every particle-in-cell figure.
 pub const LAMBDA: Key = Key::new(
@@ -73,84 +71,154 @@ pub fn plasma(
     })
 }
 
-/// The integrators of a figure: label and step.
-pub struct Steps {
-    strang: &'static str,
-    rk2: &'static str,
+/// The spline degrees of the figures with their names.
+pub const DEGREES: [(usize, &str); 3] = [(1, "linear"), (2, "quadratic"), (3, "cubic")];
+
+/// The integrators of the figures, in the order of their curves.
+pub const INTEGRATORS: [&str; 2] = ["Strang", "RK2"];
+
+/// What the settings of a figure say of all its simulations.
+#[derive(Clone)]
+pub struct Setup {
+    /// N_p.
+    pub particles: usize,
+    /// λ_q = λ_p of the finite-difference rule.
+    pub cutoff: f64,
+    seed: u64,
+    variants: [&'static str; 2],
 }
 
-/// A step with the label of its curve.
-type Labelled = (&'static str, Box<dyn TimeAdvance>);
-
-impl Steps {
-    /// From the settings [`STRANG`] and [`RK2`].
-    pub fn read(settings: &Section) -> Result<Self, Failure> {
-        Ok(Steps {
-            strang: settings.choice("strang", &["position-first", "momentum-first"])?,
-            rk2: settings.choice("rk2", &["heun", "midpoint"])?,
-        })
-    }
-
-    /// Both for a system.
-    fn of(&self, system: &Arc<dyn Separable>) -> Result<[Labelled; 2], Failure> {
-        Ok([
-            ("Strang", step_of("strang", self.strang, system)?),
-            ("RK2", step_of("rk2", self.rk2, system)?),
-        ])
-    }
+/// One plasma with one kind of splines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Case {
+    /// One of [`PLASMAS`].
+    pub plasma: &'static str,
+    /// Spline degree.
+    pub degree: usize,
+    /// Passes of the binary filter.
+    pub passes: u32,
 }
 
-/// The paper's rule: finite differences where loops break.
-pub fn rule(degree: usize, settings: &Section) -> Result<Rule, Failure> {
-    let lambda = settings.number("cutoff", Accept::Positive)?;
-    Ok(if degree == 1 {
-        Rule::FiniteDifference(Cutoffs::relative(lambda))
-    } else {
-        Rule::Pseudospectral
-    })
+/// What is varied.
+pub enum Over {
+    /// The step size.
+    Steps {
+        /// N_s.
+        samples: usize,
+        /// h.
+        step_sizes: Vec<f64>,
+    },
+    /// The number of samples.
+    Samples {
+        /// N_s.
+        counts: Vec<usize>,
+        /// h.
+        step_size: f64,
+    },
 }
 
-/// Curves and floor of one panel, with everything measured.
-pub struct Swept {
-    /// Strang, RK2.
-    pub curves: Vec<Series>,
-    /// The floor of Strang.
-    pub floor: Series,
-    /// The points.
+/// What one integrator did in one case.
+pub struct Curve {
+    /// The case.
+    pub case: Case,
+    /// One of [`INTEGRATORS`].
+    pub integrator: &'static str,
+    /// The points, in the order of the sweep.
     pub records: Vec<Record>,
 }
 
-/// Runs `sweep` for both integrators; `at` places a record in the panel.
-pub fn sweep_plasma(
-    case: &str,
-    plasma: &Plasma,
-    steps: &Steps,
-    rule: Rule,
-    sweep: impl Fn(&Study<'_>) -> Result<Vec<Record>, Failure>,
-    at: fn(&Record) -> (f64, f64),
-) -> Result<Swept, Failure> {
-    let mut curves = Vec::new();
-    let mut records = Vec::new();
-    let mut of_strang = None;
-    for (index, (label, map)) in steps.of(&plasma.system)?.into_iter().enumerate() {
-        let points = sweep(&Study {
-            case,
-            integrator: label,
-            map: &*map,
-            phase_loop: &plasma.circle,
-            rule,
-        })?;
-        of_strang.get_or_insert_with(|| floor(&points, at));
-        let curve = points.iter().map(at).collect();
-        curves.push(series(label, curve, Style::LineAndPoints, index));
-        records.extend(points);
+/// All that was measured for a figure.
+pub struct Curves(pub Vec<Curve>);
+
+impl Case {
+    /// Its name in titles and data: `two-stream, cubic`, with the filter if there is one.
+    pub fn name(&self) -> String {
+        let degree = DEGREES.iter().find(|(degree, _)| *degree == self.degree);
+        let degree = degree.map_or("other", |(_, name)| name);
+        match self.passes {
+            0 => format!("{}, {degree}", self.plasma),
+            passes => format!("{}, {degree}, s = {passes}", self.plasma),
+        }
     }
-    Ok(Swept {
-        curves,
-        floor: of_strang.unwrap_or_else(|| series("", Vec::new(), Style::Floor, 0)),
-        records,
-    })
 }
 
-/// The spline degrees of the figures with their names.
-pub const DEGREES: [(usize, &str); 3] = [(1, "linear"), (2, "quadratic"), (3, "cubic")];
+impl Curves {
+    /// The points of one curve; none where it was not measured.
+    pub fn of(&self, case: Case, integrator: &str) -> &[Record] {
+        (self.0.iter())
+            .find(|curve| curve.case == case && curve.integrator == integrator)
+            .map_or(&[], |curve| &curve.records)
+    }
+
+    /// Every point, for the data file.
+    pub fn records(&self) -> Vec<&Record> {
+        self.0.iter().flat_map(|curve| &curve.records).collect()
+    }
+}
+
+impl Setup {
+    /// From the settings `particles`, [`LAMBDA`], [`SEED`], [`STRANG`] and [`RK2`].
+    pub fn read(settings: &Section) -> Result<Self, Failure> {
+        Ok(Setup {
+            particles: settings.whole_between("particles", 1, MOST_PARTICLES)? as usize,
+            cutoff: settings.number("cutoff", Accept::Positive)?,
+            seed: settings.whole("seed", 0)?,
+            variants: [
+                settings.choice("strang", &["position-first", "momentum-first"])?,
+                settings.choice("rk2", &["heun", "midpoint"])?,
+            ],
+        })
+    }
+
+    /// The same with another number of particles.
+    pub fn with_particles(&self, particles: usize) -> Self {
+        Setup {
+            particles,
+            ..self.clone()
+        }
+    }
+
+    /// Sweeps one integrator in one case, by the paper's rule: finite differences where loops break.
+    pub fn measure(
+        &self,
+        case: Case,
+        integrator: &'static str,
+        over: &Over,
+    ) -> Result<Curve, Failure> {
+        let plasma = plasma(
+            case.plasma,
+            self.particles,
+            ShapeFamily::BSpline,
+            case.degree,
+            case.passes,
+            self.seed,
+        )?;
+        let (name, variant) = match integrator {
+            "Strang" => ("strang", self.variants[0]),
+            _ => ("rk2", self.variants[1]),
+        };
+        let map = step_of(name, variant, &plasma.system)?;
+        let study = Study {
+            case: &case.name(),
+            integrator,
+            map: &*map,
+            phase_loop: &plasma.circle,
+            rule: match case.degree {
+                1 => Rule::FiniteDifference(Cutoffs::relative(self.cutoff)),
+                _ => Rule::Pseudospectral,
+            },
+        };
+        let records = match over {
+            Over::Steps {
+                samples,
+                step_sizes,
+            } => study.over_steps(*samples, step_sizes)?,
+            Over::Samples { counts, step_size } => study.over_samples(counts, *step_size)?,
+        };
+        Ok(Curve {
+            case,
+            integrator,
+            records,
+        })
+    }
+}

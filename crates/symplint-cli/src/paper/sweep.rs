@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use symplint::{
-    Diagnostic, Loop, Point, Rule, RuleChoice, SampleCount, SampleSweep, Sweep, TimeAdvance,
+    Defect, Diagnostic, Fit, Loop, LoopEvidence, Point, Rule, RuleChoice, SampleCount, SampleSweep,
+    StepEvidence, Sweep, TimeAdvance, judge,
 };
 use symplint_models::integrators::catalogue::build;
 use symplint_models::{ModelError, Separable};
@@ -143,33 +144,122 @@ impl Study<'_> {
     }
 }
 
+/// `from`, 2 `from`, 4 `from`, … up to `to`.
+pub fn doublings(from: u64, to: u64) -> Vec<usize> {
+    std::iter::successors(Some(from.min(to)), |n| n.checked_mul(2))
+        .take_while(|&n| n <= to)
+        .map(|n| n as usize)
+        .collect()
+}
+
 /// 2^`from`, 2^(`from` − 1), …, 2^`to`.
 pub fn halvings(from: i32, to: i32) -> Vec<f64> {
     (to..=from).rev().map(|m| 2f64.powi(m)).collect()
 }
 
-/// The slope between the last two of the points that lie above `floor`, in log–log.
-pub fn last_slope(points: &[(f64, f64)], floor: f64) -> Option<f64> {
-    let clear: Vec<(f64, f64)> = points.iter().copied().filter(|p| p.1 > floor).collect();
-    let [.., a, b] = clear[..] else { return None };
-    Some((b.1 / a.1).ln() / (b.0 / a.0).ln())
-}
-
 /// The largest |E|.
-pub fn worst<'a>(records: impl Iterator<Item = &'a Record>) -> f64 {
-    records.map(Record::defect).fold(0.0, f64::max)
+pub fn worst<'a>(records: impl IntoIterator<Item = &'a Record>) -> f64 {
+    (records.into_iter().map(Record::defect)).fold(0.0, f64::max)
 }
 
-/// Least-squares slope, in log–log, of what lies above round-off: single doublings are noisy.
-pub fn mean_rate(curve: &[(f64, f64)]) -> f64 {
+/// The power of h that the defects of one curve follow at its smallest steps above the floor, by the fit of
+/// the diagnostic itself; `None` where they show none.
+pub fn fitted_order<'a>(records: impl IntoIterator<Item = &'a Record>) -> Option<Fit> {
+    let mut evidence = LoopEvidence::new(0, 0);
+    for record in records {
+        evidence.samples = record.samples;
+        evidence.steps.push(StepEvidence {
+            step_size: record.step_size,
+            defect: Defect {
+                signed: record.signed_defect,
+                quadrature_error: record.quadrature_error,
+                roundoff: record.roundoff,
+            },
+            found: None,
+        });
+    }
+    // Only the fit is wanted: how much the loop is deformed matters to the verdict alone.
+    judge(&[evidence], f64::INFINITY).1.into_iter().next()
+}
+
+/// A fitted order in words.
+pub fn order_text(fit: Option<&Fit>) -> String {
+    match fit {
+        Some(fit) => format!(
+            "h^{:.2} (± {:.2}, h = {} … {})",
+            fit.slope,
+            fit.uncertainty,
+            short_power(fit.to),
+            short_power(fit.from)
+        ),
+        None => "no power of h".into(),
+    }
+}
+
+/// 2^-7 for what is a power of two, the number for what is none.
+pub fn short_power(h: f64) -> String {
+    let exponent = h.log2();
+    if exponent == exponent.round() && exponent < 0.0 {
+        format!("2^{exponent}")
+    } else {
+        format!("{h:.3}")
+    }
+}
+
+/// Fewest points of a trend.
+const FEWEST_POINTS: usize = 4;
+
+/// The range of a trend, last abscissa over first, at least.
+const NARROWEST: f64 = 8.0;
+
+/// Least-squares slope, in log–log, of what lies above round-off: single doublings are noisy. `None`
+/// with fewer than four points or less than a factor of eight between them, which make no trend.
+pub fn power_law(curve: &[(f64, f64)]) -> Option<f64> {
     let points: Vec<(f64, f64)> = (curve.iter())
         .filter(|point| point.1 > 1e-13)
         .map(|point| (point.0.ln(), point.1.ln()))
         .collect();
+    let (low, high) = (points.iter()).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| {
+        (l.min(p.0), h.max(p.0))
+    });
+    (points.len() >= FEWEST_POINTS && high - low > 0.99 * NARROWEST.ln())
+        .then(|| least_squares(&points))
+}
+
+/// A trend in words: N^-2.03.
+pub fn trend_text(variable: &str, rate: Option<f64>) -> String {
+    match rate {
+        Some(rate) => format!("{variable}^{rate:.2}"),
+        None => format!("no trend in {variable}"),
+    }
+}
+
+/// Least-squares slope.
+pub fn least_squares(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
     let (x, y) = (mean(|p| p.0), mean(|p| p.1));
     let above: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
     let below: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
     above / below
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trend_needs_range_and_points() {
+        let law = |counts: &[i32]| -> Vec<(f64, f64)> {
+            (counts.iter())
+                .map(|&m| (2f64.powi(m), 3.0 * 4f64.powi(-m)))
+                .collect()
+        };
+        let rate = power_law(&law(&[6, 7, 8, 9])).unwrap();
+        assert!((rate + 2.0).abs() < 1e-12, "{rate}");
+        assert_eq!(power_law(&law(&[6, 7, 8])), None);
+        assert_eq!(power_law(&[]), None);
+        // All at round-off.
+        assert_eq!(power_law(&law(&[40, 41, 42, 43, 44])), None);
+    }
 }

@@ -1,0 +1,106 @@
+//! The panels of figures 6, 7 and 9: each a plasma with splines of one degree.
+
+use super::pic::{Case, Curves, INTEGRATORS, Over, PLASMAS, Setup};
+use super::plot::{axis, floor, reference_slope, series};
+use super::sweep::Record;
+use crate::commands::Failure;
+use crate::figure::{Axis, Figure, Panel, Scale, Style};
+use crate::output::{error_axis, step_axis};
+
+/// A panel: curves of both integrators for each case in it.
+pub struct PanelOf {
+    /// Title.
+    pub title: String,
+    /// The cases, which differ in the passes of the filter.
+    pub cases: Vec<Case>,
+    /// A dashed line: the slope, and the integrator below whose curve it runs.
+    pub reference: Option<(f64, &'static str)>,
+}
+
+/// One panel for each plasma, without filter; the dashed line by degree.
+pub fn plain_panels(
+    degrees: impl IntoIterator<Item = usize>,
+    reference: impl Fn(usize) -> Option<(f64, &'static str)>,
+) -> Vec<PanelOf> {
+    let panel = |plasma, degree| {
+        let case = Case {
+            plasma,
+            degree,
+            passes: 0,
+        };
+        PanelOf {
+            title: case.name(),
+            cases: vec![case],
+            reference: reference(degree),
+        }
+    };
+    (degrees.into_iter())
+        .flat_map(|degree| PLASMAS.map(|plasma| panel(plasma, degree)))
+        .collect()
+}
+
+/// Measures all panels and draws them, two in a row.
+pub fn measure_panels(
+    setup: &Setup,
+    panels: &[PanelOf],
+    over: &Over,
+) -> Result<(Curves, Figure), Failure> {
+    let mut curves = Curves(Vec::new());
+    let mut drawn = Vec::new();
+    for panel in panels {
+        for &case in &panel.cases {
+            for integrator in INTEGRATORS {
+                curves.0.push(setup.measure(case, integrator, over)?);
+            }
+        }
+        drawn.push(draw(panel, &curves, over));
+    }
+    let figure = Figure {
+        title: None,
+        panels: drawn,
+        columns: 2,
+    };
+    Ok((curves, figure))
+}
+
+/// Where a record lies in a panel.
+type PointOf = fn(&Record) -> (f64, f64);
+
+fn draw(panel: &PanelOf, curves: &Curves, over: &Over) -> Panel {
+    let (x, variable, at): (Axis, &str, PointOf) = match over {
+        Over::Steps { .. } => (step_axis(), "h", Record::over_step),
+        Over::Samples { .. } => (axis("samples Nₛ", Scale::Log2), "Nₛ", Record::over_samples),
+    };
+    let points = |case: Case, integrator: &str| -> Vec<(f64, f64)> {
+        curves.of(case, integrator).iter().map(at).collect()
+    };
+    let mut all = Vec::new();
+    for &case in &panel.cases {
+        for integrator in INTEGRATORS {
+            let label = match panel.cases.len() {
+                1 => integrator.to_owned(),
+                _ => format!("{integrator}, s = {}", case.passes),
+            };
+            all.push(series(
+                &label,
+                points(case, integrator),
+                Style::LineAndPoints,
+                all.len(),
+            ));
+        }
+    }
+    // With several cases there is no room for more lines.
+    if let [case] = panel.cases[..] {
+        if let Some((slope, integrator)) = panel.reference {
+            all.push(reference_slope(&points(case, integrator), slope, variable));
+        }
+        all.push(floor(curves.of(case, "Strang"), at));
+    }
+    Panel {
+        title: panel.title.clone(),
+        x,
+        y: error_axis(),
+        series: all,
+        equal_aspect: false,
+    }
+}
