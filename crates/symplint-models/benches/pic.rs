@@ -1,6 +1,6 @@
 //! The particle-in-cell force and step beside a plain scalar control, in one interleaved run.
 //!
-//! `cargo bench -p symplint-models --bench pic`. Absolute times are of this machine; the ratios
+//! `cargo bench -p symplint-models --bench pic [-- PART OF A NAME]`. Times are of this machine; ratios
 //! are what can be claimed.
 
 mod pic_control;
