@@ -1,8 +1,27 @@
 //! Between particles and nodes: charge is deposited, gradients are gathered, by the same shapes.
 
+use std::iter::repeat_n;
+
+use super::element::node_integrals;
 use super::mesh::Mesh;
 
 impl<const D: usize> Mesh<D> {
+    /// A charge of −`charge` spread evenly over the box, as deposited on the nodes.
+    pub(super) fn background(&self, charge: f64) -> Vec<f64> {
+        let per_cell = charge / self.values_per_component() as f64;
+        let axis = node_integrals(self.shape());
+        let integrals = (0..D).fold(vec![1.0], |products, _| {
+            let products = products.iter();
+            products
+                .flat_map(|product| axis.iter().map(move |integral| product * integral))
+                .collect()
+        });
+        let components = integrals.iter();
+        components
+            .flat_map(|integral| repeat_n(-per_cell * integral, self.values_per_component()))
+            .collect()
+    }
+
     /// Adds `charge` × N_i(x) to every node i.
     #[inline]
     pub(super) fn deposit(&self, charge: f64, x: [f64; D], nodes: &mut [f64]) {

@@ -107,6 +107,11 @@ impl<const D: usize> Mesh<D> {
         self.components() * self.values_per_component()
     }
 
+    /// The cells of one axis.
+    pub(super) fn grid(&self) -> &PeriodicGrid {
+        &self.grid
+    }
+
     /// What the position `x` along `axis` touches.
     #[inline]
     pub(super) fn stencil(&self, axis: usize, x: f64) -> AxisStencil {
@@ -118,8 +123,9 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
+    /// Places of the functions that do not vanish on a cell, in the order of the shape.
     #[inline]
-    fn places(&self, axis: usize, cell: usize) -> [usize; MAX_DEGREE + 1] {
+    pub(super) fn places(&self, axis: usize, cell: usize) -> [usize; MAX_DEGREE + 1] {
         let AxisNumbering {
             cell: stride,
             component,

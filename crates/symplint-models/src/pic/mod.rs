@@ -25,13 +25,19 @@
 //! From the particles to the force: `shape` knows the basis functions of a cell, `mesh` numbers the
 //! nodes, `deposit` carries charge to them and gradients back, `element` has the
 //! matrices of one axis and one Fourier mode, `field` solves for the potential, `system` is the
-//! Hamiltonian.
+//! Hamiltonian. On a line there is a faster way, `line`: `place` finds the particles' cells,
+//! `polynomials` has what all particles of a cell share, and `pairs` does without a mesh where there
+//! are few.
 
 mod deposit;
 mod element;
 mod field;
 mod initial;
+mod line;
 mod mesh;
+mod pairs;
+mod place;
+mod polynomials;
 mod scratch;
 mod shape;
 mod system;

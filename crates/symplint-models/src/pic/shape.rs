@@ -1,6 +1,6 @@
 //! Shapes of particles: the basis functions of a mesh, seen from one cell of one axis.
 
-use crate::bspline::{self, CellWeights};
+use crate::bspline::{self, CellWeights, MAX_DEGREE};
 use crate::error::ModelError;
 
 /// Which piecewise polynomials carry charge and potential.
@@ -27,7 +27,7 @@ impl ShapeFamily {
     /// The highest degree provided; the lowest is 1.
     pub fn highest_degree(self) -> usize {
         match self {
-            ShapeFamily::BSpline => bspline::MAX_DEGREE,
+            ShapeFamily::BSpline => MAX_DEGREE,
             ShapeFamily::Lagrange => 3,
         }
     }
@@ -80,6 +80,14 @@ impl Shape {
         }
     }
 
+    /// The functions as polynomials of the fraction: row n has the coefficients of its nth power.
+    pub(super) fn powers(self) -> [CellWeights; MAX_DEGREE + 1] {
+        match self.family {
+            ShapeFamily::BSpline => spline_powers(self.degree),
+            ShapeFamily::Lagrange => lagrange_powers(self.degree),
+        }
+    }
+
     /// Derivatives at the fraction `x` of the cell, by the fraction.
     #[inline]
     pub(super) fn slopes(self, x: f64) -> CellWeights {
@@ -88,6 +96,36 @@ impl Shape {
             ShapeFamily::Lagrange => lagrange_slopes(self.degree, x),
         }
     }
+}
+
+/// Taylor series of the splines of a cell at its left end.
+fn spline_powers(degree: usize) -> [CellWeights; MAX_DEGREE + 1] {
+    let mut factorial = 1.0;
+    std::array::from_fn(|n| {
+        factorial *= n.max(1) as f64;
+        bspline::derivative_weights(degree, n, 0.0).map(|weight| weight / factorial)
+    })
+}
+
+/// The products of [`lagrange_values`], multiplied out.
+fn lagrange_powers(degree: usize) -> [CellWeights; MAX_DEGREE + 1] {
+    let mut powers = [CellWeights::default(); MAX_DEGREE + 1];
+    for j in 0..=degree {
+        let mut product = CellWeights::default();
+        product[0] = 1.0;
+        for i in (0..=degree).filter(|&i| i != j) {
+            let (scale, shift) = (degree as f64, i as f64);
+            for n in (1..=degree).rev() {
+                product[n] = scale * product[n - 1] - shift * product[n];
+            }
+            product[0] *= -shift;
+            product = product.map(|coefficient| coefficient / (j as f64 - shift));
+        }
+        for (row, coefficient) in powers.iter_mut().zip(product) {
+            row[j] = coefficient;
+        }
+    }
+    powers
 }
 
 /// Lagrange polynomials of the nodes j / degree: Π_{i≠j} (degree · x − i) / (j − i).
@@ -142,6 +180,20 @@ mod tests {
                 assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-14);
                 assert!(slopes.iter().sum::<f64>().abs() < 1e-13);
                 assert!(values[shape.degree() + 1..].iter().all(|&v| v == 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn powers_add_up_to_values() {
+        for shape in all_shapes() {
+            let powers = shape.powers();
+            for step in 0..=50 {
+                let x = f64::from(step) / 50.0;
+                for (j, value) in shape.values(x).iter().enumerate() {
+                    let sum = powers.iter().rev().fold(0.0, |sum, row| sum * x + row[j]);
+                    assert!((sum - value).abs() < 1e-14, "{shape:?}, {j}: {sum}");
+                }
             }
         }
     }

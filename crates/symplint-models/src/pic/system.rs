@@ -2,8 +2,8 @@
 
 use symplint::{Coordinates, Rows, RowsMut, scratch};
 
-use super::element::node_integrals;
 use super::field::FieldSolver;
+use super::line::LineForce;
 use super::mesh::Mesh;
 use super::shape::{Shape, ShapeFamily};
 use crate::error::ModelError;
@@ -99,9 +99,11 @@ impl Default for PicConfig {
 pub struct Pic<const D: usize> {
     mesh: Mesh<D>,
     weights: Vec<f64>,
-    /// ρ0, the same in every cell: one for each component.
+    /// −ρ0, what the nodes have without particles.
     background: Vec<f64>,
     solver: FieldSolver<D>,
+    /// In one dimension, what makes its force fast.
+    line: Option<LineForce>,
     coordinates: Coordinates,
 }
 
@@ -141,12 +143,15 @@ impl<const D: usize> Pic<D> {
         }
         let charge: f64 = weights.iter().sum();
         ModelError::check_finite("the total weight of the particles", charge)?;
+        let background = mesh.background(charge);
+        let solver = FieldSolver::new(&mesh, config.filter_passes);
         Ok(Pic {
-            background: background(&mesh, charge),
-            solver: FieldSolver::new(&mesh, config.filter_passes),
+            line: (D == 1).then(|| LineForce::new(&mesh, &solver, &weights)),
             coordinates: coordinates::<D>(&weights, mesh.cell_width()),
             mesh,
             weights,
+            background,
+            solver,
         })
     }
 
@@ -175,12 +180,13 @@ impl<const D: usize> Pic<D> {
     /// # Panics
     /// If there are not `D` N_p positions.
     pub fn field(&self, positions: &[f64]) -> Vec<f64> {
-        let mut field = Vec::with_capacity(positions.len());
-        self.with_potential(positions, |potential| {
-            for &x in self.split(positions) {
-                field.extend(self.mesh.gradient(potential, x).map(|slope| -slope));
-            }
-        });
+        let dof = self.split(positions).len() * D;
+        let mut field = vec![0.0; dof];
+        self.kick(
+            1.0,
+            Rows::new(positions, dof, 1, 1),
+            &mut RowsMut::new(&mut field, dof, 1, 1),
+        );
         field
     }
 
@@ -240,10 +246,7 @@ impl<const D: usize> Pic<D> {
 
     /// Writes ρ.
     fn deposit(&self, positions: &[f64], nodes: &mut [f64]) {
-        let components = nodes.chunks_exact_mut(self.mesh.values_per_component());
-        for (component, background) in components.zip(&self.background) {
-            component.fill(-background);
-        }
+        nodes.copy_from_slice(&self.background);
         for (&x, &weight) in self.split(positions).iter().zip(&self.weights) {
             self.mesh.deposit(weight, x, nodes);
         }
@@ -297,18 +300,6 @@ fn check_not_zero(what: &'static str, value: f64) -> Result<(), ModelError> {
     })
 }
 
-/// A charge of −`charge` spread evenly over the box, as deposited on the nodes of one cell.
-fn background<const D: usize>(mesh: &Mesh<D>, charge: f64) -> Vec<f64> {
-    let per_cell = charge / mesh.values_per_component() as f64;
-    let axis = node_integrals(mesh.shape());
-    (0..D).fold(vec![per_cell], |products, _| {
-        let products = products.iter();
-        products
-            .flat_map(|product| axis.iter().map(move |integral| product * integral))
-            .collect()
-    })
-}
-
 /// Every axis of a particle carries its weight.
 fn coordinates<const D: usize>(weights: &[f64], cell_width: f64) -> Coordinates {
     let each_axis = weights.iter().flat_map(|&weight| [weight; D]).collect();
@@ -324,6 +315,9 @@ impl<const D: usize> Separable for Pic<D> {
     }
 
     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
+        if let Some(line) = &self.line {
+            return line.kick(&self.solver, &self.weights, tau, q, p);
+        }
         self.each_sample(q, |sample, positions| {
             self.with_potential(positions, |potential| {
                 for (particle, &x) in self.split(positions).iter().enumerate() {

@@ -1,0 +1,157 @@
+//! The particle-in-cell force and step beside a plain scalar control, in one interleaved run.
+//!
+//! `cargo bench -p symplint-models --bench pic [-- PART OF A NAME]`. Times are of this machine; ratios
+//! are what can be claimed.
+
+mod pic_control;
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use pic_control::PlainPic;
+use symplint::{Block, Rows, RowsMut, TimeAdvance};
+use symplint_models::Separable;
+use symplint_models::integrators::{Splitting, Variant, splitting_methods};
+use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, TwoStream};
+
+const CELLS: usize = 128;
+const LENGTH: f64 = 50.0;
+/// Each case runs this often, in turn with its control; the medians are printed.
+const ROUNDS: usize = 51;
+/// Long enough for the clock, short enough for a round of two to see the same machine.
+const SLICE: Duration = Duration::from_micros(1000);
+
+fn main() {
+    println!("{CELLS} cells; ns, medians of {ROUNDS} interleaved rounds");
+    println!(
+        "{:<38}{:>10}{:>10}{:>8}",
+        "", "symplint", "control", "ratio"
+    );
+    for degree in 1..=3 {
+        for samples in [1, 16] {
+            force(degree, 10_000, samples);
+        }
+    }
+    for degree in 1..=3 {
+        for particles in [2, 8, 16, 24, 32, 128] {
+            strang_step(degree, particles);
+        }
+    }
+}
+
+fn plasma(degree: usize, particles: usize) -> (Pic1d, PlainPic) {
+    let density = 1.0;
+    let pic = Pic1d::new(PicConfig {
+        weights: ParticleWeights::Equal { particles, density },
+        cells: CELLS,
+        length: LENGTH,
+        degree,
+        ..PicConfig::default()
+    });
+    (
+        pic.unwrap(),
+        PlainPic::new(degree, CELLS, LENGTH, density * LENGTH / particles as f64),
+    )
+}
+
+/// One evaluation of the force, per particle and sample.
+fn force(degree: usize, particles: usize, samples: usize) {
+    let (pic, mut plain) = plasma(degree, particles);
+    let (x, _) = TwoStream::default().sample(&pic, 1).unwrap();
+    // The same particles in every sample, moved a little from one to the next.
+    let q: Vec<f64> = (x.iter())
+        .flat_map(|x| (0..samples).map(move |sample| x + 0.01 * sample as f64))
+        .collect();
+    let mut p = vec![0.0; q.len()];
+    let kick = || {
+        let q = Rows::new(black_box(&q), particles, samples, samples);
+        pic.kick(
+            1e-9,
+            q,
+            &mut RowsMut::new(&mut p, particles, samples, samples),
+        );
+    };
+    let mut v = vec![0.0; particles];
+    let control = || plain.kick(1e-9, black_box(&x), &mut v);
+    report(
+        &format!("force a particle, degree {degree}, {samples} samples"),
+        (particles * samples) as f64,
+        particles as f64,
+        kick,
+        control,
+    );
+}
+
+/// One position-first Strang step of one sample: a force and two drifts.
+fn strang_step(degree: usize, particles: usize) {
+    const H: f64 = 1e-6;
+    let (pic, mut plain) = plasma(degree, particles);
+    let (x, v) = TwoStream::default().sample(&pic, 1).unwrap();
+    let step = Splitting::new(splitting_methods::strang(Variant::PositionFirst), pic);
+    let (mut q, mut p) = (x.clone(), v.clone());
+    let advance = || {
+        let mut block = Block::new(
+            RowsMut::new(&mut q, particles, 1, 1),
+            RowsMut::new(&mut p, particles, 1, 1),
+        );
+        step.advance(H, black_box(&mut block)).unwrap();
+    };
+    let (mut x, mut v) = (x, v);
+    let drift = |x: &mut [f64], v: &[f64]| {
+        for (x, v) in x.iter_mut().zip(v) {
+            *x += 0.5 * H * v;
+        }
+    };
+    let control = || {
+        drift(&mut x, &v);
+        plain.kick(H, black_box(&x), &mut v);
+        drift(&mut x, &v);
+    };
+    report(
+        &format!("Strang step, degree {degree}, {particles} particles"),
+        1.0,
+        1.0,
+        advance,
+        control,
+    );
+}
+
+/// Prints the time of both, each divided by what it works on, and the ratio of the two.
+fn report(
+    name: &str,
+    units: f64,
+    control_units: f64,
+    mut work: impl FnMut(),
+    mut control: impl FnMut(),
+) {
+    let wanted = std::env::args().skip(1).find(|arg| !arg.starts_with('-'));
+    if wanted.is_some_and(|part| !name.contains(&part)) {
+        return;
+    }
+    let (mut times, mut control_times) = (Vec::new(), Vec::new());
+    for _ in 0..ROUNDS {
+        times.push(nanoseconds(&mut work) / units);
+        control_times.push(nanoseconds(&mut control) / control_units);
+    }
+    let (time, control) = (median(times), median(control_times));
+    println!(
+        "{name:<38}{time:>10.2}{control:>10.2}{:>8.2}",
+        control / time
+    );
+}
+
+/// The time of one call, over as many as fill a slice.
+fn nanoseconds(work: &mut impl FnMut()) -> f64 {
+    let start = Instant::now();
+    let mut calls = 0;
+    while calls == 0 || start.elapsed() < SLICE {
+        work();
+        calls += 1;
+    }
+    start.elapsed().as_nanos() as f64 / f64::from(calls)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}

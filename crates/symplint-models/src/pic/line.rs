@@ -1,0 +1,299 @@
+//! The force on a line: particles to moments of cells, moments to nodes, charge to potential, and back;
+//! or pair by pair.
+
+use symplint::{Rows, RowsMut, scratch};
+
+use super::field::FieldSolver;
+use super::mesh::Mesh;
+use super::pairs::PairTable;
+use super::place::Locator;
+use super::polynomials::{CellPolynomials, add_particle, gradient_at};
+
+/// Samples whose particles are carried to their meshes together: rows are read so many values at a
+/// time, and sums into different meshes do not wait for each other.
+const GROUP: usize = 8;
+
+/// Values of all tables of a group at most.
+const MOST_VALUES: usize = 1 << 16;
+
+/// What a plasma on a line needs for its force besides the field solver.
+#[derive(Clone, Debug)]
+pub(super) struct LineForce {
+    locator: Locator,
+    cells: usize,
+    polynomials: CellPolynomials,
+    /// The nodes without a particle.
+    background: Vec<f64>,
+    pairs: Option<PairTable>,
+}
+
+/// Calls a function for the number of functions on a cell, which the compiler then knows.
+macro_rules! for_functions {
+    ($functions:expr, $object:ident.$function:ident::<$dimension:tt>($($argument:expr),*)) => {
+        match $functions {
+            2 => $object.$function::<$dimension, 2>($($argument),*),
+            3 => $object.$function::<$dimension, 3>($($argument),*),
+            4 => $object.$function::<$dimension, 4>($($argument),*),
+            5 => $object.$function::<$dimension, 5>($($argument),*),
+            6 => $object.$function::<$dimension, 6>($($argument),*),
+            functions => unreachable!("no shape has {functions} functions on a cell"),
+        }
+    };
+}
+
+impl LineForce {
+    pub(super) fn new<const D: usize>(
+        mesh: &Mesh<D>,
+        solver: &FieldSolver<D>,
+        weights: &[f64],
+    ) -> Self {
+        let mut force = LineForce {
+            locator: Locator::new(*mesh.grid()),
+            cells: mesh.cells(),
+            polynomials: CellPolynomials::new(mesh),
+            background: mesh.background(weights.iter().sum()),
+            pairs: None,
+        };
+        if PairTable::is_faster(weights.len(), &force.polynomials, mesh.cells()) {
+            let functions = force.polynomials.functions();
+            for_functions!(functions, force.tabulate_pairs::<D>(mesh, solver));
+        }
+        force
+    }
+
+    fn tabulate_pairs<const D: usize, const N: usize>(
+        &mut self,
+        mesh: &Mesh<D>,
+        solver: &FieldSolver<D>,
+    ) {
+        let table = PairTable::new::<D, N>(mesh, &self.polynomials, solver);
+        self.pairs = Some(table);
+    }
+
+    /// p −= τ × the gradient of the potential at the particles, for every sample.
+    pub(super) fn kick<const D: usize>(
+        &self,
+        solver: &FieldSolver<D>,
+        weights: &[f64],
+        tau: f64,
+        q: Rows<'_>,
+        p: &mut RowsMut<'_>,
+    ) {
+        for_functions!(
+            self.polynomials.functions(),
+            self.kick_with::<D>(solver, weights, tau, q, p)
+        );
+    }
+
+    fn kick_with<const D: usize, const N: usize>(
+        &self,
+        solver: &FieldSolver<D>,
+        weights: &[f64],
+        tau: f64,
+        q: Rows<'_>,
+        p: &mut RowsMut<'_>,
+    ) {
+        if let Some(pairs) = &self.pairs {
+            return pairs.kick::<N>(&self.locator, weights, tau, q, p);
+        }
+        // Tables of a whole group must fit into a cache, and with many cells into memory.
+        let grouped = GROUP * self.polynomials.table_len() <= MOST_VALUES;
+        let whole = if grouped { q.len() / GROUP * GROUP } else { 0 };
+        for first in (0..whole).step_by(GROUP) {
+            self.kick_group::<D, N, GROUP>(solver, weights, tau, first, q, p);
+        }
+        for first in whole..q.len() {
+            self.kick_group::<D, N, 1>(solver, weights, tau, first, q, p);
+        }
+    }
+
+    /// Kicks `W` neighbouring samples, from sample `first` on.
+    fn kick_group<const D: usize, const N: usize, const W: usize>(
+        &self,
+        solver: &FieldSolver<D>,
+        weights: &[f64],
+        tau: f64,
+        first: usize,
+        q: Rows<'_>,
+        p: &mut RowsMut<'_>,
+    ) {
+        let (cells, nodes) = (self.cells, self.background.len());
+        let len = self.polynomials.table_len();
+        let work_len = self.polynomials.work_len(nodes);
+        scratch::with_buffer(W * len + nodes + work_len, |buffer| {
+            // For each sample the moments of its cells, then the gradients on them.
+            let (tables, rest) = buffer.split_at_mut(W * len);
+            let (nodes, work) = rest.split_at_mut(nodes);
+            tables.fill(0.0);
+            self.locator
+                .each_run::<W>(q, first, |a, places, fractions| {
+                    let particles = places.iter().zip(fractions).zip(&weights[a..]);
+                    for ((places, fractions), &weight) in particles {
+                        for (sample, table) in tables.chunks_exact_mut(len).enumerate() {
+                            let cell = places[sample] as usize;
+                            let (moments, _) = table.as_chunks_mut::<N>();
+                            add_particle(&mut moments[cell], weight, fractions[sample]);
+                        }
+                    }
+                });
+            for table in tables.chunks_exact_mut(len) {
+                nodes.copy_from_slice(&self.background);
+                self.polynomials.deposit::<N>(table, nodes, work);
+                solver.solve(nodes);
+                self.polynomials.gradients::<N>(nodes, table, work);
+            }
+            self.locator
+                .each_run::<W>(q, first, |a, places, fractions| {
+                    for (i, (places, fractions)) in places.iter().zip(fractions).enumerate() {
+                        let row = &mut p.row_mut(a + i)[first..first + W];
+                        for (sample, (v, table)) in
+                            row.iter_mut().zip(tables.chunks_exact(len)).enumerate()
+                        {
+                            let cell = places[sample] as usize;
+                            *v -= tau * gradient_at::<N>(table, cells, cell, fractions[sample]);
+                        }
+                    }
+                });
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shape::{Shape, ShapeFamily};
+    use super::*;
+
+    fn shapes() -> impl Iterator<Item = Shape> {
+        [ShapeFamily::BSpline, ShapeFamily::Lagrange]
+            .into_iter()
+            .flat_map(|family| {
+                (1..=family.highest_degree()).map(move |p| Shape::new(family, p).unwrap())
+            })
+    }
+
+    /// A plasma by all three ways.
+    struct Line {
+        mesh: Mesh<1>,
+        solver: FieldSolver<1>,
+        weights: Vec<f64>,
+        by_moments: LineForce,
+        by_pairs: LineForce,
+    }
+
+    impl Line {
+        fn new(shape: Shape, cells: usize, passes: u32, weights: &[f64]) -> Self {
+            let mesh = Mesh::new(shape, cells, 0.7 * cells as f64).unwrap();
+            let solver = FieldSolver::new(&mesh, passes);
+            let by_moments = LineForce {
+                pairs: None,
+                ..LineForce::new(&mesh, &solver, weights)
+            };
+            let mut by_pairs = by_moments.clone();
+            let functions = shape.degree() + 1;
+            for_functions!(functions, by_pairs.tabulate_pairs::<1>(&mesh, &solver));
+            Line {
+                weights: weights.to_vec(),
+                by_pairs,
+                by_moments,
+                solver,
+                mesh,
+            }
+        }
+
+        /// Gradients at the particles of every sample, as `q`: a row of `samples` for each.
+        fn kicked(&self, force: &LineForce, q: &[f64], samples: usize) -> Vec<f64> {
+            let particles = self.weights.len();
+            let mut p = vec![0.0; q.len()];
+            force.kick(
+                &self.solver,
+                &self.weights,
+                -1.0,
+                Rows::new(q, particles, samples, samples),
+                &mut RowsMut::new(&mut p, particles, samples, samples),
+            );
+            p
+        }
+
+        /// The same for one sample, particle by particle and node by node.
+        fn slow(&self, x: &[f64]) -> Vec<f64> {
+            let mut nodes = self.mesh.background(self.weights.iter().sum());
+            for (&x, &weight) in x.iter().zip(&self.weights) {
+                self.mesh.deposit(weight, [x], &mut nodes);
+            }
+            self.solver.solve(&mut nodes);
+            x.iter()
+                .map(|&x| self.mesh.gradient(&nodes, [x])[0])
+                .collect()
+        }
+    }
+
+    /// Positions in a box of `length`, at its ends and cell boundaries, and far outside.
+    fn positions(cells: usize, length: f64) -> Vec<f64> {
+        let width = length / cells as f64;
+        let mut x = vec![
+            0.0,
+            -0.0,
+            length,
+            -length,
+            -1e-300,
+            -1e-17,
+            length.next_down(),
+        ];
+        x.extend([1e9 * length, -1e9 * length + 0.3 * width, 1e16 * length]);
+        x.extend((0..6).map(|i| f64::from(i) * width));
+        x.extend((0..8).map(|i| (f64::from(i) * 0.618 * length + 0.1 * width) % length));
+        x
+    }
+
+    #[test]
+    fn both_ways_are_the_slow_one() {
+        for shape in shapes() {
+            for passes in [0, 3] {
+                for cells in [1, 2, 3, 5, 8, 128] {
+                    let length = 0.7 * cells as f64;
+                    let x = positions(cells, length);
+                    let weights: Vec<f64> =
+                        (0..x.len()).map(|a| 1.0 - 0.1 * (a % 13) as f64).collect();
+                    let line = Line::new(shape, cells, passes, &weights);
+                    let slow = line.slow(&x);
+                    // Fields are differences of potentials, which grow with the charge and the box.
+                    let scale = x.len() as f64 * length.max(1.0);
+                    for force in [&line.by_moments, &line.by_pairs] {
+                        let kicked = line.kicked(force, &x, 1);
+                        for ((x, got), expected) in x.iter().zip(&kicked).zip(&slow) {
+                            assert!(
+                                (got - expected).abs() < 1e-14 * scale,
+                                "{shape:?}, {cells} cells, {passes} passes, x = {x:e}: \
+                                 {got} for {expected}, pairs: {}",
+                                force.pairs.is_some()
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// A sample gets the same bits alone, in a group and in what groups leave over.
+    #[test]
+    fn a_sample_does_not_know_its_block() {
+        const SAMPLES: usize = 2 * GROUP + 3;
+        for shape in shapes() {
+            let particles = 40;
+            let line = Line::new(shape, 16, 0, &vec![0.3; particles]);
+            let q: Vec<f64> = (0..particles * SAMPLES)
+                .map(|i| ((i * i) as f64 * 0.618).rem_euclid(33.6) - 11.2)
+                .collect();
+            for force in [&line.by_moments, &line.by_pairs] {
+                let together = line.kicked(force, &q, SAMPLES);
+                for sample in 0..SAMPLES {
+                    let of_sample = |table: &[f64]| -> Vec<f64> {
+                        table[sample..].iter().step_by(SAMPLES).copied().collect()
+                    };
+                    let alone = line.kicked(force, &of_sample(&q), 1);
+                    assert_eq!(of_sample(&together), alone, "{shape:?}, sample {sample}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! Where particles are: their cells and how far into them, without branches or conversions.
+
+use symplint::Rows;
+
+use crate::periodic_grid::PeriodicGrid;
+
+/// Finds places on a grid: [`PeriodicGrid::locate`] to the last bit.
+///
+/// Near positions are reduced in floating point alone, for which processors need no conversions and
+/// compilers find vectors.
+#[derive(Clone, Debug)]
+pub(super) struct Locator {
+    grid: PeriodicGrid,
+    cells: f64,
+    cells_per_length: f64,
+    periods_per_cell: f64,
+}
+
+impl Locator {
+    pub(super) fn new(grid: PeriodicGrid) -> Self {
+        let cells = grid.cells() as f64;
+        Locator {
+            cells,
+            cells_per_length: grid.cells_per_length(),
+            periods_per_cell: 1.0 / cells,
+            grid,
+        }
+    }
+
+    /// Writes the cell of every position, and the fraction of it at which the position lies.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    #[inline]
+    pub(super) fn locate(&self, x: &[f64], cells: &mut [u32], fractions: &mut [f64]) {
+        /// Below this, [`floor`] is exact.
+        const EXACT: f64 = (1_u64 << 51) as f64;
+        assert!(x.len() == cells.len() && x.len() == fractions.len());
+        let mut near = true;
+        for ((&x, cell), fraction) in x.iter().zip(&mut *cells).zip(&mut *fractions) {
+            let position = x * self.cells_per_length;
+            near &= position.abs() < EXACT;
+            (*cell, *fraction) = self.locate_near(position);
+        }
+        if !near {
+            self.locate_far(x, cells, fractions);
+        }
+    }
+
+    /// Calls `work` with runs of particles and where `W` neighbouring samples, from `first` on, have
+    /// them: the number of the run's first particle, and for each particle the cells and fractions.
+    ///
+    /// Position a is row a of `q`.
+    #[inline]
+    pub(super) fn each_run<const W: usize>(
+        &self,
+        q: Rows<'_>,
+        first: usize,
+        mut work: impl FnMut(usize, &[[u32; W]], &[[f64; W]]),
+    ) {
+        /// Positions of a run.
+        const RUN: usize = 64;
+        let mut x = [0.0; RUN];
+        let mut cells = [0; RUN];
+        let mut fractions = [0.0; RUN];
+        for a in (0..q.count()).step_by(RUN / W) {
+            let len = W * (q.count() - a).min(RUN / W);
+            let (x, cells, fractions) = (&mut x[..len], &mut cells[..len], &mut fractions[..len]);
+            for (i, x) in x.as_chunks_mut::<W>().0.iter_mut().enumerate() {
+                x.copy_from_slice(&q.row(a + i)[first..first + W]);
+            }
+            self.locate(x, cells, fractions);
+            work(a, cells.as_chunks().0, fractions.as_chunks().0);
+        }
+    }
+
+    #[inline]
+    fn locate_near(&self, position: f64) -> (u32, f64) {
+        let cell = floor(position);
+        // The quotient's rounding error is below 1 / cells, so it can cross an integer only where
+        // it should be one: then it may fall short of it, and the remainder is `cells` instead
+        // of 0.
+        let period = floor(cell * self.periods_per_cell);
+        let remainder = cell - period * self.cells;
+        let wrapped = if remainder < self.cells {
+            remainder
+        } else {
+            0.0
+        };
+        (low_bits(wrapped), position - cell)
+    }
+
+    /// Some positions are far out, or not finite: all of them one by one.
+    #[cold]
+    fn locate_far(&self, x: &[f64], cells: &mut [u32], fractions: &mut [f64]) {
+        for ((&x, cell), fraction) in x.iter().zip(cells).zip(fractions) {
+            let place = self.grid.locate(x);
+            (*cell, *fraction) = (place.0 as u32, place.1);
+        }
+    }
+}
+
+/// The largest integer that is not above `x`, for |x| < 2^51.
+#[inline]
+fn floor(x: f64) -> f64 {
+    /// Numbers of this size are a distance of 1 apart, on both sides.
+    const SHIFT: f64 = 1.5 * (1_u64 << 52) as f64;
+    let rounded = (x + SHIFT) - SHIFT;
+    rounded - if rounded > x { 1.0 } else { 0.0 }
+}
+
+/// An integer from 0 to 2^32 − 1 as such: the last bits of its sum with 2^52.
+#[inline]
+fn low_bits(x: f64) -> u32 {
+    (x + (1_u64 << 52) as f64).to_bits() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn assert_as_on_the_grid(grid: PeriodicGrid, x: &[f64]) {
+        let (mut cells, mut fractions) = (vec![0; x.len()], vec![0.0; x.len()]);
+        Locator::new(grid).locate(x, &mut cells, &mut fractions);
+        for ((&x, &cell), &fraction) in x.iter().zip(&cells).zip(&fractions) {
+            let expected = grid.locate(x);
+            assert_eq!(cell as usize, expected.0, "{x:e} on {grid:?}");
+            assert_eq!(
+                fraction.to_bits(),
+                expected.1.to_bits(),
+                "{x:e} on {grid:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn edges_and_far_positions_are_placed_as_on_the_grid() {
+        for cells in [1, 2, 3, 7, 128, 1000, PeriodicGrid::MAX_CELLS] {
+            for length in [1.0, 50.0, std::f64::consts::TAU, 1e-3 * cells as f64] {
+                let grid = PeriodicGrid::new(cells, length).unwrap();
+                for turns in [0.0, 1.0, -1.0, 1e3, -1e9, 1e9, 1e17, -1e300] {
+                    let nodes = (0..=cells).step_by(cells.div_ceil(200));
+                    for node in nodes.map(|i| grid.node(i) + turns * length) {
+                        // Together they are near or far; alone each is what it is.
+                        let around = [node.next_down(), node, node.next_up()];
+                        assert_as_on_the_grid(grid, &around);
+                        assert_as_on_the_grid(grid, &around[1..2]);
+                    }
+                }
+                let small = [
+                    0.0,
+                    -0.0,
+                    -1e-300,
+                    1e-300,
+                    -f64::MIN_POSITIVE,
+                    -1e-17 * length,
+                ];
+                assert_as_on_the_grid(grid, &small);
+                assert_as_on_the_grid(grid, &[0.3, f64::NAN, f64::INFINITY, -0.3]);
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_position_is_placed_as_on_the_grid(
+            cells in 1_usize..10_000,
+            x in prop::collection::vec((-1.0_f64..1.0, -60_i32..70), 1..9),
+        ) {
+            let grid = PeriodicGrid::new(cells, 50.0).unwrap();
+            let x: Vec<f64> = x.iter().map(|(m, e)| m * 2.0_f64.powi(*e)).collect();
+            assert_as_on_the_grid(grid, &x);
+        }
+    }
+
+    #[test]
+    fn runs_are_the_rows() {
+        let grid = PeriodicGrid::new(8, 8.0).unwrap();
+        const PARTICLES: usize = 150;
+        const SAMPLES: usize = 11;
+        let q: Vec<f64> = (0..PARTICLES * SAMPLES).map(|i| 0.37 * i as f64).collect();
+        let rows = Rows::new(&q, PARTICLES, SAMPLES, SAMPLES);
+        let mut next = 0;
+        Locator::new(grid).each_run::<4>(rows, 5, |a, cells, fractions| {
+            assert_eq!(a, next);
+            next += cells.len();
+            for (i, (cells, fractions)) in cells.iter().zip(fractions).enumerate() {
+                for sample in 0..4 {
+                    let expected = grid.locate(rows.row(a + i)[5 + sample]);
+                    assert_eq!((cells[sample] as usize, fractions[sample]), expected);
+                }
+            }
+        });
+        assert_eq!(next, PARTICLES);
+    }
+}
