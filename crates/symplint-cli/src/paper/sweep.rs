@@ -176,6 +176,7 @@ pub fn fitted_order<'a>(records: impl IntoIterator<Item = &'a Record>) -> Option
                 roundoff: record.roundoff,
             },
             found: None,
+            cells_apart: 0.0,
         });
     }
     // Only the fit is wanted: how much the loop is deformed matters to the verdict alone.
