@@ -176,7 +176,7 @@ fn the_wedge_breaks_loops_that_cross_it() {
         for variant in ["position-first", "momentum-first"] {
             let map = build(name, Some(variant), Arc::clone(&wedge)).unwrap();
             for rule in [
-                RuleChoice::Auto(Cutoffs::relative(1000.0)),
+                RuleChoice::Auto,
                 RuleChoice::Fixed(Rule::Pseudospectral),
                 RuleChoice::Fixed(Rule::FiniteDifference(Cutoffs::relative(1000.0))),
             ] {

@@ -66,7 +66,7 @@ pub use breaks::{Break, find_break};
 pub use coordinates::Coordinates;
 pub use defect::{Defect, logarithmic_defect};
 pub use diagnosis::{
-    Diagnosis, Diagnostic, Event, Point, RuleChoice, SampleCount, SampleSweep, Sweep,
+    BreakAt, Diagnosis, Diagnostic, Event, Point, RuleChoice, SampleCount, SampleSweep, Sweep,
 };
 pub use ensemble::Ensemble;
 pub use error::Error;
@@ -76,4 +76,4 @@ pub use map::{PerSample, StepFailure, TimeAdvance};
 pub use piecewise::{Closure, Piecewise, PiecewiseIntegral};
 pub use rows::{Rows, RowsMut};
 pub use trace::{Observable, Orbit, Trace, TracePoint, TraceRecord};
-pub use verdict::{Fit, LoopEvidence, StepEvidence, Verdict, VerdictKind, judge};
+pub use verdict::{Closing, Fit, LoopEvidence, StepEvidence, Verdict, VerdictKind, judge};

@@ -54,7 +54,7 @@ fn run(config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> {
     }
     let trace = Trace {
         rule: match config.diagnostic.rule {
-            RuleChoice::Auto(_) => Rule::Pseudospectral,
+            RuleChoice::Auto | RuleChoice::Piecewise => Rule::Pseudospectral,
             RuleChoice::Fixed(rule) => rule,
         },
         samples: settings.samples,

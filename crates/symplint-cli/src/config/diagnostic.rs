@@ -1,6 +1,8 @@
 //! `[diagnostic]`: what `check` measures.
 
-use symplint::{Cutoff, Cutoffs, Diagnostic, Rule, RuleChoice, SampleCount, SampleSweep};
+use symplint::{
+    Closure, Cutoff, Cutoffs, Diagnostic, Piecewise, Rule, RuleChoice, SampleCount, SampleSweep,
+};
 
 use super::document::{Node, Value};
 use super::error::ConfigError;
@@ -11,7 +13,7 @@ pub const KEYS: &[Key] = &[
     Key::new(
         "rule",
         "\"auto\"",
-        "\"auto\", \"pseudospectral\" or \"finite-difference\"",
+        "\"auto\", \"pseudospectral\", \"finite-difference\" or \"piecewise\"",
     ),
     Key::new(
         "step_sizes",
@@ -22,6 +24,16 @@ pub const KEYS: &[Key] = &[
         "samples",
         "\"auto\"",
         "samples of the loop: \"auto\", or a number from 3",
+    ),
+    Key::new(
+        "tolerance",
+        "1e-11",
+        "of the piecewise rule, relative to the size of the loop",
+    ),
+    Key::new(
+        "closure",
+        "\"substeps\"",
+        "how the piecewise rule closes breaks: where a substep breaks them, or by \"chords\"",
     ),
     Key::optional(
         "sample_sweep",
@@ -72,13 +84,29 @@ const MOST_LOOPS: u64 = 10_000;
 pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
     let section = Section::new("diagnostic", node, KEYS.to_vec())?;
     let cutoffs = cutoffs(&section)?;
-    let rule = match section.choice("rule", &["auto", "pseudospectral", "finite-difference"])? {
-        "auto" => RuleChoice::Auto(cutoffs),
+    let rules = [
+        "auto",
+        "pseudospectral",
+        "finite-difference",
+        Piecewise::NAME,
+    ];
+    let rule = match section.choice("rule", &rules)? {
+        "auto" => RuleChoice::Auto,
         "pseudospectral" => RuleChoice::Fixed(Rule::Pseudospectral),
-        _ => RuleChoice::Fixed(Rule::FiniteDifference(cutoffs)),
+        "finite-difference" => RuleChoice::Fixed(Rule::FiniteDifference(cutoffs)),
+        _ => RuleChoice::Piecewise,
+    };
+    let piecewise = Piecewise {
+        tolerance: section.number("tolerance", Accept::Positive)?,
+        closure: match section.choice("closure", &["substeps", "chords"])? {
+            "chords" => Closure::Chords,
+            _ => Closure::Substeps,
+        },
+        ..Piecewise::default()
     };
     let diagnostic = Diagnostic {
         rule,
+        piecewise,
         samples: samples(&section)?,
         step_sizes: step_sizes(&section)?,
         sample_sweep: sample_sweep(&section)?,

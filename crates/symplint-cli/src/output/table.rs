@@ -65,6 +65,10 @@ fn sweep_table(points: &[&Point]) -> String {
     if omitted {
         header.push("omitted");
     }
+    let breaks = points.iter().any(|point| point.jumps.is_some());
+    if breaks {
+        header.extend(["breaks", "closed"]);
+    }
     table.set_header(header);
     let every = points.len().div_ceil(MOST_ROWS);
     for point in points.iter().step_by(every) {
@@ -84,6 +88,14 @@ fn sweep_table(points: &[&Point]) -> String {
                 point
                     .omitted_cells
                     .map_or(String::new(), |cells| cells.to_string()),
+            );
+        }
+        if breaks {
+            row.push(point.jumps.map_or(String::new(), |count| count.to_string()));
+            row.push(
+                point
+                    .closed_defect
+                    .map_or(String::new(), |defect| format!("{defect:.2e}")),
             );
         }
         table.add_row(row);

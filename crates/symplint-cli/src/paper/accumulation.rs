@@ -127,7 +127,7 @@ pub fn break_line(
     let found = diagnosis.breaks.len();
     let off = (diagnosis.breaks.iter().zip(&diagnostic.step_sizes))
         .map(|(found, h)| {
-            let (q, p) = (found.s * std::f64::consts::TAU).sin_cos();
+            let (q, p) = (found.found.s * std::f64::consts::TAU).sin_cos();
             (q + c * h * p).abs()
         })
         .fold(0.0, f64::max);

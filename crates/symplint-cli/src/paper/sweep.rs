@@ -117,7 +117,7 @@ impl Study<'_> {
             step_sizes: step_sizes.to_vec(),
             sample_sweep,
             loops: 1,
-            seed: 0,
+            ..Diagnostic::default()
         };
         let diagnosis = diagnostic.run(self.map, self.phase_loop, &|_| {})?;
         let points = diagnosis
@@ -176,6 +176,7 @@ pub fn fitted_order<'a>(records: impl IntoIterator<Item = &'a Record>) -> Option
                 roundoff: record.roundoff,
             },
             found: None,
+            closing: None,
             cells_apart: 0.0,
         });
     }

@@ -11,22 +11,24 @@ use serde::Serialize;
 
 use crate::breaks::Break;
 use crate::error::Error;
-use crate::integral::{Cutoffs, Rule};
+use crate::integral::Rule;
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
+use crate::piecewise::Piecewise;
 use crate::verdict::{Fit, LoopEvidence, StepEvidence, Verdict, judge};
-use probe::{Probe, Subject, deformation};
+use probe::{Method, Probe, Subject, deformation};
 use random_loop::random_loop;
-use resolve::resolve;
 
 /// Which rule computes the loop integrals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RuleChoice {
-    /// Pseudospectral, unless the advanced loop is broken at the largest step size: then finite differences
-    /// with these cut-offs.
-    Auto(Cutoffs),
-    /// This one.
+    /// Pseudospectral where the advanced loop of the largest step size is smooth enough to reach round-off
+    /// that way; piecewise where it is broken, or has kinks.
+    Auto,
+    /// This one, from equispaced samples.
     Fixed(Rule),
+    /// The piecewise rule.
+    Piecewise,
 }
 
 /// How many samples a loop gets.
@@ -67,7 +69,9 @@ pub struct SampleSweep {
 pub struct Diagnostic {
     /// The rule.
     pub rule: RuleChoice,
-    /// The number of samples.
+    /// What the piecewise rule aims at, where it is used.
+    pub piecewise: Piecewise,
+    /// The number of samples, for the other rules.
     pub samples: SampleCount,
     /// Step sizes h, not zero. The verdict leans on the largest.
     pub step_sizes: Vec<f64>,
@@ -85,7 +89,8 @@ impl Default for Diagnostic {
     /// Step sizes 2^-1 … 2^-10, everything else automatic, four loops.
     fn default() -> Self {
         Diagnostic {
-            rule: RuleChoice::Auto(Cutoffs::relative(1000.0)),
+            rule: RuleChoice::Auto,
+            piecewise: Piecewise::default(),
             samples: SampleCount::Auto,
             step_sizes: (1..=10).map(|m| 0.5f64.powi(m)).collect(),
             sample_sweep: None,
@@ -104,6 +109,19 @@ pub enum Event<'a> {
     Measured(&'a Point),
 }
 
+/// A break, and the advanced loop that has it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BreakAt {
+    /// Which loop: 0 is the given one, the others are random.
+    #[serde(rename = "loop")]
+    pub loop_index: usize,
+    /// Step size h.
+    pub step_size: f64,
+    /// Where it is and how far the coordinates jump.
+    #[serde(flatten)]
+    pub found: Break,
+}
+
 /// The outcome of a [`Diagnostic`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Diagnosis {
@@ -113,8 +131,9 @@ pub struct Diagnosis {
     pub points: Vec<Point>,
     /// Power laws fitted to the points.
     pub fits: Vec<Fit>,
-    /// The breaks that were found, one at most for each advanced loop.
-    pub breaks: Vec<Break>,
+    /// The breaks that were found: all of the given loop at the largest step size, by the piecewise
+    /// rule; else the largest one of each advanced loop.
+    pub breaks: Vec<BreakAt>,
 }
 
 impl Diagnostic {
@@ -152,13 +171,14 @@ impl Diagnostic {
             watch,
             points: Vec::new(),
             breaks: Vec::new(),
+            largest,
         };
         let subject = Subject {
             map,
             phase_loop,
             coordinates: &coordinates,
         };
-        let configured = resolve(0, subject, self.rule, self.samples, largest)?;
+        let configured = self.resolve(0, subject, largest)?;
         let mut loops = vec![study.sweep_steps(&configured, &self.step_sizes)?];
         if let Some(sweep) = &self.sample_sweep {
             study.sweep_samples(&configured, sweep)?;
@@ -200,7 +220,7 @@ impl Diagnostic {
         known: bool,
     ) -> Result<LoopEvidence, Error> {
         let largest = self.largest_step()?;
-        let probe = resolve(index, subject, self.rule, self.samples, largest)?;
+        let probe = self.resolve(index, subject, largest)?;
         let mut evidence = study.sweep_steps(&probe, &[largest])?;
         if evidence.shows_defect() && !known {
             let others: Vec<f64> = (self.step_sizes.iter().copied())
@@ -237,7 +257,8 @@ impl Diagnostic {
 struct Study<'a> {
     watch: &'a dyn Fn(Event<'_>),
     points: Vec<Point>,
-    breaks: Vec<Break>,
+    breaks: Vec<BreakAt>,
+    largest: f64,
 }
 
 impl Study<'_> {
@@ -247,7 +268,10 @@ impl Study<'_> {
         step_sizes: &[f64],
     ) -> Result<LoopEvidence, Error> {
         (self.watch)(Event::Planned(step_sizes.len()));
-        let mut evidence = LoopEvidence::new(probe.index, probe.samples);
+        let mut evidence = LoopEvidence {
+            piecewise: matches!(probe.method, Method::Piecewise(_)),
+            ..LoopEvidence::new(probe.index, probe.samples())
+        };
         for &h in step_sizes {
             evidence
                 .steps
@@ -270,11 +294,23 @@ impl Study<'_> {
         let point = Point::new(sweep, probe, h, &measured);
         (self.watch)(Event::Measured(&point));
         self.points.push(point);
-        self.breaks.extend(measured.found);
+        let found = measured.largest_break();
+        let worth_all = probe.index == 0 && h == self.largest && sweep == Sweep::StepSize;
+        let breaks = if worth_all {
+            measured.breaks
+        } else {
+            found.into_iter().collect()
+        };
+        self.breaks.extend(breaks.into_iter().map(|found| BreakAt {
+            loop_index: probe.index,
+            step_size: h,
+            found,
+        }));
         Ok(StepEvidence {
             step_size: h,
             defect: measured.defect,
-            found: measured.found,
+            found,
+            closing: measured.closing,
             cells_apart: measured.cells_apart,
         })
     }

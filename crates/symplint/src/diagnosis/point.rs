@@ -27,7 +27,7 @@ pub struct Point {
     pub loop_index: usize,
     /// Step size h.
     pub step_size: f64,
-    /// Samples N_s.
+    /// Samples N_s; by the piecewise rule, the states that make up the integral.
     pub samples: usize,
     /// Name of the rule.
     pub rule: &'static str,
@@ -50,7 +50,7 @@ pub struct Point {
     pub jumps: Option<usize>,
     /// Contribution of the chords that close the breaks.
     pub chord: Option<f64>,
-    /// Defect of the closed integral.
+    /// |E| of the integral whose breaks are closed.
     pub closed_defect: Option<f64>,
     /// Single states that the map advanced for this point, the search for breaks aside.
     pub evaluations: usize,
@@ -63,8 +63,8 @@ impl Point {
             sweep,
             loop_index: probe.index,
             step_size: h,
-            samples: probe.samples,
-            rule: probe.rule.name(),
+            samples: measured.samples,
+            rule: probe.rule_name(),
             initial: probe.initial.value,
             advanced: measured.integral.value,
             signed_defect: defect.signed,
@@ -72,10 +72,10 @@ impl Point {
             quadrature_error: defect.quadrature_error,
             roundoff: defect.roundoff,
             omitted_cells: measured.integral.omitted.as_ref().map(Vec::len),
-            jumps: None,
-            chord: None,
-            closed_defect: None,
-            evaluations: probe.samples,
+            jumps: measured.closing.map(|closing| closing.breaks),
+            chord: measured.closing.map(|closing| closing.chord),
+            closed_defect: (measured.closing).map(|closing| closing.closed.magnitude()),
+            evaluations: measured.evaluations,
         }
     }
 }

@@ -1,5 +1,7 @@
 //! One loop with a rule and a number of samples, ready to be advanced by any step size.
 
+use super::resolve::fewest_samples;
+use crate::block::Block;
 use crate::breaks::{Break, find_break};
 use crate::coordinates::Coordinates;
 use crate::defect::Defect;
@@ -7,7 +9,9 @@ use crate::ensemble::Ensemble;
 use crate::error::Error;
 use crate::integral::{LoopIntegral, Rule, unwrap_row};
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::{StepFailure, TimeAdvance};
+use crate::piecewise::{Piecewise, PiecewiseIntegral};
+use crate::verdict::Closing;
 
 /// What is under test: a map and a loop to send through it.
 #[derive(Clone, Copy)]
@@ -22,41 +26,78 @@ pub(super) struct Probe<'a> {
     /// 0 is the given loop, the others are random.
     pub index: usize,
     pub subject: Subject<'a>,
-    pub rule: Rule,
-    pub samples: usize,
+    pub method: Method,
     pub initial: LoopIntegral,
+}
+
+/// How a loop is integrated.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Method {
+    /// From so many equispaced samples.
+    Samples(Rule, usize),
+    /// From as many states as it takes.
+    Piecewise(Piecewise),
 }
 
 /// What one step did to the loop.
 pub(super) struct Measured {
     pub integral: LoopIntegral,
     pub defect: Defect,
-    pub found: Option<Break>,
+    /// All that the rule finds, or the one that samples led to.
+    pub breaks: Vec<Break>,
+    /// What closing all breaks gives, where all are known.
+    pub closing: Option<Closing>,
+    /// States that make up the integral.
+    pub samples: usize,
+    /// States that the map advanced, those for finding breaks between samples aside.
+    pub evaluations: usize,
     /// Grid cells from one sample to the next at most.
     pub cells_apart: f64,
 }
 
 impl<'a> Probe<'a> {
-    pub fn new(
-        index: usize,
-        subject: Subject<'a>,
-        rule: Rule,
-        samples: usize,
-    ) -> Result<Self, Error> {
-        let ensemble = Ensemble::sample(subject.phase_loop, samples)?;
-        let initial = LoopIntegral::in_coordinates(&ensemble, &rule, subject.coordinates)?;
+    pub fn new(index: usize, subject: Subject<'a>, method: Method) -> Result<Self, Error> {
+        let initial = match method {
+            Method::Samples(rule, samples) => {
+                let ensemble = Ensemble::sample(subject.phase_loop, samples)?;
+                LoopIntegral::in_coordinates(&ensemble, &rule, subject.coordinates)?
+            }
+            Method::Piecewise(rule) => {
+                let rest = Identity(subject.coordinates);
+                rule.integrate(&rest, subject.phase_loop, 1.0)?.continuous
+            }
+        };
         Ok(Probe {
             index,
             subject,
-            rule,
-            samples,
+            method,
             initial,
         })
     }
 
-    /// The same with another number of samples.
+    /// Name of the rule.
+    pub fn rule_name(&self) -> &'static str {
+        match self.method {
+            Method::Samples(rule, _) => rule.name(),
+            Method::Piecewise(_) => Piecewise::NAME,
+        }
+    }
+
+    /// Equispaced samples of the loop that are looked at.
+    pub fn samples(&self) -> usize {
+        match self.method {
+            Method::Samples(_, samples) => samples,
+            Method::Piecewise(_) => fewest_samples(self.subject.phase_loop.dof()),
+        }
+    }
+
+    /// The same with another number of samples, where the rule takes any.
     pub fn with_samples(&self, samples: usize) -> Result<Self, Error> {
-        Probe::new(self.index, self.subject, self.rule, samples)
+        let rule = match self.method {
+            Method::Samples(rule, _) => rule,
+            Method::Piecewise(_) => Rule::Pseudospectral,
+        };
+        Probe::new(self.index, self.subject, Method::Samples(rule, samples))
     }
 
     /// The quadrature error of a finite-difference integral of a loop without breaks, not less than its
@@ -73,45 +114,143 @@ impl<'a> Probe<'a> {
         Ok(errors.map(|(own, of_other)| own.max(distance + of_other)))
     }
 
-    /// Whether the cell of a break is among those that make up the integral.
-    fn retains(&self, integral: &LoopIntegral, found: &Break) -> bool {
-        let position = found.s * self.samples as f64;
-        integral.omitted.as_ref().is_none_or(|omitted| {
-            // A break at a sample may be in the cell on either side.
-            !omitted.iter().any(|cell| {
-                let from = cell.cell as f64;
-                cell.dof == found.dof && (from - 1e-6..=from + 1.0 + 1e-6).contains(&position)
-            })
-        })
-    }
-
     /// Advances the loop by one step and compares the loop integrals.
     pub fn measure(&self, h: f64) -> Result<Measured, Error> {
+        match self.method {
+            Method::Samples(rule, samples) => self.measure_samples(&rule, samples, h),
+            Method::Piecewise(rule) => self.measure_pieces(&rule, h),
+        }
+    }
+
+    /// The advanced samples, and a break if they lead to one.
+    fn advanced(&self, samples: usize, h: f64) -> Result<(Ensemble, Option<Break>), Error> {
         let Subject {
             map,
             phase_loop,
             coordinates,
         } = self.subject;
-        let mut ensemble = Ensemble::sample(phase_loop, self.samples)?;
+        let mut ensemble = Ensemble::sample(phase_loop, samples)?;
         ensemble.advance(map, h)?;
-        let mut integral = LoopIntegral::in_coordinates(&ensemble, &self.rule, coordinates)?;
-        let mut defect = Defect::between(&self.initial, &integral)?;
         let found = find_break(map, phase_loop, h, &ensemble, coordinates)?;
-        if let Rule::FiniteDifference(_) = self.rule {
+        Ok((ensemble, found))
+    }
+
+    fn measure_samples(&self, rule: &Rule, samples: usize, h: f64) -> Result<Measured, Error> {
+        let coordinates = self.subject.coordinates;
+        let (ensemble, found) = self.advanced(samples, h)?;
+        let mut integral = LoopIntegral::in_coordinates(&ensemble, rule, coordinates)?;
+        if let Rule::FiniteDifference(_) = rule {
             integral.quadrature_error = match found {
                 // The rule took a jump for a part of the loop: nobody knows how far off that is.
-                Some(found) if self.retains(&integral, &found) => None,
+                Some(found) if retains(&integral, &found, samples) => None,
                 Some(_) => integral.quadrature_error,
                 None => self.cross_checked(&ensemble, &integral)?,
             };
-            defect = Defect::between(&self.initial, &integral)?;
         }
         Ok(Measured {
+            defect: Defect::between(&self.initial, &integral)?,
             integral,
-            defect,
-            found,
+            breaks: found.into_iter().collect(),
+            closing: None,
+            samples,
+            evaluations: samples,
             cells_apart: cells_apart(&ensemble, coordinates),
         })
+    }
+
+    fn measure_pieces(&self, rule: &Piecewise, h: f64) -> Result<Measured, Error> {
+        let Subject {
+            map,
+            phase_loop,
+            coordinates,
+        } = self.subject;
+        let pieces = rule.integrate(map, phase_loop, h)?;
+        let closed = pieces.closed();
+        let (samples, evaluations) = (pieces.nodes(), pieces.evaluations);
+        let PiecewiseIntegral {
+            continuous: mut integral,
+            mut breaks,
+            ..
+        } = pieces;
+        // A few pieces can miss what is narrow. Equispaced samples, many more of them in small
+        // systems, see it.
+        let (ensemble, found) = self.advanced(self.samples(), h)?;
+        if breaks.is_empty() {
+            integral.quadrature_error = match found {
+                Some(_) => None,
+                None => self.not_missed(&ensemble, &integral)?,
+            };
+            breaks.extend(found);
+        }
+        Ok(Measured {
+            defect: Defect::between(&self.initial, &integral)?,
+            closing: Some(Closing {
+                breaks: breaks.len(),
+                chord: pieces.closing.iter().sum(),
+                closed: Defect::between(&self.initial, &closed)?,
+            }),
+            integral,
+            breaks,
+            samples,
+            evaluations,
+            cells_apart: cells_apart(&ensemble, coordinates),
+        })
+    }
+
+    /// The quadrature error of a piecewise integral without breaks: larger where the pseudospectral one is
+    /// further off than both rules say.
+    fn not_missed(
+        &self,
+        ensemble: &Ensemble,
+        integral: &LoopIntegral,
+    ) -> Result<Option<f64>, Error> {
+        let rule = Rule::Pseudospectral;
+        let other = LoopIntegral::in_coordinates(ensemble, &rule, self.subject.coordinates)?;
+        let distance = (other.value - integral.value).abs();
+        let allowed = other.quadrature_error.map(|error| {
+            let own = integral.quadrature_error.unwrap_or(0.0);
+            error + own + other.roundoff + integral.roundoff
+        });
+        Ok(match allowed {
+            Some(allowed) if distance > allowed => Some(distance),
+            _ => integral.quadrature_error,
+        })
+    }
+}
+
+impl Measured {
+    /// The largest break, by the size of its jump.
+    pub fn largest_break(&self) -> Option<Break> {
+        let size = |found: &Break| found.jump_q.hypot(found.jump_p);
+        let breaks = self.breaks.iter().copied();
+        breaks.reduce(|a, b| if size(&b) > size(&a) { b } else { a })
+    }
+}
+
+/// Whether the cell of a break is among those that make up the integral.
+fn retains(integral: &LoopIntegral, found: &Break, samples: usize) -> bool {
+    let position = found.s * samples as f64;
+    integral.omitted.as_ref().is_none_or(|omitted| {
+        // A break at a sample may be in the cell on either side.
+        !omitted.iter().any(|cell| {
+            let from = cell.cell as f64;
+            cell.dof == found.dof && (from - 1e-6..=from + 1.0 + 1e-6).contains(&position)
+        })
+    })
+}
+
+/// The map that leaves every state where it is.
+struct Identity<'a>(&'a Coordinates);
+
+impl TimeAdvance for Identity<'_> {
+    fn dof(&self) -> usize {
+        self.0.dof()
+    }
+    fn advance(&self, _h: f64, _block: &mut Block<'_>) -> Result<(), StepFailure> {
+        Ok(())
+    }
+    fn coordinates(&self) -> Coordinates {
+        self.0.clone()
     }
 }
 

@@ -1,9 +1,10 @@
 //! Choosing the rule and the number of samples.
 
-use super::probe::{Probe, Subject};
-use super::{RuleChoice, SampleCount};
+use super::probe::{Method, Probe, Subject};
+use super::{Diagnostic, RuleChoice, SampleCount};
 use crate::error::Error;
 use crate::integral::Rule;
+use crate::piecewise::Piecewise;
 use crate::verdict::MOST_CELLS_APART;
 
 /// Where automatic doubling begins in one degree of freedom: what is narrower than a cell of the loop is
@@ -29,51 +30,82 @@ const STALLED: f64 = 1.7;
 /// Above this an error that does not fall is not yet noise: the loop is steep somewhere.
 const NOISE: f64 = 1e-5;
 
-/// The probe of a loop by the wanted rule and samples, judged at step size `h`.
-pub(super) fn resolve<'a>(
-    index: usize,
-    subject: Subject<'a>,
-    rule: RuleChoice,
-    samples: SampleCount,
-    h: f64,
-) -> Result<Probe<'a>, Error> {
-    let (first, cutoffs) = match rule {
-        RuleChoice::Auto(cutoffs) => (Rule::Pseudospectral, Some(cutoffs)),
-        RuleChoice::Fixed(rule) => (rule, None),
-    };
-    let (mut count, most) = match samples {
-        SampleCount::Fixed(count) => (count, count),
-        SampleCount::Auto => range_of_samples(subject.phase_loop.dof()),
-    };
-    let mut last_error = f64::INFINITY;
-    let mut stalls = 0;
-    loop {
-        let probe = Probe::new(index, subject, first, count)?;
-        if cutoffs.is_none() && 2 * count > most {
-            return Ok(probe);
-        }
-        let measured = probe.measure(h)?;
-        if measured.found.is_some() {
-            return match cutoffs {
-                // Of first order: it needs all the samples it can get.
-                Some(cutoffs) => Probe::new(index, subject, Rule::FiniteDifference(cutoffs), most),
-                None => Ok(probe),
-            };
-        }
-        let error = measured.defect.quadrature_error.unwrap_or(f64::INFINITY);
-        stalls = if error < NOISE && error * STALLED > last_error {
-            stalls + 1
-        } else {
-            0
+/// States that the piecewise rule may take to try a loop that samples do not resolve.
+const MOST_TRIED: usize = 1 << 20;
+
+impl Diagnostic {
+    /// The probe of a loop by the wanted rule and samples, judged at step size `h`.
+    pub(super) fn resolve<'a>(
+        &self,
+        index: usize,
+        subject: Subject<'a>,
+        h: f64,
+    ) -> Result<Probe<'a>, Error> {
+        let (rule, auto) = match self.rule {
+            RuleChoice::Auto => (Rule::Pseudospectral, true),
+            RuleChoice::Fixed(rule) => (rule, false),
+            RuleChoice::Piecewise => {
+                return Probe::new(index, subject, Method::Piecewise(self.piecewise));
+            }
         };
-        let enough = error <= ENOUGH.max(4.0 * measured.defect.roundoff);
-        let sees_the_grid = measured.cells_apart <= MOST_CELLS_APART;
-        if (sees_the_grid && (enough || stalls == 2)) || 2 * count > most {
-            return Ok(probe);
+        let (mut count, most) = match self.samples {
+            SampleCount::Fixed(count) => (count, count),
+            SampleCount::Auto => range_of_samples(subject.phase_loop.dof()),
+        };
+        let mut last_error = f64::INFINITY;
+        let mut stalls = 0;
+        loop {
+            let probe = Probe::new(index, subject, Method::Samples(rule, count))?;
+            if !auto && 2 * count > most {
+                return Ok(probe);
+            }
+            let measured = probe.measure(h)?;
+            if !measured.breaks.is_empty() {
+                return match auto {
+                    true => Probe::new(index, subject, Method::Piecewise(self.piecewise)),
+                    false => Ok(probe),
+                };
+            }
+            let error = measured.defect.quadrature_error.unwrap_or(f64::INFINITY);
+            stalls = if error < NOISE && error * STALLED > last_error {
+                stalls + 1
+            } else {
+                0
+            };
+            let floor = 4.0 * measured.defect.roundoff;
+            let enough = error <= ENOUGH.max(floor);
+            let sees_the_grid = measured.cells_apart <= MOST_CELLS_APART;
+            if (sees_the_grid && (enough || stalls == 2)) || 2 * count > most {
+                return if auto && !enough {
+                    self.finer(probe, h, error)
+                } else {
+                    Ok(probe)
+                };
+            }
+            last_error = error;
+            count *= 2;
         }
-        last_error = error;
-        count *= 2;
     }
+
+    /// The piecewise rule for a loop that samples resolve to `error`, if it does better.
+    fn finer<'a>(&self, probe: Probe<'a>, h: f64, error: f64) -> Result<Probe<'a>, Error> {
+        let rule = Piecewise {
+            most_evaluations: self.piecewise.most_evaluations.min(MOST_TRIED),
+            ..self.piecewise
+        };
+        let pieces = Probe::new(probe.index, probe.subject, Method::Piecewise(rule))?;
+        let defect = pieces.measure(h)?.defect;
+        Ok(if defect.uncertainty() < error {
+            pieces
+        } else {
+            probe
+        })
+    }
+}
+
+/// Samples where automatic doubling begins.
+pub(super) fn fewest_samples(dof: usize) -> usize {
+    range_of_samples(dof).0
 }
 
 /// The fewest and the most samples, powers of two, for so many degrees of freedom.

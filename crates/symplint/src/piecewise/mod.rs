@@ -121,13 +121,16 @@ impl PiecewiseIntegral {
         closed
     }
 
-    /// Contribution of the closing segments: what the jumps take from the loop integral.
-    pub fn chord(&self) -> f64 {
-        self.closing.iter().sum()
+    /// States that the pieces are made of.
+    pub fn nodes(&self) -> usize {
+        self.pieces * lobatto::NODES
     }
 }
 
 impl Piecewise {
+    /// The rule's name in configurations and reports.
+    pub const NAME: &'static str = "piecewise";
+
     /// Integrates the loop that `map` makes of `phase_loop` in one step of size `h`.
     ///
     /// On the threads of the current Rayon pool; the result does not depend on their number.

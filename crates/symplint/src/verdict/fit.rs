@@ -223,6 +223,7 @@ mod tests {
                         roundoff: 0.0,
                     },
                     found: None,
+                    closing: None,
                     cells_apart: 0.0,
                 }
             })

@@ -1,7 +1,7 @@
 //! From the evidence to the answer.
 
 use super::fit::{Fit, fit_order};
-use super::{LoopEvidence, StepEvidence, Verdict, VerdictKind};
+use super::{BEYOND_DOUBT, LoopEvidence, StepEvidence, Verdict, VerdictKind, WEAKEST_BOUND};
 
 /// A step that deforms the loop by less than this part of its size tests nothing: even a method
 /// that is far from symplectic has a defect below round-off there.
@@ -59,28 +59,52 @@ impl Case<'_> {
             .steps()
             .filter(|(_, step)| step.found.is_some())
             .count();
+        let times = step.closing.map_or(String::new(), |closing| {
+            let plural = if closing.breaks == 1 { "" } else { "s" };
+            format!(" in {} place{plural}", closing.breaks)
+        });
+        let mut lines = vec![
+            format!(
+                "At h = {} {} breaks{times}; the largest jump, {:.3e} in q and {:.3e} in p of degree \
+                 of freedom {}, is at s = {:.15}.",
+                size(step.step_size),
+                name(evidence.index),
+                found.jump_q,
+                found.jump_p,
+                found.dof,
+                found.s
+            ),
+            format!("{broken} of {of_all} advanced loops are broken."),
+        ];
+        let fit = self.fits.iter().find(|fit| fit.loop_index == 0);
+        lines.extend(fit.map(|fit| {
+            format!(
+                "The defect of what is left between the breaks goes as h^({:.2} ± {:.2}) between h = {} \
+                 and h = {}.",
+                fit.slope,
+                fit.uncertainty,
+                size(fit.from),
+                size(fit.to)
+            )
+        }));
+        let closed = self.closed();
+        lines.extend(closed.as_ref().map(|(line, _)| line.clone()));
+        let then = match &closed {
+            Some((_, true)) => " With the breaks closed its loop integrals are conserved.",
+            Some((_, false)) => " Its loop integrals change even with the breaks closed.",
+            None => "",
+        };
         Some(Verdict {
             kind: VerdictKind::BrokenLoops,
             digits: None,
-            order: None,
+            order: fit.map(Fit::order),
             summary: format!(
-                "The map is discontinuous and breaks loops: {} of degree of freedom {} jumps at \
-                 s = {:.12}.",
+                "The map is discontinuous: {} of degree of freedom {} jumps at s = {:.12}.{then}",
                 jump(found.jump_q, found.jump_p),
                 found.dof,
                 found.s
             ),
-            evidence: vec![
-                format!(
-                    "At h = {} the break of {} keeps its size, {:.3e} in q and {:.3e} in p, on a \
-                     stretch of 1e-13 of the loop.",
-                    size(step.step_size),
-                    name(evidence.index),
-                    found.jump_q,
-                    found.jump_p
-                ),
-                format!("{broken} of {of_all} advanced loops are broken."),
-            ],
+            evidence: lines,
             advice: vec![
                 "Use a smoother interpolation: a force that is continuous where particles cross cells."
                     .into(),
@@ -88,6 +112,33 @@ impl Case<'_> {
                     .into(),
                 "If a solver inside the map stops at a tolerance, tighten it.".into(),
             ],
+        })
+    }
+
+    /// What the loops do whose breaks are closed: a line, and whether they are conserved. `None` where
+    /// that is not known.
+    fn closed(&self) -> Option<(String, bool)> {
+        let closed = self.steps().filter_map(|(evidence, step)| {
+            let defect = step.closing?.closed;
+            Some((evidence, step, defect))
+        });
+        let (evidence, step, defect) =
+            closed.max_by(|a, b| a.2.magnitude().total_cmp(&b.2.magnitude()))?;
+        let (change, doubt) = (defect.magnitude(), defect.uncertainty());
+        let at = format!("at h = {} ({})", size(step.step_size), name(evidence.index));
+        if change > BEYOND_DOUBT * doubt {
+            let line = format!(
+                "With its breaks closed the loop integral still changes, by {:+.3e} ± {doubt:.1e} {at}.",
+                defect.signed
+            );
+            return Some((line, false));
+        }
+        (change + doubt <= WEAKEST_BOUND).then(|| {
+            let line = format!(
+                "With their breaks closed all loop integrals are conserved to {:.1e}, the worst {at}.",
+                change + doubt
+            );
+            (line, true)
         })
     }
 
@@ -264,9 +315,12 @@ impl Case<'_> {
             }
             let step = (evidence.steps.iter()).max_by(|a, b| a.bound().total_cmp(&b.bound()))?;
             Some(format!(
-                "{} ({} samples): |E| ≤ {:.1e}; measured {} ± {:.1e} at the worst, h = {}.",
+                "{} ({}): |E| ≤ {:.1e}; measured {} ± {:.1e} at the worst, h = {}.",
                 capitalised(name(evidence.index)),
-                evidence.samples,
+                match evidence.piecewise {
+                    true => "piecewise".into(),
+                    false => format!("{} samples", evidence.samples),
+                },
                 step.bound(),
                 short(step.defect.magnitude()),
                 step.defect.uncertainty(),

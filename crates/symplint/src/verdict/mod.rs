@@ -84,8 +84,10 @@ impl std::fmt::Display for Verdict {
 pub struct LoopEvidence {
     /// 0 is the given loop, the others are random.
     pub index: usize,
-    /// Samples N_s.
+    /// Equispaced samples that were looked at: what is narrower than their distance was not seen.
     pub samples: usize,
+    /// Whether the integrals are those of the piecewise rule.
+    pub piecewise: bool,
     /// Step by step.
     pub steps: Vec<StepEvidence>,
     /// Why there are none.
@@ -99,10 +101,23 @@ pub struct StepEvidence {
     pub step_size: f64,
     /// Change of the loop integral.
     pub defect: Defect,
-    /// A break of the advanced loop.
+    /// A break of the advanced loop, the largest that is known.
     pub found: Option<Break>,
+    /// What closing the breaks gives, where all of them are known.
+    pub closing: Option<Closing>,
     /// Cells of the map's grid between neighbouring samples at most; 0 for a map without one.
     pub cells_apart: f64,
+}
+
+/// A loop whose breaks are closed.
+#[derive(Clone, Copy, Debug)]
+pub struct Closing {
+    /// Breaks.
+    pub breaks: usize,
+    /// What the closing segments contribute to the loop integral.
+    pub chord: f64,
+    /// Change of the closed loop integral.
+    pub closed: Defect,
 }
 
 /// A defect this many times its uncertainty is beyond doubt.
@@ -124,6 +139,7 @@ impl LoopEvidence {
         LoopEvidence {
             index,
             samples,
+            piecewise: false,
             steps: Vec::new(),
             failure: None,
         }
@@ -134,6 +150,7 @@ impl LoopEvidence {
         LoopEvidence {
             index,
             samples: 0,
+            piecewise: false,
             steps: Vec::new(),
             failure: Some(failure),
         }
