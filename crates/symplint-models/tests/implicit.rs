@@ -7,10 +7,13 @@ mod two_form;
 use std::sync::Arc;
 
 use common::{State, distance, stepped};
-use symplint::{Block, Circle, Ensemble, LoopIntegral, Rows, RowsMut, Rule, TimeAdvance};
+use symplint::{
+    Block, Circle, Diagnostic, Ensemble, LoopIntegral, Rows, RowsMut, Rule, TimeAdvance,
+    VerdictKind,
+};
 use symplint_models::integrators::catalogue::build_solved_by;
 use symplint_models::integrators::{
-    ImplicitRungeKutta, RungeKutta, Solver, StageSolver, Tableau, TableauPair, tableaus,
+    ImplicitRungeKutta, RungeKutta, Solver, StageSolver, Stop, Tableau, TableauPair, tableaus,
 };
 use symplint_models::systems::{
     Chain, DoublePendulum, Ends, HenonHeiles, Kepler, Pendulum, TodaBond,
@@ -23,8 +26,10 @@ const SOLVERS: [Solver; 2] = [Solver::FixedPoint, Solver::Newton];
 fn solved_to(solver: Solver, tolerance: f64) -> StageSolver {
     StageSolver {
         solver,
-        tolerance,
-        ..StageSolver::default()
+        stop: Stop::Converged {
+            tolerance,
+            max_iterations: StageSolver::MAX_ITERATIONS,
+        },
     }
 }
 
@@ -82,6 +87,57 @@ fn the_loop_defect_follows_the_tolerance() {
             );
         }
     }
+}
+
+/// Where each sample stops by itself, neighbours differ by the tolerance: the map is not continuous,
+/// and the verdict says so. After a fixed number of iterations it is smooth, and each iteration adds
+/// an order to its defect.
+#[test]
+fn verdicts_on_stages_that_are_not_solved() {
+    let circle = Circle::new(vec![0.0, 0.1], vec![0.3, 0.0], 0.2).unwrap();
+    let verdict = |stop| {
+        let solver = StageSolver {
+            stop,
+            ..StageSolver::default()
+        };
+        let tableau = tableaus::implicit_midpoint();
+        let map = ImplicitRungeKutta::new(tableau, HenonHeiles, solver).unwrap();
+        let diagnosis = Diagnostic::halving(0, -6).run(&map, &circle, &|_| {});
+        diagnosis.unwrap().verdict
+    };
+    let loose = Stop::Converged {
+        tolerance: 1e-6,
+        max_iterations: 50,
+    };
+    assert_eq!(verdict(loose).kind, VerdictKind::BrokenLoops);
+    let mut last = 0.0;
+    for iterations in 1..=4 {
+        let verdict = verdict(Stop::Iterations(iterations));
+        assert_eq!(verdict.kind, VerdictKind::NotSymplectic);
+        let order = verdict.order.unwrap();
+        assert!(order > last + 0.9, "{iterations} iterations: {order}");
+        last = order;
+    }
+    assert_eq!(verdict(Stop::Iterations(1)).order, Some(3.0));
+}
+
+/// One iteration from the slope at the start is the explicit midpoint rule.
+#[test]
+fn one_iteration_of_the_midpoint_rule_is_the_explicit_one() {
+    let solver = StageSolver {
+        stop: Stop::Iterations(1),
+        ..StageSolver::default()
+    };
+    let start = (vec![0.1, -0.2], vec![0.3, 0.2]);
+    let tableau = tableaus::implicit_midpoint();
+    let once = ImplicitRungeKutta::new(tableau, HenonHeiles, solver).unwrap();
+    let explicit = RungeKutta::new(tableaus::midpoint(), HenonHeiles).unwrap();
+    assert!(
+        distance(
+            &stepped(&once, 0.5, &start),
+            &stepped(&explicit, 0.5, &start)
+        ) < 1e-16
+    );
 }
 
 #[test]
@@ -322,11 +378,19 @@ fn solvers_without_meaning_are_refused() {
             ModelError::OutOfRange { .. }
         ));
     }
-    let none = StageSolver {
-        max_iterations: 0,
-        ..StageSolver::default()
-    };
-    assert_eq!(refusal(none, chain(2)), ModelError::NoIterations);
+    for stop in [
+        Stop::Iterations(0),
+        Stop::Converged {
+            tolerance: 0.1,
+            max_iterations: 0,
+        },
+    ] {
+        let solver = StageSolver {
+            stop,
+            ..StageSolver::default()
+        };
+        assert_eq!(refusal(solver, chain(2)), ModelError::NoIterations);
+    }
     let error = refusal(solved_to(Solver::Newton, 1e-12), chain(25));
     assert_eq!(
         error,

@@ -19,7 +19,7 @@ pub mod tableaus;
 
 pub use adaptive_strang::AdaptiveStrang;
 pub use boris::Boris;
-pub use implicit::{ImplicitRungeKutta, Solver, StageSolver};
+pub use implicit::{ImplicitRungeKutta, Solver, StageSolver, Stop};
 pub use runge_kutta::RungeKutta;
 pub use splitting::{Flow, Splitting, SplittingMethod, Substep, Variant};
 pub use tableau::{Residual, Tableau, TableauPair};

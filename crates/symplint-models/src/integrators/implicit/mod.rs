@@ -5,7 +5,7 @@ mod newton;
 mod solver;
 mod stages;
 
-pub use solver::{Solver, StageSolver};
+pub use solver::{Solver, StageSolver, Stop};
 
 use symplint::{Block, Coordinates, StepFailure, TimeAdvance, scratch};
 
@@ -17,9 +17,8 @@ use stages::Stages;
 
 /// A Runge–Kutta method, implicit or not, ordinary or partitioned, applied to any Hamiltonian.
 ///
-/// The stage equations are solved to the tolerance of the [`StageSolver`]. A method that is
-/// symplectic is so only for stages that are solved exactly, so its loop defect follows the
-/// tolerance.
+/// The stage equations are solved as far as the [`StageSolver`] says. A method that is symplectic is
+/// so only for stages that are solved exactly, so its loop defect follows the tolerance.
 ///
 /// Each sample converges by itself: what happens to it does not depend on its block, and nothing
 /// is remembered from one step to the next. Stages that do not converge fail the step.
@@ -74,22 +73,63 @@ impl<H: Hamiltonian> ImplicitRungeKutta<H> {
         self.solver
     }
 
-    fn failure(&self, (sample, change): (usize, f64)) -> StepFailure {
+    fn iterate(&self, stages: &mut Stages<'_, H>, convergence: &mut Convergence<'_>) {
+        match self.solver.solver {
+            Solver::FixedPoint => stages.sweep(convergence),
+            Solver::Newton => newton::iterate(stages, convergence),
+        }
+    }
+
+    fn solve(
+        &self,
+        stages: &mut Stages<'_, H>,
+        convergence: &mut Convergence<'_>,
+    ) -> Result<(), StepFailure> {
+        match self.solver.stop {
+            Stop::Iterations(iterations) => {
+                for _ in 0..iterations {
+                    self.iterate(stages, convergence);
+                }
+                Ok(())
+            }
+            Stop::Converged {
+                tolerance,
+                max_iterations,
+            } => {
+                for _ in 0..max_iterations {
+                    self.iterate(stages, convergence);
+                    if convergence.settle(tolerance) {
+                        break;
+                    }
+                }
+                let unsolved = convergence
+                    .first_open()
+                    .map(|(sample, change)| StepFailure {
+                        sample,
+                        reason: self.failure(change, tolerance, max_iterations),
+                    });
+                unsolved.map_or(Ok(()), Err)
+            }
+        }
+    }
+
+    fn failure(&self, change: f64, tolerance: f64, max_iterations: usize) -> String {
+        let name = self.method.name();
+        if !change.is_finite() {
+            return format!(
+                "the stages of {name} left the finite numbers; take a smaller step size, or keep away \
+                 from where the Hamiltonian is singular"
+            );
+        }
         let other = match self.solver.solver {
             Solver::FixedPoint => "Newton's method",
             Solver::Newton => "fixed-point iteration",
         };
-        StepFailure {
-            sample,
-            reason: format!(
-                "the stages of {} did not converge in {} iterations: the last one changed them by \
-                 {change:.1e} of the state where {:.1e} was asked for; take a smaller step size, \
-                 {other} or a looser tolerance",
-                self.method.name(),
-                self.solver.max_iterations,
-                self.solver.tolerance,
-            ),
-        }
+        format!(
+            "the stages of {name} did not converge in {max_iterations} iterations: one changes them \
+             by {change:.1e} of the state where {tolerance:.1e} was asked for; take a smaller step \
+             size, {other} or a looser tolerance"
+        )
     }
 }
 
@@ -103,24 +143,10 @@ impl<H: Hamiltonian> TimeAdvance for ImplicitRungeKutta<H> {
         scratch::with_buffer(Stages::<H>::room(&self.method, dof, len), |room| {
             scratch::with_buffer(Convergence::room(len), |progress| {
                 let mut stages = Stages::new(&self.method, &self.system, h, block, room);
-                let mut convergence =
-                    Convergence::new(self.solver.tolerance, stages.sizes(), progress);
-                for _ in 0..self.solver.max_iterations {
-                    match self.solver.solver {
-                        Solver::FixedPoint => stages.sweep(&mut convergence),
-                        Solver::Newton => newton::iterate(&mut stages, &mut convergence),
-                    }
-                    if convergence.settle() {
-                        break;
-                    }
-                }
-                match convergence.first_open() {
-                    Some(open) => Err(self.failure(open)),
-                    None => {
-                        stages.finish(block);
-                        Ok(())
-                    }
-                }
+                let mut convergence = Convergence::new(stages.sizes(), progress);
+                self.solve(&mut stages, &mut convergence)?;
+                stages.finish(block);
+                Ok(())
             })
         })
     }

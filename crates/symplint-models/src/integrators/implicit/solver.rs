@@ -14,17 +14,33 @@ pub enum Solver {
     Newton,
 }
 
+/// When the iteration ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stop {
+    /// Each sample by itself, when an iteration changes h times its slopes by no more than
+    /// `tolerance` of its largest coordinate, or at round-off when changes no longer fall. A step
+    /// that has not got there in `max_iterations` fails.
+    ///
+    /// Neighbours may need different numbers of iterations, so the map jumps by about the
+    /// tolerance where that number changes.
+    Converged {
+        /// Relative to the largest coordinate of the sample.
+        tolerance: f64,
+        /// At most.
+        max_iterations: usize,
+    },
+    /// After so many iterations of every sample, converged or not: a smooth map, whose distance
+    /// from the converged one is a power of h.
+    Iterations(usize),
+}
+
 /// How the stages of an implicit method are solved (HLW, chapter VIII).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StageSolver {
     /// The iteration.
     pub solver: Solver,
-    /// A sample is solved when an iteration changes h times its slopes by no more than this
-    /// fraction of its largest coordinate; or, at the level of round-off, by no less than the
-    /// iteration before.
-    pub tolerance: f64,
-    /// A step whose stages have not converged after so many iterations fails.
-    pub max_iterations: usize,
+    /// When it ends.
+    pub stop: Stop,
 }
 
 /// Fixed-point iteration to round-off.
@@ -32,26 +48,38 @@ impl Default for StageSolver {
     fn default() -> Self {
         StageSolver {
             solver: Solver::FixedPoint,
-            tolerance: 1e-15,
-            max_iterations: 200,
+            stop: Stop::Converged {
+                tolerance: Self::ROUNDOFF,
+                max_iterations: Self::MAX_ITERATIONS,
+            },
         }
     }
 }
 
 impl StageSolver {
+    /// The default tolerance.
+    pub const ROUNDOFF: f64 = 1e-15;
+
+    /// The default of the most iterations.
+    pub const MAX_ITERATIONS: usize = 200;
+
     /// Equations for each sample, 2 d s, that Newton's method takes on at most.
     pub const MOST_UNKNOWNS: usize = 96;
 
     /// Checks the settings for a method with so many unknowns for each sample.
     pub(super) fn check(&self, unknowns: usize) -> Result<(), ModelError> {
-        if !(self.tolerance.is_finite() && self.tolerance >= 0.0) {
-            return Err(ModelError::OutOfRange {
-                what: "the tolerance of the stage solver",
-                value: self.tolerance,
-                remedy: "give a finite number that is not negative",
-            });
-        }
-        if self.max_iterations == 0 {
+        let iterations = match self.stop {
+            Stop::Converged { tolerance, .. } if !(tolerance.is_finite() && tolerance >= 0.0) => {
+                return Err(ModelError::OutOfRange {
+                    what: "the tolerance of the stage solver",
+                    value: tolerance,
+                    remedy: "give a finite number that is not negative",
+                });
+            }
+            Stop::Converged { max_iterations, .. } => max_iterations,
+            Stop::Iterations(iterations) => iterations,
+        };
+        if iterations == 0 {
             return Err(ModelError::NoIterations);
         }
         if self.solver == Solver::Newton && unknowns > Self::MOST_UNKNOWNS {
