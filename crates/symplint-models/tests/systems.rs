@@ -7,7 +7,7 @@ mod two_form;
 use std::f64::consts::{PI, TAU};
 
 use common::{State, distance, stepped};
-use symplint::{Block, Circle, Diagnostic, RowsMut, TimeAdvance, VerdictKind};
+use symplint::{Block, Circle, Diagnostic, PerSample, RowsMut, TimeAdvance, VerdictKind};
 use symplint_models::discrete::{HenonMap, StandardMap};
 use symplint_models::integrators::{
     Boris, ImplicitRungeKutta, RungeKutta, Splitting, StageSolver, Variant, splitting_methods,
@@ -175,6 +175,39 @@ fn the_boris_method_conserves_volumes_and_is_symplectic_in_a_uniform_field_alone
             "{gradient}, {omega}: {defect:e}"
         );
     }
+}
+
+/// In a uniform field the two-step form of the method comes from a discrete Lagrangian, whatever the
+/// electric field: with x_n half a drift back and π_n = v − (h/2) (v × B + E(x_n)), the step is
+/// symplectic in (x_n, π_n + A(x_n)). So there it is conjugate to a symplectic map.
+#[test]
+fn the_boris_method_is_conjugate_to_a_symplectic_map_in_a_uniform_field() {
+    let h = 0.5;
+    let start = (vec![0.4, -0.2], vec![0.7, 0.5]);
+    let defect = |gradient: f64| {
+        let particle = charge(1.3, gradient, 0.8);
+        let boris = Boris::new(particle);
+        let map = PerSample::new(2, move |h: f64, q: &mut [f64], p: &mut [f64]| {
+            let half = 0.5 * h;
+            let turn = |x: f64| half * particle.magnetic_field(x);
+            let kick = |x: f64, y: f64| particle.electric_field(x, y).map(|e| half * e);
+            let (t, e) = (turn(q[0]), kick(q[0], q[1]));
+            let w = [p[0] + e[0], p[1] - particle.vector_potential(q[0]) + e[1]];
+            let v = [w[0] + t * w[1], w[1] - t * w[0]].map(|w| w / (1.0 + t * t));
+            let x = [q[0] + half * v[0], q[1] + half * v[1]];
+            let canonical = vec![v[0], v[1] + particle.vector_potential(x[0])];
+            let (x, canonical) = stepped(&boris, h, &(x.to_vec(), canonical));
+            let v = [canonical[0], canonical[1] - particle.vector_potential(x[0])];
+            q[0] = x[0] - half * v[0];
+            q[1] = x[1] - half * v[1];
+            let (t, e) = (turn(q[0]), kick(q[0], q[1]));
+            p[0] = v[0] - t * v[1] - e[0];
+            p[1] = v[1] + t * v[0] - e[1] + particle.vector_potential(q[0]);
+        });
+        two_form_defect(&map, h, &start)
+    };
+    assert!(defect(0.0) < 1e-9, "{:e}", defect(0.0));
+    assert!(defect(0.6) > 1e-4, "{:e}", defect(0.6));
 }
 
 #[test]
