@@ -10,6 +10,7 @@ mod boris;
 pub mod catalogue;
 mod dormand_prince;
 mod implicit;
+mod maker;
 mod runge_kutta;
 mod splitting;
 pub mod splitting_methods;
