@@ -291,7 +291,7 @@ pub fn build(
 /// As [`build`], with the stages of implicit methods solved by `solver`.
 ///
 /// # Errors
-/// As [`build`], or as [`ImplicitRungeKutta::new`].
+/// As [`build`], or as [`ImplicitRungeKutta::new`](super::ImplicitRungeKutta::new).
 pub fn build_solved_by(
     solver: StageSolver,
     name: &str,
