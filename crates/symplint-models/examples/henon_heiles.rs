@@ -7,6 +7,7 @@ use std::error::Error;
 use std::sync::Arc;
 
 use symplint::{Circle, Diagnostic};
+use symplint_models::Model;
 use symplint_models::integrators::catalogue::{CATALOGUE, build};
 use symplint_models::systems::HenonHeiles;
 
@@ -14,7 +15,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Small circles in both planes of phase space, out of step with each other.
     let circles = Circle::new(vec![0.0, 0.1], vec![0.3, 0.0], 0.2)?.with_random_phases(1);
     let diagnostic = Diagnostic::halving(0, -6);
-    for info in CATALOGUE {
+    let model = Model::Separable(Arc::new(HenonHeiles));
+    for info in CATALOGUE.iter().filter(|info| info.is_for(&model)) {
         let step = build(info.name, None, Arc::new(HenonHeiles))?;
         let verdict = diagnostic.run(&*step, &circles, &|_| {})?.verdict;
         let detail = match (verdict.digits, verdict.order) {
@@ -22,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             (_, Some(order)) => format!("defect of order h^{order}"),
             _ => String::new(),
         };
-        println!("{:15} {:15} {detail}", info.name, verdict.kind.to_string());
+        println!("{:21} {:15} {detail}", info.name, verdict.kind.to_string());
     }
     Ok(())
 }

@@ -129,13 +129,47 @@ pub enum ModelError {
     /// A Runge–Kutta method some of whose stages depend on each other in a circle.
     #[error(
         "\"{method}\" is implicit for this Hamiltonian: its stage {stage} (counted from 0) depends \
-         on itself; take an explicit method, or a partitioned one on a separable Hamiltonian"
+         on itself; step it by ImplicitRungeKutta, or take a partitioned method on a separable \
+         Hamiltonian"
     )]
     Implicit {
         /// Name of the method.
         method: String,
         /// The first stage that cannot be evaluated.
         stage: usize,
+    },
+    /// An integrator that cannot advance this kind of system.
+    #[error(
+        "integrator \"{integrator}\" is for {needs}, and this is {kind}; {}",
+        if .known.is_empty() { "leave the integrator out".to_owned() }
+        else { format!("there are {}", .known.join(", ")) }
+    )]
+    NotForThis {
+        /// Name of the integrator.
+        integrator: &'static str,
+        /// Which systems it advances.
+        needs: &'static str,
+        /// What the system is.
+        kind: &'static str,
+        /// The integrators that do advance it.
+        known: Vec<&'static str>,
+    },
+    /// A solver told to do without iterations.
+    #[error(
+        "a solver with at most 0 iterations solves nothing; give at least 1, or take an explicit \
+         method"
+    )]
+    NoIterations,
+    /// Newton's method for more equations than dense matrices are meant for.
+    #[error(
+        "Newton's method would solve {unknowns} equations for each sample with dense matrices, and \
+         {limit} is the most provided for; take fixed-point iteration"
+    )]
+    TooManyUnknowns {
+        /// 2 d s: degrees of freedom and stages.
+        unknowns: usize,
+        /// The most that are accepted.
+        limit: usize,
     },
     /// A splitting method with nothing to do.
     #[error("splitting method \"{method}\" has no substep with a coefficient other than 0")]
@@ -183,6 +217,19 @@ impl ModelError {
                 what,
                 value,
                 remedy: "give a finite number",
+            })
+        }
+    }
+
+    /// Refuses a parameter that is not finite and positive.
+    pub(crate) fn check_positive(what: &'static str, value: f64) -> Result<(), ModelError> {
+        if value.is_finite() && value > 0.0 {
+            Ok(())
+        } else {
+            Err(ModelError::OutOfRange {
+                what,
+                value,
+                remedy: "give a finite number above 0",
             })
         }
     }

@@ -3,6 +3,8 @@
 //! All methods work on rows: row i holds degree of freedom i of every sample of a block.
 //! Rows of one call have the same length; methods panic where they do not.
 
+use std::sync::Arc;
+
 use symplint::{Coordinates, Rows, RowsMut, scratch};
 
 /// A separable Hamiltonian H(q, p) = T(p) + V(q), whose two parts have exact flows.
@@ -42,6 +44,46 @@ pub trait Separable: Send + Sync {
     /// periodic and p is canonical as it is.
     fn coordinates(&self) -> Coordinates {
         Coordinates::plain(self.dof())
+    }
+}
+
+/// Drifts q += τ v(p) and kicks p += τ F(q), whether or not F is the gradient of an energy.
+///
+/// Every [`Separable`] system is one of these, with v = ∂T/∂p and F = −∂V/∂q. Implement it for a
+/// force that has no potential: there is no energy then, and a kick is not symplectic. Import only
+/// the trait that is meant, as both have the same methods.
+pub trait DriftKick: Send + Sync {
+    /// Degrees of freedom d.
+    fn dof(&self) -> usize;
+
+    /// Positions move with their velocities for a time `tau`: q += τ v(p).
+    fn drift(&self, tau: f64, p: Rows<'_>, q: &mut RowsMut<'_>);
+
+    /// Momenta follow the force for a time `tau`: p += τ F(q).
+    fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>);
+
+    /// Which positions are periodic, and what makes momenta canonical. By default nothing is
+    /// periodic and p is canonical as it is.
+    fn coordinates(&self) -> Coordinates {
+        Coordinates::plain(self.dof())
+    }
+}
+
+impl<S: Separable + ?Sized> DriftKick for S {
+    fn dof(&self) -> usize {
+        Separable::dof(self)
+    }
+
+    fn drift(&self, tau: f64, p: Rows<'_>, q: &mut RowsMut<'_>) {
+        Separable::drift(self, tau, p, q);
+    }
+
+    fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
+        Separable::kick(self, tau, q, p);
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        Separable::coordinates(self)
     }
 }
 
@@ -85,11 +127,11 @@ impl<S: Separable + ?Sized> Hamiltonian for S {
     }
 
     fn add_velocity(&self, tau: f64, _q: Rows<'_>, p: Rows<'_>, out: &mut RowsMut<'_>) {
-        self.drift(tau, p, out);
+        Separable::drift(self, tau, p, out);
     }
 
     fn add_force(&self, tau: f64, q: Rows<'_>, _p: Rows<'_>, out: &mut RowsMut<'_>) {
-        self.kick(tau, q, out);
+        Separable::kick(self, tau, q, out);
     }
 
     fn coordinates(&self) -> Coordinates {
@@ -104,10 +146,10 @@ macro_rules! forward_separable {
                 Separable::dof(&**self)
             }
             fn drift(&self, tau: f64, p: Rows<'_>, q: &mut RowsMut<'_>) {
-                (**self).drift(tau, p, q);
+                Separable::drift(&**self, tau, p, q);
             }
             fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
-                (**self).kick(tau, q, p);
+                Separable::kick(&**self, tau, q, p);
             }
             fn kinetic_energy(&self, p: Rows<'_>, out: &mut [f64]) {
                 (**self).kinetic_energy(p, out);
@@ -121,4 +163,46 @@ macro_rules! forward_separable {
         }
     )*};
 }
-forward_separable!(&S, Box<S>, std::sync::Arc<S>);
+forward_separable!(&S, Box<S>, Arc<S>);
+
+/// Shared systems that are known only by what they can do. (Pointers to a [`Separable`] are
+/// covered by being separable.)
+impl Hamiltonian for Arc<dyn Hamiltonian> {
+    fn dof(&self) -> usize {
+        (**self).dof()
+    }
+
+    fn energy(&self, q: Rows<'_>, p: Rows<'_>, out: &mut [f64]) {
+        (**self).energy(q, p, out);
+    }
+
+    fn add_velocity(&self, tau: f64, q: Rows<'_>, p: Rows<'_>, out: &mut RowsMut<'_>) {
+        (**self).add_velocity(tau, q, p, out);
+    }
+
+    fn add_force(&self, tau: f64, q: Rows<'_>, p: Rows<'_>, out: &mut RowsMut<'_>) {
+        (**self).add_force(tau, q, p, out);
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        (**self).coordinates()
+    }
+}
+
+impl DriftKick for Arc<dyn DriftKick> {
+    fn dof(&self) -> usize {
+        (**self).dof()
+    }
+
+    fn drift(&self, tau: f64, p: Rows<'_>, q: &mut RowsMut<'_>) {
+        (**self).drift(tau, p, q);
+    }
+
+    fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
+        (**self).kick(tau, q, p);
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        (**self).coordinates()
+    }
+}

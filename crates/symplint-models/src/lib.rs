@@ -1,11 +1,14 @@
 //! Hamiltonian systems and the integrators that advance them, to be tested by [`symplint`].
 //!
-//! * [`systems`]: pendula, a wedge, a pendulum on a grid, oscillators, Hénon–Heiles.
+//! * [`systems`]: pendula, a wedge, oscillators, Hénon–Heiles, Kepler, chains, a charge in a magnetic
+//!   field, a force without a potential.
+//! * [`discrete`]: maps that are given, not integrated: the Hénon map and the standard map.
 //! * [`pic`]: electrostatic particle-in-cell plasmas in one and two dimensions.
-//! * [`integrators`]: splitting and explicit Runge–Kutta methods, as data, and a
+//! * [`integrators`]: splitting and Runge–Kutta methods, explicit and implicit, as data, and a
 //!   [catalogue](integrators::catalogue) of them by name.
-//! * [`maps`]: maps made from maps: sequences, repetitions, inverses, adjoints.
-//! * [`Separable`] and [`Hamiltonian`]: what a system of your own supplies.
+//! * [`maps`]: maps made from maps: sequences, repetitions, inverses, adjoints, and maps with a fault.
+//! * [`Separable`], [`Hamiltonian`] and [`DriftKick`]: what a system of your own supplies;
+//!   [`Model`] is any of them.
 //! * [`bspline`], [`PeriodicGrid`] and [`PeriodicSpline`]: interpolation on a grid.
 //!
 //! A system acts on blocks of samples, one row for each degree of freedom. An integrator makes a
@@ -38,10 +41,12 @@
 #![forbid(unsafe_code)]
 
 pub mod bspline;
+pub mod discrete;
 mod error;
 mod hamiltonian;
 pub mod integrators;
 pub mod maps;
+mod model;
 mod periodic_grid;
 mod periodic_spline;
 pub mod pic;
@@ -49,6 +54,7 @@ mod random;
 pub mod systems;
 
 pub use error::ModelError;
-pub use hamiltonian::{Hamiltonian, Separable};
+pub use hamiltonian::{DriftKick, Hamiltonian, Separable};
+pub use model::Model;
 pub use periodic_grid::PeriodicGrid;
 pub use periodic_spline::PeriodicSpline;

@@ -3,8 +3,9 @@
 use symplint::{Rows, RowsMut};
 use symplint_models::Hamiltonian;
 use symplint_models::systems::{
-    AbsoluteValue, HarmonicOscillator, HenonHeiles, InterpolatedPendulum, Pendulum, PendulumArray,
-    PendulumPotential,
+    AbsoluteValue, Bond, Chain, ChargedParticle, DoublePendulum, Ends, FputBond,
+    HarmonicOscillator, HenonHeiles, InterpolatedPendulum, Kepler, Pendulum, PendulumArray,
+    PendulumPotential, TodaBond,
 };
 
 /// H of one state.
@@ -72,6 +73,49 @@ fn smooth_systems() {
         let oscillators = HarmonicOscillator::new(vec![1.0, 0.0, 2.5]).unwrap();
         check(&oscillators, &[x, 1.0, -0.2 * x], &[0.5, x, 1.0]);
     }
+}
+
+#[test]
+fn planets_and_double_pendula() {
+    for k in 0..20 {
+        let x = 0.3 * f64::from(k) - 2.9;
+        check(&Kepler::new(1.3, 0.0).unwrap(), &[x, 1.1], &[0.3, x]);
+        check(&Kepler::new(-0.7, 0.5).unwrap(), &[0.2, x], &[x, 0.1]);
+        check(&DoublePendulum::default(), &[x, 0.4 - x * x], &[0.7, x]);
+        let uneven = DoublePendulum::new([0.7, 1.9], [1.3, 0.6], 2.1).unwrap();
+        check(&uneven, &[x, 1.7 * x], &[0.3 * x, -0.8]);
+    }
+}
+
+#[test]
+fn charges_in_magnetic_fields() {
+    for k in 0..20 {
+        let x = 0.2 * f64::from(k) - 1.9;
+        for (gradient, omega) in [(0.0, 0.0), (0.7, 0.0), (-0.4, 1.3)] {
+            let particle = ChargedParticle::new(1.1, gradient, omega).unwrap();
+            check(&particle, &[x, 0.3 - x], &[0.4 * x, 0.9]);
+        }
+    }
+}
+
+#[test]
+fn chains_with_every_end() {
+    fn chain(bond: impl Bond + 'static + Copy) {
+        for (masses, ends) in [
+            (1, Ends::Fixed),
+            (2, Ends::Fixed),
+            (5, Ends::Fixed),
+            (2, Ends::Periodic),
+            (5, Ends::Periodic),
+        ] {
+            let chain = Chain::new(bond, masses, ends).unwrap();
+            let q: Vec<f64> = (0..masses).map(|i| (1.7 * i as f64).sin()).collect();
+            check(&chain, &q, &vec![0.4; masses]);
+        }
+    }
+    chain(TodaBond);
+    chain(FputBond::new(0.25, 0.0).unwrap());
+    chain(FputBond::new(-0.3, 1.2).unwrap());
 }
 
 #[test]

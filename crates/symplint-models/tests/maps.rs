@@ -10,7 +10,9 @@ use rotor::Rotor;
 use symplint::{Coordinates, TimeAdvance};
 use symplint_models::ModelError;
 use symplint_models::integrators::{RungeKutta, Splitting, Variant, splitting_methods, tableaus};
-use symplint_models::maps::{Adjoint, Compose, Inverse, Invertible, Repeat};
+use symplint_models::maps::{
+    Adjoint, Compose, Damped, Inverse, Invertible, Repeat, SinglePrecision,
+};
 use symplint_models::systems::{AbsoluteValue, HenonHeiles, Pendulum, PendulumArray};
 
 const VARIANTS: [Variant; 2] = [Variant::PositionFirst, Variant::MomentumFirst];
@@ -163,11 +165,13 @@ fn coordinates_are_passed_on() {
     let rotor = Splitting::new(strang, Rotor(Pendulum::default()));
     let of_rotor = rotor.coordinates();
     assert_ne!(of_rotor, Coordinates::plain(1));
-    let maps: [&dyn TimeAdvance; 5] = [
+    let maps: [&dyn TimeAdvance; 7] = [
         &Inverse(&rotor),
         &Adjoint(&rotor),
         &Repeat::new(&rotor, 2).unwrap(),
         &Compose::new(vec![(1.0, &rotor)]).unwrap(),
+        &Damped::new(&rotor, 0.1).unwrap(),
+        &SinglePrecision(&rotor),
         &RungeKutta::separable(tableaus::rk4(), Rotor(Pendulum::default())).unwrap(),
     ];
     for map in maps {

@@ -13,12 +13,12 @@ use rotor::Rotor;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 use symplint::{Block, RowsMut, TimeAdvance};
-use symplint_models::Separable;
 use symplint_models::integrators::catalogue::{self, CATALOGUE};
 use symplint_models::integrators::{RungeKutta, Splitting, Variant, splitting_methods, tableaus};
 use symplint_models::systems::{
     AbsoluteValue, HenonHeiles, InterpolatedPendulum, Pendulum, PendulumArray,
 };
+use symplint_models::{Model, Separable};
 
 const VARIANTS: [Variant; 2] = [Variant::PositionFirst, Variant::MomentumFirst];
 
@@ -40,7 +40,8 @@ fn determinant(map: &dyn TimeAdvance, h: f64, q: f64, p: f64) -> f64 {
 
 #[test]
 fn one_dimensional_steps_keep_areas_if_and_only_if_they_say_so() {
-    for info in CATALOGUE {
+    let model = Model::Separable(Arc::new(Pendulum::default()));
+    for info in CATALOGUE.iter().filter(|info| info.is_for(&model)) {
         let defaults = info
             .variants
             .iter()
@@ -49,7 +50,9 @@ fn one_dimensional_steps_keep_areas_if_and_only_if_they_say_so() {
         for variant in defaults {
             let map = catalogue::build(info.name, variant, Arc::new(Pendulum::default())).unwrap();
             let (q, p) = (0.7, 0.9);
-            let defect = (determinant(&*map, 0.5, q, p) - 1.0).abs();
+            // An accurate method shows what it is where it is not accurate.
+            let h = if info.name == "dop853" { 2.0 } else { 0.5 };
+            let defect = (determinant(&*map, h, q, p) - 1.0).abs();
             assert_eq!(
                 info.symplectic,
                 defect < 1e-8,
@@ -214,7 +217,8 @@ fn henon_heiles_steps_keep_the_two_form() {
         let (a, b, c, d) = (at(-2.0), at(-1.0), at(1.0), at(2.0));
         [0, 1, 2, 3].map(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * STEP))
     };
-    for info in CATALOGUE {
+    let model = Model::Separable(Arc::new(HenonHeiles));
+    for info in CATALOGUE.iter().filter(|info| info.is_for(&model)) {
         let map = catalogue::build(info.name, None, Arc::new(HenonHeiles)).unwrap();
         let columns = [0, 1, 2, 3].map(|axis| column(&*map, axis));
         let mut defect = 0.0_f64;

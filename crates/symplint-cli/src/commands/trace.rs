@@ -4,7 +4,6 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use symplint::{Orbit, Rows, Rule, RuleChoice, Trace, TraceRecord};
-use symplint_models::Hamiltonian;
 
 use super::Failure;
 use crate::cli::Common;
@@ -63,13 +62,19 @@ fn run(config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> {
         snapshots: settings.snapshots.clone(),
     };
     let system = &config.system;
-    let energy = |q: Rows<'_>, p: Rows<'_>, out: &mut [f64]| system.hamiltonian.energy(q, p, out);
-    let orbit = Orbit {
+    let hamiltonian = system.model.hamiltonian();
+    let energy = |q: Rows<'_>, p: Rows<'_>, out: &mut [f64]| {
+        if let Some(hamiltonian) = hamiltonian {
+            hamiltonian.energy(q, p, out);
+        }
+    };
+    // A system without an energy has none to follow.
+    let orbit = hamiltonian.map(|_| Orbit {
         q: &system.q0,
         p: &system.p0,
         energy: &energy,
-    };
+    });
     progress.plan(settings.steps + 1);
     let watch = |_: &symplint::TracePoint| progress.step();
-    Ok(trace.run(&*config.map, &*config.phase_loop, Some(orbit), &watch)?)
+    Ok(trace.run(&*config.map, &*config.phase_loop, orbit, &watch)?)
 }

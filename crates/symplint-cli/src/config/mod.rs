@@ -13,7 +13,6 @@ mod template;
 mod trace;
 
 use std::path::Path;
-use std::sync::Arc;
 
 use symplint::{Diagnostic, Loop, TimeAdvance};
 
@@ -61,10 +60,10 @@ impl Config {
         let node = |name: &str| table.entries.get(name).map(|(_, node)| node);
         let mut resolved = toml::Table::new();
 
-        let (system, section) = system::read(node("system"), folder)?;
+        let (info, system, section) = system::read(node("system"), folder)?;
         resolved.insert("system".into(), section.resolved().into());
-        let hamiltonian = Arc::clone(&system.hamiltonian);
-        let (integrator, map, section) = integrator::read(node("integrator"), hamiltonian)?;
+        let (integrator, map, section) =
+            integrator::read(node("integrator"), info.integrator, &system.model)?;
         resolved.insert("integrator".into(), section.resolved().into());
         let (phase_loop, section) = phase_loop::read(node("loop"), &system)?;
         resolved.insert("loop".into(), section.resolved().into());

@@ -14,7 +14,7 @@ pub fn template(system: &SystemInfo) -> String {
     );
     write_keys(&mut text, system.keys);
     for (name, keys) in [
-        ("integrator", integrator::KEYS),
+        ("integrator", &integrator::keys(system.integrator)[..]),
         ("loop", phase_loop::KEYS),
         ("diagnostic", diagnostic::KEYS),
         ("trace", trace::KEYS),

@@ -1,7 +1,6 @@
 //! Figures of `check` and `trace`.
 
 use symplint::{Diagnosis, Ensemble, Point, Sweep, TraceRecord};
-use symplint_models::Hamiltonian;
 
 use crate::commands::Failure;
 use crate::config::Config;
@@ -201,21 +200,14 @@ pub fn trace_figures(config: &Config, record: &TraceRecord) -> Vec<(&'static str
         scale: Scale::Linear,
         range: None,
     };
-    let mut figures = vec![
-        (
-            "loop_integral",
-            single(&title, time(), error_axis(), integral),
-        ),
-        (
-            "energy",
-            single(
-                &title,
-                time(),
-                energy_axis,
-                vec![series("", energy, Style::Line, 0)],
-            ),
-        ),
-    ];
+    let mut figures = vec![(
+        "loop_integral",
+        single(&title, time(), error_axis(), integral),
+    )];
+    if config.system.model.hamiltonian().is_some() {
+        let energy = vec![series("", energy, Style::Line, 0)];
+        figures.push(("energy", single(&title, time(), energy_axis, energy)));
+    }
     if config.map.dof() == 1 && !record.snapshots.is_empty() {
         let loops: Vec<(String, Vec<(f64, f64)>)> = (record.snapshots.iter())
             .map(|(step, ensemble)| {
@@ -223,10 +215,15 @@ pub fn trace_figures(config: &Config, record: &TraceRecord) -> Vec<(&'static str
                 (format!("t = {time}"), plane(ensemble, 0))
             })
             .collect();
-        let energy = |q: symplint::Rows<'_>, p: symplint::Rows<'_>, out: &mut [f64]| {
-            config.system.hamiltonian.energy(q, p, out);
+        let panel = match config.system.model.hamiltonian() {
+            None => portrait(&title, &loops, None),
+            Some(hamiltonian) => {
+                let energy = |q: symplint::Rows<'_>, p: symplint::Rows<'_>, out: &mut [f64]| {
+                    hamiltonian.energy(q, p, out);
+                };
+                portrait(&title, &loops, Some(&energy))
+            }
         };
-        let panel = portrait(&title, &loops, &energy);
         figures.push((
             "loops",
             Figure {

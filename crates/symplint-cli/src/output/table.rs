@@ -140,7 +140,10 @@ pub fn verdict_text(diagnosis: &Diagnosis, short: bool) -> String {
 pub fn trace_table(points: &[TracePoint], short: bool) -> String {
     let energy = (points.iter().filter_map(|point| point.energy_error))
         .map(f64::abs)
-        .fold(0.0, f64::max);
+        .reduce(f64::max)
+        .map_or(String::new(), |error| {
+            format!(", largest energy error {error:.2e}")
+        });
     let lost = points.iter().position(|point| {
         point
             .quadrature_error
@@ -159,9 +162,7 @@ pub fn trace_table(points: &[TracePoint], short: bool) -> String {
             points[step].time
         ),
     };
-    let summary = format!(
-        "{until}\nlargest defect while resolved {defect:.2e}, largest energy error {energy:.2e}"
-    );
+    let summary = format!("{until}\nlargest defect while resolved {defect:.2e}{energy}");
     if short {
         return summary;
     }

@@ -76,7 +76,10 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     };
     Figure {
         title: None,
-        panels: vec![portrait("loop round (π, ½)", &loops, &energy), energy_panel],
+        panels: vec![
+            portrait("loop round (π, ½)", &loops, Some(&energy)),
+            energy_panel,
+        ],
         columns: 2,
     }
     .save(&folder.figures(), "fig1")?;

@@ -54,11 +54,17 @@ pub fn reference_slope(points: &[(f64, f64)], order: f64, variable: &str) -> Ser
 }
 
 /// Loops over the contours of the energy, one degree of freedom.
-pub fn portrait(title: &str, loops: &[(String, Vec<(f64, f64)>)], energy: Observable<'_>) -> Panel {
+pub fn portrait(
+    title: &str,
+    loops: &[(String, Vec<(f64, f64)>)],
+    energy: Option<Observable<'_>>,
+) -> Panel {
     let all = || loops.iter().flat_map(|(_, points)| points.iter().copied());
     let (left, right) = bounds(all().map(|point| point.0));
     let (bottom, top) = bounds(all().map(|point| point.1));
-    let mut all_series = contours((left, right), (bottom, top), energy);
+    let mut all_series = energy.map_or(Vec::new(), |energy| {
+        contours((left, right), (bottom, top), energy)
+    });
     for (index, (label, points)) in loops.iter().enumerate() {
         all_series.push(series(label, points.clone(), Style::Closed, index));
     }

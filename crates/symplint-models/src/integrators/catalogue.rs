@@ -1,14 +1,13 @@
 //! Every integrator by name.
 
-use std::sync::Arc;
-
 use symplint::TimeAdvance;
 
-use super::splitting::{Splitting, SplittingMethod, Variant};
-use super::tableau::{Tableau, TableauPair};
-use super::{RungeKutta, splitting_methods, tableaus};
+use super::implicit::StageSolver;
+use super::maker::Maker;
+use super::splitting::Variant;
+use super::{splitting_methods, tableaus};
 use crate::error::ModelError;
-use crate::hamiltonian::Separable;
+use crate::model::Model;
 
 /// What there is to know of an integrator before it is built.
 #[derive(Clone, Copy, Debug)]
@@ -17,9 +16,11 @@ pub struct IntegratorInfo {
     pub name: &'static str,
     /// Its variants, the default first; empty if there is but one form.
     pub variants: &'static [&'static str],
-    /// Order of accuracy for smooth Hamiltonians, of all variants.
+    /// Order of accuracy for smooth Hamiltonians, of all variants; 0 where a step of size h does
+    /// not take the time h.
     pub order: u32,
-    /// Whether its step is symplectic for separable Hamiltonians with a continuous force.
+    /// Whether its step is symplectic for the Hamiltonians it is for, with a continuous force and
+    /// stages, if there are any to solve, solved exactly.
     pub symplectic: bool,
     /// What it is, in one line.
     pub summary: &'static str,
@@ -29,21 +30,17 @@ pub struct IntegratorInfo {
     makers: &'static [Maker],
 }
 
-/// How an integrator is made.
-#[derive(Clone, Copy, Debug)]
-enum Maker {
-    Splitting(fn(Variant) -> SplittingMethod, Variant),
-    RungeKutta(fn() -> Tableau),
-    Partitioned(fn() -> TableauPair),
-}
+impl IntegratorInfo {
+    /// Whether it can advance such a system.
+    pub fn is_for(&self, model: &Model) -> bool {
+        self.makers[0]
+            .make(model.clone(), StageSolver::default())
+            .is_some()
+    }
 
-impl Maker {
-    fn make(self, system: Arc<dyn Separable>) -> Result<Box<dyn TimeAdvance>, ModelError> {
-        Ok(match self {
-            Maker::Splitting(method, variant) => Box::new(Splitting::new(method(variant), system)),
-            Maker::RungeKutta(tableau) => Box::new(RungeKutta::separable(tableau(), system)?),
-            Maker::Partitioned(pair) => Box::new(RungeKutta::separable(pair(), system)?),
-        })
+    /// Whether its steps have stages to be solved, by a [`StageSolver`].
+    pub fn is_implicit(&self) -> bool {
+        matches!(self.makers[0], Maker::Implicit(_))
     }
 }
 
@@ -59,14 +56,16 @@ macro_rules! both_variants {
     };
 }
 
-/// Every integrator, splitting methods first.
+/// Every integrator, splitting methods first, mistakes last. HNW is E. Hairer, S. P. Nørsett & G.
+/// Wanner, Solving Ordinary Differential Equations I, 2nd edition.
 pub const CATALOGUE: &[IntegratorInfo] = &[
     IntegratorInfo {
         name: "lie-trotter",
         variants: FIRST,
         order: 1,
         symplectic: true,
-        summary: "Lie–Trotter splitting (symplectic Euler): one drift, one kick",
+        summary: "Lie–Trotter splitting (symplectic Euler): one drift, one kick; momentum-first it is \
+                  staggered leapfrog, with momenta half a step behind positions",
         reference: "Barham & Burby, section 4.2; HLW, section VI.3",
         makers: both_variants!(splitting_methods::lie_trotter),
     },
@@ -75,7 +74,8 @@ pub const CATALOGUE: &[IntegratorInfo] = &[
         variants: FIRST,
         order: 2,
         symplectic: true,
-        summary: "Strang splitting (Störmer–Verlet, leapfrog)",
+        summary: "Strang splitting (Störmer–Verlet, leapfrog); momentum-first it is velocity Verlet, \
+                  the unstaggered leapfrog",
         reference: "Barham & Burby, appendix D; HLW, section II.5",
         makers: both_variants!(splitting_methods::strang),
     },
@@ -157,6 +157,99 @@ pub const CATALOGUE: &[IntegratorInfo] = &[
             Maker::Partitioned(tableaus::strang_momentum_first),
         ],
     },
+    IntegratorInfo {
+        name: "rk45",
+        variants: &[],
+        order: 5,
+        symplectic: false,
+        summary: "Dormand–Prince 5(4), the fifth-order weights at a fixed step",
+        reference: "Dormand & Prince 1980; HNW, section II.5",
+        makers: &[Maker::RungeKutta(tableaus::rk45)],
+    },
+    IntegratorInfo {
+        name: "dop853",
+        variants: &[],
+        order: 8,
+        symplectic: false,
+        summary: "DOP853, the eighth-order weights at a fixed step",
+        reference: "HNW, section II.5",
+        makers: &[Maker::RungeKutta(tableaus::dop853)],
+    },
+    IntegratorInfo {
+        name: "implicit-midpoint",
+        variants: &[],
+        order: 2,
+        symplectic: true,
+        summary: "The implicit midpoint rule, Gauss of one stage",
+        reference: "HLW, section II.1.3",
+        makers: &[Maker::Implicit(tableaus::implicit_midpoint)],
+    },
+    IntegratorInfo {
+        name: "gauss4",
+        variants: &[],
+        order: 4,
+        symplectic: true,
+        summary: "Gauss–Legendre of two stages",
+        reference: "HLW, section II.1.3",
+        makers: &[Maker::Implicit(tableaus::gauss4)],
+    },
+    IntegratorInfo {
+        name: "gauss6",
+        variants: &[],
+        order: 6,
+        symplectic: true,
+        summary: "Gauss–Legendre of three stages",
+        reference: "HLW, section II.1.3",
+        makers: &[Maker::Implicit(tableaus::gauss6)],
+    },
+    IntegratorInfo {
+        name: "trapezoidal",
+        variants: &[],
+        order: 2,
+        symplectic: false,
+        summary: "The implicit trapezoidal rule, conjugate to the midpoint rule and not symplectic itself",
+        reference: "HLW, section VI.8",
+        makers: &[Maker::Implicit(tableaus::trapezoidal)],
+    },
+    IntegratorInfo {
+        name: "averaged-vector-field",
+        variants: &[],
+        order: 2,
+        symplectic: false,
+        summary: "A discrete gradient, conserves the energy",
+        reference: "Quispel & McLaren 2008",
+        makers: &[Maker::Implicit(tableaus::averaged_vector_field)],
+    },
+    IntegratorInfo {
+        name: "boris",
+        variants: &[],
+        order: 2,
+        symplectic: false,
+        summary: "The Boris method in canonical variables: conserves volumes, for charged-particle only",
+        reference: "Boris 1970; Qin et al. 2013",
+        makers: &[Maker::Boris],
+    },
+    IntegratorInfo {
+        name: "adaptive-strang",
+        variants: FIRST,
+        order: 0,
+        symplectic: false,
+        summary: "Strang splitting with the step h/√(1 + |force|²), chosen by each state",
+        reference: "HLW, chapter VIII",
+        makers: &[
+            Maker::AdaptiveStrang(Variant::PositionFirst),
+            Maker::AdaptiveStrang(Variant::MomentumFirst),
+        ],
+    },
+    IntegratorInfo {
+        name: "wrong-sign-euler",
+        variants: &[],
+        order: 1,
+        symplectic: false,
+        summary: "Symplectic Euler that drifts with momenta kicked the wrong way: a mistake to find",
+        reference: "none",
+        makers: &[Maker::Partitioned(tableaus::wrong_sign_euler)],
+    },
 ];
 
 /// The entry of an integrator.
@@ -172,7 +265,7 @@ pub fn find(name: &str) -> Result<&'static IntegratorInfo, ModelError> {
 }
 
 /// The map of the integrator `name`, in its default form unless a `variant` is given, for
-/// `system`.
+/// `system`. Stages are solved as [`StageSolver::default`] says.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -185,14 +278,27 @@ pub fn find(name: &str) -> Result<&'static IntegratorInfo, ModelError> {
 /// ```
 ///
 /// # Errors
-/// If there is no integrator of this name or it has no such variant; the error lists those
-/// there are.
+/// If there is no integrator of this name, it has no such variant, or it cannot advance such a
+/// system; the error lists those there are.
 pub fn build(
     name: &str,
     variant: Option<&str>,
-    system: Arc<dyn Separable>,
+    system: impl Into<Model>,
 ) -> Result<Box<dyn TimeAdvance>, ModelError> {
-    let info = find(name)?;
+    build_solved_by(StageSolver::default(), name, variant, system)
+}
+
+/// As [`build`], with the stages of implicit methods solved by `solver`.
+///
+/// # Errors
+/// As [`build`], or as [`ImplicitRungeKutta::new`](super::ImplicitRungeKutta::new).
+pub fn build_solved_by(
+    solver: StageSolver,
+    name: &str,
+    variant: Option<&str>,
+    system: impl Into<Model>,
+) -> Result<Box<dyn TimeAdvance>, ModelError> {
+    let (info, model) = (find(name)?, system.into());
     let place = match variant {
         None => 0,
         Some(variant) => {
@@ -204,13 +310,26 @@ pub fn build(
             })?
         }
     };
-    info.makers[place].make(system)
+    let maker = info.makers[place];
+    let made = maker.make(model.clone(), solver);
+    made.unwrap_or_else(|| {
+        let known = CATALOGUE.iter().filter(|info| info.is_for(&model));
+        Err(ModelError::NotForThis {
+            integrator: info.name,
+            needs: maker.needs(),
+            kind: model.kind(),
+            known: known.map(|info| info.name).collect(),
+        })
+    })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::systems::HenonHeiles;
+    use crate::discrete::StandardMap;
+    use crate::systems::{ChargedParticle, DoublePendulum, HenonHeiles, RotationalForce};
 
     #[test]
     fn every_variant_has_its_maker() {
@@ -230,7 +349,11 @@ mod tests {
             for maker in info.makers {
                 let (order, symplectic) = match maker {
                     Maker::Splitting(method, variant) => (method(*variant).order(), true),
-                    Maker::RungeKutta(tableau) => (tableau().order(), tableau().is_symplectic()),
+                    Maker::RungeKutta(tableau) | Maker::Implicit(tableau) => {
+                        (tableau().order(), tableau().is_symplectic())
+                    }
+                    // These are no tables.
+                    Maker::AdaptiveStrang(_) | Maker::Boris => continue,
                     Maker::Partitioned(pair) => (
                         pair().position().order(),
                         pair().is_symplectic_if_separable(),
@@ -259,5 +382,38 @@ mod tests {
              is the default)"
         );
         assert!(message("rk4", Some("midpoint")).ends_with("leave the variant out"));
+    }
+
+    #[test]
+    fn each_kind_of_system_has_its_integrators() {
+        let names = |model: Model| -> Vec<&str> {
+            let known = CATALOGUE.iter().filter(|info| info.is_for(&model));
+            known.map(|info| info.name).collect()
+        };
+        let separable = names(Model::Separable(Arc::new(HenonHeiles)));
+        assert_eq!(separable.len(), CATALOGUE.len() - 1);
+        let general = names(Model::General(Arc::new(DoublePendulum::default())));
+        assert!(general.contains(&"rk4") && general.contains(&"gauss6"));
+        assert!(!general.contains(&"strang") && !general.contains(&"partitioned-rk"));
+        let particle = ChargedParticle::new(1.0, 0.0, 0.0).unwrap();
+        let charged = names(Model::Charged(particle));
+        assert_eq!(charged.len(), general.len() + 1);
+        assert!(charged.contains(&"boris"));
+        let force = RotationalForce::new(0.1).unwrap();
+        let forced = names(Model::Forced(Arc::new(force)));
+        assert!(forced.contains(&"strang") && !forced.contains(&"rk4"));
+        let map = StandardMap::new(1.0).unwrap();
+        assert!(names(Model::Map(Arc::new(map))).is_empty());
+    }
+
+    #[test]
+    fn what_cannot_be_advanced_is_told_what_can() {
+        let pendulum = Model::General(Arc::new(DoublePendulum::default()));
+        let error = build("strang", None, pendulum).map(|_| ()).unwrap_err();
+        let message = error.to_string();
+        assert!(
+            message.contains("not separable; there are euler, rk2"),
+            "{message}"
+        );
     }
 }

@@ -1,10 +1,16 @@
-//! Time-advance maps of Hamiltonian systems: splitting methods and explicit Runge–Kutta methods.
+//! Time-advance maps of Hamiltonian systems: splitting methods and Runge–Kutta methods.
 //!
 //! A method is data: a list of substeps ([`splitting_methods`]) or a Butcher tableau
-//! ([`tableaus`]). Each family has one stepping loop, [`Splitting`] and [`RungeKutta`]. The
-//! [`catalogue`] gives all of them by name.
+//! ([`tableaus`]). Each family has one stepping loop: [`Splitting`], [`RungeKutta`] where stages
+//! are explicit, [`ImplicitRungeKutta`] where they are to be solved. [`AdaptiveStrang`] and
+//! [`Boris`] stand for themselves. The [`catalogue`] gives all of them by name.
 
+mod adaptive_strang;
+mod boris;
 pub mod catalogue;
+mod dormand_prince;
+mod implicit;
+mod maker;
 mod runge_kutta;
 mod splitting;
 pub mod splitting_methods;
@@ -12,6 +18,9 @@ mod stage_plan;
 mod tableau;
 pub mod tableaus;
 
+pub use adaptive_strang::AdaptiveStrang;
+pub use boris::Boris;
+pub use implicit::{ImplicitRungeKutta, Solver, StageSolver, Stop};
 pub use runge_kutta::RungeKutta;
 pub use splitting::{Flow, Splitting, SplittingMethod, Substep, Variant};
 pub use tableau::{Residual, Tableau, TableauPair};

@@ -3,7 +3,7 @@
 use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use crate::error::ModelError;
-use crate::hamiltonian::Separable;
+use crate::hamiltonian::DriftKick;
 use crate::maps::Invertible;
 
 /// Which part of H = T(p) + V(q) a substep follows.
@@ -171,7 +171,8 @@ fn merged(substeps: impl Iterator<Item = Substep>) -> Vec<Substep> {
 
 /// A splitting method applied to a system: the flows one after the other, in place.
 ///
-/// Symplectic if the force is continuous: every flow is. It needs no memory besides the states.
+/// Symplectic if the force is the gradient of a potential and continuous: every flow is. It needs
+/// no memory besides the states.
 ///
 /// ```
 /// use symplint::TimeAdvance;
@@ -187,7 +188,7 @@ pub struct Splitting<S> {
     system: S,
 }
 
-impl<S: Separable> Splitting<S> {
+impl<S: DriftKick> Splitting<S> {
     /// The map of `method` for `system`.
     pub fn new(method: SplittingMethod, system: S) -> Self {
         Splitting { method, system }
@@ -212,7 +213,7 @@ impl<S: Separable> Splitting<S> {
     }
 }
 
-impl<S: Separable> TimeAdvance for Splitting<S> {
+impl<S: DriftKick> TimeAdvance for Splitting<S> {
     fn dof(&self) -> usize {
         self.system.dof()
     }
@@ -243,7 +244,7 @@ impl<S: Separable> TimeAdvance for Splitting<S> {
     }
 }
 
-impl<S: Separable> Invertible for Splitting<S> {
+impl<S: DriftKick> Invertible for Splitting<S> {
     fn advance_inverse(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         for substep in self.method.substeps.iter().rev() {
             self.follow(substep, -h, block);

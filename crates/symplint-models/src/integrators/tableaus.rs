@@ -1,13 +1,14 @@
 //! The Runge–Kutta methods provided.
 //!
-//! Explicit ones can be stepped by [`RungeKutta`](super::RungeKutta); implicit ones are here for
-//! what their tableaus tell. HLW is E. Hairer, C. Lubich & G. Wanner, Geometric Numerical
+//! Explicit ones are stepped by [`RungeKutta`](super::RungeKutta), implicit ones by
+//! [`ImplicitRungeKutta`](super::ImplicitRungeKutta). HLW is E. Hairer, C. Lubich & G. Wanner, Geometric Numerical
 //! Integration, 2nd edition.
 
+pub use super::dormand_prince::{dop853, rk45};
 use super::tableau::{Tableau, TableauPair};
 
 /// A tableau whose shape is known to be good.
-fn tableau(name: &str, order: u32, a: &[&[f64]], b: &[f64], reference: &str) -> Tableau {
+pub(super) fn tableau(name: &str, order: u32, a: &[&[f64]], b: &[f64], reference: &str) -> Tableau {
     Tableau::new(name, order, a, b, reference).expect("a square table of finite numbers")
 }
 
@@ -79,6 +80,102 @@ pub fn gauss4() -> Tableau {
         &[&[0.25, 0.25 - shift], &[0.25 + shift, 0.25]],
         &[0.5, 0.5],
         "HLW, section II.1.3",
+    )
+}
+
+/// The Gauss–Legendre method of three stages: order 6, symplectic.
+pub fn gauss6() -> Tableau {
+    let root = 15.0_f64.sqrt();
+    tableau(
+        "gauss6",
+        6,
+        &[
+            &[
+                5.0 / 36.0,
+                2.0 / 9.0 - root / 15.0,
+                5.0 / 36.0 - root / 30.0,
+            ],
+            &[
+                5.0 / 36.0 + root / 24.0,
+                2.0 / 9.0,
+                5.0 / 36.0 - root / 24.0,
+            ],
+            &[
+                5.0 / 36.0 + root / 30.0,
+                2.0 / 9.0 + root / 15.0,
+                5.0 / 36.0,
+            ],
+        ],
+        &[5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0],
+        "HLW, section II.1.3",
+    )
+}
+
+/// The implicit trapezoidal rule: order 2, not symplectic.
+///
+/// It is conjugate to the [implicit midpoint rule](implicit_midpoint): half a step of explicit Euler, a
+/// step of the midpoint rule, and the half step of Euler undone (HLW, section VI.8). So it
+/// conserves a two-form, but one that is h²-near to dp ∧ dq and not that.
+pub fn trapezoidal() -> Tableau {
+    tableau(
+        "trapezoidal",
+        2,
+        &[&[0.0, 0.0], &[0.5, 0.5]],
+        &[0.5, 0.5],
+        "HLW, section II.1.1",
+    )
+}
+
+/// The averaged vector field y_1 = y + h ∫ f(y + ξ (y_1 − y)) dξ with Gauss quadrature of four
+/// nodes: order 2, not symplectic.
+///
+/// The integral makes it a discrete gradient: the energy is conserved. The quadrature, exact up to
+/// degree 7, conserves polynomial energies up to degree 8 exactly and others to O(h⁹). As a
+/// Runge–Kutta method it has a_ij = c_i b_j.
+pub fn averaged_vector_field() -> Tableau {
+    let (inner, outer) = {
+        let root = 2.0 / 7.0 * (6.0_f64 / 5.0).sqrt();
+        ((3.0 / 7.0 - root).sqrt(), (3.0 / 7.0 + root).sqrt())
+    };
+    let (heavy, light) = {
+        let root = 30.0_f64.sqrt();
+        ((18.0 + root) / 72.0, (18.0 - root) / 72.0)
+    };
+    let c = [-outer, -inner, inner, outer].map(|x| 0.5 + 0.5 * x);
+    let b = [light, heavy, heavy, light];
+    let a = c.map(|c| b.map(|b| c * b));
+    tableau(
+        "averaged-vector-field",
+        2,
+        &[&a[0], &a[1], &a[2], &a[3]],
+        &b,
+        "G. R. W. Quispel & D. I. McLaren, J. Phys. A 41 (2008) 045206",
+    )
+}
+
+/// Symplectic Euler, kick first, with a wrong sign: positions drift with momenta that were kicked
+/// the wrong way. Order 1, not symplectic.
+///
+/// With the right sign of its one coefficient â_21 = −1 it is momentum-first Lie–Trotter splitting.
+/// (A force whose sign is wrong throughout is the force of −V, and that step is symplectic.)
+pub fn wrong_sign_euler() -> TableauPair {
+    const REFERENCE: &str = "a mistake, for testing";
+    pair(
+        "wrong-sign-euler",
+        tableau(
+            "position",
+            1,
+            &[&[0.0, 0.0], &[0.0, 0.0]],
+            &[0.0, 1.0],
+            REFERENCE,
+        ),
+        tableau(
+            "momentum",
+            1,
+            &[&[0.0, 0.0], &[-1.0, 0.0]],
+            &[1.0, 0.0],
+            REFERENCE,
+        ),
     )
 }
 
@@ -159,6 +256,7 @@ pub fn lobatto3a_3b() -> TableauPair {
 #[cfg(test)]
 pub(super) fn all() -> Vec<Tableau> {
     let pairs = [
+        wrong_sign_euler(),
         strang_position_first(),
         strang_momentum_first(),
         lobatto3a_3b(),
@@ -171,8 +269,13 @@ pub(super) fn all() -> Vec<Tableau> {
         midpoint(),
         heun(),
         rk4(),
+        rk45(),
+        dop853(),
         implicit_midpoint(),
         gauss4(),
+        gauss6(),
+        trapezoidal(),
+        averaged_vector_field(),
     ]
     .into_iter()
     .chain(halves)
@@ -191,8 +294,13 @@ mod tests {
             midpoint(),
             heun(),
             rk4(),
+            rk45(),
+            dop853(),
             implicit_midpoint(),
             gauss4(),
+            gauss6(),
+            trapezoidal(),
+            averaged_vector_field(),
         ] {
             let s = tableau.stages();
             let c: Vec<f64> = (0..s).map(|i| tableau.c(i)).collect();
@@ -214,11 +322,22 @@ mod tests {
             for (order, sum, expected) in conditions {
                 if order <= tableau.order() {
                     assert!(
-                        (sum - expected).abs() < 1e-15,
+                        (sum - expected).abs() < 1e-15 * tableau.largest(),
                         "{}, order {order}: {sum} for {expected}",
                         tableau.name()
                     );
                 }
+            }
+            // Quadrature: the conditions of one tree of every order.
+            for power in 1..=tableau.order() {
+                let sum = b(&|i| c[i].powi(power as i32 - 1));
+                let expected = 1.0 / f64::from(power);
+                assert!(
+                    (sum - expected).abs() < 1e-15 * tableau.largest(),
+                    "{}, c^{}: {sum} for {expected}",
+                    tableau.name(),
+                    power - 1
+                );
             }
             let next = tableau.order() + 1;
             assert!(

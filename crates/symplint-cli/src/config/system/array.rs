@@ -3,10 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use symplint_models::Model;
 use symplint_models::systems::PendulumArray;
 
 use super::initial::{Initial, initial};
-use super::{MOST_DOF, System, SystemInfo, refused};
+use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
 use crate::config::ConfigError;
 use crate::config::section::{Accept, Key, Section};
 
@@ -28,6 +29,7 @@ pub const PENDULUM_ARRAY: SystemInfo = SystemInfo {
         ),
         Key::new("seed", "1", "of the random initial state"),
     ],
+    integrator: STRANG,
     build: pendulum_array,
 };
 
@@ -44,7 +46,7 @@ fn pendulum_array(section: &Section, folder: &Path) -> Result<System, ConfigErro
     };
     Ok(System {
         name: "pendulum-array",
-        hamiltonian: Arc::new(array),
+        model: Model::Separable(Arc::new(array)),
         q0,
         p0,
     })

@@ -6,9 +6,9 @@ use symplint_models::systems::{
     AbsoluteValue, HarmonicOscillator, HenonHeiles, InterpolatedPendulum, Pendulum,
     PendulumPotential, TwoCell,
 };
-use symplint_models::{ModelError, Separable};
+use symplint_models::{Model, ModelError, Separable};
 
-use super::{MOST_DOF, System, SystemInfo, refused};
+use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
 use crate::config::ConfigError;
 use crate::config::section::{Accept, Key, Section};
 
@@ -28,6 +28,7 @@ pub const PENDULUM: SystemInfo = SystemInfo {
         Q0_AT_PI,
         Key::new("p0", "0.5", "centre of the loop, momentum"),
     ],
+    integrator: STRANG,
     build: |section, _| {
         let potential = match section.choice("potential", &["cos", "sin"])? {
             "cos" => PendulumPotential::Cos,
@@ -45,6 +46,7 @@ pub const ABSOLUTE_VALUE: SystemInfo = SystemInfo {
         Q0,
         P0,
     ],
+    integrator: STRANG,
     build: |section, _| {
         let epsilon = section.number("epsilon", Accept::NotNegative)?;
         let system = AbsoluteValue::new(epsilon).map_err(|e| refused(section, "epsilon", e))?;
@@ -65,6 +67,7 @@ pub const INTERPOLATED_PENDULUM: SystemInfo = SystemInfo {
         Q0_AT_PI,
         P0,
     ],
+    integrator: STRANG,
     build: |section, _| {
         let degree = section.whole("degree", 0)? as usize;
         let cells = section.whole("cells", 1)? as usize;
@@ -89,6 +92,7 @@ pub const HARMONIC_OSCILLATOR: SystemInfo = SystemInfo {
         Q0,
         P0,
     ],
+    integrator: STRANG,
     build: |section, _| {
         let dof = section.whole_between("dof", 1, MOST_DOF)? as usize;
         let omega = section.numbers("omega", dof)?;
@@ -104,6 +108,7 @@ pub const HENON_HEILES: SystemInfo = SystemInfo {
         Key::new("q0", "[0.0, 0.1]", "centre of the loop, positions"),
         Key::new("p0", "[0.3, 0.0]", "centre of the loop, momenta"),
     ],
+    integrator: STRANG,
     build: |section, _| space(section, "henon-heiles", HenonHeiles),
 };
 
@@ -119,6 +124,7 @@ pub const TWO_CELL: SystemInfo = SystemInfo {
         Q0,
         P0,
     ],
+    integrator: STRANG,
     build: |section, _| {
         let length = section.number("length", Accept::Positive)?;
         let system = TwoCell::new(length).map_err(|e| refused(section, "length", e))?;
@@ -134,7 +140,7 @@ fn plane(
 ) -> Result<System, ConfigError> {
     Ok(System {
         name,
-        hamiltonian: Arc::new(hamiltonian),
+        model: Model::Separable(Arc::new(hamiltonian)),
         q0: vec![section.number("q0", Accept::Finite)?],
         p0: vec![section.number("p0", Accept::Finite)?],
     })
@@ -149,7 +155,7 @@ fn space(
     let dof = hamiltonian.dof();
     Ok(System {
         name,
-        hamiltonian: Arc::new(hamiltonian),
+        model: Model::Separable(Arc::new(hamiltonian)),
         q0: section.numbers("q0", dof)?,
         p0: section.numbers("p0", dof)?,
     })

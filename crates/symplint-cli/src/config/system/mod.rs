@@ -1,25 +1,29 @@
 //! `[system]`: the Hamiltonian and the state that loops go round.
 
 mod array;
+mod chain;
+mod given_map;
 mod initial;
 mod low_dimensional;
+mod mechanics;
 mod pic;
 
 use std::path::Path;
-use std::sync::Arc;
 
-use symplint_models::{ModelError, Separable};
+use symplint_models::{Model, ModelError};
+
+pub use given_map::NOTHING;
 
 use super::document::{Node, Value};
 use super::error::ConfigError;
 use super::section::{Key, Section, suggestion};
 
-/// A Hamiltonian with an initial state.
+/// A system with an initial state.
 pub struct System {
     /// Its name in configurations.
     pub name: &'static str,
-    /// H.
-    pub hamiltonian: Arc<dyn Separable>,
+    /// The equations, or the map.
+    pub model: Model,
     /// Initial positions: the centre of loops.
     pub q0: Vec<f64>,
     /// Initial momenta.
@@ -34,8 +38,13 @@ pub struct SystemInfo {
     pub summary: &'static str,
     /// Its keys besides `name`.
     pub keys: &'static [Key],
+    /// The integrator where none is named, as TOML.
+    pub integrator: &'static str,
     build: fn(&Section, &Path) -> Result<System, ConfigError>,
 }
+
+/// The default integrator of most systems.
+const STRANG: &str = "\"strang\"";
 
 /// Degrees of freedom at most.
 pub const MOST_DOF: u64 = 1 << 28;
@@ -47,6 +56,14 @@ pub const SYSTEMS: &[SystemInfo] = &[
     low_dimensional::INTERPOLATED_PENDULUM,
     low_dimensional::HARMONIC_OSCILLATOR,
     low_dimensional::HENON_HEILES,
+    mechanics::KEPLER,
+    mechanics::DOUBLE_PENDULUM,
+    mechanics::CHARGED_PARTICLE,
+    mechanics::ROTATIONAL_FORCE,
+    chain::FPUT,
+    chain::TODA,
+    given_map::HENON_MAP,
+    given_map::STANDARD_MAP,
     low_dimensional::TWO_CELL,
     array::PENDULUM_ARRAY,
     pic::PIC_1D,
@@ -54,7 +71,12 @@ pub const SYSTEMS: &[SystemInfo] = &[
 ];
 
 /// Reads `[system]`.
-pub fn read(node: Option<&Node>, folder: &Path) -> Result<(System, Section), ConfigError> {
+///
+/// Comes with what there is to know of the system by name.
+pub fn read(
+    node: Option<&Node>,
+    folder: &Path,
+) -> Result<(&'static SystemInfo, System, Section), ConfigError> {
     const NAME: Key = Key::optional("name", "\"pendulum\"", "which system");
     // The name says which keys there are, so it is read before they are judged.
     let names = || SYSTEMS.iter().map(|info| info.name);
@@ -93,7 +115,7 @@ pub fn read(node: Option<&Node>, folder: &Path) -> Result<(System, Section), Con
     let section = Section::new("system", node, keys)?;
     section.text("name")?;
     let system = (info.build)(&section, folder)?;
-    Ok((system, section))
+    Ok((info, system, section))
 }
 
 /// A model's own complaint, at the key that caused it.

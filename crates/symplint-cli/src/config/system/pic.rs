@@ -6,10 +6,10 @@ use std::sync::Arc;
 use symplint_models::pic::{
     Landau, ParticleWeights, Pic, PicConfig, ShapeFamily, TwoStream, VelocityConvention,
 };
-use symplint_models::{ModelError, Separable};
+use symplint_models::{Model, ModelError, Separable};
 
 use super::initial::{Initial, initial};
-use super::{MOST_DOF, System, SystemInfo, refused};
+use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
 use crate::config::ConfigError;
 use crate::config::section::{Accept, Key, Section};
 
@@ -17,6 +17,7 @@ pub const PIC_1D: SystemInfo = SystemInfo {
     name: "pic-1d",
     summary: "electrostatic particle-in-cell on a periodic line (section 5)",
     keys: &keys("128"),
+    integrator: STRANG,
     build: |section, folder| pic::<1>("pic-1d", section, folder),
 };
 
@@ -24,6 +25,7 @@ pub const PIC_2D: SystemInfo = SystemInfo {
     name: "pic-2d",
     summary: "the same on a doubly periodic square, with tensor-product shapes",
     keys: &keys("16"),
+    integrator: STRANG,
     build: |section, folder| pic::<2>("pic-2d", section, folder),
 };
 
@@ -106,7 +108,7 @@ fn pic<const D: usize>(
     let (q0, p0) = state(&pic, section, folder)?;
     Ok(System {
         name,
-        hamiltonian: Arc::new(pic),
+        model: Model::Separable(Arc::new(pic)),
         q0,
         p0,
     })

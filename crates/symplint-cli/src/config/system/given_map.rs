@@ -1,0 +1,75 @@
+//! Maps that are given, not integrated.
+
+use std::sync::Arc;
+
+use symplint::TimeAdvance;
+use symplint_models::Model;
+use symplint_models::discrete::{HenonMap, StandardMap};
+
+use super::{System, SystemInfo, refused};
+use crate::config::ConfigError;
+use crate::config::section::{Accept, Key, Section};
+
+/// What stands for an integrator where there is nothing to integrate.
+pub const NOTHING: &str = "none";
+const NONE: &str = "\"none\"";
+
+const P0: Key = Key::new("p0", "0.0", "centre of the loop, momentum");
+
+pub const HENON_MAP: SystemInfo = SystemInfo {
+    name: "henon-map",
+    summary: "Hénon's area-preserving map: p −= h q², then a rotation by the angle αh; a map of its own, \
+              with no integrator",
+    keys: &[
+        Key::new("angle", "1.33", "α; Hénon's map is the step h = 1"),
+        Key::new(
+            "contraction",
+            "1.0",
+            "b; areas shrink by b^h: below 1 the map is dissipative",
+        ),
+        Key::new("q0", "0.0", "centre of the loop, position"),
+        P0,
+    ],
+    integrator: NONE,
+    build: |section, _| {
+        let angle = section.number("angle", Accept::Finite)?;
+        let contraction = section.number("contraction", Accept::Positive)?;
+        let map = HenonMap::new(angle, contraction).map_err(|e| refused(section, "angle", e))?;
+        given(section, "henon-map", map)
+    },
+};
+
+pub const STANDARD_MAP: SystemInfo = SystemInfo {
+    name: "standard-map",
+    summary: "the standard map on the cylinder, p += K h sin q, then q += h p mod 2π; a map of its own, \
+              with no integrator",
+    keys: &[
+        Key::new(
+            "strength",
+            "0.971635",
+            "K; the standard map is the step h = 1",
+        ),
+        Key::new("q0", "\"pi\"", "centre of the loop, angle"),
+        P0,
+    ],
+    integrator: NONE,
+    build: |section, _| {
+        let strength = section.number("strength", Accept::Finite)?;
+        let map = StandardMap::new(strength).map_err(|e| refused(section, "strength", e))?;
+        given(section, "standard-map", map)
+    },
+};
+
+/// A map of one degree of freedom.
+fn given(
+    section: &Section,
+    name: &'static str,
+    map: impl TimeAdvance + 'static,
+) -> Result<System, ConfigError> {
+    Ok(System {
+        name,
+        model: Model::Map(Arc::new(map)),
+        q0: vec![section.number("q0", Accept::Finite)?],
+        p0: vec![section.number("p0", Accept::Finite)?],
+    })
+}

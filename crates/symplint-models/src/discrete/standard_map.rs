@@ -1,0 +1,53 @@
+//! The kicked rotor.
+
+use std::f64::consts::TAU;
+
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+
+use crate::error::ModelError;
+
+/// The standard map on the cylinder: p' = p + K h sin q, q' = q + h p' mod 2π (B. V. Chirikov, "A
+/// universal instability of many-dimensional oscillator systems", Phys. Rep. 52 (1979) 263, at
+/// h = 1).
+///
+/// It is symplectic Euler, kick first, on the pendulum H = p²/2 + K cos q. The angle is stored
+/// wrapped, 0 ≤ q' < 2π, and its period is stated in the [coordinates](TimeAdvance::coordinates).
+/// One degree of freedom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StandardMap {
+    strength: f64,
+}
+
+impl StandardMap {
+    /// The map with kicks of strength K.
+    ///
+    /// # Errors
+    /// If the strength is not finite.
+    pub fn new(strength: f64) -> Result<Self, ModelError> {
+        ModelError::check_finite("the strength of the standard map", strength)?;
+        Ok(StandardMap { strength })
+    }
+}
+
+impl TimeAdvance for StandardMap {
+    fn dof(&self) -> usize {
+        1
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        let kick = self.strength * h;
+        for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
+            *p += kick * q.sin();
+            let angle = (*q + h * *p).rem_euclid(TAU);
+            // A negative angle smaller than the rounding error of 2π gives 2π itself.
+            *q = if angle < TAU { angle } else { 0.0 };
+        }
+        Ok(())
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        Coordinates::plain(1)
+            .with_periods(vec![TAU])
+            .expect("one finite period for one degree of freedom")
+    }
+}

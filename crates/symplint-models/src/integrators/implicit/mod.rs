@@ -1,0 +1,157 @@
+//! Implicit Runge–Kutta methods, their stages solved sample by sample.
+
+mod convergence;
+mod newton;
+mod solver;
+mod stages;
+
+pub use solver::{Solver, StageSolver, Stop};
+
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance, scratch};
+
+use super::tableau::TableauPair;
+use crate::error::ModelError;
+use crate::hamiltonian::Hamiltonian;
+use convergence::Convergence;
+use stages::Stages;
+
+/// A Runge–Kutta method, implicit or not, ordinary or partitioned, applied to any Hamiltonian.
+///
+/// The stage equations are solved as far as the [`StageSolver`] says. A method that is symplectic is
+/// so only for stages that are solved exactly, so its loop defect follows the tolerance.
+///
+/// Each sample converges by itself: what happens to it does not depend on its block, and nothing
+/// is remembered from one step to the next. Stages that do not converge fail the step.
+///
+/// ```
+/// use symplint_models::integrators::{ImplicitRungeKutta, StageSolver, tableaus};
+/// use symplint_models::systems::Pendulum;
+///
+/// let solver = StageSolver::default();
+/// let gauss = ImplicitRungeKutta::new(tableaus::gauss4(), Pendulum::default(), solver)?;
+/// # Ok::<(), symplint_models::ModelError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ImplicitRungeKutta<H> {
+    method: TableauPair,
+    system: H,
+    solver: StageSolver,
+}
+
+impl<H: Hamiltonian> ImplicitRungeKutta<H> {
+    /// The map of `method`, a tableau or a pair of them, with stages solved by `solver`.
+    ///
+    /// # Errors
+    /// If the solver allows no iteration, its tolerance is negative or not finite, or Newton's
+    /// method is asked for more than [`StageSolver::MOST_UNKNOWNS`] equations for a sample.
+    pub fn new(
+        method: impl Into<TableauPair>,
+        system: H,
+        solver: StageSolver,
+    ) -> Result<Self, ModelError> {
+        let method = method.into();
+        solver.check(2 * system.dof() * method.stages())?;
+        Ok(ImplicitRungeKutta {
+            method,
+            system,
+            solver,
+        })
+    }
+
+    /// The method.
+    pub fn method(&self) -> &TableauPair {
+        &self.method
+    }
+
+    /// The system.
+    pub fn system(&self) -> &H {
+        &self.system
+    }
+
+    /// How the stages are solved.
+    pub fn solver(&self) -> StageSolver {
+        self.solver
+    }
+
+    fn iterate(&self, stages: &mut Stages<'_, H>, convergence: &mut Convergence<'_>) {
+        match self.solver.solver {
+            Solver::FixedPoint => stages.sweep(convergence),
+            Solver::Newton => newton::iterate(stages, convergence),
+        }
+    }
+
+    fn solve(
+        &self,
+        stages: &mut Stages<'_, H>,
+        convergence: &mut Convergence<'_>,
+    ) -> Result<(), StepFailure> {
+        match self.solver.stop {
+            Stop::Iterations(iterations) => {
+                for _ in 0..iterations {
+                    self.iterate(stages, convergence);
+                }
+                Ok(())
+            }
+            Stop::Converged {
+                tolerance,
+                max_iterations,
+            } => {
+                for _ in 0..max_iterations {
+                    self.iterate(stages, convergence);
+                    if convergence.settle(tolerance) {
+                        break;
+                    }
+                }
+                let unsolved = convergence
+                    .first_open()
+                    .map(|(sample, change)| StepFailure {
+                        sample,
+                        reason: self.failure(change, tolerance, max_iterations),
+                    });
+                unsolved.map_or(Ok(()), Err)
+            }
+        }
+    }
+
+    fn failure(&self, change: f64, tolerance: f64, max_iterations: usize) -> String {
+        let name = self.method.name();
+        if !change.is_finite() {
+            return format!(
+                "the stages of {name} left the finite numbers; take a smaller step size, or keep away \
+                 from where the Hamiltonian is singular"
+            );
+        }
+        let other = match self.solver.solver {
+            Solver::FixedPoint => "Newton's method",
+            Solver::Newton => "fixed-point iteration",
+        };
+        format!(
+            "the stages of {name} did not converge in {max_iterations} iterations: one changes them \
+             by {change:.1e} of the state where {tolerance:.1e} was asked for; take a smaller step \
+             size, {other} or a looser tolerance"
+        )
+    }
+}
+
+impl<H: Hamiltonian> TimeAdvance for ImplicitRungeKutta<H> {
+    fn dof(&self) -> usize {
+        self.system.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        let (dof, len) = (block.dof(), block.len());
+        scratch::with_buffer(Stages::<H>::room(&self.method, dof, len), |room| {
+            scratch::with_buffer(Convergence::room(len), |progress| {
+                let mut stages = Stages::new(&self.method, &self.system, h, block, room);
+                let mut convergence = Convergence::new(stages.sizes(), progress);
+                self.solve(&mut stages, &mut convergence)?;
+                stages.finish(block);
+                Ok(())
+            })
+        })
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        self.system.coordinates()
+    }
+}

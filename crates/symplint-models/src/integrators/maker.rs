@@ -1,0 +1,85 @@
+//! How the catalogue makes its maps: of which family, for which systems.
+
+use symplint::TimeAdvance;
+
+use super::implicit::{ImplicitRungeKutta, StageSolver};
+use super::splitting::{Splitting, SplittingMethod, Variant};
+use super::tableau::{Tableau, TableauPair};
+use super::{AdaptiveStrang, Boris, RungeKutta};
+use crate::error::ModelError;
+use crate::model::Model;
+
+/// How an integrator of the catalogue is made.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Maker {
+    Splitting(fn(Variant) -> SplittingMethod, Variant),
+    AdaptiveStrang(Variant),
+    RungeKutta(fn() -> Tableau),
+    Partitioned(fn() -> TableauPair),
+    Implicit(fn() -> Tableau),
+    Boris,
+}
+
+impl Maker {
+    /// The map, or nothing where it is not for this kind of system.
+    pub(super) fn make(
+        self,
+        model: Model,
+        solver: StageSolver,
+    ) -> Option<Result<Box<dyn TimeAdvance>, ModelError>> {
+        fn boxed<M: TimeAdvance + 'static>(
+            map: Result<M, ModelError>,
+        ) -> Option<Result<Box<dyn TimeAdvance>, ModelError>> {
+            Some(map.map(|map| Box::new(map) as Box<dyn TimeAdvance>))
+        }
+        match (self, model) {
+            (Maker::Splitting(method, variant), Model::Separable(system)) => {
+                boxed(Ok(Splitting::new(method(variant), system)))
+            }
+            (Maker::Splitting(method, variant), Model::Forced(system)) => {
+                boxed(Ok(Splitting::new(method(variant), system)))
+            }
+            (Maker::AdaptiveStrang(variant), Model::Separable(system)) => {
+                boxed(Ok(AdaptiveStrang::new(variant, system)))
+            }
+            (Maker::AdaptiveStrang(variant), Model::Forced(system)) => {
+                boxed(Ok(AdaptiveStrang::new(variant, system)))
+            }
+            (Maker::RungeKutta(tableau), Model::Separable(system)) => {
+                boxed(RungeKutta::separable(tableau(), system))
+            }
+            (Maker::RungeKutta(tableau), Model::General(system)) => {
+                boxed(RungeKutta::new(tableau(), system))
+            }
+            (Maker::RungeKutta(tableau), Model::Charged(system)) => {
+                boxed(RungeKutta::new(tableau(), system))
+            }
+            (Maker::Partitioned(pair), Model::Separable(system)) => {
+                boxed(RungeKutta::separable(pair(), system))
+            }
+            (Maker::Implicit(tableau), Model::Separable(system)) => {
+                boxed(ImplicitRungeKutta::new(tableau(), system, solver))
+            }
+            (Maker::Implicit(tableau), Model::General(system)) => {
+                boxed(ImplicitRungeKutta::new(tableau(), system, solver))
+            }
+            (Maker::Implicit(tableau), Model::Charged(system)) => {
+                boxed(ImplicitRungeKutta::new(tableau(), system, solver))
+            }
+            (Maker::Boris, Model::Charged(particle)) => boxed(Ok(Boris::new(particle))),
+            _ => None,
+        }
+    }
+
+    /// What it is for, in words that complete "this is for …".
+    pub(super) fn needs(self) -> &'static str {
+        match self {
+            Maker::Splitting(..) | Maker::AdaptiveStrang(_) => {
+                "positions that drift with their momenta and momenta kicked by a force of the positions"
+            }
+            Maker::RungeKutta(_) | Maker::Implicit(_) => "Hamiltonians",
+            Maker::Partitioned(_) => "separable Hamiltonians",
+            Maker::Boris => "a charge in a magnetic field",
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! A map with a friction that does not belong there.
+
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+
+use crate::error::ModelError;
+
+/// A map followed by a friction: momenta are multiplied by exp(−γh).
+///
+/// It shrinks every loop integral of a symplectic map by exp(−γh) exactly, so the defect is
+/// 1 − exp(−γh), of order h: conformally symplectic (R. I. McLachlan & M. Perlmutter, "Conformal
+/// Hamiltonian systems", J. Geom. Phys. 39 (2001) 276).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Damped<M> {
+    map: M,
+    rate: f64,
+}
+
+impl<M: TimeAdvance> Damped<M> {
+    /// `map`, damped at the rate γ = `rate`; a negative rate drives.
+    ///
+    /// # Errors
+    /// If the rate is not finite.
+    pub fn new(map: M, rate: f64) -> Result<Self, ModelError> {
+        ModelError::check_finite("the rate of damping", rate)?;
+        Ok(Damped { map, rate })
+    }
+}
+
+impl<M: TimeAdvance> TimeAdvance for Damped<M> {
+    fn dof(&self) -> usize {
+        self.map.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.map.advance(h, block)?;
+        let factor = (-self.rate * h).exp();
+        for i in 0..block.dof() {
+            for p in block.p.row_mut(i) {
+                *p *= factor;
+            }
+        }
+        Ok(())
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        self.map.coordinates()
+    }
+}

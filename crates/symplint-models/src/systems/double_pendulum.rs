@@ -1,0 +1,136 @@
+//! A pendulum that hangs from a pendulum.
+
+use symplint::{Rows, RowsMut};
+
+use crate::error::ModelError;
+use crate::hamiltonian::Hamiltonian;
+
+/// The double pendulum: masses m_1, m_2 on massless rods of lengths l_1, l_2, the second hanging from
+/// the first, in a gravity g.
+///
+/// Positions are the angles of the rods from the vertical, momenta those canonical to them. With
+/// Δ = q_1 − q_2 and M = m_1 + m_2,
+/// H = [m_2 l_2² p_1² + M l_1² p_2² − 2 m_2 l_1 l_2 p_1 p_2 cos Δ] / [2 m_2 l_1² l_2² (m_1 + m_2 sin² Δ)]
+/// − M g l_1 cos q_1 − m_2 g l_2 cos q_2.
+///
+/// Two degrees of freedom, not separable, chaotic at larger energies. Angles are not wrapped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DoublePendulum {
+    masses: [f64; 2],
+    lengths: [f64; 2],
+    gravity: f64,
+}
+
+impl DoublePendulum {
+    /// A double pendulum, the upper mass and length first.
+    ///
+    /// # Errors
+    /// If a mass or length is not finite and positive, or the gravity is not finite.
+    pub fn new(masses: [f64; 2], lengths: [f64; 2], gravity: f64) -> Result<Self, ModelError> {
+        for mass in masses {
+            ModelError::check_positive("a mass of the double pendulum", mass)?;
+        }
+        for length in lengths {
+            ModelError::check_positive("a length of the double pendulum", length)?;
+        }
+        ModelError::check_finite("the gravity of the double pendulum", gravity)?;
+        Ok(DoublePendulum {
+            masses,
+            lengths,
+            gravity,
+        })
+    }
+
+    /// Numerator N and denominator D of the kinetic energy, with sin Δ and cos Δ.
+    fn kinetic(&self, [q1, q2]: [f64; 2], [p1, p2]: [f64; 2]) -> Kinetic {
+        let ([m1, m2], [l1, l2]) = (self.masses, self.lengths);
+        let (sin, cos) = (q1 - q2).sin_cos();
+        Kinetic {
+            numerator: m2 * l2 * l2 * p1 * p1 + (m1 + m2) * l1 * l1 * p2 * p2
+                - 2.0 * m2 * l1 * l2 * p1 * p2 * cos,
+            denominator: 2.0 * m2 * (l1 * l2).powi(2) * (m1 + m2 * sin * sin),
+            sin,
+            cos,
+        }
+    }
+
+    /// Weights of the two angles in the potential energy.
+    fn weights(&self) -> [f64; 2] {
+        let ([m1, m2], [l1, l2]) = (self.masses, self.lengths);
+        [(m1 + m2) * self.gravity * l1, m2 * self.gravity * l2]
+    }
+}
+
+/// The kinetic energy N/D and what its derivatives are made of.
+struct Kinetic {
+    numerator: f64,
+    denominator: f64,
+    sin: f64,
+    cos: f64,
+}
+
+/// Both coordinates of a sample.
+fn pair(rows: Rows<'_>, sample: usize) -> [f64; 2] {
+    [rows.row(0)[sample], rows.row(1)[sample]]
+}
+
+/// Unit masses and lengths in unit gravity.
+impl Default for DoublePendulum {
+    fn default() -> Self {
+        DoublePendulum {
+            masses: [1.0; 2],
+            lengths: [1.0; 2],
+            gravity: 1.0,
+        }
+    }
+}
+
+impl Hamiltonian for DoublePendulum {
+    fn dof(&self) -> usize {
+        2
+    }
+
+    fn energy(&self, q: Rows<'_>, p: Rows<'_>, out: &mut [f64]) {
+        let [upper, lower] = self.weights();
+        for (k, out) in out.iter_mut().enumerate() {
+            let (q, p) = (pair(q, k), pair(p, k));
+            let kinetic = self.kinetic(q, p);
+            *out =
+                kinetic.numerator / kinetic.denominator - upper * q[0].cos() - lower * q[1].cos();
+        }
+    }
+
+    fn add_velocity(&self, tau: f64, q: Rows<'_>, p: Rows<'_>, out: &mut RowsMut<'_>) {
+        let ([m1, m2], [l1, l2]) = (self.masses, self.lengths);
+        for k in 0..q.len() {
+            let (q, p) = (pair(q, k), pair(p, k));
+            let Kinetic {
+                denominator, cos, ..
+            } = self.kinetic(q, p);
+            let coupling = m2 * l1 * l2 * cos;
+            let factor = 2.0 * tau / denominator;
+            out.row_mut(0)[k] += factor * (m2 * l2 * l2 * p[0] - coupling * p[1]);
+            out.row_mut(1)[k] += factor * ((m1 + m2) * l1 * l1 * p[1] - coupling * p[0]);
+        }
+    }
+
+    fn add_force(&self, tau: f64, q: Rows<'_>, p: Rows<'_>, out: &mut RowsMut<'_>) {
+        let (m2, [l1, l2]) = (self.masses[1], self.lengths);
+        let [upper, lower] = self.weights();
+        for k in 0..q.len() {
+            let (q, p) = (pair(q, k), pair(p, k));
+            let Kinetic {
+                numerator,
+                denominator,
+                sin,
+                cos,
+            } = self.kinetic(q, p);
+            // d(N/D)/dΔ, which pulls the angles in opposite directions.
+            let by_numerator = 2.0 * m2 * l1 * l2 * p[0] * p[1] * sin;
+            let by_denominator = 4.0 * (m2 * l1 * l2).powi(2) * sin * cos;
+            let slope = (by_numerator - numerator / denominator * by_denominator) / denominator;
+            out.row_mut(0)[k] -= tau * (slope + upper * q[0].sin());
+            out.row_mut(1)[k] -= tau * (lower * q[1].sin() - slope);
+        }
+    }
+}
