@@ -218,17 +218,16 @@ fn the_wedge_breaks_loops_that_cross_it() {
 
 #[test]
 fn steep_but_smooth_is_not_broken() {
-    // Unresolved it may stay undecided; broken or not symplectic it is not.
     for epsilon in [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6] {
         let system: Arc<dyn Separable> = Arc::new(AbsoluteValue::new(epsilon).unwrap());
         let map = build("strang", None, system).unwrap();
         let verdict = diagnose(&Diagnostic::default(), &*map, &circle(&[0.0], &[0.0], 1.0)).verdict;
-        let expected = if epsilon >= 1e-3 {
-            VerdictKind::Symplectic
-        } else {
-            VerdictKind::Undecided
-        };
-        assert_eq!(verdict.kind, expected, "ε = {epsilon}: {verdict:?}");
+        assert_eq!(
+            verdict.kind,
+            VerdictKind::Symplectic,
+            "ε = {epsilon}: {verdict:?}"
+        );
+        assert!(verdict.digits >= Some(9.0), "ε = {epsilon}: {verdict:?}");
     }
 }
 

@@ -3,9 +3,9 @@
 use super::probe::{Method, Probe, Subject};
 use super::{Diagnostic, RuleChoice, SampleCount};
 use crate::error::Error;
-use crate::integral::Rule;
+use crate::integral::{Cutoffs, Rule};
 use crate::piecewise::Piecewise;
-use crate::verdict::MOST_CELLS_APART;
+use crate::verdict::{MOST_CELLS_APART, WEAKEST_BOUND};
 
 /// Where automatic doubling begins in one degree of freedom: what is narrower than a cell of the loop is
 /// not seen, and samples of small systems cost nothing.
@@ -30,8 +30,9 @@ const STALLED: f64 = 1.7;
 /// Above this an error that does not fall is not yet noise: the loop is steep somewhere.
 const NOISE: f64 = 1e-5;
 
-/// States that the piecewise rule may take to try a loop that samples do not resolve.
-const MOST_TRIED: usize = 1 << 20;
+/// Coordinates that the piecewise rule may have the map advance for one loop integral, where nobody
+/// asked for that rule.
+const MOST_TRIED: usize = 1 << 25;
 
 impl Diagnostic {
     /// The probe of a loop by the wanted rule and samples, judged at step size `h`.
@@ -62,7 +63,7 @@ impl Diagnostic {
             let measured = probe.measure(h)?;
             if !measured.breaks.is_empty() {
                 return match auto {
-                    true => Probe::new(index, subject, Method::Piecewise(self.piecewise)),
+                    true => self.broken(probe, most, h),
                     false => Ok(probe),
                 };
             }
@@ -76,7 +77,8 @@ impl Diagnostic {
             let enough = error <= ENOUGH.max(floor);
             let sees_the_grid = measured.cells_apart <= MOST_CELLS_APART;
             if (sees_the_grid && (enough || stalls == 2)) || 2 * count > most {
-                return if auto && !enough {
+                // Where twice the samples gain nothing there is noise, and no rule does better.
+                return if auto && !enough && stalls < 2 {
                     self.finer(probe, h, error)
                 } else {
                     Ok(probe)
@@ -87,21 +89,37 @@ impl Diagnostic {
         }
     }
 
-    /// The piecewise rule for a loop that samples resolve to `error`, if it does better.
-    fn finer<'a>(&self, probe: Probe<'a>, h: f64, error: f64) -> Result<Probe<'a>, Error> {
+    /// The piecewise rule within the means of automatic choices.
+    fn tried<'a>(&self, probe: &Probe<'a>) -> Result<Probe<'a>, Error> {
+        let most = MOST_TRIED / probe.subject.phase_loop.dof().max(1);
         let rule = Piecewise {
-            most_evaluations: self.piecewise.most_evaluations.min(MOST_TRIED),
+            most_evaluations: self.piecewise.most_evaluations.min(most),
             ..self.piecewise
         };
-        let pieces = Probe::new(probe.index, probe.subject, Method::Piecewise(rule))?;
-        let defect = pieces.measure(h)?.defect;
-        Ok(if defect.uncertainty() < error {
-            pieces
-        } else {
-            probe
-        })
+        Probe::new(probe.index, probe.subject, Method::Piecewise(rule))
+    }
+
+    /// The piecewise rule for a loop that samples resolve to `error`, if it does better.
+    fn finer<'a>(&self, probe: Probe<'a>, h: f64, error: f64) -> Result<Probe<'a>, Error> {
+        let pieces = self.tried(&probe)?;
+        let better = pieces.measure(h)?.defect.uncertainty() < error;
+        Ok(if better { pieces } else { probe })
+    }
+
+    /// The piecewise rule for a broken loop; finite differences, which need all the samples they can get, where
+    /// there are more breaks than it can follow.
+    fn broken<'a>(&self, probe: Probe<'a>, most: usize, h: f64) -> Result<Probe<'a>, Error> {
+        let pieces = self.tried(&probe)?;
+        if pieces.measure(h)?.defect.uncertainty() <= WEAKEST_BOUND {
+            return Ok(pieces);
+        }
+        let rule = Rule::FiniteDifference(Cutoffs::relative(CUTOFF));
+        Probe::new(probe.index, probe.subject, Method::Samples(rule, most))
     }
 }
+
+/// The λ of the paper's figures.
+const CUTOFF: f64 = 1000.0;
 
 /// Samples where automatic doubling begins.
 pub(super) fn fewest_samples(dof: usize) -> usize {

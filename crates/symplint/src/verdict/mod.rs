@@ -131,7 +131,7 @@ const UNEXPLAINED: f64 = 3.0;
 pub(crate) const MOST_CELLS_APART: f64 = 0.5;
 
 /// A bound on the defect above this is too weak to call a map symplectic.
-const WEAKEST_BOUND: f64 = 1e-6;
+pub(crate) const WEAKEST_BOUND: f64 = 1e-6;
 
 impl LoopEvidence {
     /// No steps yet.
