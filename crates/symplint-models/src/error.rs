@@ -7,7 +7,7 @@
 #[non_exhaustive]
 pub enum ModelError {
     /// A parameter outside the range in which it has a meaning.
-    #[error("{what} is {value}; {remedy}")]
+    #[error("{what} is {value:?}; {remedy}")]
     OutOfRange {
         /// Which parameter.
         what: &'static str,

@@ -25,6 +25,13 @@ impl Defect {
         let size = initial.value.abs();
         // Round-off is an estimate: a loop integral it all but covers is no measure.
         if size <= 100.0 * initial.roundoff {
+            // What cancels in part has no area; what does not is drowned.
+            if size > 0.1 * initial.scale {
+                return Err(Error::LostInRounding {
+                    integral: initial.value,
+                    roundoff: initial.roundoff,
+                });
+            }
             return Err(Error::NoArea {
                 integral: initial.value,
                 scale: initial.scale,

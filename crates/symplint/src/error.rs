@@ -33,7 +33,7 @@ pub enum Error {
         samples: usize,
     },
     /// A quantity is outside the range in which it has a meaning.
-    #[error("{what} is {value}; {remedy}")]
+    #[error("{what} is {value:?}; {remedy}")]
     OutOfRange {
         /// Which quantity.
         what: &'static str,
@@ -122,6 +122,36 @@ pub enum Error {
         samples: usize,
         /// Size of the ensemble.
         bytes: f64,
+    },
+    /// The same state does not always become the same state.
+    #[error(
+        "the map has a memory: the state at s = {s} of the loop comes out different {circumstance}, by \
+         {difference:.1e} in degree of freedom {dof} with h = {step_size:?}; let a step depend on nothing \
+         but h and the state itself"
+    )]
+    Memory {
+        /// How it was advanced the second time.
+        circumstance: &'static str,
+        /// The loop parameter.
+        s: f64,
+        /// Degree of freedom.
+        dof: usize,
+        /// How far apart the two states are.
+        difference: f64,
+        /// The step size.
+        step_size: f64,
+    },
+    /// The loop is smaller than the rounding of its states.
+    #[error(
+        "the loop is lost in rounding where it lies: its loop integral is {integral:e}, of which double \
+         precision leaves {roundoff:.1e} uncertain; take a larger loop, or coordinates in which it is \
+         nearer to the origin"
+    )]
+    LostInRounding {
+        /// The loop integral.
+        integral: f64,
+        /// What rounding leaves uncertain of it.
+        roundoff: f64,
     },
     /// The loop integral of the initial loop vanishes, so a relative defect has no meaning.
     #[error(

@@ -54,7 +54,7 @@ pub const KEYS: &[Key] = &[
     Key::optional("cutoff_p_absolute", "100.0", "τ_p: the same for p"),
     Key::new(
         "loops",
-        "4",
+        "8",
         "loops in all; those after the first are random and tried at the largest step size",
     ),
     Key::new("seed", "1", "of the random loops"),

@@ -4,6 +4,7 @@ mod point;
 mod probe;
 mod random_loop;
 mod resolve;
+mod sanity;
 
 pub use point::{Point, Sweep};
 
@@ -86,7 +87,7 @@ pub struct Diagnostic {
 }
 
 impl Default for Diagnostic {
-    /// Step sizes 2^-1 … 2^-10, everything else automatic, four loops.
+    /// Step sizes 2^-1 … 2^-10, everything else automatic, eight loops.
     fn default() -> Self {
         Diagnostic {
             rule: RuleChoice::Auto,
@@ -94,7 +95,7 @@ impl Default for Diagnostic {
             samples: SampleCount::Auto,
             step_sizes: (1..=10).map(|m| 0.5f64.powi(m)).collect(),
             sample_sweep: None,
-            loops: 4,
+            loops: 8,
             seed: 1,
         }
     }
@@ -151,8 +152,8 @@ impl Diagnostic {
     /// time: the loop is sampled anew for each step size.
     ///
     /// # Errors
-    /// If map and loop do not fit, a step size is zero or not finite, the loop encloses
-    /// no area, or the map fails or returns states that are not finite.
+    /// If map and loop do not fit, a step size is zero or not finite, the map gives different states
+    /// for the same one, the loop encloses no area, or the map fails or returns states that are not finite.
     pub fn run(
         &self,
         map: &dyn TimeAdvance,
@@ -166,6 +167,7 @@ impl Diagnostic {
                 phase_loop: phase_loop.dof(),
             });
         }
+        sanity::check(map, phase_loop, largest)?;
         let coordinates = map.coordinates();
         let mut study = Study {
             watch,

@@ -298,7 +298,7 @@ impl Case<'_> {
             ),
             evidence: self.bounds(),
             advice: match self.loops.len() {
-                1 => vec!["One loop is one probe: set loops to 4 or more to be surer.".into()],
+                1 => vec!["One loop is one probe: set loops to 8 to be surer.".into()],
                 _ => Vec::new(),
             },
         }

@@ -45,7 +45,11 @@ const fn keys(cells: &'static str) -> [Key; 15] {
             "3",
             "of the shapes; B-splines of degree 1 and every C⁰ family make forces that jump",
         ),
-        Key::new("cells", cells, "along each axis"),
+        Key::new(
+            "cells",
+            cells,
+            "along each axis; on one cell B-splines carry no field",
+        ),
         Key::new("length", "50.0", "of each axis"),
         Key::new("particles", "2", "number of particles"),
         Key::new(
@@ -101,6 +105,7 @@ fn pic<const D: usize>(
         ModelError::Degree { .. } | ModelError::ShapeDegree { .. } => "degree",
         ModelError::TooManyCells { .. } | ModelError::TooFewCells { .. } => "cells",
         _ if section.written_place("weights").is_some() => "weights",
+        ModelError::OutOfRange { what, .. } if what.contains("length") => "length",
         ModelError::OutOfRange { .. } => "density",
         _ => "particles",
     };
@@ -140,7 +145,7 @@ fn state<const D: usize>(
     let thermal_velocity = section.number("thermal_velocity", Accept::NotNegative)?;
     let beam_velocity = section.number("beam_velocity", Accept::Finite)?;
     let amplitude = section.number("amplitude", Accept::Finite)?;
-    let mode = section.whole("mode", 1)?.min(u64::from(u32::MAX)) as u32;
+    let mode = section.whole_between("mode", 1, u64::from(u32::MAX))? as u32;
     let seed = section.whole("seed", 0)?;
     let convention = match section.choice("velocities", &["text", "code"])? {
         "code" => VelocityConvention::Code,
