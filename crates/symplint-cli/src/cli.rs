@@ -39,6 +39,9 @@ pub enum Command {
     Check {
         /// The configuration; `symplint init SYSTEM` prints one to start from.
         config: PathBuf,
+        /// Take N steps of the largest size, too, and see whether the defect adds up or returns
+        #[arg(long, value_name = "N")]
+        steps: Option<usize>,
     },
     /// Loop integral and energy against time.
     ///

@@ -66,7 +66,8 @@ pub use breaks::{Break, find_break};
 pub use coordinates::Coordinates;
 pub use defect::{Defect, logarithmic_defect};
 pub use diagnosis::{
-    BreakAt, Diagnosis, Diagnostic, Event, Point, RuleChoice, SampleCount, SampleSweep, Sweep,
+    BreakAt, Diagnosis, Diagnostic, Event, Growth, LongTime, Point, RuleChoice, SampleCount,
+    SampleSweep, Sweep,
 };
 pub use ensemble::Ensemble;
 pub use error::Error;

@@ -11,8 +11,12 @@ use crate::config::Config;
 use crate::output::{self, Progress, Report, RunFolder};
 
 /// Diagnoses a configuration.
-pub fn check(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
-    let config = Config::load(path, &common.set)?;
+///
+/// `steps` is short for the key diagnostic.steps.
+pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitCode, Failure> {
+    let mut set = common.set.clone();
+    set.extend(steps.map(|steps| format!("diagnostic.steps={steps}")));
+    let config = Config::load(path, &set)?;
     // Before hours of work, not after.
     let folder = common.out.as_deref().map(RunFolder::create).transpose()?;
     let progress = Progress::new("points", common.quiet || common.json);

@@ -58,6 +58,11 @@ pub const KEYS: &[Key] = &[
         "loops in all; those after the first are random and tried at the largest step size",
     ),
     Key::new("seed", "1", "of the random loops"),
+    Key::new(
+        "steps",
+        "0",
+        "so many steps of the largest size, to see whether a defect adds up; 0 for none",
+    ),
 ];
 
 const FROM_TO: [Key; 2] = [
@@ -76,6 +81,9 @@ const LONGEST: usize = 64;
 
 /// Samples of one loop at most: their ensemble must fit into memory many times over.
 pub const MOST_SAMPLES: u64 = 1 << 28;
+
+/// Steps of one run at most.
+const MOST_STEPS: u64 = 100_000_000;
 
 /// Loops at most: each is a run of its own.
 const MOST_LOOPS: u64 = 10_000;
@@ -112,6 +120,7 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         sample_sweep: sample_sweep(&section)?,
         loops: section.whole_between("loops", 1, MOST_LOOPS)? as usize,
         seed: section.whole("seed", 0)?,
+        long_time: section.whole_between("steps", 0, MOST_STEPS)? as usize,
     };
     Ok((diagnostic, section))
 }

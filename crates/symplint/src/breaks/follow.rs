@@ -61,6 +61,7 @@ pub(super) fn follow(
                 dof: suspect.dof,
                 jump_q: q[at + 4] - q[at],
                 jump_p: p[at + 4] - p[at],
+                substep: None,
             }));
         }
         start = s[at];

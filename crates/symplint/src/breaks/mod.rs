@@ -27,6 +27,9 @@ pub struct Break {
     pub jump_q: f64,
     /// p(s⁺) − p(s⁻) there.
     pub jump_p: f64,
+    /// The substep of the map that breaks the loop, 0 for the first; `None` where the map is one whole
+    /// or it is not known.
+    pub substep: Option<usize>,
 }
 
 /// Looks for a break of the loop that `map` makes of `phase_loop` in one step of size `h`.

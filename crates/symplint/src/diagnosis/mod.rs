@@ -1,11 +1,13 @@
 //! The whole diagnosis: sweeps over the step size and the number of samples, and the verdict.
 
+mod long_time;
 mod point;
 mod probe;
 mod random_loop;
 mod resolve;
 mod sanity;
 
+pub use long_time::{Growth, LongTime};
 pub use point::{Point, Sweep};
 
 use serde::Serialize;
@@ -84,6 +86,8 @@ pub struct Diagnostic {
     pub loops: usize,
     /// Seed of the random loops.
     pub seed: u64,
+    /// So many steps of the largest size of the given loop, to see whether a defect adds up; 0 for none.
+    pub long_time: usize,
 }
 
 impl Default for Diagnostic {
@@ -97,6 +101,7 @@ impl Default for Diagnostic {
             sample_sweep: None,
             loops: 8,
             seed: 1,
+            long_time: 0,
         }
     }
 }
@@ -135,6 +140,8 @@ pub struct Diagnosis {
     /// The breaks that were found: all of the given loop at the largest step size, by the piecewise
     /// rule; else the largest one of each advanced loop.
     pub breaks: Vec<BreakAt>,
+    /// What became of the defect in many steps, where that was asked for.
+    pub long_time: Option<LongTime>,
 }
 
 impl Diagnostic {
@@ -204,8 +211,16 @@ impl Diagnostic {
             });
         }
         let deformation = deformation(map, phase_loop, largest)?;
-        let (verdict, fits) = judge(&loops, deformation);
+        let (mut verdict, fits) = judge(&loops, deformation);
+        let long_time = match self.long_time {
+            0 => None,
+            steps => Some(long_time::follow(&configured, largest, steps)?),
+        };
+        verdict
+            .evidence
+            .extend(long_time.iter().map(LongTime::to_string));
         Ok(Diagnosis {
+            long_time,
             verdict,
             points: study.points,
             fits,

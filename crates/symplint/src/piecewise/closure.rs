@@ -51,9 +51,13 @@ pub(super) fn close(queue: &mut Queue<'_>, closure: Closure) -> Result<Vec<Chord
         queue.measure_breaks(first, &stages[stages.len() - 1]);
         for k in 0..points.len() / 2 {
             let sides = [2 * k, 2 * k + 1];
+            let born = birth(queue, &stages, sides);
+            if substeps > 1 {
+                queue.breaks[first + k].summary.substep = Some(substep + born.max(1) - 1);
+            }
             let birth = match closure {
                 Closure::Chords => stages.len() - 1,
-                Closure::Substeps => birth(queue, &stages, sides),
+                Closure::Substeps => born,
             };
             if birth + 1 == stages.len() {
                 chords.push(chord(queue, &stages[birth], sides));

@@ -174,6 +174,7 @@ impl<'a> Queue<'a> {
                             dof: 0,
                             jump_q: 0.0,
                             jump_p: 0.0,
+                            substep: None,
                         },
                     });
                     next.extend(more);

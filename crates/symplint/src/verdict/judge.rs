@@ -76,6 +76,11 @@ impl Case<'_> {
             ),
             format!("{broken} of {of_all} advanced loops are broken."),
         ];
+        lines.extend(
+            found
+                .substep
+                .map(|substep| format!("Substep {} of the map makes that jump.", substep + 1)),
+        );
         let fit = self.fits.iter().find(|fit| fit.loop_index == 0);
         lines.extend(fit.map(|fit| {
             format!(
