@@ -41,7 +41,7 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
             reason: error.to_string(),
         })?;
     pool.install(|| match &cli.command {
-        Command::Check { config } => commands::check(config, common),
+        Command::Check { config, steps } => commands::check(config, *steps, common),
         Command::Trace { config } => commands::trace(config, common),
         Command::Reproduce { ids, list } => commands::reproduce(ids, *list, common),
         Command::List { what } => commands::list(*what),

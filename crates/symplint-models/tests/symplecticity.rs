@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use rotor::Rotor;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
-use symplint::{Block, RowsMut, TimeAdvance};
+use symplint::{Block, Circle, JacobianTest, JacobianVerdict, RowsMut, TimeAdvance};
 use symplint_models::integrators::catalogue::{self, CATALOGUE};
 use symplint_models::integrators::{RungeKutta, Splitting, Variant, splitting_methods, tableaus};
 use symplint_models::systems::{
@@ -231,6 +231,31 @@ fn henon_heiles_steps_keep_the_two_form() {
             }
         }
         assert_eq!(info.symplectic, defect < 1e-9, "{}: {defect:e}", info.name);
+    }
+}
+
+/// The public test, in full and on random pairs, says of every integrator what the catalogue says.
+#[test]
+fn the_jacobian_test_agrees_with_the_catalogue() {
+    for info in CATALOGUE {
+        for pendula in [3, 20] {
+            let system = Arc::new(PendulumArray::new(pendula, 0.9, 1.2).unwrap());
+            let map = catalogue::build(info.name, None, system).unwrap();
+            let circle = Circle::new(vec![0.4; pendula], vec![0.3; pendula], 1.0).unwrap();
+            let phase_loop = circle.with_random_phases(7);
+            let verdict = (JacobianTest::default()
+                .run(&*map, &phase_loop, 0.5)
+                .unwrap())
+            .verdict;
+            let symplectic = matches!(verdict, JacobianVerdict::SymplecticAlmostEverywhere { .. });
+            let not = matches!(verdict, JacobianVerdict::NotSymplectic { .. });
+            assert_eq!(
+                (info.symplectic, !info.symplectic),
+                (symplectic, not),
+                "{}, {pendula} pendula: {verdict}",
+                info.name
+            );
+        }
     }
 }
 

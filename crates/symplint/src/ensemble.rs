@@ -121,7 +121,7 @@ impl Ensemble {
     }
 
     /// Refuses what no machine holds, before the allocation fails.
-    fn check_size(dof: usize, samples: usize) -> Result<(), Error> {
+    pub(crate) fn check_size(dof: usize, samples: usize) -> Result<(), Error> {
         const MOST_BYTES: f64 = (1u64 << 46) as f64;
         let bytes = 16.0 * dof as f64 * samples as f64;
         if bytes > MOST_BYTES {

@@ -16,7 +16,7 @@
 //! Each noun is a type: [`Loop`] ([`Circle`], [`FourierLoop`], [`SampledLoop`]), [`Ensemble`],
 //! [`TimeAdvance`] for maps ([`PerSample`] wraps a function of one state), [`LoopIntegral`] by a
 //! [`Rule`], [`Defect`], and [`Diagnostic`] for the whole line with its [`Verdict`]. [`Trace`] follows
-//! a loop in time.
+//! a loop in time, and [`JacobianTest`] gives a second opinion without loop integrals.
 //!
 //! ```
 //! use symplint::{Circle, Diagnostic, PerSample, VerdictKind};
@@ -51,6 +51,7 @@ mod diagnosis;
 mod ensemble;
 mod error;
 mod integral;
+mod jacobian;
 mod loops;
 mod map;
 mod piecewise;
@@ -72,6 +73,10 @@ pub use diagnosis::{
 pub use ensemble::Ensemble;
 pub use error::Error;
 pub use integral::{Cutoff, Cutoffs, LoopIntegral, OmittedCell, Rule, unwrap_row};
+pub use jacobian::{
+    Agreement, Doubt, JacobianPoint, JacobianReport, JacobianTest, JacobianVerdict, SecondOpinion,
+    TangentDefect,
+};
 pub use loops::{Circle, FourierLoop, Loop, SampledLoop};
 pub use map::{PerSample, StepFailure, TimeAdvance};
 pub use piecewise::{Closure, Piecewise, PiecewiseIntegral};

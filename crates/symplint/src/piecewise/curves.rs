@@ -98,7 +98,7 @@ impl Curves<'_> {
 }
 
 /// Coordinate c of a sample: positions first, then momenta.
-pub(super) fn coordinate(states: &Ensemble, c: usize) -> &[f64] {
+pub(crate) fn coordinate(states: &Ensemble, c: usize) -> &[f64] {
     let dof = states.dof();
     if c < dof {
         states.q().row(c)

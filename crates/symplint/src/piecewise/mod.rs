@@ -26,9 +26,11 @@ use crate::loops::Loop;
 use crate::map::TimeAdvance;
 use closure::{Chord, close};
 use curves::Curves;
+pub(crate) use curves::coordinate;
 use piece::{Piece, Smooth};
 use queue::Queue;
-use scales::{Scales, nearest};
+use scales::Scales;
+pub(crate) use scales::nearest;
 
 /// How the segments that close breaks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -218,8 +220,8 @@ fn collect(queue: &Queue<'_>, chords: &[Chord]) -> Result<PiecewiseIntegral, Err
         scale += piece.areas.iter().map(|area| area.abs()).sum::<f64>();
     }
     for chord in chords {
-        for i in 0..dof {
-            closing[i].add(chord.areas[i]);
+        for (closing, area) in closing.iter_mut().zip(&chord.areas) {
+            closing.add(*area);
         }
     }
     let mut contributions = Vec::with_capacity(dof);

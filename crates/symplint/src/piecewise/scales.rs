@@ -118,7 +118,7 @@ pub(super) fn period(coordinates: &Coordinates, c: usize) -> f64 {
 }
 
 /// `difference` less whole periods, as near to 0 as can be.
-pub(super) fn nearest(difference: f64, period: f64) -> f64 {
+pub(crate) fn nearest(difference: f64, period: f64) -> f64 {
     if period > 0.0 {
         difference - period * (difference / period).round()
     } else {

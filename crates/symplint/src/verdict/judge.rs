@@ -359,7 +359,7 @@ fn size(h: f64) -> String {
 }
 
 /// Two digits, and no exponent where none is needed.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     match value {
         0.0 => "0".into(),
         0.01..1000.0 => format!("{value:.2}"),

@@ -10,6 +10,7 @@ mod judge;
 
 pub use fit::Fit;
 pub use judge::judge;
+pub(crate) use judge::short;
 
 use serde::Serialize;
 

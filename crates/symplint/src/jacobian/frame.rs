@@ -1,0 +1,122 @@
+//! Tangent vectors in units of the loop, and the symplectic form on them.
+
+use std::iter::repeat_n;
+
+use super::richardson::Derivative;
+use crate::coordinates::Coordinates;
+use crate::ensemble::Ensemble;
+use crate::error::Error;
+use crate::integral::{CompensatedSum, UNIT_ROUNDOFF, unwrap_row};
+use crate::loops::Loop;
+use crate::piecewise::coordinate;
+
+/// Units in which tangent vectors are given: a component of 1 is half the range of that coordinate on
+/// the loop. Positions come first, then momenta.
+pub(super) struct Frame {
+    /// Half the range of each coordinate.
+    pub size: Vec<f64>,
+    /// Period of each coordinate; 0 where there is none.
+    pub period: Vec<f64>,
+    /// ω of the two unit vectors of each degree of freedom: weight × size of q × size of p.
+    area: Vec<f64>,
+}
+
+/// A number with half the width of the interval in which the true one lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Estimate {
+    pub value: f64,
+    pub error: f64,
+}
+
+impl Frame {
+    /// From samples of the loop. A coordinate at rest counts as large as the largest of its kind: the
+    /// map must be symplectic in directions, too, in which the loop does not go.
+    pub fn new(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<Self, Error> {
+        const SAMPLES: usize = 64;
+        let dof = phase_loop.dof();
+        let samples = Ensemble::sample(phase_loop, SAMPLES)?;
+        let of_positions = (0..dof).map(|i| coordinates.period(i));
+        let period: Vec<f64> = of_positions.chain(repeat_n(0.0, dof)).collect();
+        let mut size = Vec::with_capacity(2 * dof);
+        for (what, first) in [
+            ("largest half range of the loop's positions", 0),
+            ("largest half range of the loop's momenta", dof),
+        ] {
+            let ranges: Vec<f64> = (0..dof)
+                .map(|i| half_range(coordinate(&samples, first + i), period[first + i]))
+                .collect();
+            let largest = ranges.iter().copied().fold(0.0, f64::max);
+            if !largest.is_normal() {
+                return Err(Error::OutOfRange {
+                    what,
+                    value: largest,
+                    remedy: "take a loop that moves positions and momenta by a moderate size",
+                });
+            }
+            size.extend(ranges.iter().map(|&r| if r > 0.0 { r } else { largest }));
+        }
+        let area: Vec<f64> = (0..dof)
+            .map(|i| coordinates.weight(i) * size[i] * size[dof + i])
+            .collect();
+        if let Some(&value) = area.iter().find(|area| !area.is_normal()) {
+            return Err(Error::OutOfRange {
+                what: "weight × size in q × size in p of the loop",
+                value,
+                remedy: "choose units in which positions and momenta are of moderate size",
+            });
+        }
+        Ok(Frame { size, period, area })
+    }
+
+    /// Degrees of freedom.
+    pub fn dof(&self) -> usize {
+        self.area.len()
+    }
+
+    /// √(Σ |area| (u_q² + u_p²)): no two tangent vectors have a larger |ω| than the product of theirs.
+    pub fn norm(&self, u: &[f64]) -> f64 {
+        let (q, p) = u.split_at(self.dof());
+        let mut sum = CompensatedSum::default();
+        for ((area, q), p) in self.area.iter().zip(q).zip(p) {
+            sum.add(area.abs() * (q * q + p * p));
+        }
+        sum.total().sqrt()
+    }
+
+    /// ω(DΦ u, DΦ v) − ω(u, v).
+    pub fn change_of_form(
+        &self,
+        (u, of_u): (&[f64], &Derivative),
+        (v, of_v): (&[f64], &Derivative),
+    ) -> Estimate {
+        let dof = self.dof();
+        let (mut value, mut error, mut terms) = (CompensatedSum::default(), 0.0, 0.0);
+        for (i, area) in self.area.iter().enumerate() {
+            for (x, y, sign) in [(i, dof + i, 1.0), (dof + i, i, -1.0)] {
+                let (a, b) = (of_u.value[x], of_v.value[y]);
+                let (error_a, error_b) = (of_u.error[x], of_v.error[y]);
+                value.add(sign * area * (a * b));
+                value.add(-sign * area * (u[x] * v[y]));
+                terms += area.abs() * ((a * b).abs() + (u[x] * v[y]).abs());
+                error += area.abs() * (error_a * b.abs() + (a.abs() + error_a) * error_b);
+            }
+        }
+        Estimate {
+            value: value.total(),
+            error: error + 4.0 * UNIT_ROUNDOFF * terms,
+        }
+    }
+
+    /// Whether component `c` of a tangent vector belongs to `dof`.
+    pub fn dof_of(&self, c: usize) -> usize {
+        c % self.dof()
+    }
+}
+
+fn half_range(row: &[f64], period: f64) -> f64 {
+    let mut row = row.to_vec();
+    unwrap_row(&mut row, period);
+    let low = row.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = row.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    0.5 * high - 0.5 * low
+}
