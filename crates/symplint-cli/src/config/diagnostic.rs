@@ -120,6 +120,7 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         sample_sweep: sample_sweep(&section)?,
         loops: section.whole_between("loops", 1, MOST_LOOPS)? as usize,
         seed: section.whole("seed", 0)?,
+        jacobian: true,
         long_time: section.whole_between("steps", 0, MOST_STEPS)? as usize,
     };
     Ok((diagnostic, section))

@@ -117,6 +117,7 @@ impl Study<'_> {
             step_sizes: step_sizes.to_vec(),
             sample_sweep,
             loops: 1,
+            jacobian: false,
             ..Diagnostic::default()
         };
         let diagnosis = diagnostic.run(self.map, self.phase_loop, &|_| {})?;

@@ -6,6 +6,7 @@ mod probe;
 mod random_loop;
 mod resolve;
 mod sanity;
+mod second;
 
 pub use long_time::{Growth, LongTime};
 pub use point::{Point, Sweep};
@@ -15,6 +16,7 @@ use serde::Serialize;
 use crate::breaks::Break;
 use crate::error::Error;
 use crate::integral::Rule;
+use crate::jacobian::JacobianReport;
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
 use crate::piecewise::Piecewise;
@@ -88,6 +90,8 @@ pub struct Diagnostic {
     pub seed: u64,
     /// So many steps of the largest size of the given loop, to see whether a defect adds up; 0 for none.
     pub long_time: usize,
+    /// Whether the Jacobian of the largest step is asked for a second opinion.
+    pub jacobian: bool,
 }
 
 impl Default for Diagnostic {
@@ -102,6 +106,7 @@ impl Default for Diagnostic {
             loops: 8,
             seed: 1,
             long_time: 0,
+            jacobian: true,
         }
     }
 }
@@ -142,6 +147,8 @@ pub struct Diagnosis {
     pub breaks: Vec<BreakAt>,
     /// What became of the defect in many steps, where that was asked for.
     pub long_time: Option<LongTime>,
+    /// What the Jacobian of the largest step says at points of the given loop, where it was asked.
+    pub jacobian: Option<JacobianReport>,
 }
 
 impl Diagnostic {
@@ -219,8 +226,13 @@ impl Diagnostic {
         verdict
             .evidence
             .extend(long_time.iter().map(LongTime::to_string));
+        let jacobian = match self.jacobian {
+            true => second::opinion(&subject, largest, &mut verdict),
+            false => None,
+        };
         Ok(Diagnosis {
             long_time,
+            jacobian,
             verdict,
             points: study.points,
             fits,
