@@ -94,9 +94,17 @@ mod tests {
     #[test]
     fn no_area_is_an_error() {
         let mut flat = exactly(1e-17);
-        flat.roundoff = 1e-16;
+        (flat.roundoff, flat.scale) = (1e-16, 1.0);
         let error = Defect::between(&flat, &exactly(1.0)).unwrap_err();
         assert!(error.to_string().contains("encloses no area"), "{error}");
+    }
+
+    #[test]
+    fn a_loop_below_its_rounding_is_another() {
+        let mut far = exactly(3.0);
+        far.roundoff = 0.5;
+        let error = Defect::between(&far, &exactly(3.0)).unwrap_err();
+        assert!(error.to_string().contains("lost in rounding"), "{error}");
     }
 
     #[test]

@@ -7,6 +7,7 @@
 mod accumulation;
 mod appendix_a;
 mod appendix_b;
+mod broken_loops;
 mod claim;
 mod closed_forms;
 mod families;
@@ -65,6 +66,7 @@ pub const ITEMS: &[Item] = &[
     fig8::ITEM,
     fig9::ITEM,
     families::ITEM,
+    broken_loops::ITEM,
     physics::ITEM,
     formulas::ITEM,
     appendix_a::ITEM,
