@@ -327,7 +327,15 @@ mod tests {
     #[test]
     fn a_node_is_where_its_cell_begins() {
         let mut exact_sums = 0;
-        for length in [49.0, 12.566, 6.28, 1.0, 50.0, 0.1, std::f64::consts::TAU] {
+        for length in [
+            49.0,
+            12.566,
+            628.0 / 100.0,
+            1.0,
+            50.0,
+            0.1,
+            std::f64::consts::TAU,
+        ] {
             for cells in (1..=130).chain([499, 500, 1000, 4095]) {
                 let grid = PeriodicGrid::new(cells, length).unwrap();
                 for end in [0.0, -0.0, length, -length, 2.0 * length, -1024.0 * length] {

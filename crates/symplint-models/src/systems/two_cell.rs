@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn both_jumps_are_where_they_are_at_any_length() {
-        for length in [49.0, 24.5, 6.283, 3.14, 1.0, 0.3, 0.1] {
+        for length in [49.0, 24.5, 628.0 / 100.0, 314.0 / 100.0, 1.0, 0.3, 0.1] {
             let system = TwoCell::new(length).unwrap();
             let most = 0.25 / length;
             // Powers of two, so that the products are exact.
