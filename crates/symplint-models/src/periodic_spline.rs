@@ -245,6 +245,34 @@ mod tests {
     }
 
     #[test]
+    fn the_slope_at_a_node_is_that_from_the_right() {
+        for length in [49.0, 12.566, 628.0 / 100.0, 1.0, TAU] {
+            for cells in [2, 4, 7, 8, 100, 127, 500] {
+                let values = rough_values(cells);
+                let spline = PeriodicSpline::interpolating(1, length, &values).unwrap();
+                let slope = |i: usize| {
+                    let rise = values[(i + 1) % cells] - values[i % cells];
+                    rise * cells as f64 / length
+                };
+                for i in 0..cells {
+                    let node = spline.grid().node(i);
+                    for (q, expected) in [
+                        (node, slope(i)),
+                        (node.next_up(), slope(i)),
+                        (node.next_down(), slope(i + cells - 1)),
+                    ] {
+                        let off = (spline.derivative(q) - expected).abs();
+                        assert!(off < 1e-9, "node {i} of {cells} × {length}: {off:e}");
+                    }
+                }
+                for end in [length, -length, 1024.0 * length] {
+                    assert_eq!(spline.derivative(end), spline.derivative(0.0));
+                }
+            }
+        }
+    }
+
+    #[test]
     fn what_cannot_be_interpolated_is_refused_with_the_reason() {
         let attempt = |degree, cells| {
             PeriodicSpline::interpolating(degree, TAU, &vec![1.0; cells]).map(|_| ())

@@ -4,27 +4,15 @@ use symplint::Rows;
 
 use crate::periodic_grid::PeriodicGrid;
 
-/// Finds places on a grid: [`PeriodicGrid::locate`] to the last bit.
-///
-/// Near positions are reduced in floating point alone, for which processors need no conversions and
-/// compilers find vectors.
+/// Finds places on a grid, many at a time: [`PeriodicGrid::locate`] to the last bit.
 #[derive(Clone, Debug)]
 pub(super) struct Locator {
     grid: PeriodicGrid,
-    cells: f64,
-    cells_per_length: f64,
-    periods_per_cell: f64,
 }
 
 impl Locator {
     pub(super) fn new(grid: PeriodicGrid) -> Self {
-        let cells = grid.cells() as f64;
-        Locator {
-            cells,
-            cells_per_length: grid.cells_per_length(),
-            periods_per_cell: 1.0 / cells,
-            grid,
-        }
+        Locator { grid }
     }
 
     /// Writes the cell of every position, and the fraction of it at which the position lies.
@@ -33,17 +21,15 @@ impl Locator {
     /// If the slices differ in length.
     #[inline]
     pub(super) fn locate(&self, x: &[f64], cells: &mut [u32], fractions: &mut [f64]) {
-        /// Below this, [`floor`] is exact.
-        const EXACT: f64 = (1_u64 << 51) as f64;
         assert!(x.len() == cells.len() && x.len() == fractions.len());
-        let mut near = true;
+        let mut certain = true;
         for ((&x, cell), fraction) in x.iter().zip(&mut *cells).zip(&mut *fractions) {
-            let position = x * self.cells_per_length;
-            near &= position.abs() < EXACT;
-            (*cell, *fraction) = self.locate_near(position);
+            let place = self.grid.locate_quickly(x);
+            certain &= place.is_certain;
+            (*cell, *fraction) = (place.cell, place.fraction);
         }
-        if !near {
-            self.locate_far(x, cells, fractions);
+        if !certain {
+            self.locate_each(x, cells, fractions);
         }
     }
 
@@ -74,45 +60,14 @@ impl Locator {
         }
     }
 
-    #[inline]
-    fn locate_near(&self, position: f64) -> (u32, f64) {
-        let cell = floor(position);
-        // The quotient's rounding error is below 1 / cells, so it can cross an integer only where
-        // it should be one: then it may fall short of it, and the remainder is `cells` instead
-        // of 0.
-        let period = floor(cell * self.periods_per_cell);
-        let remainder = cell - period * self.cells;
-        let wrapped = if remainder < self.cells {
-            remainder
-        } else {
-            0.0
-        };
-        (low_bits(wrapped), position - cell)
-    }
-
-    /// Some positions are far out, or not finite: all of them one by one.
+    /// Some positions are at nodes, far out, or not finite: all of them one by one.
     #[cold]
-    fn locate_far(&self, x: &[f64], cells: &mut [u32], fractions: &mut [f64]) {
+    fn locate_each(&self, x: &[f64], cells: &mut [u32], fractions: &mut [f64]) {
         for ((&x, cell), fraction) in x.iter().zip(cells).zip(fractions) {
             let place = self.grid.locate(x);
             (*cell, *fraction) = (place.0 as u32, place.1);
         }
     }
-}
-
-/// The largest integer that is not above `x`, for |x| < 2^51.
-#[inline]
-fn floor(x: f64) -> f64 {
-    /// Numbers of this size are a distance of 1 apart, on both sides.
-    const SHIFT: f64 = 1.5 * (1_u64 << 52) as f64;
-    let rounded = (x + SHIFT) - SHIFT;
-    rounded - if rounded > x { 1.0 } else { 0.0 }
-}
-
-/// An integer from 0 to 2^32 − 1 as such: the last bits of its sum with 2^52.
-#[inline]
-fn low_bits(x: f64) -> u32 {
-    (x + (1_u64 << 52) as f64).to_bits() as u32
 }
 
 #[cfg(test)]

@@ -113,6 +113,32 @@ mod tests {
         }
     }
 
+    /// With linear splines the force jumps at every node, and at none but the node itself.
+    #[test]
+    fn the_force_jumps_at_the_nodes() {
+        for cells in [2, 7, 25, 100, 127] {
+            let system = InterpolatedPendulum::new(1, cells).unwrap();
+            let force = |q: f64| {
+                let mut p = [0.0];
+                system.kick(
+                    1.0,
+                    Rows::new(&[q], 1, 1, 1),
+                    &mut RowsMut::new(&mut p, 1, 1, 1),
+                );
+                p[0]
+            };
+            let width = TAU / cells as f64;
+            for i in 0..cells {
+                let node = i as f64 * TAU / cells as f64;
+                assert!((force(node) - force(node + 0.5 * width)).abs() < 1e-12);
+                assert!((force(node.next_down()) - force(node - 0.5 * width)).abs() < 1e-12);
+            }
+            for end in [TAU, -TAU, 2.0_f64.powi(40) * TAU] {
+                assert_eq!(force(end), force(0.0), "{cells} cells, {end}");
+            }
+        }
+    }
+
     #[test]
     fn grids_that_cannot_work_are_refused() {
         assert!(matches!(

@@ -106,6 +106,23 @@ mod tests {
     }
 
     #[test]
+    fn both_jumps_are_where_they_are_at_any_length() {
+        for length in [49.0, 24.5, 628.0 / 100.0, 314.0 / 100.0, 1.0, 0.3, 0.1] {
+            let system = TwoCell::new(length).unwrap();
+            let most = 0.25 / length;
+            // Powers of two, so that the products are exact.
+            for turns in [0.0, 1.0, -1.0, 2.0, -2.0, 1024.0, -(2.0_f64.powi(40))] {
+                let jump = turns * length;
+                let below = force(&system, jump.next_down());
+                assert_eq!(force(&system, jump), most, "{turns} × {length}");
+                // The next number is the further below, the further out.
+                let off = (below / most + 1.0).abs();
+                assert!(off < 1e-15 * (1.0 + f64::abs(turns)), "{turns} × {length}");
+            }
+        }
+    }
+
+    #[test]
     fn the_length_is_checked() {
         for length in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(TwoCell::new(length).is_err(), "{length}");
