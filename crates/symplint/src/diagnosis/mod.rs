@@ -6,6 +6,7 @@ mod random_loop;
 mod resolve;
 
 pub use point::{Point, Sweep};
+pub(crate) use probe::motion;
 
 use serde::Serialize;
 
