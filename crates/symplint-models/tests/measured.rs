@@ -3,10 +3,13 @@
 use std::sync::Arc;
 
 use symplint::{
-    Circle, Coordinates, Diagnosis, Ensemble, Snapshot, TimeAdvance, VerdictKind, measure,
+    Circle, Coordinates, Diagnosis, Ensemble, FourierLoop, Snapshot, TimeAdvance, VerdictKind,
+    measure,
 };
-use symplint_models::integrators::catalogue;
+use symplint_models::Separable;
+use symplint_models::integrators::catalogue::{self, CATALOGUE};
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, ShapeFamily};
+use symplint_models::systems::{HenonHeiles, Pendulum, PendulumArray};
 
 /// Two particles of linear splines: the case of many jumps, by the midpoint rule.
 fn two_particles(degree: usize) -> (Box<dyn TimeAdvance>, Circle) {
@@ -106,4 +109,85 @@ fn the_cut_off_rule_is_wrong_here_and_the_samples_say_so() {
             );
         }
     }
+}
+
+#[test]
+fn the_origin_does_not_matter_there() {
+    let (map, circle) = two_particles(1);
+    let here = measured(&*map, &circle, 0.1, 4096, 0.0);
+    let there = measured(&*map, &circle, 0.1, 4096, 1e3);
+    let (a, b) = (&here.points[0], &there.points[0]);
+    assert_eq!((a.jumps, a.omitted_cells), (b.jumps, b.omitted_cells));
+    assert!((a.signed_defect - b.signed_defect).abs() < 1e-10);
+    assert_eq!(here.verdict.kind, there.verdict.kind);
+}
+
+#[test]
+fn smoother_splines_are_not_called_broken() {
+    for degree in [2, 3] {
+        let (map, circle) = two_particles(degree);
+        for exponent in 5..=14 {
+            let verdict = measured(&*map, &circle, 0.1, 1 << exponent, 0.0).verdict;
+            assert_ne!(
+                verdict.kind,
+                VerdictKind::BrokenLoops,
+                "degree {degree}, 2^{exponent}"
+            );
+            assert_ne!(
+                verdict.kind,
+                VerdictKind::Symplectic,
+                "degree {degree}, 2^{exponent}"
+            );
+        }
+    }
+}
+
+/// Every integrator on smooth systems, on random loops of few and of many samples.
+#[test]
+fn no_wrong_verdict_on_smooth_systems() {
+    let array = PendulumArray::new(4, 1.0, 1.0).unwrap();
+    let (array_q, array_p) = array.uniform_state(3);
+    let systems: [(Arc<dyn Separable>, Vec<f64>, Vec<f64>, f64); 3] = [
+        (Arc::new(Pendulum::default()), vec![2.0], vec![0.5], 1.0),
+        (Arc::new(HenonHeiles), vec![0.0, 0.1], vec![0.2, 0.0], 0.2),
+        (Arc::new(array), array_q, array_p, 0.8),
+    ];
+    let (mut undecided, mut of_all) = (0, 0);
+    for (system, q, p, radius) in &systems {
+        let radii = vec![*radius; q.len()];
+        for info in CATALOGUE {
+            let map = catalogue::build(info.name, None, Arc::clone(system)).unwrap();
+            for seed in 0..3 {
+                let random =
+                    FourierLoop::random(q.clone(), p.clone(), &radii, &radii, seed).unwrap();
+                for samples in [33, 64, 128, 500, 2048] {
+                    let before = Ensemble::sample(&random, samples).unwrap();
+                    let mut after = before.clone();
+                    after.advance(&*map, 1.0).unwrap();
+                    let plain = Coordinates::plain(q.len());
+                    let (before, after) = (Snapshot::new(before), Snapshot::new(after));
+                    // A loop whose areas cancel says nothing.
+                    let Ok(found) = measure(&before, &[after.after_step(1.0)], &plain) else {
+                        continue;
+                    };
+                    let kind = found.verdict.kind;
+                    let what = format!("{}, seed {seed}, {samples}: {found:?}", info.name);
+                    let right = match info.symplectic {
+                        true => VerdictKind::Symplectic,
+                        false => VerdictKind::NotSymplectic,
+                    };
+                    assert!(kind == right || kind == VerdictKind::Undecided, "{what}");
+                    if samples >= 128 {
+                        of_all += 1;
+                        undecided += usize::from(kind == VerdictKind::Undecided);
+                    }
+                }
+            }
+        }
+    }
+    println!("undecided: {undecided} of {of_all}");
+    assert!(
+        20 * undecided < of_all,
+        "{undecided} of {of_all} are undecided"
+    );
 }

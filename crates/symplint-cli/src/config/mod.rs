@@ -18,6 +18,7 @@ use std::sync::Arc;
 use symplint::{Diagnostic, Loop, TimeAdvance};
 
 pub use error::ConfigError;
+pub use number::parse as parse_number;
 pub use section::{Accept, Key, Section, suggestion};
 pub use system::{SYSTEMS, System};
 pub use template::template;
