@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use symplint::{
-    Circle, Coordinates, Diagnosis, Ensemble, FourierLoop, Snapshot, TimeAdvance, VerdictKind,
-    measure,
+    Circle, Coordinates, Defect, Diagnosis, Ensemble, FourierLoop, LoopIntegral, Piecewise, Rule,
+    Snapshot, TimeAdvance, VerdictKind, measure,
 };
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::{self, CATALOGUE};
@@ -78,16 +78,6 @@ fn the_cut_off_rule_is_wrong_here_and_the_samples_say_so() {
         let samples = 1 << exponent;
         let diagnosis = measured(&*map, &circle, 0.1, samples, 0.0);
         let point = &diagnosis.points[0];
-        println!(
-            "{samples:6} {:16} {} E = {:+.6} ± {:?}, {:?} cells, {:?} jumps, closed {:?}",
-            point.rule,
-            diagnosis.verdict.kind,
-            point.signed_defect,
-            point.quadrature_error,
-            point.omitted_cells,
-            point.jumps,
-            point.closed_defect
-        );
         if let Some(error) = point.quadrature_error {
             let off = (point.signed_defect - CONTINUOUS).abs();
             assert!(
@@ -185,9 +175,32 @@ fn no_wrong_verdict_on_smooth_systems() {
             }
         }
     }
-    println!("undecided: {undecided} of {of_all}");
     assert!(
         20 * undecided < of_all,
         "{undecided} of {of_all} are undecided"
     );
+}
+
+/// Jumps down to far below the distance of two samples, against the rule that evaluates the map.
+#[test]
+fn small_jumps_are_within_the_error() {
+    let (map, circle) = two_particles(1);
+    let fine = Ensemble::sample(&circle, 64).unwrap();
+    let initial =
+        LoopIntegral::in_coordinates(&fine, &Rule::Pseudospectral, &map.coordinates()).unwrap();
+    for h in [0.5, 0.03, 0.01, 0.003, 1e-3] {
+        let exact = Piecewise::default().integrate(&*map, &circle, h).unwrap();
+        let truth = Defect::between(&initial, &exact.continuous).unwrap();
+        for exponent in 5..=15 {
+            let found = measured(&*map, &circle, h, 1 << exponent, 0.0);
+            let point = &found.points[0];
+            let off = (point.signed_defect - truth.signed).abs();
+            if let Some(error) = point.quadrature_error {
+                assert!(
+                    off <= error,
+                    "h = {h}, 2^{exponent}: {off:e} beyond {error:e}"
+                );
+            }
+        }
+    }
 }

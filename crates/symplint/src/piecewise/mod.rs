@@ -215,8 +215,8 @@ fn collect(queue: &Queue<'_>, chords: &[Chord]) -> Result<PiecewiseIntegral, Err
         scale += piece.areas.iter().map(|area| area.abs()).sum::<f64>();
     }
     for chord in chords {
-        for i in 0..dof {
-            closing[i].add(chord.areas[i]);
+        for (closing, area) in closing.iter_mut().zip(&chord.areas) {
+            closing.add(*area);
         }
     }
     let mut contributions = Vec::with_capacity(dof);
