@@ -132,12 +132,15 @@ fn smoother_splines_are_not_called_broken() {
     }
 }
 
+/// A smooth system with the centre and the radius of its loops.
+type System = (Arc<dyn Separable>, Vec<f64>, Vec<f64>, f64);
+
 /// Every integrator on smooth systems, on random loops of few and of many samples.
 #[test]
 fn no_wrong_verdict_on_smooth_systems() {
     let array = PendulumArray::new(4, 1.0, 1.0).unwrap();
     let (array_q, array_p) = array.uniform_state(3);
-    let systems: [(Arc<dyn Separable>, Vec<f64>, Vec<f64>, f64); 3] = [
+    let systems: [System; 3] = [
         (Arc::new(Pendulum::default()), vec![2.0], vec![0.5], 1.0),
         (Arc::new(HenonHeiles), vec![0.0, 0.1], vec![0.2, 0.0], 0.2),
         (Arc::new(array), array_q, array_p, 0.8),

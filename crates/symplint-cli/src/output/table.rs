@@ -66,9 +66,9 @@ fn sweep_table(points: &[&Point]) -> String {
     if omitted {
         header.push("omitted");
     }
-    let closed = points.iter().any(|point| point.closed_defect.is_some());
-    if closed {
-        header.push("closed");
+    let breaks = points.iter().any(|point| point.jumps.is_some());
+    if breaks {
+        header.extend(["breaks", "closed"]);
     }
     table.set_header(header);
     let every = points.len().div_ceil(MOST_ROWS);
@@ -91,7 +91,8 @@ fn sweep_table(points: &[&Point]) -> String {
                     .map_or(String::new(), |cells| cells.to_string()),
             );
         }
-        if closed {
+        if breaks {
+            row.push(point.jumps.map_or(String::new(), |count| count.to_string()));
             row.push(
                 point
                     .closed_defect
