@@ -180,17 +180,28 @@ fn a_step_in_single_precision_is_not_called_wrong() {
         x += 0.5 * h * v;
         (q[0], p[0]) = (f64::from(x), f64::from(v));
     }
-    for samples in [64, 256, 1024, 4096, 65536] {
+    fn force_in_single(h: f64, q: &mut [f64], p: &mut [f64]) {
+        q[0] += 0.5 * h * p[0];
+        p[0] -= h * f64::from((q[0] as f32).sin());
+        q[0] += 0.5 * h * p[0];
+    }
+    // Whether or not the files own up to it.
+    for (step, samples) in [64, 256, 1024, 4096, 32768]
+        .into_iter()
+        .flat_map(|samples| [(in_single as Step, samples), (force_in_single, samples)])
+    {
         for (q0, p0) in [(1.0, 0.5), (0.0, 0.0), (3.0, -0.2), (20.0, 5.0)] {
-            let (before, after) =
-                snapshots(in_single, &circle(q0, p0), samples, &HALVING, |_, _| {});
-            let known = |snapshot: Snapshot| snapshot.with_unit_roundoff(Snapshot::SINGLE);
-            let after: Vec<Snapshot> = after.into_iter().map(known).collect();
-            let verdict = measure(&known(before), &after, &Coordinates::plain(1))
-                .unwrap()
-                .verdict;
-            let fine = [VerdictKind::Symplectic, VerdictKind::Undecided].contains(&verdict.kind);
-            assert!(fine, "{samples} round ({q0}, {p0}): {verdict:?}");
+            let (before, after) = snapshots(step, &circle(q0, p0), samples, &HALVING, |_, _| {});
+            for unit in [Snapshot::SINGLE, Snapshot::DOUBLE] {
+                let known = |snapshot: &Snapshot| snapshot.clone().with_unit_roundoff(unit);
+                let after: Vec<Snapshot> = after.iter().map(known).collect();
+                let verdict = measure(&known(&before), &after, &Coordinates::plain(1))
+                    .unwrap()
+                    .verdict;
+                let fine =
+                    [VerdictKind::Symplectic, VerdictKind::Undecided].contains(&verdict.kind);
+                assert!(fine, "{samples} round ({q0}, {p0}), {unit:e}: {verdict:?}");
+            }
         }
     }
 }

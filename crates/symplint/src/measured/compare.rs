@@ -61,6 +61,8 @@ pub(super) struct Compared {
     pub broken: Option<Broken>,
     /// Confirmed jumps.
     pub breaks: Vec<Break>,
+    /// The largest of them, as a part of the range of its coordinate.
+    pub largest_jump: f64,
     pub wrapped: Option<Wrap>,
     /// How much the step deforms the loop, relative to its size.
     pub deformation: f64,
@@ -119,13 +121,29 @@ fn range(row: &[f64]) -> (f64, f64) {
         })
 }
 
+/// The rounding error of the values: they may be single precision numbers that someone stored as
+/// doubles.
+fn unit_roundoff(snapshot: &Snapshot) -> f64 {
+    let states = &snapshot.states;
+    let is_single = |value: &f64| f64::from(*value as f32) == *value;
+    let all_single = [states.q(), states.p()]
+        .iter()
+        .all(|rows| (0..rows.count()).all(|i| rows.row(i).iter().all(is_single)));
+    if all_single {
+        snapshot.unit_roundoff.max(Snapshot::SINGLE)
+    } else {
+        snapshot.unit_roundoff
+    }
+}
+
 fn rows(snapshot: &Snapshot, coordinates: &Coordinates) -> Vec<Row> {
     let states = &snapshot.states;
+    let unit_roundoff = unit_roundoff(snapshot);
     (0..states.dof())
         .into_par_iter()
         .map(|dof| {
             let period = coordinates.period(dof);
-            let increments = Increments::of(states, dof, period, snapshot.unit_roundoff);
+            let increments = Increments::of(states, dof, period, unit_roundoff);
             let roughness = [0, 1].map(|c| find_jumps(&increments[c]));
             let of = |row: &[f64]| row.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             Row {
@@ -161,6 +179,19 @@ fn breaks(rows: &[Row], samples: usize, wanted: impl Fn(&Jump) -> bool) -> Vec<B
     found
 }
 
+fn largest_jump(rows: &[Row], states: &Ensemble) -> f64 {
+    let of = |rough: &Roughness, row: &[f64]| {
+        let (low, high) = range(row);
+        let confirmed = rough.jumps.iter().filter(|jump| jump.confirmed);
+        confirmed.fold(0.0, |m: f64, jump| m.max(jump.size.abs() / (high - low)))
+    };
+    let each = rows.iter().enumerate().map(|(dof, row)| {
+        let [q, p] = &row.roughness;
+        of(q, states.q().row(dof)).max(of(p, states.p().row(dof)))
+    });
+    each.fold(0.0, f64::max)
+}
+
 fn wrap(rows: &[Row], states: &Ensemble, coordinates: &Coordinates) -> Option<Wrap> {
     (0..rows.len())
         .filter(|&dof| coordinates.period(dof) == 0.0)
@@ -181,8 +212,9 @@ fn smooth(
             .map(|(dof, row)| coordinates.weight(dof).abs() * of(row))
             .sum()
     };
-    if snapshot.unit_roundoff > Snapshot::DOUBLE {
-        integral.roundoff += weighted(&|row| row.roundoff(snapshot.unit_roundoff));
+    let unit_roundoff = unit_roundoff(snapshot);
+    if unit_roundoff > Snapshot::DOUBLE {
+        integral.roundoff += weighted(&|row| row.roundoff(unit_roundoff));
     }
     let unresolved = (rows.iter().flat_map(|row| &row.roughness)).any(|rough| rough.unresolved);
     integral.quadrature_error = (integral.quadrature_error)
@@ -220,6 +252,7 @@ impl<'a> Initial<'a> {
                 integral,
                 broken: None,
                 breaks: Vec::new(),
+                largest_jump: 0.0,
                 wrapped: None,
                 deformation: self.deformation(after),
             }
@@ -254,6 +287,7 @@ impl<'a> Initial<'a> {
             })
             .collect();
         let found = breaks(rows, samples, |jump| jump.confirmed);
+        let unit_roundoff = unit_roundoff(after).max(Snapshot::DOUBLE);
         let unresolved = (rows.iter().flat_map(|row| &row.roughness)).any(|rough| rough.unresolved);
 
         let (mut value, mut chord) = (CompensatedSum::default(), CompensatedSum::default());
@@ -273,9 +307,7 @@ impl<'a> Initial<'a> {
                 error += size * part.steep;
             }
             scale += size * part.scale;
-            roundoff += size
-                * (row.roundoff(after.unit_roundoff.max(Snapshot::DOUBLE))
-                    + 2.0 * UNIT_ROUNDOFF * part.scale);
+            roundoff += size * (row.roundoff(unit_roundoff) + 2.0 * UNIT_ROUNDOFF * part.scale);
         }
         let total = value.total() + chord.total();
         if !(total.abs() + scale + error + roundoff).is_finite() {
@@ -319,6 +351,7 @@ impl<'a> Initial<'a> {
                 closed_defect: Defect::between(&self.integral, &closed)?,
             }),
             integral,
+            largest_jump: largest_jump(rows, states),
             breaks: found,
             wrapped: wrap(rows, states, self.coordinates),
             deformation: self.deformation(after),

@@ -49,6 +49,10 @@ struct Case<'a> {
     fit: Option<&'a Fit>,
 }
 
+/// Jumps of this part of a coordinate's range may be the grain of single precision inside a step, or of a
+/// solver that stops at a tolerance.
+const GRAIN: f64 = 1e-6;
+
 const MORE_SAMPLES: &str =
     "Take more samples, four times as many or more: symplint loop --samples N.";
 
@@ -129,7 +133,7 @@ impl Case<'_> {
     }
 
     fn broken(&self) -> Option<Verdict> {
-        let jumping = || self.steps.iter().filter(|step| !step.breaks.is_empty());
+        let jumping = || self.steps.iter().filter(|step| step.largest_jump > GRAIN);
         let step = jumping().max_by_key(|step| step.breaks.len())?;
         let size_of = |found: &crate::breaks::Break| found.jump_q.abs() + found.jump_p.abs();
         let found = (step.breaks.iter()).max_by(|a, b| size_of(a).total_cmp(&size_of(b)))?;
@@ -169,6 +173,7 @@ impl Case<'_> {
                 "Take more samples: a jump keeps its size, a steep flank fades.".into(),
                 "Use a smoother interpolation: a force that is continuous where particles cross cells."
                     .into(),
+                "If a solver inside the step stops at a tolerance, tighten it.".into(),
             ],
         })
     }
@@ -267,6 +272,17 @@ impl Case<'_> {
                      a defect."
                 ),
                 &["Take larger step sizes, up to where one step deforms the loop by about its size."],
+            ));
+        }
+        if let Some(step) = self.steps.iter().find(|step| step.largest_jump > 0.0) {
+            return Some(self.undecided_because(
+                format!(
+                    "Jumps of {} of a coordinate's range {} may be breaks, or the grain of single \
+                     precision or of a solver inside the step.",
+                    short(step.largest_jump),
+                    self.at(step)
+                ),
+                &["Run the step in double precision, with solvers inside it at a tight tolerance."],
             ));
         }
         if let Some(step) = self.steps.iter().find(|step| step.broken.is_some()) {
