@@ -42,7 +42,7 @@ fn refused(folder: &Path, arguments: &[&str]) -> String {
         text(&output.stdout)
     );
     // Without the line breaks that fit it to a terminal.
-    let said = text(&output.stderr);
+    let said = text(&output.stderr).replace('│', " ");
     said.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
