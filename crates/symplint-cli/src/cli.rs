@@ -24,9 +24,11 @@ const AFTER: &str = "Examples:
   symplint init pendulum > pendulum.toml          a commented configuration to start from
   symplint check pendulum.toml                    is it symplectic?
   symplint check pendulum.toml --set integrator.name=rk2 --out run
+  symplint loop pendulum.toml -o before.npz       initial states for another code
+  symplint measure before.npz after.npz           what its step did to them
   symplint reproduce fig2                         a figure of the paper
 
-Exit status of `check`: 0 symplectic, 1 not symplectic or loops broken, 2 bad usage, bad input or a \
+Exit status of `check` and `measure`: 0 symplectic, 1 not symplectic or loops broken, 2 bad usage, bad input or a \
 failed run, 3 undecided.";
 
 /// What to do.
@@ -42,6 +44,54 @@ pub enum Command {
         /// Take N steps of the largest size, too, and see whether the defect adds up or returns
         #[arg(long, value_name = "N")]
         steps: Option<usize>,
+    },
+    /// Write the samples of a configured loop, for another code to advance.
+    ///
+    /// Row k of the arrays q and p, of shape (samples, dof), is the state at s = k/samples. Advance every row
+    /// by one step, store the arrays in the same way, and give both files to `symplint measure`.
+    Loop {
+        /// The configuration; its integrator is not used.
+        config: PathBuf,
+        /// Samples of the loop; diagnostic.samples if left out, or 256 where that is "auto"
+        #[arg(long, value_name = "N")]
+        samples: Option<usize>,
+        /// File to write, `loop.npz` if left out (in DIR, if --out names one): .npz holds q and p, and
+        /// period and weight where there are any; .npy is a pair, loop_q.npy and loop_p.npy; .csv has
+        /// columns q_0, q_1, …, p_0, p_1, …
+        #[arg(long, short, value_name = "FILE")]
+        output: Option<PathBuf>,
+    },
+    /// Defect and verdict of a loop that another code advanced.
+    ///
+    /// Compares the file before the step with one or more files after it, each advanced from BEFORE by one
+    /// step. Files are as `symplint loop` writes them; an .npz file may also hold `h`, `period` (for each
+    /// position, 0 if it is not periodic) and `weight` (canonical momentum = weight × p). What is said here
+    /// goes before what the files say. Samples alone cannot prove that a loop is broken, but show it.
+    Measure {
+        /// The loop before the step: .npz, .npy (loop_q.npy stands for the pair with loop_p.npy) or .csv.
+        before: PathBuf,
+        /// The loop after one step; several files for several step sizes.
+        #[arg(required = true)]
+        after: Vec<PathBuf>,
+        /// Step sizes of the files after the step, in their order; without any, no order is fitted
+        #[arg(
+            long = "h",
+            value_name = "H",
+            value_delimiter = ',',
+            allow_hyphen_values = true
+        )]
+        h: Vec<String>,
+        /// Period of the positions, 0 for none: one number, or one for each degree of freedom
+        #[arg(long, value_name = "L", value_delimiter = ',')]
+        period: Vec<String>,
+        /// Weight of the momenta: one number, or one for each degree of freedom
+        #[arg(
+            long,
+            value_name = "W",
+            value_delimiter = ',',
+            allow_hyphen_values = true
+        )]
+        weight: Vec<String>,
     },
     /// Loop integral and energy against time.
     ///

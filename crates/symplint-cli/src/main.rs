@@ -4,6 +4,7 @@ mod cli;
 mod commands;
 mod config;
 mod figure;
+mod loop_file;
 mod output;
 mod paper;
 
@@ -42,6 +43,25 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
         })?;
     pool.install(|| match &cli.command {
         Command::Check { config, steps } => commands::check(config, *steps, common),
+        Command::Loop {
+            config,
+            samples,
+            output,
+        } => commands::write_loop(config, *samples, output.as_deref(), common),
+        Command::Measure {
+            before,
+            after,
+            h,
+            period,
+            weight,
+        } => {
+            let stated = commands::Stated {
+                step_sizes: h,
+                period,
+                weight,
+            };
+            commands::measure(before, after, &stated, common)
+        }
         Command::Trace { config } => commands::trace(config, common),
         Command::Reproduce { ids, list } => commands::reproduce(ids, *list, common),
         Command::List { what } => commands::list(*what),

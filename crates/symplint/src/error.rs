@@ -165,6 +165,26 @@ pub enum Error {
         /// Sum of the absolute contributions that could have been.
         scale: f64,
     },
+    /// Loops of which one cannot be the other after a step.
+    #[error(
+        "loop {} after the step has {} samples of {} degrees of freedom where the loop before it has {} of \
+         {}; give the same samples before and after",
+        .index + 1, .after.0, .after.1, .before.0, .before.1
+    )]
+    ShapesDiffer {
+        /// Which of the loops after the step, counted from 0.
+        index: usize,
+        /// Samples and degrees of freedom before the step.
+        before: (usize, usize),
+        /// Samples and degrees of freedom after it.
+        after: (usize, usize),
+    },
+    /// Two loops are said to be made by steps of one size.
+    #[error("h = {step_size:?} is stated for two loops; give one for each step size")]
+    RepeatedStep {
+        /// The step size.
+        step_size: f64,
+    },
     /// Map and loop live in different phase spaces.
     #[error("the map has {map} degrees of freedom and the loop {phase_loop}; they must agree")]
     DofMismatch {

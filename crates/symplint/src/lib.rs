@@ -54,6 +54,7 @@ mod integral;
 mod jacobian;
 mod loops;
 mod map;
+mod measured;
 mod piecewise;
 mod random;
 mod rows;
@@ -79,6 +80,7 @@ pub use jacobian::{
 };
 pub use loops::{Circle, FourierLoop, Loop, SampledLoop};
 pub use map::{PerSample, StepFailure, TimeAdvance};
+pub use measured::{Snapshot, measure};
 pub use piecewise::{Closure, Piecewise, PiecewiseIntegral};
 pub use rows::{Rows, RowsMut};
 pub use trace::{Observable, Orbit, Trace, TracePoint, TraceRecord};

@@ -40,7 +40,13 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
         output::say(report.to_json())?;
     } else {
         if !common.quiet {
-            output::say(output::points_table(&config, &diagnosis))?;
+            let heading = format!(
+                "{} · {} · {}",
+                config.system.name,
+                config.integrator,
+                output::degrees_of_freedom(config.map.dof())
+            );
+            output::say(output::points_table(&heading, &diagnosis))?;
         }
         output::say(output::verdict_text(&diagnosis, common.quiet))?;
         match &folder {
@@ -53,9 +59,14 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
             _ => {}
         }
     }
-    Ok(match diagnosis.verdict.kind {
+    Ok(exit_status(diagnosis.verdict.kind))
+}
+
+/// The exit status that stands for a verdict.
+pub fn exit_status(kind: VerdictKind) -> ExitCode {
+    match kind {
         VerdictKind::Symplectic => ExitCode::SUCCESS,
         VerdictKind::NotSymplectic | VerdictKind::BrokenLoops => ExitCode::from(1),
         VerdictKind::Undecided => ExitCode::from(3),
-    })
+    }
 }

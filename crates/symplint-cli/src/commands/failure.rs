@@ -6,6 +6,7 @@ use miette::Diagnostic;
 
 use crate::config::ConfigError;
 use crate::figure::FigureError;
+use crate::loop_file::LoopFileError;
 
 /// Everything that can end a command early.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -20,6 +21,10 @@ pub enum Failure {
     /// A model of the paper's reproduction.
     #[error(transparent)]
     Model(#[from] symplint_models::ModelError),
+    /// A loop in a file.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    LoopFile(#[from] LoopFileError),
     /// A figure.
     #[error(transparent)]
     Figure(#[from] FigureError),

@@ -17,6 +17,7 @@ use std::path::Path;
 use symplint::{Diagnostic, Loop, TimeAdvance};
 
 pub use error::ConfigError;
+pub use number::parse as parse_number;
 pub use section::{Accept, Key, Section, suggestion};
 pub use system::{SYSTEMS, System};
 pub use template::template;

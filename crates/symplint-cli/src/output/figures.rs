@@ -132,8 +132,15 @@ fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
 
 /// Positions and momenta of one degree of freedom.
 fn plane(ensemble: &Ensemble, dof: usize) -> Vec<(f64, f64)> {
+    /// More points than a figure can show only make files large.
+    const MOST: usize = 4096;
     let (q, p) = (ensemble.q().row(dof), ensemble.p().row(dof));
-    q.iter().copied().zip(p.iter().copied()).collect()
+    let every = q.len().div_ceil(MOST).max(1);
+    q.iter()
+        .copied()
+        .zip(p.iter().copied())
+        .step_by(every)
+        .collect()
 }
 
 /// The loop before and after the largest step, in the plane of the first degree of freedom.
@@ -142,26 +149,75 @@ fn plane(ensemble: &Ensemble, dof: usize) -> Vec<(f64, f64)> {
 fn advanced_loop(title: &str, config: &Config) -> Result<Figure, Failure> {
     const SAMPLES: usize = 720;
     let h = (config.diagnostic.step_sizes.iter().copied()).fold(0.0, f64::max);
-    let mut ensemble = Ensemble::sample(&*config.phase_loop, SAMPLES)?;
-    let before = series("before", plane(&ensemble, 0), Style::Closed, 0);
-    ensemble.advance(&*config.map, h)?;
-    let after = series(
-        &format!("after one step of {}", super::raised_power_of_two(h)),
-        plane(&ensemble, 0),
-        Style::Points,
-        1,
-    );
-    Ok(Figure {
+    let before = Ensemble::sample(&*config.phase_loop, SAMPLES)?;
+    let mut after = before.clone();
+    after.advance(&*config.map, h)?;
+    Ok(two_loops(title, &before, &after, 0, Some(h)))
+}
+
+/// A loop before and after a step, in the plane of one degree of freedom.
+fn two_loops(
+    title: &str,
+    before: &Ensemble,
+    after: &Ensemble,
+    dof: usize,
+    h: Option<f64>,
+) -> Figure {
+    let label = h.map_or("after the step".into(), |h| {
+        format!("after one step of {}", super::raised_power_of_two(h))
+    });
+    let axis = |coordinate: &str| {
+        phase_axis(&match before.dof() {
+            1 => coordinate.to_owned(),
+            _ => format!("{coordinate}{}", subscript(dof)),
+        })
+    };
+    Figure {
         title: None,
         panels: vec![Panel {
             title: title.into(),
-            x: phase_axis(if ensemble.dof() == 1 { "q" } else { "q₀" }),
-            y: phase_axis(if ensemble.dof() == 1 { "p" } else { "p₀" }),
-            series: vec![before, after],
+            x: axis("q"),
+            y: axis("p"),
+            series: vec![
+                series("before", plane(before, dof), Style::Closed, 0),
+                series(&label, plane(after, dof), Style::Points, 1),
+            ],
             equal_aspect: true,
         }],
         columns: 1,
-    })
+    }
+}
+
+/// The digits of a number as an index.
+fn subscript(number: usize) -> String {
+    let lower = |digit: char| match digit.to_digit(10) {
+        Some(value) => char::from_u32(0x2080 + value).unwrap_or(digit),
+        None => digit,
+    };
+    number.to_string().chars().map(lower).collect()
+}
+
+/// The figures of loops from files with their names: defects against step sizes where they are stated, and
+/// the loop before and after the largest step, in the plane of the degree of freedom that jumps
+/// first, if any does.
+pub fn measure_figures(
+    title: &str,
+    diagnosis: &Diagnosis,
+    before: &Ensemble,
+    after: &Ensemble,
+    h: Option<f64>,
+) -> Vec<(&'static str, Figure)> {
+    let mut figures = Vec::new();
+    if diagnosis
+        .points
+        .iter()
+        .any(|point| point.step_size.is_finite())
+    {
+        figures.push(("step_sizes", step_sizes(title, diagnosis)));
+    }
+    let dof = diagnosis.breaks.first().map_or(0, |at| at.found.dof);
+    figures.push(("loop", two_loops(title, before, after, dof, h)));
+    figures
 }
 
 fn phase_axis(label: &str) -> Axis {

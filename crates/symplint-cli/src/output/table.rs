@@ -7,7 +7,6 @@ use comfy_table::{CellAlignment, Table, presets};
 use symplint::{Diagnosis, Point, Sweep, TracePoint, VerdictKind};
 
 use super::power_of_two;
-use crate::config::Config;
 
 /// Rows of one sweep at most, so that a screen holds the table.
 const MOST_ROWS: usize = 16;
@@ -28,15 +27,17 @@ pub fn plain_table(header: &[&str], rows: Vec<Vec<String>>) -> String {
     table.to_string()
 }
 
-/// The sweeps of the given loop.
-pub fn points_table(config: &Config, diagnosis: &Diagnosis) -> String {
-    let mut text = format!(
-        "{} · {} · {} degree{} of freedom\n",
-        config.system.name,
-        config.integrator,
-        config.map.dof(),
-        if config.map.dof() == 1 { "" } else { "s" }
-    );
+/// `1 degree of freedom`, `2 degrees of freedom`.
+pub fn degrees_of_freedom(count: usize) -> String {
+    format!(
+        "{count} degree{} of freedom",
+        if count == 1 { "" } else { "s" }
+    )
+}
+
+/// The sweeps of the given loop, under a heading.
+pub fn points_table(heading: &str, diagnosis: &Diagnosis) -> String {
+    let mut text = format!("{heading}\n");
     for sweep in [Sweep::StepSize, Sweep::Samples] {
         let points: Vec<&Point> = (diagnosis.points.iter())
             .filter(|point| point.sweep == sweep && point.loop_index == 0)
@@ -73,7 +74,7 @@ fn sweep_table(points: &[&Point]) -> String {
     let every = points.len().div_ceil(MOST_ROWS);
     for point in points.iter().step_by(every) {
         let mut row = vec![
-            power_of_two(point.step_size),
+            step_size(point.step_size),
             point.samples.to_string(),
             point.rule.to_owned(),
             format!("{:.9e}", point.advanced),
@@ -110,6 +111,15 @@ fn sweep_table(points: &[&Point]) -> String {
         format!("{text}\n(every {every}th point is shown)")
     } else {
         text
+    }
+}
+
+/// A step size; a loop from a file may not state it.
+fn step_size(h: f64) -> String {
+    if h.is_nan() {
+        "?".into()
+    } else {
+        power_of_two(h)
     }
 }
 

@@ -10,6 +10,7 @@ mod second;
 
 pub use long_time::{Growth, LongTime};
 pub use point::{Point, Sweep};
+pub(crate) use probe::motion;
 
 use serde::Serialize;
 

@@ -304,7 +304,7 @@ pub(super) fn deformation(
 
 /// Largest distance between the motions of two samples, over the range of the coordinate; motions are
 /// counted modulo `period`, if there is one.
-fn motion(before: &[f64], after: &[f64], period: f64) -> f64 {
+pub(crate) fn motion(before: &[f64], after: &[f64], period: f64) -> f64 {
     let range = |values: &[f64]| {
         let (low, high) = values
             .iter()

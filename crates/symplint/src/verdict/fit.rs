@@ -69,7 +69,7 @@ type Datum = (f64, f64, f64);
 /// The law is E = h^k (a + b h + c h²), signed: a sign change of E, which bends the curve of |E|,
 /// is part of it. With three points, or where no such law passes through them, the mean slope. `None`
 /// with fewer than three points, over less than a factor of four, or where the slopes disagree.
-pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
+pub(crate) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     let mut data: Vec<Datum> = (evidence.steps.iter())
         .map(|step| {
             let defect = &step.defect;

@@ -5,13 +5,13 @@ use super::{BEYOND_DOUBT, LoopEvidence, StepEvidence, Verdict, VerdictKind, WEAK
 
 /// A step that deforms the loop by less than this part of its size tests nothing: even a method
 /// that is far from symplectic has a defect below round-off there.
-const LEAST_DEFORMATION: f64 = 0.2;
+pub(crate) const LEAST_DEFORMATION: f64 = 0.2;
 
 /// A defect below this needs a trend in h to count: a constant one can be noise of the map itself.
-const SMALL: f64 = 1e-10;
+pub(crate) const SMALL: f64 = 1e-10;
 
 /// Slopes below this are no trend.
-const TREND: f64 = 0.5;
+pub(crate) const TREND: f64 = 0.5;
 
 /// Judges what the loops showed.
 ///
@@ -346,7 +346,7 @@ impl Case<'_> {
 }
 
 /// A step size as people read it: `2^-3`, or three digits.
-fn size(h: f64) -> String {
+pub(crate) fn size(h: f64) -> String {
     let exponent = h.abs().log2();
     if exponent.fract() == 0.0 && h.abs() != 1.0 {
         let sign = if h < 0.0 { "-" } else { "" };

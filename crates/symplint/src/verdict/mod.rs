@@ -9,8 +9,9 @@ mod fit;
 mod judge;
 
 pub use fit::Fit;
+pub(crate) use fit::fit_order;
 pub use judge::judge;
-pub(crate) use judge::short;
+pub(crate) use judge::{LEAST_DEFORMATION, SMALL, TREND, short, size};
 
 use serde::Serialize;
 
@@ -168,7 +169,7 @@ impl LoopEvidence {
     }
 
     /// A step that bounds the defect too weakly to call a map symplectic.
-    fn weak_step(&self) -> Option<&StepEvidence> {
+    pub(crate) fn weak_step(&self) -> Option<&StepEvidence> {
         // Not `bound > …`: a bound that is no number is no bound.
         (self.steps.iter()).find(|step| !matches!(step.bound(), 0.0..=WEAKEST_BOUND))
     }
@@ -180,17 +181,17 @@ impl StepEvidence {
         self.cells_apart > MOST_CELLS_APART
     }
 
-    fn is_beyond_doubt(&self) -> bool {
+    pub(crate) fn is_beyond_doubt(&self) -> bool {
         !self.misses_the_grid()
             && self.defect.magnitude() > BEYOND_DOUBT * self.defect.uncertainty()
     }
 
-    fn is_unexplained(&self) -> bool {
+    pub(crate) fn is_unexplained(&self) -> bool {
         self.defect.magnitude() > UNEXPLAINED * self.defect.uncertainty()
     }
 
     /// The largest defect that the step may have.
-    fn bound(&self) -> f64 {
+    pub(crate) fn bound(&self) -> f64 {
         self.defect.magnitude() + self.defect.uncertainty()
     }
 }

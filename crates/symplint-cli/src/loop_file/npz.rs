@@ -1,0 +1,148 @@
+//! Archives of named arrays, as numpy.savez writes them.
+
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+use super::array::{Accept, Array};
+use super::{LoopFile, LoopFileError};
+
+/// Bytes of an unpacked array at most: what no ensemble needs, a forged archive may claim.
+const MOST_BYTES: u64 = 1 << 36;
+
+struct Archive<'a> {
+    path: &'a Path,
+    zip: ZipArchive<File>,
+}
+
+impl Archive<'_> {
+    fn names(&self) -> Vec<String> {
+        // A name that cannot be decoded is none that a person could use.
+        let mut names: Vec<String> = (self.zip.file_names().flatten())
+            .filter_map(|name| name.strip_suffix(".npy").map(str::to_owned))
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn optional(
+        &mut self,
+        name: &'static str,
+        accept: Accept,
+    ) -> Result<Option<Array>, LoopFileError> {
+        let file = format!("{name}.npy");
+        if !self.zip.file_names().flatten().any(|other| other == file) {
+            return Ok(None);
+        }
+        let broken = |reason: String| LoopFileError::Broken {
+            path: self.path.to_owned(),
+            array: name.to_owned(),
+            reason,
+        };
+        let entry = self
+            .zip
+            .by_name(&file)
+            .map_err(|error| broken(error.to_string()))?;
+        let mut bytes = Vec::new();
+        let read = entry.take(MOST_BYTES).read_to_end(&mut bytes);
+        read.map_err(|error| broken(error.to_string()))?;
+        Array::decode(&bytes, accept, self.path, name).map(Some)
+    }
+
+    fn required(&mut self, name: &'static str) -> Result<Array, LoopFileError> {
+        let found = self.optional(name, Accept::Floats)?;
+        found.ok_or_else(|| LoopFileError::Missing {
+            path: self.path.to_owned(),
+            array: name,
+            found: self.names(),
+        })
+    }
+
+    /// A step size, period or weight: one number, or one for each of `dof` degrees of freedom.
+    fn setting(
+        &mut self,
+        name: &'static str,
+        dof: usize,
+    ) -> Result<Option<Vec<f64>>, LoopFileError> {
+        let Some(array) = self.optional(name, Accept::Numbers)? else {
+            return Ok(None);
+        };
+        let got = array.values.len();
+        if got == 1 || (got == dof && name != "h") {
+            return Ok(Some(array.values));
+        }
+        Err(LoopFileError::Count {
+            path: self.path.to_owned(),
+            array: name,
+            got,
+            expected: match name {
+                "h" => "one step size",
+                _ => "one number, or one for each degree of freedom",
+            },
+        })
+    }
+}
+
+pub fn read(path: &Path) -> Result<LoopFile, LoopFileError> {
+    let unreadable = |reason: String| LoopFileError::Read {
+        path: path.to_owned(),
+        reason,
+    };
+    let file = File::open(path).map_err(|error| unreadable(error.to_string()))?;
+    let zip = ZipArchive::new(file).map_err(|error| unreadable(error.to_string()))?;
+    let mut archive = Archive { path, zip };
+    let (q, p) = (archive.required("q")?, archive.required("p")?);
+    let mut loaded = LoopFile::from_arrays(path, &q, &p)?;
+    let dof = loaded.states.dof();
+    loaded.step_size = archive.setting("h", dof)?.map(|h| h[0]);
+    loaded.period = archive.setting("period", dof)?;
+    loaded.weight = archive.setting("weight", dof)?;
+    Ok(loaded)
+}
+
+pub fn write(file: &LoopFile) -> Result<Vec<PathBuf>, LoopFileError> {
+    let pack = || -> io::Result<()> {
+        let mut zip = ZipWriter::new(io::BufWriter::new(File::create(&file.path)?));
+        let mut add = |name: &str, array: &Array| -> io::Result<()> {
+            let bytes = array.encode()?;
+            let options = SimpleFileOptions::default()
+                .compression_method(CompressionMethod::Stored)
+                .large_file(bytes.len() > u32::MAX as usize);
+            zip.start_file(format!("{name}.npy"), options)?;
+            zip.write_all(&bytes)
+        };
+        add("q", &file.array(false))?;
+        add("p", &file.array(true))?;
+        let of_step = file.step_size.map(|h| vec![h]);
+        for (name, values) in [
+            ("h", &of_step),
+            ("period", &file.period),
+            ("weight", &file.weight),
+        ] {
+            if let Some(values) = values {
+                let shape = if name == "h" {
+                    vec![]
+                } else {
+                    vec![values.len()]
+                };
+                add(
+                    name,
+                    &Array {
+                        shape,
+                        values: values.clone(),
+                        single: false,
+                    },
+                )?;
+            }
+        }
+        zip.finish()?.flush()
+    };
+    pack().map_err(|error| LoopFileError::Write {
+        path: file.path.clone(),
+        reason: error.to_string(),
+    })?;
+    Ok(vec![file.path.clone()])
+}
