@@ -7,7 +7,7 @@ mod rotor;
 use common::{State, distance, stepped};
 use proptest::prelude::*;
 use rotor::Rotor;
-use symplint::{Coordinates, TimeAdvance};
+use symplint::{Circle, Coordinates, Ensemble, TimeAdvance};
 use symplint_models::ModelError;
 use symplint_models::integrators::{RungeKutta, Splitting, Variant, splitting_methods, tableaus};
 use symplint_models::maps::{
@@ -215,4 +215,23 @@ fn combinations_without_meaning_are_refused() {
         Repeat::new(pendulum(), 0).map(|_| ()).unwrap_err(),
         ModelError::NoSteps
     );
+}
+
+#[test]
+fn composing_with_the_inverse_returns_the_loop() {
+    let method = || splitting_methods::mclachlan4(Variant::MomentumFirst);
+    let forth: Box<dyn TimeAdvance> = Box::new(Splitting::new(method(), HenonHeiles));
+    let back: Box<dyn TimeAdvance> = Box::new(Inverse(Splitting::new(method(), HenonHeiles)));
+    let both = Compose::new(vec![(1.0, forth), (1.0, back)]).unwrap();
+    let phase_loop = Circle::new(vec![0.0, 0.1], vec![0.2, 0.1], 0.3).unwrap();
+    let before = Ensemble::sample(&phase_loop, 100).unwrap();
+    let mut after = before.clone();
+    after.advance(&both, 0.5).unwrap();
+    for (rows, again) in [(before.q(), after.q()), (before.p(), after.p())] {
+        for i in 0..2 {
+            for (a, b) in rows.row(i).iter().zip(again.row(i)) {
+                assert!((a - b).abs() < 1e-15);
+            }
+        }
+    }
 }

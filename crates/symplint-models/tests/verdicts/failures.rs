@@ -1,0 +1,115 @@
+//! Maps that fail, and loops that leave their domain.
+
+use symplint::{
+    Block, Diagnostic, Error, PerSample, SampleCount, StepFailure, TimeAdvance, VerdictKind,
+};
+
+use crate::{circle, diagnose};
+
+#[test]
+fn states_that_are_not_finite_are_named() {
+    let map = PerSample::new(2, |h, q: &mut [f64], _: &mut [f64]| {
+        if h < 0.2 && q[1] > 0.95 {
+            q[1] = f64::NAN;
+        }
+        q[0] += h;
+    });
+    let diagnostic = Diagnostic {
+        samples: SampleCount::Fixed(1000),
+        ..Diagnostic::halving(-1, -4)
+    };
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let phase_loop = circle(&[0.0; 2], &[0.0; 2], 1.0);
+        let error = pool.install(|| diagnostic.run(&map, &phase_loop, &|_| {}).unwrap_err());
+        // sin 2πk/1000 first exceeds 0.95 at k = 200 (0.9511); h = 1/8 is the first below 0.2.
+        assert!(
+            matches!(
+                error,
+                Error::NotFinite { coordinate: "q", dof: 1, sample: 200, step_size: Some(h), .. } if h == 0.125
+            ),
+            "{error:?}"
+        );
+        let text = error.to_string();
+        for part in ["degree of freedom 1", "sample 200", "h = 0.125"] {
+            assert!(text.contains(part), "{text}");
+        }
+    }
+}
+
+#[test]
+fn failures_of_the_map_are_named() {
+    struct Stubborn;
+    impl TimeAdvance for Stubborn {
+        fn dof(&self) -> usize {
+            1
+        }
+        fn advance(&self, _: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+            match block.q.row(0).iter().position(|&q| q < -0.5) {
+                None => Ok(()),
+                Some(sample) => Err(StepFailure {
+                    sample,
+                    reason: "Newton's method did not converge in 20 steps".into(),
+                }),
+            }
+        }
+    }
+    let error = Diagnostic::default()
+        .run(&Stubborn, &circle(&[0.0], &[0.0], 1.0), &|_| {})
+        .unwrap_err();
+    // sin 2πk/4096 < −1/2 first at k = 2390, in the third block.
+    assert!(
+        matches!(error, Error::StepFailed { sample: 2390, .. }),
+        "{error:?}"
+    );
+    assert!(error.to_string().contains("Newton"));
+}
+
+#[test]
+fn overflow_is_an_error_and_no_verdict() {
+    let map = PerSample::new(1, |_, q: &mut [f64], p: &mut [f64]| {
+        q[0] *= 1e200;
+        p[0] *= 1e200;
+    });
+    let error = Diagnostic::default()
+        .run(&map, &circle(&[0.0], &[0.0], 1.0), &|_| {})
+        .unwrap_err();
+    assert!(matches!(error, Error::Overflow { dof: 0, .. }), "{error:?}");
+    let loops = circle(&[0.0], &[0.0], 1e160);
+    let map = PerSample::new(1, |_, _: &mut [f64], _: &mut [f64]| {});
+    assert!(Diagnostic::default().run(&map, &loops, &|_| {}).is_err());
+}
+
+#[test]
+fn random_loops_may_leave_the_domain_of_the_map() {
+    // log is defined on the given loop, just so; the outermost random loops stay inside it.
+    let map = PerSample::new(1, |h, q: &mut [f64], p: &mut [f64]| {
+        p[0] -= h * (q[0] + 1.2).ln();
+        q[0] += h * p[0];
+    });
+    for seed in 1..12 {
+        let diagnostic = Diagnostic {
+            seed,
+            ..Diagnostic::default()
+        };
+        let verdict = diagnose(&diagnostic, &map, &circle(&[0.0], &[0.0], 1.0)).verdict;
+        assert_eq!(
+            verdict.kind,
+            VerdictKind::Symplectic,
+            "seed {seed}: {verdict:?}"
+        );
+    }
+    // On a circle that is flat in q but for one degree of freedom, others are moved as far.
+    let two = PerSample::new(2, |h, q: &mut [f64], p: &mut [f64]| {
+        p[0] -= h * q[0].sin();
+        q[0] += h * p[0];
+        p[1] -= 0.2 * h * p[1];
+        q[1] += h * p[1];
+    });
+    let flat = circle(&[0.0; 2], &[0.3; 2], 1.0).on(&[0]).unwrap();
+    let verdict = diagnose(&Diagnostic::default(), &two, &flat).verdict;
+    assert_eq!(verdict.kind, VerdictKind::NotSymplectic, "{verdict:?}");
+}

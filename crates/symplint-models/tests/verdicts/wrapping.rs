@@ -1,0 +1,87 @@
+//! Positions that are stored in a period.
+
+use std::f64::consts::PI;
+
+use symplint::{
+    Block, Coordinates, Diagnostic, SampleCount, StepFailure, TimeAdvance, VerdictKind,
+};
+
+use crate::{circle, diagnose};
+
+/// Strang on the pendulum by a code that keeps q in [0, 2π).
+struct Wrapping {
+    coordinates: Coordinates,
+}
+
+impl TimeAdvance for Wrapping {
+    fn dof(&self) -> usize {
+        1
+    }
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
+            *q += 0.5 * h * *p;
+            *p -= h * q.sin();
+            *q = (*q + 0.5 * h * *p).rem_euclid(2.0 * PI);
+        }
+        Ok(())
+    }
+    fn coordinates(&self) -> Coordinates {
+        self.coordinates.clone()
+    }
+}
+
+#[test]
+fn wrapped_positions_need_their_period() {
+    let phase_loop = circle(&[0.2], &[0.5], 1.0);
+    let stated = Wrapping {
+        coordinates: Coordinates::plain(1).with_periods(vec![2.0 * PI]).unwrap(),
+    };
+    let verdict = diagnose(&Diagnostic::default(), &stated, &phase_loop).verdict;
+    assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
+    let silent = Wrapping {
+        coordinates: Coordinates::plain(1),
+    };
+    let verdict = diagnose(&Diagnostic::default(), &silent, &phase_loop).verdict;
+    assert_eq!(verdict.kind, VerdictKind::BrokenLoops);
+    assert!(verdict.advice.iter().any(|line| line.contains("period")));
+}
+
+#[test]
+fn steep_stretches_near_a_wrap_are_no_breaks() {
+    struct Steep(f64);
+    impl TimeAdvance for Steep {
+        fn dof(&self) -> usize {
+            1
+        }
+        fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+            for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
+                *p -= h * 0.1 * ((2.0 * PI * *q).sin() / self.0).tanh();
+                *q = (*q + h * *p).rem_euclid(1.0);
+            }
+            Ok(())
+        }
+        fn coordinates(&self) -> Coordinates {
+            Coordinates::plain(1).with_periods(vec![1.0]).unwrap()
+        }
+    }
+    for width in [1e-2, 1e-4] {
+        for samples in [64, 100, 256, 1024] {
+            let diagnostic = Diagnostic {
+                samples: SampleCount::Fixed(samples),
+                ..Diagnostic::halving(0, -4)
+            };
+            let verdict =
+                diagnose(&diagnostic, &Steep(width), &circle(&[0.1], &[0.3], 0.3)).verdict;
+            assert_ne!(
+                verdict.kind,
+                VerdictKind::BrokenLoops,
+                "{width}, {samples}: {verdict:?}"
+            );
+            assert_ne!(
+                verdict.kind,
+                VerdictKind::NotSymplectic,
+                "{width}, {samples}"
+            );
+        }
+    }
+}
