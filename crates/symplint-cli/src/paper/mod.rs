@@ -9,6 +9,7 @@ mod appendix_a;
 mod appendix_b;
 mod claim;
 mod closed_forms;
+mod drift;
 mod families;
 mod fig1;
 mod fig2;
@@ -30,6 +31,7 @@ mod pic;
 mod pic_panels;
 mod plot;
 mod sweep;
+mod true_defect;
 
 pub use claim::{Claim, claims_markdown, claims_summary};
 pub use plot::{portrait, reference_slope};
@@ -44,7 +46,7 @@ pub struct Item {
     pub id: &'static str,
     /// What it shows.
     pub title: &'static str,
-    /// About how long it takes on two cores.
+    /// About how much processor time it takes, as `time` counts it.
     pub cost: &'static str,
     /// Its settings, for `--set`.
     pub keys: &'static [Key],
