@@ -174,9 +174,7 @@ fn steps_until(
         return Err(settings
             .error(
                 key,
-                format!(
-                    "until t = {until:e} in steps of {h:e} would be {steps:.1e} steps, too many"
-                ),
+                format!("{steps:.1e} steps of {h:e} are too many"),
                 format!("at most {most:.1e} steps with so many particles and cells: {remedy}"),
             )
             .into());
