@@ -459,6 +459,16 @@ fn claims_are_left_open_where_the_settings_cannot_carry_them() {
     for arguments in [
         &["fig6", "--set", "to=64", "--set", "scaling_to=2^13"][..],
         &["fig7", "--set", "samples=64"],
+        &["fig7", "--set", "particles=1", "--set", "samples=512"],
+        &[
+            "fig6",
+            "--set",
+            "particles=1",
+            "--set",
+            "to=256",
+            "--set",
+            "scaling_to=2^13",
+        ],
         &["fig8", "--set", "until=1", "--set", "particles=50"],
     ] {
         let (claims, _) = claims_of(arguments);
@@ -493,6 +503,11 @@ fn runs_without_end_are_refused() {
     for expected in ["fig8.until", "too many", "at most"] {
         assert!(error.contains(expected), "{expected}: {error}");
     }
+    // The key to blame is the one that was set, and numbers stay readable.
+    let output = symplint(&["reproduce", "fig8", "--set", "step_size=1e-300"]);
+    let error = text(&output.stderr);
+    assert!(error.contains("fig8.step_size"), "{error}");
+    assert!(!error.contains("00000"), "{error}");
 }
 
 /// Runs `check` and demands exit status 2 and every word of `expected` on standard error.

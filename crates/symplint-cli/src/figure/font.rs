@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn the_font_has_every_sign_of_the_labels() {
         let face = Typeface::load().expect("the built-in font is readable");
-        for c in "hNₛₕ₀₁₂|E|×−⁻⁰¹²³⁴⁵⁶⁷⁸⁹π∮∫≤≥·≈∝γΦωεθΔ∂∞°±→…".chars()
+        for c in "hNₛₕₚ₀₁₂|E|×−⁻⁰¹²³⁴⁵⁶⁷⁸⁹π∮∫≤≥·≈∝γΦωεθΔ∂∞°±→…".chars()
         {
             assert_ne!(face.font.glyph_id(c).0, 0, "no glyph for {c}");
         }

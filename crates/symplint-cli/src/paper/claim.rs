@@ -47,6 +47,27 @@ impl Judgement {
         }
     }
 
+    /// Holds where all of the interval lies within the `wanted` one, does not where nothing of it does, and
+    /// cannot be told where a part does or an end is no number.
+    pub fn of_interval((low, high): (f64, f64), wanted: (f64, f64)) -> Self {
+        if low >= wanted.0 && high <= wanted.1 {
+            Judgement::Holds
+        } else if high < wanted.0 || low > wanted.1 {
+            Judgement::DoesNotHold
+        } else {
+            Judgement::Unresolved
+        }
+    }
+
+    /// This judgement, or where it says no, what is found of the claim with a correction.
+    pub fn or_corrected(self, corrected: Self) -> Self {
+        match (self, corrected) {
+            (Judgement::DoesNotHold, Judgement::Holds) => Judgement::HoldsCorrected,
+            (Judgement::DoesNotHold, other) => other,
+            (said, _) => said,
+        }
+    }
+
     fn text(self) -> &'static str {
         match self {
             Judgement::Holds => "holds",
@@ -190,6 +211,19 @@ pub fn claims_summary(claims: &[Claim]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn intervals_that_reach_over_an_end_decide_nothing() {
+        let of = |low, high| Judgement::of_interval((low, high), (1.0, 10.0));
+        assert_eq!(of(2.0, 3.0), Judgement::Holds);
+        assert_eq!(of(11.0, f64::INFINITY), Judgement::DoesNotHold);
+        assert_eq!(of(9.0, 11.0), Judgement::Unresolved);
+        assert_eq!(of(f64::NAN, f64::NAN), Judgement::Unresolved);
+        let no = Judgement::DoesNotHold;
+        assert_eq!(no.or_corrected(of(2.0, 3.0)), Judgement::HoldsCorrected);
+        assert_eq!(no.or_corrected(of(0.0, 3.0)), Judgement::Unresolved);
+        assert_eq!(of(0.0, 3.0).or_corrected(no), Judgement::Unresolved);
+    }
 
     #[test]
     fn checks_beyond_the_paper_have_their_own_table() {

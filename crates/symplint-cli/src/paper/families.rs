@@ -15,7 +15,7 @@ use crate::output::RunFolder;
 pub const ITEM: Item = Item {
     id: "families",
     title: "particle-in-cell: B-splines against C⁰ Lagrange shapes (conclusion)",
-    cost: "5 s",
+    cost: "1 s",
     keys: &[Key::new("particles", "2", "number of particles"), SEED],
     run,
 };

@@ -15,7 +15,7 @@ use crate::output::{RunFolder, error_axis};
 pub const ITEM: Item = Item {
     id: "fig3",
     title: "interpolated pendulum: defect against the number of samples",
-    cost: "4 s",
+    cost: "3 s",
     keys: &[
         Key::new("step_size", "0.1", "h"),
         Key::new("from", "\"2^4\"", "fewest samples"),

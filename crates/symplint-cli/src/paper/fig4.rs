@@ -17,7 +17,7 @@ use crate::output::{RunFolder, error_axis, raised_power_of_two, step_axis};
 pub const ITEM: Item = Item {
     id: "fig4",
     title: "interpolated pendulum: defect against the step size",
-    cost: "10 s",
+    cost: "6 s",
     keys: &[
         Key::new(
             "samples_smooth",

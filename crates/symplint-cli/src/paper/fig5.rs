@@ -18,7 +18,7 @@ use crate::output::{RunFolder, error_axis, step_axis};
 pub const ITEM: Item = Item {
     id: "fig5",
     title: "pendulum array: defect against time and against the step size",
-    cost: "60 s",
+    cost: "26 s",
     keys: &[
         Key::new("pendula", "4096", "degrees of freedom"),
         Key::new("samples", "4096", "samples of the loop"),

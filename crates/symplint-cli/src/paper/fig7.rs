@@ -13,7 +13,7 @@ use crate::output::RunFolder;
 pub const ITEM: Item = Item {
     id: "fig7",
     title: "particle-in-cell: defect against the step size",
-    cost: "3 s",
+    cost: "1 s",
     keys: &[
         Key::new("particles", "2", "number of particles"),
         Key::new("samples", "\"2^15\"", "samples of the loop"),

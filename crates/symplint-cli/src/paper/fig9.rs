@@ -13,7 +13,7 @@ use crate::output::RunFolder;
 pub const ITEM: Item = Item {
     id: "fig9",
     title: "particle-in-cell with binary filtering",
-    cost: "5 s",
+    cost: "1 s",
     keys: &[
         Key::new("particles", "2", "number of particles"),
         Key::new("samples", "\"2^15\"", "samples of the loop"),

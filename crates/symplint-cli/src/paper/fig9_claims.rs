@@ -6,6 +6,7 @@ use super::claim::{Claim, Judgement};
 use super::fig9::{PASSES, filtered};
 use super::pic::{Curves, Setup};
 use super::sweep::{Record, power_law, trend_text, worst};
+use super::true_defect::{self, Known};
 use crate::commands::Failure;
 
 /// The samples and particles of the paper's figure.
@@ -29,14 +30,14 @@ pub fn claims(
     samples: usize,
 ) -> Result<Vec<Claim>, Failure> {
     let paper = samples == SAMPLES && setup.particles == PARTICLES;
-    let quadratic = largest(steps, 2);
-    let cubic = largest(steps, 3);
+    let quadratic = errors(steps, 2);
+    let cubic = errors(steps, 3);
     Ok(vec![
-        linear(steps),
-        reduced("quadratic", quadratic, floor(steps, 2)).resolved_if(paper),
+        linear(steps).resolved_if(paper),
+        reduced("quadratic", quadratic).resolved_if(paper),
         analogous(quadratic, cubic).resolved_if(paper),
-        faster(counts, 2, "quadratic"),
-        faster(counts, 3, "cubic"),
+        faster(counts, 2, "quadratic").resolved_if(paper),
+        faster(counts, 3, "cubic").resolved_if(paper),
         smaller_jumps(1)?,
         smaller_jumps(2)?,
     ])
@@ -55,12 +56,35 @@ fn largest(steps: &Curves, degree: usize) -> [f64; 3] {
     PASSES.map(|passes| worst(strang(steps, degree, passes)))
 }
 
-/// The highest floor of Strang over all passes.
-fn floor(steps: &Curves, degree: usize) -> f64 {
-    (PASSES.into_iter())
-        .flat_map(|passes| strang(steps, degree, passes))
-        .map(Record::floor)
-        .fold(0.0, f64::max)
+/// The largest error of the rule on Strang's loops for each number of passes, which is their defect but for what
+/// the piecewise rule finds; none where it does not tell.
+fn errors(steps: &Curves, degree: usize) -> Option<[Known; 3]> {
+    let of = |passes| true_defect::largest_error(strang(steps, degree, passes));
+    match PASSES.map(of) {
+        [Some(plain), Some(some), Some(most)] => Some([plain, some, most]),
+        _ => None,
+    }
+}
+
+/// By what factor the most passes make the errors smaller, at least and at most.
+fn factor(errors: Option<[Known; 3]>) -> (f64, f64) {
+    errors.map_or((f64::NAN, f64::NAN), |[plain, _, filtered]| {
+        plain.factor_over(filtered)
+    })
+}
+
+/// The errors in words.
+fn errors_text(errors: Option<[Known; 3]>) -> String {
+    let Some(errors) = errors else {
+        return "not known".into();
+    };
+    let [none, two, four] = errors.map(|known| known.size);
+    let within = errors.iter().map(|known| known.error).fold(0.0, f64::max);
+    let (low, high) = factor(Some(errors));
+    format!(
+        "{none:.1e}, {two:.1e}, {four:.1e} for s = 0, 2, 4, each known to {within:.0e}, so smaller by a factor of \
+         {low:.0} to {high:.0} in all"
+    )
 }
 
 /// The smallest and the largest of what is left of a defect after the most passes, over the step sizes where
@@ -102,32 +126,39 @@ fn linear(steps: &Curves) -> Claim {
     )
 }
 
-fn reduced(name: &str, largest: [f64; 3], floor: f64) -> Claim {
-    let factor = largest[0] / largest[2];
+fn reduced(name: &str, errors: Option<[Known; 3]>) -> Claim {
     claim(
         format!("{name}: filtering reduces the defect slightly"),
         format!(
-            "largest defect of Strang {:.1e}, {:.1e}, {:.1e} for s = 0, 2, 4, by a factor of {factor:.0} in all; \
-             quadrature error and round-off are estimated below {floor:.1e}",
-            largest[0], largest[1], largest[2]
+            "largest defect of Strang, all of it quadrature error by the piecewise rule: {}",
+            errors_text(errors)
         ),
-        Judgement::with_correction((1.0..=SLIGHT).contains(&factor), factor > 1.0),
+        Judgement::of_interval(factor(errors), (1.0, SLIGHT))
+            .or_corrected(Judgement::of_interval(factor(errors), (1.0, f64::INFINITY))),
     )
 }
 
-fn analogous(quadratic: [f64; 3], cubic: [f64; 3]) -> Claim {
-    let factors = [quadratic, cubic].map(|largest| largest[0] / largest[2]);
-    let ratio = factors[0] / factors[1];
+fn analogous(quadratic: Option<[Known; 3]>, cubic: Option<[Known; 3]>) -> Claim {
+    let (of_quadratic, of_cubic) = (factor(quadratic), factor(cubic));
+    let more = (1.0, f64::INFINITY);
+    let ratio = (of_quadratic.0 / of_cubic.1, of_quadratic.1 / of_cubic.0);
+    let both_smaller = [of_quadratic, of_cubic].map(|f| Judgement::of_interval(f, more));
+    let judgement = if both_smaller == [Judgement::Holds; 2] {
+        Judgement::of_interval(ratio, (1.0 / SLIGHT, SLIGHT)).or_corrected(Judgement::Holds)
+    } else if both_smaller.contains(&Judgement::DoesNotHold) {
+        Judgement::DoesNotHold
+    } else {
+        Judgement::Unresolved
+    };
     claim(
         "the cubic case is entirely analogous to the quadratic one",
         format!(
-            "largest defect of Strang {:.1e}, {:.1e}, {:.1e} for s = 0, 2, 4, smaller by {:.0}; quadratic: by {:.0}",
-            cubic[0], cubic[1], cubic[2], factors[1], factors[0]
+            "largest defect of Strang, all of it quadrature error: {}; quadratic: by {:.0} to {:.0}",
+            errors_text(cubic),
+            of_quadratic.0,
+            of_quadratic.1
         ),
-        Judgement::with_correction(
-            factors.iter().all(|f| *f > 1.0) && (1.0 / SLIGHT..=SLIGHT).contains(&ratio),
-            factors.iter().all(|f| *f > 1.0),
-        ),
+        judgement,
     )
 }
 

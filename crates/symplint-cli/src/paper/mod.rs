@@ -10,6 +10,7 @@ mod appendix_b;
 mod broken_loops;
 mod claim;
 mod closed_forms;
+mod drift;
 mod families;
 mod fig1;
 mod fig2;
@@ -31,6 +32,7 @@ mod pic;
 mod pic_panels;
 mod plot;
 mod sweep;
+mod true_defect;
 
 pub use claim::{Claim, claims_markdown, claims_summary};
 pub use plot::{portrait, reference_slope};
@@ -45,7 +47,7 @@ pub struct Item {
     pub id: &'static str,
     /// What it shows.
     pub title: &'static str,
-    /// About how long it takes on two cores.
+    /// About how much processor time it takes, as `time` counts it.
     pub cost: &'static str,
     /// Its settings, for `--set`.
     pub keys: &'static [Key],

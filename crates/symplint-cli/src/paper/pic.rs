@@ -7,6 +7,7 @@ use symplint_models::Separable;
 use symplint_models::pic::{Landau, ParticleWeights, Pic1d, PicConfig, ShapeFamily, TwoStream};
 
 use super::sweep::{Record, Study, step_of};
+use super::true_defect;
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 
@@ -179,6 +180,8 @@ impl Setup {
     }
 
     /// Sweeps one integrator in one case, by the paper's rule: finite differences where loops break.
+    ///
+    /// Where Strang splitting has kinked loops, their true defects are measured, too.
     pub fn measure(
         &self,
         case: Case,
@@ -208,13 +211,16 @@ impl Setup {
                 _ => Rule::Pseudospectral,
             },
         };
-        let records = match over {
+        let mut records = match over {
             Over::Steps {
                 samples,
                 step_sizes,
             } => study.over_steps(*samples, step_sizes)?,
             Over::Samples { counts, step_size } => study.over_samples(counts, *step_size)?,
         };
+        if case.degree > 1 && integrator == "Strang" {
+            true_defect::measure(&*map, &plasma.circle, &mut records)?;
+        }
         Ok(Curve {
             case,
             integrator,

@@ -55,6 +55,7 @@ pub fn measure_panels(
         }
         drawn.push(draw(panel, &curves, over));
     }
+    explain_once(&mut drawn);
     let figure = Figure {
         title: None,
         panels: drawn,
@@ -62,6 +63,33 @@ pub fn measure_panels(
     };
     Ok((curves, figure))
 }
+
+/// Takes from the legends what the legend of an earlier panel says already.
+fn explain_once(panels: &mut [Panel]) {
+    let mut said = Vec::new();
+    for series in panels.iter_mut().flat_map(|panel| &mut panel.series) {
+        let entry = (series.label.clone(), series.style, series.color);
+        if said.contains(&entry) {
+            series.label.clear();
+        } else {
+            said.push(entry);
+        }
+    }
+}
+
+/// The points of linear splines at which jumps stay in the sum, so that nobody knows how far off it is: where
+/// curves bend there, it is the rule that does.
+fn unknown(panel: &PanelOf, curves: &Curves, at: PointOf) -> Vec<(f64, f64)> {
+    let records = (panel.cases.iter())
+        .flat_map(|&case| INTEGRATORS.map(|integrator| curves.of(case, integrator)));
+    (records.flatten())
+        .filter(|record| record.quadrature_error.is_none())
+        .map(at)
+        .collect()
+}
+
+/// Series index of a black cross.
+const BLACK_CROSS: usize = 34;
 
 /// Where a record lies in a panel.
 type PointOf = fn(&Record) -> (f64, f64);
@@ -95,6 +123,11 @@ fn draw(panel: &PanelOf, curves: &Curves, over: &Over) -> Panel {
             all.push(reference_slope(&points(case, integrator), slope, variable));
         }
         all.push(floor(curves.of(case, "Strang"), at));
+    }
+    let unknown = unknown(panel, curves, at);
+    if !unknown.is_empty() {
+        let label = "jumps in the sum, no floor";
+        all.push(series(label, unknown, Style::Points, BLACK_CROSS));
     }
     Panel {
         title: panel.title.clone(),

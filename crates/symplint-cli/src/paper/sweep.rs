@@ -10,6 +10,7 @@ use symplint::{
 use symplint_models::integrators::catalogue::build;
 use symplint_models::{ModelError, Separable};
 
+use super::true_defect::Known;
 use crate::commands::Failure;
 
 /// A point with what distinguishes its curve.
@@ -38,6 +39,10 @@ pub struct Record {
     pub roundoff: f64,
     /// Cells left out.
     pub omitted_cells: Option<usize>,
+    /// (I(h) − I(0)) / |I(0)| by the piecewise rule, where it was asked.
+    pub true_defect: Option<f64>,
+    /// How far off that may be.
+    pub true_defect_error: Option<f64>,
 }
 
 impl Record {
@@ -49,6 +54,14 @@ impl Record {
     /// Quadrature error and round-off together: the floor below which |E| means nothing.
     pub fn floor(&self) -> f64 {
         self.quadrature_error.unwrap_or(f64::NAN) + self.roundoff
+    }
+
+    /// The error of the rule: its defect against the true one.
+    pub fn known_error(&self) -> Option<Known> {
+        Some(Known {
+            size: (self.signed_defect - self.true_defect?).abs(),
+            error: self.true_defect_error? + self.roundoff,
+        })
     }
 
     /// |E| against h.
@@ -141,6 +154,8 @@ impl Study<'_> {
             quadrature_error: point.quadrature_error,
             roundoff: point.roundoff,
             omitted_cells: point.omitted_cells,
+            true_defect: None,
+            true_defect_error: None,
         }
     }
 }
@@ -215,9 +230,9 @@ const FEWEST_POINTS: usize = 4;
 /// The range of a trend, last abscissa over first, at least.
 const NARROWEST: f64 = 8.0;
 
-/// Least-squares slope, in log–log, of what lies above round-off: single doublings are noisy. `None`
+/// Least-squares line, in log–log, through what lies above round-off: single doublings are noisy. `None`
 /// with fewer than four points or less than a factor of eight between them, which make no trend.
-pub fn power_law(curve: &[(f64, f64)]) -> Option<f64> {
+pub fn power_law_line(curve: &[(f64, f64)]) -> Option<Line> {
     let points: Vec<(f64, f64)> = (curve.iter())
         .filter(|point| point.1 > 1e-13)
         .map(|point| (point.0.ln(), point.1.ln()))
@@ -226,7 +241,12 @@ pub fn power_law(curve: &[(f64, f64)]) -> Option<f64> {
         (l.min(p.0), h.max(p.0))
     });
     (points.len() >= FEWEST_POINTS && high - low > 0.99 * NARROWEST.ln())
-        .then(|| least_squares(&points))
+        .then(|| Line::through(&points))
+}
+
+/// The slope of [`power_law_line`].
+pub fn power_law(curve: &[(f64, f64)]) -> Option<f64> {
+    power_law_line(curve).map(|line| line.slope)
 }
 
 /// A trend in words: N^-2.03.
@@ -237,14 +257,58 @@ pub fn trend_text(variable: &str, rate: Option<f64>) -> String {
     }
 }
 
+/// A least-squares line.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    /// Its slope.
+    pub slope: f64,
+    /// Standard error of the slope, from the residuals: of points with independent errors.
+    pub error: f64,
+    points: usize,
+}
+
+impl Line {
+    /// The line through `points`.
+    pub fn through(points: &[(f64, f64)]) -> Self {
+        let n = points.len() as f64;
+        let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
+        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+        let above: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+        let below: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+        let slope = above / below;
+        let residual = |p: &(f64, f64)| (p.1 - y - slope * (p.0 - x)).powi(2);
+        let squares: f64 = points.iter().map(residual).sum();
+        Line {
+            slope,
+            error: (squares / (n - 2.0) / below).sqrt(),
+            points: points.len(),
+        }
+    }
+
+    /// Where the slope lies with 95 % confidence.
+    pub fn interval(&self) -> (f64, f64) {
+        // Student's t of 2, 3, … degrees of freedom: four points are the fewest of a trend.
+        const STUDENT: [f64; 8] = [4.30, 3.18, 2.78, 2.57, 2.45, 2.36, 2.31, 2.26];
+        let freedom = self.points.saturating_sub(4).min(STUDENT.len() - 1);
+        let half = STUDENT[freedom] * self.error;
+        (self.slope - half, self.slope + half)
+    }
+
+    /// The slope and its interval in words: N^-2.03 (± 0.11).
+    pub fn text(&self, variable: &str) -> String {
+        let (low, high) = self.interval();
+        format!("{variable}^{:.2} (± {:.2})", self.slope, 0.5 * (high - low))
+    }
+}
+
+/// A trend with its uncertainty in words.
+pub fn line_text(variable: &str, line: Option<Line>) -> String {
+    line.map_or_else(|| trend_text(variable, None), |line| line.text(variable))
+}
+
 /// Least-squares slope.
 pub fn least_squares(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let above: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-    let below: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
-    above / below
+    Line::through(points).slope
 }
 
 #[cfg(test)]
@@ -264,5 +328,15 @@ mod tests {
         assert_eq!(power_law(&[]), None);
         // All at round-off.
         assert_eq!(power_law(&law(&[40, 41, 42, 43, 44])), None);
+    }
+
+    #[test]
+    fn lines_know_how_uncertain_they_are() {
+        // By hand: y = 1 + 1.5 x with residuals 0, 0.5, −1, 0.5.
+        let line = Line::through(&[(0.0, 1.0), (1.0, 3.0), (2.0, 3.0), (3.0, 6.0)]);
+        assert!((line.slope - 1.5).abs() < 1e-14);
+        let error = (1.5f64 / 2.0 / 5.0).sqrt();
+        assert!((line.error - error).abs() < 1e-14);
+        assert!((line.interval().1 - 1.5 - 4.30 * error).abs() < 1e-12);
     }
 }
