@@ -22,7 +22,7 @@ use crate::loops::Loop;
 use crate::map::TimeAdvance;
 use crate::piecewise::Piecewise;
 use crate::verdict::{Fit, LoopEvidence, StepEvidence, Verdict, judge};
-use probe::{Method, Probe, Subject, deformation};
+use probe::{Method, Probe, Subject, deformation, winds};
 use random_loop::random_loop;
 
 /// Which rule computes the loop integrals.
@@ -300,6 +300,7 @@ impl Study<'_> {
         (self.watch)(Event::Planned(step_sizes.len()));
         let mut evidence = LoopEvidence {
             piecewise: matches!(probe.method, Method::Piecewise(_)),
+            winds: winds(probe.subject.phase_loop, probe.subject.coordinates)?,
             ..LoopEvidence::new(probe.index, probe.samples())
         };
         for &h in step_sizes {

@@ -51,7 +51,7 @@ pub(super) struct Measured {
     pub samples: usize,
     /// States that the map advanced, those for finding breaks between samples aside.
     pub evaluations: usize,
-    /// Grid cells from one sample to the next at most.
+    /// Grid cells, or half periods, from one sample to the next at most.
     pub cells_apart: f64,
 }
 
@@ -254,14 +254,16 @@ impl TimeAdvance for Identity<'_> {
     }
 }
 
-/// Grid cells between neighbouring samples at most; 0 where there is no grid.
+/// Grid cells between neighbouring samples at most, or half periods, if they are more; 0 where there is
+/// neither. Positions that are half a period apart could be unwrapped either way.
 fn cells_apart(ensemble: &Ensemble, coordinates: &Coordinates) -> f64 {
-    let spacing = coordinates.grid_spacing();
-    if spacing == 0.0 {
-        return 0.0;
-    }
     let furthest = |dof: usize| {
         let (row, period) = (ensemble.q().row(dof), coordinates.period(dof));
+        let spacing = match (coordinates.grid_spacing(), 0.5 * period) {
+            (0.0, 0.0) => return 0.0,
+            (0.0, other) | (other, 0.0) => other,
+            (grid, half) => grid.min(half),
+        };
         let distance = |a: f64, b: f64| {
             let direct = (b - a).abs();
             if period > 0.0 {
@@ -272,10 +274,17 @@ fn cells_apart(ensemble: &Ensemble, coordinates: &Coordinates) -> f64 {
         };
         let closing = distance(row[row.len() - 1], row[0]);
         let steps = row.windows(2).map(|pair| distance(pair[0], pair[1]));
-        steps.fold(closing, f64::max)
+        steps.fold(closing, f64::max) / spacing
     };
-    let largest = (0..ensemble.dof()).map(furthest).fold(0.0, f64::max);
-    largest / spacing
+    (0..ensemble.dof()).map(furthest).fold(0.0, f64::max)
+}
+
+/// Whether a position gains whole periods round the loop.
+pub(super) fn winds(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<bool, Error> {
+    const SAMPLES: usize = 64;
+    let mut ensemble = Ensemble::sample(phase_loop, SAMPLES)?;
+    let mut block = ensemble.block();
+    Ok((0..coordinates.dof()).any(|i| unwrap_row(block.q.row_mut(i), coordinates.period(i)) != 0))
 }
 
 /// How much one step deforms the loop, relative to its size: the largest motion of a coordinate against

@@ -16,8 +16,16 @@ pub(super) fn random_loop(phase_loop: &dyn Loop, seed: u64) -> Result<FourierLoo
             centre[c].push((low + high) / 2.0);
             radius[c].push((high - low) / 2.0);
         }
-        // The map must keep areas in every plane: move what the given loop leaves at rest, too.
-        let typical = radius[c].iter().copied().fold(0.0, f64::max);
+    }
+    // The map must keep areas in every plane: move what the given loop leaves at rest, too. A loop that
+    // winds can leave all momenta at rest.
+    let typical = [0, 1].map(|c: usize| radius[c].iter().copied().fold(0.0, f64::max));
+    for c in [0, 1] {
+        let typical = if typical[c] > 0.0 {
+            typical[c]
+        } else {
+            typical[1 - c]
+        };
         for radius in &mut radius[c] {
             if *radius == 0.0 {
                 *radius = typical;

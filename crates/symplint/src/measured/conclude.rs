@@ -214,9 +214,7 @@ impl Case<'_> {
         if defect < SMALL && trend.is_none() {
             return None;
         }
-        let law = trend.map_or(String::new(), |fit| {
-            format!(", falling as h^{}", fit.order())
-        });
+        let law = trend.map_or(String::new(), |fit| format!(", {}", fit.law()));
         let mut evidence = vec![format!(
             "{} the loop integral changes by {:+.3e} of itself; quadrature error and round-off are below \
              {:.1e}.",
@@ -248,7 +246,7 @@ impl Case<'_> {
         Some(Verdict {
             kind: VerdictKind::NotSymplectic,
             digits: None,
-            order: trend.map(Fit::order),
+            order: trend.and_then(Fit::whole),
             summary: format!(
                 "The step changes the loop integral by {defect:.1e} {}{law}.",
                 self.at(compared)

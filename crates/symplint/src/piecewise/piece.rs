@@ -40,6 +40,9 @@ const DECAYS: f64 = 1e-3;
 /// A break whose size vanishes somewhere in its gap, to this part squared, is a kink there.
 const VANISHES: f64 = 0.02;
 
+/// A jump is this many times what rounding and tolerance allow for.
+const NOISES: f64 = 4.0;
+
 /// Turning points looked at in one piece at most.
 const MOST_TURNS: usize = 64;
 
@@ -66,6 +69,8 @@ pub(super) struct Smooth {
     pub error: f64,
     /// Points where positions turn round, and what each coordinate should be there.
     pub turns: Vec<(f64, Vec<f64>)>,
+    /// What each coordinate may be off there; empty without such points.
+    pub allowed: Vec<f64>,
     /// Whether it is as good as wanted.
     pub resolved: bool,
 }
@@ -136,15 +141,20 @@ impl View<'_> {
         let mut resolved = true;
         for c in 0..2 * dof {
             let fit = Fit::of(&self.values(&self.images.after, c), short);
-            // What the rounding of the state that the map got becomes where the loop is steep.
-            let rounded = self.scales.input_rounding * fit.range() / self.piece.length();
-            resolved &= fit.off <= self.scales.tolerance[c] + rounded;
+            resolved &= fit.off <= self.allowed(c, &fit);
             fits.push(fit);
         }
         if resolved || last || short {
             return Finding::Smooth(self.smooth(&fits, resolved));
         }
         self.seek_break(&fits)
+    }
+
+    /// What an interpolant may be off: the tolerance, and what the rounding of the state that the map got
+    /// becomes where the loop is steep.
+    fn allowed(&self, c: usize, fit: &Fit) -> f64 {
+        let rounded = self.scales.input_rounding * fit.range() / self.piece.length();
+        self.scales.tolerance[c] + rounded
     }
 
     fn smooth(&self, fits: &[Fit], resolved: bool) -> Smooth {
@@ -156,6 +166,7 @@ impl View<'_> {
             exposure: 0.0,
             error: 0.0,
             turns: Vec::new(),
+            allowed: Vec::new(),
             resolved,
         };
         for i in 0..dof {
@@ -180,6 +191,8 @@ impl View<'_> {
                 weight.abs() * (largest(&q.values) * p.range() + largest(&p.values) * q.range());
         }
         if resolved && self.piece.length() >= SHORTEST {
+            let allowed = fits.iter().enumerate().map(|(c, fit)| self.allowed(c, fit));
+            smooth.allowed = allowed.collect();
             smooth.turns = (self.turning_points().into_iter())
                 .map(|x| {
                     (
@@ -260,6 +273,7 @@ impl View<'_> {
         let mut jump = [0.0; TERMS];
         let mut projected = [0.0; 2];
         let mut expected = 0.0;
+        let mut noise = 0.0;
         let reference: Vec<f64> = fits.iter().map(|fit| fit.values[best]).collect();
         for (c, fit) in fits.iter().enumerate() {
             let part = gap.left(&fit.coefficients, &jumps[c]);
@@ -274,6 +288,14 @@ impl View<'_> {
                 *sum += direction[c] * (fit.values[k] - reference[c]);
             }
             expected += direction[c] * polynomial(&jumps[c], middle);
+            noise += (direction[c] * self.allowed(c, fit)).powi(2);
+        }
+        // What rounding alone may be: no jump to close in on.
+        if expected < NOISES * noise.sqrt() {
+            return Finding::Cut {
+                at: vec![self.piece.s(0.0)],
+                explained: false,
+            };
         }
         Finding::Jumps(Bracket {
             piece: self.piece,

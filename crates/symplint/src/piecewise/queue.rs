@@ -255,7 +255,7 @@ impl<'a> Queue<'a> {
                 let value = coordinate(&images.after, c)[first + k];
                 let off = nearest(value - expected, period(self.coordinates, c));
                 // The tolerance is that of the interpolant's own estimate.
-                off.abs() > 2.0 * self.scales.tolerance[c]
+                off.abs() > 2.0 * smooth.allowed[c]
             });
             if misses && !last {
                 return Outcome::More(cut(smooth.piece, &[smooth.piece.s(*x)]));

@@ -25,14 +25,21 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The order that the slope stands for: the whole number within 0.15, else the slope itself to
-    /// two decimals.
-    pub fn order(&self) -> f64 {
+    /// The order that the slope stands for: the whole number within 0.15. `None` for other slopes, which
+    /// are those of a range that is not asymptotic yet.
+    pub fn whole(&self) -> Option<f64> {
         let whole = self.slope.round();
-        if (self.slope - whole).abs() <= 0.15 {
-            whole
-        } else {
-            (self.slope * 100.0).round() / 100.0
+        ((self.slope - whole).abs() <= 0.15).then_some(whole)
+    }
+
+    /// In words: `falling as h^3`.
+    pub(crate) fn law(&self) -> String {
+        match self.whole() {
+            Some(order) => format!("falling as h^{order}"),
+            None => format!(
+                "falling about as h^{:.1} in the range that was tried",
+                self.slope
+            ),
         }
     }
 }
@@ -232,7 +239,8 @@ mod tests {
     }
 
     fn order(law: impl Fn(f64) -> f64) -> f64 {
-        fit_order(&evidence(law, 2e-16)).expect("a law").order()
+        let fit = fit_order(&evidence(law, 2e-16)).expect("a law");
+        fit.whole().expect("a whole one")
     }
 
     #[test]
@@ -255,7 +263,7 @@ mod tests {
     fn noise_leaves_the_order_alone() {
         for noise in [1e-12, 1e-9, 1e-7] {
             let fit = fit_order(&evidence(|h| 0.1 * h.powi(3), noise)).expect("a law");
-            assert_eq!(fit.order(), 3.0, "noise {noise:e}: {fit:?}");
+            assert_eq!(fit.whole(), Some(3.0), "noise {noise:e}: {fit:?}");
         }
     }
 

@@ -47,8 +47,11 @@ impl Case<'_> {
         &self,
         wanted: impl Fn(&StepEvidence) -> bool,
     ) -> Option<(&LoopEvidence, &StepEvidence)> {
-        (self.steps().filter(|(_, step)| wanted(step)))
-            .max_by(|a, b| a.1.defect.magnitude().total_cmp(&b.1.defect.magnitude()))
+        // What winds round a period proves nothing: a symplectic map need not be exact.
+        (self
+            .steps()
+            .filter(|(evidence, step)| !evidence.winds && wanted(step)))
+        .max_by(|a, b| a.1.defect.magnitude().total_cmp(&b.1.defect.magnitude()))
     }
 
     fn broken(&self) -> Option<Verdict> {
@@ -102,9 +105,9 @@ impl Case<'_> {
         Some(Verdict {
             kind: VerdictKind::BrokenLoops,
             digits: None,
-            order: fit.map(Fit::order),
+            order: fit.and_then(Fit::whole),
             summary: format!(
-                "The map is discontinuous: {} of degree of freedom {} jumps at s = {:.12}.{then}",
+                "The map is discontinuous, as far as double precision can tell: {} of degree of freedom {} jumps at s = {:.12}.{then}",
                 jump(found.jump_q, found.jump_p),
                 found.dof,
                 found.s
@@ -151,14 +154,20 @@ impl Case<'_> {
         let (evidence, step) = self.worst(StepEvidence::is_beyond_doubt)?;
         let defect = step.defect.magnitude();
         // The lowest order is the map's: a symmetric loop can hide it.
-        let trend = (self.fits.iter().filter(|fit| fit.slope > TREND))
-            .min_by(|a, b| a.slope.total_cmp(&b.slope));
+        let contractible = |fit: &&Fit| {
+            let of_fit = self.loops.iter().find(|e| e.index == fit.loop_index);
+            of_fit.is_none_or(|evidence| !evidence.winds)
+        };
+        let trend = (self
+            .fits
+            .iter()
+            .filter(contractible)
+            .filter(|fit| fit.slope > TREND))
+        .min_by(|a, b| a.slope.total_cmp(&b.slope));
         if defect < SMALL && trend.is_none() {
             return None;
         }
-        let law = trend.map_or(String::new(), |fit| {
-            format!(", falling as h^{}", fit.order())
-        });
+        let law = trend.map_or(String::new(), |fit| format!(", {}", fit.law()));
         let mut lines = vec![format!(
             "At h = {} the loop integral of {} changes by {:+.3e} of itself; quadrature error and \
              round-off are below {:.1e}.",
@@ -190,7 +199,7 @@ impl Case<'_> {
         Some(Verdict {
             kind: VerdictKind::NotSymplectic,
             digits: None,
-            order: trend.map(Fit::order),
+            order: trend.and_then(Fit::whole),
             summary: format!(
                 "The map changes a loop integral by {defect:.1e} at h = {}{law}.",
                 size(step.step_size)
@@ -222,8 +231,8 @@ impl Case<'_> {
         if let Some((evidence, step)) = self.worst(StepEvidence::misses_the_grid) {
             return Some(because(
                 format!(
-                    "The samples of {} lie {} cells of the map's grid apart at h = {}: they do not \
-                     see the grid.",
+                    "The samples of {} lie {} cells of the map's grid, or half periods, apart at h = {}: \
+                     they do not see the grid.",
                     name(evidence.index),
                     short(step.cells_apart),
                     size(step.step_size)
@@ -241,6 +250,13 @@ impl Case<'_> {
                     step.defect.uncertainty()
                 ),
                 "Take more samples and larger step sizes: a true defect grows with h, an error does not.",
+            ));
+        }
+        if self.loops.iter().all(|evidence| evidence.winds) {
+            return Some(because(
+                "Every loop winds round a period: even a symplectic map may change such an integral."
+                    .into(),
+                "Add loops that can be contracted: set loops to 8.",
             ));
         }
         // Random loops that the samples do not resolve cannot testify, but one must.
@@ -333,6 +349,16 @@ impl Case<'_> {
             ))
         };
         let mut lines: Vec<String> = self.loops.iter().filter_map(line).collect();
+        let flux = (self.steps()).find(|(evidence, step)| evidence.winds && step.is_beyond_doubt());
+        lines.extend(flux.map(|(evidence, step)| {
+            format!(
+                "{} winds round a period and changes by {:+.3e} of itself at h = {}: the map is not exact; \
+                 no Hamiltonian of that period makes it.",
+                capitalised(name(evidence.index)),
+                step.defect.signed,
+                size(step.step_size)
+            )
+        }));
         lines.push(format!(
             "What is narrower than 1/{} of the loop is not seen.",
             self.loops[0].samples

@@ -90,6 +90,9 @@ pub struct LoopEvidence {
     pub samples: usize,
     /// Whether the integrals are those of the piecewise rule.
     pub piecewise: bool,
+    /// Whether it winds round the period of a position: it cannot be contracted, and a symplectic map may
+    /// change its integral (by the flux, of a map that is not exact).
+    pub winds: bool,
     /// Step by step.
     pub steps: Vec<StepEvidence>,
     /// Why there are none.
@@ -107,7 +110,8 @@ pub struct StepEvidence {
     pub found: Option<Break>,
     /// What closing the breaks gives, where all of them are known.
     pub closing: Option<Closing>,
-    /// Cells of the map's grid between neighbouring samples at most; 0 for a map without one.
+    /// Cells of the map's grid, or half periods of a position, between neighbouring samples at most; 0 for a
+    /// map with neither.
     pub cells_apart: f64,
 }
 
@@ -128,8 +132,8 @@ const BEYOND_DOUBT: f64 = 10.0;
 /// A defect this many times its uncertainty is not explained by it.
 const UNEXPLAINED: f64 = 3.0;
 
-/// Samples further apart than this many cells of the map's grid do not see the grid: what they show
-/// is not the map.
+/// Samples further apart than this many cells of the map's grid, or half periods, do not see them: what
+/// they show is not the map.
 pub(crate) const MOST_CELLS_APART: f64 = 0.5;
 
 /// A bound on the defect above this is too weak to call a map symplectic.
@@ -142,6 +146,7 @@ impl LoopEvidence {
             index,
             samples,
             piecewise: false,
+            winds: false,
             steps: Vec::new(),
             failure: None,
         }
@@ -153,6 +158,7 @@ impl LoopEvidence {
             index,
             samples: 0,
             piecewise: false,
+            winds: false,
             steps: Vec::new(),
             failure: Some(failure),
         }
