@@ -110,7 +110,7 @@ fn broken_loops_and_undecided_have_their_own_status() {
     let output = symplint(&["check", path, "--quiet"]);
     assert_eq!(
         (output.status.code(), text(&output.stdout).trim()),
-        (Some(1), "broken-loops")
+        (Some(1), "broken-loops, defect of order h^2")
     );
     let output = symplint(&[
         "check",

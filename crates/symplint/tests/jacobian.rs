@@ -489,6 +489,7 @@ fn a_defect_that_a_symmetric_loop_hides_is_seen() {
     let centred = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
     let diagnostic = Diagnostic {
         loops: 1,
+        jacobian: false,
         ..Diagnostic::halving(-1, -4)
     };
     let loops = diagnostic.run(&map, &centred, &|_| {}).unwrap().verdict;

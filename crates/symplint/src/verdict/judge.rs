@@ -252,7 +252,8 @@ impl Case<'_> {
                 "Take more samples and larger step sizes: a true defect grows with h, an error does not.",
             ));
         }
-        if self.loops.iter().all(|evidence| evidence.winds) {
+        let all_wind = self.loops.iter().all(|evidence| evidence.winds);
+        if all_wind && self.steps().any(|(_, step)| step.is_unexplained()) {
             return Some(because(
                 "Every loop winds round a period: even a symplectic map may change such an integral."
                     .into(),
@@ -325,7 +326,7 @@ impl Case<'_> {
         }
     }
 
-    /// One line a loop: how large its defect may be.
+    /// How large the defects may be: a line for the given loop, and one for the worst of the others.
     fn bounds(&self) -> Vec<String> {
         let line = |evidence: &LoopEvidence| {
             if let Some(failure) = &evidence.failure {
@@ -348,7 +349,16 @@ impl Case<'_> {
                 size(step.step_size)
             ))
         };
-        let mut lines: Vec<String> = self.loops.iter().filter_map(line).collect();
+        let (given, random) = self.loops.split_at(1);
+        let bound = |evidence: &LoopEvidence| {
+            let bounds = evidence.steps.iter().map(StepEvidence::bound);
+            bounds.fold(0.0, f64::max)
+        };
+        let worst = (random.iter().filter(|evidence| !evidence.steps.is_empty()))
+            .max_by(|a, b| bound(a).total_cmp(&bound(b)));
+        let failed = random.iter().find(|evidence| evidence.failure.is_some());
+        let shown = given.iter().chain(worst).chain(failed);
+        let mut lines: Vec<String> = shown.filter_map(line).collect();
         let flux = (self.steps()).find(|(evidence, step)| evidence.winds && step.is_beyond_doubt());
         lines.extend(flux.map(|(evidence, step)| {
             format!(
