@@ -47,18 +47,24 @@ pub fn list(what: What) -> Result<ExitCode, Failure> {
             vec![
                 vec![
                     "auto".into(),
-                    "pseudospectral, or finite-difference where the advanced loop is broken".into(),
+                    "pseudospectral, or piecewise where the advanced loop is broken or has kinks"
+                        .into(),
                     "everything".into(),
                 ],
                 vec![
                     "pseudospectral".into(),
                     "q differentiated by Fourier transform (paper, section 2.3, appendix A)".into(),
-                    "smooth and kinked loops".into(),
+                    "smooth loops, and kinked ones to a power of the samples".into(),
+                ],
+                vec![
+                    "piecewise".into(),
+                    "Chebyshev pieces between the breaks, each of them found and closed".into(),
+                    "broken and kinked loops, to near round-off".into(),
                 ],
                 vec![
                     "finite-difference".into(),
                     "increments of q over the cells that cut-offs retain (appendix B)".into(),
-                    "broken loops, to a few digits".into(),
+                    "broken loops as the paper does, to a few digits".into(),
                 ],
             ],
         ),
