@@ -96,7 +96,7 @@ fn iterations() -> Vec<Case> {
 fn tolerances() -> Vec<Case> {
     let because = "each state stops at an iteration of its own: neighbours come out the tolerance \
                    apart where that number changes";
-    let mut cases: Vec<Case> = [1e-2, 1e-4, 1e-6, 1e-8, 1e-10]
+    let mut cases: Vec<Case> = [1e-2, 1e-4, 1e-6, 1e-8]
         .into_iter()
         .map(|tolerance| {
             let how = (Solver::FixedPoint, to(tolerance));

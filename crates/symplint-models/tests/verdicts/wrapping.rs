@@ -85,3 +85,67 @@ fn steep_stretches_near_a_wrap_are_no_breaks() {
         }
     }
 }
+
+#[test]
+fn steps_that_stretch_a_loop_over_many_periods_make_no_false_verdict() {
+    use symplint_models::discrete::StandardMap;
+    use symplint_models::maps::Repeat;
+    // Symplectic, whatever the stretch: undecided at worst.
+    let loop_of = circle(&[0.0], &[0.1], 1.0);
+    let check = |map: &dyn TimeAdvance, from: i32, what: &str| {
+        let verdict = diagnose(&Diagnostic::halving(from, from - 3), map, &loop_of).verdict;
+        let fine = [VerdictKind::Symplectic, VerdictKind::Undecided];
+        assert!(fine.contains(&verdict.kind), "{what}: {verdict:?}");
+    };
+    for from in [7, 8, 9] {
+        check(&StandardMap::new(5.0).unwrap(), from, "K = 5, large steps");
+        check(
+            &StandardMap::new(0.97).unwrap(),
+            from,
+            "K = 0.97, large steps",
+        );
+    }
+    for (strength, steps) in [(5.0, 5), (5.0, 6), (5.0, 10), (500.0, 2), (500.0, 3)] {
+        let map = Repeat::new(StandardMap::new(strength).unwrap(), steps).unwrap();
+        check(&map, 0, &format!("K = {strength}, {steps} steps"));
+    }
+}
+
+#[test]
+fn a_torque_on_the_cylinder_is_symplectic_but_not_exact() {
+    struct Torque;
+    impl TimeAdvance for Torque {
+        fn dof(&self) -> usize {
+            1
+        }
+        fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+            for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
+                *p += h * (q.sin() + 0.1);
+                *q = (*q + h * *p).rem_euclid(2.0 * PI);
+            }
+            Ok(())
+        }
+        fn coordinates(&self) -> Coordinates {
+            Coordinates::plain(1).with_periods(vec![2.0 * PI]).unwrap()
+        }
+    }
+    struct Around;
+    impl symplint::Loop for Around {
+        fn dof(&self) -> usize {
+            1
+        }
+        fn sample(&self, s: &[f64], block: &mut Block<'_>) {
+            for (k, s) in s.iter().enumerate() {
+                block.q.row_mut(0)[k] = 2.0 * PI * s.rem_euclid(1.0);
+                block.p.row_mut(0)[k] = 1.0 + 0.3 * (2.0 * PI * s).sin();
+            }
+        }
+    }
+    let verdict = diagnose(&Diagnostic::halving(0, -5), &Torque, &Around).verdict;
+    assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
+    let flux = verdict
+        .evidence
+        .iter()
+        .any(|line| line.contains("not exact"));
+    assert!(flux, "{verdict:?}");
+}

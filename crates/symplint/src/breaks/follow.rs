@@ -54,6 +54,10 @@ pub(super) fn follow(
         if largest < STAYS * suspect.difference || largest < OUTSTANDING * suspect.noise {
             return Ok(None);
         }
+        if length < RESOLUTION && largest < OUTSTANDING * median(row) {
+            // The rounding of the map itself, which a large stretch can make larger than that of the states.
+            return Ok(None);
+        }
         if length < RESOLUTION {
             let (q, p) = (states.q().row(suspect.dof), states.p().row(suspect.dof));
             return Ok(Some(Break {
@@ -67,6 +71,15 @@ pub(super) fn follow(
         start = s[at];
         length = 4.0 * cell;
     }
+}
+
+/// Median of the absolute fourth differences: that of the noise, where there is a jump or two.
+fn median(row: &[f64]) -> f64 {
+    let mut differences: Vec<f64> = (row.windows(5))
+        .map(|x| fourth_difference([x[0], x[1], x[2], x[3], x[4]]).abs())
+        .collect();
+    differences.sort_by(f64::total_cmp);
+    differences[differences.len() / 2]
 }
 
 /// The map's image of the loop at any s.

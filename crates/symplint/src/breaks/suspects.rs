@@ -41,6 +41,9 @@ const MOST: usize = 4;
 /// its mean in a million samples.
 pub(super) const OUTSTANDING: f64 = 8.0;
 
+/// Fourth differences below this many roundings of the coordinate are none.
+const ROUNDINGS: f64 = 64.0;
+
 /// On a smooth stretch the fourth difference grows 16-fold with twice the spacing, at a
 /// kink twofold, at a jump not at all.
 const STAYS: f64 = 1.0 / 1.4;
@@ -97,7 +100,10 @@ fn suspect(
         }
     }
     let noise = sum / n as f64;
-    let suspicious = largest > OUTSTANDING * noise && largest > STAYS * wide_largest;
+    // Rounded to a few units in the last place, a coordinate jumps all the time.
+    let rounding = ROUNDINGS * f64::EPSILON * x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let suspicious =
+        largest > rounding && largest > OUTSTANDING * noise && largest > STAYS * wide_largest;
     suspicious.then_some(Suspect {
         dof,
         coordinate,

@@ -132,6 +132,7 @@ impl<'a> Probe<'a> {
         let mut ensemble = Ensemble::sample(phase_loop, samples)?;
         ensemble.advance(map, h)?;
         let found = find_break(map, phase_loop, h, &ensemble, coordinates)?;
+        let found = found.filter(|found| is_substantial(found, &ensemble));
         Ok((ensemble, found))
     }
 
@@ -175,6 +176,7 @@ impl<'a> Probe<'a> {
         // A few pieces can miss what is narrow. Equispaced samples, many more of them in small
         // systems, see it.
         let (ensemble, found) = self.advanced(self.samples(), h)?;
+        breaks.retain(|found| is_substantial(found, &ensemble));
         if breaks.is_empty() {
             integral.quadrature_error = match found {
                 Some(_) => None,
@@ -225,6 +227,19 @@ impl Measured {
         let breaks = self.breaks.iter().copied();
         breaks.reduce(|a, b| if size(&b) > size(&a) { b } else { a })
     }
+}
+
+/// A jump below this part of the range of its coordinate may be the rounding of a map that works with
+/// large numbers inside; it bounds the digits of a verdict, and breaks no loop.
+const LEAST_JUMP: f64 = 1e-11;
+
+fn is_substantial(found: &Break, ensemble: &Ensemble) -> bool {
+    let range = |row: &[f64]| {
+        let low = row.iter().copied().fold(f64::INFINITY, f64::min);
+        row.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low
+    };
+    let (q, p) = (ensemble.q().row(found.dof), ensemble.p().row(found.dof));
+    found.jump_q.abs() > LEAST_JUMP * range(q) || found.jump_p.abs() > LEAST_JUMP * range(p)
 }
 
 /// Whether the cell of a break is among those that make up the integral.

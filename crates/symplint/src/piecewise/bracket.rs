@@ -45,6 +45,12 @@ pub(super) enum Closed {
 /// A jump keeps its size; a difference below this part of it is none.
 const STAYS: f64 = 0.25;
 
+/// States that tell a jump from noise.
+pub(super) const SURROUNDINGS: usize = 6;
+
+/// Their distance: many doubles, so that rounding of s itself is none of the noise, and nothing of a loop.
+const SPACING: f64 = 1.0 / (1u64 << 47) as f64;
+
 /// Turns before a difference is expected to be that of the jump alone.
 const PATIENCE: usize = 2;
 
@@ -54,12 +60,55 @@ impl Bracket {
         self.low + 0.5 * (self.high - self.low)
     }
 
+    /// Points close by, on the left and then on the right.
+    pub fn surroundings(&self) -> [f64; SURROUNDINGS] {
+        let half = SURROUNDINGS / 2;
+        std::array::from_fn(|k| {
+            if k < half {
+                (self.low - (half - 1 - k) as f64 * SPACING).max(self.piece.a)
+            } else {
+                (self.high + (k - half) as f64 * SPACING).min(self.piece.b)
+            }
+        })
+    }
+
+    /// Whether what looked like a jump was a wrap: little of it is left, counted modulo the periods.
+    pub fn wraps(&self, jump: f64) -> bool {
+        jump < STAYS * (self.projected[1] - self.projected[0]).abs()
+    }
+
+    /// How far the projected values of the surroundings climb over the width of the bracket: that is no
+    /// jump, but the distance of two doubles where the loop is steep.
+    pub fn climb(&self, projected: &[f64]) -> f64 {
+        let (left, right) = projected.split_at(projected.len() / 2);
+        let steps = left.windows(2).chain(right.windows(2));
+        let steepest = steps.fold(0.0, |m: f64, x| m.max((x[1] - x[0]).abs()));
+        steepest * (self.high - self.low) / SPACING
+    }
+
     pub fn project(&self, states: &Ensemble, sample: usize, coordinates: &Coordinates) -> f64 {
         let terms = self.direction.iter().zip(&self.reference).enumerate();
         terms
             .map(|(c, (direction, reference))| {
                 let difference = coordinate(states, c)[sample] - reference;
                 direction * nearest(difference, period(coordinates, c))
+            })
+            .sum()
+    }
+
+    /// The same, counted from another sample.
+    pub fn project_from(
+        &self,
+        states: &Ensemble,
+        sample: usize,
+        origin: usize,
+        coordinates: &Coordinates,
+    ) -> f64 {
+        let terms = self.direction.iter().enumerate();
+        terms
+            .map(|(c, direction)| {
+                let row = coordinate(states, c);
+                direction * nearest(row[sample] - row[origin], period(coordinates, c))
             })
             .sum()
     }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::bracket::{Bracket, Closed};
+use super::bracket::{Bracket, Closed, SURROUNDINGS};
 use super::curves::{At, Curves, Images, coordinate};
 use super::piece::{Finding, POINTS, Piece, Smooth, View};
 use super::scales::{Scales, nearest, period};
@@ -38,6 +38,8 @@ pub(super) struct Found {
 enum Task {
     Piece(Piece),
     Bracket(Box<Bracket>),
+    /// A jump that no double lies in: is it more than the noise on both sides of it?
+    Confirm(Box<Bracket>),
     /// A piece that looks smooth, but for the turning points of its positions.
     Turns(Box<Smooth>),
 }
@@ -48,6 +50,11 @@ enum Outcome {
     More(Vec<Task>),
     /// A stretch that nothing explains and that is very short: noise, perhaps.
     Noisy(Vec<Task>),
+    /// The map has this much noise in each coordinate.
+    Noise {
+        noise: Vec<f64>,
+        more: Vec<Task>,
+    },
     Broken {
         curve: usize,
         sides: [f64; 2],
@@ -58,6 +65,13 @@ enum Outcome {
 /// Unexplained stretches shorter than this make one look for noise.
 const NOISE_LENGTH: f64 = 1e-3;
 
+/// A break is this many times the noise beside it, and what the slope makes of its width.
+const STANDS_OUT: f64 = 8.0;
+
+/// A jump of this part of the loop's size is no noise of doubles. Its surroundings may well hold another
+/// break.
+const NO_NOISE: f64 = 1e-6;
+
 /// States of one batch take this much memory at most, all substeps together.
 const BATCH_BYTES: usize = 64 << 20;
 
@@ -67,6 +81,7 @@ impl Task {
         match self {
             Task::Piece(piece) => piece.points().collect(),
             Task::Bracket(bracket) => vec![bracket.middle()],
+            Task::Confirm(bracket) => bracket.surroundings().into(),
             Task::Turns(smooth) => {
                 let turns = smooth.turns.iter();
                 turns.map(|(x, _)| smooth.piece.s(*x)).collect()
@@ -77,7 +92,7 @@ impl Task {
     fn curve(&self) -> usize {
         match self {
             Task::Piece(piece) => piece.curve,
-            Task::Bracket(bracket) => bracket.piece.curve,
+            Task::Bracket(bracket) | Task::Confirm(bracket) => bracket.piece.curve,
             Task::Turns(smooth) => smooth.piece.curve,
         }
     }
@@ -131,6 +146,7 @@ impl<'a> Queue<'a> {
             states += match task {
                 Task::Piece(_) => POINTS,
                 Task::Bracket(_) => 1,
+                Task::Confirm(_) => SURROUNDINGS,
                 Task::Turns(smooth) => smooth.turns.len(),
             };
             states <= most
@@ -164,6 +180,10 @@ impl<'a> Queue<'a> {
                     noisy = true;
                     next.extend(more);
                 }
+                Outcome::Noise { noise, more } => {
+                    self.scales.allow(&noise);
+                    next.extend(more);
+                }
                 Outcome::Broken { curve, sides, more } => {
                     self.breaks.push(Found {
                         curve,
@@ -193,27 +213,71 @@ impl<'a> Queue<'a> {
             Task::Bracket(mut bracket) => {
                 let value = bracket.project(&images.after, first, self.coordinates);
                 let piece = bracket.piece;
-                let between = |a: f64, b: f64| {
-                    let curve = piece.curve;
-                    (b > a).then_some(Task::Piece(Piece { curve, a, b }))
-                };
                 if last {
                     return Outcome::More(vec![Task::Piece(piece)]);
                 }
                 match bracket.halve(value) {
                     Closed::No => Outcome::More(vec![Task::Bracket(bracket)]),
-                    Closed::Jump => Outcome::Broken {
-                        curve: piece.curve,
-                        sides: [bracket.low, bracket.high],
-                        more: (between(piece.a, bracket.low).into_iter())
-                            .chain(between(bracket.high, piece.b))
-                            .collect(),
-                    },
+                    Closed::Jump => Outcome::More(vec![Task::Confirm(bracket)]),
                     // A kink close to an end, or a steep place: closer up it will show.
                     Closed::Faded => Outcome::More(cut(piece, &bracket.gap)),
                 }
             }
+            Task::Confirm(bracket) => self.confirm(&bracket, images, first),
             Task::Turns(smooth) => self.check_turns(smooth, images, first, last),
+        }
+    }
+
+    /// Takes a jump for a break if it stands out of the noise on both sides.
+    fn confirm(&self, bracket: &Bracket, images: &Images, first: usize) -> Outcome {
+        let Piece { curve, a, b } = bracket.piece;
+        let scatter = |values: &[f64]| {
+            let (sides, mut largest) = (values.split_at(SURROUNDINGS / 2), 0.0f64);
+            for side in [sides.0, sides.1] {
+                // Second differences of a straight line vanish; those of noise are larger than it.
+                let bends = side.windows(3).map(|x| (x[0] - 2.0 * x[1] + x[2]).abs());
+                largest = bends.fold(largest, f64::max);
+            }
+            largest
+        };
+        // Each side from its own end of the bracket, so that a wrap in between is none of it.
+        let (low, high) = (first + SURROUNDINGS / 2 - 1, first + SURROUNDINGS / 2);
+        let between = |sample: usize, origin: usize| {
+            bracket.project_from(&images.after, sample, origin, self.coordinates)
+        };
+        let projected: Vec<f64> = (first..=low)
+            .map(|sample| between(sample, low))
+            .chain((high..first + SURROUNDINGS).map(|sample| between(sample, high)))
+            .collect();
+        let jump = between(high, low).abs();
+        let beside = scatter(&projected).max(bracket.climb(&projected));
+        let size = (0..2 * self.curves.dof()).fold(0.0, |most: f64, c| {
+            let row = coordinate(&images.after, c);
+            let apart = nearest(row[high] - row[low], period(self.coordinates, c));
+            most.max((self.scales.weight(c) * apart).abs())
+        });
+        if size > NO_NOISE || jump > STANDS_OUT * beside {
+            let piece = |a: f64, b: f64| (b > a).then_some(Task::Piece(Piece { curve, a, b }));
+            return Outcome::Broken {
+                curve,
+                sides: [bracket.low, bracket.high],
+                more: (piece(a, bracket.low).into_iter())
+                    .chain(piece(bracket.high, b))
+                    .collect(),
+            };
+        }
+        if bracket.wraps(jump) {
+            return Outcome::More(cut(bracket.piece, &bracket.gap));
+        }
+        let noise = (0..2 * self.curves.dof()).map(|c| {
+            let row = &coordinate(&images.after, c)[first..first + SURROUNDINGS];
+            let period = period(self.coordinates, c);
+            let values: Vec<f64> = row.iter().map(|v| nearest(v - row[0], period)).collect();
+            scatter(&values)
+        });
+        Outcome::Noise {
+            noise: noise.collect(),
+            more: vec![Task::Piece(bracket.piece)],
         }
     }
 

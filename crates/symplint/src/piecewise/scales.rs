@@ -24,6 +24,9 @@ pub(super) struct Scales {
 /// Rounding of a few operations.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
+/// Tolerances are this many times the noise.
+const SAFETY: f64 = 8.0;
+
 /// Coordinates much smaller than the largest count as this part of it.
 const SMALLEST_PART: f64 = 1e-6;
 
@@ -65,6 +68,13 @@ impl Scales {
         }
     }
 
+    /// Raises the tolerances to noise that was met.
+    pub fn allow(&mut self, noise: &[f64]) {
+        for (tolerance, noise) in self.tolerance.iter_mut().zip(noise) {
+            *tolerance = tolerance.max(SAFETY * noise);
+        }
+    }
+
     /// Weight of a coordinate beside the others.
     pub fn weight(&self, c: usize) -> f64 {
         1.0 / self.size[c]
@@ -82,7 +92,6 @@ impl Scales {
         /// Binomial coefficients of the sixth difference, and the root of the sum of their squares.
         const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
         const GAIN: f64 = 30.4;
-        const SAFETY: f64 = 8.0;
         if self.noise_known {
             return Ok(0);
         }

@@ -271,7 +271,8 @@ impl Case<'_> {
             };
             return Some(self.unresolved(step));
         }
-        given.weak_step().map(|step| self.unresolved(step))
+        let judged = !given.winds || random.is_empty();
+        (given.weak_step().filter(|_| judged)).map(|step| self.unresolved(step))
     }
 
     fn unresolved(&self, step: &StepEvidence) -> Verdict {
@@ -313,11 +314,18 @@ impl Case<'_> {
             kind: VerdictKind::Symplectic,
             digits: Some(digits),
             order: None,
-            summary: format!(
-                "No defect above {bound:.1e} on the given loop for h from {} to {}{random}.",
-                size(low),
-                size(high)
-            ),
+            summary: match self.loops[0].testifies() {
+                true => format!(
+                    "No defect above {bound:.1e} on the given loop for h from {} to {}{random}.",
+                    size(low),
+                    size(high)
+                ),
+                false => format!(
+                    "No defect above {bound:.1e} on {testifying} random loops at h = {}; the given one winds \
+                     round a period.",
+                    size(high)
+                ),
+            },
             evidence: self.bounds(),
             advice: match self.loops.len() {
                 1 => vec!["One loop is one probe: set loops to 8 to be surer.".into()],
