@@ -1,0 +1,434 @@
+//! What is refused, and with which words: the place, the reason, the remedy.
+
+use std::fs;
+
+use tempfile::TempDir;
+
+use super::{configuration, example, symplint, text};
+
+/// Runs `check` and demands exit status 2 and every word of `expected` on standard error.
+fn refused(configuration_text: &str, settings: &[&str], expected: &[&str]) {
+    let (_folder, path) = configuration(configuration_text);
+    let mut arguments = vec!["check", path.to_str().unwrap()];
+    for setting in settings {
+        arguments.extend(["--set", setting]);
+    }
+    let output = symplint(&arguments);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{settings:?}: {said}");
+    assert!(output.stdout.is_empty(), "{}", text(&output.stdout));
+    // Messages are folded to the width of the terminal.
+    let unfolded = said
+        .replace('│', " ")
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
+    for part in expected {
+        assert!(unfolded.contains(part), "{part:?} is not in: {unfolded}");
+    }
+    assert!(!said.contains("panicked"), "{said}");
+}
+
+const PENDULUM: &str = "[system]\nname = \"pendulum\"\n";
+
+#[test]
+fn bad_settings_are_refused_with_place_and_remedy() {
+    refused(
+        "[system]\nname = \"pendulm\"\n",
+        &[],
+        &["pendulm", "run.toml:2:8", "did you mean \"pendulum\""],
+    );
+    refused(
+        "[system]\nname = \"pendulum\"\nq1 = 2\n",
+        &[],
+        &["\"q1\"", "run.toml:3:1", "q0"],
+    );
+    refused(
+        "[sytem]\nname = \"pendulum\"\n",
+        &[],
+        &["[sytem]", "did you mean \"system\""],
+    );
+    refused("name = \"pendulum\"\n", &[], &["no section [name]"]);
+    refused("", &[], &["system.name: missing", "harmonic-oscillator"]);
+    refused("[system\n", &[], &["not TOML", "run.toml:1"]);
+    refused(
+        PENDULUM,
+        &["loop.radius=-1"],
+        &["loop.radius is -1", "above 0"],
+    );
+    refused(
+        PENDULUM,
+        &["loop.radius=\"\""],
+        &["loop.radius is a text, not a number"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.samples=2"],
+        &["diagnostic.samples is 2", "at least 3"],
+    );
+    refused(PENDULUM, &["diagnostic.samples=64.5"], &["whole number"]);
+    refused(
+        PENDULUM,
+        &["diagnostic.step_sizes=[0.1, -0.1]"],
+        &["-0.1", "above 0"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.step_sizes=[]"],
+        &["step_sizes", "one step size or more"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.rule=spectral"],
+        &["did you mean \"pseudospectral\""],
+    );
+    refused(
+        PENDULUM,
+        &["integrator.name=strnag"],
+        &["did you mean \"strang\""],
+    );
+    refused(
+        PENDULUM,
+        &["integrator.variant=first"],
+        &["position-first", "momentum-first"],
+    );
+    refused(
+        PENDULUM,
+        &["loop.dofs=[1]"],
+        &["no degree of freedom 1", "there are 1"],
+    );
+    refused(PENDULUM, &["loop"], &["--set KEY=VALUE"]);
+    refused(PENDULUM, &["system.q0=1e300"], &["encloses no area"]);
+    refused(PENDULUM, &["loop.radius=1e160"], &["overflows"]);
+    refused(PENDULUM, &["diagnostic.samples=2^40"], &["too many"]);
+    refused(PENDULUM, &["trace.samples=2^40"], &["too many"]);
+    refused(PENDULUM, &["trace.steps=1e15"], &["too many"]);
+    refused(PENDULUM, &["diagnostic.loops=1e9"], &["too many"]);
+    let array = "[system]\nname = \"pendulum-array\"\n";
+    refused(array, &["system.pendula=1e15"], &["too many"]);
+    let spline = "[system]\nname = \"interpolated-pendulum\"\n";
+    refused(spline, &["system.degree=6"], &["spline degree 6", "1 to 5"]);
+    refused(
+        spline,
+        &["system.degree=2", "system.cells=24"],
+        &["even", "odd number of cells"],
+    );
+    refused(spline, &["system.degree=3", "system.cells=2"], &["cells"]);
+}
+
+#[test]
+fn integrators_that_do_not_fit_are_refused() {
+    let double = "[system]\nname = \"double-pendulum\"\n";
+    refused(
+        double,
+        &["integrator.name=strang"],
+        &["\"strang\" is for positions", "not separable", "gauss6"],
+    );
+    refused(
+        double,
+        &["integrator.name=boris"],
+        &["for a charge in a magnetic field"],
+    );
+    let force = "[system]\nname = \"rotational-force\"\n";
+    refused(
+        force,
+        &["integrator.name=rk4"],
+        &["without a potential", "there are: lie-trotter, strang"],
+    );
+    let map = "[system]\nname = \"standard-map\"\n";
+    refused(
+        map,
+        &["integrator.name=strang"],
+        &["nothing to integrate", "name = \"none\""],
+    );
+    refused(
+        map,
+        &["integrator.tolerance=1e-3"],
+        &["integrator.tolerance", "leave"],
+    );
+    refused(
+        PENDULUM,
+        &["integrator.name=none"],
+        &["no integrator \"none\""],
+    );
+}
+
+#[test]
+fn bad_solvers_are_refused() {
+    refused(
+        PENDULUM,
+        &["integrator.tolerance=1e-3"],
+        &["\"strang\" has no stages to be solved"],
+    );
+    let gauss = "integrator.name=gauss4";
+    refused(
+        PENDULUM,
+        &[gauss, "integrator.tolerance=-1"],
+        &["not negative"],
+    );
+    refused(
+        PENDULUM,
+        &[gauss, "integrator.max_iterations=0"],
+        &["at least 1"],
+    );
+    refused(
+        PENDULUM,
+        &[gauss, "integrator.iterations=0"],
+        &["at least 1"],
+    );
+    refused(
+        PENDULUM,
+        &[gauss, "integrator.iterations=2", "integrator.tolerance=0.1"],
+        &["given besides tolerance"],
+    );
+    refused(
+        PENDULUM,
+        &[gauss, "integrator.solver=newtn"],
+        &["did you mean \"newton\""],
+    );
+    let array = "[system]\nname = \"pendulum-array\"\n";
+    refused(
+        array,
+        &[gauss, "integrator.solver=newton"],
+        &["4096 equations", "fixed-point"],
+    );
+    refused(
+        PENDULUM,
+        &[gauss, "integrator.max_iterations=1"],
+        &["did not converge in 1 iterations", "smaller step size"],
+    );
+    refused(
+        PENDULUM,
+        &["integrator.precision=half"],
+        &["there is no \"half\""],
+    );
+    refused(PENDULUM, &["integrator.damping=nan"], &["damping"]);
+}
+
+/// Solver keys of the file mean nothing to an explicit method named by `--set`.
+#[test]
+fn another_integrator_leaves_the_solver_behind() {
+    let (_folder, path) = configuration(&format!(
+        "{PENDULUM}[integrator]\nname = \"gauss4\"\nsolver = \"newton\"\ntolerance = 1e-13\n"
+    ));
+    let path = path.to_str().unwrap();
+    for name in ["gauss4", "strang"] {
+        let set = format!("integrator.name={name}");
+        let output = symplint(&["check", path, "--quiet", "--set", &set]);
+        assert_ne!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    }
+}
+
+#[test]
+fn bad_mechanics_are_refused() {
+    let system = |name: &str| format!("[system]\nname = \"{name}\"\n");
+    refused(
+        &system("kepler"),
+        &["system.softening=-1"],
+        &["system.softening is -1"],
+    );
+    refused(
+        &system("double-pendulum"),
+        &["system.masses=[1.0, 0.0]"],
+        &["system.masses", "above 0"],
+    );
+    refused(
+        &system("double-pendulum"),
+        &["system.lengths=-1"],
+        &["system.lengths", "above 0"],
+    );
+    refused(
+        &system("charged-particle"),
+        &["system.omega=1e200"],
+        &["omega"],
+    );
+    refused(
+        &system("toda"),
+        &["system.masses=0"],
+        &["system.masses is 0"],
+    );
+    refused(
+        &system("toda"),
+        &["system.masses=1", "system.ends=periodic"],
+        &["system.masses", "at least 2"],
+    );
+    refused(
+        &system("fput"),
+        &["system.ends=free"],
+        &["there is no \"free\""],
+    );
+    refused(
+        &system("henon-map"),
+        &["system.contraction=0"],
+        &["above 0"],
+    );
+    refused(
+        &system("standard-map"),
+        &["system.strength=nan"],
+        &["strength"],
+    );
+}
+
+#[test]
+fn bad_plasmas_are_refused() {
+    let line = "[system]\nname = \"pic-1d\"\n";
+    refused(
+        line,
+        &["system.cells=0"],
+        &["system.cells is 0", "at least 1"],
+    );
+    refused(line, &["system.degree=6"], &["degree", "5"]);
+    refused(
+        line,
+        &["system.family=lagrange", "system.degree=4"],
+        &["degree", "3"],
+    );
+    refused(
+        line,
+        &["system.family=spline"],
+        &["did you mean \"b-spline\""],
+    );
+    refused(line, &["system.particles=0"], &["particles is 0"]);
+    refused(line, &["system.length=-1"], &["above 0"]);
+    refused(line, &["system.weights=[1.0, nan]"], &["weights is NaN"]);
+    refused(line, &["system.weights=[1.0, 0.0]"], &["system.weights"]);
+    refused(line, &["system.weights=[]"], &["system.weights"]);
+    for other in ["system.particles=2", "system.density=2.0"] {
+        refused(
+            line,
+            &["system.weights=[1.0, 2.0]", other],
+            &["leave out either weights"],
+        );
+    }
+    refused(line, &["system.density=1e308"], &["system.density", "inf"]);
+    refused(
+        line,
+        &["system.initial=landua"],
+        &["did you mean \"landau\""],
+    );
+    refused(
+        line,
+        &["system.initial=landau", "system.amplitude=2"],
+        &["system.amplitude"],
+    );
+    refused(
+        "[system]\nname = \"two-cell\"\nlength = 0\n",
+        &[],
+        &["above 0"],
+    );
+}
+
+#[test]
+fn bad_state_files_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let file = |name: &str, content: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, content).unwrap();
+        format!("system.initial={{ file = '{}' }}", path.display())
+    };
+    /// A NumPy 1.0 file of doubles in C order.
+    fn npy(shape: &str, values: &[f64]) -> Vec<u8> {
+        let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+        while (10 + header.len() + 1) % 64 != 0 {
+            header.push(' ');
+        }
+        header.push('\n');
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+        bytes
+    }
+    let array = "[system]\nname = \"pendulum-array\"\npendula = 3\n";
+    let good = file("good.npy", &npy("(2, 3)", &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6]));
+    let (_run, path) = configuration(array);
+    let output = symplint(&["check", path.to_str().unwrap(), "--quiet", "--set", &good]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+
+    let shape = file("shape.npy", &npy("(3, 2)", &[0.0; 6]));
+    refused(array, &[&shape], &["[3, 2]", "(2, dof)"]);
+    let long = file("long.npy", &npy("(2, 4)", &[0.0; 8]));
+    refused(
+        array,
+        &[&long],
+        &["4 degrees of freedom where the system has 3"],
+    );
+    let nan = file(
+        "nan.npy",
+        &npy("(2, 3)", &[0.0, 0.0, 0.0, 0.0, f64::NAN, 0.0]),
+    );
+    refused(array, &[&nan], &["NaN", "momentum of degree of freedom 1"]);
+    let cut = file("cut.npy", &npy("(2, 3)", &[0.0; 5]));
+    refused(array, &[&cut], &["cut.npy"]);
+    let noise = file("noise.npy", b"not an array");
+    refused(array, &[&noise], &["noise.npy", "numpy.save"]);
+    let columns = file("columns.csv", b"0.1,0.2,0.3\n");
+    refused(array, &[&columns], &["3 columns", "two columns"]);
+    let words = file("words.csv", b"0.1,0.2\nx,0.2\n0.1,0.2\n");
+    refused(array, &[&words], &["row 2"]);
+    let huge = file("huge.npy", &npy("(2, 9223372036854775808)", &[0.0; 4]));
+    refused(array, &[&huge], &["huge.npy"]);
+    let mistyped = file("mistyped.csv", b"O.1,O.2\n0.1,0.2\n0.1,0.2\n0.1,0.2\n");
+    refused(array, &[&mistyped], &["row 1"]);
+    let kind = file("state.txt", b"0.1 0.2\n");
+    refused(array, &[&kind], &[".npy nor .csv"]);
+    refused(
+        array,
+        &["system.initial={file='/nowhere/state.npy'}"],
+        &["cannot open", "relative"],
+    );
+    refused(array, &["system.initial=random"], &["uniform"]);
+}
+
+#[test]
+fn places_that_cannot_be_written_are_refused_before_the_run() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("file");
+    fs::write(&file, "").unwrap();
+    let below = file.join("run");
+    let output = symplint(&[
+        "check",
+        &example("pendulum.toml"),
+        "--out",
+        below.to_str().unwrap(),
+    ]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("cannot write"));
+    assert!(output.stdout.is_empty());
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_no_panic() {
+    let full = fs::OpenOptions::new()
+        .write(true)
+        .open("/dev/full")
+        .unwrap();
+    let program = assert_cmd::cargo::cargo_bin("symplint");
+    let output = std::process::Command::new(program)
+        .args(["list", "systems"])
+        .stdout(full)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("standard output"));
+}
+
+#[test]
+fn bad_usage_has_status_2() {
+    for arguments in [
+        &["check"][..],
+        &["chekc", "x.toml"],
+        &["check", "nowhere.toml"],
+        &["check", "x.toml", "--threads", "0"],
+        &["reproduce", "fig99"],
+        &["reproduce", "fig1", "fig2", "--set", "steps=3"],
+        &["reproduce", "fig1", "--set", "stesp=3"],
+        &["init", "pendullum"],
+        &["list", "everything"],
+    ] {
+        let output = symplint(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(!output.stderr.is_empty());
+    }
+}
