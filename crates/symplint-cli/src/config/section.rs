@@ -233,18 +233,29 @@ impl Section {
         key: &str,
         accept: Accept,
     ) -> Result<Option<Vec<f64>>, ConfigError> {
+        self.optional_list(
+            key,
+            |path, item| read_number(path, item, accept),
+            |path, node| Err(wrong(path, node, "a list", "write [1.0, 2.0]")),
+        )
+    }
+
+    /// A list, that may be left out; `other` makes something of what is no list.
+    fn optional_list<T>(
+        &self,
+        key: &str,
+        read: impl Fn(&str, &Node) -> Result<T, ConfigError>,
+        other: impl Fn(&str, &Node) -> Result<Vec<T>, ConfigError>,
+    ) -> Result<Option<Vec<T>>, ConfigError> {
         let path = self.dotted(key);
-        match self.node(key)? {
-            None => Ok(None),
-            Some(Node {
-                value: Value::List(list),
-                ..
-            }) => (list.iter())
-                .map(|item| read_number(&path, item, accept))
-                .collect::<Result<_, _>>()
-                .map(Some),
-            Some(node) => Err(wrong(&path, &node, "a list", "write [1.0, 2.0]")),
+        let Some(node) = self.node(key)? else {
+            return Ok(None);
+        };
+        match &node.value {
+            Value::List(list) => list.iter().map(|item| read(&path, item)).collect(),
+            _ => other(&path, &node),
         }
+        .map(Some)
     }
 
     /// A whole number of at least `least`.
@@ -264,18 +275,8 @@ impl Section {
 
     /// A list of whole numbers of at least `least`, that may be left out.
     pub fn optional_wholes(&self, key: &str, least: u64) -> Result<Option<Vec<u64>>, ConfigError> {
-        let path = self.dotted(key);
-        match self.node(key)? {
-            None => Ok(None),
-            Some(Node {
-                value: Value::List(list),
-                ..
-            }) => (list.iter())
-                .map(|item| read_whole(&path, item, least))
-                .collect::<Result<_, _>>()
-                .map(Some),
-            Some(node) => Ok(Some(vec![read_whole(&path, &node, least)?])),
-        }
+        let read = |path: &str, item: &Node| read_whole(path, item, least);
+        self.optional_list(key, read, |path, node| Ok(vec![read(path, node)?]))
     }
 
     /// A text.
