@@ -120,6 +120,22 @@ impl Ensemble {
         Ok(ensemble)
     }
 
+    /// What one step of `map` makes of the loop at the parameters `s`, as many or few as wanted.
+    ///
+    /// # Errors
+    /// Those of [`advance`](Self::advance).
+    pub(crate) fn image(
+        map: &dyn TimeAdvance,
+        phase_loop: &dyn Loop,
+        h: f64,
+        s: &[f64],
+    ) -> Result<Self, Error> {
+        let mut states = Self::zeros(phase_loop.dof(), s.len());
+        phase_loop.sample(s, &mut states.block());
+        states.advance(map, h)?;
+        Ok(states)
+    }
+
     /// Refuses what no machine holds, before the allocation fails.
     pub(crate) fn check_size(dof: usize, samples: usize) -> Result<(), Error> {
         const MOST_BYTES: f64 = (1u64 << 46) as f64;

@@ -35,7 +35,7 @@ pub(super) fn follow(
     loop {
         let cell = length / CELLS as f64;
         let s: Vec<f64> = (0..=CELLS).map(|k| start + k as f64 * cell).collect();
-        let mut states = advanced_at(map, phase_loop, h, &s)?;
+        let mut states = Ensemble::image(map, phase_loop, h, &s)?;
         // A wrap is no jump.
         unwrap_row(states.block().q.row_mut(suspect.dof), period);
         let row = match suspect.coordinate {
@@ -80,17 +80,4 @@ fn median(row: &[f64]) -> f64 {
         .collect();
     differences.sort_by(f64::total_cmp);
     differences[differences.len() / 2]
-}
-
-/// The map's image of the loop at any s.
-fn advanced_at(
-    map: &dyn TimeAdvance,
-    phase_loop: &dyn Loop,
-    h: f64,
-    s: &[f64],
-) -> Result<Ensemble, Error> {
-    let mut states = Ensemble::zeros(phase_loop.dof(), s.len());
-    phase_loop.sample(s, &mut states.block());
-    states.advance(map, h)?;
-    Ok(states)
 }

@@ -25,7 +25,7 @@ pub(super) fn check(map: &dyn TimeAdvance, phase_loop: &dyn Loop, h: f64) -> Res
         .collect();
     let reversed: Vec<f64> = s.iter().rev().copied().collect();
     let twice = [s[0], s[0], s[1], s[0]];
-    let Ok(forward) = advanced(map, phase_loop, h, &s) else {
+    let Ok(forward) = Ensemble::image(map, phase_loop, h, &s) else {
         return Ok(());
     };
     let differs = |circumstance: &'static str, states: &Ensemble, from: usize, sample: usize| {
@@ -40,31 +40,19 @@ pub(super) fn check(map: &dyn TimeAdvance, phase_loop: &dyn Loop, h: f64) -> Res
             }),
         }
     };
-    let backward = advanced(map, phase_loop, h, &reversed)?;
+    let backward = Ensemble::image(map, phase_loop, h, &reversed)?;
     for k in 0..SAMPLES {
         differs("in reverse order", &backward, SAMPLES - 1 - k, k)?;
     }
-    let repeated = advanced(map, phase_loop, h, &twice)?;
+    let repeated = Ensemble::image(map, phase_loop, h, &twice)?;
     for k in [0, 1, 3] {
         differs("when it is repeated", &repeated, k, 0)?;
     }
     for k in 0..SAMPLES {
-        let alone = advanced(map, phase_loop, h, &s[k..=k])?;
+        let alone = Ensemble::image(map, phase_loop, h, &s[k..=k])?;
         differs("alone, outside a block", &alone, 0, k)?;
     }
     Ok(())
-}
-
-fn advanced(
-    map: &dyn TimeAdvance,
-    phase_loop: &dyn Loop,
-    h: f64,
-    s: &[f64],
-) -> Result<Ensemble, Error> {
-    let mut states = Ensemble::zeros(phase_loop.dof(), s.len());
-    phase_loop.sample(s, &mut states.block());
-    states.advance(map, h)?;
-    Ok(states)
 }
 
 /// The degree of freedom in which two states differ by more than rounding, and by how much.
