@@ -237,13 +237,11 @@ fn henon_heiles_steps_keep_the_two_form() {
 /// The public test, in full and on random pairs, says of every integrator what the catalogue says.
 #[test]
 fn the_jacobian_test_agrees_with_the_catalogue() {
-    for info in CATALOGUE {
+    let model = Model::Separable(Arc::new(Pendulum::default()));
+    for info in CATALOGUE.iter().filter(|info| info.is_for(&model)) {
         for pendula in [3, 20] {
             let system = Arc::new(PendulumArray::new(pendula, 0.9, 1.2).unwrap());
-            let Ok(map) = catalogue::build(info.name, None, system) else {
-                // It is for other systems.
-                continue;
-            };
+            let map = catalogue::build(info.name, None, system).unwrap();
             let circle = Circle::new(vec![0.4; pendula], vec![0.3; pendula], 1.0).unwrap();
             let phase_loop = circle.with_random_phases(7);
             let verdict = (JacobianTest::default()
