@@ -1,13 +1,13 @@
 //! The particle-in-cell force and step beside a plain scalar control, in one interleaved run.
 //!
-//! `cargo bench -p symplint-models --bench pic [-- PART OF A NAME]`. Times are of this machine; ratios
-//! are what can be claimed.
+//! `cargo bench -p symplint-models --bench pic [-- PART OF A NAME]`.
 
+mod interleaved;
 mod pic_control;
 
 use std::hint::black_box;
-use std::time::{Duration, Instant};
 
+use interleaved::{heading, report};
 use pic_control::PlainPic;
 use symplint::{Block, Rows, RowsMut, TimeAdvance};
 use symplint_models::Separable;
@@ -16,17 +16,9 @@ use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, TwoStream};
 
 const CELLS: usize = 128;
 const LENGTH: f64 = 50.0;
-/// Each case runs this often, in turn with its control; the medians are printed.
-const ROUNDS: usize = 51;
-/// Long enough for the clock, short enough for a round of two to see the same machine.
-const SLICE: Duration = Duration::from_micros(1000);
 
 fn main() {
-    println!("{CELLS} cells; ns, medians of {ROUNDS} interleaved rounds");
-    println!(
-        "{:<38}{:>10}{:>10}{:>8}",
-        "", "symplint", "control", "ratio"
-    );
+    heading(&format!("{CELLS} cells"));
     for degree in 1..=3 {
         for samples in [1, 16] {
             force(degree, 10_000, samples);
@@ -114,44 +106,4 @@ fn strang_step(degree: usize, particles: usize) {
         advance,
         control,
     );
-}
-
-/// Prints the time of both, each divided by what it works on, and the ratio of the two.
-fn report(
-    name: &str,
-    units: f64,
-    control_units: f64,
-    mut work: impl FnMut(),
-    mut control: impl FnMut(),
-) {
-    let wanted = std::env::args().skip(1).find(|arg| !arg.starts_with('-'));
-    if wanted.is_some_and(|part| !name.contains(&part)) {
-        return;
-    }
-    let (mut times, mut control_times) = (Vec::new(), Vec::new());
-    for _ in 0..ROUNDS {
-        times.push(nanoseconds(&mut work) / units);
-        control_times.push(nanoseconds(&mut control) / control_units);
-    }
-    let (time, control) = (median(times), median(control_times));
-    println!(
-        "{name:<38}{time:>10.2}{control:>10.2}{:>8.2}",
-        control / time
-    );
-}
-
-/// The time of one call, over as many as fill a slice.
-fn nanoseconds(work: &mut impl FnMut()) -> f64 {
-    let start = Instant::now();
-    let mut calls = 0;
-    while calls == 0 || start.elapsed() < SLICE {
-        work();
-        calls += 1;
-    }
-    start.elapsed().as_nanos() as f64 / f64::from(calls)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
