@@ -79,6 +79,7 @@ mod tests {
             roundoff: 0.0,
             scale: value.abs(),
             omitted: None,
+            regularity: None,
         }
     }
 

@@ -99,6 +99,23 @@ impl Ensemble {
     /// If `samples` is less than 3, the ensemble is beyond all memory, or the loop is not finite
     /// somewhere.
     pub fn sample(phase_loop: &dyn Loop, samples: usize) -> Result<Self, Error> {
+        Self::sample_at(phase_loop, samples, |k| k as f64 / samples as f64)
+    }
+
+    /// The samples γ((k + ½)/N_s), k = 0 … N_s − 1: what is missing for twice as many.
+    ///
+    /// # Errors
+    /// Those of [`sample`](Self::sample).
+    pub(crate) fn sample_between(phase_loop: &dyn Loop, samples: usize) -> Result<Self, Error> {
+        let twice = 2 * samples;
+        Self::sample_at(phase_loop, samples, |k| (2 * k + 1) as f64 / twice as f64)
+    }
+
+    fn sample_at(
+        phase_loop: &dyn Loop,
+        samples: usize,
+        at: impl Fn(usize) -> f64 + Sync,
+    ) -> Result<Self, Error> {
         if samples < 3 {
             return Err(Error::TooFewSamples { samples });
         }
@@ -106,9 +123,7 @@ impl Ensemble {
         let mut ensemble = Self::zeros(phase_loop.dof(), samples);
         let width = Self::block_width(ensemble.dof);
         let each = |(b, mut block): (usize, Block<'_>)| {
-            let s: Vec<f64> = (0..block.len())
-                .map(|k| (b * width + k) as f64 / samples as f64)
-                .collect();
+            let s: Vec<f64> = (0..block.len()).map(|k| at(b * width + k)).collect();
             phase_loop.sample(&s, &mut block);
             match first_not_finite(&block) {
                 None => Ok(()),
@@ -118,6 +133,31 @@ impl Ensemble {
         let blocks = ensemble.blocks().into_par_iter().enumerate();
         first_error(blocks.map(each).collect())?;
         Ok(ensemble)
+    }
+
+    /// Puts sample k of `between` after sample k of this ensemble, for every k: twice the samples,
+    /// and none of them made again.
+    pub(crate) fn interleave(&mut self, between: &Ensemble) {
+        assert_eq!(
+            (self.dof, self.samples),
+            (between.dof, between.samples),
+            "ensembles of one shape"
+        );
+        let (samples, old) = (self.samples, self.stride);
+        let stride = row_stride(2 * samples);
+        let pairs = [(&mut self.q, between.q()), (&mut self.p, between.p())];
+        for (values, between) in pairs {
+            values.resize(self.dof * stride, 0.0);
+            // From the end: what is still to be moved lies before where it goes.
+            for i in (0..self.dof).rev() {
+                let between = between.row(i);
+                for k in (0..samples).rev() {
+                    values[i * stride + 2 * k + 1] = between[k];
+                    values[i * stride + 2 * k] = values[i * old + k];
+                }
+            }
+        }
+        (self.samples, self.stride) = (2 * samples, stride);
     }
 
     /// What one step of `map` makes of the loop at the parameters `s`, as many or few as wanted.

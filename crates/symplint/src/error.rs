@@ -196,6 +196,14 @@ pub enum Error {
 }
 
 impl Error {
+    /// Counts a sample that lies between samples k and k + 1 among twice as many: as 2k + 1.
+    pub(crate) fn of_sample_between(mut self) -> Error {
+        if let Error::NotFinite { sample, .. } | Error::StepFailed { sample, .. } = &mut self {
+            *sample = 2 * *sample + 1;
+        }
+        self
+    }
+
     /// Says at which parameter a sample was.
     pub(crate) fn on_the_way(self, parameter: impl Fn(usize) -> f64) -> Error {
         match self {

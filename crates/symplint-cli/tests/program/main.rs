@@ -93,6 +93,7 @@ fn the_report_has_the_fields_of_its_schema() {
         "jumps",
         "chord",
         "closed_defect",
+        "regularity",
         "evaluations",
     ] {
         assert!(point.get(field).is_some(), "{field} is missing: {point}");

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use symplint::{Cutoffs, Diagnostic, Rule, RuleChoice, SampleCount, VerdictKind};
+use symplint::{Cutoffs, Diagnostic, PerSample, Rule, RuleChoice, SampleCount, VerdictKind};
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::build;
-use symplint_models::systems::{AbsoluteValue, Pendulum};
+use symplint_models::systems::{AbsoluteValue, InterpolatedPendulum, Pendulum};
 
 use crate::{circle, diagnose};
 
@@ -75,6 +75,45 @@ fn cutoffs_on_a_steep_loop_do_not_make_a_verdict() {
                 verdict.kind,
                 VerdictKind::Undecided,
                 "ε = {epsilon}, {variant}: {verdict:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn pieces_do_not_step_over_what_samples_see() {
+    // The bump is a few thousandths of the loop wide, far narrower than the first pieces.
+    let map = PerSample::new(1, |h, q: &mut [f64], p: &mut [f64]| {
+        p[0] += h * ((-((q[0] - 0.31) / 1e-3).powi(2)).exp() - q[0]);
+    });
+    let diagnostic = Diagnostic {
+        rule: RuleChoice::Piecewise,
+        ..Diagnostic::default()
+    };
+    let found = diagnose(&diagnostic, &map, &circle(&[0.4], &[0.7], 1.0));
+    let verdict = &found.verdict;
+    assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
+    assert!(verdict.digits > Some(9.0), "{verdict:?}");
+}
+
+#[test]
+fn regularity_follows_the_degree_of_the_splines() {
+    // A force from splines of degree n has a jump in its derivative of order n − 1: H^(n − 1/2).
+    for degree in 1..=4 {
+        let system: Arc<dyn Separable> = Arc::new(InterpolatedPendulum::new(degree, 25).unwrap());
+        let map = build("strang", None, system).unwrap();
+        let diagnostic = Diagnostic {
+            loops: 1,
+            ..Diagnostic::halving(-1, -3)
+        };
+        let found = diagnose(&diagnostic, &*map, &circle(&[3.0], &[0.2], 1.0));
+        for point in &found.points {
+            let expected = degree as f64 - 0.5;
+            let regularity = point.regularity.expect("thousands of samples");
+            assert!(
+                (regularity - expected).abs() < 0.3,
+                "degree {degree}, h = {}: {regularity}",
+                point.step_size
             );
         }
     }

@@ -1,6 +1,7 @@
 //! The whole diagnosis: sweeps over the step size and the number of samples, and the verdict.
 
 mod long_time;
+mod nested;
 mod point;
 mod probe;
 mod random_loop;
@@ -21,8 +22,9 @@ use crate::jacobian::JacobianReport;
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
 use crate::piecewise::Piecewise;
-use crate::verdict::{Fit, LoopEvidence, StepEvidence, Verdict, judge};
-use probe::{Method, Probe, Subject, deformation, winds};
+use crate::verdict::{Fit, LoopEvidence, StepEvidence, Verdict, judge, size};
+use nested::Nested;
+use probe::{Measured, Method, Probe, Subject, deformation, winds};
 use random_loop::random_loop;
 
 /// Which rule computes the loop integrals.
@@ -41,7 +43,7 @@ pub enum RuleChoice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleCount {
     /// Doubled from 64 until the quadrature error of the largest step reaches round-off, stops
-    /// falling, or the ensemble reaches its limit (65,536 samples or 512 MiB).
+    /// falling, or the ensembles before and after it reach their limit (65,536 samples or 512 MiB).
     Auto,
     /// This many, 3 or more.
     Fixed(usize),
@@ -163,8 +165,9 @@ impl Diagnostic {
 
     /// Measures and judges, on the threads of the current Rayon pool.
     ///
-    /// `watch` is told of each point as it is measured. Only one ensemble is in memory at any
-    /// time: the loop is sampled anew for each step size.
+    /// `watch` is told of each point as it is measured. Where the number of samples is looked for, or
+    /// swept over, samples before and after a step are kept and doubled; otherwise only one ensemble is in
+    /// memory at any time, and the loop is sampled anew for each step size.
     ///
     /// # Errors
     /// If map and loop do not fit, a step size is zero or not finite, the map gives different states
@@ -188,6 +191,7 @@ impl Diagnostic {
             watch,
             points: Vec::new(),
             breaks: Vec::new(),
+            regularity: None,
             largest,
         };
         let subject = Subject {
@@ -212,14 +216,19 @@ impl Diagnostic {
             loops.push(match self.try_random(&mut study, index, subject, known) {
                 Ok(evidence) => evidence,
                 // A loop that nobody asked for may leave the map's domain.
-                Err(error @ (Error::NotFinite { .. } | Error::StepFailed { .. })) => {
-                    LoopEvidence::failed(index, error)
-                }
+                Err(
+                    error @ (Error::NotFinite { .. }
+                    | Error::StepFailed { .. }
+                    | Error::OnTheWay { .. }),
+                ) => LoopEvidence::failed(index, error),
                 Err(error) => return Err(error),
             });
         }
         let deformation = deformation(map, phase_loop, largest)?;
         let (mut verdict, fits) = judge(&loops, deformation);
+        verdict
+            .evidence
+            .extend(study.regularity.and_then(|s| roughness(s, largest)));
         let long_time = match self.long_time {
             0 => None,
             steps => Some(long_time::follow(&configured, largest, steps)?),
@@ -288,6 +297,8 @@ struct Study<'a> {
     watch: &'a dyn Fn(Event<'_>),
     points: Vec<Point>,
     breaks: Vec<BreakAt>,
+    /// Of the given loop after the largest step.
+    regularity: Option<f64>,
     largest: f64,
 }
 
@@ -304,29 +315,49 @@ impl Study<'_> {
             ..LoopEvidence::new(probe.index, probe.samples())
         };
         for &h in step_sizes {
+            let measured = probe.measure(h)?;
             evidence
                 .steps
-                .push(self.measure(Sweep::StepSize, probe, h)?);
+                .push(self.record(Sweep::StepSize, probe, h, measured));
         }
         Ok(evidence)
     }
 
     fn sweep_samples(&mut self, probe: &Probe<'_>, sweep: &SampleSweep) -> Result<(), Error> {
         (self.watch)(Event::Planned(sweep.counts.len()));
+        let (h, mut nested) = (sweep.step_size, None);
         for &samples in &sweep.counts {
-            let probe = probe.with_samples(samples)?;
-            self.measure(Sweep::Samples, &probe, sweep.step_size)?;
+            let nested = match &mut nested {
+                None => nested.insert(Nested::new(probe.subject, samples, h)?),
+                Some(nested) => {
+                    nested.resize(samples)?;
+                    nested
+                }
+            };
+            let rule = probe.sampling_rule();
+            let of_samples = Probe::of_samples(probe.index, probe.subject, rule, &nested.before)?;
+            let measured = of_samples.measure_samples(&nested.after, h)?;
+            self.record(Sweep::Samples, &of_samples, h, measured);
         }
         Ok(())
     }
 
-    fn measure(&mut self, sweep: Sweep, probe: &Probe<'_>, h: f64) -> Result<StepEvidence, Error> {
-        let measured = probe.measure(h)?;
+    /// Tells of what was measured, and keeps it.
+    fn record(
+        &mut self,
+        sweep: Sweep,
+        probe: &Probe<'_>,
+        h: f64,
+        measured: Measured,
+    ) -> StepEvidence {
         let point = Point::new(sweep, probe, h, &measured);
         (self.watch)(Event::Measured(&point));
         self.points.push(point);
         let found = measured.largest_break();
         let worth_all = probe.index == 0 && h == self.largest && sweep == Sweep::StepSize;
+        if worth_all {
+            self.regularity = measured.regularity;
+        }
         let breaks = if worth_all {
             measured.breaks
         } else {
@@ -337,12 +368,27 @@ impl Study<'_> {
             step_size: h,
             found,
         }));
-        Ok(StepEvidence {
+        StepEvidence {
             step_size: h,
             defect: measured.defect,
             found,
             closing: measured.closing,
             cells_apart: measured.cells_apart,
-        })
+        }
     }
+}
+
+/// What a Sobolev exponent says of a loop that is not smooth.
+fn roughness(exponent: f64, h: f64) -> Option<String> {
+    let what = match exponent {
+        0.25..1.0 => "as at jumps",
+        1.0..2.0 => "as at kinks",
+        2.0..4.5 => "as where a higher derivative jumps",
+        _ => return None,
+    };
+    let h = size(h);
+    Some(format!(
+        "After the step of h = {h} the Fourier coefficients of the given loop fall as those of a function in \
+         H^{exponent:.1}: {what}, or on flanks that the samples do not resolve."
+    ))
 }

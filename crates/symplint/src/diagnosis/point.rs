@@ -52,7 +52,12 @@ pub struct Point {
     pub chord: Option<f64>,
     /// |E| of the integral whose breaks are closed.
     pub closed_defect: Option<f64>,
-    /// Single states that the map advanced for this point, the search for breaks aside.
+    /// How smooth the advanced loop is, by the decay of the Fourier coefficients of its samples: the Sobolev
+    /// exponent s of H^s, about ½ at jumps and 3/2 at kinks. Where the coefficients fall to round-off it is a
+    /// lower bound.
+    pub regularity: Option<f64>,
+    /// Single states that make up this point: those that the map had to advance, the search for breaks
+    /// aside.
     pub evaluations: usize,
 }
 
@@ -75,6 +80,7 @@ impl Point {
             jumps: measured.closing.map(|closing| closing.breaks),
             chord: measured.closing.map(|closing| closing.chord),
             closed_defect: (measured.closing).map(|closing| closing.closed.magnitude()),
+            regularity: measured.regularity,
             evaluations: measured.evaluations,
         }
     }

@@ -28,6 +28,8 @@ pub(super) struct Probe<'a> {
     pub subject: Subject<'a>,
     pub method: Method,
     pub initial: LoopIntegral,
+    /// What is known of a step already, with its size.
+    known: Option<(f64, Measured)>,
 }
 
 /// How a loop is integrated.
@@ -40,6 +42,7 @@ pub(super) enum Method {
 }
 
 /// What one step did to the loop.
+#[derive(Clone)]
 pub(super) struct Measured {
     pub integral: LoopIntegral,
     pub defect: Defect,
@@ -51,6 +54,8 @@ pub(super) struct Measured {
     pub samples: usize,
     /// States that the map advanced, those for finding breaks between samples aside.
     pub evaluations: usize,
+    /// Sobolev exponent of the advanced loop, where samples tell.
+    pub regularity: Option<f64>,
     /// Grid cells, or half periods, from one sample to the next at most.
     pub cells_apart: f64,
 }
@@ -59,8 +64,8 @@ impl<'a> Probe<'a> {
     pub fn new(index: usize, subject: Subject<'a>, method: Method) -> Result<Self, Error> {
         let initial = match method {
             Method::Samples(rule, samples) => {
-                let ensemble = Ensemble::sample(subject.phase_loop, samples)?;
-                LoopIntegral::in_coordinates(&ensemble, &rule, subject.coordinates)?
+                let before = Ensemble::sample(subject.phase_loop, samples)?;
+                return Probe::of_samples(index, subject, rule, &before);
             }
             Method::Piecewise(rule) => {
                 let rest = Identity(subject.coordinates);
@@ -72,7 +77,30 @@ impl<'a> Probe<'a> {
             subject,
             method,
             initial,
+            known: None,
         })
+    }
+
+    /// The probe whose samples before the step are these.
+    pub fn of_samples(
+        index: usize,
+        subject: Subject<'a>,
+        rule: Rule,
+        before: &Ensemble,
+    ) -> Result<Self, Error> {
+        Ok(Probe {
+            index,
+            subject,
+            method: Method::Samples(rule, before.samples()),
+            initial: LoopIntegral::in_coordinates(before, &rule, subject.coordinates)?,
+            known: None,
+        })
+    }
+
+    /// Keeps what a step of size `h` was found to do, so that nobody measures it again.
+    pub fn knowing(mut self, h: f64, measured: Measured) -> Self {
+        self.known = Some((h, measured));
+        self
     }
 
     /// Name of the rule.
@@ -91,13 +119,12 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// The same with another number of samples, where the rule takes any.
-    pub fn with_samples(&self, samples: usize) -> Result<Self, Error> {
-        let rule = match self.method {
+    /// The rule for any number of samples.
+    pub fn sampling_rule(&self) -> Rule {
+        match self.method {
             Method::Samples(rule, _) => rule,
             Method::Piecewise(_) => Rule::Pseudospectral,
-        };
-        Probe::new(self.index, self.subject, Method::Samples(rule, samples))
+        }
     }
 
     /// The quadrature error of a finite-difference integral of a loop without breaks, not less than its
@@ -116,46 +143,56 @@ impl<'a> Probe<'a> {
 
     /// Advances the loop by one step and compares the loop integrals.
     pub fn measure(&self, h: f64) -> Result<Measured, Error> {
+        match &self.known {
+            Some((of, measured)) if *of == h => return Ok(measured.clone()),
+            _ => {}
+        }
         match self.method {
-            Method::Samples(rule, samples) => self.measure_samples(&rule, samples, h),
+            Method::Samples(_, samples) => self.measure_samples(&self.advanced(samples, h)?, h),
             Method::Piecewise(rule) => self.measure_pieces(&rule, h),
         }
     }
 
-    /// The advanced samples, and a break if they lead to one.
-    fn advanced(&self, samples: usize, h: f64) -> Result<(Ensemble, Option<Break>), Error> {
+    fn advanced(&self, samples: usize, h: f64) -> Result<Ensemble, Error> {
+        let mut ensemble = Ensemble::sample(self.subject.phase_loop, samples)?;
+        ensemble.advance(self.subject.map, h)?;
+        Ok(ensemble)
+    }
+
+    /// A break, if advanced samples lead to one.
+    fn find_break(&self, after: &Ensemble, h: f64) -> Result<Option<Break>, Error> {
         let Subject {
             map,
             phase_loop,
             coordinates,
         } = self.subject;
-        let mut ensemble = Ensemble::sample(phase_loop, samples)?;
-        ensemble.advance(map, h)?;
-        let found = find_break(map, phase_loop, h, &ensemble, coordinates)?;
-        let found = found.filter(|found| is_substantial(found, &ensemble));
-        Ok((ensemble, found))
+        let found = find_break(map, phase_loop, h, after, coordinates)?;
+        Ok(found.filter(|found| is_substantial(found, after)))
     }
 
-    fn measure_samples(&self, rule: &Rule, samples: usize, h: f64) -> Result<Measured, Error> {
+    /// What a step of size `h` did to the samples, which are as many as those before it.
+    pub fn measure_samples(&self, after: &Ensemble, h: f64) -> Result<Measured, Error> {
         let coordinates = self.subject.coordinates;
-        let (ensemble, found) = self.advanced(samples, h)?;
-        let mut integral = LoopIntegral::in_coordinates(&ensemble, rule, coordinates)?;
+        let (rule, samples) = (self.sampling_rule(), after.samples());
+        let found = self.find_break(after, h)?;
+        let mut integral = LoopIntegral::in_coordinates(after, &rule, coordinates)?;
         if let Rule::FiniteDifference(_) = rule {
             integral.quadrature_error = match found {
                 // The rule took a jump for a part of the loop: nobody knows how far off that is.
                 Some(found) if retains(&integral, &found, samples) => None,
                 Some(_) => integral.quadrature_error,
-                None => self.cross_checked(&ensemble, &integral)?,
+                None => self.cross_checked(after, &integral)?,
             };
         }
         Ok(Measured {
             defect: Defect::between(&self.initial, &integral)?,
+            regularity: integral.regularity,
             integral,
             breaks: found.into_iter().collect(),
             closing: None,
             samples,
             evaluations: samples,
-            cells_apart: cells_apart(&ensemble, coordinates),
+            cells_apart: cells_apart(after, coordinates),
         })
     }
 
@@ -165,27 +202,28 @@ impl<'a> Probe<'a> {
             phase_loop,
             coordinates,
         } = self.subject;
-        let pieces = rule.integrate(map, phase_loop, h)?;
+        // A few pieces can miss what is narrow. Equispaced samples, many more of them in small
+        // systems, see it.
+        let seen = self.advanced(self.samples(), h)?;
+        let pieces = rule.integrate_beside(map, phase_loop, h, Some(&seen))?;
         let closed = pieces.closed();
-        let (samples, evaluations) = (pieces.nodes(), pieces.evaluations);
+        let (samples, evaluations) = (pieces.nodes(), pieces.evaluations + seen.samples());
         let PiecewiseIntegral {
             continuous: mut integral,
             mut breaks,
             ..
         } = pieces;
-        // A few pieces can miss what is narrow. Equispaced samples, many more of them in small
-        // systems, see it.
-        let (ensemble, found) = self.advanced(self.samples(), h)?;
-        breaks.retain(|found| is_substantial(found, &ensemble));
-        if breaks.is_empty() {
-            integral.quadrature_error = match found {
-                Some(_) => None,
-                None => self.not_missed(&ensemble, &integral)?,
-            };
-            breaks.extend(found);
+        breaks.retain(|found| is_substantial(found, &seen));
+        if breaks.is_empty()
+            && let Some(found) = self.find_break(&seen, h)?
+        {
+            integral.quadrature_error = None;
+            breaks.push(found);
         }
+        let modes = LoopIntegral::in_coordinates(&seen, &Rule::Pseudospectral, coordinates)?;
         Ok(Measured {
             defect: Defect::between(&self.initial, &integral)?,
+            regularity: modes.regularity,
             closing: Some(Closing {
                 breaks: breaks.len(),
                 chord: pieces.closing.iter().sum(),
@@ -195,27 +233,7 @@ impl<'a> Probe<'a> {
             breaks,
             samples,
             evaluations,
-            cells_apart: cells_apart(&ensemble, coordinates),
-        })
-    }
-
-    /// The quadrature error of a piecewise integral without breaks: larger where the pseudospectral one is
-    /// further off than both rules say.
-    fn not_missed(
-        &self,
-        ensemble: &Ensemble,
-        integral: &LoopIntegral,
-    ) -> Result<Option<f64>, Error> {
-        let rule = Rule::Pseudospectral;
-        let other = LoopIntegral::in_coordinates(ensemble, &rule, self.subject.coordinates)?;
-        let distance = (other.value - integral.value).abs();
-        let allowed = other.quadrature_error.map(|error| {
-            let own = integral.quadrature_error.unwrap_or(0.0);
-            error + own + other.roundoff + integral.roundoff
-        });
-        Ok(match allowed {
-            Some(allowed) if distance > allowed => Some(distance),
-            _ => integral.quadrature_error,
+            cells_apart: cells_apart(&seen, coordinates),
         })
     }
 }

@@ -1,5 +1,6 @@
 //! Choosing the rule and the number of samples.
 
+use super::nested::Nested;
 use super::probe::{Method, Probe, Subject};
 use super::{Diagnostic, RuleChoice, SampleCount};
 use crate::error::Error;
@@ -17,7 +18,7 @@ const FEWEST_OF_MANY: usize = 64;
 /// Where it ends at the latest.
 const MOST: usize = 1 << 16;
 
-/// Memory of the largest ensemble that is chosen without being asked for.
+/// Memory of the largest ensembles, before and after a step, that are chosen without being asked for.
 const MOST_BYTES: usize = 512 << 20;
 
 /// A quadrature error of this size is as good as round-off.
@@ -29,6 +30,19 @@ const STALLED: f64 = 1.7;
 
 /// Above this an error that does not fall is not yet noise: the loop is steep somewhere.
 const NOISE: f64 = 1e-5;
+
+/// Sobolev exponents of loops with kinks: more than the ½ of a jump, which is looked for in its own way, and
+/// so few that no analytic loop has them.
+const LEAST_KINKED: f64 = 1.0;
+
+/// The other end of the range.
+const MOST_KINKED: f64 = 4.5;
+
+/// Exponents from N and 2N samples that differ by less are one.
+const AGREEMENT: f64 = 0.1;
+
+/// An expected error this many times the wanted one is reason to leave equispaced samples early.
+const HOPELESS: f64 = 10.0;
 
 /// Coordinates that the piecewise rule may have the map advance for one loop integral, where nobody
 /// asked for that rule.
@@ -49,22 +63,25 @@ impl Diagnostic {
                 return Probe::new(index, subject, Method::Piecewise(self.piecewise));
             }
         };
-        let (mut count, most) = match self.samples {
+        let (fewest, most) = match self.samples {
             SampleCount::Fixed(count) => (count, count),
             SampleCount::Auto => range_of_samples(subject.phase_loop.dof()),
         };
+        if !auto && 2 * fewest > most {
+            return Probe::new(index, subject, Method::Samples(rule, fewest));
+        }
+        let mut nested = Nested::new(subject, fewest, h)?;
         let mut last_error = f64::INFINITY;
         let mut stalls = 0;
+        let mut last_regularity = None;
+        let mut pieces = None;
         loop {
-            let probe = Probe::new(index, subject, Method::Samples(rule, count))?;
-            if !auto && 2 * count > most {
-                return Ok(probe);
-            }
-            let measured = probe.measure(h)?;
+            let probe = Probe::of_samples(index, subject, rule, &nested.before)?;
+            let measured = probe.measure_samples(&nested.after, h)?;
             if !measured.breaks.is_empty() {
                 return match auto {
                     true => self.broken(probe, most, h),
-                    false => Ok(probe),
+                    false => Ok(probe.knowing(h, measured)),
                 };
             }
             let error = measured.defect.quadrature_error.unwrap_or(f64::INFINITY);
@@ -73,49 +90,71 @@ impl Diagnostic {
             } else {
                 0
             };
-            let floor = 4.0 * measured.defect.roundoff;
-            let enough = error <= ENOUGH.max(floor);
+            let wanted = ENOUGH.max(4.0 * measured.defect.roundoff);
+            let enough = error <= wanted;
             let sees_the_grid = measured.cells_apart <= MOST_CELLS_APART;
-            if (sees_the_grid && (enough || stalls == 2)) || 2 * count > most {
+            let all = 2 * nested.before.samples() > most;
+            let regularity = measured.integral.regularity;
+            let kinked = settled(last_regularity, regularity);
+            // The pseudospectral error falls as N^(1 − 2s) on a loop in H^s.
+            let fall = nested.before.samples() as f64 / most as f64;
+            let expected = kinked.map_or(0.0, |s| error * fall.powf(2.0 * s - 1.0));
+            let probe = probe.knowing(h, measured);
+            if (sees_the_grid && (enough || stalls == 2)) || all {
                 // Where twice the samples gain nothing there is noise, and no rule does better.
-                return if auto && !enough && stalls < 2 {
-                    self.finer(probe, h, error)
-                } else {
-                    Ok(probe)
+                if !auto || enough || stalls == 2 {
+                    return Ok(probe);
+                }
+                let pieces = match pieces {
+                    Some(pieces) => pieces,
+                    None => self.tried(&probe, h)?,
                 };
+                let better = pieces.measure(h)?.defect.uncertainty() < error;
+                return Ok(if better { pieces } else { probe });
+            }
+            if auto && pieces.is_none() && expected > HOPELESS * wanted {
+                let tried = self.tried(&probe, h)?;
+                if tried.measure(h)?.defect.uncertainty() < expected {
+                    return Ok(tried);
+                }
+                pieces = Some(tried);
             }
             last_error = error;
-            count *= 2;
+            last_regularity = regularity;
+            nested.double()?;
         }
     }
 
-    /// The piecewise rule within the means of automatic choices.
-    fn tried<'a>(&self, probe: &Probe<'a>) -> Result<Probe<'a>, Error> {
+    /// The piecewise rule within the means of automatic choices, and what it makes of a step.
+    fn tried<'a>(&self, probe: &Probe<'a>, h: f64) -> Result<Probe<'a>, Error> {
         let most = MOST_TRIED / probe.subject.phase_loop.dof().max(1);
         let rule = Piecewise {
             most_evaluations: self.piecewise.most_evaluations.min(most),
             ..self.piecewise
         };
-        Probe::new(probe.index, probe.subject, Method::Piecewise(rule))
-    }
-
-    /// The piecewise rule for a loop that samples resolve to `error`, if it does better.
-    fn finer<'a>(&self, probe: Probe<'a>, h: f64, error: f64) -> Result<Probe<'a>, Error> {
-        let pieces = self.tried(&probe)?;
-        let better = pieces.measure(h)?.defect.uncertainty() < error;
-        Ok(if better { pieces } else { probe })
+        let pieces = Probe::new(probe.index, probe.subject, Method::Piecewise(rule))?;
+        let measured = pieces.measure(h)?;
+        Ok(pieces.knowing(h, measured))
     }
 
     /// The piecewise rule for a broken loop; finite differences, which need all the samples they can get, where
     /// there are more breaks than it can follow.
     fn broken<'a>(&self, probe: Probe<'a>, most: usize, h: f64) -> Result<Probe<'a>, Error> {
-        let pieces = self.tried(&probe)?;
+        let pieces = self.tried(&probe, h)?;
         if pieces.measure(h)?.defect.uncertainty() <= WEAKEST_BOUND {
             return Ok(pieces);
         }
         let rule = Rule::FiniteDifference(Cutoffs::relative(CUTOFF));
         Probe::new(probe.index, probe.subject, Method::Samples(rule, most))
     }
+}
+
+/// The Sobolev exponent of a loop with kinks, on which twice the samples agree. That of a smooth loop
+/// grows as soon as samples resolve it.
+fn settled(before: Option<f64>, now: Option<f64>) -> Option<f64> {
+    let (before, now) = before.zip(now)?;
+    let agree = (before - now).abs() < AGREEMENT;
+    (agree && (LEAST_KINKED..=MOST_KINKED).contains(&now)).then_some(now)
 }
 
 /// The λ of the paper's figures.
@@ -130,6 +169,6 @@ pub(super) fn fewest_samples(dof: usize) -> usize {
 fn range_of_samples(dof: usize) -> (usize, usize) {
     let power_below = |count: usize| count.checked_ilog2().map_or(0, |exponent| 1 << exponent);
     let fewest = power_below(FEWEST / dof.max(1)).max(FEWEST_OF_MANY);
-    let most = power_below(MOST_BYTES / (16 * dof.max(1))).clamp(fewest, MOST);
+    let most = power_below(MOST_BYTES / (32 * dof.max(1))).clamp(fewest, MOST);
     (fewest, most)
 }

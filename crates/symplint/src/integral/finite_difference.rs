@@ -168,6 +168,7 @@ fn integrate(row: &Row<'_>, cutoffs: &Cutoffs) -> RowIntegral {
         roundoff: stored + 2.0 * UNIT_ROUNDOFF * scale,
         scale,
         omitted,
+        regularity: None,
     }
 }
 

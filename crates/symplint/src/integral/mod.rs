@@ -2,6 +2,7 @@
 
 mod finite_difference;
 mod pseudospectral;
+mod regularity;
 mod unwrap;
 
 pub use finite_difference::{Cutoff, Cutoffs, OmittedCell};
@@ -53,6 +54,10 @@ pub struct LoopIntegral {
     pub scale: f64,
     /// The cells that the finite-difference rule left out; `None` for rules that leave out none.
     pub omitted: Option<Vec<OmittedCell>>,
+    /// The largest s for which all coordinates are in the Sobolev space H^s, as the decay of their Fourier
+    /// coefficients has it: ½ for a jump, 3/2 for a kink. Of a loop whose coefficients fall to round-off it is
+    /// a lower bound. `None` where the rule has no coefficients, or too few.
+    pub regularity: Option<f64>,
 }
 
 impl LoopIntegral {
@@ -114,6 +119,7 @@ impl LoopIntegral {
                 Rule::Pseudospectral => None,
                 Rule::FiniteDifference(_) => Some(Vec::new()),
             },
+            regularity: None,
         };
         let mut value = CompensatedSum::default();
         for (dof, row) in rows.into_iter().enumerate() {
@@ -125,6 +131,7 @@ impl LoopIntegral {
                 .map(|(sum, error)| sum + weight.abs() * error);
             total.roundoff += weight.abs() * row.roundoff;
             total.scale += weight.abs() * row.scale;
+            total.regularity = least(total.regularity, row.regularity);
             if let Some(omitted) = &mut total.omitted {
                 omitted.extend(row.omitted.iter().map(|&cell| OmittedCell { dof, cell }));
             }
@@ -143,6 +150,15 @@ struct RowIntegral {
     roundoff: f64,
     scale: f64,
     omitted: Vec<usize>,
+    regularity: Option<f64>,
+}
+
+/// The lesser of two where there are two.
+fn least(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (one, None) | (None, one) => one,
+    }
 }
 
 /// Half a unit in the last place: the relative error of one rounding.

@@ -15,7 +15,8 @@ use rayon::prelude::*;
 use realfft::num_complex::Complex;
 use realfft::{RealFftPlanner, RealToComplex};
 
-use super::{RowIntegral, UNIT_ROUNDOFF, unwrap_row};
+use super::regularity::sobolev_exponent;
+use super::{RowIntegral, UNIT_ROUNDOFF, least, unwrap_row};
 use crate::coordinates::Coordinates;
 use crate::ensemble::Ensemble;
 
@@ -144,6 +145,14 @@ impl Spectra<'_> {
             roundoff: stored + transformed,
             scale: factor * scale,
             omitted: Vec::new(),
+            regularity: {
+                // A mode of the rounding of the stored samples, with a margin.
+                let rounding = 4.0 * UNIT_ROUNDOFF * n.sqrt();
+                least(
+                    sobolev_exponent(&self.q[1..modes], rounding * max_q),
+                    sobolev_exponent(&self.p[1..modes], rounding * max_p),
+                )
+            },
         }
     }
 

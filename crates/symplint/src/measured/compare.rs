@@ -335,6 +335,7 @@ impl<'a> Initial<'a> {
             roundoff,
             scale,
             omitted: Some(omitted),
+            regularity: None,
         };
         let closed = LoopIntegral {
             value: total,

@@ -202,6 +202,7 @@ fn point(initial: &Initial<'_>, step: &Compared, samples: usize) -> Point {
         jumps: step.broken.map(|broken| broken.confirmed),
         chord: step.broken.map(|broken| broken.chord),
         closed_defect: step.broken.map(|broken| broken.closed_defect.signed.abs()),
+        regularity: step.integral.regularity,
         evaluations: samples,
     }
 }

@@ -146,6 +146,18 @@ impl Piecewise {
         phase_loop: &dyn Loop,
         h: f64,
     ) -> Result<PiecewiseIntegral, Error> {
+        self.integrate_beside(map, phase_loop, h, None)
+    }
+
+    /// The same with what is `seen` besides: equispaced samples of the advanced loop. Every piece has to
+    /// agree with them, so that nothing as wide as their distance is missed.
+    pub(crate) fn integrate_beside(
+        &self,
+        map: &dyn TimeAdvance,
+        phase_loop: &dyn Loop,
+        h: f64,
+        seen: Option<&Ensemble>,
+    ) -> Result<PiecewiseIntegral, Error> {
         self.check(map, phase_loop)?;
         let coordinates = map.coordinates();
         let curves = Curves {
@@ -164,7 +176,7 @@ impl Piecewise {
             a: edge(k),
             b: edge(k + 1),
         });
-        let mut queue = Queue::new(curves, &coordinates, scales, self.most_evaluations);
+        let mut queue = Queue::new(curves, &coordinates, scales, self.most_evaluations, seen);
         queue.evaluations += SKETCH;
         queue.run(0, pieces.collect())?;
         let chords = close(&mut queue, self.closure)?;
@@ -267,6 +279,7 @@ fn collect(queue: &Queue<'_>, chords: &[Chord]) -> Result<PiecewiseIntegral, Err
             roundoff: 4.0 * UNIT_ROUNDOFF * (exposure + scale),
             scale,
             omitted: None,
+            regularity: None,
         },
         closing: of_closing,
         breaks,

@@ -5,7 +5,7 @@ use super::curves::{Images, coordinate};
 use super::lobatto::{
     DEGREE, LOBATTO, NODES, SMOOTH, TERMS, Values, derivative, evaluate, polynomial, tail_squared,
 };
-use super::scales::{Scales, period};
+use super::scales::{Scales, nearest, period};
 use crate::coordinates::Coordinates;
 use crate::ensemble::Ensemble;
 use crate::integral::unwrap_row;
@@ -109,6 +109,8 @@ pub(super) struct View<'a> {
     pub first: usize,
     pub scales: &'a Scales,
     pub coordinates: &'a Coordinates,
+    /// Equispaced samples of the advanced loop that are known besides.
+    pub seen: Option<&'a Ensemble>,
 }
 
 impl View<'_> {
@@ -144,10 +146,40 @@ impl View<'_> {
             resolved &= fit.off <= self.allowed(c, &fit);
             fits.push(fit);
         }
-        if resolved || last || short {
-            return Finding::Smooth(self.smooth(&fits, resolved));
+        let missed = if resolved { self.missed(&fits) } else { None };
+        if last || short {
+            return Finding::Smooth(self.smooth(&fits, resolved && missed.is_none()));
         }
-        self.seek_break(&fits)
+        match missed {
+            Some(at) => Finding::Cut {
+                at: vec![at],
+                explained: true,
+            },
+            None if resolved => Finding::Smooth(self.smooth(&fits, resolved)),
+            None => self.seek_break(&fits),
+        }
+    }
+
+    /// The parameter of a seen sample on the piece that is not where the interpolants have it.
+    fn missed(&self, fits: &[Fit]) -> Option<f64> {
+        let seen = self.seen.filter(|_| self.piece.curve == 0)?;
+        let samples = seen.samples() as f64;
+        let first = (self.piece.a * samples).ceil().max(0.0) as usize;
+        let last = (self.piece.b * samples).floor().min(samples - 1.0) as usize;
+        let inside = |&s: &f64| s > self.piece.a && s < self.piece.b;
+        (first..=last)
+            .map(|k| (k, k as f64 / samples))
+            .filter(|(_, s)| inside(s))
+            .find(|&(k, s)| {
+                fits.iter().enumerate().any(|(c, fit)| {
+                    let expected = evaluate(&fit.coefficients, self.piece.x(s));
+                    let off = coordinate(seen, c)[k] - expected;
+                    let off = nearest(off, period(self.coordinates, c));
+                    // The tolerance is that of the interpolant's own estimate.
+                    off.abs() > 2.0 * self.allowed(c, fit)
+                })
+            })
+            .map(|(_, s)| s)
     }
 
     /// What an interpolant may be off: the tolerance, and what the rounding of the state that the map got

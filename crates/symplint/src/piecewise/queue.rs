@@ -22,6 +22,8 @@ pub(super) struct Queue<'a> {
     pub breaks: Vec<Found>,
     pub evaluations: usize,
     most_evaluations: usize,
+    /// Equispaced samples of the advanced loop that are known besides.
+    seen: Option<&'a Ensemble>,
 }
 
 /// A break of a curve.
@@ -104,6 +106,7 @@ impl<'a> Queue<'a> {
         coordinates: &'a Coordinates,
         scales: Scales,
         most_evaluations: usize,
+        seen: Option<&'a Ensemble>,
     ) -> Self {
         Queue {
             curves,
@@ -113,6 +116,7 @@ impl<'a> Queue<'a> {
             breaks: Vec::new(),
             evaluations: 0,
             most_evaluations,
+            seen,
         }
     }
 
@@ -288,6 +292,7 @@ impl<'a> Queue<'a> {
             first,
             scales: &self.scales,
             coordinates: self.coordinates,
+            seen: self.seen,
         };
         match view.examine(last) {
             Finding::Smooth(smooth) if smooth.turns.is_empty() || last => {
