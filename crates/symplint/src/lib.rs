@@ -68,8 +68,8 @@ pub use breaks::{Break, find_break};
 pub use coordinates::Coordinates;
 pub use defect::{Defect, logarithmic_defect};
 pub use diagnosis::{
-    BreakAt, Diagnosis, Diagnostic, Event, Growth, LongTime, Point, RuleChoice, SampleCount,
-    SampleSweep, Sweep,
+    BreakAt, Diagnosis, Diagnostic, Event, Growth, Localisation, LongTime, Point, RuleChoice,
+    SampleCount, SampleSweep, Sector, Stage, Sweep,
 };
 pub use ensemble::Ensemble;
 pub use error::Error;

@@ -63,6 +63,11 @@ pub const KEYS: &[Key] = &[
         "0",
         "so many steps of the largest size, to see whether a defect adds up; 0 for none",
     ),
+    Key::new(
+        "stages",
+        "true",
+        "whether a defect is traced to a substep of the map and to a part of the loop",
+    ),
 ];
 
 const FROM_TO: [Key; 2] = [
@@ -121,6 +126,7 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         loops: section.whole_between("loops", 1, MOST_LOOPS)? as usize,
         seed: section.whole("seed", 0)?,
         jacobian: true,
+        stages: section.flag("stages")?,
         long_time: section.whole_between("steps", 0, MOST_STEPS)? as usize,
     };
     Ok((diagnostic, section))

@@ -279,6 +279,20 @@ impl Section {
         self.optional_list(key, read, |path, node| Ok(vec![read(path, node)?]))
     }
 
+    /// True or false.
+    pub fn flag(&self, key: &str) -> Result<bool, ConfigError> {
+        let node = self.required(key)?;
+        match node.value {
+            Value::Boolean(flag) => Ok(flag),
+            _ => Err(wrong(
+                &self.dotted(key),
+                &node,
+                "true or false",
+                "write true or false, without quotes",
+            )),
+        }
+    }
+
     /// A text.
     pub fn text(&self, key: &str) -> Result<String, ConfigError> {
         let node = self.required(key)?;

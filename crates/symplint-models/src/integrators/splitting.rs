@@ -239,6 +239,18 @@ impl<S: DriftKick> TimeAdvance for Splitting<S> {
         Ok(())
     }
 
+    fn substep_name(&self, substep: usize) -> String {
+        let Substep { flow, fraction } = self.method.substeps[substep];
+        let flow = match flow {
+            Flow::Drift => "drift",
+            Flow::Kick => "kick",
+        };
+        match fraction {
+            1.0 => format!("{flow} of h"),
+            _ => format!("{flow} of {} h", (fraction * 1e4).round() / 1e4),
+        }
+    }
+
     fn coordinates(&self) -> Coordinates {
         self.system.coordinates()
     }

@@ -51,6 +51,19 @@ impl<M: TimeAdvance> Compose<M> {
         }
         Ok(Compose { parts })
     }
+
+    /// The part that a substep belongs to, with its fraction, and which of its substeps it is.
+    fn part(&self, substep: usize) -> (f64, &M, usize) {
+        let mut before = 0;
+        for (fraction, map) in &self.parts {
+            let substeps = map.substeps();
+            if substep < before + substeps {
+                return (*fraction, map, substep - before);
+            }
+            before += substeps;
+        }
+        panic!("substep {substep} of {before}");
+    }
 }
 
 impl<M: TimeAdvance> TimeAdvance for Compose<M> {
@@ -74,15 +87,13 @@ impl<M: TimeAdvance> TimeAdvance for Compose<M> {
         h: f64,
         block: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
-        let mut before = 0;
-        for (fraction, map) in &self.parts {
-            let substeps = map.substeps();
-            if substep < before + substeps {
-                return map.advance_substep(substep - before, fraction * h, block);
-            }
-            before += substeps;
-        }
-        panic!("substep {substep} of {before}");
+        let (fraction, map, substep) = self.part(substep);
+        map.advance_substep(substep, fraction * h, block)
+    }
+
+    fn substep_name(&self, substep: usize) -> String {
+        let (_, map, substep) = self.part(substep);
+        map.substep_name(substep)
     }
 
     fn coordinates(&self) -> Coordinates {

@@ -24,6 +24,15 @@ impl<M: TimeAdvance> Damped<M> {
         ModelError::check_finite("the rate of damping", rate)?;
         Ok(Damped { map, rate })
     }
+
+    fn damp(&self, h: f64, block: &mut Block<'_>) {
+        let factor = (-self.rate * h).exp();
+        for i in 0..block.dof() {
+            for p in block.p.row_mut(i) {
+                *p *= factor;
+            }
+        }
+    }
 }
 
 impl<M: TimeAdvance> TimeAdvance for Damped<M> {
@@ -33,13 +42,32 @@ impl<M: TimeAdvance> TimeAdvance for Damped<M> {
 
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         self.map.advance(h, block)?;
-        let factor = (-self.rate * h).exp();
-        for i in 0..block.dof() {
-            for p in block.p.row_mut(i) {
-                *p *= factor;
-            }
-        }
+        self.damp(h, block);
         Ok(())
+    }
+
+    fn substeps(&self) -> usize {
+        self.map.substeps() + 1
+    }
+
+    fn advance_substep(
+        &self,
+        substep: usize,
+        h: f64,
+        block: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        if substep < self.map.substeps() {
+            return self.map.advance_substep(substep, h, block);
+        }
+        self.damp(h, block);
+        Ok(())
+    }
+
+    fn substep_name(&self, substep: usize) -> String {
+        if substep < self.map.substeps() {
+            return self.map.substep_name(substep);
+        }
+        "friction".into()
     }
 
     fn coordinates(&self) -> Coordinates {

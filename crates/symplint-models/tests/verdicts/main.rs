@@ -2,6 +2,7 @@
 
 mod failures;
 mod large;
+mod localisation;
 mod no_evidence;
 mod noise;
 mod rules;

@@ -1,5 +1,6 @@
 //! The whole diagnosis: sweeps over the step size and the number of samples, and the verdict.
 
+mod localise;
 mod long_time;
 mod nested;
 mod point;
@@ -9,6 +10,7 @@ mod resolve;
 mod sanity;
 mod second;
 
+pub use localise::{Localisation, Sector, Stage};
 pub use long_time::{Growth, LongTime};
 pub use point::{Point, Sweep};
 pub(crate) use probe::motion;
@@ -93,6 +95,8 @@ pub struct Diagnostic {
     pub seed: u64,
     /// So many steps of the largest size of the given loop, to see whether a defect adds up; 0 for none.
     pub long_time: usize,
+    /// Whether a defect is looked for in the substeps of the map, and in the parts of the loop.
+    pub stages: bool,
     /// Whether the Jacobian of the largest step is asked for a second opinion.
     pub jacobian: bool,
 }
@@ -109,6 +113,7 @@ impl Default for Diagnostic {
             loops: 8,
             seed: 1,
             long_time: 0,
+            stages: true,
             jacobian: true,
         }
     }
@@ -150,6 +155,8 @@ pub struct Diagnosis {
     pub breaks: Vec<BreakAt>,
     /// What became of the defect in many steps, where that was asked for.
     pub long_time: Option<LongTime>,
+    /// Which substep and which part of the loop the defect comes from, if there is one.
+    pub localisation: Option<Localisation>,
     /// What the Jacobian of the largest step says at points of the given loop, where it was asked.
     pub jacobian: Option<JacobianReport>,
 }
@@ -236,12 +243,14 @@ impl Diagnostic {
         verdict
             .evidence
             .extend(long_time.iter().map(LongTime::to_string));
+        let localisation = self.localise(subject, &loops, &mut verdict, largest);
         let jacobian = match self.jacobian {
             true => second::opinion(&subject, largest, &mut verdict),
             false => None,
         };
         Ok(Diagnosis {
             long_time,
+            localisation,
             jacobian,
             verdict,
             points: study.points,

@@ -273,7 +273,7 @@ fn retains(integral: &LoopIntegral, found: &Break, samples: usize) -> bool {
 }
 
 /// The map that leaves every state where it is.
-struct Identity<'a>(&'a Coordinates);
+pub(super) struct Identity<'a>(pub &'a Coordinates);
 
 impl TimeAdvance for Identity<'_> {
     fn dof(&self) -> usize {

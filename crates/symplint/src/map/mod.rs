@@ -65,6 +65,11 @@ pub trait TimeAdvance: Send + Sync {
         self.advance(h, block)
     }
 
+    /// What a substep is called where a report speaks of it: `kick of 0.5 h`, say.
+    fn substep_name(&self, substep: usize) -> String {
+        format!("part {}", substep + 1)
+    }
+
     /// Which coordinates are periodic, what makes momenta canonical, and where the grid is.
     fn coordinates(&self) -> Coordinates {
         Coordinates::plain(self.dof())
@@ -100,6 +105,9 @@ macro_rules! forward_time_advance {
                 block: &mut Block<'_>,
             ) -> Result<(), StepFailure> {
                 (**self).advance_substep(substep, h, block)
+            }
+            fn substep_name(&self, substep: usize) -> String {
+                (**self).substep_name(substep)
             }
             fn coordinates(&self) -> Coordinates {
                 (**self).coordinates()

@@ -113,6 +113,7 @@ pub fn measure(
         .collect();
     let (verdict, fits) = conclude::conclude(&initial, &compared, samples);
     Ok(Diagnosis {
+        localisation: None,
         verdict,
         points,
         fits,

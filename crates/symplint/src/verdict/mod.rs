@@ -127,7 +127,7 @@ pub struct Closing {
 }
 
 /// A defect this many times its uncertainty is beyond doubt.
-const BEYOND_DOUBT: f64 = 10.0;
+pub(crate) const BEYOND_DOUBT: f64 = 10.0;
 
 /// A defect this many times its uncertainty is not explained by it.
 const UNEXPLAINED: f64 = 3.0;

@@ -1,0 +1,134 @@
+//! Which substep of a composition changes or breaks a loop.
+
+use serde::Serialize;
+
+use super::super::probe::{Method, Probe, Subject};
+use crate::block::Block;
+use crate::coordinates::Coordinates;
+use crate::defect::Defect;
+use crate::error::Error;
+use crate::map::{StepFailure, TimeAdvance};
+use crate::verdict::BEYOND_DOUBT;
+
+/// What one substep of the map does to the loop.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Stage {
+    /// Which substep, 0 for the first.
+    pub substep: usize,
+    /// Its name.
+    pub name: String,
+    /// Signed change of the loop integral, with its breaks closed, relative to that before the step.
+    pub change: f64,
+    /// How far off `change` may be; `None` where that is not known.
+    pub uncertainty: Option<f64>,
+    /// Breaks of the loop after this substep.
+    pub breaks: usize,
+}
+
+/// The first substeps of a map, as a map.
+struct Prefix<'a> {
+    map: &'a dyn TimeAdvance,
+    substeps: usize,
+}
+
+impl TimeAdvance for Prefix<'_> {
+    fn dof(&self) -> usize {
+        self.map.dof()
+    }
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        (0..self.substeps).try_for_each(|k| self.map.advance_substep(k, h, block))
+    }
+    fn substeps(&self) -> usize {
+        self.substeps
+    }
+    fn advance_substep(
+        &self,
+        substep: usize,
+        h: f64,
+        block: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        self.map.advance_substep(substep, h, block)
+    }
+    fn substep_name(&self, substep: usize) -> String {
+        self.map.substep_name(substep)
+    }
+    fn coordinates(&self) -> Coordinates {
+        self.map.coordinates()
+    }
+}
+
+/// Integrates the loop after every substep.
+pub(super) fn stages(subject: Subject<'_>, method: Method, h: f64) -> Result<Vec<Stage>, Error> {
+    let mut before: Option<(Defect, usize)> = None;
+    (0..subject.map.substeps())
+        .map(|substep| {
+            let prefix = Prefix {
+                map: subject.map,
+                substeps: substep + 1,
+            };
+            let subject = Subject {
+                map: &prefix,
+                ..subject
+            };
+            let name = subject.map.substep_name(substep);
+            let measured = Probe::new(0, subject, method)?.measure(h)?;
+            let defect = measured.closing.map_or(measured.defect, |c| c.closed);
+            let breaks = measured.breaks.len();
+            let since = before.map_or(0.0, |(before, _)| before.signed);
+            let doubt = before.map_or(0.0, |(before, _)| before.uncertainty());
+            before = Some((defect, breaks));
+            let uncertainty = doubt + defect.uncertainty();
+            Ok(Stage {
+                substep,
+                name,
+                change: defect.signed - since,
+                uncertainty: uncertainty.is_finite().then_some(uncertainty),
+                breaks,
+            })
+        })
+        .collect()
+}
+
+/// What the substeps do, in a sentence.
+pub(super) fn line(stages: &[Stage], h: &str) -> Option<String> {
+    let mut breaks = 0;
+    let mut culprits = Vec::new();
+    let mut others = 0.0f64;
+    for stage in stages {
+        let uncertainty = stage.uncertainty.unwrap_or(f64::INFINITY);
+        let changes = stage.change.abs() > BEYOND_DOUBT * uncertainty;
+        let tears = stage.breaks > breaks;
+        breaks = stage.breaks;
+        if !(changes || tears) {
+            others = others.max(stage.change.abs() + uncertainty);
+            continue;
+        }
+        let mut text = format!("substep {} ({})", stage.substep + 1, stage.name);
+        if tears {
+            text += &format!(" leaves the loop with {breaks} breaks");
+        }
+        if changes {
+            let and = if tears { " and" } else { "" };
+            text += &format!("{and} changes the loop integral by {:+.2e}", stage.change);
+        }
+        culprits.push(text);
+    }
+    if stages.is_empty() {
+        return None;
+    }
+    let count = stages.len();
+    if culprits.is_empty() {
+        return Some(format!(
+            "None of the {count} substeps at h = {h} changes the loop integral beyond doubt."
+        ));
+    }
+    let rest = match culprits.len() == count {
+        true => String::new(),
+        false if others.is_finite() => format!("; the others conserve it to {others:.1e}"),
+        false => "; of the others nothing is known".into(),
+    };
+    Some(format!(
+        "Of the {count} substeps at h = {h}, {}{rest}.",
+        culprits.join(", ")
+    ))
+}
