@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::method::JacobianMethod;
 use crate::verdict::short;
 
 /// The change of the symplectic form on two tangent vectors,
@@ -17,7 +18,7 @@ pub struct TangentDefect {
     /// The change with its sign.
     pub signed: f64,
     /// Half the width of the interval in which the true one lies, by the estimates: truncation of the
-    /// differences, noise of the map and round-off.
+    /// differences, noise of the map and round-off; round-off alone with a tangent map.
     pub uncertainty: f64,
     /// The degrees of freedom of u and of v; `None` where u and v move all of them.
     pub dofs: Option<(usize, usize)>,
@@ -70,7 +71,7 @@ pub struct JacobianPoint {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "why")]
 pub enum Doubt {
-    /// The differences do not converge at half the points or more: jumps or kinks are everywhere.
+    /// Derivatives are not had at half the points or more: jumps or kinks are everywhere.
     NotDifferentiable {
         /// Points without a derivative.
         points: usize,
@@ -101,7 +102,7 @@ impl std::fmt::Display for Doubt {
         match self {
             Doubt::NotDifferentiable { points, of } => write!(
                 f,
-                "the map has no derivative at {points} of {of} points, as far as differences tell; \
+                "the map has no derivative at {points} of {of} points, as far as can be told; \
                  take another loop"
             ),
             Doubt::LittleDeformation { deformation } => write!(
@@ -111,7 +112,7 @@ impl std::fmt::Display for Doubt {
             ),
             Doubt::WeakBound { bound, noise } => write!(
                 f,
-                "differences only bound the defect by {bound:.1e}, with a noise of the map of \
+                "derivatives only bound the defect by {bound:.1e}, with a noise of the map of \
                  {noise:.1e} of the loop's size; take a larger loop or double precision"
             ),
             Doubt::Unexplained { worst } => write!(
@@ -176,11 +177,14 @@ impl std::fmt::Display for JacobianVerdict {
 pub struct JacobianReport {
     /// Step size h.
     pub step_size: f64,
+    /// How derivatives were had.
+    pub method: JacobianMethod,
     /// The answer.
     pub verdict: JacobianVerdict,
     /// Point by point.
     pub points: Vec<JacobianPoint>,
-    /// Points at which the map has no derivative, on the scale of the differences.
+    /// Points at which the map has no derivative, on the scale of the differences, or of the last digit of
+    /// the state with a tangent map.
     pub not_differentiable: usize,
     /// Whether all pairs of unit vectors were tried, and not only random ones.
     pub full: bool,
@@ -193,7 +197,7 @@ pub struct JacobianReport {
     pub deformation: f64,
     /// Noise of the map: of one coordinate, relative to its size on the loop.
     pub noise: f64,
-    /// Single states that the map advanced.
+    /// Single states that the map advanced, with a tangent vector or without.
     pub evaluations: usize,
 }
 
