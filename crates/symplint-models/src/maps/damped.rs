@@ -1,8 +1,9 @@
 //! A map with a friction that does not belong there.
 
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
 
 use crate::error::ModelError;
+use crate::tangent::no_tangent;
 
 /// A map followed by a friction: momenta are multiplied by exp(−γh).
 ///
@@ -24,6 +25,15 @@ impl<M: TimeAdvance> Damped<M> {
         ModelError::check_finite("the rate of damping", rate)?;
         Ok(Damped { map, rate })
     }
+
+    fn damp(&self, h: f64, block: &mut Block<'_>) {
+        let factor = (-self.rate * h).exp();
+        for i in 0..block.dof() {
+            for p in block.p.row_mut(i) {
+                *p *= factor;
+            }
+        }
+    }
 }
 
 impl<M: TimeAdvance> TimeAdvance for Damped<M> {
@@ -33,16 +43,31 @@ impl<M: TimeAdvance> TimeAdvance for Damped<M> {
 
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         self.map.advance(h, block)?;
-        let factor = (-self.rate * h).exp();
-        for i in 0..block.dof() {
-            for p in block.p.row_mut(i) {
-                *p *= factor;
-            }
-        }
+        self.damp(h, block);
         Ok(())
     }
 
     fn coordinates(&self) -> Coordinates {
         self.map.coordinates()
+    }
+
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        self.map.tangent().map(|_| self as &dyn TangentMap)
+    }
+}
+
+impl<M: TimeAdvance> TangentMap for Damped<M> {
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        let of_map = self.map.tangent().ok_or_else(no_tangent)?;
+        of_map.advance_tangents(h, states, tangents)?;
+        self.damp(h, states);
+        // The friction is linear.
+        self.damp(h, tangents);
+        Ok(())
     }
 }
