@@ -382,3 +382,36 @@ fn a_step_that_deforms_nothing_tests_nothing() {
         }
     ));
 }
+
+#[test]
+fn small_defects_are_told_from_none() {
+    // Momenta are stretched by so much: det DΦ − 1.
+    let stretched = |by: f64| {
+        let step = move |h: f64, [q, p]: [f64; 2]| {
+            let p = (p - h * q.sin()) * (1.0 + by);
+            [q + h * p, p]
+        };
+        let tangent = move |h: f64, z: [f64; 2], [dq, dp]: [f64; 2]| {
+            let dp = (dp - h * z[0].cos() * dq) * (1.0 + by);
+            (step(h, z), [dq + h * dp, dp])
+        };
+        Given {
+            step,
+            tangent,
+            period: 0.0,
+        }
+    };
+    for by in [1e-6, 1e-9, 3e-12] {
+        match run(&stretched(by), 0.5).verdict {
+            JacobianVerdict::NotSymplectic { worst } => {
+                assert!((worst.signed - by).abs() <= worst.uncertainty, "{worst:?}");
+            }
+            other => panic!("{by:e}: {other}"),
+        }
+    }
+    // What is smaller can be round-off of an iterative solver, and only bounds the digits.
+    match run(&stretched(3e-13), 0.5).verdict {
+        JacobianVerdict::SymplecticAlmostEverywhere { digits } => assert_eq!(digits, 12.5),
+        other => panic!("{other}"),
+    }
+}

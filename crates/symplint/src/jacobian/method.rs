@@ -40,6 +40,17 @@ pub enum TangentDoubt {
     Unchecked,
 }
 
+impl JacobianMethod {
+    /// A smaller defect is none of the map's own: noise of a map that differences enlarge, or what is left
+    /// of stages that are solved to round-off, which no trial of a tangent map shows.
+    pub(super) fn least_defect(self) -> f64 {
+        match self {
+            JacobianMethod::TangentMap => 1e-12,
+            JacobianMethod::CentralDifferences { .. } => 1e-10,
+        }
+    }
+}
+
 impl std::fmt::Display for JacobianMethod {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

@@ -139,11 +139,11 @@ impl JacobianTest {
             }
         }
         let points: Vec<JacobianPoint> = (outcomes.iter().zip(&lab.places))
-            .map(|(outcomes, &s)| summed_up(s, outcomes))
+            .map(|(outcomes, &s)| summed_up(lab.method, s, outcomes))
             .collect();
-        let mut found = worst(points.iter().filter_map(|point| point.worst));
+        let mut found = worst(lab.method, points.iter().filter_map(|point| point.worst));
         let mut bound = (points.iter().filter_map(|point| point.bound)).reduce(f64::max);
-        if let Some(dense) = found.filter(|found| !full && found.is_beyond_doubt()) {
+        if let Some(dense) = found.filter(|found| !full && found.is_beyond_doubt(lab.method)) {
             let located = self.located(&mut lab, &outcomes, dense)?;
             bound = bound.map(|bound| bound.max(located.bound()));
             found = Some(located);
@@ -198,7 +198,7 @@ impl JacobianTest {
                 dofs: located.dofs,
                 ..dense
             };
-            worst([located, spread_evenly].into_iter()).unwrap_or(dense)
+            worst(lab.method, [located, spread_evenly].into_iter()).unwrap_or(dense)
         }))
     }
 
@@ -266,12 +266,12 @@ fn outcome(frame: &Frame, s: f64, task: &Task, derivatives: &[Derivative], full:
     }
 }
 
-fn summed_up(s: f64, outcomes: &[Outcome]) -> JacobianPoint {
+fn summed_up(method: JacobianMethod, s: f64, outcomes: &[Outcome]) -> JacobianPoint {
     let differentiable = outcomes.iter().all(|outcome| outcome.converged);
     let defects = || outcomes.iter().flat_map(|outcome| outcome.defects.iter());
     JacobianPoint {
         s,
-        worst: worst(defects().copied()).filter(|_| differentiable),
+        worst: worst(method, defects().copied()).filter(|_| differentiable),
         bound: (defects().map(TangentDefect::bound))
             .reduce(f64::max)
             .filter(|_| differentiable),

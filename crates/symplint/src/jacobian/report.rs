@@ -30,8 +30,9 @@ impl TangentDefect {
         self.signed.abs()
     }
 
-    pub(super) fn is_beyond_doubt(&self) -> bool {
-        self.magnitude() > SMALL.max(BEYOND_DOUBT * self.uncertainty)
+    /// Whether it is a defect of the map for sure, by derivatives of this method.
+    pub(super) fn is_beyond_doubt(&self, method: JacobianMethod) -> bool {
+        self.magnitude() > (method.least_defect()).max(BEYOND_DOUBT * self.uncertainty)
     }
 
     /// The largest change that there may be.
@@ -45,9 +46,6 @@ const BEYOND_DOUBT: f64 = 10.0;
 
 /// A defect this many times its uncertainty is not explained by it.
 const UNEXPLAINED: f64 = 3.0;
-
-/// A smaller defect can be noise of the map itself.
-const SMALL: f64 = 1e-10;
 
 /// A bound above this is too weak to call a map symplectic.
 const WEAKEST_BOUND: f64 = 1e-6;
@@ -213,7 +211,7 @@ impl JacobianReport {
         let (Some(worst), Some(bound)) = (self.worst, self.bound) else {
             return cannot_tell(self.without_derivative());
         };
-        if worst.is_beyond_doubt() {
+        if worst.is_beyond_doubt(self.method) {
             return JacobianVerdict::NotSymplectic { worst };
         }
         if 2 * self.not_differentiable >= self.points.len() {
@@ -224,7 +222,7 @@ impl JacobianReport {
                 deformation: self.deformation,
             });
         }
-        if worst.magnitude() > SMALL.max(UNEXPLAINED * worst.uncertainty) {
+        if worst.magnitude() > (self.method.least_defect()).max(UNEXPLAINED * worst.uncertainty) {
             return cannot_tell(Doubt::Unexplained { worst });
         }
         // Not `bound > …`: a bound that is no number is no bound.
@@ -248,8 +246,11 @@ impl JacobianReport {
 }
 
 /// The largest defect of those beyond doubt, or else of all; the first of equals.
-pub(super) fn worst(defects: impl Iterator<Item = TangentDefect>) -> Option<TangentDefect> {
-    let rank = |defect: &TangentDefect| (defect.is_beyond_doubt(), defect.magnitude());
+pub(super) fn worst(
+    method: JacobianMethod,
+    defects: impl Iterator<Item = TangentDefect>,
+) -> Option<TangentDefect> {
+    let rank = |defect: &TangentDefect| (defect.is_beyond_doubt(method), defect.magnitude());
     defects.reduce(|best, next| {
         let ((sure, size), (best_sure, best_size)) = (rank(&next), rank(&best));
         // A defect that is no number is worse than any other.

@@ -1,9 +1,8 @@
 //! Derivatives from the tangent map of a map, with the round-off that they show.
 //!
 //! A tangent vector is advanced several times: as it is, then multiplied by numbers that round otherwise,
-//! from states whose coordinates are changed by their last digit. The derivative itself does not know
-//! of that to first order, so what comes out differently is round-off, of the tangent vector and of the
-//! states along the step, however the step enlarges it.
+//! from states whose coordinates are changed by their last digit. What comes out differently is
+//! round-off, of the tangent vector and of the states along the step, however the step enlarges it.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
