@@ -7,6 +7,8 @@ use std::sync::Arc;
 
 use symplint::{Coordinates, Rows, RowsMut, scratch};
 
+use crate::tangent::{DriftKickTangent, SlopeTangent};
+
 /// A separable Hamiltonian H(q, p) = T(p) + V(q), whose two parts have exact flows.
 ///
 /// A system with T = |p|²/2 supplies [`dof`](Self::dof), [`kick`](Self::kick) and
@@ -45,6 +47,11 @@ pub trait Separable: Send + Sync {
     fn coordinates(&self) -> Coordinates {
         Coordinates::plain(self.dof())
     }
+
+    /// The derivatives of drifts and kicks, if the system supplies them. By default it does not.
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        None
+    }
 }
 
 /// Drifts q += τ v(p) and kicks p += τ F(q), whether or not F is the gradient of an energy.
@@ -67,6 +74,11 @@ pub trait DriftKick: Send + Sync {
     fn coordinates(&self) -> Coordinates {
         Coordinates::plain(self.dof())
     }
+
+    /// The derivatives of drifts and kicks, if the system supplies them. By default it does not.
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        None
+    }
 }
 
 impl<S: Separable + ?Sized> DriftKick for S {
@@ -84,6 +96,10 @@ impl<S: Separable + ?Sized> DriftKick for S {
 
     fn coordinates(&self) -> Coordinates {
         Separable::coordinates(self)
+    }
+
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        Separable::tangent(self)
     }
 }
 
@@ -108,6 +124,11 @@ pub trait Hamiltonian: Send + Sync {
     /// periodic and p is canonical as it is.
     fn coordinates(&self) -> Coordinates {
         Coordinates::plain(self.dof())
+    }
+
+    /// The derivatives of velocity and force, if the system supplies them. By default it does not.
+    fn tangent(&self) -> Option<SlopeTangent<'_>> {
+        None
     }
 }
 
@@ -137,6 +158,10 @@ impl<S: Separable + ?Sized> Hamiltonian for S {
     fn coordinates(&self) -> Coordinates {
         Separable::coordinates(self)
     }
+
+    fn tangent(&self) -> Option<SlopeTangent<'_>> {
+        Separable::tangent(self).map(SlopeTangent::Separable)
+    }
 }
 
 macro_rules! forward_separable {
@@ -159,6 +184,9 @@ macro_rules! forward_separable {
             }
             fn coordinates(&self) -> Coordinates {
                 Separable::coordinates(&**self)
+            }
+            fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+                Separable::tangent(&**self)
             }
         }
     )*};
@@ -187,6 +215,10 @@ impl Hamiltonian for Arc<dyn Hamiltonian> {
     fn coordinates(&self) -> Coordinates {
         (**self).coordinates()
     }
+
+    fn tangent(&self) -> Option<SlopeTangent<'_>> {
+        (**self).tangent()
+    }
 }
 
 impl DriftKick for Arc<dyn DriftKick> {
@@ -204,5 +236,9 @@ impl DriftKick for Arc<dyn DriftKick> {
 
     fn coordinates(&self) -> Coordinates {
         (**self).coordinates()
+    }
+
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        (**self).tangent()
     }
 }

@@ -9,6 +9,7 @@
 //! * [`maps`]: maps made from maps: sequences, repetitions, inverses, adjoints, and maps with a fault.
 //! * [`Separable`], [`Hamiltonian`] and [`DriftKick`]: what a system of your own supplies;
 //!   [`Model`] is any of them.
+//! * [`DriftKickTangent`] and [`HamiltonianTangent`]: what gives its steps exact Jacobians.
 //! * [`bspline`], [`PeriodicGrid`] and [`PeriodicSpline`]: interpolation on a grid.
 //!
 //! A system acts on blocks of samples, one row for each degree of freedom. An integrator makes a
@@ -52,9 +53,11 @@ mod periodic_spline;
 pub mod pic;
 mod random;
 pub mod systems;
+mod tangent;
 
 pub use error::ModelError;
 pub use hamiltonian::{DriftKick, Hamiltonian, Separable};
 pub use model::Model;
 pub use periodic_grid::PeriodicGrid;
 pub use periodic_spline::PeriodicSpline;
+pub use tangent::{DriftKickTangent, HamiltonianTangent, PhasePoints, SlopeTangent};

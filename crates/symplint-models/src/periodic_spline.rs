@@ -97,6 +97,16 @@ impl PeriodicSpline {
         let (cell, x) = self.grid.locate(q);
         horner(&self.slopes[cell], x)
     }
+
+    /// The second derivative at `q`, zero at degree 1; where it jumps (degree 1 and 2, at a node), the one
+    /// from the right.
+    pub fn second_derivative(&self, q: f64) -> f64 {
+        let (cell, x) = self.grid.locate(q);
+        let slopes = &self.slopes[cell];
+        let by_fraction: [f64; MAX_DEGREE - 1] =
+            std::array::from_fn(|n| (n + 1) as f64 * slopes[n + 1]);
+        self.grid.cells_per_length() * horner(&by_fraction, x)
+    }
 }
 
 #[inline]

@@ -75,11 +75,11 @@ pub use ensemble::Ensemble;
 pub use error::Error;
 pub use integral::{Cutoff, Cutoffs, LoopIntegral, OmittedCell, Rule, unwrap_row};
 pub use jacobian::{
-    Agreement, Doubt, JacobianPoint, JacobianReport, JacobianTest, JacobianVerdict, SecondOpinion,
-    TangentDefect,
+    Agreement, Doubt, JacobianMethod, JacobianPoint, JacobianReport, JacobianTest, JacobianVerdict,
+    SecondOpinion, TangentDefect, TangentDoubt,
 };
 pub use loops::{Circle, FourierLoop, Loop, SampledLoop};
-pub use map::{PerSample, StepFailure, TimeAdvance};
+pub use map::{PerSample, StepFailure, TangentMap, TimeAdvance};
 pub use measured::{Snapshot, measure};
 pub use piecewise::{Closure, Piecewise, PiecewiseIntegral};
 pub use rows::{Rows, RowsMut};

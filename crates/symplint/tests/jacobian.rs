@@ -1,12 +1,13 @@
-//! The Jacobian test against exact Jacobians: closed forms, and dual numbers in the same steps.
+//! The Jacobian test by differences against exact Jacobians: closed forms, and the tangent maps of the same
+//! steps by dual numbers.
 
 mod dual;
 
-use dual::{METHODS, Method, SYSTEMS, System, exact_jacobian, step};
+use dual::{METHODS, SYSTEMS, Step};
 use symplint::{
-    Agreement, Circle, Coordinates, Diagnostic, Doubt, Error, FourierLoop, JacobianReport,
-    JacobianTest, JacobianVerdict, Loop, PerSample, RowsMut, StepFailure, TangentDefect,
-    TimeAdvance, VerdictKind,
+    Agreement, Circle, Coordinates, Diagnostic, Doubt, Error, FourierLoop, JacobianMethod,
+    JacobianReport, JacobianTest, JacobianVerdict, Loop, PerSample, RowsMut, StepFailure,
+    TangentDefect, TimeAdvance, VerdictKind,
 };
 
 fn circle(dof: usize) -> Circle {
@@ -107,28 +108,32 @@ fn midpoint_on_a_spring_has_its_determinant() {
     }
 }
 
-fn map_of(system: System, method: Method) -> impl TimeAdvance {
-    PerSample::new(system.dof(), move |h, q: &mut [f64], p: &mut [f64]| {
-        step(system, method, h, q, p);
-    })
+/// A map without its tangent map.
+struct Bare<M>(M);
+
+impl<M: TimeAdvance> TimeAdvance for Bare<M> {
+    fn dof(&self) -> usize {
+        self.0.dof()
+    }
+    fn advance(&self, h: f64, block: &mut symplint::Block<'_>) -> Result<(), StepFailure> {
+        self.0.advance(h, block)
+    }
 }
 
-/// The largest element of DΦᵀ J DΦ − J in the units of the loop, all of whose coordinates have the
-/// size `radius`: it divides out.
-fn largest_element(jacobian: &[Vec<f64>]) -> f64 {
-    let dof = jacobian.len() / 2;
-    let form = |u: &[f64], v: &[f64]| -> f64 {
-        let terms = (0..dof).map(|i| u[i] * v[dof + i] - u[dof + i] * v[i]);
-        terms.sum()
-    };
-    let mut largest = 0.0_f64;
-    for (a, u) in jacobian.iter().enumerate() {
-        for (b, v) in jacobian.iter().enumerate().skip(a + 1) {
-            let before = if b == a + dof { 1.0 } else { 0.0 };
-            largest = largest.max((form(u, v) - before).abs());
+/// Two tests of one map agree within their error bars at every point.
+#[track_caller]
+fn assert_consistent(name: &str, a: &JacobianReport, b: &JacobianReport) {
+    for (a, b) in a.points.iter().zip(&b.points) {
+        let (x, y) = (a.worst.unwrap(), b.worst.unwrap());
+        // The worst of either need not be the same pair, but neither exceeds the other's bound.
+        for (x, other) in [(x, b), (y, a)] {
+            assert!(
+                x.magnitude() - x.uncertainty <= other.bound.unwrap(),
+                "{name} at {}: {x:?} beside {other:?}",
+                a.s
+            );
         }
     }
-    largest
 }
 
 #[test]
@@ -139,28 +144,24 @@ fn differences_agree_with_dual_numbers() {
     };
     for system in SYSTEMS {
         for method in METHODS {
-            let dof = system.dof();
-            let map = map_of(system, method);
-            // A quarter of a unit, so that Hénon–Heiles stays bounded.
-            let phase_loop = Circle::new(vec![0.11; dof], vec![-0.07; dof], 0.25).unwrap();
-            let report = test.run(&map, &phase_loop, 0.5).unwrap();
+            let map = Step(system, method);
+            let phase_loop = circle(system.dof()).with_random_phases(4);
+            let exact = test.run(&map, &phase_loop, 0.5).unwrap();
+            let differences = test.run(&Bare(map), &phase_loop, 0.5).unwrap();
             let name = format!("{system:?}, {method:?}");
-            for point in &report.points {
-                let exact =
-                    largest_element(&exact_jacobian(system, method, 0.5, &phase_loop, point.s));
-                let (found, bound) = (point.worst.unwrap(), point.bound.unwrap());
-                assert!(
-                    found.magnitude() - found.uncertainty <= exact && exact <= bound,
-                    "{name} at {}: {found:?} for {exact:e}",
-                    point.s
-                );
-                assert!(found.uncertainty < 1e-9, "{name}: {:e}", found.uncertainty);
+            assert_eq!(exact.method, JacobianMethod::TangentMap, "{name}");
+            assert_consistent(&name, &exact, &differences);
+            for (exact, found) in exact.points.iter().zip(&differences.points) {
+                let (exact, found) = (exact.worst.unwrap(), found.worst.unwrap());
+                assert!(exact.uncertainty < 2e-13, "{name}: {exact:?}");
+                assert!(found.uncertainty < 1e-9, "{name}: {found:?}");
             }
             if method.is_symplectic() {
-                assert_symplectic(&report, 9.0);
+                assert_symplectic(&differences, 9.0);
+                assert_symplectic(&exact, 13.0);
             } else {
-                let worst = worst_of(&report);
-                assert!(worst.dofs.is_some(), "{name}");
+                assert!(worst_of(&exact).dofs.is_some(), "{name}");
+                assert_eq!(worst_of(&exact).dofs, worst_of(&differences).dofs, "{name}");
             }
         }
     }

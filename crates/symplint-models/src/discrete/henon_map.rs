@@ -1,6 +1,6 @@
 //! The quadratic map of the plane.
 
-use symplint::{Block, StepFailure, TimeAdvance};
+use symplint::{Block, StepFailure, TangentMap, TimeAdvance};
 
 use crate::error::ModelError;
 
@@ -42,5 +42,27 @@ impl TimeAdvance for HenonMap {
             (*q, *p) = (*q * cos - kicked * sin, *q * sin + kicked * cos);
         }
         Ok(())
+    }
+
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        Some(self)
+    }
+}
+
+impl TangentMap for HenonMap {
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        let (sin, cos) = (self.angle * h).sin_cos();
+        let contraction = self.contraction.powf(h);
+        let along = tangents.q.row_mut(0).iter_mut().zip(tangents.p.row_mut(0));
+        for ((dq, dp), q) in along.zip(states.q.row(0)) {
+            let kicked = contraction * *dp - 2.0 * h * q * *dq;
+            (*dq, *dp) = (*dq * cos - kicked * sin, *dq * sin + kicked * cos);
+        }
+        self.advance(h, states)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
 
 use crate::error::ModelError;
 
@@ -49,5 +49,27 @@ impl TimeAdvance for StandardMap {
         Coordinates::plain(1)
             .with_periods(vec![TAU])
             .expect("one finite period for one degree of freedom")
+    }
+
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        Some(self)
+    }
+}
+
+/// Wrapping moves states by whole periods and leaves tangent vectors alone.
+impl TangentMap for StandardMap {
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        let kick = self.strength * h;
+        let along = tangents.q.row_mut(0).iter_mut().zip(tangents.p.row_mut(0));
+        for ((dq, dp), q) in along.zip(states.q.row(0)) {
+            *dp += kick * q.cos() * *dq;
+            *dq += h * *dp;
+        }
+        self.advance(h, states)
     }
 }

@@ -1,9 +1,10 @@
 //! Strang splitting that chooses its own step.
 
-use symplint::{Block, Coordinates, RowsMut, StepFailure, TimeAdvance, scratch};
+use symplint::{Block, Coordinates, Rows, RowsMut, StepFailure, TangentMap, TimeAdvance, scratch};
 
-use super::splitting::Variant;
+use super::splitting::{Flow, Variant};
 use crate::hamiltonian::DriftKick;
+use crate::tangent::{DriftKickTangent, no_tangent};
 
 /// Strang splitting with a step that depends on the state: h / √(1 + |F(q)|²) with the force F
 /// before the step.
@@ -36,15 +37,7 @@ impl<S: DriftKick> TimeAdvance for AdaptiveStrang<S> {
             let slope = &mut slope[0];
             scratch::with_buffer(len, |steps| {
                 self.force(block, slope);
-                steps.fill(1.0);
-                for i in 0..dof {
-                    for (step, force) in steps.iter_mut().zip(slope.row(i)) {
-                        *step += force * force;
-                    }
-                }
-                for step in steps.iter_mut() {
-                    *step = h / step.sqrt();
-                }
+                set_steps(h, slope, steps);
                 // Drifts and kicks are linear in their time, so each sample can have its own.
                 match self.variant {
                     Variant::PositionFirst => {
@@ -70,6 +63,105 @@ impl<S: DriftKick> TimeAdvance for AdaptiveStrang<S> {
 
     fn coordinates(&self) -> Coordinates {
         self.system.coordinates()
+    }
+
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        self.system.tangent().map(|_| self as &dyn TangentMap)
+    }
+}
+
+/// The step of a sample changes with its state, too: d(step) = −step (F·dF) / (1 + |F|²).
+impl<S: DriftKick> TangentMap for AdaptiveStrang<S> {
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        let derivative = self.system.tangent().ok_or_else(no_tangent)?;
+        let (dof, len) = (states.dof(), states.len());
+        scratch::with_tables(2, dof, len, |tables| {
+            let [slope, change] = tables else {
+                unreachable!("two tables are two");
+            };
+            scratch::with_buffer(2 * len, |steps| {
+                let (steps, step_changes) = steps.split_at_mut(len);
+                self.force(states, slope);
+                force_change(derivative, states.q.as_rows(), tangents, change);
+                set_steps(h, slope, steps);
+                step_changes.fill(0.0);
+                for i in 0..dof {
+                    let products = slope.row(i).iter().zip(change.row(i));
+                    for (sum, (force, change)) in step_changes.iter_mut().zip(products) {
+                        *sum += force * change;
+                    }
+                }
+                for (change, step) in step_changes.iter_mut().zip(&*steps) {
+                    *change *= -step * (step / h) * (step / h);
+                }
+                let substeps = match self.variant {
+                    Variant::PositionFirst => {
+                        [(Flow::Drift, 0.5), (Flow::Kick, 1.0), (Flow::Drift, 0.5)]
+                    }
+                    Variant::MomentumFirst => {
+                        [(Flow::Kick, 0.5), (Flow::Drift, 1.0), (Flow::Kick, 0.5)]
+                    }
+                };
+                for (flow, fraction) in substeps {
+                    let (state, tangent) = match flow {
+                        Flow::Drift => {
+                            self.velocity(states, slope);
+                            velocity_change(derivative, states.p.as_rows(), tangents, change);
+                            (&mut states.q, &mut tangents.q)
+                        }
+                        Flow::Kick => {
+                            self.force(states, slope);
+                            force_change(derivative, states.q.as_rows(), tangents, change);
+                            (&mut states.p, &mut tangents.p)
+                        }
+                    };
+                    follow(state, fraction, steps, slope);
+                    follow(tangent, fraction, step_changes, slope);
+                    follow(tangent, fraction, steps, change);
+                }
+            });
+        });
+        Ok(())
+    }
+}
+
+/// Changes of the velocities along the tangent vectors.
+fn velocity_change(
+    derivative: &dyn DriftKickTangent,
+    p: Rows<'_>,
+    tangents: &Block<'_>,
+    out: &mut RowsMut<'_>,
+) {
+    out.fill(0.0);
+    derivative.drift_tangent(1.0, p, tangents.p.as_rows(), out);
+}
+
+/// Changes of the forces along the tangent vectors.
+fn force_change(
+    derivative: &dyn DriftKickTangent,
+    q: Rows<'_>,
+    tangents: &Block<'_>,
+    out: &mut RowsMut<'_>,
+) {
+    out.fill(0.0);
+    derivative.kick_tangent(1.0, q, tangents.q.as_rows(), out);
+}
+
+/// The step of every sample from its force.
+fn set_steps(h: f64, force: &RowsMut<'_>, steps: &mut [f64]) {
+    steps.fill(1.0);
+    for i in 0..force.count() {
+        for (step, force) in steps.iter_mut().zip(force.row(i)) {
+            *step += force * force;
+        }
+    }
+    for step in steps {
+        *step = h / step.sqrt();
     }
 }
 

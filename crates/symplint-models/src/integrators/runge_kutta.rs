@@ -1,11 +1,12 @@
 //! Explicit Runge–Kutta methods, ordinary and partitioned.
 
-use symplint::{Block, Coordinates, Rows, RowsMut, StepFailure, TimeAdvance, scratch};
+use symplint::{Block, Coordinates, Rows, RowsMut, StepFailure, TangentMap, TimeAdvance, scratch};
 
 use super::stage_plan::{Dependence, Slope, StagePlan, Term};
 use super::tableau::TableauPair;
 use crate::error::ModelError;
 use crate::hamiltonian::{Hamiltonian, Separable};
+use crate::tangent::{PhasePoints, no_tangent};
 
 /// An explicit Runge–Kutta method, ordinary or partitioned, applied to a Hamiltonian system.
 ///
@@ -87,12 +88,7 @@ impl<H: Hamiltonian> TimeAdvance for RungeKutta<H> {
                 let (q, p) = (block.q.as_rows(), block.p.as_rows());
                 let q = stage_q.at(stage, q, h, evaluation.q_terms.as_deref(), earlier);
                 let p = stage_p.at(stage, p, h, evaluation.p_terms.as_deref(), earlier);
-                let slope = &mut rest[0];
-                slope.fill(0.0);
-                match evaluation.slope {
-                    Slope::Velocity => self.system.add_velocity(1.0, q, p, slope),
-                    Slope::Force => self.system.add_force(1.0, q, p, slope),
-                }
+                self.evaluate(evaluation.slope, q, p, &mut rest[0]);
             }
             add_terms(&mut block.q, h, &self.plan.q_update, slopes);
             add_terms(&mut block.p, h, &self.plan.p_update, slopes);
@@ -102,6 +98,72 @@ impl<H: Hamiltonian> TimeAdvance for RungeKutta<H> {
 
     fn coordinates(&self) -> Coordinates {
         self.system.coordinates()
+    }
+
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        self.system.tangent().map(|_| self as &dyn TangentMap)
+    }
+}
+
+impl<H: Hamiltonian> RungeKutta<H> {
+    fn evaluate(&self, kind: Slope, q: Rows<'_>, p: Rows<'_>, slope: &mut RowsMut<'_>) {
+        slope.fill(0.0);
+        match kind {
+            Slope::Velocity => self.system.add_velocity(1.0, q, p, slope),
+            Slope::Force => self.system.add_force(1.0, q, p, slope),
+        }
+    }
+}
+
+/// Every stage and its derivative, side by side.
+impl<H: Hamiltonian> TangentMap for RungeKutta<H> {
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        let derivative = self.system.tangent().ok_or_else(no_tangent)?;
+        let evaluations = &self.plan.evaluations;
+        let count = evaluations.len();
+        scratch::with_tables(4 + 2 * count, states.dof(), states.len(), |tables| {
+            let (room, slopes) = tables.split_at_mut(4);
+            let (slopes, changes) = slopes.split_at_mut(count);
+            let [stage_q, stage_p, stage_dq, stage_dp] = room else {
+                unreachable!("four tables are four");
+            };
+            let mut stage_q = StageState::new(stage_q);
+            let mut stage_p = StageState::new(stage_p);
+            let mut stage_dq = StageState::new(stage_dq);
+            let mut stage_dp = StageState::new(stage_dp);
+            for (place, evaluation) in evaluations.iter().enumerate() {
+                let stage = evaluation.stage;
+                let (q_terms, p_terms) =
+                    (evaluation.q_terms.as_deref(), evaluation.p_terms.as_deref());
+                let (earlier, rest) = slopes.split_at_mut(place);
+                let at = PhasePoints {
+                    q: stage_q.at(stage, states.q.as_rows(), h, q_terms, earlier),
+                    p: stage_p.at(stage, states.p.as_rows(), h, p_terms, earlier),
+                };
+                self.evaluate(evaluation.slope, at.q, at.p, &mut rest[0]);
+                let (earlier, rest) = changes.split_at_mut(place);
+                let along = PhasePoints {
+                    q: stage_dq.at(stage, tangents.q.as_rows(), h, q_terms, earlier),
+                    p: stage_dp.at(stage, tangents.p.as_rows(), h, p_terms, earlier),
+                };
+                let change = &mut rest[0];
+                change.fill(0.0);
+                match evaluation.slope {
+                    Slope::Velocity => derivative.add_velocity(1.0, at, along, change),
+                    Slope::Force => derivative.add_force(1.0, at, along, change),
+                }
+            }
+            add_terms(&mut states.q, h, &self.plan.q_update, slopes);
+            add_terms(&mut states.p, h, &self.plan.p_update, slopes);
+            add_terms(&mut tangents.q, h, &self.plan.q_update, changes);
+            add_terms(&mut tangents.p, h, &self.plan.p_update, changes);
+        });
+        Ok(())
     }
 }
 

@@ -1,10 +1,11 @@
 //! Splitting methods: the exact flows of T and V in turn.
 
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
 
 use crate::error::ModelError;
 use crate::hamiltonian::DriftKick;
 use crate::maps::Invertible;
+use crate::tangent::no_tangent;
 
 /// Which part of H = T(p) + V(q) a substep follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -253,6 +254,32 @@ impl<S: DriftKick> TimeAdvance for Splitting<S> {
 
     fn coordinates(&self) -> Coordinates {
         self.system.coordinates()
+    }
+
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        self.system.tangent().map(|_| self as &dyn TangentMap)
+    }
+}
+
+impl<S: DriftKick> TangentMap for Splitting<S> {
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        let derivative = self.system.tangent().ok_or_else(no_tangent)?;
+        for substep in &self.method.substeps {
+            let tau = substep.fraction * h;
+            let (q, p) = (states.q.as_rows(), states.p.as_rows());
+            let Block { q: dq, p: dp } = tangents;
+            match substep.flow {
+                Flow::Drift => derivative.drift_tangent(tau, p, dp.as_rows(), dq),
+                Flow::Kick => derivative.kick_tangent(tau, q, dq.as_rows(), dp),
+            }
+            self.follow(substep, h, states);
+        }
+        Ok(())
     }
 }
 

@@ -1,9 +1,10 @@
 //! Maps one after the other.
 
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
 
 use super::Invertible;
 use crate::error::ModelError;
+use crate::tangent::no_tangent;
 
 /// Maps one after the other, each with its fraction of the step: Φ^n_{c_n h} ∘ … ∘ Φ^1_{c_1 h}.
 ///
@@ -98,6 +99,26 @@ impl<M: TimeAdvance> TimeAdvance for Compose<M> {
 
     fn coordinates(&self) -> Coordinates {
         self.parts[0].1.coordinates()
+    }
+
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        let each = self.parts.iter().all(|(_, map)| map.tangent().is_some());
+        each.then_some(self as &dyn TangentMap)
+    }
+}
+
+/// The chain rule.
+impl<M: TimeAdvance> TangentMap for Compose<M> {
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        self.parts.iter().try_for_each(|(fraction, map)| {
+            let of_map = map.tangent().ok_or_else(no_tangent)?;
+            of_map.advance_tangents(fraction * h, states, tangents)
+        })
     }
 }
 

@@ -1,8 +1,9 @@
 //! A map with a friction that does not belong there.
 
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
 
 use crate::error::ModelError;
+use crate::tangent::no_tangent;
 
 /// A map followed by a friction: momenta are multiplied by exp(−γh).
 ///
@@ -72,5 +73,25 @@ impl<M: TimeAdvance> TimeAdvance for Damped<M> {
 
     fn coordinates(&self) -> Coordinates {
         self.map.coordinates()
+    }
+
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        self.map.tangent().map(|_| self as &dyn TangentMap)
+    }
+}
+
+impl<M: TimeAdvance> TangentMap for Damped<M> {
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        let of_map = self.map.tangent().ok_or_else(no_tangent)?;
+        of_map.advance_tangents(h, states, tangents)?;
+        self.damp(h, states);
+        // The friction is linear.
+        self.damp(h, tangents);
+        Ok(())
     }
 }

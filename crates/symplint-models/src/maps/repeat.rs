@@ -1,9 +1,10 @@
 //! Several steps of one map.
 
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
 
 use super::Invertible;
 use crate::error::ModelError;
+use crate::tangent::no_tangent;
 
 /// The map Φ_h ∘ … ∘ Φ_h of n steps of size h each: it advances by a time n h.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +37,23 @@ impl<M: TimeAdvance> TimeAdvance for Repeat<M> {
 
     fn coordinates(&self) -> Coordinates {
         self.map.coordinates()
+    }
+
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        self.map.tangent().map(|_| self as &dyn TangentMap)
+    }
+}
+
+/// The chain rule.
+impl<M: TimeAdvance> TangentMap for Repeat<M> {
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        let of_map = self.map.tangent().ok_or_else(no_tangent)?;
+        (0..self.steps).try_for_each(|_| of_map.advance_tangents(h, states, tangents))
     }
 }
 

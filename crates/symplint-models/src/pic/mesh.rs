@@ -165,6 +165,11 @@ impl AxisStencil {
         self.beside(self.shape.slopes(self.fraction))
     }
 
+    /// Places of the functions that do not vanish, with their second derivatives.
+    pub(super) fn curvatures(&self) -> impl Iterator<Item = (usize, f64)> + Clone + use<> {
+        self.beside(self.shape.curvatures(self.fraction))
+    }
+
     #[inline]
     fn beside(&self, weights: CellWeights) -> impl Iterator<Item = (usize, f64)> + Clone + use<> {
         let places = self.places;

@@ -27,7 +27,7 @@
 //! matrices of one axis and one Fourier mode, `field` solves for the potential, `system` is the
 //! Hamiltonian. On a line there is a faster way, `line`: `place` finds the particles' cells,
 //! `polynomials` has what all particles of a cell share, and `pairs` does without a mesh where there
-//! are few.
+//! are few. `tangent` has the derivative of the force.
 
 mod deposit;
 mod element;
@@ -41,6 +41,7 @@ mod polynomials;
 mod scratch;
 mod shape;
 mod system;
+mod tangent;
 
 pub use initial::{Landau, TwoStream, VelocityConvention};
 pub use shape::ShapeFamily;

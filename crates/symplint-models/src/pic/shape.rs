@@ -96,6 +96,14 @@ impl Shape {
             ShapeFamily::Lagrange => lagrange_slopes(self.degree, x),
         }
     }
+
+    /// Second derivatives at the fraction `x` of the cell, by the fraction.
+    pub(super) fn curvatures(self, x: f64) -> CellWeights {
+        match self.family {
+            ShapeFamily::BSpline => bspline::derivative_weights(self.degree, 2, x),
+            ShapeFamily::Lagrange => lagrange_curvatures(self.degree, x),
+        }
+    }
 }
 
 /// Taylor series of the splines of a cell at its left end.
@@ -159,6 +167,23 @@ fn lagrange_slopes(degree: usize, x: f64) -> CellWeights {
     slopes
 }
 
+/// Their second derivatives, by the product rule.
+fn lagrange_curvatures(degree: usize, x: f64) -> CellWeights {
+    let mut curvatures = CellWeights::default();
+    let scale = degree as f64;
+    for (j, curvature) in curvatures.iter_mut().enumerate().take(degree + 1) {
+        let factor = |i: usize| scale / (j as f64 - i as f64);
+        for k in (0..=degree).filter(|&k| k != j) {
+            for l in (0..=degree).filter(|&l| l != j && l != k) {
+                let others = (0..=degree).filter(|&i| i != j && i != k && i != l);
+                let rest: f64 = others.map(|i| factor(i) * (x - i as f64 / scale)).product();
+                *curvature += factor(k) * factor(l) * rest;
+            }
+        }
+    }
+    curvatures
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -211,6 +236,24 @@ mod tests {
                         - at(2.0)[j])
                         / (12.0 * STEP);
                     assert!((difference - slope).abs() < 1e-9, "{shape:?}, {j}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn curvatures_are_derivatives_of_slopes() {
+        // Differences of fourth order are exact for slopes of degree 4 but for round-off.
+        const STEP: f64 = 1.0 / 1024.0;
+        for shape in all_shapes() {
+            for step in 1..10 {
+                let x = f64::from(step) / 10.0;
+                let at = |shift: f64| shape.slopes(x + shift * STEP);
+                for (j, curvature) in shape.curvatures(x).iter().enumerate() {
+                    let difference = (at(-2.0)[j] - 8.0 * at(-1.0)[j] + 8.0 * at(1.0)[j]
+                        - at(2.0)[j])
+                        / (12.0 * STEP);
+                    assert!((difference - curvature).abs() < 1e-11, "{shape:?}, {j}");
                 }
             }
         }

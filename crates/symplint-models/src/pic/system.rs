@@ -8,6 +8,7 @@ use super::mesh::Mesh;
 use super::shape::{Shape, ShapeFamily};
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
+use crate::tangent::DriftKickTangent;
 
 /// How much charge, and as much mass, each particle carries.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,11 +98,11 @@ impl Default for PicConfig {
 /// ```
 #[derive(Clone)]
 pub struct Pic<const D: usize> {
-    mesh: Mesh<D>,
+    pub(super) mesh: Mesh<D>,
     weights: Vec<f64>,
     /// −ρ0, what the nodes have without particles.
     background: Vec<f64>,
-    solver: FieldSolver<D>,
+    pub(super) solver: FieldSolver<D>,
     /// In one dimension, what makes its force fast.
     line: Option<LineForce>,
     coordinates: Coordinates,
@@ -233,7 +234,7 @@ impl<const D: usize> Pic<D> {
     }
 
     /// One array of `D` coordinates for each particle.
-    fn split<'a>(&self, coordinates: &'a [f64]) -> &'a [[f64; D]] {
+    pub(super) fn split<'a>(&self, coordinates: &'a [f64]) -> &'a [[f64; D]] {
         let (particles, rest) = coordinates.as_chunks();
         assert!(
             rest.is_empty() && particles.len() == self.particles(),
@@ -245,7 +246,7 @@ impl<const D: usize> Pic<D> {
     }
 
     /// Writes ρ.
-    fn deposit(&self, positions: &[f64], nodes: &mut [f64]) {
+    pub(super) fn deposit(&self, positions: &[f64], nodes: &mut [f64]) {
         nodes.copy_from_slice(&self.background);
         for (&x, &weight) in self.split(positions).iter().zip(&self.weights) {
             self.mesh.deposit(weight, x, nodes);
@@ -349,5 +350,9 @@ impl<const D: usize> Separable for Pic<D> {
 
     fn coordinates(&self) -> Coordinates {
         self.coordinates.clone()
+    }
+
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        Some(self)
     }
 }

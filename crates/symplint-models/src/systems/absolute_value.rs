@@ -4,6 +4,7 @@ use symplint::{Rows, RowsMut};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
+use crate::tangent::DriftKickTangent;
 
 /// H = p²/2 + |q|, whose force jumps at q = 0, or smoothed H = p²/2 + √(q² + ε²).
 ///
@@ -54,6 +55,24 @@ impl Separable for AbsoluteValue {
     fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]) {
         for (out, q) in out.iter_mut().zip(q.row(0)) {
             *out = q.hypot(self.epsilon);
+        }
+    }
+
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        Some(self)
+    }
+}
+
+impl DriftKickTangent for AbsoluteValue {
+    fn kick_tangent(&self, tau: f64, q: Rows<'_>, dq: Rows<'_>, dp: &mut RowsMut<'_>) {
+        // The force of the wedge is constant on either side of its jump.
+        if self.epsilon == 0.0 {
+            return;
+        }
+        for ((dp, dq), q) in dp.row_mut(0).iter_mut().zip(dq.row(0)).zip(q.row(0)) {
+            // ε²/(q² + ε²)^{3/2}, in ratios that do not overflow.
+            let root = q.hypot(self.epsilon);
+            *dp -= tau * (self.epsilon / root).powi(2) / root * dq;
         }
     }
 }

@@ -6,6 +6,7 @@ use symplint::{Rows, RowsMut, scratch};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
+use crate::tangent::DriftKickTangent;
 
 /// The potential of a spring.
 pub trait Bond: Send + Sync {
@@ -14,6 +15,9 @@ pub trait Bond: Send + Sync {
 
     /// φ'(r).
     fn tension(&self, elongation: f64) -> f64;
+
+    /// φ''(r).
+    fn stiffness(&self, elongation: f64) -> f64;
 }
 
 /// What the first and the last mass of a chain are joined to.
@@ -130,6 +134,30 @@ impl<B: Bond> Separable for Chain<B> {
                 Self::elongations(q, left, right, elongation);
                 for (out, elongation) in out.iter_mut().zip(&*elongation) {
                     *out += self.bond.energy(*elongation);
+                }
+            });
+        });
+    }
+
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        Some(self)
+    }
+}
+
+impl<B: Bond> DriftKickTangent for Chain<B> {
+    fn kick_tangent(&self, tau: f64, q: Rows<'_>, dq: Rows<'_>, dp: &mut RowsMut<'_>) {
+        scratch::with_tables(1, 2, q.len(), |table| {
+            let table = &mut table[0];
+            self.springs(|left, right| {
+                Self::elongations(q, left, right, table.row_mut(0));
+                Self::elongations(dq, left, right, table.row_mut(1));
+                for (mass, sign) in [(left, tau), (right, -tau)] {
+                    if let Some(i) = mass {
+                        let springs = table.row(0).iter().zip(table.row(1));
+                        for (dp, (elongation, change)) in dp.row_mut(i).iter_mut().zip(springs) {
+                            *dp += sign * self.bond.stiffness(*elongation) * change;
+                        }
+                    }
                 }
             });
         });

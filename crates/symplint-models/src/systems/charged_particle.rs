@@ -4,6 +4,7 @@ use symplint::{Rows, RowsMut};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Hamiltonian;
+use crate::tangent::{HamiltonianTangent, PhasePoints, SlopeTangent};
 
 /// A particle of unit mass and charge in the plane, with a magnetic field B = b + g x across it and
 /// the electric potential φ = ω² (x² + y²)/2: H = |p − A(q)|²/2 + φ(q) with A = (0, b x + g x²/2).
@@ -43,6 +44,11 @@ impl ChargedParticle {
     /// B at x.
     pub fn magnetic_field(&self, x: f64) -> f64 {
         self.field + self.gradient * x
+    }
+
+    /// ∂B/∂x, the same everywhere.
+    pub fn magnetic_gradient(&self) -> f64 {
+        self.gradient
     }
 
     /// A_y at x; A_x vanishes.
@@ -88,6 +94,45 @@ impl Hamiltonian for ChargedParticle {
         }
         for (out, y) in out.row_mut(1).iter_mut().zip(q.row(1)) {
             *out -= tau * stiffness * y;
+        }
+    }
+
+    fn tangent(&self) -> Option<SlopeTangent<'_>> {
+        Some(SlopeTangent::General(self))
+    }
+}
+
+impl HamiltonianTangent for ChargedParticle {
+    fn add_velocity_tangent(
+        &self,
+        tau: f64,
+        at: PhasePoints<'_>,
+        along: PhasePoints<'_>,
+        out: &mut RowsMut<'_>,
+    ) {
+        for k in 0..at.q.len() {
+            let field = self.magnetic_field(at.q.row(0)[k]);
+            out.row_mut(0)[k] += tau * along.p.row(0)[k];
+            out.row_mut(1)[k] += tau * (along.p.row(1)[k] - field * along.q.row(0)[k]);
+        }
+    }
+
+    fn add_force_tangent(
+        &self,
+        tau: f64,
+        at: PhasePoints<'_>,
+        along: PhasePoints<'_>,
+        out: &mut RowsMut<'_>,
+    ) {
+        let stiffness = self.omega * self.omega;
+        for k in 0..at.q.len() {
+            let (x, dx) = (at.q.row(0)[k], along.q.row(0)[k]);
+            let field = self.magnetic_field(x);
+            let vy = at.p.row(1)[k] - self.vector_potential(x);
+            let dvy = along.p.row(1)[k] - field * dx;
+            let turn = dvy * field + vy * self.gradient * dx;
+            out.row_mut(0)[k] += tau * (turn - stiffness * dx);
+            out.row_mut(1)[k] -= tau * stiffness * along.q.row(1)[k];
         }
     }
 }

@@ -4,6 +4,7 @@ use symplint::{Rows, RowsMut};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Hamiltonian;
+use crate::tangent::{HamiltonianTangent, PhasePoints, SlopeTangent};
 
 /// The double pendulum: masses m_1, m_2 on massless rods of lengths l_1, l_2, the second hanging from
 /// the first, in a gravity g.
@@ -131,6 +132,87 @@ impl Hamiltonian for DoublePendulum {
             let slope = (by_numerator - numerator / denominator * by_denominator) / denominator;
             out.row_mut(0)[k] -= tau * (slope + upper * q[0].sin());
             out.row_mut(1)[k] -= tau * (lower * q[1].sin() - slope);
+        }
+    }
+
+    fn tangent(&self) -> Option<SlopeTangent<'_>> {
+        Some(SlopeTangent::General(self))
+    }
+}
+
+/// The lines of [`Hamiltonian`] differentiated one by one. Turning both angles alike leaves the kinetic
+/// energy as it is, so it changes with dΔ only.
+impl HamiltonianTangent for DoublePendulum {
+    fn add_velocity_tangent(
+        &self,
+        tau: f64,
+        at: PhasePoints<'_>,
+        along: PhasePoints<'_>,
+        out: &mut RowsMut<'_>,
+    ) {
+        let ([m1, m2], [l1, l2]) = (self.masses, self.lengths);
+        let (own, other) = (m2 * l2 * l2, (m1 + m2) * l1 * l1);
+        for k in 0..at.q.len() {
+            let (q, p) = (pair(at.q, k), pair(at.p, k));
+            let (dq, dp) = (pair(along.q, k), pair(along.p, k));
+            let Kinetic {
+                denominator,
+                sin,
+                cos,
+                ..
+            } = self.kinetic(q, p);
+            let ddelta = dq[0] - dq[1];
+            let coupling = m2 * l1 * l2 * cos;
+            let dcoupling = -m2 * l1 * l2 * sin * ddelta;
+            let ddenominator = 4.0 * (m2 * l1 * l2).powi(2) * sin * cos * ddelta;
+            let factor = 2.0 * tau / denominator;
+            let dfactor = -factor * ddenominator / denominator;
+            out.row_mut(0)[k] += dfactor * (own * p[0] - coupling * p[1])
+                + factor * (own * dp[0] - coupling * dp[1] - dcoupling * p[1]);
+            out.row_mut(1)[k] += dfactor * (other * p[1] - coupling * p[0])
+                + factor * (other * dp[1] - coupling * dp[0] - dcoupling * p[0]);
+        }
+    }
+
+    fn add_force_tangent(
+        &self,
+        tau: f64,
+        at: PhasePoints<'_>,
+        along: PhasePoints<'_>,
+        out: &mut RowsMut<'_>,
+    ) {
+        let ([m1, m2], [l1, l2]) = (self.masses, self.lengths);
+        let [upper, lower] = self.weights();
+        let coupling = 2.0 * m2 * l1 * l2;
+        for k in 0..at.q.len() {
+            let (q, p) = (pair(at.q, k), pair(at.p, k));
+            let (dq, dp) = (pair(along.q, k), pair(along.p, k));
+            let Kinetic {
+                numerator,
+                denominator,
+                sin,
+                cos,
+            } = self.kinetic(q, p);
+            let ddelta = dq[0] - dq[1];
+            let (product, dproduct) = (p[0] * p[1], dp[0] * p[1] + p[0] * dp[1]);
+            let dnumerator = 2.0 * m2 * l2 * l2 * p[0] * dp[0]
+                + 2.0 * (m1 + m2) * l1 * l1 * p[1] * dp[1]
+                - coupling * (dproduct * cos - product * sin * ddelta);
+            let by_numerator = coupling * product * sin;
+            let dby_numerator = coupling * (dproduct * sin + product * cos * ddelta);
+            let by_denominator = coupling * coupling * sin * cos;
+            let dby_denominator = coupling * coupling * (cos * cos - sin * sin) * ddelta;
+            let ddenominator = by_denominator * ddelta;
+            let energy = numerator / denominator;
+            let denergy = (dnumerator - energy * ddenominator) / denominator;
+            let slope = (by_numerator - energy * by_denominator) / denominator;
+            let dslope = (dby_numerator
+                - denergy * by_denominator
+                - energy * dby_denominator
+                - slope * ddenominator)
+                / denominator;
+            out.row_mut(0)[k] -= tau * (dslope + upper * q[0].cos() * dq[0]);
+            out.row_mut(1)[k] -= tau * (lower * q[1].cos() * dq[1] - dslope);
         }
     }
 }

@@ -33,4 +33,8 @@ impl Bond for FputBond {
     fn tension(&self, r: f64) -> f64 {
         r * (1.0 + r * (self.alpha + r * self.beta))
     }
+
+    fn stiffness(&self, r: f64) -> f64 {
+        1.0 + r * (2.0 * self.alpha + 3.0 * r * self.beta)
+    }
 }

@@ -4,6 +4,7 @@ use symplint::{Rows, RowsMut};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
+use crate::tangent::DriftKickTangent;
 
 /// Independent harmonic oscillators of unit mass: H = ½ Σ (p_i² + ω_i² q_i²).
 ///
@@ -64,6 +65,17 @@ impl Separable for HarmonicOscillator {
                 *out += 0.5 * (frequency * q).powi(2);
             }
         }
+    }
+
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        Some(self)
+    }
+}
+
+impl DriftKickTangent for HarmonicOscillator {
+    fn kick_tangent(&self, tau: f64, _q: Rows<'_>, dq: Rows<'_>, dp: &mut RowsMut<'_>) {
+        // The force is linear.
+        self.kick(tau, dq, dp);
     }
 }
 

@@ -8,6 +8,7 @@ use crate::error::ModelError;
 use crate::hamiltonian::Separable;
 use crate::periodic_grid::PeriodicGrid;
 use crate::periodic_spline::PeriodicSpline;
+use crate::tangent::DriftKickTangent;
 
 /// H = p²/2 + V(q) with V = sin q + cos²(2q + 1), or its periodic B-spline interpolant.
 ///
@@ -61,6 +62,11 @@ fn slope(q: f64) -> f64 {
     q.cos() - 2.0 * (4.0 * q + 2.0).sin()
 }
 
+/// V''(q).
+fn curvature(q: f64) -> f64 {
+    -q.sin() - 8.0 * (4.0 * q + 2.0).cos()
+}
+
 impl Separable for InterpolatedPendulum {
     fn dof(&self) -> usize {
         1
@@ -90,6 +96,22 @@ impl Separable for InterpolatedPendulum {
             Some(spline) => {
                 (plain.with_grid_spacing(spline.grid().node(1))).expect("cells have a finite width")
             }
+        }
+    }
+
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        Some(self)
+    }
+}
+
+impl DriftKickTangent for InterpolatedPendulum {
+    fn kick_tangent(&self, tau: f64, q: Rows<'_>, dq: Rows<'_>, dp: &mut RowsMut<'_>) {
+        let tangents = dp.row_mut(0).iter_mut().zip(dq.row(0)).zip(q.row(0));
+        match &self.spline {
+            None => tangents.for_each(|((dp, dq), q)| *dp -= tau * curvature(*q) * dq),
+            Some(spline) => tangents.for_each(|((dp, dq), q)| {
+                *dp -= tau * spline.second_derivative(*q) * dq;
+            }),
         }
     }
 }

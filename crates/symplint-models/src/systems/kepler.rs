@@ -4,6 +4,7 @@ use symplint::{Rows, RowsMut};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
+use crate::tangent::DriftKickTangent;
 
 /// The Kepler problem in the plane, H = |p|²/2 − μ/√(|q|² + ε²) (HLW, section I.2, for μ = 1 and
 /// ε = 0).
@@ -57,6 +58,25 @@ impl Separable for Kepler {
     fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]) {
         for ((out, x), y) in out.iter_mut().zip(q.row(0)).zip(q.row(1)) {
             *out = -self.mu / self.distance(*x, *y);
+        }
+    }
+
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        Some(self)
+    }
+}
+
+impl DriftKickTangent for Kepler {
+    fn kick_tangent(&self, tau: f64, q: Rows<'_>, dq: Rows<'_>, dp: &mut RowsMut<'_>) {
+        for k in 0..q.len() {
+            let (x, y) = (q.row(0)[k], q.row(1)[k]);
+            let (dx, dy) = (dq.row(0)[k], dq.row(1)[k]);
+            let distance = self.distance(x, y);
+            let pull = tau * self.mu / (distance * distance * distance);
+            // Of q/r³ with r dr = q·dq.
+            let stretch = 3.0 * (x * dx + y * dy) / (distance * distance);
+            dp.row_mut(0)[k] -= pull * (dx - stretch * x);
+            dp.row_mut(1)[k] -= pull * (dy - stretch * y);
         }
     }
 }

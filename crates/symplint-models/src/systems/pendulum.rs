@@ -3,6 +3,7 @@
 use symplint::{Rows, RowsMut};
 
 use crate::hamiltonian::Separable;
+use crate::tangent::DriftKickTangent;
 
 /// From where the angle of the pendulum is counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,6 +50,20 @@ impl Separable for Pendulum {
                 PendulumPotential::Cos => q.cos(),
                 PendulumPotential::Sin => q.sin(),
             };
+        }
+    }
+
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        Some(self)
+    }
+}
+
+impl DriftKickTangent for Pendulum {
+    fn kick_tangent(&self, tau: f64, q: Rows<'_>, dq: Rows<'_>, dp: &mut RowsMut<'_>) {
+        let tangents = dp.row_mut(0).iter_mut().zip(dq.row(0)).zip(q.row(0));
+        match self.potential {
+            PendulumPotential::Cos => tangents.for_each(|((dp, dq), q)| *dp += tau * q.cos() * dq),
+            PendulumPotential::Sin => tangents.for_each(|((dp, dq), q)| *dp += tau * q.sin() * dq),
         }
     }
 }

@@ -5,6 +5,7 @@ use symplint::{Rows, RowsMut};
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
 use crate::random::Uniform;
+use crate::tangent::DriftKickTangent;
 
 /// A ring of N pendula, each coupled to its two neighbours by springs:
 /// H = ½ |p|² + α Σ cos q_i + ½ k Σ (q_{i+1} − q_i)², the last neighbouring the first
@@ -80,6 +81,24 @@ impl Separable for PendulumArray {
             let (_, right) = self.neighbours(i);
             for ((out, q), right) in out.iter_mut().zip(q.row(i)).zip(q.row(right)) {
                 *out += self.alpha * q.cos() + 0.5 * self.k * (right - q).powi(2);
+            }
+        }
+    }
+
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        Some(self)
+    }
+}
+
+impl DriftKickTangent for PendulumArray {
+    fn kick_tangent(&self, tau: f64, q: Rows<'_>, dq: Rows<'_>, dp: &mut RowsMut<'_>) {
+        let (pull, spring) = (tau * self.alpha, tau * self.k);
+        for i in 0..self.pendula {
+            let (left, right) = self.neighbours(i);
+            let neighbours = dq.row(left).iter().zip(dq.row(right));
+            let tangents = dp.row_mut(i).iter_mut().zip(dq.row(i)).zip(q.row(i));
+            for (((dp, dq), q), (left, right)) in tangents.zip(neighbours) {
+                *dp += pull * q.cos() * dq + spring * ((right - dq) - (dq - left));
             }
         }
     }

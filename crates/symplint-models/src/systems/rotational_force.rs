@@ -5,6 +5,7 @@ use symplint::{Rows, RowsMut};
 use super::HenonHeiles;
 use crate::error::ModelError;
 use crate::hamiltonian::{DriftKick, Separable};
+use crate::tangent::DriftKickTangent;
 
 /// The Hénon–Heiles system with a force besides that turns: q̇ = p, ṗ = −∇V + κ (−q_2, q_1).
 ///
@@ -26,6 +27,17 @@ impl RotationalForce {
         ModelError::check_finite("the strength of the rotational force", strength)?;
         Ok(RotationalForce { strength })
     }
+
+    /// p += τ κ (−q_2, q_1).
+    fn turn(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
+        let turn = tau * self.strength;
+        for (p, y) in p.row_mut(0).iter_mut().zip(q.row(1)) {
+            *p -= turn * y;
+        }
+        for (p, x) in p.row_mut(1).iter_mut().zip(q.row(0)) {
+            *p += turn * x;
+        }
+    }
 }
 
 impl DriftKick for RotationalForce {
@@ -39,12 +51,18 @@ impl DriftKick for RotationalForce {
 
     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
         Separable::kick(&HenonHeiles, tau, q, p);
-        let turn = tau * self.strength;
-        for (p, y) in p.row_mut(0).iter_mut().zip(q.row(1)) {
-            *p -= turn * y;
-        }
-        for (p, x) in p.row_mut(1).iter_mut().zip(q.row(0)) {
-            *p += turn * x;
-        }
+        self.turn(tau, q, p);
+    }
+
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        Some(self)
+    }
+}
+
+impl DriftKickTangent for RotationalForce {
+    fn kick_tangent(&self, tau: f64, q: Rows<'_>, dq: Rows<'_>, dp: &mut RowsMut<'_>) {
+        HenonHeiles.kick_tangent(tau, q, dq, dp);
+        // The turning part is linear.
+        self.turn(tau, dq, dp);
     }
 }

@@ -19,4 +19,8 @@ impl Bond for TodaBond {
     fn tension(&self, r: f64) -> f64 {
         -(-r).exp_m1()
     }
+
+    fn stiffness(&self, r: f64) -> f64 {
+        (-r).exp()
+    }
 }

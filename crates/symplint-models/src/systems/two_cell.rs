@@ -5,6 +5,7 @@ use symplint::{Coordinates, Rows, RowsMut};
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
 use crate::periodic_grid::PeriodicGrid;
+use crate::tangent::DriftKickTangent;
 
 /// One particle on two cells with linear shapes: H = v²/2 − ¼ (|x/L| − x²/L²) on [−L, L], the ends
 /// identified (Barham & Burby, appendix F).
@@ -63,6 +64,20 @@ impl Separable for TwoCell {
     fn coordinates(&self) -> Coordinates {
         let plain = Coordinates::plain(1);
         (plain.with_grid_spacing(self.cell)).expect("the length was checked")
+    }
+
+    fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+        Some(self)
+    }
+}
+
+impl DriftKickTangent for TwoCell {
+    fn kick_tangent(&self, tau: f64, _q: Rows<'_>, dq: Rows<'_>, dp: &mut RowsMut<'_>) {
+        // Between its jumps the force falls by 1/2L over a length L.
+        let slope = -0.5 * tau / (self.cell * self.cell);
+        for (dp, dq) in dp.row_mut(0).iter_mut().zip(dq.row(0)) {
+            *dp += slope * dq;
+        }
     }
 }
 

@@ -49,16 +49,17 @@ impl JacobianReport {
     /// ```
     pub fn compare(&self, loops: &Verdict) -> SecondOpinion {
         let jacobian = format!(
-            "At h = {:?} the Jacobian is {}.",
-            self.step_size, self.verdict
+            "At h = {:?} the Jacobian is {} ({}).",
+            self.step_size, self.verdict, self.method
         );
         let (agreement, reason) = match (loops.kind, &self.verdict) {
             (_, JacobianVerdict::CannotTell { doubt }) => {
                 return SecondOpinion {
                     agreement: Agreement::Open,
                     text: format!(
-                        "At h = {:?} the Jacobian test is no second opinion: {doubt}.{}",
+                        "At h = {:?} the Jacobian test is no second opinion ({}): {doubt}.{}",
                         self.step_size,
+                        self.method,
                         no_opinion(doubt)
                     ),
                 };
@@ -148,7 +149,7 @@ impl JacobianReport {
 fn no_opinion(doubt: &Doubt) -> &'static str {
     match doubt {
         Doubt::WeakBound { .. } => {
-            " Differences enlarge the noise of a map; loop integrals average it and bound the defect better."
+            " Derivatives enlarge the noise of a map; loop integrals average it and bound the defect better."
         }
         Doubt::NotDifferentiable { .. } => {
             " Loop integrals need no derivative: their verdict stands alone."
@@ -160,11 +161,12 @@ fn no_opinion(doubt: &Doubt) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jacobian::TangentDefect;
+    use crate::jacobian::{JacobianMethod, TangentDefect};
 
     fn report(verdict: JacobianVerdict) -> JacobianReport {
         JacobianReport {
             step_size: 0.5,
+            method: JacobianMethod::TangentMap,
             verdict,
             points: Vec::new(),
             not_differentiable: 0,

@@ -3,6 +3,7 @@
 use std::iter::repeat_n;
 
 use super::richardson::Derivative;
+use super::tangents::SAFETY;
 use crate::coordinates::Coordinates;
 use crate::ensemble::Ensemble;
 use crate::error::Error;
@@ -84,27 +85,49 @@ impl Frame {
     }
 
     /// ω(DΦ u, DΦ v) − ω(u, v).
+    ///
+    /// Its error is what the errors of the derivatives make of it; with a tangent map, what its trials show
+    /// of it, as round-off that keeps the form is none here.
     pub fn change_of_form(
         &self,
         (u, of_u): (&[f64], &Derivative),
         (v, of_v): (&[f64], &Derivative),
     ) -> Estimate {
+        let (value, terms) = self.change((u, &of_u.value), (v, &of_v.value));
+        let of_trials = (of_u.trials.iter().zip(&of_v.trials))
+            .map(|(a, b)| self.change((u, a), (v, b)).0)
+            .map(|of_trial| SAFETY * (of_trial - value).abs());
+        let error = of_trials.reduce(f64::max).unwrap_or_else(|| {
+            let each = self.area.iter().enumerate().flat_map(|(i, area)| {
+                let other = self.dof() + i;
+                [(i, other, area.abs()), (other, i, area.abs())]
+            });
+            each.map(|(x, y, area)| {
+                let (a, b) = (of_u.value[x].abs(), of_v.value[y].abs());
+                let (error_a, error_b) = (of_u.error[x], of_v.error[y]);
+                area * (error_a * b + (a + error_a) * error_b)
+            })
+            .sum()
+        });
+        Estimate {
+            value,
+            error: error + 4.0 * UNIT_ROUNDOFF * terms,
+        }
+    }
+
+    /// The change, and the sum of the sizes of all its terms.
+    fn change(&self, (u, of_u): (&[f64], &[f64]), (v, of_v): (&[f64], &[f64])) -> (f64, f64) {
         let dof = self.dof();
-        let (mut value, mut error, mut terms) = (CompensatedSum::default(), 0.0, 0.0);
+        let (mut value, mut terms) = (CompensatedSum::default(), 0.0);
         for (i, area) in self.area.iter().enumerate() {
             for (x, y, sign) in [(i, dof + i, 1.0), (dof + i, i, -1.0)] {
-                let (a, b) = (of_u.value[x], of_v.value[y]);
-                let (error_a, error_b) = (of_u.error[x], of_v.error[y]);
+                let (a, b) = (of_u[x], of_v[y]);
                 value.add(sign * area * (a * b));
                 value.add(-sign * area * (u[x] * v[y]));
                 terms += area.abs() * ((a * b).abs() + (u[x] * v[y]).abs());
-                error += area.abs() * (error_a * b.abs() + (a.abs() + error_a) * error_b);
             }
         }
-        Estimate {
-            value: value.total(),
-            error: error + 4.0 * UNIT_ROUNDOFF * terms,
-        }
+        (value.total(), terms)
     }
 
     /// Whether component `c` of a tangent vector belongs to `dof`.

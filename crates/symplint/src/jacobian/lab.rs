@@ -3,12 +3,13 @@
 use rayon::prelude::*;
 
 use super::frame::Frame;
+use super::method::JacobianMethod;
 use super::richardson::{self, Derivative, Neighbourhood, derivative};
-use super::{directions, noise};
+use super::{directions, noise, tangents};
 use crate::ensemble::Ensemble;
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::{TangentMap, TimeAdvance};
 use crate::piecewise::{coordinate, nearest};
 
 /// Values in an ensemble of displaced states, unless one task needs more: 128 MiB.
@@ -25,16 +26,19 @@ pub(super) struct Task {
 /// One step of a map round places of a loop.
 pub(super) struct Lab<'a> {
     map: &'a dyn TimeAdvance,
-    h: f64,
+    /// The map's tangent map, where it has one that can be trusted.
+    tangent: Option<&'a dyn TangentMap>,
+    pub method: JacobianMethod,
+    pub h: f64,
     pub frame: Frame,
     /// Loop parameters of the places.
     pub places: Vec<f64>,
     /// The loop at the places, one sample each.
-    before: Ensemble,
+    pub before: Ensemble,
     /// What the step makes of it: place by place, positions first.
-    after: Vec<Vec<f64>>,
+    pub after: Vec<Vec<f64>>,
     /// Noise of the map at each place, in units of the frame.
-    noise: Vec<Vec<f64>>,
+    pub noise: Vec<Vec<f64>>,
     /// States advanced.
     pub evaluations: usize,
 }
@@ -47,7 +51,7 @@ struct Displaced<'d> {
 }
 
 impl<'a> Lab<'a> {
-    /// Samples the loop and measures the noise of the map.
+    /// Samples the loop, measures the noise of the map, and checks its tangent map.
     pub fn new(
         map: &'a dyn TimeAdvance,
         phase_loop: &dyn Loop,
@@ -66,6 +70,8 @@ impl<'a> Lab<'a> {
         (before.check_finite(None)).map_err(|error| error.on_the_way(|k| places[k]))?;
         let mut lab = Lab {
             map,
+            tangent: None,
+            method: JacobianMethod::CentralDifferences { rejected: None },
             h,
             frame: Frame::new(phase_loop, &coordinates)?,
             before,
@@ -74,7 +80,15 @@ impl<'a> Lab<'a> {
             places,
             evaluations: 0,
         };
-        lab.measure_noise(&directions::of_noise(dof, seed))?;
+        let direction = directions::of_noise(dof, seed);
+        lab.measure_noise(&direction)?;
+        if let Some(tangent) = map.tangent() {
+            lab.method = match lab.doubt(tangent, &direction)? {
+                None => JacobianMethod::TangentMap,
+                rejected => JacobianMethod::CentralDifferences { rejected },
+            };
+            lab.tangent = Some(tangent).filter(|_| lab.method == JacobianMethod::TangentMap);
+        }
         Ok(lab)
     }
 
@@ -88,13 +102,22 @@ impl<'a> Lab<'a> {
         (self.noise.iter().flatten()).fold(0.0, |largest, noise| largest.max(*noise))
     }
 
-    /// How many tasks of so many states fit into one batch.
-    pub fn tasks_in_a_batch(&self, states: usize) -> usize {
-        (BATCH_VALUES / (states * self.coordinates())).max(1)
+    /// How many tasks of so many directions fit into one batch.
+    pub fn tasks_in_a_batch(&self, directions: usize) -> usize {
+        let columns = match self.method {
+            JacobianMethod::TangentMap => 2 * tangents::TRIALS,
+            JacobianMethod::CentralDifferences { .. } => richardson::STATES,
+        };
+        self.in_a_batch(directions * columns)
+    }
+
+    /// How many times so many columns fit into one batch.
+    fn in_a_batch(&self, columns: usize) -> usize {
+        (BATCH_VALUES / (columns * self.coordinates())).max(1)
     }
 
     fn measure_noise(&mut self, direction: &[f64]) -> Result<(), Error> {
-        let count = self.tasks_in_a_batch(noise::STATES);
+        let count = self.in_a_batch(noise::STATES);
         let sixth_differences = noise::SixthDifferences::new();
         let mut shown = vec![Vec::with_capacity(self.places.len()); self.coordinates()];
         for first in (0..self.places.len()).step_by(count) {
@@ -162,6 +185,14 @@ impl<'a> Lab<'a> {
 
     /// The derivatives of the step along the directions of each task, all evaluated as one ensemble.
     pub fn derivatives(&mut self, tasks: &[Task]) -> Result<Vec<Vec<Derivative>>, Error> {
+        match self.tangent {
+            Some(tangent) => self.tangent_derivatives(tangent, tasks),
+            None => self.differences(tasks),
+        }
+    }
+
+    /// The same by central differences.
+    pub fn differences(&mut self, tasks: &[Task]) -> Result<Vec<Vec<Derivative>>, Error> {
         let displaced: Vec<Displaced<'_>> = (tasks.iter())
             .flat_map(|task| task.directions.iter().map(|d| (task.place, d)))
             .flat_map(|(place, direction)| {

@@ -6,20 +6,25 @@
 //!
 //! Tangent vectors ([`directions`]) are counted in units of the loop ([`frame`]); states displaced along
 //! them are advanced in large blocks ([`lab`]); their differences are extrapolated to
-//! derivatives with error bars ([`richardson`]) that know of the noise of the map ([`noise`]). For many
-//! degrees of freedom random pairs are tried, and a defect is followed to the two that carry it
-//! ([`locate`]).
+//! derivatives with error bars ([`richardson`]) that know of the noise of the map ([`noise`]). A map that
+//! has a tangent map gives derivatives to round-off ([`tangents`]), once it is found to be that of the map
+//! ([`tangent_check`]). For many degrees of freedom random pairs are tried, and a defect is followed to
+//! the two that carry it ([`locate`]).
 
 mod compare;
 mod directions;
 mod frame;
 mod lab;
 mod locate;
+mod method;
 mod noise;
 mod report;
 mod richardson;
+mod tangent_check;
+mod tangents;
 
 pub use compare::{Agreement, SecondOpinion};
+pub use method::{JacobianMethod, TangentDoubt};
 pub use report::{Doubt, JacobianPoint, JacobianReport, JacobianVerdict, TangentDefect};
 
 use crate::error::Error;
@@ -33,7 +38,9 @@ use richardson::Derivative;
 
 /// Tests at points of a loop whether the derivative of a map keeps the symplectic form.
 ///
-/// Derivatives are differences, extrapolated, so any map can be tested. Momenta count with the weights
+/// Derivatives are differences, extrapolated, so any map can be tested, to about 11 digits. A map that
+/// has a [`TangentMap`](crate::TangentMap) gives them to round-off; a tangent map that differs from the
+/// differences is not used, and the [report](JacobianReport::method) says so. Momenta count with the weights
 /// of [`Coordinates`](crate::Coordinates), positions modulo their periods. States are displaced from
 /// the loop by up to an eighth of its size in every coordinate: the map must be defined there.
 ///
@@ -90,7 +97,8 @@ impl JacobianTest {
     /// Tests one step of size `h` at points of `phase_loop`, on the threads of the current Rayon
     /// pool; the result does not depend on their number.
     ///
-    /// A point costs 49 states and 18 for each of its 2d unit vectors, or 36 for each random pair.
+    /// A point costs 49 states and 18 for each of its 2d unit vectors, or 36 for each random pair. With a
+    /// tangent map it costs 74 states, and 7 with their tangent vectors for each unit vector, or 14 for each pair.
     ///
     /// # Errors
     /// If map and loop do not fit, the loop does not move positions or momenta at all, the step size is
@@ -116,7 +124,7 @@ impl JacobianTest {
         };
         let pairs = if full { 1 } else { self.pairs };
         let directions = if full { 2 * dof } else { 2 };
-        let count = lab.tasks_in_a_batch(directions * richardson::STATES);
+        let count = lab.tasks_in_a_batch(directions);
         let mut keys = (0..self.points).flat_map(|place| (0..pairs).map(move |k| (place, k)));
         let mut outcomes: Vec<Vec<Outcome>> = (0..self.points).map(|_| Vec::new()).collect();
         loop {
@@ -131,11 +139,11 @@ impl JacobianTest {
             }
         }
         let points: Vec<JacobianPoint> = (outcomes.iter().zip(&lab.places))
-            .map(|(outcomes, &s)| summed_up(s, outcomes))
+            .map(|(outcomes, &s)| summed_up(lab.method, s, outcomes))
             .collect();
-        let mut found = worst(points.iter().filter_map(|point| point.worst));
+        let mut found = worst(lab.method, points.iter().filter_map(|point| point.worst));
         let mut bound = (points.iter().filter_map(|point| point.bound)).reduce(f64::max);
-        if let Some(dense) = found.filter(|found| !full && found.is_beyond_doubt()) {
+        if let Some(dense) = found.filter(|found| !full && found.is_beyond_doubt(lab.method)) {
             let located = self.located(&mut lab, &outcomes, dense)?;
             bound = bound.map(|bound| bound.max(located.bound()));
             found = Some(located);
@@ -143,6 +151,7 @@ impl JacobianTest {
         let deformations = outcomes.iter().flatten().map(|outcome| outcome.deformation);
         let report = JacobianReport {
             step_size: h,
+            method: lab.method,
             // Judged below, from the rest.
             verdict: JacobianVerdict::CannotTell {
                 doubt: Doubt::NotDifferentiable {
@@ -189,7 +198,7 @@ impl JacobianTest {
                 dofs: located.dofs,
                 ..dense
             };
-            worst([located, spread_evenly].into_iter()).unwrap_or(dense)
+            worst(lab.method, [located, spread_evenly].into_iter()).unwrap_or(dense)
         }))
     }
 
@@ -257,12 +266,12 @@ fn outcome(frame: &Frame, s: f64, task: &Task, derivatives: &[Derivative], full:
     }
 }
 
-fn summed_up(s: f64, outcomes: &[Outcome]) -> JacobianPoint {
+fn summed_up(method: JacobianMethod, s: f64, outcomes: &[Outcome]) -> JacobianPoint {
     let differentiable = outcomes.iter().all(|outcome| outcome.converged);
     let defects = || outcomes.iter().flat_map(|outcome| outcome.defects.iter());
     JacobianPoint {
         s,
-        worst: worst(defects().copied()).filter(|_| differentiable),
+        worst: worst(method, defects().copied()).filter(|_| differentiable),
         bound: (defects().map(TangentDefect::bound))
             .reduce(f64::max)
             .filter(|_| differentiable),

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::method::JacobianMethod;
 use crate::verdict::short;
 
 /// The change of the symplectic form on two tangent vectors,
@@ -17,7 +18,7 @@ pub struct TangentDefect {
     /// The change with its sign.
     pub signed: f64,
     /// Half the width of the interval in which the true one lies, by the estimates: truncation of the
-    /// differences, noise of the map and round-off.
+    /// differences, noise of the map and round-off; round-off alone with a tangent map.
     pub uncertainty: f64,
     /// The degrees of freedom of u and of v; `None` where u and v move all of them.
     pub dofs: Option<(usize, usize)>,
@@ -29,8 +30,9 @@ impl TangentDefect {
         self.signed.abs()
     }
 
-    pub(super) fn is_beyond_doubt(&self) -> bool {
-        self.magnitude() > SMALL.max(BEYOND_DOUBT * self.uncertainty)
+    /// Whether it is a defect of the map for sure, by derivatives of this method.
+    pub(super) fn is_beyond_doubt(&self, method: JacobianMethod) -> bool {
+        self.magnitude() > (method.least_defect()).max(BEYOND_DOUBT * self.uncertainty)
     }
 
     /// The largest change that there may be.
@@ -44,9 +46,6 @@ const BEYOND_DOUBT: f64 = 10.0;
 
 /// A defect this many times its uncertainty is not explained by it.
 const UNEXPLAINED: f64 = 3.0;
-
-/// A smaller defect can be noise of the map itself.
-const SMALL: f64 = 1e-10;
 
 /// A bound above this is too weak to call a map symplectic.
 const WEAKEST_BOUND: f64 = 1e-6;
@@ -70,7 +69,7 @@ pub struct JacobianPoint {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "why")]
 pub enum Doubt {
-    /// The differences do not converge at half the points or more: jumps or kinks are everywhere.
+    /// Derivatives are not had at half the points or more: jumps or kinks are everywhere.
     NotDifferentiable {
         /// Points without a derivative.
         points: usize,
@@ -101,7 +100,7 @@ impl std::fmt::Display for Doubt {
         match self {
             Doubt::NotDifferentiable { points, of } => write!(
                 f,
-                "the map has no derivative at {points} of {of} points, as far as differences tell; \
+                "the map has no derivative at {points} of {of} points, as far as can be told; \
                  take another loop"
             ),
             Doubt::LittleDeformation { deformation } => write!(
@@ -111,7 +110,7 @@ impl std::fmt::Display for Doubt {
             ),
             Doubt::WeakBound { bound, noise } => write!(
                 f,
-                "differences only bound the defect by {bound:.1e}, with a noise of the map of \
+                "derivatives only bound the defect by {bound:.1e}, with a noise of the map of \
                  {noise:.1e} of the loop's size; take a larger loop or double precision"
             ),
             Doubt::Unexplained { worst } => write!(
@@ -176,11 +175,14 @@ impl std::fmt::Display for JacobianVerdict {
 pub struct JacobianReport {
     /// Step size h.
     pub step_size: f64,
+    /// How derivatives were had.
+    pub method: JacobianMethod,
     /// The answer.
     pub verdict: JacobianVerdict,
     /// Point by point.
     pub points: Vec<JacobianPoint>,
-    /// Points at which the map has no derivative, on the scale of the differences.
+    /// Points at which the map has no derivative, on the scale of the differences, or of the last digit of
+    /// the state with a tangent map.
     pub not_differentiable: usize,
     /// Whether all pairs of unit vectors were tried, and not only random ones.
     pub full: bool,
@@ -193,7 +195,7 @@ pub struct JacobianReport {
     pub deformation: f64,
     /// Noise of the map: of one coordinate, relative to its size on the loop.
     pub noise: f64,
-    /// Single states that the map advanced.
+    /// Single states that the map advanced, with a tangent vector or without.
     pub evaluations: usize,
 }
 
@@ -209,7 +211,7 @@ impl JacobianReport {
         let (Some(worst), Some(bound)) = (self.worst, self.bound) else {
             return cannot_tell(self.without_derivative());
         };
-        if worst.is_beyond_doubt() {
+        if worst.is_beyond_doubt(self.method) {
             return JacobianVerdict::NotSymplectic { worst };
         }
         if 2 * self.not_differentiable >= self.points.len() {
@@ -220,7 +222,7 @@ impl JacobianReport {
                 deformation: self.deformation,
             });
         }
-        if worst.magnitude() > SMALL.max(UNEXPLAINED * worst.uncertainty) {
+        if worst.magnitude() > (self.method.least_defect()).max(UNEXPLAINED * worst.uncertainty) {
             return cannot_tell(Doubt::Unexplained { worst });
         }
         // Not `bound > …`: a bound that is no number is no bound.
@@ -244,8 +246,11 @@ impl JacobianReport {
 }
 
 /// The largest defect of those beyond doubt, or else of all; the first of equals.
-pub(super) fn worst(defects: impl Iterator<Item = TangentDefect>) -> Option<TangentDefect> {
-    let rank = |defect: &TangentDefect| (defect.is_beyond_doubt(), defect.magnitude());
+pub(super) fn worst(
+    method: JacobianMethod,
+    defects: impl Iterator<Item = TangentDefect>,
+) -> Option<TangentDefect> {
+    let rank = |defect: &TangentDefect| (defect.is_beyond_doubt(method), defect.magnitude());
     defects.reduce(|best, next| {
         let ((sure, size), (best_sure, best_size)) = (rank(&next), rank(&best));
         // A defect that is no number is worse than any other.

@@ -25,7 +25,7 @@ const DEEPEST: usize = 4;
 const RATIO: f64 = 4.0;
 
 /// What a derivative may miss of convergence, relative to its largest component, and still be one.
-const UNRESOLVED: f64 = 1e-6;
+pub(super) const UNRESOLVED: f64 = 1e-6;
 
 /// The distance at a level, in units of the direction.
 pub(super) fn distance(level: usize) -> f64 {
@@ -35,10 +35,13 @@ pub(super) fn distance(level: usize) -> f64 {
 /// The derivative of all coordinates along a direction, in units of the frame.
 pub(super) struct Derivative {
     pub value: Vec<f64>,
-    /// Truncation and noise.
+    /// Truncation and noise of differences, round-off of a tangent map.
     pub error: Vec<f64>,
-    /// Whether the table converged: if not, the map is not differentiable on the scale of the distances.
+    /// Whether the table converged: if not, the map is not differentiable on the scale of the distances. Of a
+    /// tangent map, whether the last digit of the state decides nothing.
     pub converged: bool,
+    /// The same derivative from other trials of a tangent map; differences have none.
+    pub trials: Vec<Vec<f64>>,
 }
 
 /// What is known of one coordinate round a point.
@@ -159,6 +162,7 @@ pub(super) fn derivative(
         value,
         error,
         converged,
+        trials: Vec::new(),
     }
 }
 

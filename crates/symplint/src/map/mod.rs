@@ -1,8 +1,10 @@
 //! Time-advance maps Φ_h: what is tested.
 
 mod per_sample;
+mod tangent;
 
 pub use per_sample::PerSample;
+pub use tangent::TangentMap;
 
 use crate::block::Block;
 use crate::coordinates::Coordinates;
@@ -74,6 +76,12 @@ pub trait TimeAdvance: Send + Sync {
     fn coordinates(&self) -> Coordinates {
         Coordinates::plain(self.dof())
     }
+
+    /// The derivative of the step, if the map has it exactly. Without one, which is the default,
+    /// derivatives are central differences.
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        None
+    }
 }
 
 /// Why a map could not advance a sample.
@@ -111,6 +119,9 @@ macro_rules! forward_time_advance {
             }
             fn coordinates(&self) -> Coordinates {
                 (**self).coordinates()
+            }
+            fn tangent(&self) -> Option<&dyn TangentMap> {
+                (**self).tangent()
             }
         }
     )*};

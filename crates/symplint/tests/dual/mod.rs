@@ -1,11 +1,11 @@
 //! Exact derivatives of a few steps by dual numbers, a + b ε with ε² = 0.
 //!
 //! Steps are written once for any scalar: with `f64` they are the map under test, with [`Dual`] they
-//! carry one tangent vector along.
+//! carry one tangent vector along, as the tangent map of that map.
 
 use std::ops::{Add, Mul, Sub};
 
-use symplint::{Block, Loop, RowsMut};
+use symplint::{Block, StepFailure, TangentMap, TimeAdvance};
 
 pub trait Scalar:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self>
@@ -184,32 +184,59 @@ pub fn step<S: Scalar>(system: System, method: Method, h: f64, q: &mut [S], p: &
     }
 }
 
-/// The columns of DΦ at γ(s), positions first.
-pub fn exact_jacobian(
-    system: System,
-    method: Method,
-    h: f64,
-    phase_loop: &dyn Loop,
-    s: f64,
-) -> Vec<Vec<f64>> {
-    let dof = system.dof();
-    let (mut q, mut p) = (vec![0.0; dof], vec![0.0; dof]);
-    let mut block = Block::new(
-        RowsMut::new(&mut q, dof, 1, 1),
-        RowsMut::new(&mut p, dof, 1, 1),
-    );
-    phase_loop.sample(&[s], &mut block);
-    let column = |c: usize| {
-        let lift = |first: usize, values: &[f64]| -> Vec<Dual> {
-            let lifted = values.iter().enumerate().map(|(i, &value)| Dual {
-                value,
-                slope: if first + i == c { 1.0 } else { 0.0 },
-            });
-            lifted.collect()
-        };
-        let (mut q, mut p) = (lift(0, &q), lift(dof, &p));
-        step(system, method, h, &mut q, &mut p);
-        q.iter().chain(&p).map(|dual| dual.slope).collect()
-    };
-    (0..2 * dof).map(column).collect()
+/// One step of a method, with its tangent map.
+#[derive(Clone, Copy, Debug)]
+pub struct Step(pub System, pub Method);
+
+impl TimeAdvance for Step {
+    fn dof(&self) -> usize {
+        self.0.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        for k in 0..block.len() {
+            let column = |rows: &symplint::RowsMut<'_>| -> Vec<f64> {
+                (0..rows.count()).map(|i| rows.row(i)[k]).collect()
+            };
+            let (mut q, mut p) = (column(&block.q), column(&block.p));
+            step(self.0, self.1, h, &mut q, &mut p);
+            for i in 0..q.len() {
+                block.q.row_mut(i)[k] = q[i];
+                block.p.row_mut(i)[k] = p[i];
+            }
+        }
+        Ok(())
+    }
+
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        Some(self)
+    }
+}
+
+impl TangentMap for Step {
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        for k in 0..states.len() {
+            let lift = |values: &symplint::RowsMut<'_>, slopes: &symplint::RowsMut<'_>| {
+                let dual = |i: usize| Dual {
+                    value: values.row(i)[k],
+                    slope: slopes.row(i)[k],
+                };
+                (0..values.count()).map(dual).collect::<Vec<Dual>>()
+            };
+            let (mut q, mut p) = (lift(&states.q, &tangents.q), lift(&states.p, &tangents.p));
+            step(self.0, self.1, h, &mut q, &mut p);
+            for i in 0..q.len() {
+                states.q.row_mut(i)[k] = q[i].value;
+                states.p.row_mut(i)[k] = p[i].value;
+                tangents.q.row_mut(i)[k] = q[i].slope;
+                tangents.p.row_mut(i)[k] = p[i].slope;
+            }
+        }
+        Ok(())
+    }
 }

@@ -1,19 +1,22 @@
 //! Implicit Runge–Kutta methods, their stages solved sample by sample.
 
 mod convergence;
+mod field;
 mod newton;
 mod solver;
 mod stages;
+mod tangent;
 
 pub use solver::{Solver, StageSolver, Stop};
 
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance, scratch};
+use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance, scratch};
 
 use super::tableau::TableauPair;
 use crate::error::ModelError;
 use crate::hamiltonian::Hamiltonian;
 use convergence::Convergence;
-use stages::Stages;
+use field::{OfSystem, SlopeField};
+use stages::{Stages, room};
 
 /// A Runge–Kutta method, implicit or not, ordinary or partitioned, applied to any Hamiltonian.
 ///
@@ -73,19 +76,24 @@ impl<H: Hamiltonian> ImplicitRungeKutta<H> {
         self.solver
     }
 
-    fn iterate(&self, stages: &mut Stages<'_, H>, convergence: &mut Convergence<'_>) {
+    fn iterate<F: SlopeField>(
+        &self,
+        stages: &mut Stages<'_, F>,
+        convergence: &mut Convergence<'_>,
+    ) {
         match self.solver.solver {
             Solver::FixedPoint => stages.sweep(convergence),
             Solver::Newton => newton::iterate(stages, convergence),
         }
     }
 
-    fn solve(
+    fn solve<F: SlopeField>(
         &self,
-        stages: &mut Stages<'_, H>,
+        stop: Stop,
+        stages: &mut Stages<'_, F>,
         convergence: &mut Convergence<'_>,
     ) -> Result<(), StepFailure> {
-        match self.solver.stop {
+        match stop {
             Stop::Iterations(iterations) => {
                 for _ in 0..iterations {
                     self.iterate(stages, convergence);
@@ -140,11 +148,12 @@ impl<H: Hamiltonian> TimeAdvance for ImplicitRungeKutta<H> {
 
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         let (dof, len) = (block.dof(), block.len());
-        scratch::with_buffer(Stages::<H>::room(&self.method, dof, len), |room| {
+        scratch::with_buffer(room(&self.method, dof, len), |room| {
             scratch::with_buffer(Convergence::room(len), |progress| {
-                let mut stages = Stages::new(&self.method, &self.system, h, block, room);
+                let system = OfSystem(&self.system);
+                let mut stages = Stages::new(&self.method, &system, h, block, room);
                 let mut convergence = Convergence::new(stages.sizes(), progress);
-                self.solve(&mut stages, &mut convergence)?;
+                self.solve(self.solver.stop, &mut stages, &mut convergence)?;
                 stages.finish(block);
                 Ok(())
             })
@@ -153,5 +162,10 @@ impl<H: Hamiltonian> TimeAdvance for ImplicitRungeKutta<H> {
 
     fn coordinates(&self) -> Coordinates {
         self.system.coordinates()
+    }
+
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        self.solves_exactly().then_some(())?;
+        self.system.tangent().map(|_| self as &dyn TangentMap)
     }
 }

@@ -7,12 +7,12 @@
 use symplint::scratch;
 
 use super::convergence::Convergence;
+use super::field::{Place, SlopeField};
 use super::stages::Stages;
-use crate::hamiltonian::Hamiltonian;
 
 /// One iteration for every sample that is open.
-pub(super) fn iterate<H: Hamiltonian>(
-    stages: &mut Stages<'_, H>,
+pub(super) fn iterate<F: SlopeField>(
+    stages: &mut Stages<'_, F>,
     convergence: &mut Convergence<'_>,
 ) {
     let (size, count, coordinates) = (stages.size(), stages.count(), 2 * stages.dof);
@@ -21,7 +21,7 @@ pub(super) fn iterate<H: Hamiltonian>(
         let (residuals, jacobian) = tables.split_at_mut(count * size);
         for i in 0..count {
             stages.set_stage(i);
-            stages.evaluate();
+            stages.evaluate(Place::Stage(i));
             let residual = &mut residuals[i * size..][..size];
             let slopes = &stages.slopes[i * size..][..size];
             for ((residual, fresh), slope) in residual.iter_mut().zip(&*stages.fresh).zip(slopes) {
@@ -65,17 +65,14 @@ pub(super) fn iterate<H: Hamiltonian>(
 }
 
 /// Writes ∂f/∂y_b at the mean of the stages into table b, by forward differences.
-fn differentiate<H: Hamiltonian>(
-    stages: &mut Stages<'_, H>,
+fn differentiate<F: SlopeField>(
+    stages: &mut Stages<'_, F>,
     convergence: &Convergence<'_>,
     jacobian: &mut [f64],
 ) {
-    let (size, len, count) = (stages.size(), stages.len, stages.count());
-    stages.set_state(|stages, coordinate, j| {
-        let column = (0..count).map(|i| stages.coefficient(coordinate, i, j));
-        column.sum::<f64>() / count as f64
-    });
-    stages.evaluate();
+    let (size, len) = (stages.size(), stages.len);
+    stages.set_mean();
+    stages.evaluate(Place::Mean);
     // Half the digits: the truncation of the difference is then as small as its round-off.
     let shift = |sample: usize| match convergence.size(sample) {
         size if size > 0.0 => size * f64::EPSILON.sqrt(),
@@ -90,7 +87,7 @@ fn differentiate<H: Hamiltonian>(
             for sample in 0..len {
                 stages.state[b * len + sample] += shift(sample);
             }
-            stages.evaluate();
+            stages.evaluate(Place::Mean);
             for (at, entry) in column.iter_mut().enumerate() {
                 // What was added, after rounding.
                 let sample = at % len;

@@ -1,22 +1,22 @@
 //! The slopes at all stages of one step on one block.
 
-use symplint::{Block, Rows, RowsMut};
+use symplint::Block;
 
 use super::super::tableau::TableauPair;
 use super::convergence::Convergence;
-use crate::hamiltonian::Hamiltonian;
+use super::field::{Place, SlopeField};
 
 /// The unknowns of a step: velocity and force at every stage, of every sample.
 ///
 /// A table holds 2d coordinates, positions before momenta, each as a row of samples.
-pub(super) struct Stages<'a, H> {
+pub(super) struct Stages<'a, F> {
     method: &'a TableauPair,
-    system: &'a H,
+    field: &'a F,
     pub(super) h: f64,
     pub(super) dof: usize,
     pub(super) len: usize,
     /// The state before the step.
-    start: &'a mut [f64],
+    pub(super) start: &'a mut [f64],
     /// Room for the state at one stage.
     pub(super) state: &'a mut [f64],
     /// Room for the slopes there.
@@ -25,16 +25,16 @@ pub(super) struct Stages<'a, H> {
     pub(super) slopes: &'a mut [f64],
 }
 
-impl<'a, H: Hamiltonian> Stages<'a, H> {
-    /// Values of scratch memory for a block of `len` samples.
-    pub(super) fn room(method: &TableauPair, dof: usize, len: usize) -> usize {
-        (method.stages() + 3) * 2 * dof * len
-    }
+/// Values of scratch memory for a block of `len` samples.
+pub(super) fn room(method: &TableauPair, dof: usize, len: usize) -> usize {
+    (method.stages() + 3) * 2 * dof * len
+}
 
+impl<'a, F: SlopeField> Stages<'a, F> {
     /// Every stage begins with the slopes at the start of the step.
     pub(super) fn new(
         method: &'a TableauPair,
-        system: &'a H,
+        field: &'a F,
         h: f64,
         block: &Block<'_>,
         room: &'a mut [f64],
@@ -51,7 +51,7 @@ impl<'a, H: Hamiltonian> Stages<'a, H> {
         state.copy_from_slice(start);
         let mut stages = Stages {
             method,
-            system,
+            field,
             h,
             dof,
             len,
@@ -60,7 +60,7 @@ impl<'a, H: Hamiltonian> Stages<'a, H> {
             fresh,
             slopes,
         };
-        stages.evaluate();
+        stages.evaluate(Place::Start);
         for slope in stages.slopes.chunks_exact_mut(size.max(1)) {
             slope.copy_from_slice(stages.fresh);
         }
@@ -79,7 +79,7 @@ impl<'a, H: Hamiltonian> Stages<'a, H> {
 
     /// The largest coordinate of every sample, or of its step by explicit Euler where that is
     /// larger.
-    pub(super) fn sizes(&self) -> impl Iterator<Item = f64> + use<'_, 'a, H> {
+    pub(super) fn sizes(&self) -> impl Iterator<Item = f64> + use<'_, 'a, F> {
         (0..self.len).map(|sample| {
             let coordinates = (sample..self.size()).step_by(self.len);
             coordinates.fold(0.0, |size: f64, at| {
@@ -121,18 +121,20 @@ impl<'a, H: Hamiltonian> Stages<'a, H> {
         self.set_state(|stages, coordinate, j| stages.coefficient(coordinate, i, j));
     }
 
-    /// Computes the slopes at the state.
-    pub(super) fn evaluate(&mut self) {
-        let (dof, len) = (self.dof, self.len);
-        let half = dof * len;
-        let (q, p) = self.state.split_at(half);
-        let (q, p) = (Rows::new(q, dof, len, len), Rows::new(p, dof, len, len));
+    /// Sets the state to the mean of the stages.
+    pub(super) fn set_mean(&mut self) {
+        let count = self.count();
+        self.set_state(|stages, coordinate, j| {
+            let column = (0..count).map(|i| stages.coefficient(coordinate, i, j));
+            column.sum::<f64>() / count as f64
+        });
+    }
+
+    /// Computes the slopes at the state, which is that at `place`.
+    pub(super) fn evaluate(&mut self, place: Place) {
+        let shape = (self.dof, self.len);
         self.fresh.fill(0.0);
-        let (velocity, force) = self.fresh.split_at_mut(half);
-        let mut velocity = RowsMut::new(velocity, dof, len, len);
-        let mut force = RowsMut::new(force, dof, len, len);
-        self.system.add_velocity(1.0, q, p, &mut velocity);
-        self.system.add_force(1.0, q, p, &mut force);
+        self.field.add_slopes(place, shape, self.state, self.fresh);
     }
 
     /// One fixed-point iteration: stage after stage, each with the newest slopes of the others.
@@ -140,7 +142,7 @@ impl<'a, H: Hamiltonian> Stages<'a, H> {
         let size = self.size();
         for i in 0..self.count() {
             self.set_stage(i);
-            self.evaluate();
+            self.evaluate(Place::Stage(i));
             let slopes = &mut self.slopes[i * size..][..size];
             let rows = slopes.chunks_exact_mut(self.len.max(1));
             for (slopes, fresh) in rows.zip(self.fresh.chunks_exact(self.len.max(1))) {

@@ -1,0 +1,59 @@
+//! The Jacobian test of the library's own maps: by tangent map and by differences.
+
+use symplint::{
+    Block, Circle, Coordinates, JacobianMethod, JacobianReport, JacobianTest, JacobianVerdict,
+    StepFailure, TimeAdvance,
+};
+
+use crate::systems::{Subject, all};
+
+/// A map without its tangent map.
+struct Bare<M>(M);
+
+impl<M: TimeAdvance> TimeAdvance for Bare<M> {
+    fn dof(&self) -> usize {
+        self.0.dof()
+    }
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.0.advance(h, block)
+    }
+    fn coordinates(&self) -> Coordinates {
+        self.0.coordinates()
+    }
+}
+
+fn report(subject: &Subject, map: &dyn TimeAdvance) -> JacobianReport {
+    let (q, p) = subject.at.clone();
+    let circle = Circle::new(q, p, 0.1).unwrap().with_random_phases(3);
+    JacobianTest::default().run(map, &circle, 0.5).unwrap()
+}
+
+#[test]
+fn tangent_maps_are_confirmed_and_say_the_same_with_more_digits() {
+    for subject in all() {
+        for (name, info, map) in subject.maps() {
+            let exact = report(&subject, &map);
+            assert_eq!(exact.method, JacobianMethod::TangentMap, "{name}");
+            let differences = report(&subject, &Bare(&map));
+            for (a, b) in exact.points.iter().zip(&differences.points) {
+                let (Some(x), Some(y)) = (a.worst, b.worst) else {
+                    assert!(!subject.nonlinear || a.worst.is_some(), "{name} at {}", a.s);
+                    continue;
+                };
+                for (x, other) in [(x, b), (y, a)] {
+                    let least = x.magnitude() - x.uncertainty;
+                    assert!(least <= other.bound.unwrap(), "{name} at {}", a.s);
+                }
+            }
+            let (fine, coarse) = (exact.bound.unwrap(), differences.bound.unwrap());
+            if info.symplectic && subject.name != "rotational force" {
+                // Terms of the form are products of two components.
+                let growth = (1.0 + exact.deformation).powi(2);
+                assert!(fine < 4e-14 * growth, "{name}: {fine:e} of {growth:e}");
+                assert!(fine < 0.1 * coarse, "{name}: {fine:e} and {coarse:e}");
+                let wrong = matches!(exact.verdict, JacobianVerdict::NotSymplectic { .. });
+                assert!(!wrong, "{name}: {}", exact.verdict);
+            }
+        }
+    }
+}

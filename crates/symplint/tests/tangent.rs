@@ -1,0 +1,417 @@
+//! The Jacobian test by tangent maps: digits, error bars, and tangent maps that do not belong to their map.
+
+#[allow(dead_code, reason = "the other test uses the rest")]
+mod dual;
+
+use dual::{Method, SYSTEMS, Step, System};
+use symplint::{
+    Block, Circle, Coordinates, Doubt, Error, JacobianMethod, JacobianReport, JacobianTest,
+    JacobianVerdict, Loop, RowsMut, StepFailure, TangentDefect, TangentDoubt, TangentMap,
+    TimeAdvance,
+};
+
+fn circle(dof: usize) -> Circle {
+    let circle = Circle::new(vec![0.3; dof], vec![-0.2; dof], 1.0).unwrap();
+    circle.with_random_phases(4)
+}
+
+fn run(map: &dyn TimeAdvance, h: f64) -> JacobianReport {
+    JacobianTest::default()
+        .run(map, &circle(map.dof()), h)
+        .unwrap()
+}
+
+fn found(report: &JacobianReport) -> impl Iterator<Item = TangentDefect> {
+    report.points.iter().map(|point| point.worst.unwrap())
+}
+
+/// One degree of freedom, by functions of one state and of a state with its tangent vector.
+struct Given<F, G> {
+    step: F,
+    tangent: G,
+    period: f64,
+}
+
+impl<F, G> TimeAdvance for Given<F, G>
+where
+    F: Fn(f64, [f64; 2]) -> [f64; 2] + Send + Sync,
+    G: Fn(f64, [f64; 2], [f64; 2]) -> ([f64; 2], [f64; 2]) + Send + Sync,
+{
+    fn dof(&self) -> usize {
+        1
+    }
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
+            [*q, *p] = (self.step)(h, [*q, *p]);
+        }
+        Ok(())
+    }
+    fn coordinates(&self) -> Coordinates {
+        let plain = Coordinates::plain(1);
+        plain.with_periods(vec![self.period]).unwrap()
+    }
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        Some(self)
+    }
+}
+
+impl<F, G> TangentMap for Given<F, G>
+where
+    F: Fn(f64, [f64; 2]) -> [f64; 2] + Send + Sync,
+    G: Fn(f64, [f64; 2], [f64; 2]) -> ([f64; 2], [f64; 2]) + Send + Sync,
+{
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        for k in 0..states.len() {
+            let column = |block: &Block<'_>| [block.q.row(0)[k], block.p.row(0)[k]];
+            let (z, u) = (self.tangent)(h, column(states), column(tangents));
+            states.q.row_mut(0)[k] = z[0];
+            states.p.row_mut(0)[k] = z[1];
+            tangents.q.row_mut(0)[k] = u[0];
+            tangents.p.row_mut(0)[k] = u[1];
+        }
+        Ok(())
+    }
+}
+
+/// The pendulum kicked, then drifting, with what its tangent map adds to the tangent vector by mistake.
+fn pendulum(mistake: impl Fn([f64; 2]) -> f64 + Send + Sync) -> impl TimeAdvance {
+    let step = |h: f64, [q, p]: [f64; 2]| {
+        let p = p - h * q.sin();
+        [q + h * p, p]
+    };
+    Given {
+        step,
+        tangent: move |h, z: [f64; 2], [dq, dp]: [f64; 2]| {
+            let dp = dp - h * z[0].cos() * dq + mistake(z) * dq;
+            (step(h, z), [dq + h * dp, dp])
+        },
+        period: 0.0,
+    }
+}
+
+#[test]
+fn error_bars_hold_the_closed_form() {
+    let test = JacobianTest {
+        points: 100,
+        ..JacobianTest::default()
+    };
+    for system in SYSTEMS {
+        for method in [Method::SymplecticEuler, Method::Strang] {
+            for h in [0.9, 0.5, 0.3, 0.123] {
+                for (centre, radius) in [(0.3, 1.0), (0.3, 0.01), (7.0, 0.5)] {
+                    let map = Step(system, method);
+                    let dof = map.dof();
+                    let circle = Circle::new(vec![centre; dof], vec![-0.2; dof], radius).unwrap();
+                    let report = test.run(&map, &circle, h).unwrap();
+                    let mut worst = 0.0_f64;
+                    for found in found(&report) {
+                        let name = format!("{map:?}, h = {h}, {radius} round {centre}: {found:?}");
+                        assert!(found.magnitude() <= found.uncertainty, "{name}");
+                        worst = worst.max(found.uncertainty);
+                    }
+                    // Terms of the form are products of two components.
+                    let growth = (1.0 + report.deformation).powi(2);
+                    assert!(worst <= 1e-14 * growth, "{map:?}, h = {h}: {worst:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_midpoint_rule_on_a_spring_has_its_determinant() {
+    // det DΦ = 1 + h⁴/4, a number without rounding for these h.
+    for h in [2.0, 1.0, 0.5, 0.25, -0.5, 0.125] {
+        let spring = Given {
+            step: move |h: f64, [q, p]: [f64; 2]| {
+                let (q_half, p_half) = (q + 0.5 * h * p, p - 0.5 * h * q);
+                [q + h * p_half, p - h * q_half]
+            },
+            tangent: move |h: f64, [q, p]: [f64; 2], [dq, dp]: [f64; 2]| {
+                let step = |[q, p]: [f64; 2]| {
+                    let (q_half, p_half) = (q + 0.5 * h * p, p - 0.5 * h * q);
+                    [q + h * p_half, p - h * q_half]
+                };
+                (step([q, p]), step([dq, dp]))
+            },
+            period: 0.0,
+        };
+        let report = run(&spring, h);
+        assert_eq!(report.method, JacobianMethod::TangentMap);
+        for found in found(&report) {
+            let exact = h.powi(4) / 4.0;
+            assert!(
+                (found.signed - exact).abs() <= found.uncertainty,
+                "{found:?}"
+            );
+            assert!(
+                found.uncertainty < 1e-14 * (1.0 + h * h).powi(2),
+                "{found:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_wrong_tangent_map_is_found_out_and_not_used() {
+    let right = run(&pendulum(|_| 0.0), 0.5);
+    assert_eq!(right.method, JacobianMethod::TangentMap);
+    let JacobianVerdict::SymplecticAlmostEverywhere { digits } = right.verdict else {
+        panic!("{}", right.verdict);
+    };
+    assert!(digits >= 14.0, "{digits}");
+
+    // Everywhere, in part of phase space, or by a little: the differences say the same of the map.
+    type Mistake = fn([f64; 2]) -> f64;
+    let mistakes: [Mistake; 4] = [
+        |_| 1e-3,
+        |_| 1e-8,
+        |[q, _]| if q < 0.0 { 0.1 } else { 0.0 },
+        |[_, p]| 1e-4 * p,
+    ];
+    for (k, mistake) in mistakes.into_iter().enumerate() {
+        let wrong = run(&pendulum(mistake), 0.5);
+        let JacobianMethod::CentralDifferences {
+            rejected: Some(TangentDoubt::OtherDerivative { off, .. }),
+        } = wrong.method
+        else {
+            panic!("mistake {k}: {}", wrong.method);
+        };
+        assert!(off > 1e-10 && off < 0.2, "mistake {k}: {off:e}");
+        let JacobianVerdict::SymplecticAlmostEverywhere { digits } = wrong.verdict else {
+            panic!("mistake {k}: {}", wrong.verdict);
+        };
+        assert!((10.0..13.0).contains(&digits), "mistake {k}: {digits}");
+    }
+}
+
+#[test]
+fn a_wrong_tangent_map_makes_no_map_symplectic() {
+    // The wrong sign in the map, the right one in the tangent map.
+    let map = Given {
+        step: |h: f64, [q, p]: [f64; 2]| [q + h * (p + h * q.sin()), p - h * q.sin()],
+        tangent: |h: f64, [q, p]: [f64; 2], [dq, dp]: [f64; 2]| {
+            let dp_new = dp - h * q.cos() * dq;
+            let state = [q + h * (p + h * q.sin()), p - h * q.sin()];
+            (state, [dq + h * dp_new, dp_new])
+        },
+        period: 0.0,
+    };
+    let report = run(&map, 0.5);
+    assert!(matches!(
+        report.verdict,
+        JacobianVerdict::NotSymplectic { .. }
+    ));
+    let text = report.method.to_string();
+    assert!(text.contains("not its derivative"), "{text}");
+}
+
+#[test]
+fn a_tangent_map_that_moves_states_otherwise_is_not_used() {
+    let step = |h: f64, [q, p]: [f64; 2]| [q + h * p, p];
+    let map = Given {
+        step,
+        tangent: move |h, [q, p]: [f64; 2], u| ([q + h * p + 1e-9, p], step(h, u)),
+        period: 0.0,
+    };
+    let rejected = match run(&map, 0.5).method {
+        JacobianMethod::CentralDifferences { rejected } => rejected,
+        JacobianMethod::TangentMap => None,
+    };
+    assert!(
+        matches!(rejected, Some(TangentDoubt::OtherState { off, .. }) if (0.9e-9..1.1e-9).contains(&off)),
+        "{rejected:?}"
+    );
+    // Whole periods are no other state.
+    let rotor = |turns: f64| Given {
+        step,
+        tangent: move |h, [q, p]: [f64; 2], u| ([q + h * p + turns, p], step(h, u)),
+        period: 1.0,
+    };
+    let wrapped = run(&rotor(3.0), 0.5).method;
+    assert_eq!(wrapped, JacobianMethod::TangentMap);
+}
+
+#[test]
+fn a_tangent_map_that_cannot_be_checked_is_not_used() {
+    // Stairs of a millionth: flat almost everywhere, and of the slope of a line to any difference.
+    let stairs = |q: f64| (q * 1e6).floor() * 1e-6;
+    let step = move |h: f64, [q, p]: [f64; 2]| {
+        let p = p - h * stairs(q);
+        [q + h * p, p]
+    };
+    let map = Given {
+        step,
+        tangent: move |h, z, [dq, dp]: [f64; 2]| (step(h, z), [dq + h * dp, dp]),
+        period: 0.0,
+    };
+    let report = run(&map, 0.5);
+    assert!(
+        matches!(
+            report.method,
+            JacobianMethod::CentralDifferences { rejected: Some(_) }
+        ),
+        "{}",
+        report.method
+    );
+    assert!(!matches!(
+        report.verdict,
+        JacobianVerdict::NotSymplectic { .. }
+    ));
+}
+
+#[test]
+fn a_kink_that_is_nearer_than_differences_reach_leaves_the_derivative() {
+    let unit = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
+    let kinked = |at: f64| {
+        let slope = move |q: f64| if q < at { -1.0 } else { 1.0 };
+        let step = move |h: f64, [q, p]: [f64; 2]| {
+            let p = p - h * slope(q) * (q - at);
+            [q + h * p, p]
+        };
+        Given {
+            step,
+            tangent: move |h, z: [f64; 2], [dq, dp]: [f64; 2]| {
+                let dp = dp - h * slope(z[0]) * dq;
+                (step(h, z), [dq + h * dp, dp])
+            },
+            period: 0.0,
+        }
+    };
+    let test = JacobianTest::default();
+    let s = test.run(&kinked(0.0), &unit, 0.5).unwrap().points[0].s;
+    let (mut q, mut p) = ([0.0], [0.0]);
+    let rows = RowsMut::new(&mut q, 1, 1, 1);
+    unit.sample(&[s], &mut Block::new(rows, RowsMut::new(&mut p, 1, 1, 1)));
+    let q = q[0];
+    for distance in [1e-12, 1e-8, -1e-6] {
+        let report = test.run(&kinked(q + distance), &unit, 0.5).unwrap();
+        assert_eq!(report.method, JacobianMethod::TangentMap);
+        assert_eq!(report.not_differentiable, 0, "{distance:e}");
+        assert!(report.bound.unwrap() < 1e-14);
+    }
+    // On the kink itself the last digit of the state decides, and nothing is claimed there.
+    let report = test.run(&kinked(q), &unit, 0.5).unwrap();
+    assert_eq!(report.method, JacobianMethod::TangentMap);
+    assert_eq!(report.not_differentiable, 1);
+    assert!(report.points[0].worst.is_none());
+}
+
+#[test]
+fn a_step_that_fails_for_tangents_is_an_error_that_says_where() {
+    struct Failing;
+    impl TimeAdvance for Failing {
+        fn dof(&self) -> usize {
+            1
+        }
+        fn advance(&self, _h: f64, _block: &mut Block<'_>) -> Result<(), StepFailure> {
+            Ok(())
+        }
+        fn tangent(&self) -> Option<&dyn TangentMap> {
+            Some(self)
+        }
+    }
+    impl TangentMap for Failing {
+        fn advance_tangents(
+            &self,
+            _h: f64,
+            _states: &mut Block<'_>,
+            _tangents: &mut Block<'_>,
+        ) -> Result<(), StepFailure> {
+            Err(StepFailure {
+                sample: 7,
+                reason: "no reason".into(),
+            })
+        }
+    }
+    let error = JacobianTest::default().run(&Failing, &circle(1), 0.5);
+    let error = error.unwrap_err();
+    let Error::OnTheWay { source, .. } = &error else {
+        panic!("{error}");
+    };
+    assert!(matches!(**source, Error::StepFailed { sample: 7, .. }));
+}
+
+#[test]
+fn the_cost_is_as_documented() {
+    for system in SYSTEMS {
+        let map = Step(system, Method::Strang);
+        let directions = 2 * map.dof();
+        assert_eq!(run(&map, 0.3).evaluations, 8 * (74 + 7 * directions));
+        let random = JacobianTest {
+            full_up_to: 0,
+            ..JacobianTest::default()
+        };
+        let report = random.run(&map, &circle(map.dof()), 0.3).unwrap();
+        assert_eq!(report.evaluations, 8 * (74 + 14 * 16));
+        assert!(report.bound.unwrap() < 1e-12, "{system:?}");
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let test = JacobianTest {
+        points: 400,
+        ..JacobianTest::default()
+    };
+    let map = Step(System::HenonHeiles, Method::Heun);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let run = || test.run(&map, &circle(2), 0.3).unwrap();
+        pool.unwrap().install(run)
+    };
+    assert_eq!(on(1), on(3));
+}
+
+#[test]
+fn a_step_that_deforms_nothing_tests_nothing() {
+    let map = Given {
+        step: |h: f64, [q, p]: [f64; 2]| [q + h, p],
+        tangent: |h: f64, [q, p]: [f64; 2], u: [f64; 2]| ([q + h, p], u),
+        period: 0.0,
+    };
+    assert!(matches!(
+        run(&map, 0.5).verdict,
+        JacobianVerdict::CannotTell {
+            doubt: Doubt::LittleDeformation { .. }
+        }
+    ));
+}
+
+#[test]
+fn small_defects_are_told_from_none() {
+    // Momenta are stretched by so much: det DΦ − 1.
+    let stretched = |by: f64| {
+        let step = move |h: f64, [q, p]: [f64; 2]| {
+            let p = (p - h * q.sin()) * (1.0 + by);
+            [q + h * p, p]
+        };
+        let tangent = move |h: f64, z: [f64; 2], [dq, dp]: [f64; 2]| {
+            let dp = (dp - h * z[0].cos() * dq) * (1.0 + by);
+            (step(h, z), [dq + h * dp, dp])
+        };
+        Given {
+            step,
+            tangent,
+            period: 0.0,
+        }
+    };
+    for by in [1e-6, 1e-9, 3e-12] {
+        match run(&stretched(by), 0.5).verdict {
+            JacobianVerdict::NotSymplectic { worst } => {
+                assert!((worst.signed - by).abs() <= worst.uncertainty, "{worst:?}");
+            }
+            other => panic!("{by:e}: {other}"),
+        }
+    }
+    // What is smaller can be round-off of an iterative solver, and only bounds the digits.
+    match run(&stretched(3e-13), 0.5).verdict {
+        JacobianVerdict::SymplecticAlmostEverywhere { digits } => assert_eq!(digits, 12.5),
+        other => panic!("{other}"),
+    }
+}
