@@ -6,6 +6,8 @@ use symplint::{
     Block, Coordinates, Diagnostic, SampleCount, StepFailure, TimeAdvance, VerdictKind,
 };
 
+use symplint_models::discrete::StandardMap;
+
 use crate::{circle, diagnose};
 
 /// Strang on the pendulum by a code that keeps q in [0, 2π).
@@ -141,11 +143,34 @@ fn a_torque_on_the_cylinder_is_symplectic_but_not_exact() {
             }
         }
     }
-    let verdict = diagnose(&Diagnostic::halving(0, -5), &Torque, &Around).verdict;
+    let says = |phase_loop: &dyn symplint::Loop| {
+        let verdict = diagnose(&Diagnostic::halving(0, -5), &Torque, phase_loop).verdict;
+        assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
+        let flux = (verdict.evidence.iter()).any(|line| line.contains("not exact"));
+        assert!(flux, "{verdict:?}");
+    };
+    says(&Around);
+    // A loop that winds is tried where the given one does not.
+    says(&circle(&[2.0], &[0.5], 1.0));
+}
+
+#[test]
+fn the_standard_map_is_exact() {
+    let map = StandardMap::new(0.7).unwrap();
+    let found = diagnose(
+        &Diagnostic::halving(0, -5),
+        &map,
+        &circle(&[2.0], &[0.5], 1.0),
+    );
+    let verdict = &found.verdict;
     assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
-    let flux = verdict
-        .evidence
+    let exact = (verdict.evidence.iter()).any(|line| line.contains("the map is exact"));
+    assert!(exact, "{verdict:?}");
+    // ∮ p dq round the cylinder is 2π times a mean momentum, and not an area.
+    let winding = found
+        .points
         .iter()
-        .any(|line| line.contains("not exact"));
-    assert!(flux, "{verdict:?}");
+        .find(|point| point.loop_index == 8)
+        .unwrap();
+    assert!(winding.initial.abs() > 2.0, "{winding:?}");
 }

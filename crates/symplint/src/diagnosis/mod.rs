@@ -27,7 +27,7 @@ use crate::piecewise::Piecewise;
 use crate::verdict::{Fit, LoopEvidence, StepEvidence, Verdict, judge, size};
 use nested::Nested;
 use probe::{Measured, Method, Probe, Subject, deformation, winds};
-use random_loop::random_loop;
+use random_loop::{random_loop, winding_loop};
 
 /// Which rule computes the loop integrals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +89,8 @@ pub struct Diagnostic {
     pub sample_sweep: Option<SampleSweep>,
     /// Loops in all: the given one, and random ones of its size round its centre that are tried at
     /// the largest step size; the first of them that shows a defect is tried at all. One
-    /// loop is one probe, and a symmetric one hides terms of lower order.
+    /// loop is one probe, and a symmetric one hides terms of lower order. If there are two or more, and
+    /// a position has a period, another random loop winds round it.
     pub loops: usize,
     /// Seed of the random loops.
     pub seed: u64,
@@ -231,6 +232,9 @@ impl Diagnostic {
                 Err(error) => return Err(error),
             });
         }
+        if self.loops > 1 && !loops[0].winds {
+            loops.extend(self.try_winding(&mut study, subject)?);
+        }
         let deformation = deformation(map, phase_loop, largest)?;
         let (mut verdict, fits) = judge(&loops, deformation);
         verdict
@@ -257,6 +261,35 @@ impl Diagnostic {
             fits,
             breaks: study.breaks,
         })
+    }
+
+    /// A random loop round the period of a position, where there is one, at the largest step size.
+    fn try_winding(
+        &self,
+        study: &mut Study<'_>,
+        subject: Subject<'_>,
+    ) -> Result<Option<LoopEvidence>, Error> {
+        let (index, seed) = (self.loops, self.seed.wrapping_add(self.loops as u64));
+        let found = winding_loop(subject.phase_loop, subject.coordinates, seed)?;
+        let Some(winding) = found else {
+            return Ok(None);
+        };
+        let subject = Subject {
+            phase_loop: &winding,
+            ..subject
+        };
+        match self.try_random(study, index, subject, true) {
+            Ok(evidence) => Ok(Some(evidence)),
+            // Nobody asked for it.
+            Err(
+                Error::NotFinite { .. }
+                | Error::StepFailed { .. }
+                | Error::OnTheWay { .. }
+                | Error::NoArea { .. }
+                | Error::LostInRounding { .. },
+            ) => Ok(None),
+            Err(error) => Err(error),
+        }
     }
 
     /// A random loop at the largest step size; at all if it shows a defect and none did before.

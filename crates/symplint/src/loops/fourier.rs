@@ -18,13 +18,15 @@ struct Amplitudes {
 }
 
 /// A centre and, for each mode m = 1, 2, …, amplitudes of cos 2πms and sin 2πms in every
-/// coordinate.
+/// coordinate; one position may gain a period on the way round.
 #[derive(Clone, Debug)]
 pub struct FourierLoop {
     q0: Vec<f64>,
     p0: Vec<f64>,
     /// Mode by mode, one entry for each degree of freedom.
     modes: Vec<Vec<Amplitudes>>,
+    /// The position that winds, and what it gains in one turn.
+    winding: Option<(usize, f64)>,
 }
 
 impl FourierLoop {
@@ -90,7 +92,33 @@ impl FourierLoop {
                     .collect(),
             );
         }
-        Ok(FourierLoop { q0, p0, modes })
+        Ok(FourierLoop {
+            q0,
+            p0,
+            modes,
+            winding: None,
+        })
+    }
+
+    /// The same loop, but for position `dof`, which gains `period` on the way round: of a map that knows it
+    /// as a period, a closed loop that cannot be contracted.
+    ///
+    /// # Errors
+    /// If there is no such degree of freedom, or the period is not positive and finite.
+    pub fn winding(mut self, dof: usize, period: f64) -> Result<Self, Error> {
+        let count = self.q0.len();
+        if dof >= count {
+            return Err(Error::NoSuchDof { dof, count });
+        }
+        if !(period.is_finite() && period > 0.0) {
+            return Err(Error::OutOfRange {
+                what: "period that the loop winds round",
+                value: period,
+                remedy: "give a positive finite period",
+            });
+        }
+        self.winding = Some((dof, period));
+        Ok(self)
     }
 }
 
@@ -104,6 +132,11 @@ impl Loop for FourierLoop {
         for i in 0..self.dof() {
             block.q.row_mut(i).fill(self.q0[i]);
             block.p.row_mut(i).fill(self.p0[i]);
+        }
+        if let Some((dof, period)) = self.winding {
+            for (q, s) in block.q.row_mut(dof).iter_mut().zip(s) {
+                *q += period * s;
+            }
         }
         scratch::with_buffer(2 * n, |buffer| {
             let (sin, cos) = buffer.split_at_mut(n);
@@ -130,6 +163,7 @@ impl Loop for FourierLoop {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::coordinates::Coordinates;
     use crate::ensemble::Ensemble;
     use crate::integral::{LoopIntegral, Rule};
     use std::f64::consts::PI;
@@ -153,6 +187,23 @@ mod tests {
         let integral = LoopIntegral::of(&ensemble, &Rule::Pseudospectral).unwrap();
         assert!((integral.value - exact).abs() < 1e-14);
         assert!(integral.contributions.iter().all(|&area| area > 0.06 * PI));
+    }
+
+    #[test]
+    fn winding_adds_the_period_times_the_mean_momentum() {
+        let integral = |phase_loop: &FourierLoop| {
+            let ensemble = Ensemble::sample(phase_loop, 16).unwrap();
+            let coordinates = Coordinates::plain(3)
+                .with_periods(vec![0.0, 20.0, 0.0])
+                .unwrap();
+            LoopIntegral::in_coordinates(&ensemble, &Rule::Pseudospectral, &coordinates).unwrap()
+        };
+        let winding = random(11).winding(1, 20.0).unwrap();
+        let gained = integral(&winding).value - integral(&random(11)).value;
+        // The centre is at p = −1; ∮ p dq of the ramp is the period times the mean of p.
+        assert!((gained + 20.0).abs() < 1e-13, "{gained}");
+        assert!(random(11).winding(3, 20.0).is_err());
+        assert!(random(11).winding(0, 0.0).is_err());
     }
 
     #[test]

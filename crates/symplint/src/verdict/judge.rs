@@ -377,6 +377,13 @@ impl Case<'_> {
                 size(step.step_size)
             )
         }));
+        let exact = random.iter().find(|found| found.winds && found.testifies());
+        lines.extend(exact.map(|found| {
+            format!(
+                "{} winds round a period, cannot be contracted, and is conserved, too: the map is exact.",
+                capitalised(name(found.index))
+            )
+        }));
         lines.push(format!(
             "What is narrower than 1/{} of the loop is not seen.",
             self.loops[0].samples

@@ -44,7 +44,9 @@ impl Diagnostic {
         if !self.stages || !(broken || verdict.kind == VerdictKind::NotSymplectic) {
             return None;
         }
-        let evidence = loops.iter().find(|evidence| evidence.shows_defect())?;
+        // The integral of a loop that winds may change; that it breaks may not.
+        let evidence =
+            (loops.iter()).find(|found| found.shows_defect() && (broken || !found.winds))?;
         match self.locate(subject, evidence, broken, h) {
             Ok(found) => {
                 verdict
