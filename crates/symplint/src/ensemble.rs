@@ -102,18 +102,40 @@ impl Ensemble {
         if samples < 3 {
             return Err(Error::TooFewSamples { samples });
         }
-        Self::check_size(phase_loop.dof(), samples)?;
-        let mut ensemble = Self::zeros(phase_loop.dof(), samples);
+        Self::sample_part(phase_loop, samples, 0, samples)
+    }
+
+    /// Shows the same samples in ensembles of a few, in their order: for what a glance at each is enough.
+    ///
+    /// # Errors
+    /// The same, and those of `visit`.
+    pub(crate) fn in_parts(
+        phase_loop: &dyn Loop,
+        samples: usize,
+        mut visit: impl FnMut(Ensemble) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        /// Memory of a part, unless a block of a few samples needs more.
+        const BYTES: usize = 64 << 20;
+        let count = (BYTES / (16 * phase_loop.dof().max(1))).clamp(8, samples);
+        for first in (0..samples).step_by(count) {
+            let count = count.min(samples - first);
+            visit(Self::sample_part(phase_loop, samples, first, count)?)?;
+        }
+        Ok(())
+    }
+
+    /// `count` of the `samples` samples of a loop, from `first` on.
+    fn sample_part(
+        phase_loop: &dyn Loop,
+        samples: usize,
+        first: usize,
+        count: usize,
+    ) -> Result<Self, Error> {
+        Self::check_size(phase_loop.dof(), count)?;
+        let mut ensemble = Self::zeros(phase_loop.dof(), count);
         let width = Self::block_width(ensemble.dof);
         let each = |(b, mut block): (usize, Block<'_>)| {
-            let s: Vec<f64> = (0..block.len())
-                .map(|k| (b * width + k) as f64 / samples as f64)
-                .collect();
-            phase_loop.sample(&s, &mut block);
-            match first_not_finite(&block) {
-                None => Ok(()),
-                Some(found) => Err(found.into_error(b * width, None)),
-            }
+            sample_block(phase_loop, samples, first + b * width, &mut block)
         };
         let blocks = ensemble.blocks().into_par_iter().enumerate();
         first_error(blocks.map(each).collect())?;
@@ -188,17 +210,8 @@ impl Ensemble {
             });
         }
         let width = Self::block_width(self.dof);
-        let each = |(b, mut block): (usize, Block<'_>)| {
-            step(&mut block).map_err(|failure| Error::StepFailed {
-                sample: b * width + failure.sample,
-                step_size: h,
-                reason: failure.reason,
-            })?;
-            match first_not_finite(&block) {
-                None => Ok(()),
-                Some(found) => Err(found.into_error(b * width, Some(h))),
-            }
-        };
+        let each =
+            |(b, mut block): (usize, Block<'_>)| advance_block(&step, h, b * width, &mut block);
         let blocks = self.blocks().into_par_iter().enumerate();
         first_error(blocks.map(each).collect())
     }
@@ -217,8 +230,49 @@ impl Ensemble {
     }
 }
 
+/// Writes the samples γ(k/N_s), k = `first`, `first` + 1, …, of a loop into a block.
+///
+/// # Errors
+/// If the loop is not finite somewhere.
+pub(crate) fn sample_block(
+    phase_loop: &dyn Loop,
+    samples: usize,
+    first: usize,
+    block: &mut Block<'_>,
+) -> Result<(), Error> {
+    let s: Vec<f64> = (0..block.len())
+        .map(|k| (first + k) as f64 / samples as f64)
+        .collect();
+    phase_loop.sample(&s, block);
+    match first_not_finite(block) {
+        None => Ok(()),
+        Some(found) => Err(found.into_error(first, None)),
+    }
+}
+
+/// Advances a block that begins with sample `first` by a step of size `h`.
+///
+/// # Errors
+/// If the step fails or returns a state that is not finite.
+pub(crate) fn advance_block(
+    step: impl Fn(&mut Block<'_>) -> Result<(), StepFailure>,
+    h: f64,
+    first: usize,
+    block: &mut Block<'_>,
+) -> Result<(), Error> {
+    step(block).map_err(|failure| Error::StepFailed {
+        sample: first + failure.sample,
+        step_size: h,
+        reason: failure.reason,
+    })?;
+    match first_not_finite(block) {
+        None => Ok(()),
+        Some(found) => Err(found.into_error(first, Some(h))),
+    }
+}
+
 /// The first error in the order of the blocks, so that it does not depend on the threads.
-fn first_error(results: Vec<Result<(), Error>>) -> Result<(), Error> {
+pub(crate) fn first_error(results: Vec<Result<(), Error>>) -> Result<(), Error> {
     results.into_iter().collect()
 }
 

@@ -1,16 +1,18 @@
 //! The whole diagnosis: sweeps over the step size and the number of samples, and the verdict.
 
 mod long_time;
+mod motion;
 mod point;
 mod probe;
 mod random_loop;
 mod resolve;
 mod sanity;
 mod second;
+mod streamed;
 
 pub use long_time::{Growth, LongTime};
+pub(crate) use motion::motion;
 pub use point::{Point, Sweep};
-pub(crate) use probe::motion;
 
 use serde::Serialize;
 
@@ -21,27 +23,33 @@ use crate::jacobian::JacobianReport;
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
 use crate::piecewise::Piecewise;
+use crate::streaming::Streaming;
 use crate::verdict::{Fit, LoopEvidence, StepEvidence, Verdict, judge};
-use probe::{Method, Probe, Subject, deformation, winds};
+use motion::{deformation, winds};
+use probe::{Method, Probe, Subject};
 use random_loop::random_loop;
 
 /// Which rule computes the loop integrals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RuleChoice {
     /// Pseudospectral where the advanced loop of the largest step size is smooth enough to reach round-off
-    /// that way; piecewise where it is broken, or has kinks.
+    /// that way; piecewise where it is broken, or has kinks; streaming where ensembles would take more than
+    /// 512 MiB.
     Auto,
     /// This one, from equispaced samples.
     Fixed(Rule),
     /// The piecewise rule.
     Piecewise,
+    /// The streaming rule: no more than a few dozen states in memory.
+    Streaming,
 }
 
 /// How many samples a loop gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleCount {
     /// Doubled from 64 until the quadrature error of the largest step reaches round-off, stops
-    /// falling, or the ensemble reaches its limit (65,536 samples or 512 MiB).
+    /// falling, or the ensemble reaches its limit (65,536 samples or 512 MiB; by the streaming rule 2^30
+    /// coordinates to be advanced).
     Auto,
     /// This many, 3 or more.
     Fixed(usize),
@@ -77,7 +85,9 @@ pub struct Diagnostic {
     pub rule: RuleChoice,
     /// What the piecewise rule aims at, where it is used.
     pub piecewise: Piecewise,
-    /// The number of samples, for the other rules.
+    /// The stencil of the streaming rule, where it is used.
+    pub streaming: Streaming,
+    /// The number of samples, for all rules but the piecewise one.
     pub samples: SampleCount,
     /// Step sizes h, not zero. The verdict leans on the largest.
     pub step_sizes: Vec<f64>,
@@ -101,6 +111,7 @@ impl Default for Diagnostic {
         Diagnostic {
             rule: RuleChoice::Auto,
             piecewise: Piecewise::default(),
+            streaming: Streaming::default(),
             samples: SampleCount::Auto,
             step_sizes: (1..=10).map(|m| 0.5f64.powi(m)).collect(),
             sample_sweep: None,
@@ -222,12 +233,14 @@ impl Diagnostic {
         let (mut verdict, fits) = judge(&loops, deformation);
         let long_time = match self.long_time {
             0 => None,
-            steps => Some(long_time::follow(&configured, largest, steps)?),
+            steps => long_time::follow(&configured, largest, steps, &mut verdict)?,
         };
-        verdict
-            .evidence
-            .extend(long_time.iter().map(LongTime::to_string));
         let jacobian = match self.jacobian {
+            true if configured.is_beyond_memory() => {
+                let line = "The Jacobian test was left out: its states would not fit into memory.";
+                verdict.evidence.push(line.into());
+                None
+            }
             true => second::opinion(&subject, largest, &mut verdict),
             false => None,
         };

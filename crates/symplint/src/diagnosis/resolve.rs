@@ -15,20 +15,20 @@ const FEWEST: usize = 1 << 12;
 const FEWEST_OF_MANY: usize = 64;
 
 /// Where it ends at the latest.
-const MOST: usize = 1 << 16;
+pub(super) const MOST: usize = 1 << 16;
 
 /// Memory of the largest ensemble that is chosen without being asked for.
-const MOST_BYTES: usize = 512 << 20;
+pub(super) const MOST_BYTES: usize = 512 << 20;
 
 /// A quadrature error of this size is as good as round-off.
-const ENOUGH: f64 = 1e-14;
+pub(super) const ENOUGH: f64 = 1e-14;
 
 /// Twice the samples that gain less than this factor hit noise: smooth loops gain far more,
 /// kinked ones 4 or more, jumps 2, noise of the states √2.
-const STALLED: f64 = 1.7;
+pub(super) const STALLED: f64 = 1.7;
 
 /// Above this an error that does not fall is not yet noise: the loop is steep somewhere.
-const NOISE: f64 = 1e-5;
+pub(super) const NOISE: f64 = 1e-5;
 
 /// Coordinates that the piecewise rule may have the map advance for one loop integral, where nobody
 /// asked for that rule.
@@ -43,10 +43,16 @@ impl Diagnostic {
         h: f64,
     ) -> Result<Probe<'a>, Error> {
         let (rule, auto) = match self.rule {
-            RuleChoice::Auto => (Rule::Pseudospectral, true),
+            RuleChoice::Auto if !self.must_stream(subject.phase_loop.dof()) => {
+                (Rule::Pseudospectral, true)
+            }
             RuleChoice::Fixed(rule) => (rule, false),
             RuleChoice::Piecewise => {
                 return Probe::new(index, subject, Method::Piecewise(self.piecewise));
+            }
+            RuleChoice::Streaming | RuleChoice::Auto => {
+                let fewest = fewest_samples(subject.phase_loop.dof());
+                return Ok(self.streamed(index, subject, h, fewest)?.0);
             }
         };
         let (mut count, most) = match self.samples {
@@ -99,11 +105,15 @@ impl Diagnostic {
         Probe::new(probe.index, probe.subject, Method::Piecewise(rule))
     }
 
-    /// The piecewise rule for a loop that samples resolve to `error`, if it does better.
+    /// The piecewise rule for a loop that samples resolve to `error`, if it does better; else the streaming rule,
+    /// if more samples than fit into memory do.
     fn finer<'a>(&self, probe: Probe<'a>, h: f64, error: f64) -> Result<Probe<'a>, Error> {
         let pieces = self.tried(&probe)?;
         let better = pieces.measure(h)?.defect.uncertainty() < error;
-        Ok(if better { pieces } else { probe })
+        if better {
+            return Ok(pieces);
+        }
+        self.beyond_memory(probe, h, error)
     }
 
     /// The piecewise rule for a broken loop; finite differences, which need all the samples they can get, where
@@ -128,8 +138,12 @@ pub(super) fn fewest_samples(dof: usize) -> usize {
 
 /// The fewest and the most samples, powers of two, for so many degrees of freedom.
 fn range_of_samples(dof: usize) -> (usize, usize) {
-    let power_below = |count: usize| count.checked_ilog2().map_or(0, |exponent| 1 << exponent);
     let fewest = power_below(FEWEST / dof.max(1)).max(FEWEST_OF_MANY);
     let most = power_below(MOST_BYTES / (16 * dof.max(1))).clamp(fewest, MOST);
     (fewest, most)
+}
+
+/// The largest power of two that is not above `count`; 0 if that is 0.
+pub(super) fn power_below(count: usize) -> usize {
+    count.checked_ilog2().map_or(0, |exponent| 1 << exponent)
 }
