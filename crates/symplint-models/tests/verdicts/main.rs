@@ -5,6 +5,7 @@ mod large;
 mod no_evidence;
 mod noise;
 mod rules;
+mod streaming;
 mod wrapping;
 
 use symplint::{Circle, Diagnosis, Diagnostic, Loop, PerSample, TimeAdvance, VerdictKind};

@@ -89,16 +89,14 @@ pub(crate) struct Roughness {
 }
 
 impl Roughness {
-    /// Adds the absolute differences of a run of stretches, of which the first begins at sample `first`.
-    pub fn add(&mut self, first: usize, narrow: &[f64], wide: &[f64]) {
-        let most = |values: &[f64]| values.iter().fold(0.0, |m: f64, &v| m.max(v));
-        self.wide_largest = self.wide_largest.max(most(wide));
-        for (k, &narrow) in narrow.iter().enumerate() {
-            self.sum += narrow;
-            if narrow > self.largest {
-                (self.largest, self.first) = (narrow, first + k);
-            }
+    /// Adds a run of stretches: the sum of their absolute differences, the largest one, which begins at sample
+    /// `first`, and the largest from every second sample.
+    pub fn add(&mut self, sum: f64, (first, largest): (usize, f64), wide_largest: f64) {
+        self.sum += sum;
+        if largest > self.largest {
+            (self.largest, self.first) = (largest, first);
         }
+        self.wide_largest = self.wide_largest.max(wide_largest);
     }
 
     /// The stretch that looks discontinuous, if one does, after one turn of `samples` samples, none of which is
@@ -144,9 +142,9 @@ fn suspect(
     let x = &buffer[..];
     let mut roughness = Roughness::default();
     for k in 0..n {
-        let narrow = fourth_difference([x[k], x[k + 1], x[k + 2], x[k + 3], x[k + 4]]);
-        let wide = fourth_difference([x[k], x[k + 2], x[k + 4], x[k + 6], x[k + 8]]);
-        roughness.add(k, &[narrow.abs()], &[wide.abs()]);
+        let narrow = fourth_difference([x[k], x[k + 1], x[k + 2], x[k + 3], x[k + 4]]).abs();
+        let wide = fourth_difference([x[k], x[k + 2], x[k + 4], x[k + 6], x[k + 8]]).abs();
+        roughness.add(narrow, (k, narrow), wide);
     }
     let magnitude = x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     roughness.suspect(dof, coordinate, n, magnitude)

@@ -175,7 +175,8 @@ impl Diagnostic {
     /// Measures and judges, on the threads of the current Rayon pool.
     ///
     /// `watch` is told of each point as it is measured. Only one ensemble is in memory at any
-    /// time: the loop is sampled anew for each step size.
+    /// time: the loop is sampled anew for each step size. By the streaming rule it is a few dozen states; for systems so
+    /// large that 64 states take more than 512 MiB, the Jacobian test and the many steps are then left out.
     ///
     /// # Errors
     /// If map and loop do not fit, a step size is zero or not finite, the map gives different states

@@ -83,7 +83,8 @@ impl Row {
         for start in (old..q.len()).step_by(GROUP) {
             let end = (start + GROUP).min(q.len());
             let span = |row: &[f64], first: f64| {
-                let mut span = [0.0; WIDEST + GROUP];
+                // Beyond the last sample it stands still.
+                let mut span = [row[end - 1] - first; WIDEST + GROUP];
                 let row = &row[start - old..end];
                 for (to, from) in span[WIDEST - old..].iter_mut().zip(row) {
                     *to = from - first;
@@ -111,21 +112,25 @@ impl Row {
     ) -> f64 {
         let (p_slope, q_slope) = (half_slope(stencil, p), half_slope(stencil, q));
         let (mut terms, mut sizes, mut squares) = ([0.0; GROUP], [0.0; GROUP], [0.0; GROUP]);
-        for k in 0..count {
+        let mut steps = [0.0; GROUP];
+        for k in 0..GROUP {
             let (of_q, of_p) = (q[WIDEST + k] * p_slope[k], p[WIDEST + k] * q_slope[k]);
             terms[k] = of_q - of_p;
             sizes[k] = of_q.abs() + of_p.abs();
             let q_noise = 2.0 * (self.q.first + q[WIDEST + k]) * p_slope[k];
             let p_noise = 2.0 * (self.p.first + p[WIDEST + k]) * q_slope[k];
             squares[k] = q_noise * q_noise + p_noise * p_noise;
+            steps[k] = (q[WIDEST + k] - q[WIDEST + k - 1]).abs();
+        }
+        for lanes in [&mut terms, &mut sizes, &mut squares] {
+            lanes[count..].fill(0.0);
         }
         self.value.add(sum(&terms));
         self.scale += sum(&sizes);
         self.stored += sum(&squares);
         self.q.add(stencil, next, count, q, &q_slope);
         self.p.add(stencil, next, count, p, &p_slope);
-        let steps = q[WIDEST - 1..].windows(2).take(count);
-        steps.fold(0.0, |most, pair| most.max((pair[1] - pair[0]).abs()))
+        most(&steps)
     }
 
     /// The integral after one turn; `q` and `p` are the samples that follow the last one, which are the first ones
@@ -183,21 +188,28 @@ const FOLDED: f64 = 2.0;
 
 impl CoordinateSums {
     fn add(&mut self, stencil: &Stencil, next: usize, count: usize, x: &Span, half_slope: &Lanes) {
-        let rough = difference(stencil, x);
-        let (mut squares, mut narrow, mut wide) = ([0.0; GROUP], [0.0; GROUP], [0.0; GROUP]);
-        let (mut low, mut high, mut steepest) = (self.low, self.high, self.steepest);
-        for k in 0..count {
+        let mut squares = difference(stencil, x);
+        let (mut narrow, mut wide, mut slopes) = ([0.0; GROUP], [0.0; GROUP], [0.0; GROUP]);
+        let (mut up, mut down) = ([0.0; GROUP], [0.0; GROUP]);
+        for k in 0..GROUP {
             let n = WIDEST + k;
-            squares[k] = rough[k] * rough[k];
+            squares[k] *= squares[k];
             narrow[k] = fourth_difference([x[n - 4], x[n - 3], x[n - 2], x[n - 1], x[n]]).abs();
             wide[k] = fourth_difference([x[n - 8], x[n - 6], x[n - 4], x[n - 2], x[n]]).abs();
-            low = low.min(x[n]);
-            high = high.max(x[n]);
-            steepest = steepest.max(2.0 * half_slope[k].abs());
+            slopes[k] = 2.0 * half_slope[k].abs();
+            (up[k], down[k]) = (x[n], -x[n]);
         }
-        (self.low, self.high, self.steepest) = (low, high, steepest);
+        for lanes in [&mut squares, &mut narrow, &mut wide, &mut slopes] {
+            lanes[count..].fill(0.0);
+        }
+        self.high = self.high.max(most(&up));
+        self.low = self.low.min(-most(&down));
+        self.steepest = self.steepest.max(most(&slopes));
         self.rough += sum(&squares);
-        self.fourth.add(next - 4, &narrow[..count], &wide[..count]);
+        let largest = most(&narrow);
+        let at = narrow.iter().position(|&d| d == largest).unwrap_or(0);
+        self.fourth
+            .add(sum(&narrow), (next - 4 + at, largest), most(&wide));
     }
 
     /// No sample is larger in size.
@@ -232,11 +244,20 @@ fn difference(stencil: &Stencil, x: &Span) -> Lanes {
 
 /// The sum by halves, the same on every machine.
 fn sum(lanes: &Lanes) -> f64 {
+    by_halves(lanes, |a, b| a + b)
+}
+
+/// The largest.
+fn most(lanes: &Lanes) -> f64 {
+    by_halves(lanes, |a, b| if a > b { a } else { b })
+}
+
+fn by_halves(lanes: &Lanes, join: impl Fn(f64, f64) -> f64) -> f64 {
     let mut lanes = *lanes;
     let mut half = GROUP / 2;
     while half > 0 {
         for k in 0..half {
-            lanes[k] += lanes[k + half];
+            lanes[k] = join(lanes[k], lanes[k + half]);
         }
         half /= 2;
     }
