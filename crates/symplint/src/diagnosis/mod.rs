@@ -175,8 +175,9 @@ impl Diagnostic {
     /// Measures and judges, on the threads of the current Rayon pool.
     ///
     /// `watch` is told of each point as it is measured. Only one ensemble is in memory at any
-    /// time: the loop is sampled anew for each step size. By the streaming rule it is a few dozen states; for systems so
-    /// large that 64 states take more than 512 MiB, the Jacobian test and the many steps are then left out.
+    /// time: the loop is sampled anew for each step size. By the streaming rule it is a few dozen states;
+    /// what needs larger ensembles (the Jacobian test, many steps) is then left out where they take more than
+    /// 512 MiB.
     ///
     /// # Errors
     /// If map and loop do not fit, a step size is zero or not finite, the map gives different states

@@ -56,8 +56,8 @@ impl Diagnostic {
         }
     }
 
-    /// The streaming rule, samples doubled from `from` where their number is not given; and the quadrature error
-    /// that it leaves at step size `h`, where that was measured.
+    /// The streaming rule, samples doubled from `from` where their number is not given; and the quadrature
+    /// error that it leaves at step size `h`, where that was measured.
     pub(super) fn streamed<'a>(
         &self,
         index: usize,
@@ -92,7 +92,8 @@ impl Diagnostic {
         }
     }
 
-    /// The streaming rule from more samples than fit into memory, if it leaves less than the `error` of a probe from all that do.
+    /// The streaming rule from more samples than fit into memory, if it leaves less than the `error` of a
+    /// probe from all that do.
     pub(super) fn beyond_memory<'a>(
         &self,
         probe: Probe<'a>,

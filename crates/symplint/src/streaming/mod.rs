@@ -1,9 +1,9 @@
 //! The streaming rule: ∮ p·dq of ensembles that do not fit into memory.
 //!
 //! A centred difference of order 2m ([`stencil`]) needs the m samples on either side. So samples are
-//! made, advanced and used up in their order ([`window`]), with no more kept of each degree of freedom than a few sums
-//! ([`row`]): memory is O(m d), not O(N_s d). The first m samples are made again at the end, to close the
-//! loop.
+//! made, advanced and used up in their order ([`window`]), with no more kept of each degree of freedom
+//! than a few sums ([`row`]): memory is O(m d), not O(N_s d). The first m samples are made again at the
+//! end, to close the loop.
 
 mod row;
 mod stencil;
@@ -83,8 +83,8 @@ impl Streaming {
 
     /// Integrates the loop that `map` makes of `phase_loop` in one step of size `h`, from `samples` samples.
     ///
-    /// Needs the memory of m + 16 states, 11 for sums, and what the map itself needs for blocks of 8
-    /// states; more, up to 16 MiB, in few degrees of freedom. On the threads of the current Rayon pool; the
+    /// Needs the memory of m + 16 states, 11 for sums, and what the map itself needs while it advances 16
+    /// states, in two blocks; more states, up to 16 MiB, in few degrees of freedom. On the threads of the current Rayon pool; the
     /// result does not depend on their number.
     ///
     /// # Errors

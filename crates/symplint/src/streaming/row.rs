@@ -66,7 +66,8 @@ impl Row {
         unwrap(q, 1, period);
     }
 
-    /// Adds the new samples after the `stencil`'s half width of old ones; the first of the new is sample `next`.
+    /// Adds the new samples, which come after as many old ones as the half width of the stencil; the first of
+    /// them is sample `next`.
     ///
     /// Returns the largest |Δq| from one sample to the next.
     pub fn add(
@@ -100,8 +101,9 @@ impl Row {
 
     /// Adds `count` samples, counted from the first of the loop, that begin at `WIDEST` with sample `next`.
     ///
-    /// Σ_k p_k (D q)_k = Σ_n Σ_j c_j (p_{n−j} q_n − q_{n−j} p_n) round the loop: in this form no sample needs its
-    /// successors. The differences p_{n−j} − p_n and q_{n−j} − q_n, which give the same sum, keep the terms small.
+    /// Σ_k p_k (D q)_k = Σ_n Σ_j c_j (p_{n−j} q_n − q_{n−j} p_n) round the loop: in this form no sample needs
+    /// its successors. The differences p_{n−j} − p_n and q_{n−j} − q_n, which give the same sum, keep the
+    /// terms small.
     fn add_group(
         &mut self,
         stencil: &Stencil,
@@ -133,8 +135,8 @@ impl Row {
         most(&steps)
     }
 
-    /// The integral after one turn; `q` and `p` are the samples that follow the last one, which are the first ones
-    /// again.
+    /// The integral after one turn; `q` and `p` are the samples that follow the last one, which are the first
+    /// ones again.
     pub fn integral(&self, stencil: &Stencil, q: &[f64], p: &[f64], period: f64) -> RowIntegral {
         let mut value = self.value;
         let (mut scale, mut roundoff) = (self.scale, 0.0);
