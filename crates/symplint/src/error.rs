@@ -32,6 +32,17 @@ pub enum Error {
         /// Samples given.
         samples: usize,
     },
+    /// Fewer samples than the streaming rule's stencil spans.
+    #[error(
+        "a stencil of half width {half_width} spans {} samples, and the loop has {samples}; take more samples",
+        2 * .half_width + 1
+    )]
+    StencilTooWide {
+        /// Samples given.
+        samples: usize,
+        /// Neighbours on either side.
+        half_width: usize,
+    },
     /// A quantity is outside the range in which it has a meaning.
     #[error("{what} is {value:?}; {remedy}")]
     OutOfRange {

@@ -5,20 +5,26 @@ use std::cell::RefCell;
 
 use crate::rows::RowsMut;
 
+/// Values of the largest buffer that a thread keeps, 64 MiB: larger ones, for blocks of so many degrees of freedom
+/// that few states fit into memory, would stay with every thread that ever had one.
+const LARGEST_KEPT: usize = 1 << 23;
+
 thread_local! {
     static IDLE: RefCell<Vec<Vec<f64>>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Lends `work` a buffer of `len` values with unspecified contents. Calls may nest.
 ///
-/// The buffer belongs to the calling thread and is used again by later calls.
+/// The buffer belongs to the calling thread and is used again by later calls, unless it is larger than 64 MiB.
 pub fn with_buffer<R>(len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
     let mut buffer = IDLE.with_borrow_mut(Vec::pop).unwrap_or_default();
     if buffer.len() < len {
         buffer.resize(len, 0.0);
     }
     let result = work(&mut buffer[..len]);
-    IDLE.with_borrow_mut(|idle| idle.push(buffer));
+    if buffer.len() <= LARGEST_KEPT {
+        IDLE.with_borrow_mut(|idle| idle.push(buffer));
+    }
     result
 }
 

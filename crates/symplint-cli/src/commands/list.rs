@@ -47,7 +47,8 @@ pub fn list(what: What) -> Result<ExitCode, Failure> {
             vec![
                 vec![
                     "auto".into(),
-                    "pseudospectral, or piecewise where the advanced loop is broken or has kinks"
+                    "pseudospectral; piecewise where the advanced loop is broken or has kinks; streaming \
+                     where ensembles would not fit into memory"
                         .into(),
                     "everything".into(),
                 ],
@@ -60,6 +61,11 @@ pub fn list(what: What) -> Result<ExitCode, Failure> {
                     "piecewise".into(),
                     "Chebyshev pieces between the breaks, each of them found and closed".into(),
                     "broken and kinked loops, to near round-off".into(),
+                ],
+                vec![
+                    "streaming".into(),
+                    "differences of order 16 along the loop, of samples that pass by".into(),
+                    "ensembles that do not fit into memory: a few dozen states are enough".into(),
                 ],
                 vec![
                     "finite-difference".into(),

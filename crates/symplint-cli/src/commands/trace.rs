@@ -53,7 +53,9 @@ fn run(config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> {
     }
     let trace = Trace {
         rule: match config.diagnostic.rule {
-            RuleChoice::Auto | RuleChoice::Piecewise => Rule::Pseudospectral,
+            RuleChoice::Auto | RuleChoice::Piecewise | RuleChoice::Streaming => {
+                Rule::Pseudospectral
+            }
             RuleChoice::Fixed(rule) => rule,
         },
         samples: settings.samples,

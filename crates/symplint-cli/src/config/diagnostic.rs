@@ -2,6 +2,7 @@
 
 use symplint::{
     Closure, Cutoff, Cutoffs, Diagnostic, Piecewise, Rule, RuleChoice, SampleCount, SampleSweep,
+    Streaming,
 };
 
 use super::document::{Node, Value};
@@ -13,7 +14,7 @@ pub const KEYS: &[Key] = &[
     Key::new(
         "rule",
         "\"auto\"",
-        "\"auto\", \"pseudospectral\", \"finite-difference\" or \"piecewise\"",
+        "\"auto\", \"pseudospectral\", \"finite-difference\", \"piecewise\" or \"streaming\"",
     ),
     Key::new(
         "step_sizes",
@@ -34,6 +35,11 @@ pub const KEYS: &[Key] = &[
         "closure",
         "\"substeps\"",
         "how the piecewise rule closes breaks: where a substep breaks them, or by \"chords\"",
+    ),
+    Key::new(
+        "half_width",
+        "8",
+        "m of the streaming rule: its differences of order 2m see m samples on either side, 8 to 16",
     ),
     Key::optional(
         "sample_sweep",
@@ -102,12 +108,14 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         "pseudospectral",
         "finite-difference",
         Piecewise::NAME,
+        Streaming::NAME,
     ];
     let rule = match section.choice("rule", &rules)? {
         "auto" => RuleChoice::Auto,
         "pseudospectral" => RuleChoice::Fixed(Rule::Pseudospectral),
         "finite-difference" => RuleChoice::Fixed(Rule::FiniteDifference(cutoffs)),
-        _ => RuleChoice::Piecewise,
+        Piecewise::NAME => RuleChoice::Piecewise,
+        _ => RuleChoice::Streaming,
     };
     let piecewise = Piecewise {
         tolerance: section.number("tolerance", Accept::Positive)?,
@@ -120,6 +128,7 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
     let diagnostic = Diagnostic {
         rule,
         piecewise,
+        streaming: streaming(&section)?,
         samples: samples(&section)?,
         step_sizes: step_sizes(&section)?,
         sample_sweep: sample_sweep(&section)?,
@@ -141,6 +150,14 @@ fn cutoffs(section: &Section) -> Result<Cutoffs, ConfigError> {
     Ok(Cutoffs {
         q: cutoff("cutoff_q", "cutoff_q_absolute")?,
         p: cutoff("cutoff_p", "cutoff_p_absolute")?,
+    })
+}
+
+fn streaming(section: &Section) -> Result<Streaming, ConfigError> {
+    let most = Streaming::WIDEST as u64;
+    let half_width = section.whole_between("half_width", Streaming::NARROWEST as u64, most)?;
+    Ok(Streaming {
+        half_width: half_width as usize,
     })
 }
 

@@ -73,6 +73,40 @@ fn an_integrator_that_is_not_symplectic() {
 }
 
 #[test]
+fn the_streaming_rule_has_the_verdicts_of_the_others() {
+    for (integrator, status) in [("strang", 0), ("rk2", 1)] {
+        let set = format!("integrator.name={integrator}");
+        let example = example("pendulum-array.toml");
+        let mut arguments = vec!["check", &example, "--set", &set];
+        for setting in [
+            "system.pendula=16",
+            "diagnostic.rule=streaming",
+            "diagnostic.half_width=10",
+        ] {
+            arguments.extend(["--set", setting]);
+        }
+        assert_eq!(symplint(&arguments).status.code(), Some(status));
+        let report = report(&arguments);
+        assert_eq!(report["config"]["diagnostic"]["half_width"], 10);
+        for point in report["points"].as_array().unwrap() {
+            assert_eq!(point["rule"], "streaming");
+            // The stencil's half width is advanced twice.
+            let samples = point["samples"].as_u64().unwrap();
+            assert_eq!(point["evaluations"].as_u64().unwrap(), samples + 10);
+        }
+    }
+    let (_folder, path) = configuration("[system]\nname = \"absolute-value\"\n");
+    let arguments = [
+        "check",
+        path.to_str().unwrap(),
+        "--set",
+        "diagnostic.rule=streaming",
+    ];
+    assert_eq!(symplint(&arguments).status.code(), Some(1));
+    assert_eq!(report(&arguments)["verdict"]["kind"], "broken-loops");
+}
+
+#[test]
 fn the_report_has_the_fields_of_its_schema() {
     let report = report(&["check", &example("pendulum.toml")]);
     assert_eq!(report["schema"], "symplint/report/1");
@@ -408,6 +442,7 @@ fn everything_can_be_listed() {
     for (what, some) in [
         ("integrators", "yoshida8"),
         ("rules", "pseudospectral"),
+        ("rules", "streaming"),
         ("figures", "fig5"),
     ] {
         let output = symplint(&["list", what]);

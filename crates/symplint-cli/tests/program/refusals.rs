@@ -84,6 +84,25 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     );
     refused(
         PENDULUM,
+        &["diagnostic.half_width=7"],
+        &["diagnostic.half_width is 7", "at least 8"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.half_width=17"],
+        &["diagnostic.half_width", "17 is too many", "at most 16"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.rule=streaming", "diagnostic.samples=16"],
+        &[
+            "half width 8 spans 17 samples",
+            "the loop has 16",
+            "more samples",
+        ],
+    );
+    refused(
+        PENDULUM,
         &["integrator.name=strnag"],
         &["did you mean \"strang\""],
     );

@@ -6,6 +6,7 @@ mod localisation;
 mod no_evidence;
 mod noise;
 mod rules;
+mod streaming;
 mod wrapping;
 
 use symplint::{Circle, Diagnosis, Diagnostic, Loop, PerSample, TimeAdvance, VerdictKind};

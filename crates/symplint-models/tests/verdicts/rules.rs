@@ -19,6 +19,7 @@ fn the_wedge_breaks_loops_that_cross_it() {
                 RuleChoice::Auto,
                 RuleChoice::Fixed(Rule::Pseudospectral),
                 RuleChoice::Fixed(Rule::FiniteDifference(Cutoffs::relative(1000.0))),
+                RuleChoice::Streaming,
             ] {
                 let diagnostic = Diagnostic {
                     rule,

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use symplint::{
-    Block, Coordinates, Diagnostic, SampleCount, StepFailure, TimeAdvance, VerdictKind,
+    Block, Coordinates, Diagnostic, RuleChoice, SampleCount, StepFailure, TimeAdvance, VerdictKind,
 };
 
 use symplint_models::discrete::StandardMap;
@@ -38,14 +38,20 @@ fn wrapped_positions_need_their_period() {
     let stated = Wrapping {
         coordinates: Coordinates::plain(1).with_periods(vec![2.0 * PI]).unwrap(),
     };
-    let verdict = diagnose(&Diagnostic::default(), &stated, &phase_loop).verdict;
-    assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
     let silent = Wrapping {
         coordinates: Coordinates::plain(1),
     };
-    let verdict = diagnose(&Diagnostic::default(), &silent, &phase_loop).verdict;
-    assert_eq!(verdict.kind, VerdictKind::BrokenLoops);
-    assert!(verdict.advice.iter().any(|line| line.contains("period")));
+    for rule in [RuleChoice::Auto, RuleChoice::Streaming] {
+        let diagnostic = Diagnostic {
+            rule,
+            ..Diagnostic::default()
+        };
+        let verdict = diagnose(&diagnostic, &stated, &phase_loop).verdict;
+        assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
+        let verdict = diagnose(&diagnostic, &silent, &phase_loop).verdict;
+        assert_eq!(verdict.kind, VerdictKind::BrokenLoops);
+        assert!(verdict.advice.iter().any(|line| line.contains("period")));
+    }
 }
 
 #[test]

@@ -7,6 +7,8 @@
 mod follow;
 mod suspects;
 
+pub(crate) use suspects::{Coordinate, Roughness, Suspect, most_outstanding};
+
 use serde::Serialize;
 
 use crate::coordinates::Coordinates;
@@ -32,6 +34,17 @@ pub struct Break {
     pub substep: Option<usize>,
 }
 
+/// A jump below this part of the range of its coordinate may be the rounding of a map that works with
+/// large numbers inside; it bounds the digits of a verdict, and breaks no loop.
+const LEAST_JUMP: f64 = 1e-11;
+
+impl Break {
+    /// Whether it is more than rounding, where q and p of its degree of freedom have these ranges on the loop.
+    pub(crate) fn is_substantial(&self, [range_q, range_p]: [f64; 2]) -> bool {
+        self.jump_q.abs() > LEAST_JUMP * range_q || self.jump_p.abs() > LEAST_JUMP * range_p
+    }
+}
+
 /// Looks for a break of the loop that `map` makes of `phase_loop` in one step of size `h`.
 ///
 /// `advanced` holds the advanced samples. The most suspicious degrees of freedom are
@@ -47,9 +60,32 @@ pub fn find_break(
     advanced: &Ensemble,
     coordinates: &Coordinates,
 ) -> Result<Option<Break>, Error> {
-    for suspect in suspects::suspects(advanced, coordinates) {
+    let suspects = suspects::suspects(advanced, coordinates);
+    follow_up(
+        map,
+        phase_loop,
+        h,
+        &suspects,
+        advanced.samples(),
+        coordinates,
+    )
+}
+
+/// The first of `suspects`, seen by so many samples, that is a break.
+///
+/// # Errors
+/// Those of the map where it is evaluated between the samples.
+pub(crate) fn follow_up(
+    map: &dyn TimeAdvance,
+    phase_loop: &dyn Loop,
+    h: f64,
+    suspects: &[Suspect],
+    samples: usize,
+    coordinates: &Coordinates,
+) -> Result<Option<Break>, Error> {
+    for suspect in suspects {
         let period = coordinates.period(suspect.dof);
-        let found = follow::follow(map, phase_loop, h, &suspect, advanced.samples(), period)?;
+        let found = follow::follow(map, phase_loop, h, suspect, samples, period)?;
         if found.is_some() {
             return Ok(found);
         }
@@ -58,7 +94,7 @@ pub fn find_break(
 }
 
 /// Fourth difference of five equispaced values: removes a cubic, and leaves three times a jump.
-fn fourth_difference(x: [f64; 5]) -> f64 {
+pub(crate) fn fourth_difference(x: [f64; 5]) -> f64 {
     (x[0] + x[4]) - 4.0 * (x[1] + x[3]) + 6.0 * x[2]
 }
 

@@ -9,14 +9,14 @@ use crate::integral::unwrap_row;
 
 /// Which coordinate of a degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Coordinate {
+pub(crate) enum Coordinate {
     Q,
     P,
 }
 
 /// A stretch of four cells in which a coordinate looks discontinuous.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Suspect {
+pub(crate) struct Suspect {
     pub dof: usize,
     pub coordinate: Coordinate,
     /// The stretch begins at this sample.
@@ -67,10 +67,61 @@ pub(super) fn suspects(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<Su
         .flatten_iter()
         .flatten()
         .collect();
+    most_outstanding(&mut found);
+    found
+}
+
+/// Keeps the most suspicious stretches, the most outstanding first.
+pub(crate) fn most_outstanding(found: &mut Vec<Suspect>) {
     // A stable sort: equals stay in the order of the degrees of freedom.
     found.sort_by(|a, b| b.outstanding().total_cmp(&a.outstanding()));
     found.truncate(MOST);
-    found
+}
+
+/// Fourth differences of one coordinate round the loop, from neighbouring samples and from every second.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Roughness {
+    largest: f64,
+    /// The stretch of the largest begins at this sample.
+    first: usize,
+    sum: f64,
+    wide_largest: f64,
+}
+
+impl Roughness {
+    /// Adds a run of stretches: the sum of their absolute differences, the largest one, which begins at sample
+    /// `first`, and the largest from every second sample.
+    pub fn add(&mut self, sum: f64, (first, largest): (usize, f64), wide_largest: f64) {
+        self.sum += sum;
+        if largest > self.largest {
+            (self.largest, self.first) = (largest, first);
+        }
+        self.wide_largest = self.wide_largest.max(wide_largest);
+    }
+
+    /// The stretch that looks discontinuous, if one does, after one turn of `samples` samples, none of which is
+    /// larger than `magnitude`.
+    pub fn suspect(
+        &self,
+        dof: usize,
+        coordinate: Coordinate,
+        samples: usize,
+        magnitude: f64,
+    ) -> Option<Suspect> {
+        let noise = self.sum / samples as f64;
+        // Rounded to a few units in the last place, a coordinate jumps all the time.
+        let rounding = ROUNDINGS * f64::EPSILON * magnitude;
+        let suspicious = self.largest > rounding
+            && self.largest > OUTSTANDING * noise
+            && self.largest > STAYS * self.wide_largest;
+        suspicious.then_some(Suspect {
+            dof,
+            coordinate,
+            first: self.first % samples,
+            difference: self.largest,
+            noise,
+        })
+    }
 }
 
 fn suspect(
@@ -89,26 +140,12 @@ fn suspect(
         buffer.push(buffer[k] + gain);
     }
     let x = &buffer[..];
-    let (mut largest, mut at, mut sum, mut wide_largest) = (0.0, 0, 0.0, 0.0f64);
+    let mut roughness = Roughness::default();
     for k in 0..n {
         let narrow = fourth_difference([x[k], x[k + 1], x[k + 2], x[k + 3], x[k + 4]]).abs();
         let wide = fourth_difference([x[k], x[k + 2], x[k + 4], x[k + 6], x[k + 8]]).abs();
-        sum += narrow;
-        wide_largest = wide_largest.max(wide);
-        if narrow > largest {
-            (largest, at) = (narrow, k);
-        }
+        roughness.add(narrow, (k, narrow), wide);
     }
-    let noise = sum / n as f64;
-    // Rounded to a few units in the last place, a coordinate jumps all the time.
-    let rounding = ROUNDINGS * f64::EPSILON * x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-    let suspicious =
-        largest > rounding && largest > OUTSTANDING * noise && largest > STAYS * wide_largest;
-    suspicious.then_some(Suspect {
-        dof,
-        coordinate,
-        first: at,
-        difference: largest,
-        noise,
-    })
+    let magnitude = x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    roughness.suspect(dof, coordinate, n, magnitude)
 }

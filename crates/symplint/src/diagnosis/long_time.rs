@@ -7,9 +7,11 @@
 use serde::Serialize;
 
 use super::probe::{Method, Probe};
+use super::streamed::fits;
 use crate::error::Error;
 use crate::integral::Rule;
 use crate::trace::{Trace, TracePoint};
+use crate::verdict::Verdict;
 
 /// What becomes of a defect in many steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -57,22 +59,34 @@ const STAYED: f64 = 1.8;
 /// It returns to this part of its largest value.
 const RETURNS: f64 = 0.5;
 
-/// Follows the loop of a probe.
-pub(super) fn follow(probe: &Probe<'_>, h: f64, steps: usize) -> Result<LongTime, Error> {
-    let samples = match probe.method {
-        Method::Samples(_, samples) => samples,
-        Method::Piecewise(_) => probe.samples(),
-    };
+/// Follows the loop of a probe, and adds what it says to the evidence. A probe that streams because its samples
+/// do not fit into memory cannot be followed: `None`, with a line that says so.
+pub(super) fn follow(
+    probe: &Probe<'_>,
+    h: f64,
+    steps: usize,
+    verdict: &mut Verdict,
+) -> Result<Option<LongTime>, Error> {
+    let dof = probe.subject.phase_loop.dof();
+    // A loop folds: what one step resolves, many do not.
+    let samples = probe.samples().max(FOLDED / dof.max(1));
+    if matches!(probe.method, Method::Streaming(..)) && !fits(dof, samples) {
+        let line =
+            format!("Many steps were left out: {samples} samples would have to stay in memory.");
+        verdict.evidence.push(line);
+        return Ok(None);
+    }
     let trace = Trace {
         rule: Rule::Pseudospectral,
-        // A loop folds: what one step resolves, many do not.
-        samples: samples.max(FOLDED / probe.subject.phase_loop.dof().max(1)),
+        samples,
         step_size: h,
         steps,
         snapshots: Vec::new(),
     };
     let record = trace.run(probe.subject.map, probe.subject.phase_loop, None, &|_| {})?;
-    Ok(judge(h, &record.points[1..]))
+    let found = judge(h, &record.points[1..]);
+    verdict.evidence.push(found.to_string());
+    Ok(Some(found))
 }
 
 /// Samples of a loop of one degree of freedom at least.

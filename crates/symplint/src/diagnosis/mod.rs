@@ -2,6 +2,7 @@
 
 mod localise;
 mod long_time;
+mod motion;
 mod nested;
 mod point;
 mod probe;
@@ -9,11 +10,12 @@ mod random_loop;
 mod resolve;
 mod sanity;
 mod second;
+mod streamed;
 
 pub use localise::{Localisation, Sector, Stage};
 pub use long_time::{Growth, LongTime};
+pub(crate) use motion::motion;
 pub use point::{Point, Sweep};
-pub(crate) use probe::motion;
 
 use serde::Serialize;
 
@@ -24,28 +26,34 @@ use crate::jacobian::JacobianReport;
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
 use crate::piecewise::Piecewise;
+use crate::streaming::Streaming;
 use crate::verdict::{Fit, LoopEvidence, StepEvidence, Verdict, judge, size};
+use motion::{deformation, winds};
 use nested::Nested;
-use probe::{Measured, Method, Probe, Subject, deformation, winds};
+use probe::{Measured, Method, Probe, Subject};
 use random_loop::{random_loop, winding_loop};
 
 /// Which rule computes the loop integrals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RuleChoice {
     /// Pseudospectral where the advanced loop of the largest step size is smooth enough to reach round-off
-    /// that way; piecewise where it is broken, or has kinks.
+    /// that way; piecewise where it is broken, or has kinks; streaming where ensembles would take more than
+    /// 512 MiB.
     Auto,
     /// This one, from equispaced samples.
     Fixed(Rule),
     /// The piecewise rule.
     Piecewise,
+    /// The streaming rule: no more than a few dozen states in memory.
+    Streaming,
 }
 
 /// How many samples a loop gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleCount {
     /// Doubled from 64 until the quadrature error of the largest step reaches round-off, stops
-    /// falling, or the ensembles before and after it reach their limit (65,536 samples or 512 MiB).
+    /// falling, or the ensemble reaches its limit (65,536 samples or 512 MiB, before and after the step; by
+    /// the streaming rule 2^30 coordinates to be advanced).
     Auto,
     /// This many, 3 or more.
     Fixed(usize),
@@ -81,7 +89,9 @@ pub struct Diagnostic {
     pub rule: RuleChoice,
     /// What the piecewise rule aims at, where it is used.
     pub piecewise: Piecewise,
-    /// The number of samples, for the other rules.
+    /// The stencil of the streaming rule, where it is used.
+    pub streaming: Streaming,
+    /// The number of samples, for all rules but the piecewise one.
     pub samples: SampleCount,
     /// Step sizes h, not zero. The verdict leans on the largest.
     pub step_sizes: Vec<f64>,
@@ -108,6 +118,7 @@ impl Default for Diagnostic {
         Diagnostic {
             rule: RuleChoice::Auto,
             piecewise: Piecewise::default(),
+            streaming: Streaming::default(),
             samples: SampleCount::Auto,
             step_sizes: (1..=10).map(|m| 0.5f64.powi(m)).collect(),
             sample_sweep: None,
@@ -175,7 +186,9 @@ impl Diagnostic {
     ///
     /// `watch` is told of each point as it is measured. Where the number of samples is looked for, or
     /// swept over, samples before and after a step are kept and doubled; otherwise only one ensemble is in
-    /// memory at any time, and the loop is sampled anew for each step size.
+    /// memory at any time, and the loop is sampled anew for each step size. By the streaming rule it is a few
+    /// dozen states; what needs larger ensembles (the Jacobian test, many steps) is then left out where
+    /// they take more than 512 MiB.
     ///
     /// # Errors
     /// If map and loop do not fit, a step size is zero or not finite, the map gives different states
@@ -242,13 +255,18 @@ impl Diagnostic {
             .extend(study.regularity.and_then(|s| roughness(s, largest)));
         let long_time = match self.long_time {
             0 => None,
-            steps => Some(long_time::follow(&configured, largest, steps)?),
+            steps => long_time::follow(&configured, largest, steps, &mut verdict)?,
         };
-        verdict
-            .evidence
-            .extend(long_time.iter().map(LongTime::to_string));
-        let localisation = self.localise(subject, &loops, &mut verdict, largest);
+        let localisation = match configured.is_beyond_memory() {
+            true => None,
+            false => self.localise(subject, &loops, &mut verdict, largest),
+        };
         let jacobian = match self.jacobian {
+            true if configured.is_beyond_memory() => {
+                let line = "The Jacobian test was left out: its states would not fit into memory.";
+                verdict.evidence.push(line.into());
+                None
+            }
             true => second::opinion(&subject, largest, &mut verdict),
             false => None,
         };
@@ -369,6 +387,12 @@ impl Study<'_> {
         (self.watch)(Event::Planned(sweep.counts.len()));
         let (h, mut nested) = (sweep.step_size, None);
         for &samples in &sweep.counts {
+            if let Some(streaming) = probe.streaming(samples) {
+                let streaming = streaming?;
+                let measured = streaming.measure(h)?;
+                self.record(Sweep::Samples, &streaming, h, measured);
+                continue;
+            }
             let nested = match &mut nested {
                 None => nested.insert(Nested::new(probe.subject, samples, h)?),
                 Some(nested) => {

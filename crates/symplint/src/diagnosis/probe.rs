@@ -7,10 +7,11 @@ use crate::coordinates::Coordinates;
 use crate::defect::Defect;
 use crate::ensemble::Ensemble;
 use crate::error::Error;
-use crate::integral::{LoopIntegral, Rule, unwrap_row};
+use crate::integral::{LoopIntegral, Rule};
 use crate::loops::Loop;
 use crate::map::{StepFailure, TimeAdvance};
 use crate::piecewise::{Piecewise, PiecewiseIntegral};
+use crate::streaming::Streaming;
 use crate::verdict::Closing;
 
 /// What is under test: a map and a loop to send through it.
@@ -39,6 +40,8 @@ pub(super) enum Method {
     Samples(Rule, usize),
     /// From as many states as it takes.
     Piecewise(Piecewise),
+    /// From so many equispaced samples, of which a few are in memory at any time.
+    Streaming(Streaming, usize),
 }
 
 /// What one step did to the loop.
@@ -70,6 +73,9 @@ impl<'a> Probe<'a> {
             Method::Piecewise(rule) => {
                 let rest = Identity(subject.coordinates);
                 rule.integrate(&rest, subject.phase_loop, 1.0)?.continuous
+            }
+            Method::Streaming(rule, samples) => {
+                rule.initial(subject.phase_loop, subject.coordinates, samples)?
             }
         };
         Ok(Probe {
@@ -108,22 +114,34 @@ impl<'a> Probe<'a> {
         match self.method {
             Method::Samples(rule, _) => rule.name(),
             Method::Piecewise(_) => Piecewise::NAME,
+            Method::Streaming(..) => Streaming::NAME,
         }
     }
 
     /// Equispaced samples of the loop that are looked at.
     pub fn samples(&self) -> usize {
         match self.method {
-            Method::Samples(_, samples) => samples,
+            Method::Samples(_, samples) | Method::Streaming(_, samples) => samples,
             Method::Piecewise(_) => fewest_samples(self.subject.phase_loop.dof()),
         }
     }
 
-    /// The rule for any number of samples.
+    /// The rule for any number of equispaced samples that are kept.
     pub fn sampling_rule(&self) -> Rule {
         match self.method {
             Method::Samples(rule, _) => rule,
-            Method::Piecewise(_) => Rule::Pseudospectral,
+            Method::Piecewise(_) | Method::Streaming(..) => Rule::Pseudospectral,
+        }
+    }
+
+    /// The same with another number of samples, by the streaming rule; `None` where samples are kept.
+    pub fn streaming(&self, samples: usize) -> Option<Result<Self, Error>> {
+        match self.method {
+            Method::Streaming(rule, _) => {
+                let method = Method::Streaming(rule, samples);
+                Some(Probe::new(self.index, self.subject, method))
+            }
+            _ => None,
         }
     }
 
@@ -150,6 +168,7 @@ impl<'a> Probe<'a> {
         match self.method {
             Method::Samples(_, samples) => self.measure_samples(&self.advanced(samples, h)?, h),
             Method::Piecewise(rule) => self.measure_pieces(&rule, h),
+            Method::Streaming(rule, samples) => self.measure_streaming(&rule, samples, h),
         }
     }
 
@@ -247,17 +266,13 @@ impl Measured {
     }
 }
 
-/// A jump below this part of the range of its coordinate may be the rounding of a map that works with
-/// large numbers inside; it bounds the digits of a verdict, and breaks no loop.
-const LEAST_JUMP: f64 = 1e-11;
-
 fn is_substantial(found: &Break, ensemble: &Ensemble) -> bool {
     let range = |row: &[f64]| {
         let low = row.iter().copied().fold(f64::INFINITY, f64::min);
         row.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low
     };
     let (q, p) = (ensemble.q().row(found.dof), ensemble.p().row(found.dof));
-    found.jump_q.abs() > LEAST_JUMP * range(q) || found.jump_p.abs() > LEAST_JUMP * range(p)
+    found.is_substantial([range(q), range(p)])
 }
 
 /// Whether the cell of a break is among those that make up the integral.
@@ -310,57 +325,4 @@ fn cells_apart(ensemble: &Ensemble, coordinates: &Coordinates) -> f64 {
         steps.fold(closing, f64::max) / spacing
     };
     (0..ensemble.dof()).map(furthest).fold(0.0, f64::max)
-}
-
-/// Whether a position gains whole periods round the loop.
-pub(super) fn winds(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<bool, Error> {
-    const SAMPLES: usize = 64;
-    let mut ensemble = Ensemble::sample(phase_loop, SAMPLES)?;
-    let mut block = ensemble.block();
-    Ok((0..coordinates.dof()).any(|i| unwrap_row(block.q.row_mut(i), coordinates.period(i)) != 0))
-}
-
-/// How much one step deforms the loop, relative to its size: the largest motion of a coordinate against
-/// the mean motion, over half the coordinate's range on the loop, from a few samples.
-///
-/// A translation deforms nothing, and no defect can come of it.
-pub(super) fn deformation(
-    map: &dyn TimeAdvance,
-    phase_loop: &dyn Loop,
-    h: f64,
-) -> Result<f64, Error> {
-    const SAMPLES: usize = 32;
-    let before = Ensemble::sample(phase_loop, SAMPLES)?;
-    let mut after = before.clone();
-    after.advance(map, h)?;
-    let coordinates = map.coordinates();
-    let mut largest: f64 = 0.0;
-    for i in 0..before.dof() {
-        let (q, p) = (before.q().row(i), before.p().row(i));
-        let of_q = motion(q, after.q().row(i), coordinates.period(i));
-        let of_p = motion(p, after.p().row(i), 0.0);
-        largest = largest.max(of_q).max(of_p);
-    }
-    Ok(largest)
-}
-
-/// Largest distance between the motions of two samples, over the range of the coordinate; motions are
-/// counted modulo `period`, if there is one.
-pub(crate) fn motion(before: &[f64], after: &[f64], period: f64) -> f64 {
-    let range = |values: &[f64]| {
-        let (low, high) = values
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
-                (l.min(v), h.max(v))
-            });
-        high - low
-    };
-    let mut motions: Vec<f64> = before.iter().zip(after).map(|(a, b)| b - a).collect();
-    unwrap_row(&mut motions, period);
-    let size = range(before);
-    if size > 0.0 {
-        range(&motions) / size
-    } else {
-        0.0
-    }
 }

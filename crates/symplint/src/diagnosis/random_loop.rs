@@ -1,5 +1,6 @@
 //! Further probes: random loops like the given one.
 
+use super::motion::Extent;
 use crate::coordinates::Coordinates;
 use crate::ensemble::Ensemble;
 use crate::error::Error;
@@ -34,17 +35,21 @@ pub(super) fn winding_loop(
 type Size = ([Vec<f64>; 2], [Vec<f64>; 2]);
 
 fn size(phase_loop: &dyn Loop) -> Result<Size, Error> {
-    let ensemble = Ensemble::sample(phase_loop, 64)?;
-    let (mut centre, mut radius) = ([vec![], vec![]], [vec![], vec![]]);
-    for (c, rows) in [ensemble.q(), ensemble.p()].into_iter().enumerate() {
-        for i in 0..rows.count() {
-            let row = rows.row(i);
-            let low = row.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = row.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            centre[c].push((low + high) / 2.0);
-            radius[c].push((high - low) / 2.0);
+    const SAMPLES: usize = 64;
+    let mut extents = vec![[Extent::default(); 2]; phase_loop.dof()];
+    Ensemble::in_parts(phase_loop, SAMPLES, |part| {
+        for (i, [of_q, of_p]) in extents.iter_mut().enumerate() {
+            part.q().row(i).iter().for_each(|&q| of_q.include(q));
+            part.p().row(i).iter().for_each(|&p| of_p.include(p));
         }
-    }
+        Ok(())
+    })?;
+    let of_each = |c: usize, what: fn(&Extent) -> f64| -> Vec<f64> {
+        extents.iter().map(|of_dof| what(&of_dof[c])).collect()
+    };
+    let centre = [0, 1].map(|c| of_each(c, Extent::middle));
+    let mut radius = [0, 1].map(|c| of_each(c, |extent| extent.length() / 2.0));
+    drop(extents);
     // The map must keep areas in every plane: move what the given loop leaves at rest, too. A loop that
     // winds can leave all momenta at rest.
     let typical = [0, 1].map(|c: usize| radius[c].iter().copied().fold(0.0, f64::max));

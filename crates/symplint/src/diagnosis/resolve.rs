@@ -16,20 +16,21 @@ const FEWEST: usize = 1 << 12;
 const FEWEST_OF_MANY: usize = 64;
 
 /// Where it ends at the latest.
-const MOST: usize = 1 << 16;
+pub(super) const MOST: usize = 1 << 16;
 
-/// Memory of the largest ensembles, before and after a step, that are chosen without being asked for.
-const MOST_BYTES: usize = 512 << 20;
+/// Memory of the largest ensemble that is chosen without being asked for; samples before and after a step
+/// make two of them.
+pub(super) const MOST_BYTES: usize = 512 << 20;
 
 /// A quadrature error of this size is as good as round-off.
-const ENOUGH: f64 = 1e-14;
+pub(super) const ENOUGH: f64 = 1e-14;
 
 /// Twice the samples that gain less than this factor hit noise: smooth loops gain far more,
 /// kinked ones 4 or more, jumps 2, noise of the states √2.
-const STALLED: f64 = 1.7;
+pub(super) const STALLED: f64 = 1.7;
 
 /// Above this an error that does not fall is not yet noise: the loop is steep somewhere.
-const NOISE: f64 = 1e-5;
+pub(super) const NOISE: f64 = 1e-5;
 
 /// Sobolev exponents of loops with kinks: more than the ½ of a jump, which is looked for in its own way, and
 /// so few that no analytic loop has them.
@@ -57,10 +58,16 @@ impl Diagnostic {
         h: f64,
     ) -> Result<Probe<'a>, Error> {
         let (rule, auto) = match self.rule {
-            RuleChoice::Auto => (Rule::Pseudospectral, true),
+            RuleChoice::Auto if !self.must_stream(subject.phase_loop.dof()) => {
+                (Rule::Pseudospectral, true)
+            }
             RuleChoice::Fixed(rule) => (rule, false),
             RuleChoice::Piecewise => {
                 return Probe::new(index, subject, Method::Piecewise(self.piecewise));
+            }
+            RuleChoice::Streaming | RuleChoice::Auto => {
+                let fewest = fewest_samples(subject.phase_loop.dof());
+                return Ok(self.streamed(index, subject, h, fewest)?.0);
             }
         };
         let (fewest, most) = match self.samples {
@@ -109,8 +116,10 @@ impl Diagnostic {
                     Some(pieces) => pieces,
                     None => self.tried(&probe, h)?,
                 };
-                let better = pieces.measure(h)?.defect.uncertainty() < error;
-                return Ok(if better { pieces } else { probe });
+                if pieces.measure(h)?.defect.uncertainty() < error {
+                    return Ok(pieces);
+                }
+                return self.beyond_memory(probe, h, error);
             }
             if auto && pieces.is_none() && expected > HOPELESS * wanted {
                 let tried = self.tried(&probe, h)?;
@@ -167,8 +176,12 @@ pub(super) fn fewest_samples(dof: usize) -> usize {
 
 /// The fewest and the most samples, powers of two, for so many degrees of freedom.
 fn range_of_samples(dof: usize) -> (usize, usize) {
-    let power_below = |count: usize| count.checked_ilog2().map_or(0, |exponent| 1 << exponent);
     let fewest = power_below(FEWEST / dof.max(1)).max(FEWEST_OF_MANY);
-    let most = power_below(MOST_BYTES / (32 * dof.max(1))).clamp(fewest, MOST);
+    let most = power_below(MOST_BYTES / (16 * dof.max(1))).clamp(fewest, MOST);
     (fewest, most)
+}
+
+/// The largest power of two that is not above `count`; 0 if that is 0.
+pub(super) fn power_below(count: usize) -> usize {
+    count.checked_ilog2().map_or(0, |exponent| 1 << exponent)
 }

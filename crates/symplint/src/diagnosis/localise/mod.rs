@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::probe::{Method, Subject};
 use super::random_loop::random_loop;
+use super::streamed::fits;
 use super::{Diagnostic, RuleChoice};
 use crate::error::Error;
 use crate::integral::Rule;
@@ -84,10 +85,14 @@ impl Diagnostic {
                 ..subject
             }
         };
-        let method = match (evidence.piecewise, self.rule) {
-            (true, _) => Method::Piecewise(self.piecewise),
-            (false, RuleChoice::Fixed(rule)) => Method::Samples(rule, evidence.samples),
-            (false, _) => Method::Samples(Rule::Pseudospectral, evidence.samples),
+        let samples = evidence.samples;
+        let method = match self.rule {
+            _ if evidence.piecewise => Method::Piecewise(self.piecewise),
+            RuleChoice::Fixed(rule) => Method::Samples(rule, samples),
+            RuleChoice::Auto if fits(subject.map.dof(), samples) => {
+                Method::Samples(Rule::Pseudospectral, samples)
+            }
+            _ => Method::Streaming(self.streaming, samples),
         };
         Ok(Localisation {
             loop_index: evidence.index,
