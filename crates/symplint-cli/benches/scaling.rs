@@ -12,9 +12,11 @@ mod figure;
 use std::hint::black_box;
 use std::path::Path;
 use std::process::Command;
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use figure::{Axis, Figure, Panel, Scale, Series, Style};
+use rayon::ThreadPoolBuilder;
 use symplint::{Circle, Ensemble, FourierLoop, LoopIntegral, Rows, RowsMut, Rule};
 use symplint_models::Separable;
 use symplint_models::integrators::{Splitting, Variant, splitting_methods};
@@ -26,8 +28,8 @@ struct Study {
     name: &'static str,
     label: &'static str,
     sizes: &'static [usize],
-    /// Runs as often as asked; returns the time of the fastest run.
-    fastest: fn(usize) -> Duration,
+    /// Processor time of one run of this size.
+    time: fn(usize) -> Duration,
     /// What the time should be proportional to.
     cost: fn(f64) -> f64,
 }
@@ -37,21 +39,21 @@ const STUDIES: [Study; 3] = [
         name: "dof",
         label: "d: step and integral of 64 samples of a pendulum array",
         sizes: &[64, 256, 1024, 4096, 16_384, 65_536],
-        fastest: pendulum_array,
+        time: pendulum_array,
         cost: |d| d,
     },
     Study {
         name: "particles",
         label: "N_p: one PIC force, cubic splines, 16 samples",
         sizes: &[100, 316, 1000, 3162, 10_000, 31_623, 100_000],
-        fastest: pic_force,
+        time: pic_force,
         cost: |particles| particles,
     },
     Study {
         name: "samples",
         label: "N_s: pseudospectral integral, 4 degrees of freedom",
         sizes: &[64, 256, 1024, 4096, 16_384, 65_536, 262_144],
-        fastest: loop_integral,
+        time: loop_integral,
         cost: |samples| samples * samples.log2(),
     },
 ];
@@ -72,7 +74,7 @@ fn main() {
 fn measure_here(name: &str, size: usize) {
     let before = peak_bytes();
     let study = STUDIES.iter().find(|study| study.name == name).unwrap();
-    let time = (study.fastest)(size);
+    let time = (study.time)(size);
     println!("{} {}", time.as_nanos(), peak_bytes() - before);
 }
 
@@ -230,20 +232,41 @@ fn draw(studies: &[(&Study, Vec<Point>)]) -> Figure {
     }
 }
 
-/// The fastest of many runs: other work on the machine only ever adds time.
-fn fastest(mut run: impl FnMut()) -> Duration {
-    const ATTEMPTS: usize = 9;
+/// Processor time of one run, on one thread: what else runs on the machine does not count.
+fn measure_runs(mut run: impl FnMut() + Send) -> Duration {
+    const ATTEMPTS: u32 = 3;
     const AT_LEAST: Duration = Duration::from_millis(300);
-    let start = Instant::now();
-    let mut best = Duration::MAX;
-    let mut attempts = 0;
-    while attempts < ATTEMPTS || start.elapsed() < AT_LEAST {
-        let run_start = Instant::now();
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| {
+        // The first makes buffers and plans.
         run();
-        best = best.min(run_start.elapsed());
-        attempts += 1;
-    }
-    best
+        // The clock is a file, and takes microseconds to read.
+        let first = Instant::now();
+        run();
+        let batch =
+            (Duration::from_millis(1).as_nanos() / first.elapsed().as_nanos().max(1)) as u32 + 1;
+        let start = processor_time();
+        let mut runs = 0;
+        loop {
+            (0..batch).for_each(|_| run());
+            runs += batch;
+            let spent = processor_time() - start;
+            if runs >= ATTEMPTS && spent >= AT_LEAST {
+                return spent / runs;
+            }
+        }
+    })
+}
+
+/// Of this thread; of the wall where the system does not tell.
+fn processor_time() -> Duration {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanoseconds = text
+        .split_whitespace()
+        .next()
+        .and_then(|number| number.parse().ok());
+    nanoseconds.map_or_else(|| START.elapsed(), Duration::from_nanos)
 }
 
 fn pendulum_array(dof: usize) -> Duration {
@@ -252,7 +275,7 @@ fn pendulum_array(dof: usize) -> Duration {
     let circle = Circle::new(q, p, 1.0).unwrap();
     let step = Splitting::new(splitting_methods::strang(Variant::PositionFirst), array);
     let mut ensemble = Ensemble::sample(&circle, 64).unwrap();
-    fastest(|| {
+    measure_runs(|| {
         ensemble.advance(&step, 1e-6).unwrap();
         black_box(LoopIntegral::of(&ensemble, &Rule::Pseudospectral).unwrap());
     })
@@ -276,7 +299,7 @@ fn pic_force(particles: usize) -> Duration {
         .flat_map(|x| (0..SAMPLES).map(move |sample| x + 0.01 * sample as f64))
         .collect();
     let mut p = vec![0.0; q.len()];
-    fastest(|| {
+    measure_runs(|| {
         let q = Rows::new(black_box(&q), particles, SAMPLES, SAMPLES);
         pic.kick(
             1e-9,
@@ -290,7 +313,7 @@ fn loop_integral(samples: usize) -> Duration {
     let radii = [1.0; 4];
     let phase_loop = FourierLoop::random(vec![0.0; 4], vec![0.0; 4], &radii, &radii, 1).unwrap();
     let ensemble = Ensemble::sample(&phase_loop, samples).unwrap();
-    fastest(|| {
+    measure_runs(|| {
         black_box(LoopIntegral::of(&ensemble, &Rule::Pseudospectral).unwrap());
     })
 }

@@ -10,6 +10,7 @@
 //! brought to the same size first, by powers of two, which costs no digit: a loop that is
 //! 1e8 times wider in q than in p stays as accurate as any other.
 
+use std::cell::Cell;
 use std::f64::consts::PI;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
@@ -31,6 +32,11 @@ fn plan(samples: usize) -> Arc<dyn Fft<f64>> {
         .lock()
         .unwrap_or_else(PoisonError::into_inner)
         .plan_fft_forward(samples)
+}
+
+thread_local! {
+    /// Kept for the next integral: of few degrees of freedom, making it would take as long as using it.
+    static IDLE: Cell<Option<Workspace>> = const { Cell::new(None) };
 }
 
 /// Transform buffers of one thread.
@@ -56,6 +62,16 @@ struct Rows {
 }
 
 impl Workspace {
+    /// Lends `work` the workspace of this thread.
+    fn lend<R>(transform: &Arc<dyn Fft<f64>>, work: impl FnOnce(&mut Self) -> R) -> R {
+        let mut workspace = (IDLE.take())
+            .filter(|idle| idle.modes.len() == transform.len())
+            .unwrap_or_else(|| Workspace::new(Arc::clone(transform)));
+        let result = work(&mut workspace);
+        IDLE.set(Some(workspace));
+        result
+    }
+
     fn new(transform: Arc<dyn Fft<f64>>) -> Self {
         Workspace {
             scratch: vec![Complex64::ZERO; transform.get_inplace_scratch_len()],
@@ -163,9 +179,10 @@ pub(super) fn rows(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<RowInt
     let (q, p) = (ensemble.q(), ensemble.p());
     (0..ensemble.dof())
         .into_par_iter()
-        .map_init(
-            || Workspace::new(Arc::clone(&transform)),
-            |workspace, i| workspace.integrate(q.row(i), p.row(i), coordinates.period(i)),
-        )
+        .map(|i| {
+            Workspace::lend(&transform, |workspace| {
+                workspace.integrate(q.row(i), p.row(i), coordinates.period(i))
+            })
+        })
         .collect()
 }
