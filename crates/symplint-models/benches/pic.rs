@@ -9,7 +9,8 @@ use std::hint::black_box;
 
 use interleaved::{heading, report};
 use pic_control::PlainPic;
-use symplint::{Block, Rows, RowsMut, TimeAdvance};
+use rayon::ThreadPoolBuilder;
+use symplint::{Block, Circle, Ensemble, Rows, RowsMut, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::integrators::{Splitting, Variant, splitting_methods};
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, TwoStream};
@@ -28,6 +29,9 @@ fn main() {
         for particles in [2, 8, 16, 24, 32, 128] {
             strang_step(degree, particles);
         }
+    }
+    for degree in 1..=3 {
+        two_threads(degree, 1000, 256);
     }
 }
 
@@ -105,5 +109,29 @@ fn strang_step(degree: usize, particles: usize) {
         1.0,
         advance,
         control,
+    );
+}
+
+/// A Strang step of an ensemble on two threads beside the same on one.
+fn two_threads(degree: usize, particles: usize, samples: usize) {
+    let (pic, _) = plasma(degree, particles);
+    let (x, v) = TwoStream::default().sample(&pic, 1).unwrap();
+    let circle = Circle::new(x, v, 1.0).unwrap();
+    let step = Splitting::new(splitting_methods::strang(Variant::PositionFirst), pic);
+    let ensemble = Ensemble::sample(&circle, samples).unwrap();
+    let on = |threads: usize| {
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let (mut ensemble, step) = (ensemble.clone(), &step);
+        move || pool.install(|| ensemble.advance(step, 1e-6)).unwrap()
+    };
+    report(
+        &format!("step, degree {degree}, 2 threads | 1 thread"),
+        (particles * samples) as f64,
+        (particles * samples) as f64,
+        on(2),
+        on(1),
     );
 }

@@ -103,6 +103,49 @@ fn circles_far_away_and_badly_scaled_are_exact() {
 }
 
 #[test]
+fn circles_of_any_size_that_doubles_hold_are_exact() {
+    for (q_radius, p_radius) in [
+        (1e160, 1e-160),
+        (1e-150, 1e-150),
+        (1e-300, 1e10),
+        (1e-170, 1e300),
+        (1e153, 1e153),
+    ] {
+        for n in [16, 63, 4096] {
+            let circle = curve(
+                n,
+                |s| q_radius * (TAU * s).sin(),
+                |s| p_radius * (TAU * s).cos(),
+            );
+            let integral = pseudospectral(&circle);
+            let exact = PI * q_radius * p_radius;
+            let error = (integral.value / exact - 1.0).abs();
+            assert!(error < 1e-14, "{q_radius}, {p_radius}, N = {n}: {error:e}");
+            assert!(
+                integral.roundoff < 1e-14 * exact
+                    && integral.quadrature_error < Some(1e-14 * exact)
+            );
+            assert!(integral.scale >= exact * (1.0 - 1e-14) && integral.scale < 1.18 * exact);
+        }
+    }
+}
+
+#[test]
+fn loops_without_extent_in_q_or_p_have_exactly_no_area() {
+    for n in [3, 16, 63, 4096] {
+        for (q, p) in [(0.0, 1.0), (1.0, 0.0)] {
+            let flat = curve(
+                n,
+                |s| 5.0 + q * (TAU * s).sin(),
+                |s| 0.3 + p * (7.0 * s).cos(),
+            );
+            let integral = pseudospectral(&flat);
+            assert_eq!((integral.value, integral.scale), (0.0, 0.0), "N = {n}");
+        }
+    }
+}
+
+#[test]
 fn a_winding_loop_has_the_area_under_it() {
     // q runs twice round the period 3 with a wobble, p = 0.7 + 0.2 sin 2πs.
     let (period, turns) = (3.0, 2.0);

@@ -14,7 +14,7 @@ const SLICE: Duration = Duration::from_micros(1000);
 pub fn heading(what: &str) {
     println!("{what}; ns, medians of {ROUNDS} interleaved rounds");
     println!(
-        "{:<38}{:>10}{:>10}{:>8}",
+        "{:<42}{:>10}{:>10}{:>8}",
         "", "symplint", "control", "ratio"
     );
 }
@@ -27,8 +27,7 @@ pub fn report(
     mut work: impl FnMut(),
     mut control: impl FnMut(),
 ) {
-    let wanted = std::env::args().skip(1).find(|arg| !arg.starts_with('-'));
-    if wanted.is_some_and(|part| !name.contains(&part)) {
+    if !wanted(name) {
         return;
     }
     let (mut times, mut control_times) = (Vec::new(), Vec::new());
@@ -36,9 +35,25 @@ pub fn report(
         times.push(nanoseconds(&mut work) / units);
         control_times.push(nanoseconds(&mut control) / control_units);
     }
-    let (time, control) = (median(times), median(control_times));
+    print_ratio(name, median(times), median(control_times));
+}
+
+/// As [`report`], beside a time that was measured elsewhere.
+#[allow(dead_code, reason = "not every bench has one")]
+pub fn compare(name: &str, units: f64, mut work: impl FnMut(), control: f64) {
+    let times = (0..ROUNDS).map(|_| nanoseconds(&mut work) / units);
+    print_ratio(name, median(times.collect()), control);
+}
+
+/// Whether the command line asks for this case.
+pub fn wanted(name: &str) -> bool {
+    let part = std::env::args().skip(1).find(|arg| !arg.starts_with('-'));
+    part.is_none_or(|part| name.contains(&part))
+}
+
+fn print_ratio(name: &str, time: f64, control: f64) {
     println!(
-        "{name:<38}{time:>10.2}{control:>10.2}{:>8.2}",
+        "{name:<42}{time:>10.2}{control:>10.2}{:>8.2}",
         control / time
     );
 }

@@ -1,210 +1,201 @@
 //! The Fourier-pseudospectral rule without an inverse transform.
 //!
-//! With real transforms P, Q of one row each (N samples, unnormalised) the paper's
+//! With transforms P, Q of one row each (N samples, unnormalised) the paper's
 //! p : (D q) Δs is
 //!
 //! I = (4π/N²) Σ_{k=1}^{⌈N/2⌉−1} k (Im P_k Re Q_k − Re P_k Im Q_k),
 //!
-//! with the Nyquist mode of an even N left out. Two real transforms stay accurate where one complex
-//! transform of q + i p cancels: when q and p differ in scale.
+//! with the Nyquist mode of an even N left out. Both rows go through one complex transform, as
+//! real and imaginary part. That rounds relative to the larger of them, so both are
+//! brought to the same size first, by powers of two, which costs no digit: a loop that is
+//! 1e8 times wider in q than in p stays as accurate as any other.
 
+use std::cell::Cell;
 use std::f64::consts::PI;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use rayon::prelude::*;
-use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
+use rustfft::num_complex::Complex64;
+use rustfft::{Fft, FftPlanner};
 
+use super::pair_spectrum::{fold, sums, value};
 use super::regularity::sobolev_exponent;
+use super::row::{Extent, pack, wraps};
 use super::{RowIntegral, UNIT_ROUNDOFF, least, unwrap_row};
 use crate::coordinates::Coordinates;
 use crate::ensemble::Ensemble;
 
 /// Plans are dear and the same few lengths come again and again.
-static PLANNER: LazyLock<Mutex<RealFftPlanner<f64>>> =
-    LazyLock::new(|| Mutex::new(RealFftPlanner::new()));
+static PLANNER: LazyLock<Mutex<FftPlanner<f64>>> = LazyLock::new(|| Mutex::new(FftPlanner::new()));
 
-fn plan(samples: usize) -> Arc<dyn RealToComplex<f64>> {
+fn plan(samples: usize) -> Arc<dyn Fft<f64>> {
     PLANNER
         .lock()
         .unwrap_or_else(PoisonError::into_inner)
         .plan_fft_forward(samples)
 }
 
+thread_local! {
+    /// Kept for the next integral: of few degrees of freedom, making it would take as long as using it.
+    static IDLE: Cell<Option<Workspace>> = const { Cell::new(None) };
+}
+
 /// Transform buffers of one thread.
 struct Workspace {
-    transform: Arc<dyn RealToComplex<f64>>,
-    scratch: Vec<Complex<f64>>,
-    row: Vec<f64>,
-    q: Vec<Complex<f64>>,
-    p: Vec<Complex<f64>>,
+    transform: Arc<dyn Fft<f64>>,
+    scratch: Vec<Complex64>,
+    unwrapped: Vec<f64>,
+    modes: Vec<Complex64>,
+}
+
+/// What the transform of a pair of rows does not show of them.
+struct Rows {
+    /// The transform is of q in this unit, a power of two.
+    q_unit: f64,
+    p_unit: f64,
+    /// The largest coordinates as stored: their rounding is noise in I.
+    q_largest: f64,
+    p_largest: f64,
+    /// The transform is of p less this.
+    p_first: f64,
+    /// What q gains in one turn; the transform is of q less this ramp.
+    gain: f64,
 }
 
 impl Workspace {
-    fn new(transform: Arc<dyn RealToComplex<f64>>) -> Self {
+    /// Lends `work` the workspace of this thread.
+    fn lend<R>(transform: &Arc<dyn Fft<f64>>, work: impl FnOnce(&mut Self) -> R) -> R {
+        let mut workspace = (IDLE.take())
+            .filter(|idle| idle.modes.len() == transform.len())
+            .unwrap_or_else(|| Workspace::new(Arc::clone(transform)));
+        let result = work(&mut workspace);
+        IDLE.set(Some(workspace));
+        result
+    }
+
+    fn new(transform: Arc<dyn Fft<f64>>) -> Self {
         Workspace {
-            scratch: transform.make_scratch_vec(),
-            row: transform.make_input_vec(),
-            q: transform.make_output_vec(),
-            p: transform.make_output_vec(),
+            scratch: vec![Complex64::ZERO; transform.get_inplace_scratch_len()],
+            unwrapped: Vec::new(),
+            modes: vec![Complex64::ZERO; transform.len()],
             transform,
         }
     }
 
     fn integrate(&mut self, q: &[f64], p: &[f64], period: f64) -> RowIntegral {
-        let n = q.len() as f64;
-        // Taking off the first sample changes no loop integral, and far from the origin it
-        // keeps the transform's round-off from growing with the distance.
-        shift_into(&mut self.row, q);
-        let gain = unwrap_row(&mut self.row, period) as f64 * period;
-        if gain != 0.0 {
-            for (k, value) in self.row.iter_mut().enumerate() {
-                *value -= gain * (k as f64 / n);
-            }
+        let (mut q_extent, p_extent) = (Extent::of(q), Extent::of(p));
+        let q_largest = q_extent.largest();
+        let (mut q, mut gain) = (q, 0.0);
+        if wraps(q, period) {
+            self.unwrapped.clear();
+            self.unwrapped.extend_from_slice(q);
+            gain = unwrap_row(&mut self.unwrapped, period) as f64 * period;
+            take_off_ramp(&mut self.unwrapped, gain);
+            q = &self.unwrapped;
+            q_extent = Extent::of(q);
         }
-        self.transform
-            .process_with_scratch(&mut self.row, &mut self.q, &mut self.scratch)
-            .expect("buffers come from the plan");
-        shift_into(&mut self.row, p);
-        self.transform
-            .process_with_scratch(&mut self.row, &mut self.p, &mut self.scratch)
-            .expect("buffers come from the plan");
-
-        let spectra = Spectra {
-            q: &self.q,
-            p: &self.p,
-            samples: q.len(),
+        let rows = Rows {
+            q_unit: q_extent.unit(),
+            p_unit: p_extent.unit(),
+            q_largest,
+            p_largest: p_extent.largest(),
+            p_first: p[0],
+            gain,
         };
-        let mut integral = spectra.integral(largest(q), largest(p));
-        if gain != 0.0 {
-            let mean = p[0] + self.p[0].re / n;
-            integral.value += gain * mean;
-            integral.scale += (gain * mean).abs();
-            integral.roundoff += 2.0 * UNIT_ROUNDOFF * gain.abs() * largest(p);
-            if let Some((coarse, error)) = spectra.coarse_mean_p().zip(integral.quadrature_error) {
-                // The highest modes fold back into the mean as into every other mode.
-                let folded = spectra.top(&self.p) / n;
-                let change = (self.p[0].re / n - coarse).abs().max(folded);
-                integral.quadrature_error = Some(error + gain.abs() * change);
-            }
+        pack(&mut self.modes, q, rows.q_unit, p, rows.p_unit);
+        self.transform
+            .process_with_scratch(&mut self.modes, &mut self.scratch);
+        rows.integral(&mut self.modes)
+    }
+}
+
+/// Leaves of a row that gains `gain` in one turn what is periodic.
+fn take_off_ramp(row: &mut [f64], gain: f64) {
+    let n = row.len() as f64;
+    for (k, value) in row.iter_mut().enumerate() {
+        *value -= gain * (k as f64 / n);
+    }
+}
+
+/// Octaves of modes that a transform may have.
+const MOST_OCTAVES: usize = usize::BITS as usize;
+
+/// What rounding makes of a mode, in the unit of its row: of the samples as stored and of the transform,
+/// with a margin.
+fn noise_of_mode(samples: f64, largest: f64, unit: f64) -> f64 {
+    4.0 * UNIT_ROUNDOFF * samples.sqrt() * (largest / unit).max(1.0)
+}
+
+impl Rows {
+    /// The integral from the transform of q + i p in these units, which it uses up.
+    fn integral(&self, transform: &mut [Complex64]) -> RowIntegral {
+        let samples = transform.len();
+        let n = samples as f64;
+        let modes = samples.div_ceil(2);
+        // The highest quarter of the modes, those of the upper half, all: small terms first.
+        let top_start = (3 * modes / 4).clamp(1, modes - 1);
+        let top = sums(transform, top_start..modes);
+        let upper = top.and(sums(transform, modes / 2..top_start));
+        // The lower half by octaves, 2^j ≤ k < 2^{j+1}, whose energies tell how smooth the loop is.
+        let octaves = (modes / 2).ilog2() as usize;
+        let mut all = upper.and(sums(transform, 1 << octaves..modes / 2));
+        let mut energies = [[0.0; MOST_OCTAVES]; 2];
+        for j in (0..octaves).rev() {
+            let octave = sums(transform, 1 << j..2 << j);
+            (energies[0][j], energies[1][j]) = (octave.q_power, octave.p_power);
+            all = all.and(octave);
         }
-        integral
-    }
-}
 
-/// Writes `values` less the first of them.
-fn shift_into(row: &mut [f64], values: &[f64]) {
-    let first = values[0];
-    for (shifted, &value) in row.iter_mut().zip(values) {
-        *shifted = value - first;
-    }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
-}
-
-/// Unnormalised transforms of one degree of freedom, modes 0 … N/2.
-struct Spectra<'a> {
-    q: &'a [Complex<f64>],
-    p: &'a [Complex<f64>],
-    samples: usize,
-}
-
-impl Spectra<'_> {
-    /// `max_q` and `max_p` are the largest coordinates as stored: their rounding is noise in I.
-    fn integral(&self, max_q: f64, max_p: f64) -> RowIntegral {
-        let n = self.samples as f64;
-        let modes = self.samples.div_ceil(2);
         let factor = 4.0 * PI / (n * n);
-        let (mut value, mut scale) = (0.0, 0.0);
-        let (mut q_slope, mut p_slope) = (0.0, 0.0);
-        let (mut q_slope_squared, mut p_slope_squared) = (0.0, 0.0);
-        // From the highest mode down: small terms first.
-        for k in (1..modes).rev() {
-            let (p, q, k) = (self.p[k], self.q[k], k as f64);
-            let (p_squared, q_squared) = (p.norm_sqr(), q.norm_sqr());
-            value += k * (p.im * q.re - p.re * q.im);
-            scale += k * (p_squared * q_squared).sqrt();
-            q_slope += k * q_squared.sqrt();
-            p_slope += k * p_squared.sqrt();
-            q_slope_squared += k * k * q_squared;
-            p_slope_squared += k * k * p_squared;
-        }
+        let unit = self.q_unit * self.p_unit;
+        let mean = transform[0].im / n;
+        let p_mean = self.p_first + self.p_unit * mean;
+        let scale = factor * all.scale;
+
         // Rounding of the stored samples: white noise of half an ulp of the largest.
         let noise = PI * UNIT_ROUNDOFF * (8.0 / n).sqrt() / n;
-        let stored = noise * (max_q * p_slope_squared.sqrt() + max_p * q_slope_squared.sqrt());
-        let transformed = UNIT_ROUNDOFF * n.log2() * factor * scale;
+        let stored = self.q_largest * self.p_unit * (noise * all.p_slope_squared.sqrt())
+            + self.p_largest * self.q_unit * (noise * all.q_slope_squared.sqrt());
+        let transformed = UNIT_ROUNDOFF * n.log2() * scale;
+
+        let quadrature_error = (samples / 2 >= 3).then(|| {
+            // Root mean squares of the highest quarter of the modes: a jump or kink that the samples do
+            // not resolve, or the noise of the states. Modes beyond N/2 fold back with about this size.
+            let top_modes = (modes - top_start) as f64;
+            let q_top = (top.q_power / top_modes).sqrt();
+            let p_top = (top.p_power / top_modes).sqrt();
+            let folded = factor * (p_top * all.q_slope + q_top * all.p_slope);
+            // What still arrives at the end of the band.
+            let tail = factor * upper.scale;
+            // The same integral from every second sample; from the lower half of the modes where N
+            // is odd.
+            let coarse = if samples.is_multiple_of(2) {
+                fold(transform)
+            } else {
+                &*transform
+            };
+            let coarse_value = value(coarse, 1..(samples / 2).div_ceil(2));
+            let change = factor * (all.value - coarse_value).abs();
+            // The highest modes fold back into the mean as into every other mode.
+            let mean_change = (mean - coarse[0].im / n).abs().max(p_top / n);
+            unit * change.max(tail).max(folded) + self.gain.abs() * self.p_unit * mean_change
+        });
         RowIntegral {
-            value: factor * value,
-            quadrature_error: self.coarse_integral().map(|coarse| {
-                let (q_top, p_top) = (self.top(self.q), self.top(self.p));
-                let folded = factor * (p_top * q_slope + q_top * p_slope);
-                (factor * value - coarse).abs().max(self.tail()).max(folded)
-            }),
-            roundoff: stored + transformed,
-            scale: factor * scale,
+            value: unit * (factor * all.value) + self.gain * p_mean,
+            quadrature_error,
+            roundoff: stored
+                + unit * transformed
+                + 2.0 * UNIT_ROUNDOFF * self.gain.abs() * self.p_largest,
+            scale: unit * scale + (self.gain * p_mean).abs(),
             omitted: Vec::new(),
             regularity: {
-                // A mode of the rounding of the stored samples, with a margin.
-                let rounding = 4.0 * UNIT_ROUNDOFF * n.sqrt();
+                let [q, p] = &energies;
                 least(
-                    sobolev_exponent(&self.q[1..modes], rounding * max_q),
-                    sobolev_exponent(&self.p[1..modes], rounding * max_p),
+                    sobolev_exponent(&q[..octaves], noise_of_mode(n, self.q_largest, self.q_unit)),
+                    sobolev_exponent(&p[..octaves], noise_of_mode(n, self.p_largest, self.p_unit)),
                 )
             },
         }
-    }
-
-    /// The same integral from every second sample (from the lower half of the modes where N is
-    /// odd); `None` where that leaves fewer than three.
-    fn coarse_integral(&self) -> Option<f64> {
-        let half = self.samples / 2;
-        if half < 3 {
-            return None;
-        }
-        let modes = half.div_ceil(2);
-        let n = half as f64;
-        let mut value = 0.0;
-        for k in (1..modes).rev() {
-            let (p, q) = (self.coarse(self.p, k), self.coarse(self.q, k));
-            value += k as f64 * (p.im * q.re - p.re * q.im);
-        }
-        Some(4.0 * PI / (n * n) * value)
-    }
-
-    /// Mean of p, less its first sample, from every second sample.
-    fn coarse_mean_p(&self) -> Option<f64> {
-        let half = self.samples / 2;
-        (half >= 3).then(|| self.coarse(self.p, 0).re / half as f64)
-    }
-
-    /// Mode k of the transform of every second sample: modes k and k + N/2 fold together.
-    fn coarse(&self, spectrum: &[Complex<f64>], k: usize) -> Complex<f64> {
-        if self.samples.is_multiple_of(2) {
-            (spectrum[k] + spectrum[self.samples / 2 - k].conj()) / 2.0
-        } else {
-            spectrum[k] * (self.samples / 2) as f64 / self.samples as f64
-        }
-    }
-
-    /// Root mean square of the highest quarter of the modes: a jump or kink that the samples do
-    /// not resolve, or the noise of the states. Modes beyond N/2 fold back with about this size.
-    fn top(&self, spectrum: &[Complex<f64>]) -> f64 {
-        let modes = self.samples.div_ceil(2);
-        let top = &spectrum[(3 * modes / 4).max(1).min(modes - 1)..modes];
-        let sum: f64 = top.iter().map(|mode| mode.norm_sqr()).sum();
-        (sum / top.len() as f64).sqrt()
-    }
-
-    /// Absolute sum over the upper half of the modes: what still arrives at the end of the band.
-    fn tail(&self) -> f64 {
-        let n = self.samples as f64;
-        let modes = self.samples.div_ceil(2);
-        let sum: f64 = (modes / 2..modes)
-            .map(|k| k as f64 * (self.p[k].norm_sqr() * self.q[k].norm_sqr()).sqrt())
-            .sum();
-        4.0 * PI / (n * n) * sum
     }
 }
 
@@ -213,9 +204,10 @@ pub(super) fn rows(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<RowInt
     let (q, p) = (ensemble.q(), ensemble.p());
     (0..ensemble.dof())
         .into_par_iter()
-        .map_init(
-            || Workspace::new(Arc::clone(&transform)),
-            |workspace, i| workspace.integrate(q.row(i), p.row(i), coordinates.period(i)),
-        )
+        .map(|i| {
+            Workspace::lend(&transform, |workspace| {
+                workspace.integrate(q.row(i), p.row(i), coordinates.period(i))
+            })
+        })
         .collect()
 }

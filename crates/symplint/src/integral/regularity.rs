@@ -4,42 +4,39 @@
 //! the energy of an octave of modes, 2^j ≤ k < 2^{j+1}, then falls as 2^{−js}: a jump has s = ½, a
 //! kink 3/2, a jump of the second derivative 5/2, and an analytic loop more than any number.
 
-use realfft::num_complex::Complex;
-
 /// Octaves that a slope is fitted to: the highest that stand clear of round-off.
 const FITTED: usize = 4;
 
-/// The Sobolev exponent s of one coordinate, from modes 1 … ⌈N/2⌉ − 1 of its unnormalised
-/// transform; `None` where there are fewer than three octaves, or the coordinate is at rest.
+/// The Sobolev exponent s of one coordinate, from the energies Σ |c_k|² of its octaves, k from 1;
+/// `None` where there are fewer than three, or the coordinate is at rest.
 ///
 /// `noise` is the size of a mode that is round-off. Where the modes fall to round-off before
 /// they end, s counts the fall down to there: it is a lower bound then.
-pub(super) fn sobolev_exponent(modes: &[Complex<f64>], noise: f64) -> Option<f64> {
-    let octaves = modes.len().checked_ilog2()? as usize;
-    if octaves < 3 {
+pub(super) fn sobolev_exponent(energies: &[f64], noise: f64) -> Option<f64> {
+    let octaves = energies.len();
+    if octaves < 3 || !noise.is_finite() {
         return None;
     }
-    // Logarithms to base 2 of the root energies, mode 1 being the first of `modes`.
-    let mut levels = Vec::with_capacity(octaves);
-    for j in 0..octaves {
-        let octave = &modes[(1 << j) - 1..(2 << j) - 1];
-        let energy: f64 = octave.iter().map(|mode| mode.norm_sqr()).sum();
+    // Logarithms to base 2 of the root energies.
+    let mut levels = [0.0; usize::BITS as usize];
+    let mut clear = 0;
+    for (j, energy) in energies.iter().enumerate() {
         let floor = noise * ((1u64 << j) as f64).sqrt();
         let root = energy.sqrt();
-        levels.push(root.max(floor).log2());
+        levels[j] = root.max(floor).log2();
+        clear = j + 1;
         if root <= floor {
             break;
         }
     }
-    let clear = levels.len();
     if clear < 2 {
         return None;
     }
     // A fall to round-off is fitted whole: its last octave alone is as steep as chance has it.
     let fitted = if clear < octaves {
-        &levels[..]
+        &levels[..clear]
     } else {
-        &levels[clear - FITTED.min(clear)..]
+        &levels[clear - FITTED.min(clear)..clear]
     };
     Some(-slope(fitted))
 }
@@ -62,16 +59,22 @@ fn slope(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::integral::UNIT_ROUNDOFF;
+    use rustfft::FftPlanner;
+    use rustfft::num_complex::Complex64;
     use std::f64::consts::TAU;
 
     /// Of a function on [0, 1) with so many samples.
     fn exponent(samples: usize, f: impl Fn(f64) -> f64) -> f64 {
-        let mut row: Vec<f64> = (0..samples).map(|k| f(k as f64 / samples as f64)).collect();
-        let transform = realfft::RealFftPlanner::new().plan_fft_forward(samples);
-        let mut modes = transform.make_output_vec();
-        transform.process(&mut row, &mut modes).unwrap();
+        let at = |k: usize| Complex64::new(f(k as f64 / samples as f64), 0.0);
+        let mut modes: Vec<Complex64> = (0..samples).map(at).collect();
+        FftPlanner::new()
+            .plan_fft_forward(samples)
+            .process(&mut modes);
+        let octaves = (samples / 4).ilog2();
+        let energy = |j: u32| modes[1 << j..2 << j].iter().map(|c| c.norm_sqr()).sum();
+        let energies: Vec<f64> = (0..octaves).map(energy).collect();
         let noise = 4.0 * UNIT_ROUNDOFF * (samples as f64).sqrt();
-        sobolev_exponent(&modes[1..samples.div_ceil(2)], noise).unwrap()
+        sobolev_exponent(&energies, noise).unwrap()
     }
 
     #[test]
@@ -100,9 +103,10 @@ mod tests {
 
     #[test]
     fn few_modes_or_none_tell_nothing() {
-        let at_rest = vec![Complex::new(0.0, 0.0); 64];
-        assert_eq!(sobolev_exponent(&at_rest, 0.0), None);
-        assert_eq!(sobolev_exponent(&at_rest, 1e-16), None);
-        assert_eq!(sobolev_exponent(&at_rest[..7], 1e-16), None);
+        assert_eq!(sobolev_exponent(&[0.0; 6], 0.0), None);
+        assert_eq!(sobolev_exponent(&[0.0; 6], 1e-16), None);
+        assert_eq!(sobolev_exponent(&[1.0, 0.1], 1e-16), None);
+        // A row at rest has no unit to measure noise in.
+        assert_eq!(sobolev_exponent(&[0.0; 6], f64::INFINITY), None);
     }
 }

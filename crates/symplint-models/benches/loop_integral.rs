@@ -1,0 +1,144 @@
+//! The loop integral beside the time to read its arrays, beside a plain one, and beside numpy.
+//!
+//! `cargo bench -p symplint-models --bench loop_integral [-- PART OF A NAME]`. The comparison with numpy
+//! runs where `python3` has it.
+
+mod interleaved;
+mod plain_integral;
+
+use std::f64::consts::{PI, TAU};
+use std::hint::black_box;
+use std::process::Command;
+
+use interleaved::{heading, report, wanted};
+use plain_integral::PlainIntegral;
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use symplint::{Cutoffs, Ensemble, LoopIntegral, Rule};
+
+/// Degrees of freedom and samples: beyond all caches, and within the last.
+const SHAPES: [(usize, usize); 3] = [(4096, 4096), (256, 4096), (4096, 256)];
+
+fn main() {
+    let pools = [pool(1), pool(2)];
+    for (dof, samples) in SHAPES {
+        let ensemble = circles(dof, samples);
+        let rows = dof as f64;
+        heading(&format!("{dof} x {samples}, a degree of freedom"));
+        for pool in &pools {
+            let threads = pool.current_num_threads();
+            report(
+                &format!("pseudospectral, {threads} threads | reading"),
+                rows,
+                rows,
+                || integrate(pool, &ensemble, &Rule::Pseudospectral),
+                || read(pool, &ensemble),
+            );
+        }
+        let finite_difference = Rule::FiniteDifference(Cutoffs::none());
+        report(
+            "finite-difference, 1 thread | reading",
+            rows,
+            rows,
+            || integrate(&pools[0], &ensemble, &finite_difference),
+            || read(&pools[0], &ensemble),
+        );
+        report(
+            "pseudospectral, 2 threads | 1 thread",
+            rows,
+            rows,
+            || integrate(&pools[1], &ensemble, &Rule::Pseudospectral),
+            || integrate(&pools[0], &ensemble, &Rule::Pseudospectral),
+        );
+        let mut plain = PlainIntegral::new(samples);
+        assert!((plain.of(&ensemble) / (PI * rows) - 1.0).abs() < 1e-10);
+        report(
+            "pseudospectral, 1 thread | plain",
+            rows,
+            rows,
+            || integrate(&pools[0], &ensemble, &Rule::Pseudospectral),
+            || {
+                black_box(plain.of(&ensemble));
+            },
+        );
+        beside_numpy(&pools, &ensemble);
+    }
+}
+
+fn pool(threads: usize) -> ThreadPool {
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap()
+}
+
+/// Unit circles with different phases.
+fn circles(dof: usize, samples: usize) -> Ensemble {
+    let mut ensemble = Ensemble::zeros(dof, samples);
+    let mut block = ensemble.block();
+    for i in 0..dof {
+        let at = |k: usize| TAU * k as f64 / samples as f64 + i as f64;
+        for (k, q) in block.q.row_mut(i).iter_mut().enumerate() {
+            *q = at(k).sin();
+        }
+        for (k, p) in block.p.row_mut(i).iter_mut().enumerate() {
+            *p = at(k).cos();
+        }
+    }
+    ensemble
+}
+
+fn integrate(pool: &ThreadPool, ensemble: &Ensemble, rule: &Rule) {
+    black_box(pool.install(|| LoopIntegral::of(ensemble, rule)).unwrap());
+}
+
+/// Reads every value once: a sum in enough lanes that it waits for memory only.
+fn read(pool: &ThreadPool, ensemble: &Ensemble) {
+    let (q, p) = (ensemble.q(), ensemble.p());
+    let row = |i: usize| {
+        let mut lanes = [0.0; 32];
+        for row in [q.row(i), p.row(i)] {
+            for chunk in row.as_chunks::<32>().0 {
+                for (lane, value) in lanes.iter_mut().zip(chunk) {
+                    *lane += value;
+                }
+            }
+        }
+        lanes.iter().sum::<f64>()
+    };
+    let sum = || (0..ensemble.dof()).into_par_iter().map(row).sum::<f64>();
+    black_box(pool.install(sum));
+}
+
+/// numpy runs by itself, between two runs of ours, not in turn.
+fn beside_numpy(pools: &[ThreadPool], ensemble: &Ensemble) {
+    let rows = ensemble.dof() as f64;
+    for pool in pools {
+        let threads = pool.current_num_threads();
+        let name = format!("pseudospectral, {threads} threads | numpy");
+        if !wanted(&name) {
+            continue;
+        }
+        match numpy(ensemble.dof(), ensemble.samples()) {
+            Some(time) => interleaved::compare(
+                &name,
+                rows,
+                || integrate(pool, ensemble, &Rule::Pseudospectral),
+                time / rows,
+            ),
+            None => println!("{name}: no python3 with numpy here"),
+        }
+    }
+}
+
+/// ns for the same sum with numpy's real transforms, on one thread.
+fn numpy(dof: usize, samples: usize) -> Option<f64> {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/loop_integral.py");
+    let shape = [dof.to_string(), samples.to_string()];
+    let output = Command::new("python3")
+        .arg(script)
+        .args(shape)
+        .output()
+        .ok()?;
+    String::from_utf8(output.stdout).ok()?.trim().parse().ok()
+}
