@@ -84,8 +84,8 @@ impl Streaming {
     /// Integrates the loop that `map` makes of `phase_loop` in one step of size `h`, from `samples` samples.
     ///
     /// Needs the memory of m + 16 states, 11 for sums, and what the map itself needs while it advances 16
-    /// states, in two blocks; more states, up to 16 MiB, in few degrees of freedom. On the threads of the current Rayon pool; the
-    /// result does not depend on their number.
+    /// states, in two blocks; more states, up to 16 MiB, in few degrees of freedom. On the threads of the
+    /// current Rayon pool; the result does not depend on their number.
     ///
     /// # Errors
     /// If map and loop differ in their degrees of freedom, the stencil is too narrow or too wide, for the samples
