@@ -9,6 +9,45 @@
 use symplint::{Rows, RowsMut, StepFailure};
 
 /// The derivatives of drifts and kicks, along tangent vectors (dq, dp).
+///
+/// ```
+/// use symplint::{Rows, RowsMut, TimeAdvance};
+/// use symplint_models::integrators::{Splitting, Variant, splitting_methods};
+/// use symplint_models::{DriftKickTangent, Separable};
+///
+/// /// A stiffening spring, H = p²/2 + q⁴/4.
+/// struct Quartic;
+///
+/// impl Separable for Quartic {
+///     fn dof(&self) -> usize {
+///         1
+///     }
+///     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
+///         for (p, q) in p.row_mut(0).iter_mut().zip(q.row(0)) {
+///             *p -= tau * q.powi(3);
+///         }
+///     }
+///     fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]) {
+///         for (out, q) in out.iter_mut().zip(q.row(0)) {
+///             *out = 0.25 * q.powi(4);
+///         }
+///     }
+///     fn tangent(&self) -> Option<&dyn DriftKickTangent> {
+///         Some(self)
+///     }
+/// }
+///
+/// impl DriftKickTangent for Quartic {
+///     fn kick_tangent(&self, tau: f64, q: Rows<'_>, dq: Rows<'_>, dp: &mut RowsMut<'_>) {
+///         for ((dp, dq), q) in dp.row_mut(0).iter_mut().zip(dq.row(0)).zip(q.row(0)) {
+///             *dp -= tau * 3.0 * q * q * dq;
+///         }
+///     }
+/// }
+///
+/// let step = Splitting::new(splitting_methods::yoshida4(Variant::PositionFirst), Quartic);
+/// assert!(step.tangent().is_some());
+/// ```
 pub trait DriftKickTangent: Send + Sync {
     /// The derivative of a drift for a time `tau`: dq += τ v'(p) dp. By default v = p.
     fn drift_tangent(&self, tau: f64, p: Rows<'_>, dp: Rows<'_>, dq: &mut RowsMut<'_>) {

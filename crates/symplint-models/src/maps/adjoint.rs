@@ -6,7 +6,8 @@ use super::Invertible;
 
 /// The adjoint map Φ*_h = (Φ_{−h})^{-1} (HLW, section II.3).
 ///
-/// A map that is its own adjoint is called symmetric; its order is even.
+/// A map that is its own adjoint is called symmetric; its order is even. The adjoint has no tangent map: its
+/// Jacobians are central differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adjoint<M>(pub M);
 

@@ -4,7 +4,7 @@ use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use super::Invertible;
 
-/// The map (Φ_h)^{-1}.
+/// The map (Φ_h)^{-1}. It has no tangent map: its Jacobians are central differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inverse<M>(pub M);
 

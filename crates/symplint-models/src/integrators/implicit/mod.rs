@@ -24,7 +24,8 @@ use stages::{Stages, room};
 /// so only for stages that are solved exactly, so its loop defect follows the tolerance.
 ///
 /// Each sample converges by itself: what happens to it does not depend on its block, and nothing
-/// is remembered from one step to the next. Stages that do not converge fail the step.
+/// is remembered from one step to the next. Stages that do not converge fail the step. A step whose
+/// stages are solved to round-off has a tangent map; one that stops earlier has none.
 ///
 /// ```
 /// use symplint_models::integrators::{ImplicitRungeKutta, StageSolver, tableaus};

@@ -22,6 +22,20 @@ impl<H: Hamiltonian> ImplicitRungeKutta<H> {
     pub(super) fn solves_exactly(&self) -> bool {
         matches!(self.solver.stop, Stop::Converged { tolerance, .. } if tolerance <= ROUNDOFF)
     }
+
+    /// Tangent vectors begin further away from their solution than states, whose stages lie within h.
+    fn more_patient(&self) -> Stop {
+        match self.solver.stop {
+            Stop::Converged {
+                tolerance,
+                max_iterations,
+            } => Stop::Converged {
+                tolerance,
+                max_iterations: 2 * max_iterations,
+            },
+            other => other,
+        }
+    }
 }
 
 /// Of steps whose stages are solved to round-off. Those that stop earlier, after so many iterations or at
@@ -70,7 +84,7 @@ impl<H: Hamiltonian> TangentMap for ImplicitRungeKutta<H> {
             };
             let mut changes = Stages::new(&self.method, &field, h, tangents, of_changes);
             let mut convergence = Convergence::new(changes.sizes(), progress_of_changes);
-            self.solve(self.solver.stop, &mut changes, &mut convergence)?;
+            self.solve(self.more_patient(), &mut changes, &mut convergence)?;
             changes.finish(tangents);
             Ok(())
         })
