@@ -42,6 +42,7 @@
 
 pub mod bspline;
 pub mod discrete;
+pub mod elementary;
 mod error;
 mod hamiltonian;
 pub mod integrators;
