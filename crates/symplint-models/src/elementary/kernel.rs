@@ -31,7 +31,7 @@ pub struct Fused;
 pub struct Separate;
 
 /// π/2 = A + B + C to 2^-141. B has 33 bits, so n B is exact.
-const A: f64 = 1.570_796_326_794_896_6;
+const A: f64 = std::f64::consts::FRAC_PI_2;
 const B: f64 = 6.123_233_995_384_61e-17;
 const C: f64 = 3.521_559_865_183_2e-27;
 
@@ -111,7 +111,7 @@ const SIN: [f64; 6] = [
     -1.984_126_982_985_795e-4,
     2.755_731_370_707_006_8e-6,
     -2.505_076_025_340_686_3e-8,
-    1.589_690_995_211_550_1e-10,
+    1.589_690_995_211_55e-10,
 ];
 
 /// (cos y − 1 + y²/2)/y⁴ as a polynomial in y².

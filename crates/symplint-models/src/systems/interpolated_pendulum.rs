@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use symplint::{Coordinates, Rows, RowsMut};
+use symplint::{Coordinates, Rows, RowsMut, scratch};
 
+use crate::elementary::{add_cos, add_sin, cos_into, sin_into};
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
 use crate::periodic_grid::PeriodicGrid;
@@ -51,14 +52,35 @@ impl InterpolatedPendulum {
     }
 }
 
-/// V(q) = sin q + cos²(2q + 1).
+/// V(q) = sin q + cos²(2q + 1), at a node.
 fn potential(q: f64) -> f64 {
     q.sin() + (2.0 * q + 1.0).cos().powi(2)
 }
 
-/// V'(q).
-fn slope(q: f64) -> f64 {
-    q.cos() - 2.0 * (4.0 * q + 2.0).sin()
+/// Writes V of every q.
+fn potential_into(q: &[f64], out: &mut [f64]) {
+    sin_into(q, out);
+    scratch::with_buffer(2 * q.len(), |buffer| {
+        let (argument, cos) = buffer.split_at_mut(q.len());
+        for (argument, q) in argument.iter_mut().zip(q) {
+            *argument = 2.0 * q + 1.0;
+        }
+        cos_into(argument, cos);
+        for (out, cos) in out.iter_mut().zip(cos) {
+            *out += cos.powi(2);
+        }
+    });
+}
+
+/// Adds factor · V'(q) = factor · (cos q − 2 sin(4q + 2)).
+fn add_slope(factor: f64, q: &[f64], out: &mut [f64]) {
+    add_cos(factor, q, out);
+    scratch::with_buffer(q.len(), |argument| {
+        for (argument, q) in argument.iter_mut().zip(q) {
+            *argument = 4.0 * q + 2.0;
+        }
+        add_sin(-2.0 * factor, argument, out);
+    });
 }
 
 impl Separable for InterpolatedPendulum {
@@ -67,19 +89,25 @@ impl Separable for InterpolatedPendulum {
     }
 
     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
-        let states = p.row_mut(0).iter_mut().zip(q.row(0));
+        let (q, p) = (q.row(0), p.row_mut(0));
         match &self.spline {
-            None => states.for_each(|(p, q)| *p -= tau * slope(*q)),
-            Some(spline) => states.for_each(|(p, q)| *p -= tau * spline.derivative(*q)),
+            None => add_slope(-tau, q, p),
+            Some(spline) => {
+                for (p, q) in p.iter_mut().zip(q) {
+                    *p -= tau * spline.derivative(*q);
+                }
+            }
         }
     }
 
     fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]) {
-        for (out, q) in out.iter_mut().zip(q.row(0)) {
-            *out = match &self.spline {
-                None => potential(*q),
-                Some(spline) => spline.value(*q),
-            };
+        match &self.spline {
+            None => potential_into(q.row(0), out),
+            Some(spline) => {
+                for (out, q) in out.iter_mut().zip(q.row(0)) {
+                    *out = spline.value(*q);
+                }
+            }
         }
     }
 

@@ -2,6 +2,7 @@
 
 use symplint::{Rows, RowsMut};
 
+use crate::elementary::{Arithmetic, LANES, LaneMap, cos, dispatched, map_lanes, sin};
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
 use crate::random::Uniform;
@@ -46,14 +47,74 @@ impl PendulumArray {
         let p = uniform.take(self.pendula).collect();
         (q, p)
     }
+}
 
-    /// The neighbours i − 1 and i + 1 of pendulum i round the ring.
-    fn neighbours(&self, i: usize) -> (usize, usize) {
-        let last = self.pendula - 1;
-        (
-            if i == 0 { last } else { i - 1 },
-            if i == last { 0 } else { i + 1 },
-        )
+/// The neighbours i − 1 and i + 1 of pendulum i in a ring of so many.
+fn neighbours(pendula: usize, i: usize) -> (usize, usize) {
+    let last = pendula - 1;
+    (
+        if i == 0 { last } else { i - 1 },
+        if i == last { 0 } else { i + 1 },
+    )
+}
+
+/// The kick of one pendulum, of a few samples: from the rows to its left, its own, and to its right.
+struct RingKick {
+    pull: f64,
+    spring: f64,
+}
+
+impl LaneMap<3> for RingKick {
+    #[inline(always)]
+    fn apply<M: Arithmetic>(
+        &self,
+        [left, q, right]: [[f64; LANES]; 3],
+        mut p: [f64; LANES],
+    ) -> [f64; LANES] {
+        let sin = sin::<M>(q);
+        for k in 0..LANES {
+            p[k] += self.pull * sin[k] + self.spring * ((right[k] - q[k]) - (q[k] - left[k]));
+        }
+        p
+    }
+}
+
+dispatched! {
+    fn kick_ring(kick: &RingKick, q: Rows<'_>, p: &mut RowsMut<'_>) for M {
+        for i in 0..q.count() {
+            let (left, right) = neighbours(q.count(), i);
+            map_lanes::<M, 3>(kick, [left, i, right].map(|i| q.row(i)), p.row_mut(i));
+        }
+    }
+}
+
+/// What one pendulum and the spring to its right add to the energy.
+struct RingEnergy {
+    alpha: f64,
+    k: f64,
+}
+
+impl LaneMap<2> for RingEnergy {
+    #[inline(always)]
+    fn apply<M: Arithmetic>(
+        &self,
+        [q, right]: [[f64; LANES]; 2],
+        mut out: [f64; LANES],
+    ) -> [f64; LANES] {
+        let cos = cos::<M>(q);
+        for k in 0..LANES {
+            out[k] += self.alpha * cos[k] + 0.5 * self.k * (right[k] - q[k]).powi(2);
+        }
+        out
+    }
+}
+
+dispatched! {
+    fn add_ring_energy(energy: &RingEnergy, q: Rows<'_>, out: &mut [f64]) for M {
+        for i in 0..q.count() {
+            let (_, right) = neighbours(q.count(), i);
+            map_lanes::<M, 2>(energy, [i, right].map(|i| q.row(i)), out);
+        }
     }
 }
 
@@ -63,25 +124,20 @@ impl Separable for PendulumArray {
     }
 
     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
-        let (pull, spring) = (tau * self.alpha, tau * self.k);
-        for i in 0..self.pendula {
-            let (left, right) = self.neighbours(i);
-            let neighbours = q.row(left).iter().zip(q.row(right));
-            let states = p.row_mut(i).iter_mut().zip(q.row(i));
-            for ((p, q), (left, right)) in states.zip(neighbours) {
-                *p += pull * q.sin() + spring * ((right - q) - (q - left));
-            }
-        }
+        let kick = RingKick {
+            pull: tau * self.alpha,
+            spring: tau * self.k,
+        };
+        kick_ring(&kick, q, p);
     }
 
     fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]) {
+        let energy = RingEnergy {
+            alpha: self.alpha,
+            k: self.k,
+        };
         out.fill(0.0);
-        for i in 0..self.pendula {
-            let (_, right) = self.neighbours(i);
-            for ((out, q), right) in out.iter_mut().zip(q.row(i)).zip(q.row(right)) {
-                *out += self.alpha * q.cos() + 0.5 * self.k * (right - q).powi(2);
-            }
-        }
+        add_ring_energy(&energy, q, out);
     }
 }
 
