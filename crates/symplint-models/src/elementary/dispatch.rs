@@ -1,7 +1,7 @@
 //! Which processors the inner loops are compiled for.
 
 /// A function of which there is one version for each kind of processor; the best is chosen at run
-/// time, once. In its body the type parameter named after `for` is the [`Arithmetic`] of that kind.
+/// time, once. In its body the type parameter is the [`Arithmetic`] of that kind.
 ///
 /// What it calls must be `#[inline(always)]`: anything else is compiled for any processor.
 ///
@@ -9,21 +9,24 @@
 macro_rules! dispatched {
     (
         $(#[$attribute:meta])*
-        $visibility:vis fn $name:ident($($argument:ident: $type:ty),*) for $arithmetic:ident $body:block
+        $visibility:vis fn $name:ident<$arithmetic:ident>($($argument:ident: $type:ty),* $(,)?)
+            $(-> $output:ty)? $body:block
     ) => {
         $(#[$attribute])*
         #[multiversion::multiversion(targets(
             "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
             "x86_64+avx2+fma",
         ))]
-        $visibility fn $name($($argument: $type),*) {
+        $visibility fn $name($($argument: $type),*) $(-> $output)? {
             #[inline(always)]
-            fn body<$arithmetic: $crate::elementary::Arithmetic>($($argument: $type),*) $body
+            fn body<$arithmetic: $crate::elementary::Arithmetic>(
+                $($argument: $type),*
+            ) $(-> $output)? $body
 
             if multiversion::target::target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
-                body::<$crate::elementary::Fused>($($argument),*);
+                body::<$crate::elementary::Fused>($($argument),*)
             } else {
-                body::<$crate::elementary::Separate>($($argument),*);
+                body::<$crate::elementary::Separate>($($argument),*)
             }
         }
     };

@@ -2,13 +2,16 @@
 
 use super::kernel::{Arithmetic, LANES};
 
-/// What is to be done with the numbers of `K` rows and of one that is written.
+/// A number of each sample, of a few samples.
+pub(crate) type Lanes = [f64; LANES];
+
+/// What is to be done with the numbers of `I` rows that are read and `O` that are written.
 ///
 /// A trait in place of a closure, because it must be inlined: a function of its own would be compiled
 /// for any processor.
-pub(crate) trait LaneMap<const K: usize> {
-    /// The new values of `out`; implementations are `#[inline(always)]`.
-    fn apply<M: Arithmetic>(&self, inputs: [[f64; LANES]; K], out: [f64; LANES]) -> [f64; LANES];
+pub(crate) trait LaneMap<const I: usize, const O: usize> {
+    /// The new values of what is written; implementations are `#[inline(always)]`.
+    fn apply<M: Arithmetic>(&self, read: [Lanes; I], written: [Lanes; O]) -> [Lanes; O];
 }
 
 /// Does it for whole rows. What is left at their ends is filled up with zeros, so that every number
@@ -17,29 +20,54 @@ pub(crate) trait LaneMap<const K: usize> {
 /// # Panics
 /// If the rows differ in length.
 #[inline(always)]
-pub(crate) fn map_lanes<M: Arithmetic, const K: usize>(
-    map: &impl LaneMap<K>,
-    inputs: [&[f64]; K],
-    out: &mut [f64],
+pub(crate) fn map_lanes<M: Arithmetic, const I: usize, const O: usize>(
+    map: &impl LaneMap<I, O>,
+    read: [&[f64]; I],
+    written: [&mut [f64]; O],
 ) {
-    for input in inputs {
-        assert_eq!(input.len(), out.len(), "rows of one length");
-    }
-    let chunks = inputs.map(|input| input.as_chunks::<LANES>().0);
-    let (whole, rest) = out.as_chunks_mut::<LANES>();
-    for (c, out) in whole.iter_mut().enumerate() {
-        *out = map.apply::<M>(chunks.map(|chunks| chunks[c]), *out);
-    }
-    if !rest.is_empty() {
-        let rests = inputs.map(|input| filled_up(input.as_chunks::<LANES>().1));
-        let result = map.apply::<M>(rests, filled_up(rest));
-        rest.copy_from_slice(&result[..rest.len()]);
+    let len = written[0].len();
+    let same =
+        (read.iter().all(|row| row.len() == len)) && (written.iter().all(|row| row.len() == len));
+    assert!(same, "rows of one length");
+    let read = read.map(|row| row.as_chunks::<LANES>());
+    let mut written = written.map(|row| row.as_chunks_mut::<LANES>());
+    map_chunks::<M, I, O>(
+        map,
+        read.map(|(whole, _)| whole),
+        written.each_mut().map(|(whole, _)| &mut **whole),
+    );
+    if !len.is_multiple_of(LANES) {
+        let read = read.map(|(_, end)| filled_up(end));
+        let mut lanes = written.each_ref().map(|(_, end)| filled_up(end));
+        map_chunks::<M, I, O>(
+            map,
+            read.each_ref().map(std::slice::from_ref),
+            lanes.each_mut().map(std::slice::from_mut),
+        );
+        for ((_, end), lanes) in written.into_iter().zip(lanes) {
+            end.copy_from_slice(&lanes[..end.len()]);
+        }
     }
 }
 
 #[inline(always)]
-fn filled_up(rest: &[f64]) -> [f64; LANES] {
+fn map_chunks<M: Arithmetic, const I: usize, const O: usize>(
+    map: &impl LaneMap<I, O>,
+    read: [&[Lanes]; I],
+    written: [&mut [Lanes]; O],
+) {
+    for chunk in 0..written[0].len() {
+        let lanes = std::array::from_fn(|w| written[w][chunk]);
+        let lanes = map.apply::<M>(read.map(|row| row[chunk]), lanes);
+        for w in 0..O {
+            written[w][chunk] = lanes[w];
+        }
+    }
+}
+
+#[inline(always)]
+fn filled_up(end: &[f64]) -> Lanes {
     let mut lanes = [0.0; LANES];
-    lanes[..rest.len()].copy_from_slice(rest);
+    lanes[..end.len()].copy_from_slice(end);
     lanes
 }

@@ -14,7 +14,7 @@ mod lanes;
 
 pub(crate) use dispatch::dispatched;
 pub(crate) use kernel::{Arithmetic, Fused, LANES, Separate, cos, sin};
-pub(crate) use lanes::{LaneMap, map_lanes};
+pub(crate) use lanes::{LaneMap, Lanes, map_lanes};
 
 /// sin x.
 struct Sin;
@@ -25,36 +25,37 @@ struct AddSin(f64);
 /// What there was + factor cos x.
 struct AddCos(f64);
 
-impl LaneMap<1> for Sin {
+impl LaneMap<1, 1> for Sin {
     #[inline(always)]
-    fn apply<M: Arithmetic>(&self, [x]: [[f64; LANES]; 1], _: [f64; LANES]) -> [f64; LANES] {
-        sin::<M>(x)
+    fn apply<M: Arithmetic>(&self, [x]: [Lanes; 1], _: [Lanes; 1]) -> [Lanes; 1] {
+        [sin::<M>(x)]
     }
 }
 
-impl LaneMap<1> for Cos {
+impl LaneMap<1, 1> for Cos {
     #[inline(always)]
-    fn apply<M: Arithmetic>(&self, [x]: [[f64; LANES]; 1], _: [f64; LANES]) -> [f64; LANES] {
-        cos::<M>(x)
+    fn apply<M: Arithmetic>(&self, [x]: [Lanes; 1], _: [Lanes; 1]) -> [Lanes; 1] {
+        [cos::<M>(x)]
     }
 }
 
-impl LaneMap<1> for AddSin {
+impl LaneMap<1, 1> for AddSin {
     #[inline(always)]
-    fn apply<M: Arithmetic>(&self, [x]: [[f64; LANES]; 1], out: [f64; LANES]) -> [f64; LANES] {
-        added(out, self.0, sin::<M>(x))
+    fn apply<M: Arithmetic>(&self, [x]: [Lanes; 1], [out]: [Lanes; 1]) -> [Lanes; 1] {
+        [added(out, self.0, sin::<M>(x))]
     }
 }
 
-impl LaneMap<1> for AddCos {
+impl LaneMap<1, 1> for AddCos {
     #[inline(always)]
-    fn apply<M: Arithmetic>(&self, [x]: [[f64; LANES]; 1], out: [f64; LANES]) -> [f64; LANES] {
-        added(out, self.0, cos::<M>(x))
+    fn apply<M: Arithmetic>(&self, [x]: [Lanes; 1], [out]: [Lanes; 1]) -> [Lanes; 1] {
+        [added(out, self.0, cos::<M>(x))]
     }
 }
 
+/// What there was + factor · term.
 #[inline(always)]
-fn added(mut out: [f64; LANES], factor: f64, term: [f64; LANES]) -> [f64; LANES] {
+fn added(mut out: Lanes, factor: f64, term: Lanes) -> Lanes {
     for k in 0..LANES {
         out[k] += factor * term[k];
     }
@@ -66,8 +67,8 @@ dispatched! {
     ///
     /// # Panics
     /// If the rows differ in length.
-    pub fn sin_into(x: &[f64], out: &mut [f64]) for M {
-        map_lanes::<M, 1>(&Sin, [x], out);
+    pub fn sin_into<M>(x: &[f64], out: &mut [f64]) {
+        map_lanes::<M, 1, 1>(&Sin, [x], [out]);
     }
 }
 
@@ -76,8 +77,8 @@ dispatched! {
     ///
     /// # Panics
     /// If the rows differ in length.
-    pub fn cos_into(x: &[f64], out: &mut [f64]) for M {
-        map_lanes::<M, 1>(&Cos, [x], out);
+    pub fn cos_into<M>(x: &[f64], out: &mut [f64]) {
+        map_lanes::<M, 1, 1>(&Cos, [x], [out]);
     }
 }
 
@@ -86,8 +87,8 @@ dispatched! {
     ///
     /// # Panics
     /// If the rows differ in length.
-    pub fn add_sin(factor: f64, x: &[f64], out: &mut [f64]) for M {
-        map_lanes::<M, 1>(&AddSin(factor), [x], out);
+    pub fn add_sin<M>(factor: f64, x: &[f64], out: &mut [f64]) {
+        map_lanes::<M, 1, 1>(&AddSin(factor), [x], [out]);
     }
 }
 
@@ -96,7 +97,7 @@ dispatched! {
     ///
     /// # Panics
     /// If the rows differ in length.
-    pub fn add_cos(factor: f64, x: &[f64], out: &mut [f64]) for M {
-        map_lanes::<M, 1>(&AddCos(factor), [x], out);
+    pub fn add_cos<M>(factor: f64, x: &[f64], out: &mut [f64]) {
+        map_lanes::<M, 1, 1>(&AddCos(factor), [x], [out]);
     }
 }

@@ -141,6 +141,22 @@ mod tests {
         }
     }
 
+    /// Rows of V and of its slope against the formulas for one number.
+    #[test]
+    fn rows_of_the_potential_are_that_of_each_number() {
+        let q: Vec<f64> = (0..29).map(|i| 0.4 * f64::from(i) - 6.0).collect();
+        let system = InterpolatedPendulum::new(0, 0).unwrap();
+        let (mut energy, mut p) = (vec![0.0; 29], vec![0.0; 29]);
+        let rows = Rows::new(&q, 1, 29, 29);
+        system.potential_energy(rows, &mut energy);
+        system.kick(0.5, rows, &mut RowsMut::new(&mut p, 1, 29, 29));
+        for (q, (energy, p)) in q.iter().zip(energy.iter().zip(&p)) {
+            assert!((energy - potential(*q)).abs() < 1e-15);
+            let slope = q.cos() - 2.0 * (4.0 * q + 2.0).sin();
+            assert!((p + 0.5 * slope).abs() < 1e-15);
+        }
+    }
+
     /// With linear splines the force jumps at every node, and at none but the node itself.
     #[test]
     fn the_force_jumps_at_the_nodes() {
