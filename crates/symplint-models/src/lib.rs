@@ -9,6 +9,7 @@
 //! * [`maps`]: maps made from maps: sequences, repetitions, inverses, adjoints, and maps with a fault.
 //! * [`Separable`], [`Hamiltonian`] and [`DriftKick`]: what a system of your own supplies;
 //!   [`Model`] is any of them.
+//! * [`elementary`]: sines and cosines of rows of states, fast and the same in every system.
 //! * [`bspline`], [`PeriodicGrid`] and [`PeriodicSpline`]: interpolation on a grid.
 //!
 //! A system acts on blocks of samples, one row for each degree of freedom. An integrator makes a

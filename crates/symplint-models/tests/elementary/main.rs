@@ -183,7 +183,7 @@ fn errors_are_below_one_ulp_at_many_arguments() {
     let largest: [f64; 5] = [0.8, 4.0, 100.0, 1e4, LARGEST_REDUCED];
     for largest in largest {
         println!("up to {largest}");
-        let x: Vec<f64> = even(200_000).map(|u| largest * (2.0 * u - 1.0)).collect();
+        let x: Vec<f64> = even(100_000).map(|u| largest * (2.0 * u - 1.0)).collect();
         assert_accurate(&x);
     }
     // Of all sizes down to 1e-280.
@@ -191,12 +191,13 @@ fn errors_are_below_one_ulp_at_many_arguments() {
     assert_accurate(&x);
 }
 
-/// All multiples of π/4 that are reduced here, and the doubles next to them: reduced arguments of every
+/// Every third multiple of π/4 up to the largest, and the doubles next to it: reduced arguments of every
 /// small size, and both sides of the turn from one quadrant to the next.
 #[test]
-fn errors_are_below_one_ulp_next_to_all_multiples_of_an_eighth_turn() {
+fn errors_are_below_one_ulp_next_to_multiples_of_an_eighth_turn() {
     let last = (LARGEST_REDUCED / std::f64::consts::FRAC_PI_4) as u32;
     let x: Vec<f64> = (1..=last)
+        .step_by(3)
         .map(|k| f64::from(k) * std::f64::consts::FRAC_PI_4)
         .flat_map(|x| [x.next_down(), x, x.next_up()])
         .collect();

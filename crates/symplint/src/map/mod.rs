@@ -46,7 +46,7 @@ pub trait TimeAdvance: Send + Sync {
 
     /// Advances as [`advance`](Self::advance) does, and says whether all states are finite then. By
     /// default it looks afterwards; a map that has every state at hand anyway saves a pass over
-    /// memory.
+    /// memory. "Finite" is taken on trust, the other answer is not.
     ///
     /// # Errors
     /// As those of [`advance`](Self::advance).
