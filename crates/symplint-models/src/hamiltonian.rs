@@ -29,6 +29,22 @@ pub trait Separable: Send + Sync {
     /// The exact flow of V for a time `tau`: p −= τ ∂V/∂q.
     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>);
 
+    /// A drift, a kick and a drift for the times `taus`, to the last bit as one after the other. By
+    /// default it is just that; a system whose forces are local can do it in one pass over memory.
+    ///
+    /// Says whether all states are finite then, where it has looked.
+    fn drift_kick_drift(
+        &self,
+        taus: [f64; 3],
+        q: &mut RowsMut<'_>,
+        p: &mut RowsMut<'_>,
+    ) -> Option<bool> {
+        self.drift(taus[0], p.as_rows(), q);
+        self.kick(taus[1], q.as_rows(), p);
+        self.drift(taus[2], p.as_rows(), q);
+        None
+    }
+
     /// Writes T of every sample into `out`. By default T = |p|²/2.
     fn kinetic_energy(&self, p: Rows<'_>, out: &mut [f64]) {
         out.fill(0.0);
@@ -69,6 +85,22 @@ pub trait DriftKick: Send + Sync {
     /// Momenta follow the force for a time `tau`: p += τ F(q).
     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>);
 
+    /// A drift, a kick and a drift for the times `taus`, to the last bit as one after the other. By
+    /// default it is just that; a system whose forces are local can do it in one pass over memory.
+    ///
+    /// Says whether all states are finite then, where it has looked.
+    fn drift_kick_drift(
+        &self,
+        taus: [f64; 3],
+        q: &mut RowsMut<'_>,
+        p: &mut RowsMut<'_>,
+    ) -> Option<bool> {
+        self.drift(taus[0], p.as_rows(), q);
+        self.kick(taus[1], q.as_rows(), p);
+        self.drift(taus[2], p.as_rows(), q);
+        None
+    }
+
     /// Which positions are periodic, and what makes momenta canonical. By default nothing is
     /// periodic and p is canonical as it is.
     fn coordinates(&self) -> Coordinates {
@@ -92,6 +124,15 @@ impl<S: Separable + ?Sized> DriftKick for S {
 
     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
         Separable::kick(self, tau, q, p);
+    }
+
+    fn drift_kick_drift(
+        &self,
+        taus: [f64; 3],
+        q: &mut RowsMut<'_>,
+        p: &mut RowsMut<'_>,
+    ) -> Option<bool> {
+        Separable::drift_kick_drift(self, taus, q, p)
     }
 
     fn coordinates(&self) -> Coordinates {
@@ -176,6 +217,9 @@ macro_rules! forward_separable {
             fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
                 Separable::kick(&**self, tau, q, p);
             }
+            fn drift_kick_drift(&self, taus: [f64; 3], q: &mut RowsMut<'_>, p: &mut RowsMut<'_>) -> Option<bool> {
+                Separable::drift_kick_drift(&**self, taus, q, p)
+            }
             fn kinetic_energy(&self, p: Rows<'_>, out: &mut [f64]) {
                 (**self).kinetic_energy(p, out);
             }
@@ -232,6 +276,15 @@ impl DriftKick for Arc<dyn DriftKick> {
 
     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
         (**self).kick(tau, q, p);
+    }
+
+    fn drift_kick_drift(
+        &self,
+        taus: [f64; 3],
+        q: &mut RowsMut<'_>,
+        p: &mut RowsMut<'_>,
+    ) -> Option<bool> {
+        (**self).drift_kick_drift(taus, q, p)
     }
 
     fn coordinates(&self) -> Coordinates {

@@ -10,6 +10,7 @@
 //! * [`Separable`], [`Hamiltonian`] and [`DriftKick`]: what a system of your own supplies;
 //!   [`Model`] is any of them.
 //! * [`DriftKickTangent`] and [`HamiltonianTangent`]: what gives its steps exact Jacobians.
+//! * [`elementary`]: sines and cosines of rows of states, fast and the same in every system.
 //! * [`bspline`], [`PeriodicGrid`] and [`PeriodicSpline`]: interpolation on a grid.
 //!
 //! A system acts on blocks of samples, one row for each degree of freedom. An integrator makes a
@@ -43,6 +44,7 @@
 
 pub mod bspline;
 pub mod discrete;
+pub mod elementary;
 mod error;
 mod hamiltonian;
 pub mod integrators;

@@ -42,6 +42,11 @@ impl<'a> Block<'a> {
         self.q.is_empty()
     }
 
+    /// Whether no position and no momentum is infinite or NaN.
+    pub fn all_finite(&self) -> bool {
+        self.q.as_rows().all_finite() && self.p.as_rows().all_finite()
+    }
+
     /// The same block for a shorter time, so that it can be passed on and used again.
     pub fn reborrow(&mut self) -> Block<'_> {
         Block {

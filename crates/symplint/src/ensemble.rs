@@ -87,10 +87,16 @@ impl Ensemble {
     }
 
     /// Samples in a block: states of one block take about a quarter of a mebibyte, and a row of
-    /// it never less than two cache lines.
+    /// it four cache lines at least, as shorter runs of memory are slow to fetch. In very many
+    /// degrees of freedom it is two, as the working memory of a method counts there.
     pub fn block_width(dof: usize) -> usize {
         const BLOCK_VALUES: usize = 32 * 1024;
-        (BLOCK_VALUES / (2 * dof.max(1)) / 8 * 8).clamp(16, 1024)
+        const MANY_DOF: usize = 16 * 1024;
+        if dof > MANY_DOF {
+            return 16;
+        }
+        // Of multiples of 32 vector loops leave no rest on any processor.
+        (BLOCK_VALUES / (2 * dof.max(1)) / 32 * 32).clamp(32, 1024)
     }
 
     /// The samples γ(k/N_s), k = 0 … N_s − 1, of a loop.
@@ -217,7 +223,7 @@ impl Ensemble {
     /// that is not finite. The error is that of the first block of samples that has one,
     /// on any number of threads; the ensemble is then half advanced and of no use.
     pub fn advance(&mut self, map: &dyn TimeAdvance, h: f64) -> Result<(), Error> {
-        self.advance_by(map, h, |block| map.advance(h, block))
+        self.advance_by(map, h, |block| map.advance_and_look(h, block))
     }
 
     /// Advances every sample by one substep of a step of size `h`, as [`advance`](Self::advance)
@@ -231,14 +237,18 @@ impl Ensemble {
         substep: usize,
         h: f64,
     ) -> Result<(), Error> {
-        self.advance_by(map, h, |block| map.advance_substep(substep, h, block))
+        self.advance_by(map, h, |block| {
+            map.advance_substep(substep, h, block)?;
+            Ok(block.all_finite())
+        })
     }
 
     fn advance_by(
         &mut self,
         map: &dyn TimeAdvance,
         h: f64,
-        step: impl Fn(&mut Block<'_>) -> Result<(), StepFailure> + Sync,
+        // Whether all states are finite afterwards.
+        step: impl Fn(&mut Block<'_>) -> Result<bool, StepFailure> + Sync,
     ) -> Result<(), Error> {
         if map.dof() != self.dof {
             return Err(Error::DofMismatch {
@@ -285,22 +295,24 @@ pub(crate) fn sample_block(
     }
 }
 
-/// Advances a block that begins with sample `first` by a step of size `h`.
+/// Advances a block that begins with sample `first` by a step of size `h`, which says whether all states
+/// are finite afterwards.
 ///
 /// # Errors
 /// If the step fails or returns a state that is not finite.
 pub(crate) fn advance_block(
-    step: impl Fn(&mut Block<'_>) -> Result<(), StepFailure>,
+    step: impl Fn(&mut Block<'_>) -> Result<bool, StepFailure>,
     h: f64,
     first: usize,
     block: &mut Block<'_>,
 ) -> Result<(), Error> {
-    step(block).map_err(|failure| Error::StepFailed {
+    let finite = step(block).map_err(|failure| Error::StepFailed {
         sample: first + failure.sample,
         step_size: h,
         reason: failure.reason,
     })?;
-    match first_not_finite(block) {
+    let not_finite = (!finite).then(|| first_not_finite(block)).flatten();
+    match not_finite {
         None => Ok(()),
         Some(found) => Err(found.into_error(first, Some(h))),
     }
@@ -336,14 +348,13 @@ impl NotFinite {
 }
 
 fn first_not_finite(block: &Block<'_>) -> Option<NotFinite> {
+    if block.all_finite() {
+        return None;
+    }
     let mut first: Option<NotFinite> = None;
     for (coordinate, rows) in [("q", block.q.as_rows()), ("p", block.p.as_rows())] {
         for dof in 0..rows.count() {
             let row = rows.row(dof);
-            // One pass without branches first: nearly always all is well.
-            if row.iter().fold(true, |fine, v| fine & v.is_finite()) {
-                continue;
-            }
             let Some(sample) = row.iter().position(|v| !v.is_finite()) else {
                 continue;
             };

@@ -92,6 +92,18 @@ impl<'a> Rows<'a> {
         // set, so row `i` lies inside the slice borrowed for `'a`.
         unsafe { std::slice::from_raw_parts(self.start.add(i * self.stride), self.len) }
     }
+
+    /// Whether no value is infinite or NaN.
+    pub fn all_finite(&self) -> bool {
+        // Without a branch and in words as wide as the values, so that it is vectorised.
+        let mut found = 0;
+        for i in 0..self.count {
+            for value in self.row(i) {
+                found |= u64::from(!value.is_finite());
+            }
+        }
+        found == 0
+    }
 }
 
 impl<'a> RowsMut<'a> {
@@ -204,5 +216,27 @@ impl<'a> RowsMut<'a> {
             len: width.min(self.len - first),
             life: PhantomData,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_that_are_not_finite_are_found_anywhere_in_the_rows_and_nowhere_else() {
+        let (count, stride, len) = (3, 24, 21);
+        let sound = [f64::MAX, f64::MIN, 0.0, -0.0, 5e-324, 1.0].repeat(12);
+        assert!(Rows::new(&sound, count, stride, len).all_finite());
+        assert!(Rows::new(&[], 0, stride, len).all_finite());
+        for at in 0..count * stride {
+            for value in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut values = sound.clone();
+                values[at] = value;
+                let between_rows = at % stride >= len;
+                let rows = Rows::new(&values, count, stride, len);
+                assert_eq!(rows.all_finite(), between_rows, "{value} at {at}");
+            }
+        }
     }
 }

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
 
+use crate::elementary::add_sin;
 use crate::error::ModelError;
 
 /// The standard map on the cylinder: p' = p + K h sin q, q' = q + h p' mod 2π (B. V. Chirikov, "A
@@ -35,10 +36,9 @@ impl TimeAdvance for StandardMap {
     }
 
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
-        let kick = self.strength * h;
-        for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
-            *p += kick * q.sin();
-            let angle = (*q + h * *p).rem_euclid(TAU);
+        add_sin(self.strength * h, block.q.row(0), block.p.row_mut(0));
+        for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row(0)) {
+            let angle = (*q + h * p).rem_euclid(TAU);
             // A negative angle smaller than the rounding error of 2π gives 2π itself.
             *q = if angle < TAU { angle } else { 0.0 };
         }

@@ -205,6 +205,25 @@ impl<S: DriftKick> Splitting<S> {
         &self.system
     }
 
+    /// One step; says whether all states are finite then, where the system has looked.
+    fn step(&self, h: f64, block: &mut Block<'_>) -> Option<bool> {
+        let mut finite = None;
+        let mut substeps = self.method.substeps.as_slice();
+        while let [first, others @ ..] = substeps {
+            // Kicks and drifts alternate: a drift, a kick and a drift are taken at once.
+            if let (Flow::Drift, [kick, drift, rest @ ..]) = (first.flow, others) {
+                let taus = [first, kick, drift].map(|substep| substep.fraction * h);
+                finite = (self.system).drift_kick_drift(taus, &mut block.q, &mut block.p);
+                substeps = rest;
+            } else {
+                self.follow(first, h, block);
+                finite = None;
+                substeps = others;
+            }
+        }
+        finite
+    }
+
     fn follow(&self, substep: &Substep, h: f64, block: &mut Block<'_>) {
         let tau = substep.fraction * h;
         match substep.flow {
@@ -220,10 +239,12 @@ impl<S: DriftKick> TimeAdvance for Splitting<S> {
     }
 
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
-        for substep in &self.method.substeps {
-            self.follow(substep, h, block);
-        }
+        self.step(h, block);
         Ok(())
+    }
+
+    fn advance_and_look(&self, h: f64, block: &mut Block<'_>) -> Result<bool, StepFailure> {
+        Ok(self.step(h, block).unwrap_or_else(|| block.all_finite()))
     }
 
     fn substeps(&self) -> usize {

@@ -1,7 +1,8 @@
 //! A pendulum that hangs from a pendulum.
 
-use symplint::{Rows, RowsMut};
+use symplint::{Rows, RowsMut, scratch};
 
+use crate::elementary::{add_cos, add_sin, cos_into, sin_into};
 use crate::error::ModelError;
 use crate::hamiltonian::Hamiltonian;
 use crate::tangent::{HamiltonianTangent, PhasePoints, SlopeTangent};
@@ -42,10 +43,9 @@ impl DoublePendulum {
         })
     }
 
-    /// Numerator N and denominator D of the kinetic energy, with sin Δ and cos Δ.
-    fn kinetic(&self, [q1, q2]: [f64; 2], [p1, p2]: [f64; 2]) -> Kinetic {
+    /// The kinetic energy and what its derivatives are made of, for momenta p at an angle Δ.
+    fn kinetic(&self, [p1, p2]: [f64; 2], sin: f64, cos: f64) -> Kinetic {
         let ([m1, m2], [l1, l2]) = (self.masses, self.lengths);
-        let (sin, cos) = (q1 - q2).sin_cos();
         Kinetic {
             numerator: m2 * l2 * l2 * p1 * p1 + (m1 + m2) * l1 * l1 * p2 * p2
                 - 2.0 * m2 * l1 * l2 * p1 * p2 * cos,
@@ -55,6 +55,30 @@ impl DoublePendulum {
         }
     }
 
+    /// Calls `each` for every sample with its number, its momenta and its kinetic energy.
+    fn for_each(&self, q: Rows<'_>, p: Rows<'_>, mut each: impl FnMut(usize, [f64; 2], Kinetic)) {
+        let samples = q.len();
+        scratch::with_buffer(3 * samples, |buffer| {
+            let (delta, functions) = buffer.split_at_mut(samples);
+            let (sin, cos) = functions.split_at_mut(samples);
+            for (delta, (q1, q2)) in delta.iter_mut().zip(q.row(0).iter().zip(q.row(1))) {
+                *delta = q1 - q2;
+            }
+            sin_into(delta, sin);
+            cos_into(delta, cos);
+            for k in 0..samples {
+                let p = [p.row(0)[k], p.row(1)[k]];
+                each(k, p, self.kinetic(p, sin[k], cos[k]));
+            }
+        });
+    }
+
+    /// Of one state, for the tangent map, whose speed is no concern.
+    fn kinetic_at(&self, q: [f64; 2], p: [f64; 2]) -> Kinetic {
+        let (sin, cos) = (q[0] - q[1]).sin_cos();
+        self.kinetic(p, sin, cos)
+    }
+
     /// Weights of the two angles in the potential energy.
     fn weights(&self) -> [f64; 2] {
         let ([m1, m2], [l1, l2]) = (self.masses, self.lengths);
@@ -62,7 +86,7 @@ impl DoublePendulum {
     }
 }
 
-/// The kinetic energy N/D and what its derivatives are made of.
+/// Numerator N and denominator D of the kinetic energy, with sin Δ and cos Δ.
 struct Kinetic {
     numerator: f64,
     denominator: f64,
@@ -92,46 +116,42 @@ impl Hamiltonian for DoublePendulum {
     }
 
     fn energy(&self, q: Rows<'_>, p: Rows<'_>, out: &mut [f64]) {
-        let [upper, lower] = self.weights();
-        for (k, out) in out.iter_mut().enumerate() {
-            let (q, p) = (pair(q, k), pair(p, k));
-            let kinetic = self.kinetic(q, p);
-            *out =
-                kinetic.numerator / kinetic.denominator - upper * q[0].cos() - lower * q[1].cos();
+        self.for_each(q, p, |k, _, kinetic| {
+            out[k] = kinetic.numerator / kinetic.denominator;
+        });
+        for (i, weight) in self.weights().into_iter().enumerate() {
+            add_cos(-weight, q.row(i), out);
         }
     }
 
     fn add_velocity(&self, tau: f64, q: Rows<'_>, p: Rows<'_>, out: &mut RowsMut<'_>) {
         let ([m1, m2], [l1, l2]) = (self.masses, self.lengths);
-        for k in 0..q.len() {
-            let (q, p) = (pair(q, k), pair(p, k));
-            let Kinetic {
-                denominator, cos, ..
-            } = self.kinetic(q, p);
-            let coupling = m2 * l1 * l2 * cos;
-            let factor = 2.0 * tau / denominator;
+        self.for_each(q, p, |k, p, kinetic| {
+            let coupling = m2 * l1 * l2 * kinetic.cos;
+            let factor = 2.0 * tau / kinetic.denominator;
             out.row_mut(0)[k] += factor * (m2 * l2 * l2 * p[0] - coupling * p[1]);
             out.row_mut(1)[k] += factor * ((m1 + m2) * l1 * l1 * p[1] - coupling * p[0]);
-        }
+        });
     }
 
     fn add_force(&self, tau: f64, q: Rows<'_>, p: Rows<'_>, out: &mut RowsMut<'_>) {
         let (m2, [l1, l2]) = (self.masses[1], self.lengths);
-        let [upper, lower] = self.weights();
-        for k in 0..q.len() {
-            let (q, p) = (pair(q, k), pair(p, k));
+        self.for_each(q, p, |k, p, kinetic| {
             let Kinetic {
                 numerator,
                 denominator,
                 sin,
                 cos,
-            } = self.kinetic(q, p);
+            } = kinetic;
             // d(N/D)/dΔ, which pulls the angles in opposite directions.
             let by_numerator = 2.0 * m2 * l1 * l2 * p[0] * p[1] * sin;
             let by_denominator = 4.0 * (m2 * l1 * l2).powi(2) * sin * cos;
             let slope = (by_numerator - numerator / denominator * by_denominator) / denominator;
-            out.row_mut(0)[k] -= tau * (slope + upper * q[0].sin());
-            out.row_mut(1)[k] -= tau * (lower * q[1].sin() - slope);
+            out.row_mut(0)[k] -= tau * slope;
+            out.row_mut(1)[k] += tau * slope;
+        });
+        for (i, weight) in self.weights().into_iter().enumerate() {
+            add_sin(-tau * weight, q.row(i), out.row_mut(i));
         }
     }
 
@@ -160,7 +180,7 @@ impl HamiltonianTangent for DoublePendulum {
                 sin,
                 cos,
                 ..
-            } = self.kinetic(q, p);
+            } = self.kinetic_at(q, p);
             let ddelta = dq[0] - dq[1];
             let coupling = m2 * l1 * l2 * cos;
             let dcoupling = -m2 * l1 * l2 * sin * ddelta;
@@ -192,7 +212,7 @@ impl HamiltonianTangent for DoublePendulum {
                 denominator,
                 sin,
                 cos,
-            } = self.kinetic(q, p);
+            } = self.kinetic_at(q, p);
             let ddelta = dq[0] - dq[1];
             let (product, dproduct) = (p[0] * p[1], dp[0] * p[1] + p[0] * dp[1]);
             let dnumerator = 2.0 * m2 * l2 * l2 * p[0] * dp[0]

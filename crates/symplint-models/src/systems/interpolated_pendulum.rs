@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use symplint::{Coordinates, Rows, RowsMut};
+use symplint::{Coordinates, Rows, RowsMut, scratch};
 
+use crate::elementary::{add_cos, add_sin, cos_into, sin_into};
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
 use crate::periodic_grid::PeriodicGrid;
@@ -52,14 +53,35 @@ impl InterpolatedPendulum {
     }
 }
 
-/// V(q) = sin q + cos²(2q + 1).
+/// V(q) = sin q + cos²(2q + 1), at a node.
 fn potential(q: f64) -> f64 {
     q.sin() + (2.0 * q + 1.0).cos().powi(2)
 }
 
-/// V'(q).
-fn slope(q: f64) -> f64 {
-    q.cos() - 2.0 * (4.0 * q + 2.0).sin()
+/// Writes V of every q.
+fn potential_into(q: &[f64], out: &mut [f64]) {
+    sin_into(q, out);
+    scratch::with_buffer(2 * q.len(), |buffer| {
+        let (argument, cos) = buffer.split_at_mut(q.len());
+        for (argument, q) in argument.iter_mut().zip(q) {
+            *argument = 2.0 * q + 1.0;
+        }
+        cos_into(argument, cos);
+        for (out, cos) in out.iter_mut().zip(cos) {
+            *out += cos.powi(2);
+        }
+    });
+}
+
+/// Adds factor · V'(q) = factor · (cos q − 2 sin(4q + 2)).
+fn add_slope(factor: f64, q: &[f64], out: &mut [f64]) {
+    add_cos(factor, q, out);
+    scratch::with_buffer(q.len(), |argument| {
+        for (argument, q) in argument.iter_mut().zip(q) {
+            *argument = 4.0 * q + 2.0;
+        }
+        add_sin(-2.0 * factor, argument, out);
+    });
 }
 
 /// V''(q).
@@ -73,19 +95,25 @@ impl Separable for InterpolatedPendulum {
     }
 
     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
-        let states = p.row_mut(0).iter_mut().zip(q.row(0));
+        let (q, p) = (q.row(0), p.row_mut(0));
         match &self.spline {
-            None => states.for_each(|(p, q)| *p -= tau * slope(*q)),
-            Some(spline) => states.for_each(|(p, q)| *p -= tau * spline.derivative(*q)),
+            None => add_slope(-tau, q, p),
+            Some(spline) => {
+                for (p, q) in p.iter_mut().zip(q) {
+                    *p -= tau * spline.derivative(*q);
+                }
+            }
         }
     }
 
     fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]) {
-        for (out, q) in out.iter_mut().zip(q.row(0)) {
-            *out = match &self.spline {
-                None => potential(*q),
-                Some(spline) => spline.value(*q),
-            };
+        match &self.spline {
+            None => potential_into(q.row(0), out),
+            Some(spline) => {
+                for (out, q) in out.iter_mut().zip(q.row(0)) {
+                    *out = spline.value(*q);
+                }
+            }
         }
     }
 
@@ -132,6 +160,22 @@ mod tests {
                     "degree {degree}"
                 );
             }
+        }
+    }
+
+    /// Rows of V and of its slope against the formulas for one number.
+    #[test]
+    fn rows_of_the_potential_are_that_of_each_number() {
+        let q: Vec<f64> = (0..29).map(|i| 0.4 * f64::from(i) - 6.0).collect();
+        let system = InterpolatedPendulum::new(0, 0).unwrap();
+        let (mut energy, mut p) = (vec![0.0; 29], vec![0.0; 29]);
+        let rows = Rows::new(&q, 1, 29, 29);
+        system.potential_energy(rows, &mut energy);
+        system.kick(0.5, rows, &mut RowsMut::new(&mut p, 1, 29, 29));
+        for (q, (energy, p)) in q.iter().zip(energy.iter().zip(&p)) {
+            assert!((energy - potential(*q)).abs() < 1e-15);
+            let slope = q.cos() - 2.0 * (4.0 * q + 2.0).sin();
+            assert!((p + 0.5 * slope).abs() < 1e-15);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use symplint::{Rows, RowsMut};
 
+use crate::elementary::{add_cos, add_sin, cos_into, sin_into};
 use crate::hamiltonian::Separable;
 use crate::tangent::DriftKickTangent;
 
@@ -37,19 +38,16 @@ impl Separable for Pendulum {
     }
 
     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
-        let states = p.row_mut(0).iter_mut().zip(q.row(0));
         match self.potential {
-            PendulumPotential::Cos => states.for_each(|(p, q)| *p += tau * q.sin()),
-            PendulumPotential::Sin => states.for_each(|(p, q)| *p -= tau * q.cos()),
+            PendulumPotential::Cos => add_sin(tau, q.row(0), p.row_mut(0)),
+            PendulumPotential::Sin => add_cos(-tau, q.row(0), p.row_mut(0)),
         }
     }
 
     fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]) {
-        for (out, q) in out.iter_mut().zip(q.row(0)) {
-            *out = match self.potential {
-                PendulumPotential::Cos => q.cos(),
-                PendulumPotential::Sin => q.sin(),
-            };
+        match self.potential {
+            PendulumPotential::Cos => cos_into(q.row(0), out),
+            PendulumPotential::Sin => sin_into(q.row(0), out),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use symplint::{Rows, RowsMut};
 
+use crate::elementary::{Arithmetic, LANES, LaneMap, Lanes, cos, dispatched, map_lanes, sin};
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
 use crate::random::Uniform;
@@ -48,13 +49,126 @@ impl PendulumArray {
         (q, p)
     }
 
-    /// The neighbours i − 1 and i + 1 of pendulum i round the ring.
-    fn neighbours(&self, i: usize) -> (usize, usize) {
-        let last = self.pendula - 1;
-        (
-            if i == 0 { last } else { i - 1 },
-            if i == last { 0 } else { i + 1 },
-        )
+    fn ring_kick(&self, tau: f64) -> RingKick {
+        RingKick {
+            pull: tau * self.alpha,
+            spring: tau * self.k,
+        }
+    }
+}
+
+/// The neighbours i − 1 and i + 1 of pendulum i in a ring of so many.
+fn neighbours(pendula: usize, i: usize) -> (usize, usize) {
+    let last = pendula - 1;
+    (
+        if i == 0 { last } else { i - 1 },
+        if i == last { 0 } else { i + 1 },
+    )
+}
+
+/// The kick of one pendulum.
+struct RingKick {
+    pull: f64,
+    spring: f64,
+}
+
+impl LaneMap<3, 1> for RingKick {
+    #[inline(always)]
+    fn apply<M: Arithmetic>(
+        &self,
+        [left, q, right]: [Lanes; 3],
+        [mut p]: [Lanes; 1],
+    ) -> [Lanes; 1] {
+        let sin = sin::<M>(q);
+        for k in 0..LANES {
+            p[k] += self.pull * sin[k] + self.spring * ((right[k] - q[k]) - (q[k] - left[k]));
+        }
+        [p]
+    }
+}
+
+/// Kicks pendulum i.
+#[inline(always)]
+fn kick_row<M: Arithmetic>(kick: &RingKick, i: usize, q: Rows<'_>, p: &mut RowsMut<'_>) {
+    let (left, right) = neighbours(q.count(), i);
+    map_lanes::<M, 3, 1>(kick, [left, i, right].map(|i| q.row(i)), [p.row_mut(i)]);
+}
+
+dispatched! {
+    fn kick_ring<M>(kick: &RingKick, q: Rows<'_>, p: &mut RowsMut<'_>) {
+        for i in 0..q.count() {
+            kick_row::<M>(kick, i, q, p);
+        }
+    }
+}
+
+/// Lets pendulum i drift, and says by a bit whether a state of it is not finite then: where the momentum
+/// is not, the position is not either.
+#[inline(always)]
+fn drift_row(tau: f64, i: usize, p: Rows<'_>, q: &mut RowsMut<'_>) -> u64 {
+    let mut found = 0;
+    for (q, p) in q.row_mut(i).iter_mut().zip(p.row(i)) {
+        *q += tau * p;
+        found |= u64::from(!q.is_finite());
+    }
+    found
+}
+
+dispatched! {
+    /// Drift, kick and drift of three pendula or more in one sweep along the ring, so that only a few
+    /// rows are in use at a time: a pendulum is kicked as soon as its right neighbour has drifted,
+    /// and drifts on when that neighbour is kicked. Says whether all states are finite then.
+    fn sweep_ring<M>(
+        drifts: [f64; 2],
+        kick: &RingKick,
+        q: &mut RowsMut<'_>,
+        p: &mut RowsMut<'_>,
+    ) -> bool {
+        let ([before, after], last) = (drifts, q.count() - 1);
+        // Pendulum 0 needs the last one drifted, and is needed by it as it is until the end.
+        for i in [last, 0, 1] {
+            drift_row(before, i, p.as_rows(), q);
+        }
+        let mut found = 0;
+        for i in 0..=last {
+            if (2..last).contains(&(i + 1)) {
+                drift_row(before, i + 1, p.as_rows(), q);
+            }
+            kick_row::<M>(kick, i, q.as_rows(), p);
+            if i > 1 {
+                found |= drift_row(after, i - 1, p.as_rows(), q);
+            }
+        }
+        for i in [last, 0] {
+            found |= drift_row(after, i, p.as_rows(), q);
+        }
+        found == 0
+    }
+}
+
+/// What one pendulum and the spring to its right add to the energy.
+struct RingEnergy {
+    alpha: f64,
+    k: f64,
+}
+
+impl LaneMap<2, 1> for RingEnergy {
+    #[inline(always)]
+    fn apply<M: Arithmetic>(&self, [q, right]: [Lanes; 2], [mut out]: [Lanes; 1]) -> [Lanes; 1] {
+        let cos = cos::<M>(q);
+        for k in 0..LANES {
+            out[k] += self.alpha * cos[k] + 0.5 * self.k * (right[k] - q[k]).powi(2);
+        }
+        [out]
+    }
+}
+
+dispatched! {
+    fn add_ring_energy<M>(energy: &RingEnergy, q: Rows<'_>, out: &mut [f64]) {
+        for i in 0..q.count() {
+            let (_, right) = neighbours(q.count(), i);
+            map_lanes::<M, 2, 1>(energy, [i, right].map(|i| q.row(i)), [&mut *out]);
+        }
     }
 }
 
@@ -64,25 +178,31 @@ impl Separable for PendulumArray {
     }
 
     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
-        let (pull, spring) = (tau * self.alpha, tau * self.k);
-        for i in 0..self.pendula {
-            let (left, right) = self.neighbours(i);
-            let neighbours = q.row(left).iter().zip(q.row(right));
-            let states = p.row_mut(i).iter_mut().zip(q.row(i));
-            for ((p, q), (left, right)) in states.zip(neighbours) {
-                *p += pull * q.sin() + spring * ((right - q) - (q - left));
-            }
+        kick_ring(&self.ring_kick(tau), q, p);
+    }
+
+    fn drift_kick_drift(
+        &self,
+        [before, tau, after]: [f64; 3],
+        q: &mut RowsMut<'_>,
+        p: &mut RowsMut<'_>,
+    ) -> Option<bool> {
+        if self.pendula < 3 {
+            self.drift(before, p.as_rows(), q);
+            self.kick(tau, q.as_rows(), p);
+            self.drift(after, p.as_rows(), q);
+            return None;
         }
+        Some(sweep_ring([before, after], &self.ring_kick(tau), q, p))
     }
 
     fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]) {
+        let energy = RingEnergy {
+            alpha: self.alpha,
+            k: self.k,
+        };
         out.fill(0.0);
-        for i in 0..self.pendula {
-            let (_, right) = self.neighbours(i);
-            for ((out, q), right) in out.iter_mut().zip(q.row(i)).zip(q.row(right)) {
-                *out += self.alpha * q.cos() + 0.5 * self.k * (right - q).powi(2);
-            }
-        }
+        add_ring_energy(&energy, q, out);
     }
 
     fn tangent(&self) -> Option<&dyn DriftKickTangent> {
@@ -94,7 +214,7 @@ impl DriftKickTangent for PendulumArray {
     fn kick_tangent(&self, tau: f64, q: Rows<'_>, dq: Rows<'_>, dp: &mut RowsMut<'_>) {
         let (pull, spring) = (tau * self.alpha, tau * self.k);
         for i in 0..self.pendula {
-            let (left, right) = self.neighbours(i);
+            let (left, right) = neighbours(self.pendula, i);
             let neighbours = dq.row(left).iter().zip(dq.row(right));
             let tangents = dp.row_mut(i).iter_mut().zip(dq.row(i)).zip(q.row(i));
             for (((dp, dq), q), (left, right)) in tangents.zip(neighbours) {

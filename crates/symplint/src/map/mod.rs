@@ -46,6 +46,17 @@ pub trait TimeAdvance: Send + Sync {
     /// looked for: the diagnostic checks.
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure>;
 
+    /// Advances as [`advance`](Self::advance) does, and says whether all states are finite then. By
+    /// default it looks afterwards; a map that has every state at hand anyway saves a pass over
+    /// memory. "Finite" is taken on trust, the other answer is not.
+    ///
+    /// # Errors
+    /// As those of [`advance`](Self::advance).
+    fn advance_and_look(&self, h: f64, block: &mut Block<'_>) -> Result<bool, StepFailure> {
+        self.advance(h, block)?;
+        Ok(block.all_finite())
+    }
+
     /// Number of substeps, for a step that is a composition of maps of phase space, such as
     /// the drifts and kicks of a splitting method. By default the step is one whole.
     fn substeps(&self) -> usize {
@@ -102,6 +113,13 @@ macro_rules! forward_time_advance {
             }
             fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
                 (**self).advance(h, block)
+            }
+            fn advance_and_look(
+                &self,
+                h: f64,
+                block: &mut Block<'_>,
+            ) -> Result<bool, StepFailure> {
+                (**self).advance_and_look(h, block)
             }
             fn substeps(&self) -> usize {
                 (**self).substeps()

@@ -100,7 +100,7 @@ impl Window {
             match source.step {
                 None => Ok(()),
                 Some((map, h)) => {
-                    advance_block(|block| map.advance(h, block), h, first, &mut block)
+                    advance_block(|block| map.advance_and_look(h, block), h, first, &mut block)
                 }
             }
         };
