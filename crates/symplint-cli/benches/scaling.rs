@@ -125,12 +125,11 @@ fn measure_all(folder: &Path) {
                 point.nanoseconds / (study.cost)(point.size as f64),
             )
         };
-        let memory = |point: &Point| (point.size as f64, point.bytes);
         println!(
-            "  time goes as its expected cost times size^({:+.3}), over the last two decades {:+.3}; memory over these as size^{:.3}\n",
+            "  time goes as expected times size^({:+.3}), over the last two decades {:+.3}; memory grows by {:.0} bytes each\n",
             slope(points.iter().map(time)),
             slope(last_decades(&points).map(time)),
-            slope(last_decades(&points).map(memory)),
+            bytes_each(&points),
         );
         studies.push((study, points));
     }
@@ -157,6 +156,14 @@ fn measure(study: &Study, size: usize) -> Point {
         size,
         nanoseconds: numbers.next().expect("a time"),
         bytes: numbers.next().expect("a size"),
+    }
+}
+
+/// What the largest size takes more than the one before it, for each of what it has more.
+fn bytes_each(points: &[Point]) -> f64 {
+    match points {
+        [.., before, last] => (last.bytes - before.bytes) / (last.size - before.size) as f64,
+        _ => f64::NAN,
     }
 }
 
