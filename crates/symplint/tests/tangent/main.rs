@@ -1,13 +1,16 @@
-//! The Jacobian test by tangent maps: digits, error bars, and tangent maps that do not belong to their map.
+//! The Jacobian test by tangent maps: digits and error bars; kinks; tangent maps that are refused.
 
 #[allow(dead_code, reason = "the other test uses the rest")]
+#[path = "../dual/mod.rs"]
 mod dual;
+mod given;
+mod rejected;
 
 use dual::{Method, SYSTEMS, Step, System};
+use given::Given;
 use symplint::{
-    Block, Circle, Coordinates, Doubt, Error, JacobianMethod, JacobianReport, JacobianTest,
-    JacobianVerdict, Loop, RowsMut, StepFailure, TangentDefect, TangentDoubt, TangentMap,
-    TimeAdvance,
+    Block, Circle, Doubt, JacobianMethod, JacobianReport, JacobianTest, JacobianVerdict, Loop,
+    RowsMut, TangentDefect, TimeAdvance,
 };
 
 fn circle(dof: usize) -> Circle {
@@ -23,75 +26,6 @@ fn run(map: &dyn TimeAdvance, h: f64) -> JacobianReport {
 
 fn found(report: &JacobianReport) -> impl Iterator<Item = TangentDefect> {
     report.points.iter().map(|point| point.worst.unwrap())
-}
-
-/// One degree of freedom, by functions of one state and of a state with its tangent vector.
-struct Given<F, G> {
-    step: F,
-    tangent: G,
-    period: f64,
-}
-
-impl<F, G> TimeAdvance for Given<F, G>
-where
-    F: Fn(f64, [f64; 2]) -> [f64; 2] + Send + Sync,
-    G: Fn(f64, [f64; 2], [f64; 2]) -> ([f64; 2], [f64; 2]) + Send + Sync,
-{
-    fn dof(&self) -> usize {
-        1
-    }
-    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
-        for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
-            [*q, *p] = (self.step)(h, [*q, *p]);
-        }
-        Ok(())
-    }
-    fn coordinates(&self) -> Coordinates {
-        let plain = Coordinates::plain(1);
-        plain.with_periods(vec![self.period]).unwrap()
-    }
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        Some(self)
-    }
-}
-
-impl<F, G> TangentMap for Given<F, G>
-where
-    F: Fn(f64, [f64; 2]) -> [f64; 2] + Send + Sync,
-    G: Fn(f64, [f64; 2], [f64; 2]) -> ([f64; 2], [f64; 2]) + Send + Sync,
-{
-    fn advance_tangents(
-        &self,
-        h: f64,
-        states: &mut Block<'_>,
-        tangents: &mut Block<'_>,
-    ) -> Result<(), StepFailure> {
-        for k in 0..states.len() {
-            let column = |block: &Block<'_>| [block.q.row(0)[k], block.p.row(0)[k]];
-            let (z, u) = (self.tangent)(h, column(states), column(tangents));
-            states.q.row_mut(0)[k] = z[0];
-            states.p.row_mut(0)[k] = z[1];
-            tangents.q.row_mut(0)[k] = u[0];
-            tangents.p.row_mut(0)[k] = u[1];
-        }
-        Ok(())
-    }
-}
-
-/// The pendulum kicked, then drifting, with what its tangent map adds to the tangent vector by mistake.
-fn pendulum(mistake: impl Fn([f64; 2]) -> f64 + Send + Sync) -> impl TimeAdvance {
-    let step = |h: f64, [q, p]: [f64; 2]| {
-        let p = p - h * q.sin();
-        [q + h * p, p]
-    };
-    Given {
-        step,
-        tangent: move |h, z: [f64; 2], [dq, dp]: [f64; 2]| {
-            let dp = dp - h * z[0].cos() * dq + mistake(z) * dq;
-            (step(h, z), [dq + h * dp, dp])
-        },
-        period: 0.0,
-    }
 }
 
 #[test]
@@ -204,114 +138,6 @@ fn the_midpoint_rule_on_a_spring_has_its_determinant() {
 }
 
 #[test]
-fn a_wrong_tangent_map_is_found_out_and_not_used() {
-    let right = run(&pendulum(|_| 0.0), 0.5);
-    assert_eq!(right.method, JacobianMethod::TangentMap);
-    let JacobianVerdict::SymplecticAlmostEverywhere { digits } = right.verdict else {
-        panic!("{}", right.verdict);
-    };
-    assert!(digits >= 14.0, "{digits}");
-
-    // Everywhere, in part of phase space, or by a little: the differences say the same of the map.
-    type Mistake = fn([f64; 2]) -> f64;
-    let mistakes: [Mistake; 4] = [
-        |_| 1e-3,
-        |_| 1e-8,
-        |[q, _]| if q < 0.0 { 0.1 } else { 0.0 },
-        |[_, p]| 1e-4 * p,
-    ];
-    for (k, mistake) in mistakes.into_iter().enumerate() {
-        let wrong = run(&pendulum(mistake), 0.5);
-        let JacobianMethod::CentralDifferences {
-            rejected: Some(TangentDoubt::OtherDerivative { off, .. }),
-        } = wrong.method
-        else {
-            panic!("mistake {k}: {}", wrong.method);
-        };
-        assert!(off > 1e-10 && off < 0.2, "mistake {k}: {off:e}");
-        let JacobianVerdict::SymplecticAlmostEverywhere { digits } = wrong.verdict else {
-            panic!("mistake {k}: {}", wrong.verdict);
-        };
-        assert!((10.0..13.0).contains(&digits), "mistake {k}: {digits}");
-    }
-}
-
-#[test]
-fn a_wrong_tangent_map_makes_no_map_symplectic() {
-    // The wrong sign in the map, the right one in the tangent map.
-    let map = Given {
-        step: |h: f64, [q, p]: [f64; 2]| [q + h * (p + h * q.sin()), p - h * q.sin()],
-        tangent: |h: f64, [q, p]: [f64; 2], [dq, dp]: [f64; 2]| {
-            let dp_new = dp - h * q.cos() * dq;
-            let state = [q + h * (p + h * q.sin()), p - h * q.sin()];
-            (state, [dq + h * dp_new, dp_new])
-        },
-        period: 0.0,
-    };
-    let report = run(&map, 0.5);
-    assert!(matches!(
-        report.verdict,
-        JacobianVerdict::NotSymplectic { .. }
-    ));
-    let text = report.method.to_string();
-    assert!(text.contains("not its derivative"), "{text}");
-}
-
-#[test]
-fn a_tangent_map_that_moves_states_otherwise_is_not_used() {
-    let step = |h: f64, [q, p]: [f64; 2]| [q + h * p, p];
-    let map = Given {
-        step,
-        tangent: move |h, [q, p]: [f64; 2], u| ([q + h * p + 1e-9, p], step(h, u)),
-        period: 0.0,
-    };
-    let rejected = match run(&map, 0.5).method {
-        JacobianMethod::CentralDifferences { rejected } => rejected,
-        JacobianMethod::TangentMap => None,
-    };
-    assert!(
-        matches!(rejected, Some(TangentDoubt::OtherState { off, .. }) if (0.9e-9..1.1e-9).contains(&off)),
-        "{rejected:?}"
-    );
-    // Whole periods are no other state.
-    let rotor = |turns: f64| Given {
-        step,
-        tangent: move |h, [q, p]: [f64; 2], u| ([q + h * p + turns, p], step(h, u)),
-        period: 1.0,
-    };
-    let wrapped = run(&rotor(3.0), 0.5).method;
-    assert_eq!(wrapped, JacobianMethod::TangentMap);
-}
-
-#[test]
-fn a_tangent_map_that_cannot_be_checked_is_not_used() {
-    // Stairs of a millionth: flat almost everywhere, and of the slope of a line to any difference.
-    let stairs = |q: f64| (q * 1e6).floor() * 1e-6;
-    let step = move |h: f64, [q, p]: [f64; 2]| {
-        let p = p - h * stairs(q);
-        [q + h * p, p]
-    };
-    let map = Given {
-        step,
-        tangent: move |h, z, [dq, dp]: [f64; 2]| (step(h, z), [dq + h * dp, dp]),
-        period: 0.0,
-    };
-    let report = run(&map, 0.5);
-    assert!(
-        matches!(
-            report.method,
-            JacobianMethod::CentralDifferences { rejected: Some(_) }
-        ),
-        "{}",
-        report.method
-    );
-    assert!(!matches!(
-        report.verdict,
-        JacobianVerdict::NotSymplectic { .. }
-    ));
-}
-
-#[test]
 fn a_kink_that_is_nearer_than_differences_reach_leaves_the_derivative() {
     let unit = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
     let kinked = |at: f64| {
@@ -346,41 +172,6 @@ fn a_kink_that_is_nearer_than_differences_reach_leaves_the_derivative() {
     assert_eq!(report.method, JacobianMethod::TangentMap);
     assert_eq!(report.not_differentiable, 1);
     assert!(report.points[0].worst.is_none());
-}
-
-#[test]
-fn a_step_that_fails_for_tangents_is_an_error_that_says_where() {
-    struct Failing;
-    impl TimeAdvance for Failing {
-        fn dof(&self) -> usize {
-            1
-        }
-        fn advance(&self, _h: f64, _block: &mut Block<'_>) -> Result<(), StepFailure> {
-            Ok(())
-        }
-        fn tangent(&self) -> Option<&dyn TangentMap> {
-            Some(self)
-        }
-    }
-    impl TangentMap for Failing {
-        fn advance_tangents(
-            &self,
-            _h: f64,
-            _states: &mut Block<'_>,
-            _tangents: &mut Block<'_>,
-        ) -> Result<(), StepFailure> {
-            Err(StepFailure {
-                sample: 7,
-                reason: "no reason".into(),
-            })
-        }
-    }
-    let error = JacobianTest::default().run(&Failing, &circle(1), 0.5);
-    let error = error.unwrap_err();
-    let Error::OnTheWay { source, .. } = &error else {
-        panic!("{error}");
-    };
-    assert!(matches!(**source, Error::StepFailed { sample: 7, .. }));
 }
 
 #[test]
