@@ -167,7 +167,9 @@ impl<'a> Probe<'a> {
         }
         match self.method {
             Method::Samples(_, samples) => self.measure_samples(&self.advanced(samples, h)?, h),
-            Method::Piecewise(rule) => self.measure_pieces(&rule, h),
+            Method::Piecewise(rule) => {
+                self.measure_pieces(&rule, &self.advanced(self.samples(), h)?, h)
+            }
             Method::Streaming(rule, samples) => self.measure_streaming(&rule, samples, h),
         }
     }
@@ -215,16 +217,22 @@ impl<'a> Probe<'a> {
         })
     }
 
-    fn measure_pieces(&self, rule: &Piecewise, h: f64) -> Result<Measured, Error> {
+    /// What a step of size `h` did to the loop, by pieces.
+    ///
+    /// A few pieces can miss what is narrow. The equispaced samples that are `seen` besides, many more of
+    /// them in small systems, show it.
+    pub fn measure_pieces(
+        &self,
+        rule: &Piecewise,
+        seen: &Ensemble,
+        h: f64,
+    ) -> Result<Measured, Error> {
         let Subject {
             map,
             phase_loop,
             coordinates,
         } = self.subject;
-        // A few pieces can miss what is narrow. Equispaced samples, many more of them in small
-        // systems, see it.
-        let seen = self.advanced(self.samples(), h)?;
-        let pieces = rule.integrate_beside(map, phase_loop, h, Some(&seen))?;
+        let pieces = rule.integrate_beside(map, phase_loop, h, Some(seen))?;
         let closed = pieces.closed();
         let (samples, evaluations) = (pieces.nodes(), pieces.evaluations + seen.samples());
         let PiecewiseIntegral {
@@ -232,14 +240,14 @@ impl<'a> Probe<'a> {
             mut breaks,
             ..
         } = pieces;
-        breaks.retain(|found| is_substantial(found, &seen));
+        breaks.retain(|found| is_substantial(found, seen));
         if breaks.is_empty()
-            && let Some(found) = self.find_break(&seen, h)?
+            && let Some(found) = self.find_break(seen, h)?
         {
             integral.quadrature_error = None;
             breaks.push(found);
         }
-        let modes = LoopIntegral::in_coordinates(&seen, &Rule::Pseudospectral, coordinates)?;
+        let modes = LoopIntegral::in_coordinates(seen, &Rule::Pseudospectral, coordinates)?;
         Ok(Measured {
             defect: Defect::between(&self.initial, &integral)?,
             regularity: modes.regularity,
@@ -252,7 +260,7 @@ impl<'a> Probe<'a> {
             breaks,
             samples,
             evaluations,
-            cells_apart: cells_apart(&seen, coordinates),
+            cells_apart: cells_apart(seen, coordinates),
         })
     }
 }

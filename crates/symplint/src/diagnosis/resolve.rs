@@ -87,7 +87,7 @@ impl Diagnostic {
             let measured = probe.measure_samples(&nested.after, h)?;
             if !measured.breaks.is_empty() {
                 return match auto {
-                    true => self.broken(probe, most, h),
+                    true => self.broken(probe, &nested, most, h),
                     false => Ok(probe.knowing(h, measured)),
                 };
             }
@@ -114,7 +114,7 @@ impl Diagnostic {
                 }
                 let pieces = match pieces {
                     Some(pieces) => pieces,
-                    None => self.tried(&probe, h)?,
+                    None => self.tried(&probe, &nested, h)?,
                 };
                 if pieces.measure(h)?.defect.uncertainty() < error {
                     return Ok(pieces);
@@ -122,7 +122,7 @@ impl Diagnostic {
                 return self.beyond_memory(probe, h, error);
             }
             if auto && pieces.is_none() && expected > HOPELESS * wanted {
-                let tried = self.tried(&probe, h)?;
+                let tried = self.tried(&probe, &nested, h)?;
                 if tried.measure(h)?.defect.uncertainty() < expected {
                     return Ok(tried);
                 }
@@ -135,21 +135,32 @@ impl Diagnostic {
     }
 
     /// The piecewise rule within the means of automatic choices, and what it makes of a step.
-    fn tried<'a>(&self, probe: &Probe<'a>, h: f64) -> Result<Probe<'a>, Error> {
+    fn tried<'a>(
+        &self,
+        probe: &Probe<'a>,
+        nested: &Nested<'_>,
+        h: f64,
+    ) -> Result<Probe<'a>, Error> {
         let most = MOST_TRIED / probe.subject.phase_loop.dof().max(1);
         let rule = Piecewise {
             most_evaluations: self.piecewise.most_evaluations.min(most),
             ..self.piecewise
         };
         let pieces = Probe::new(probe.index, probe.subject, Method::Piecewise(rule))?;
-        let measured = pieces.measure(h)?;
+        let measured = pieces.measure_pieces(&rule, &nested.after, h)?;
         Ok(pieces.knowing(h, measured))
     }
 
     /// The piecewise rule for a broken loop; finite differences, which need all the samples they can get, where
     /// there are more breaks than it can follow.
-    fn broken<'a>(&self, probe: Probe<'a>, most: usize, h: f64) -> Result<Probe<'a>, Error> {
-        let pieces = self.tried(&probe, h)?;
+    fn broken<'a>(
+        &self,
+        probe: Probe<'a>,
+        nested: &Nested<'_>,
+        most: usize,
+        h: f64,
+    ) -> Result<Probe<'a>, Error> {
+        let pieces = self.tried(&probe, nested, h)?;
         if pieces.measure(h)?.defect.uncertainty() <= WEAKEST_BOUND {
             return Ok(pieces);
         }
