@@ -197,7 +197,7 @@ impl Ensemble {
     ) -> Result<Self, Error> {
         let mut states = Self::zeros(phase_loop.dof(), s.len());
         phase_loop.sample(s, &mut states.block());
-        states.advance(map, h)?;
+        (states.advance(map, h)).map_err(|error| error.on_the_way(|sample| s[sample]))?;
         Ok(states)
     }
 

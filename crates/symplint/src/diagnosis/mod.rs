@@ -370,7 +370,7 @@ impl Study<'_> {
     ) -> Result<LoopEvidence, Error> {
         (self.watch)(Event::Planned(step_sizes.len()));
         let mut evidence = LoopEvidence {
-            piecewise: matches!(probe.method, Method::Piecewise(_)),
+            piecewise: matches!(probe.method, Method::Piecewise(..)),
             winds: winds(probe.subject.phase_loop, probe.subject.coordinates)?,
             ..LoopEvidence::new(probe.index, probe.samples())
         };

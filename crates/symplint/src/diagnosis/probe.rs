@@ -1,6 +1,5 @@
 //! One loop with a rule and a number of samples, ready to be advanced by any step size.
 
-use super::resolve::fewest_samples;
 use crate::block::Block;
 use crate::breaks::{Break, find_break};
 use crate::coordinates::Coordinates;
@@ -38,8 +37,8 @@ pub(super) struct Probe<'a> {
 pub(super) enum Method {
     /// From so many equispaced samples.
     Samples(Rule, usize),
-    /// From as many states as it takes.
-    Piecewise(Piecewise),
+    /// From as many states as it takes, beside so many equispaced samples.
+    Piecewise(Piecewise, usize),
     /// From so many equispaced samples, of which a few are in memory at any time.
     Streaming(Streaming, usize),
 }
@@ -70,9 +69,9 @@ impl<'a> Probe<'a> {
                 let before = Ensemble::sample(subject.phase_loop, samples)?;
                 return Probe::of_samples(index, subject, rule, &before);
             }
-            Method::Piecewise(rule) => {
-                let rest = Identity(subject.coordinates);
-                rule.integrate(&rest, subject.phase_loop, 1.0)?.continuous
+            Method::Piecewise(rule, samples) => {
+                let before = Ensemble::sample(subject.phase_loop, samples)?;
+                return Probe::of_pieces(index, subject, rule, &before);
             }
             Method::Streaming(rule, samples) => {
                 rule.initial(subject.phase_loop, subject.coordinates, samples)?
@@ -103,6 +102,26 @@ impl<'a> Probe<'a> {
         })
     }
 
+    /// The probe by the piecewise rule that sees these samples before the step besides.
+    pub fn of_pieces(
+        index: usize,
+        subject: Subject<'a>,
+        rule: Piecewise,
+        before: &Ensemble,
+    ) -> Result<Self, Error> {
+        let rest = Identity(subject.coordinates);
+        let pieces = rule.integrate_beside(&rest, subject.phase_loop, 1.0, Some(before))?;
+        let mut initial = pieces.continuous;
+        own_up(&mut initial, before, subject.coordinates, false)?;
+        Ok(Probe {
+            index,
+            subject,
+            method: Method::Piecewise(rule, before.samples()),
+            initial,
+            known: None,
+        })
+    }
+
     /// Keeps what a step of size `h` was found to do, so that nobody measures it again.
     pub fn knowing(mut self, h: f64, measured: Measured) -> Self {
         self.known = Some((h, measured));
@@ -113,7 +132,7 @@ impl<'a> Probe<'a> {
     pub fn rule_name(&self) -> &'static str {
         match self.method {
             Method::Samples(rule, _) => rule.name(),
-            Method::Piecewise(_) => Piecewise::NAME,
+            Method::Piecewise(..) => Piecewise::NAME,
             Method::Streaming(..) => Streaming::NAME,
         }
     }
@@ -121,8 +140,9 @@ impl<'a> Probe<'a> {
     /// Equispaced samples of the loop that are looked at.
     pub fn samples(&self) -> usize {
         match self.method {
-            Method::Samples(_, samples) | Method::Streaming(_, samples) => samples,
-            Method::Piecewise(_) => fewest_samples(self.subject.phase_loop.dof()),
+            Method::Samples(_, samples)
+            | Method::Piecewise(_, samples)
+            | Method::Streaming(_, samples) => samples,
         }
     }
 
@@ -130,7 +150,7 @@ impl<'a> Probe<'a> {
     pub fn sampling_rule(&self) -> Rule {
         match self.method {
             Method::Samples(rule, _) => rule,
-            Method::Piecewise(_) | Method::Streaming(..) => Rule::Pseudospectral,
+            Method::Piecewise(..) | Method::Streaming(..) => Rule::Pseudospectral,
         }
     }
 
@@ -167,8 +187,8 @@ impl<'a> Probe<'a> {
         }
         match self.method {
             Method::Samples(_, samples) => self.measure_samples(&self.advanced(samples, h)?, h),
-            Method::Piecewise(rule) => {
-                self.measure_pieces(&rule, &self.advanced(self.samples(), h)?, h)
+            Method::Piecewise(rule, samples) => {
+                self.measure_pieces(&rule, &self.advanced(samples, h)?, h)
             }
             Method::Streaming(rule, samples) => self.measure_streaming(&rule, samples, h),
         }
@@ -247,10 +267,12 @@ impl<'a> Probe<'a> {
             integral.quadrature_error = None;
             breaks.push(found);
         }
-        let modes = LoopIntegral::in_coordinates(seen, &Rule::Pseudospectral, coordinates)?;
+        let mut closed = closed;
+        let regularity = own_up(&mut integral, seen, coordinates, !breaks.is_empty())?;
+        closed.quadrature_error = integral.quadrature_error;
         Ok(Measured {
             defect: Defect::between(&self.initial, &integral)?,
-            regularity: modes.regularity,
+            regularity,
             closing: Some(Closing {
                 breaks: breaks.len(),
                 chord: pieces.closing.iter().sum(),
@@ -273,6 +295,28 @@ impl Measured {
         breaks.reduce(|a, b| if size(&b) > size(&a) { b } else { a })
     }
 }
+
+/// The regularity that samples show, and, where it is that of narrow spikes, their doubt in the `integral` by
+/// pieces: where the loop has features that are narrower than the distance of the samples, another one
+/// may lie between two of them, and no piece has met it. Of many breaks the coefficients look alike, but
+/// those are known.
+fn own_up(
+    integral: &mut LoopIntegral,
+    seen: &Ensemble,
+    coordinates: &Coordinates,
+    broken: bool,
+) -> Result<Option<f64>, Error> {
+    let of_samples = LoopIntegral::in_coordinates(seen, &Rule::Pseudospectral, coordinates)?;
+    if !broken && of_samples.regularity.is_some_and(|s| s < OF_SPIKES) {
+        let distance = (of_samples.value - integral.value).abs();
+        let errors = integral.quadrature_error.zip(of_samples.quadrature_error);
+        integral.quadrature_error = errors.map(|(own, other)| own.max(distance + other));
+    }
+    Ok(of_samples.regularity)
+}
+
+/// The Fourier coefficients of a spike do not fall, s = −½; those of a jump fall by s = ½.
+const OF_SPIKES: f64 = 0.25;
 
 fn is_substantial(found: &Break, ensemble: &Ensemble) -> bool {
     let range = |row: &[f64]| {

@@ -63,7 +63,8 @@ impl Diagnostic {
             }
             RuleChoice::Fixed(rule) => (rule, false),
             RuleChoice::Piecewise => {
-                return Probe::new(index, subject, Method::Piecewise(self.piecewise));
+                let seen = fewest_samples(subject.phase_loop.dof());
+                return Probe::new(index, subject, Method::Piecewise(self.piecewise, seen));
             }
             RuleChoice::Streaming | RuleChoice::Auto => {
                 let fewest = fewest_samples(subject.phase_loop.dof());
@@ -134,19 +135,24 @@ impl Diagnostic {
         }
     }
 
-    /// The piecewise rule within the means of automatic choices, and what it makes of a step.
+    /// The piecewise rule within the means of automatic choices.
+    pub(super) fn affordable(&self, dof: usize) -> Piecewise {
+        let most = MOST_TRIED / dof.max(1);
+        Piecewise {
+            most_evaluations: self.piecewise.most_evaluations.min(most),
+            ..self.piecewise
+        }
+    }
+
+    /// The piecewise rule within these means, and what it makes of a step.
     fn tried<'a>(
         &self,
         probe: &Probe<'a>,
         nested: &Nested<'_>,
         h: f64,
     ) -> Result<Probe<'a>, Error> {
-        let most = MOST_TRIED / probe.subject.phase_loop.dof().max(1);
-        let rule = Piecewise {
-            most_evaluations: self.piecewise.most_evaluations.min(most),
-            ..self.piecewise
-        };
-        let pieces = Probe::new(probe.index, probe.subject, Method::Piecewise(rule))?;
+        let rule = self.affordable(probe.subject.phase_loop.dof());
+        let pieces = Probe::of_pieces(probe.index, probe.subject, rule, &nested.before)?;
         let measured = pieces.measure_pieces(&rule, &nested.after, h)?;
         Ok(pieces.knowing(h, measured))
     }

@@ -45,6 +45,9 @@ pub(super) enum Closed {
 /// A jump keeps its size; a difference below this part of it is none.
 const STAYS: f64 = 0.25;
 
+/// Near s = 0 doubles lie far closer than anything of a loop does.
+const NARROWEST: f64 = 1.0 / (1u128 << 64) as f64;
+
 /// States that tell a jump from noise.
 pub(super) const SURROUNDINGS: usize = 6;
 
@@ -128,7 +131,8 @@ impl Bracket {
         if self.turns > PATIENCE && difference < STAYS * self.expected {
             return Closed::Faded;
         }
-        if self.middle() <= self.low || self.middle() >= self.high {
+        let narrow = self.high - self.low < NARROWEST;
+        if narrow || self.middle() <= self.low || self.middle() >= self.high {
             return Closed::Jump;
         }
         Closed::No

@@ -61,7 +61,15 @@ impl Curves<'_> {
             }
             for (k, point) in points.iter().enumerate() {
                 let [from, to] = &self.segments[point.curve - 1].ends;
-                let blend = |i: usize| from[i] * (1.0 - point.s) + to[i] * point.s;
+                // It must not turn back and forth, however close the ends are: a break of the force may
+                // lie between them.
+                let blend = |i: usize| {
+                    let between = from[i] + (to[i] - from[i]) * point.s;
+                    match point.s {
+                        1.0 => to[i],
+                        _ => between.max(from[i].min(to[i])).min(from[i].max(to[i])),
+                    }
+                };
                 for i in 0..self.dof() {
                     block.q.row_mut(i)[k] = blend(i);
                     block.p.row_mut(i)[k] = blend(self.dof() + i);

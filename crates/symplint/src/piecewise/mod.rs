@@ -166,8 +166,7 @@ impl Piecewise {
             phase_loop,
             segments: Vec::new(),
         };
-        let mut sketch = Ensemble::sample(phase_loop, SKETCH)?;
-        sketch.advance(map, h)?;
+        let sketch = Ensemble::image(map, phase_loop, h, &sketch_points())?;
         let scales = Scales::new(&sketch, &coordinates, self.tolerance);
         let count = self.pieces.max(1);
         let edge = |k: usize| k as f64 / count as f64;
@@ -203,6 +202,15 @@ impl Piecewise {
 
 /// Samples from which the sizes of the coordinates are learned.
 const SKETCH: usize = 12;
+
+/// Where they are: at multiples of the golden section, so that no loop runs round between all of them, and
+/// in order, as positions are unwrapped.
+fn sketch_points() -> [f64; SKETCH] {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let mut points = std::array::from_fn(|k| (GOLDEN * k as f64).fract());
+    points.sort_by(f64::total_cmp);
+    points
+}
 
 /// Adds up pieces and chords, in the order of the loop.
 ///

@@ -27,6 +27,9 @@ pub(super) const POINTS: usize = NODES + CHECKS.len();
 /// A stretch this short is a straight line.
 const SHORTEST: f64 = 1e-11;
 
+/// A jump on a straight line leaves a point at least 1/`OF_A_JUMP` of it beside the line through the ends.
+const OF_A_JUMP: f64 = 2.5;
+
 /// Part of the highest coefficients, squared, that one break has to explain.
 const EXPLAINS: f64 = 0.95;
 
@@ -191,6 +194,7 @@ impl View<'_> {
 
     fn smooth(&self, fits: &[Fit], resolved: bool) -> Smooth {
         let dof = self.dof();
+        let short = self.piece.length() < SHORTEST;
         let mut smooth = Smooth {
             piece: self.piece,
             areas: Vec::with_capacity(dof),
@@ -216,13 +220,19 @@ impl View<'_> {
                 * if resolved {
                     q.off * p.range() + p.off * q.range()
                 } else {
-                    // Any part of it may be a jump.
-                    q.range() * (p.range() + largest(&from_reference))
+                    // Any part of it may be a jump, which is missing where the reference is accounted for; of
+                    // a straight line, no more than its points are off.
+                    let jump = if short {
+                        q.off.min(q.range())
+                    } else {
+                        q.range()
+                    };
+                    jump * (p.range() + largest(&from_reference) + reference.abs())
                 };
             smooth.exposure +=
                 weight.abs() * (largest(&q.values) * p.range() + largest(&p.values) * q.range());
         }
-        if resolved && self.piece.length() >= SHORTEST {
+        if resolved && !short {
             let allowed = fits.iter().enumerate().map(|(c, fit)| self.allowed(c, fit));
             smooth.allowed = allowed.collect();
             smooth.turns = (self.turning_points().into_iter())
@@ -426,7 +436,10 @@ impl Fit {
             off: 0.0,
         };
         if short {
-            fit.off = fit.range();
+            let line = |x: f64| values[0] + 0.5 * (1.0 + x) * (values[DEGREE] - values[0]);
+            let misses = LOBATTO.nodes.iter().chain(&CHECKS).zip(points);
+            fit.off = (misses.map(|(&x, value)| (line(x) - value).abs()))
+                .fold(0.0, |most: f64, miss| most.max(OF_A_JUMP * miss));
             return fit;
         }
         let last = &coefficients[DEGREE - 2..];

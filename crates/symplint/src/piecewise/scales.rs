@@ -84,11 +84,11 @@ impl Scales {
     /// tolerance, of single precision.
     ///
     /// The sixth difference of a smooth coordinate over so short a stretch is below round-off; what
-    /// is left is noise (Moré & Wild, "Estimating computational noise", 2011). Breaks spoil one of
-    /// three places at most, and their median counts.
+    /// is left is noise (Moré & Wild, "Estimating computational noise", 2011). Breaks spoil two of
+    /// five places at most, so close together are the points of each, and their median counts.
     pub fn learn_noise(&mut self, curves: &Curves<'_>) -> Result<usize, Error> {
-        const PLACES: [f64; 3] = [0.137, 0.412, 0.829];
-        const SPACING: f64 = 1e-4;
+        const PLACES: [f64; 5] = [0.137, 0.289, 0.412, 0.643, 0.829];
+        const SPACING: f64 = 2e-6;
         /// Binomial coefficients of the sixth difference, and the root of the sum of their squares.
         const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
         const GAIN: f64 = 30.4;
@@ -111,7 +111,7 @@ impl Scales {
                 .map(|difference| difference.abs() / GAIN)
                 .collect();
             noise.sort_by(f64::total_cmp);
-            *tolerance = tolerance.max(SAFETY * noise[1]);
+            *tolerance = tolerance.max(SAFETY * noise[PLACES.len() / 2]);
         }
         Ok(points.len())
     }

@@ -127,7 +127,7 @@ impl Case<'_> {
     /// that is not known.
     fn closed(&self) -> Option<(String, bool)> {
         let closed = self.steps().filter_map(|(evidence, step)| {
-            let defect = step.closing?.closed;
+            let defect = step.closing.filter(|_| !evidence.winds)?.closed;
             Some((evidence, step, defect))
         });
         let (evidence, step, defect) =
@@ -294,17 +294,22 @@ impl Case<'_> {
     }
 
     fn symplectic(&self) -> Verdict {
+        // A random loop that winds says whether the map is exact, no more.
+        let random_ones = self.loops[1..].iter().filter(|evidence| !evidence.winds);
         let resolved = |evidence: &&LoopEvidence| evidence.testifies();
-        let bound = (self.loops.iter().filter(resolved))
-            .flat_map(|evidence| &evidence.steps)
-            .map(StepEvidence::bound)
-            .fold(f64::EPSILON, f64::max);
+        let bound = (self.loops[..1]
+            .iter()
+            .chain(random_ones.clone())
+            .filter(resolved))
+        .flat_map(|evidence| &evidence.steps)
+        .map(StepEvidence::bound)
+        .fold(f64::EPSILON, f64::max);
         let digits = (-bound.log10() * 10.0).floor() / 10.0;
         let sizes = self.loops[0].steps.iter().map(|step| step.step_size.abs());
         let (low, high) = sizes.fold((f64::INFINITY, 0.0), |(l, h): (f64, f64), size| {
             (l.min(size), h.max(size))
         });
-        let testifying = self.loops[1..].iter().filter(|e| e.testifies()).count();
+        let testifying = random_ones.filter(resolved).count();
         let random = match testifying {
             0 => String::new(),
             1 => format!(", nor on a random one at {}", size(high)),
@@ -377,7 +382,11 @@ impl Case<'_> {
                 size(step.step_size)
             )
         }));
-        let exact = random.iter().find(|found| found.winds && found.testifies());
+        let conserved =
+            |found: &&LoopEvidence| !found.steps.iter().any(StepEvidence::is_unexplained);
+        let exact = (random.iter())
+            .filter(|found| found.winds && found.testifies())
+            .find(conserved);
         lines.extend(exact.map(|found| {
             format!(
                 "{} winds round a period, cannot be contracted, and is conserved, too: the map is exact.",

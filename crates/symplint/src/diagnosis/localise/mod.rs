@@ -9,7 +9,7 @@ pub use stages::Stage;
 use serde::Serialize;
 
 use super::probe::{Method, Subject};
-use super::random_loop::random_loop;
+use super::random_loop::{random_loop, winding_loop};
 use super::streamed::fits;
 use super::{Diagnostic, RuleChoice};
 use crate::error::Error;
@@ -79,15 +79,19 @@ impl Diagnostic {
             subject
         } else {
             let seed = self.seed.wrapping_add(evidence.index as u64);
-            random = random_loop(subject.phase_loop, seed)?;
+            random = match evidence.winds {
+                true => winding_loop(subject.phase_loop, subject.coordinates, seed)?,
+                false => None,
+            }
+            .map_or_else(|| random_loop(subject.phase_loop, seed), Ok)?;
             Subject {
                 phase_loop: &random,
                 ..subject
             }
         };
-        let samples = evidence.samples;
+        let (samples, rule) = (evidence.samples, self.affordable(subject.map.dof()));
         let method = match self.rule {
-            _ if evidence.piecewise => Method::Piecewise(self.piecewise),
+            _ if evidence.piecewise => Method::Piecewise(rule, samples),
             RuleChoice::Fixed(rule) => Method::Samples(rule, samples),
             RuleChoice::Auto if fits(subject.map.dof(), samples) => {
                 Method::Samples(Rule::Pseudospectral, samples)
@@ -103,7 +107,7 @@ impl Diagnostic {
             },
             sectors: match broken || evidence.winds {
                 true => Vec::new(),
-                false => sectors::sectors(subject, &self.piecewise, h)?,
+                false => sectors::sectors(subject, &rule, h)?,
             },
         })
     }

@@ -127,14 +127,14 @@ pub(super) fn line(sectors: &[Sector], h: &str) -> Option<String> {
     let (count, percent) = (sectors.len(), (100.0 * share).round());
     Some(if share >= MUCH {
         format!(
-            "Of {count} sectors of the disc within the loop, that from s = {} to {} carries {percent}% of the \
-             defect at h = {h}.",
-            largest.from, largest.to
+            "Of {count} sectors of the disc within the loop, that from s = {} to {} changes most at h = {h}: by \
+             {:+.2e}, {percent}% of what all of them change, whatever its sign.",
+            largest.from, largest.to, largest.change
         )
     } else {
         format!(
-            "The defect at h = {h} is spread over the disc within the loop: of {count} sectors, none carries \
-             more than {percent}%."
+            "The defect at h = {h} is spread over the disc within the loop: of what {count} sectors change, \
+             whatever its sign, none makes more than {percent}%."
         )
     })
 }

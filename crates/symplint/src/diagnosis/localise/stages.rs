@@ -59,7 +59,7 @@ impl TimeAdvance for Prefix<'_> {
 
 /// Integrates the loop after every substep.
 pub(super) fn stages(subject: Subject<'_>, method: Method, h: f64) -> Result<Vec<Stage>, Error> {
-    let mut before: Option<(Defect, usize)> = None;
+    let mut before: Option<Defect> = None;
     (0..subject.map.substeps())
         .map(|substep| {
             let prefix = Prefix {
@@ -74,10 +74,15 @@ pub(super) fn stages(subject: Subject<'_>, method: Method, h: f64) -> Result<Vec
             let measured = Probe::new(0, subject, method)?.measure(h)?;
             let defect = measured.closing.map_or(measured.defect, |c| c.closed);
             let breaks = measured.breaks.len();
-            let since = before.map_or(0.0, |(before, _)| before.signed);
-            let doubt = before.map_or(0.0, |(before, _)| before.uncertainty());
-            before = Some((defect, breaks));
-            let uncertainty = doubt + defect.uncertainty();
+            let since = before.map_or(0.0, |before| before.signed);
+            let doubt = before.map_or(0.0, |before| before.uncertainty());
+            before = Some(defect);
+            // A broken loop has no integral, unless its breaks are closed.
+            let open = breaks > 0 && measured.closing.is_none();
+            let uncertainty = match open {
+                true => f64::INFINITY,
+                false => doubt + defect.uncertainty(),
+            };
             Ok(Stage {
                 substep,
                 name,
@@ -105,7 +110,7 @@ pub(super) fn line(stages: &[Stage], h: &str) -> Option<String> {
         }
         let mut text = format!("substep {} ({})", stage.substep + 1, stage.name);
         if tears {
-            text += &format!(" leaves the loop with {breaks} breaks");
+            text += " breaks the loop";
         }
         if changes {
             let and = if tears { " and" } else { "" };
