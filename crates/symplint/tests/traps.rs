@@ -1,0 +1,224 @@
+//! Maps and loops with features that a few pieces, or a few samples, step over: numbers must come with an
+//! error that covers them, and verdicts must not be wrong.
+
+use std::f64::consts::{PI, TAU};
+
+use symplint::{
+    Block, Circle, Diagnostic, Error, Loop, LoopIntegral, PerSample, Piecewise, StepFailure,
+    TimeAdvance, VerdictKind,
+};
+
+fn circle(q0: f64, p0: f64) -> Circle {
+    Circle::new(vec![q0], vec![p0], 1.0).unwrap()
+}
+
+/// A kick by any force of q alone and a drift: symplectic, where the force is continuous.
+fn kick_drift(force: impl Fn(f64) -> f64 + Send + Sync) -> impl TimeAdvance {
+    PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+        p[0] -= h * force(q[0]);
+        q[0] += h * p[0];
+    })
+}
+
+fn assert_covered(found: &LoopIntegral, exact: f64) {
+    let (off, error) = (
+        (found.value - exact).abs(),
+        found.quadrature_error.unwrap_or(f64::INFINITY) + found.roundoff,
+    );
+    assert!(off <= error, "off by {off:e}, estimate {error:e}");
+}
+
+#[test]
+fn a_narrow_force_is_not_called_not_symplectic() {
+    // The loop crosses each of them twice; samples may meet the one crossing and miss the other.
+    for width in [1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6] {
+        let gauss = kick_drift(move |q| (-((q - 0.3) / width).powi(2)).exp());
+        let tent = kick_drift(move |q| (1.0 - ((q - 0.3) / width).abs()).max(0.0));
+        for (name, map) in [
+            ("gauss", &gauss as &dyn TimeAdvance),
+            ("tent", &tent as &dyn TimeAdvance),
+        ] {
+            let found = Diagnostic::default()
+                .run(map, &circle(0.1, 0.2), &|_| {})
+                .unwrap();
+            assert_ne!(
+                found.verdict.kind,
+                VerdictKind::NotSymplectic,
+                "{name} of {width}: {}",
+                found.verdict
+            );
+        }
+    }
+}
+
+/// A circle with a narrow bump in p.
+struct Bumped;
+
+impl Loop for Bumped {
+    fn dof(&self) -> usize {
+        1
+    }
+    fn sample(&self, s: &[f64], block: &mut Block<'_>) {
+        for (k, &s) in s.iter().enumerate() {
+            let bump = 0.5 * (-((s.rem_euclid(1.0) - 0.195) / 0.0012).powi(2)).exp();
+            block.q.row_mut(0)[k] = 0.2 + (TAU * s).sin();
+            block.p.row_mut(0)[k] = 0.3 + (TAU * s).cos() + bump;
+        }
+    }
+}
+
+#[test]
+fn a_narrow_feature_of_the_loop_counts_before_the_step_as_after_it() {
+    let kinked = Diagnostic::default()
+        .run(&kick_drift(f64::abs), &Bumped, &|_| {})
+        .unwrap();
+    assert_ne!(kinked.verdict.kind, VerdictKind::NotSymplectic);
+    let broken = PerSample::new(1, |h, q: &mut [f64], p: &mut [f64]| {
+        q[0] += h * p[0];
+        p[0] -= h * if q[0] < 0.0 { -1.0 } else { 1.0 };
+    });
+    let found = Diagnostic::default()
+        .run(&broken, &Bumped, &|_| {})
+        .unwrap();
+    assert_eq!(found.verdict.kind, VerdictKind::BrokenLoops);
+    assert!(!found.verdict.summary.contains("change even with"));
+}
+
+#[test]
+fn a_stretch_too_short_to_resolve_is_covered_by_the_error() {
+    // q jumps between two jumps of p, 3e-12 of the loop apart, far from p = 0.
+    let map = PerSample::new(1, |_, q: &mut [f64], p: &mut [f64]| {
+        let s = (q[0].atan2(p[0] - 100.0) / TAU).rem_euclid(1.0);
+        p[0] += f64::from(s >= 0.1) + f64::from(s >= 0.1 + 6e-12);
+        q[0] += 0.3 * f64::from(s >= 0.1 + 3e-12);
+    });
+    let found = Piecewise::default()
+        .integrate(&map, &circle(0.0, 100.0), 1.0)
+        .unwrap();
+    assert_covered(&found.continuous, PI - 2.0 * (TAU * 0.1).sin());
+}
+
+/// A circle that is run through so many times.
+struct Turns(f64);
+
+impl Loop for Turns {
+    fn dof(&self) -> usize {
+        1
+    }
+    fn sample(&self, s: &[f64], block: &mut Block<'_>) {
+        for (k, &s) in s.iter().enumerate() {
+            let (sin, cos) = (TAU * self.0 * s).sin_cos();
+            (block.q.row_mut(0)[k], block.p.row_mut(0)[k]) = (sin, cos);
+        }
+    }
+}
+
+#[test]
+fn no_number_of_turns_hides_between_the_first_states() {
+    let rest = PerSample::new(1, |_, _: &mut [f64], _: &mut [f64]| {});
+    for turns in [1.0, 4.0, 12.0, 24.0, 48.0, 192.0] {
+        let found = Piecewise::default().integrate(&rest, &Turns(turns), 0.5);
+        assert_covered(&found.unwrap().continuous, turns * PI);
+    }
+}
+
+/// Half kicks by a force that jumps at q = 1/4, and drifts.
+struct Kicks(&'static [char]);
+
+impl TimeAdvance for Kicks {
+    fn dof(&self) -> usize {
+        1
+    }
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        (0..self.substeps()).try_for_each(|k| self.advance_substep(k, h, block))
+    }
+    fn substeps(&self) -> usize {
+        self.0.len()
+    }
+    fn advance_substep(&self, k: usize, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
+            match self.0[k] {
+                'T' => *q += h * *p,
+                _ => *p -= 0.5 * h * if *q < 0.25 { -1.0 } else { 1.0 },
+            }
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn segments_between_neighbouring_doubles_do_not_turn_back() {
+    // The second of two kicks in a row meets the segment that the first one opened.
+    let map = Kicks(&['V', 'T', 'V', 'V', 'T', 'V']);
+    let found = Piecewise::default()
+        .integrate(&map, &circle(0.0, 0.0), 0.5)
+        .unwrap();
+    assert!(found.evaluations < 10_000, "{}", found.evaluations);
+    assert!((found.closed().value - PI).abs() < 1e-12);
+}
+
+#[test]
+fn a_break_at_the_start_of_the_loop_costs_no_more_than_another() {
+    // q = 0 at s = 0 belongs to the lower side.
+    let map = kick_drift(|q| if q > 0.0 { 1.0 } else { -1.0 });
+    let found = Piecewise::default()
+        .integrate(&map, &circle(0.0, 0.0), 0.5)
+        .unwrap();
+    assert!(found.evaluations <= 400, "{}", found.evaluations);
+    assert_eq!(found.breaks.len(), 2);
+}
+
+/// Kick by a staircase of `k` stairs a unit, and drift; ∮ p dq of the pieces of the circle round (0.13, 0.2),
+/// and the number of breaks.
+fn staircase(k: f64, h: f64) -> (impl TimeAdvance, f64, usize) {
+    let half_square = |x: f64| 0.5 * x * x;
+    let (mut exact, mut breaks) = (PI, 0);
+    for stair in (-0.87 * k).ceil() as i64..=(1.13 * k).floor() as i64 {
+        let distance = stair as f64 / k - 0.13;
+        if distance.abs() >= 1.0 {
+            continue;
+        }
+        let r = (1.0 - distance * distance).sqrt();
+        let [above, below] = [stair, stair - 1].map(|stair| -h * stair as f64 / k);
+        exact -= h
+            * (half_square(0.2 + r + above) - half_square(0.2 + r + below)
+                + half_square(0.2 - r + below)
+                - half_square(0.2 - r + above));
+        breaks += 2;
+    }
+    (kick_drift(move |q| (k * q).floor() / k), exact, breaks)
+}
+
+#[test]
+fn dense_breaks_are_no_noise() {
+    for k in [10.0, 150.0, 300.0, 600.0] {
+        let (map, exact, breaks) = staircase(k, 0.5);
+        let found = Piecewise::default()
+            .integrate(&map, &circle(0.13, 0.2), 0.5)
+            .unwrap();
+        assert_covered(&found.continuous, exact);
+        assert_eq!(found.breaks.len(), breaks, "{k} stairs");
+    }
+}
+
+#[test]
+fn a_state_that_fails_between_the_samples_is_named_by_its_place_on_the_loop() {
+    let map = PerSample::new(1, |h, q: &mut [f64], p: &mut [f64]| {
+        let x = q[0] - 0.3;
+        p[0] += if x.abs() < 1e-7 {
+            f64::NAN
+        } else {
+            h * x.signum()
+        };
+        q[0] += h * p[0];
+    });
+    let error = Diagnostic::default()
+        .run(&map, &circle(0.0, 0.0), &|_| {})
+        .unwrap_err();
+    let Error::OnTheWay { s, .. } = error else {
+        panic!("{error}");
+    };
+    let expected = 0.3f64.asin() / TAU;
+    let off = (s - expected).abs().min((s - 0.5 + expected).abs());
+    assert!(off < 1e-7, "{error}");
+}
