@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 /// Each case runs this often, in turn with its control; the medians are printed.
 const ROUNDS: usize = 51;
 
-/// Long enough for the clock, short enough for a round of two to see the same machine.
-const SLICE: Duration = Duration::from_micros(1000);
+/// Long enough for the clock, and for the waking of a second core, about half a millisecond here, to count
+/// little; short enough for a round of two to see the same machine.
+const SLICE: Duration = Duration::from_millis(15);
 
 /// Prints what the columns of [`report`] are.
 pub fn heading(what: &str) {
