@@ -200,6 +200,9 @@ impl Piecewise {
     }
 }
 
+/// Parameters no further apart than this are a few doubles apart.
+const NEIGHBOURS: f64 = 4.0 * f64::EPSILON;
+
 /// Samples from which the sizes of the coordinates are learned.
 const SKETCH: usize = 12;
 
@@ -279,6 +282,15 @@ fn collect(queue: &Queue<'_>, chords: &[Chord]) -> Result<PiecewiseIntegral, Err
         .map(|found| found.summary)
         .collect();
     breaks.sort_by(|a, b| a.s.total_cmp(&b.s));
+    // A force that has a value of its own where it jumps breaks the loop twice round one double.
+    breaks.dedup_by(|next, found| {
+        let one = next.dof == found.dof && next.s - found.s < NEIGHBOURS;
+        if one {
+            found.jump_q += next.jump_q;
+            found.jump_p += next.jump_p;
+        }
+        one
+    });
     Ok(PiecewiseIntegral {
         continuous: LoopIntegral {
             value,

@@ -73,6 +73,8 @@ pub(super) fn sectors(
     let centre = centre(subject.phase_loop)?;
     let rule = Piecewise {
         pieces: SIDES,
+        // All of them together may cost what one loop may: they are an explanation, no evidence.
+        most_evaluations: rule.most_evaluations / (2 * SECTORS),
         ..*rule
     };
     let rest = Identity(subject.coordinates);

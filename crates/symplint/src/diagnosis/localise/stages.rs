@@ -23,6 +23,8 @@ pub struct Stage {
     pub uncertainty: Option<f64>,
     /// Breaks of the loop after this substep.
     pub breaks: usize,
+    /// Those of them that were not there before it.
+    pub new_breaks: usize,
 }
 
 /// The first substeps of a map, as a map.
@@ -57,9 +59,13 @@ impl TimeAdvance for Prefix<'_> {
     }
 }
 
+/// Breaks nearer than this part of the loop are one: a later substep moves states, and no parameter.
+const SAME_PLACE: f64 = 1e-14;
+
 /// Integrates the loop after every substep.
 pub(super) fn stages(subject: Subject<'_>, method: Method, h: f64) -> Result<Vec<Stage>, Error> {
     let mut before: Option<Defect> = None;
+    let mut broken_at: Vec<f64> = Vec::new();
     (0..subject.map.substeps())
         .map(|substep| {
             let prefix = Prefix {
@@ -73,7 +79,10 @@ pub(super) fn stages(subject: Subject<'_>, method: Method, h: f64) -> Result<Vec
             let name = subject.map.substep_name(substep);
             let measured = Probe::new(0, subject, method)?.measure(h)?;
             let defect = measured.closing.map_or(measured.defect, |c| c.closed);
-            let breaks = measured.breaks.len();
+            let places: Vec<f64> = measured.breaks.iter().map(|found| found.s).collect();
+            let is_new = |s: &&f64| broken_at.iter().all(|old| (*s - old).abs() > SAME_PLACE);
+            let (breaks, new_breaks) = (places.len(), places.iter().filter(is_new).count());
+            broken_at = places;
             let since = before.map_or(0.0, |before| before.signed);
             let doubt = before.map_or(0.0, |before| before.uncertainty());
             before = Some(defect);
@@ -89,6 +98,7 @@ pub(super) fn stages(subject: Subject<'_>, method: Method, h: f64) -> Result<Vec
                 change: defect.signed - since,
                 uncertainty: uncertainty.is_finite().then_some(uncertainty),
                 breaks,
+                new_breaks,
             })
         })
         .collect()
@@ -96,14 +106,12 @@ pub(super) fn stages(subject: Subject<'_>, method: Method, h: f64) -> Result<Vec
 
 /// What the substeps do, in a sentence.
 pub(super) fn line(stages: &[Stage], h: &str) -> Option<String> {
-    let mut breaks = 0;
     let mut culprits = Vec::new();
     let mut others = 0.0f64;
     for stage in stages {
         let uncertainty = stage.uncertainty.unwrap_or(f64::INFINITY);
         let changes = stage.change.abs() > BEYOND_DOUBT * uncertainty;
-        let tears = stage.breaks > breaks;
-        breaks = stage.breaks;
+        let tears = stage.new_breaks > 0;
         if !(changes || tears) {
             others = others.max(stage.change.abs() + uncertainty);
             continue;
