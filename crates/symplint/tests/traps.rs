@@ -4,8 +4,8 @@
 use std::f64::consts::{PI, TAU};
 
 use symplint::{
-    Block, Circle, Diagnostic, Error, Loop, LoopIntegral, PerSample, Piecewise, StepFailure,
-    TimeAdvance, VerdictKind,
+    Block, Circle, Coordinates, Diagnostic, Error, Loop, LoopIntegral, PerSample, Piecewise,
+    StepFailure, TimeAdvance, VerdictKind,
 };
 
 fn circle(q0: f64, p0: f64) -> Circle {
@@ -221,4 +221,51 @@ fn a_state_that_fails_between_the_samples_is_named_by_its_place_on_the_loop() {
     let expected = 0.3f64.asin() / TAU;
     let off = (s - expected).abs().min((s - 0.5 + expected).abs());
     assert!(off < 1e-7, "{error}");
+}
+
+/// Kick by a force that jumps, drift, smooth kick and drift, on a cylinder of circumference 1.
+struct OpensWide {
+    jump: f64,
+    kick: f64,
+    drift: f64,
+}
+
+impl TimeAdvance for OpensWide {
+    fn dof(&self) -> usize {
+        1
+    }
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        (0..self.substeps()).try_for_each(|k| self.advance_substep(k, h, block))
+    }
+    fn substeps(&self) -> usize {
+        4
+    }
+    fn advance_substep(&self, k: usize, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
+            let sin = (TAU * *q).sin();
+            match k {
+                0 => *p += h * self.jump * if sin < 0.0 { -1.0 } else { 1.0 },
+                1 => *q += 0.5 * h * *p,
+                2 => *p += h * self.kick * sin,
+                _ => *q += self.drift * h * *p,
+            }
+        }
+        Ok(())
+    }
+    fn coordinates(&self) -> Coordinates {
+        Coordinates::plain(1).with_periods(vec![1.0]).unwrap()
+    }
+}
+
+#[test]
+fn breaks_that_open_by_more_than_half_a_period_are_closed_all_the_same() {
+    for (jump, kick) in [(0.2, 0.1), (0.35, 0.05), (0.5, 0.2)] {
+        for (drift, p0) in [(0.5, 0.0), (0.7, 0.3), (1.0, 1.0)] {
+            let map = OpensWide { jump, kick, drift };
+            let circle = Circle::new(vec![0.1], vec![p0], 0.3).unwrap();
+            let found = Piecewise::default().integrate(&map, &circle, 1.0).unwrap();
+            assert_covered(&found.closed(), 0.09 * PI);
+            assert!(found.closed().quadrature_error < Some(1e-9));
+        }
+    }
 }

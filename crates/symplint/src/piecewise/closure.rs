@@ -12,6 +12,8 @@ use crate::error::Error;
 pub(super) struct Chord {
     /// ∫ (p − p_ref) dq along it, for each degree of freedom.
     pub areas: Vec<f64>,
+    /// ∫ dq along it.
+    pub gains: Vec<f64>,
 }
 
 /// A difference of two states is a jump if it is this part of what it becomes.
@@ -100,13 +102,19 @@ fn state(states: &Ensemble, sample: usize) -> Vec<f64> {
 }
 
 fn chord(queue: &Queue<'_>, states: &Ensemble, [left, right]: [usize; 2]) -> Chord {
-    let areas = (0..states.dof()).map(|i| {
-        let (q, p) = (states.q().row(i), states.p().row(i));
+    let gains: Vec<f64> = (0..states.dof())
+        .map(|i| {
+            let q = states.q().row(i);
+            nearest(q[right] - q[left], queue.coordinates.period(i))
+        })
+        .collect();
+    let areas = gains.iter().enumerate().map(|(i, gain)| {
+        let p = states.p().row(i);
         let mean = 0.5 * (p[left] + p[right]) - queue.scales.p_reference[i];
-        let gain = nearest(q[right] - q[left], queue.coordinates.period(i));
         queue.coordinates.weight(i) * mean * gain
     });
     Chord {
         areas: areas.collect(),
+        gains,
     }
 }

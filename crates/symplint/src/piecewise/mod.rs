@@ -228,23 +228,27 @@ fn collect(queue: &Queue<'_>, chords: &[Chord]) -> Result<PiecewiseIntegral, Err
     let mut areas = vec![CompensatedSum::default(); dof];
     let mut closing = vec![CompensatedSum::default(); dof];
     let mut gains = vec![CompensatedSum::default(); dof];
+    let mut closing_gains = vec![CompensatedSum::default(); dof];
     let (mut error, mut exposure, mut scale) = (0.0, 0.0, 0.0);
     for piece in &smooth {
         let of_loop = piece.piece.curve == 0;
         for i in 0..dof {
-            let sum = if of_loop { &mut areas } else { &mut closing };
-            sum[i].add(piece.areas[i]);
-            if of_loop {
-                gains[i].add(piece.gains[i]);
-            }
+            let (areas, gains) = if of_loop {
+                (&mut areas, &mut gains)
+            } else {
+                (&mut closing, &mut closing_gains)
+            };
+            areas[i].add(piece.areas[i]);
+            gains[i].add(piece.gains[i]);
         }
         error += piece.error;
         exposure += piece.exposure;
         scale += piece.areas.iter().map(|area| area.abs()).sum::<f64>();
     }
     for chord in chords {
-        for (closing, area) in closing.iter_mut().zip(&chord.areas) {
-            closing.add(*area);
+        for i in 0..dof {
+            closing[i].add(chord.areas[i]);
+            closing_gains[i].add(chord.gains[i]);
         }
     }
     let mut contributions = Vec::with_capacity(dof);
@@ -261,7 +265,11 @@ fn collect(queue: &Queue<'_>, chords: &[Chord]) -> Result<PiecewiseIntegral, Err
         let rounded = UNIT_ROUNDOFF * queue.breaks.len() as f64 * queue.largest_position(i);
         exposure += (reference * rounded / UNIT_ROUNDOFF).abs();
         contributions.push(contribution);
-        of_closing.push(closing[i].total() + reference * jumps);
+        // The closed curve may wind otherwise: a segment opens by whole periods where a jump, of which only
+        // the ends are known, seems to be less.
+        let closed = gains[i].total() + closing_gains[i].total();
+        let closed_winding = closed - nearest(closed, coordinates.period(i));
+        of_closing.push(closing[i].total() + reference * (closed_winding - winding + jumps));
         total.add(contribution);
     }
     let value = total.total();
