@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use symplint::{
-    Block, Circle, Closure, Coordinates, Ensemble, Error, FourierLoop, LoopIntegral, PerSample,
-    Piecewise, PiecewiseIntegral, Rule, StepFailure, TimeAdvance,
+    Block, Circle, Closure, Coordinates, Ensemble, Error, FourierLoop, Loop, LoopIntegral,
+    PerSample, Piecewise, PiecewiseIntegral, Rule, StepFailure, TimeAdvance,
 };
 
 fn unit_circle() -> Circle {
@@ -290,4 +290,75 @@ fn failures_say_where_on_the_loop_they_are() {
     };
     let error = rule.integrate(&map, &unit_circle(), 0.5).unwrap_err();
     assert!(error.to_string().contains("tolerance"), "{error}");
+}
+
+/// A map that says where it breaks loops, rightly or not.
+struct Offers<'a> {
+    map: &'a dyn TimeAdvance,
+    breaks: Vec<f64>,
+}
+
+impl TimeAdvance for Offers<'_> {
+    fn dof(&self) -> usize {
+        self.map.dof()
+    }
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.map.advance(h, block)
+    }
+    fn known_breaks(&self, _: &dyn Loop, _: f64) -> Vec<f64> {
+        self.breaks.clone()
+    }
+}
+
+#[test]
+fn known_breaks_save_evaluations_and_wrong_ones_do_no_harm() {
+    let h = 0.5;
+    let blind = integrate(
+        &Offers {
+            map: &LIE_TROTTER_Q,
+            breaks: vec![],
+        },
+        h,
+    );
+    // q + h p = 0 on the unit circle: tan 2πs = −h.
+    let at = 0.5 - h.atan() / TAU;
+    let right = vec![at, at + 0.5];
+    let told = integrate(
+        &Offers {
+            map: &LIE_TROTTER_Q,
+            breaks: right.clone(),
+        },
+        h,
+    );
+    assert!(
+        told.evaluations < blind.evaluations,
+        "{} and {}",
+        told.evaluations,
+        blind.evaluations
+    );
+    for (found, known) in told.breaks.iter().zip(&right) {
+        assert!((found.s - known).abs() < 1e-15);
+    }
+    let wrong = vec![
+        0.1,
+        0.1 + 1e-11,
+        0.25,
+        1.0,
+        7.5,
+        -3.0,
+        f64::NAN,
+        f64::INFINITY,
+        0.0,
+    ];
+    let misled = integrate(
+        &Offers {
+            map: &LIE_TROTTER_Q,
+            breaks: wrong,
+        },
+        h,
+    );
+    for found in [&blind, &told, &misled] {
+        assert_eq!(found.breaks.len(), 2);
+        assert!((found.continuous.value - PI).abs() < 1e-12);
+    }
 }

@@ -8,6 +8,7 @@ pub use tangent::TangentMap;
 
 use crate::block::Block;
 use crate::coordinates::Coordinates;
+use crate::loops::Loop;
 
 /// A map from states to states that advances by one step of size h.
 ///
@@ -83,6 +84,16 @@ pub trait TimeAdvance: Send + Sync {
         format!("part {}", substep + 1)
     }
 
+    /// Where a step of size `h` breaks or bends a loop, as far as the map can tell beforehand: loop
+    /// parameters s in [0, 1), in any order. None by default.
+    ///
+    /// The piecewise rule begins to look there, which saves evaluations. It needs none of them, trusts
+    /// none, and looks elsewhere as well.
+    fn known_breaks(&self, phase_loop: &dyn Loop, h: f64) -> Vec<f64> {
+        let _ = (phase_loop, h);
+        Vec::new()
+    }
+
     /// Which coordinates are periodic, what makes momenta canonical, and where the grid is.
     fn coordinates(&self) -> Coordinates {
         Coordinates::plain(self.dof())
@@ -134,6 +145,9 @@ macro_rules! forward_time_advance {
             }
             fn substep_name(&self, substep: usize) -> String {
                 (**self).substep_name(substep)
+            }
+            fn known_breaks(&self, phase_loop: &dyn Loop, h: f64) -> Vec<f64> {
+                (**self).known_breaks(phase_loop, h)
             }
             fn coordinates(&self) -> Coordinates {
                 (**self).coordinates()

@@ -168,18 +168,30 @@ impl Piecewise {
         };
         let sketch = Ensemble::image(map, phase_loop, h, &sketch_points())?;
         let scales = Scales::new(&sketch, &coordinates, self.tolerance);
-        let count = self.pieces.max(1);
-        let edge = |k: usize| k as f64 / count as f64;
-        let pieces = (0..count).map(|k| Piece {
+        let edges = self.first_edges(&map.known_breaks(phase_loop, h));
+        let pieces = edges.windows(2).map(|ends| Piece {
             curve: 0,
-            a: edge(k),
-            b: edge(k + 1),
+            a: ends[0],
+            b: ends[1],
         });
         let mut queue = Queue::new(curves, &coordinates, scales, self.most_evaluations, seen);
         queue.evaluations += SKETCH;
         queue.run(0, pieces.collect())?;
         let chords = close(&mut queue, self.closure)?;
         collect(&queue, &chords)
+    }
+
+    /// Where the first pieces end: a few of one length, cut round the breaks that are known.
+    fn first_edges(&self, known: &[f64]) -> Vec<f64> {
+        let count = self.pieces.max(1);
+        let uniform = (0..=count).map(|k| k as f64 / count as f64);
+        let around = (known.iter().filter(|s| s.is_finite()))
+            .flat_map(|s| [s - AROUND, s + AROUND])
+            .filter(|edge| (AROUND..1.0 - AROUND).contains(edge));
+        let mut edges: Vec<f64> = uniform.chain(around).collect();
+        edges.sort_by(f64::total_cmp);
+        edges.dedup();
+        edges
     }
 
     fn check(&self, map: &dyn TimeAdvance, phase_loop: &dyn Loop) -> Result<(), Error> {
@@ -199,6 +211,10 @@ impl Piecewise {
         Ok(())
     }
 }
+
+/// A known break lies in a first piece that reaches this far to both sides of it: much further than the
+/// rounding of where it is, and not at all on the scale of the loop.
+const AROUND: f64 = 1e-10;
 
 /// Parameters no further apart than this are a few doubles apart.
 const NEIGHBOURS: f64 = 4.0 * f64::EPSILON;
