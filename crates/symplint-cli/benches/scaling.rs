@@ -5,7 +5,11 @@
 //! those of a machine, and `reproduce` says the same everywhere; it lies in this crate for the figure.
 
 // Only what this figure needs of it.
-#[allow(dead_code, unused_imports)]
+#[allow(
+    dead_code,
+    unused_imports,
+    reason = "the bench draws less than the program"
+)]
 #[path = "../src/figure/mod.rs"]
 mod figure;
 

@@ -4,7 +4,7 @@
 
 mod interleaved;
 // The same kernel once more, to compile it for processors that would not be chosen here.
-#[allow(dead_code)]
+#[allow(dead_code, reason = "the bench takes sines alone")]
 #[path = "../src/elementary/kernel.rs"]
 mod kernel;
 

@@ -2,7 +2,7 @@
 //! doubles (`table.txt`, by `make_table.py`), and double-double sums where arguments are reduced.
 
 // The kernel itself, so that both kinds of arithmetic are tested on every processor.
-#[allow(dead_code)]
+#[allow(dead_code, reason = "the library takes more of it than the tests")]
 #[path = "../../src/elementary/kernel.rs"]
 mod kernel;
 mod reference;

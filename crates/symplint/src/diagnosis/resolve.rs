@@ -1,12 +1,13 @@
 //! Choosing the rule and the number of samples.
 
+use super::doubling::Doubling;
 use super::nested::Nested;
 use super::probe::{Method, Probe, Subject};
 use super::{Diagnostic, RuleChoice, SampleCount};
 use crate::error::Error;
 use crate::integral::{Cutoffs, Rule};
 use crate::piecewise::Piecewise;
-use crate::verdict::{MOST_CELLS_APART, WEAKEST_BOUND};
+use crate::verdict::WEAKEST_BOUND;
 
 /// Where automatic doubling begins in one degree of freedom: what is narrower than a cell of the loop is
 /// not seen, and samples of small systems cost nothing.
@@ -21,16 +22,6 @@ pub(super) const MOST: usize = 1 << 16;
 /// Memory of the largest ensemble that is chosen without being asked for; samples before and after a step
 /// make two of them.
 pub(super) const MOST_BYTES: usize = 512 << 20;
-
-/// A quadrature error of this size is as good as round-off.
-pub(super) const ENOUGH: f64 = 1e-14;
-
-/// Twice the samples that gain less than this factor hit noise: smooth loops gain far more,
-/// kinked ones 4 or more, jumps 2, noise of the states √2.
-pub(super) const STALLED: f64 = 1.7;
-
-/// Above this an error that does not fall is not yet noise: the loop is steep somewhere.
-pub(super) const NOISE: f64 = 1e-5;
 
 /// Sobolev exponents of loops with kinks: more than the ½ of a jump, which is looked for in its own way, and
 /// so few that no analytic loop has them.
@@ -79,8 +70,7 @@ impl Diagnostic {
             return Probe::new(index, subject, Method::Samples(rule, fewest));
         }
         let mut nested = Nested::new(subject, fewest, h)?;
-        let mut last_error = f64::INFINITY;
-        let mut stalls = 0;
+        let mut doubling = Doubling::new();
         let mut last_regularity = None;
         let mut pieces = None;
         loop {
@@ -92,15 +82,8 @@ impl Diagnostic {
                     false => Ok(probe.knowing(h, measured)),
                 };
             }
-            let error = measured.defect.quadrature_error.unwrap_or(f64::INFINITY);
-            stalls = if error < NOISE && error * STALLED > last_error {
-                stalls + 1
-            } else {
-                0
-            };
-            let wanted = ENOUGH.max(4.0 * measured.defect.roundoff);
-            let enough = error <= wanted;
-            let sees_the_grid = measured.cells_apart <= MOST_CELLS_APART;
+            let standing = doubling.proceed(&measured);
+            let error = standing.error;
             let all = 2 * nested.before.samples() > most;
             let regularity = measured.integral.regularity;
             let kinked = settled(last_regularity, regularity);
@@ -108,9 +91,9 @@ impl Diagnostic {
             let fall = nested.before.samples() as f64 / most as f64;
             let expected = kinked.map_or(0.0, |s| error * fall.powf(2.0 * s - 1.0));
             let probe = probe.knowing(h, measured);
-            if (sees_the_grid && (enough || stalls == 2)) || all {
+            if standing.is_done() || all {
                 // Where twice the samples gain nothing there is noise, and no rule does better.
-                if !auto || enough || stalls == 2 {
+                if !auto || standing.enough || standing.stalled {
                     return Ok(probe);
                 }
                 let pieces = match pieces {
@@ -122,14 +105,13 @@ impl Diagnostic {
                 }
                 return self.beyond_memory(probe, h, error);
             }
-            if auto && pieces.is_none() && expected > HOPELESS * wanted {
+            if auto && pieces.is_none() && expected > HOPELESS * standing.wanted {
                 let tried = self.tried(&probe, &nested, h)?;
                 if tried.measure(h)?.defect.uncertainty() < expected {
                     return Ok(tried);
                 }
                 pieces = Some(tried);
             }
-            last_error = error;
             last_regularity = regularity;
             nested.double()?;
         }

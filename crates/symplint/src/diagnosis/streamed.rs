@@ -1,12 +1,12 @@
 //! Diagnoses of more degrees of freedom than memory holds ensembles of.
 
+use super::doubling::Doubling;
 use super::probe::{Measured, Method, Probe, Subject};
-use super::resolve::{ENOUGH, MOST, MOST_BYTES, NOISE, STALLED, fewest_samples, power_below};
+use super::resolve::{MOST, MOST_BYTES, fewest_samples, power_below};
 use super::{Diagnostic, SampleCount};
 use crate::defect::Defect;
 use crate::error::Error;
 use crate::streaming::Streaming;
-use crate::verdict::MOST_CELLS_APART;
 
 /// Coordinates that the map may be made to advance for one loop integral, where nobody asked for the number of
 /// samples: a thousand samples in a million degrees of freedom.
@@ -72,23 +72,15 @@ impl Diagnostic {
             return Ok((with(samples)?, None));
         }
         let most = most_streamed(subject.phase_loop.dof());
-        let (mut samples, mut last_error, mut stalls) = (from, f64::INFINITY, 0);
+        let (mut samples, mut doubling) = (from, Doubling::new());
         loop {
             let probe = with(samples)?;
             let measured = probe.measure(h)?;
-            let error = measured.defect.quadrature_error.unwrap_or(f64::INFINITY);
-            let enough = error <= ENOUGH.max(4.0 * measured.defect.roundoff);
-            stalls = match error < NOISE && error * STALLED > last_error {
-                true => stalls + 1,
-                false => 0,
-            };
-            let sees_the_grid = measured.cells_apart <= MOST_CELLS_APART;
-            let done = sees_the_grid && (enough || stalls == 2);
+            let standing = doubling.proceed(&measured);
             // A break is one with any number of samples.
-            if done || !measured.breaks.is_empty() || 2 * samples > most {
-                return Ok((probe.knowing(h, measured), Some(error)));
+            if standing.is_done() || !measured.breaks.is_empty() || 2 * samples > most {
+                return Ok((probe.knowing(h, measured), Some(standing.error)));
             }
-            last_error = error;
             samples *= 2;
         }
     }

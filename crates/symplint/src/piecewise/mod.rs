@@ -13,6 +13,7 @@
 mod bracket;
 mod closure;
 mod curves;
+mod fit;
 mod lobatto;
 mod piece;
 mod queue;

@@ -2,8 +2,9 @@
 
 use super::bracket::Bracket;
 use super::curves::{Images, coordinate};
+use super::fit::{CHECKS, Fit, POINTS, turn};
 use super::lobatto::{
-    DEGREE, LOBATTO, NODES, SMOOTH, TERMS, Values, derivative, evaluate, polynomial, tail_squared,
+    DEGREE, LOBATTO, NODES, SMOOTH, TERMS, Values, evaluate, polynomial, tail_squared,
 };
 use super::scales::{Scales, nearest, period};
 use crate::coordinates::Coordinates;
@@ -18,17 +19,8 @@ pub(super) struct Piece {
     pub b: f64,
 }
 
-/// Where an interpolant is held against states that it was not made of.
-const CHECKS: [f64; 2] = [-0.618, 0.267];
-
-/// States of a piece that are looked at.
-pub(super) const POINTS: usize = NODES + CHECKS.len();
-
 /// A stretch this short is a straight line.
 const SHORTEST: f64 = 1e-11;
-
-/// A jump on a straight line leaves a point at least 1/`OF_A_JUMP` of it beside the line through the ends.
-const OF_A_JUMP: f64 = 2.5;
 
 /// Part of the highest coefficients, squared, that one break has to explain.
 const EXPLAINS: f64 = 0.95;
@@ -415,68 +407,4 @@ impl View<'_> {
         };
         Some([edge(at, low), edge(at, high)])
     }
-}
-
-/// The interpolant of one coordinate on a piece.
-struct Fit {
-    values: Values,
-    coefficients: Values,
-    /// How far off it may be.
-    off: f64,
-}
-
-impl Fit {
-    /// Of values at the nodes and the checks; a `short` piece is a straight line.
-    fn of(points: &[f64; POINTS], short: bool) -> Self {
-        let values: Values = points[..NODES].try_into().expect("nodes come first");
-        let coefficients = LOBATTO.coefficients(&values);
-        let mut fit = Fit {
-            values,
-            coefficients,
-            off: 0.0,
-        };
-        if short {
-            let line = |x: f64| values[0] + 0.5 * (1.0 + x) * (values[DEGREE] - values[0]);
-            let misses = LOBATTO.nodes.iter().chain(&CHECKS).zip(points);
-            fit.off = (misses.map(|(&x, value)| (line(x) - value).abs()))
-                .fold(0.0, |most: f64, miss| most.max(OF_A_JUMP * miss));
-            return fit;
-        }
-        let last = &coefficients[DEGREE - 2..];
-        let misses = CHECKS.iter().zip(&points[NODES..]);
-        let misfit = misses.map(|(&x, value)| (evaluate(&coefficients, x) - value).abs());
-        fit.off = (last.iter().map(|a| a.abs()))
-            .chain(misfit)
-            .fold(0.0, f64::max);
-        fit
-    }
-
-    fn range(&self) -> f64 {
-        let low = self.values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = self
-            .values
-            .iter()
-            .copied()
-            .fold(f64::NEG_INFINITY, f64::max);
-        high - low
-    }
-}
-
-/// Where the interpolant turns round, if it does so once.
-fn turn(fit: &Fit) -> Option<f64> {
-    let slopes = derivative(&fit.coefficients);
-    let (mut low, mut high) = (-1.0, 1.0);
-    let rising = evaluate(&slopes, low) > 0.0;
-    if rising == (evaluate(&slopes, high) > 0.0) {
-        return None;
-    }
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if (evaluate(&slopes, middle) > 0.0) == rising {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    Some(0.5 * (low + high))
 }

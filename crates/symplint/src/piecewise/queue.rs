@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::bracket::{Bracket, Closed, SURROUNDINGS};
 use super::curves::{At, Curves, Images, coordinate};
-use super::piece::{Finding, POINTS, Piece, Smooth, View};
+use super::fit::POINTS;
+use super::piece::{Finding, Piece, Smooth, View};
 use super::scales::{Scales, nearest, period};
 use crate::breaks::Break;
 use crate::coordinates::Coordinates;
