@@ -1,10 +1,12 @@
 //! Loop integrals ∮ p·dq of an ensemble, by one of the rules.
 
 mod finite_difference;
-mod pair_spectrum;
+mod pair_sums;
 mod pseudospectral;
 mod regularity;
 mod row;
+mod spectrum;
+mod transform;
 mod unwrap;
 
 pub use finite_difference::{Cutoff, Cutoffs, OmittedCell};

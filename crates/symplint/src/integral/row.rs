@@ -47,7 +47,7 @@ impl Extent {
 }
 
 /// One bound after the other: a loop for both at once does not become vector instructions.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 fn low_and_high(row: &[f64]) -> (f64, f64) {
     (fold(row, smaller), fold(row, larger))
 }
@@ -82,7 +82,7 @@ pub(super) fn larger(x: f64, y: f64) -> f64 {
 }
 
 /// Writes (q − q_0)/`q_unit` + i (p − p_0)/`p_unit`; the units are powers of two, or 0 for a constant row.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 pub(super) fn pack(packed: &mut [Complex64], q: &[f64], q_unit: f64, p: &[f64], p_unit: f64) {
     let (q_first, p_first) = (q[0], p[0]);
     let (q_factor, p_factor) = (inverse(q_unit), inverse(p_unit));
@@ -100,7 +100,7 @@ fn inverse(unit: f64) -> f64 {
 /// Whether neighbouring samples of a position, round the loop, lie about half a period apart or more
 /// somewhere. Where they do not, [`unwrap_row`](super::unwrap_row) would change nothing. A period of 0 means
 /// not periodic.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 pub(super) fn wraps(row: &[f64], period: f64) -> bool {
     if period == 0.0 {
         return false;
