@@ -223,7 +223,7 @@ impl Ensemble {
     /// that is not finite. The error is that of the first block of samples that has one,
     /// on any number of threads; the ensemble is then half advanced and of no use.
     pub fn advance(&mut self, map: &dyn TimeAdvance, h: f64) -> Result<(), Error> {
-        self.advance_by(map, h, |block| map.advance_and_look(h, block))
+        self.advance_from(map, h, |_, _| Ok(()))
     }
 
     /// Advances every sample by one substep of a step of size `h`, as [`advance`](Self::advance)
@@ -237,18 +237,35 @@ impl Ensemble {
         substep: usize,
         h: f64,
     ) -> Result<(), Error> {
-        self.advance_by(map, h, |block| {
+        let step = |block: &mut Block<'_>| {
             map.advance_substep(substep, h, block)?;
             Ok(block.all_finite())
-        })
+        };
+        self.each_block(map, |first, block| advance_block(step, h, first, block))
     }
 
-    fn advance_by(
+    /// The same from the states that `depart` puts into each block, which begins with the sample named: they
+    /// are advanced while a cache has them.
+    ///
+    /// # Errors
+    /// Those of `depart` and of [`advance`](Self::advance).
+    pub(crate) fn advance_from(
         &mut self,
         map: &dyn TimeAdvance,
         h: f64,
-        // Whether all states are finite afterwards.
-        step: impl Fn(&mut Block<'_>) -> Result<bool, StepFailure> + Sync,
+        depart: impl Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync,
+    ) -> Result<(), Error> {
+        self.each_block(map, |first, block| {
+            depart(first, block)?;
+            advance_block(|block| map.advance_and_look(h, block), h, first, block)
+        })
+    }
+
+    /// Calls `work` with each block and its first sample.
+    fn each_block(
+        &mut self,
+        map: &dyn TimeAdvance,
+        work: impl Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync,
     ) -> Result<(), Error> {
         if map.dof() != self.dof {
             return Err(Error::DofMismatch {
@@ -257,8 +274,7 @@ impl Ensemble {
             });
         }
         let width = Self::block_width(self.dof);
-        let each =
-            |(b, mut block): (usize, Block<'_>)| advance_block(&step, h, b * width, &mut block);
+        let each = |(b, mut block): (usize, Block<'_>)| work(b * width, &mut block);
         let blocks = self.blocks().into_par_iter().enumerate();
         first_error(blocks.map(each).collect())
     }
@@ -292,6 +308,15 @@ pub(crate) fn sample_block(
     match first_not_finite(block) {
         None => Ok(()),
         Some(found) => Err(found.into_error(first, None)),
+    }
+}
+
+/// Copies into a block the samples of an ensemble from `first` on.
+pub(crate) fn copy_samples(ensemble: &Ensemble, first: usize, block: &mut Block<'_>) {
+    let samples = first..first + block.len();
+    for i in 0..block.dof() {
+        (block.q.row_mut(i)).copy_from_slice(&ensemble.q().row(i)[samples.clone()]);
+        (block.p.row_mut(i)).copy_from_slice(&ensemble.p().row(i)[samples.clone()]);
     }
 }
 

@@ -1,5 +1,6 @@
 //! The whole diagnosis: sweeps over the step size and the number of samples, and the verdict.
 
+mod departures;
 mod doubling;
 mod localise;
 mod long_time;
@@ -187,9 +188,9 @@ impl Diagnostic {
     /// Measures and judges, on the threads of the current Rayon pool.
     ///
     /// `watch` is told of each point as it is measured. Where the number of samples is looked for, or
-    /// swept over, samples before and after a step are kept and doubled; otherwise only one ensemble is in
-    /// memory at any time, and the loop is sampled anew for each step size. By the streaming rule it is a few
-    /// dozen states; what needs larger ensembles (the Jacobian test, many steps) is then left out where
+    /// swept over, samples before and after a step are kept and doubled. In a sweep over step sizes one ensemble is
+    /// in memory, and the samples before the step besides where they take 64 MiB at most; larger ones are made
+    /// anew for each step size, block by block. By the streaming rule it is a few dozen states; what needs larger ensembles (the Jacobian test, many steps) is then left out where
     /// they take more than 512 MiB.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! One loop with a rule and a number of samples, ready to be advanced by any step size.
 
+use super::departures::Departures;
 use crate::block::Block;
 use crate::breaks::{Break, find_break};
 use crate::coordinates::Coordinates;
@@ -181,23 +182,24 @@ impl<'a> Probe<'a> {
 
     /// Advances the loop by one step and compares the loop integrals.
     pub fn measure(&self, h: f64) -> Result<Measured, Error> {
+        self.measure_from(&mut Departures::new(self.subject), h)
+    }
+
+    /// The same, for one step size after the other from the same departures.
+    pub fn measure_from(&self, departures: &mut Departures<'_>, h: f64) -> Result<Measured, Error> {
         match &self.known {
             Some((of, measured)) if *of == h => return Ok(measured.clone()),
             _ => {}
         }
         match self.method {
-            Method::Samples(_, samples) => self.measure_samples(&self.advanced(samples, h)?, h),
+            Method::Samples(_, samples) => {
+                self.measure_samples(departures.advanced(samples, h)?, h)
+            }
             Method::Piecewise(rule, samples) => {
-                self.measure_pieces(&rule, &self.advanced(samples, h)?, h)
+                self.measure_pieces(&rule, departures.advanced(samples, h)?, h)
             }
             Method::Streaming(rule, samples) => self.measure_streaming(&rule, samples, h),
         }
-    }
-
-    fn advanced(&self, samples: usize, h: f64) -> Result<Ensemble, Error> {
-        let mut ensemble = Ensemble::sample(self.subject.phase_loop, samples)?;
-        ensemble.advance(self.subject.map, h)?;
-        Ok(ensemble)
     }
 
     /// A break, if advanced samples lead to one.

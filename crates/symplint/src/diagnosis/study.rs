@@ -1,5 +1,6 @@
 //! Points as they are measured: told of, and kept.
 
+use super::departures::Departures;
 use super::motion::winds;
 use super::nested::Nested;
 use super::probe::{Measured, Method, Probe};
@@ -29,8 +30,9 @@ impl Study<'_> {
             winds: winds(probe.subject.phase_loop, probe.subject.coordinates)?,
             ..LoopEvidence::new(probe.index, probe.samples())
         };
+        let mut departures = Departures::new(probe.subject);
         for &h in step_sizes {
-            let measured = probe.measure(h)?;
+            let measured = probe.measure_from(&mut departures, h)?;
             evidence
                 .steps
                 .push(self.record(Sweep::StepSize, probe, h, measured));
