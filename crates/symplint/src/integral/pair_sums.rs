@@ -53,7 +53,8 @@ pub(super) struct Band {
 /// Groups that are taken apart at a time: they stay in the innermost cache.
 const GROUPS: usize = 4;
 
-/// Modes of q and p in groups of eight, the highest group first, real and imaginary parts apart.
+/// Twice the modes of q and p in groups of eight, the highest group first, real and imaginary parts apart:
+/// what they are less is taken from the sums.
 struct Apart {
     q_re: [Lanes; GROUPS],
     q_im: [Lanes; GROUPS],
@@ -76,7 +77,7 @@ impl Apart {
     fn take(&mut self, i: usize, modes: &[Complex64; LANES], mirrored: &[Complex64; LANES]) {
         let pair = |lane: usize| (modes[lane], mirrored[LANES - 1 - lane]);
         let each = |part: fn(Complex64, Complex64) -> f64| -> Lanes {
-            from_fn(|lane| 0.5 * part(pair(lane).0, pair(lane).1))
+            from_fn(|lane| part(pair(lane).0, pair(lane).1))
         };
         self.q_re[i] = each(|a, b| a.re + b.re);
         self.q_im[i] = each(|a, b| a.im - b.im);
@@ -101,7 +102,8 @@ fn accumulate(
     sums: &mut impl Accumulate,
 ) {
     let classes = spectrum.classes();
-    let class_len = spectrum.modes() / classes;
+    let class_bits = classes.ilog2();
+    let class_len = spectrum.modes() >> class_bits;
     // Below, classes have too few modes in an octave to fill the lanes.
     let low_end = if classes == 1 {
         range.start
@@ -110,7 +112,7 @@ fn accumulate(
     };
     for class in 0..classes {
         // Places of the modes k = `classes` × place + class.
-        let place = |k: usize| k.saturating_sub(class).div_ceil(classes);
+        let place = |k: usize| (k.saturating_sub(class) + classes - 1) >> class_bits;
         let places = place(low_end)..place(range.end);
         let (mirrored_class, beyond_last) = match class {
             0 => (0, class_len + 1),
@@ -266,17 +268,17 @@ pub(super) fn sums(spectrum: &Spectrum, edges: &[usize], bands: &mut [Band]) -> 
         sums.band = BandInLanes::default();
         accumulate(spectrum, start..end, &mut apart, &mut sums);
         *band = Band {
-            scale: total(sums.band.scale),
-            q_power: total(sums.band.q_power),
-            p_power: total(sums.band.p_power),
+            scale: 0.25 * total(sums.band.scale),
+            q_power: 0.25 * total(sums.band.q_power),
+            p_power: 0.25 * total(sums.band.p_power),
         };
     }
     Sums {
-        value: total(sums.value),
-        q_slope: total(sums.q_slope),
-        p_slope: total(sums.p_slope),
-        q_slope_squared: total(sums.q_slope_squared),
-        p_slope_squared: total(sums.p_slope_squared),
+        value: 0.25 * total(sums.value),
+        q_slope: 0.5 * total(sums.q_slope),
+        p_slope: 0.5 * total(sums.p_slope),
+        q_slope_squared: 0.25 * total(sums.q_slope_squared),
+        p_slope_squared: 0.25 * total(sums.p_slope_squared),
     }
 }
 
@@ -285,7 +287,7 @@ pub(super) fn sums(spectrum: &Spectrum, edges: &[usize], bands: &mut [Band]) -> 
 pub(super) fn value(spectrum: &Spectrum, range: Range<usize>) -> f64 {
     let mut value = ValueInLanes::default();
     accumulate(spectrum, range, &mut Apart::empty(), &mut value);
-    total(value.0)
+    0.25 * total(value.0)
 }
 
 /// A bound on √(x² + y²) that is at most 8.3 per cent above it: a regular octagon round the unit circle.

@@ -3,8 +3,8 @@
 use multiversion::multiversion;
 use rustfft::num_complex::Complex64;
 
-/// Values in a vector register of AVX2.
-const LANES: usize = 4;
+/// Values in a vector register of AVX-512.
+const LANES: usize = 8;
 
 /// Registers in use beside each other, so that none waits for the one before it.
 const REGISTERS: usize = 4;
@@ -64,9 +64,17 @@ fn fold(row: &[f64], choose: impl Fn(f64, f64) -> f64) -> f64 {
             }
         }
     }
-    (chosen.into_iter().flatten())
-        .chain(rest.iter().copied())
-        .fold(row[0], choose)
+    let [mut lanes, others @ ..] = chosen;
+    for other in &others {
+        for (lane, &value) in lanes.iter_mut().zip(other) {
+            *lane = choose(value, *lane);
+        }
+    }
+    let mut all = lanes[0];
+    for &value in lanes[1..].iter().chain(rest) {
+        all = choose(value, all);
+    }
+    all
 }
 
 /// The smaller of two numbers, in one instruction.
