@@ -269,3 +269,35 @@ fn breaks_that_open_by_more_than_half_a_period_are_closed_all_the_same() {
         }
     }
 }
+
+/// A kick by a force that jumps twice within `gap` at q = a, by `j` each time, and a drift of h = ½; ∮ p·dq
+/// between the breaks of the unit circle.
+fn two_jumps(j: f64, a: f64, gap: f64) -> (impl TimeAdvance, f64) {
+    let map = kick_drift(move |q| j * (f64::from(q > a) + f64::from(q > a + gap) - 1.0));
+    // What is between the two jumps is lost in rounding.
+    let half_square = |x: f64| 0.5 * x * x;
+    let (p, j) = ((1.0 - a * a).sqrt(), 0.5 * j);
+    let lost = half_square(p - j) - half_square(p + j) + half_square(-p + j) - half_square(-p - j);
+    (map, PI - 0.5 * lost)
+}
+
+#[test]
+fn two_jumps_next_to_each_other_are_no_noise() {
+    let sign = |x: f64| if x == 0.0 { 0.0 } else { x.signum() };
+    for j in [1e-5, 9e-7, 1e-7, 1e-8, 1e-9] {
+        for a in [0.0, 0.25, 0.3, 0.31, 0.5] {
+            let (_, exact) = two_jumps(j, a, 0.0);
+            // numpy's sign, 0 at 0.
+            let map = kick_drift(move |q| j * sign(q - a));
+            let found = Piecewise::default().integrate(&map, &circle(0.0, 0.0), 0.5);
+            let found = found.unwrap();
+            assert_covered(&found.continuous, exact);
+            assert!(found.evaluations < 1_500, "{}", found.evaluations);
+            for gap in [1e-15, 1e-14, 3e-14, 1e-13, 1e-12] {
+                let (map, exact) = two_jumps(j, a, gap);
+                let found = Piecewise::default().integrate(&map, &circle(0.0, 0.0), 0.5);
+                assert_covered(&found.unwrap().continuous, exact);
+            }
+        }
+    }
+}

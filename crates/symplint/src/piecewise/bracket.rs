@@ -48,8 +48,8 @@ const STAYS: f64 = 0.25;
 /// Near s = 0 doubles lie far closer than anything of a loop does.
 const NARROWEST: f64 = 1.0 / (1u128 << 64) as f64;
 
-/// States that tell a jump from noise.
-pub(super) const SURROUNDINGS: usize = 6;
+/// States that tell a jump from noise, half of them on each side of it.
+pub(super) const SURROUNDINGS: usize = 12;
 
 /// Their distance: many doubles, so that rounding of s itself is none of the noise, and nothing of a loop.
 const SPACING: f64 = 1.0 / (1u64 << 47) as f64;
@@ -87,6 +87,22 @@ impl Bracket {
         let steps = left.windows(2).chain(right.windows(2));
         let steepest = steps.fold(0.0, |m: f64, x| m.max((x[1] - x[0]).abs()));
         steepest * (self.high - self.low) / SPACING
+    }
+
+    /// How far values of surroundings scatter, on the side where they do so more.
+    ///
+    /// Second differences of a straight line vanish; those of noise are larger than it. Noise fills a side; a
+    /// second jump close by spoils two of its four differences at most, and the second smallest counts.
+    pub fn scatter(values: &[f64]) -> f64 {
+        let (left, right) = values.split_at(SURROUNDINGS / 2);
+        let of_side = |side: &[f64]| {
+            let mut bends: Vec<f64> = (side.windows(3))
+                .map(|x| (x[0] - 2.0 * x[1] + x[2]).abs())
+                .collect();
+            bends.sort_by(f64::total_cmp);
+            bends[1]
+        };
+        of_side(left).max(of_side(right))
     }
 
     pub fn project(&self, states: &Ensemble, sample: usize, coordinates: &Coordinates) -> f64 {

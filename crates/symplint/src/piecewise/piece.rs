@@ -38,6 +38,9 @@ const VANISHES: f64 = 0.02;
 /// A jump is this many times what rounding and tolerance allow for.
 const NOISES: f64 = 4.0;
 
+/// A jump is the range of an unresolved piece and what the coordinate moves back besides.
+const AND_MOTION: f64 = 1.1;
+
 /// Turning points looked at in one piece at most.
 const MOST_TURNS: usize = 64;
 
@@ -209,17 +212,18 @@ impl View<'_> {
             smooth.gains.push(q.values[DEGREE] - q.values[0]);
             let largest = |values: &Values| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             smooth.error += weight.abs()
-                * if resolved {
+                * if resolved && !short {
                     q.off * p.range() + p.off * q.range()
                 } else {
                     // Any part of it may be a jump, which is missing where the reference is accounted for; of
-                    // a straight line, no more than its points are off.
+                    // a straight line, no more than its points are off. (So short a piece may be as steep as
+                    // rounding allows, and that is as steep as a jump.)
                     let jump = if short {
                         q.off.min(q.range())
                     } else {
                         q.range()
                     };
-                    jump * (p.range() + largest(&from_reference) + reference.abs())
+                    AND_MOTION * jump * (p.range() + largest(&from_reference) + reference.abs())
                 };
             smooth.exposure +=
                 weight.abs() * (largest(&q.values) * p.range() + largest(&p.values) * q.range());

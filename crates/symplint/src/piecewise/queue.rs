@@ -236,15 +236,6 @@ impl<'a> Queue<'a> {
     /// Takes a jump for a break if it stands out of the noise on both sides.
     fn confirm(&self, bracket: &Bracket, images: &Images, first: usize) -> Outcome {
         let Piece { curve, a, b } = bracket.piece;
-        let scatter = |values: &[f64]| {
-            let (sides, mut largest) = (values.split_at(SURROUNDINGS / 2), 0.0f64);
-            for side in [sides.0, sides.1] {
-                // Second differences of a straight line vanish; those of noise are larger than it.
-                let bends = side.windows(3).map(|x| (x[0] - 2.0 * x[1] + x[2]).abs());
-                largest = bends.fold(largest, f64::max);
-            }
-            largest
-        };
         // Each side from its own end of the bracket, so that a wrap in between is none of it.
         let (low, high) = (first + SURROUNDINGS / 2 - 1, first + SURROUNDINGS / 2);
         let between = |sample: usize, origin: usize| {
@@ -255,7 +246,7 @@ impl<'a> Queue<'a> {
             .chain((high..first + SURROUNDINGS).map(|sample| between(sample, high)))
             .collect();
         let jump = between(high, low).abs();
-        let beside = scatter(&projected).max(bracket.climb(&projected));
+        let beside = Bracket::scatter(&projected).max(bracket.climb(&projected));
         let size = (0..2 * self.curves.dof()).fold(0.0, |most: f64, c| {
             let row = coordinate(&images.after, c);
             let apart = nearest(row[high] - row[low], period(self.coordinates, c));
@@ -278,7 +269,7 @@ impl<'a> Queue<'a> {
             let row = &coordinate(&images.after, c)[first..first + SURROUNDINGS];
             let period = period(self.coordinates, c);
             let values: Vec<f64> = row.iter().map(|v| nearest(v - row[0], period)).collect();
-            scatter(&values)
+            Bracket::scatter(&values)
         });
         Outcome::Noise {
             noise: noise.collect(),
