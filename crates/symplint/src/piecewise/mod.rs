@@ -16,6 +16,7 @@ mod curves;
 mod fit;
 mod lobatto;
 mod piece;
+mod places;
 mod queue;
 mod scales;
 
@@ -29,6 +30,7 @@ use closure::{Chord, close};
 use curves::Curves;
 pub(crate) use curves::coordinate;
 use piece::{Piece, Smooth};
+use places::doubt_of_places;
 use queue::Queue;
 use scales::Scales;
 pub(crate) use scales::nearest;
@@ -99,6 +101,9 @@ impl Default for Piecewise {
 pub struct PiecewiseIntegral {
     /// I_ac: the absolutely continuous part, what the paper's rules aim at.
     pub continuous: LoopIntegral,
+    /// The part of its quadrature error that stands for breaks which may be elsewhere: where the loop only
+    /// grazes what breaks it, rounding moves the breaks along s. The closed integral has none of it.
+    pub place_error: f64,
     /// Contribution of the closing segments in each degree of freedom.
     pub closing: Vec<f64>,
     /// Every break, by its s.
@@ -121,6 +126,8 @@ impl PiecewiseIntegral {
             value.add(*sum);
         }
         closed.value = value.total();
+        closed.quadrature_error =
+            (closed.quadrature_error).map(|error| (error - self.place_error).max(0.0));
         closed
     }
 
@@ -179,7 +186,8 @@ impl Piecewise {
         queue.evaluations += SKETCH;
         queue.run(0, pieces.collect())?;
         let chords = close(&mut queue, self.closure)?;
-        collect(&queue, &chords)
+        let place_error = doubt_of_places(&mut queue)?;
+        collect(&queue, &chords, place_error)
     }
 
     /// Where the first pieces end: a few of one length, cut round the breaks that are known.
@@ -236,7 +244,11 @@ fn sketch_points() -> [f64; SKETCH] {
 ///
 /// Momenta are counted from a reference, p = p_ref + …: what p_ref contributes is known exactly, as
 /// the positions return but for the breaks and whole periods.
-fn collect(queue: &Queue<'_>, chords: &[Chord]) -> Result<PiecewiseIntegral, Error> {
+fn collect(
+    queue: &Queue<'_>,
+    chords: &[Chord],
+    place_error: f64,
+) -> Result<PiecewiseIntegral, Error> {
     let coordinates = queue.coordinates;
     let dof = coordinates.dof();
     let mut smooth: Vec<&Smooth> = queue.smooth.iter().collect();
@@ -290,7 +302,7 @@ fn collect(queue: &Queue<'_>, chords: &[Chord]) -> Result<PiecewiseIntegral, Err
         total.add(contribution);
     }
     let value = total.total();
-    if !(value.is_finite() && error.is_finite() && scale.is_finite()) {
+    if !(value.is_finite() && (error + place_error).is_finite() && scale.is_finite()) {
         let dof = contributions.iter().position(|c| !c.is_finite());
         return Err(Error::Overflow {
             dof: dof.unwrap_or(0),
@@ -320,12 +332,13 @@ fn collect(queue: &Queue<'_>, chords: &[Chord]) -> Result<PiecewiseIntegral, Err
         continuous: LoopIntegral {
             value,
             contributions,
-            quadrature_error: Some(error),
+            quadrature_error: Some(error + place_error),
             roundoff: 4.0 * UNIT_ROUNDOFF * (exposure + scale),
             scale,
             omitted: None,
             regularity: None,
         },
+        place_error,
         closing: of_closing,
         breaks,
         pieces: smooth.iter().filter(|p| p.piece.curve == 0).count(),

@@ -32,7 +32,7 @@ pub(super) struct Found {
     pub curve: usize,
     /// The last parameter before it and the first after it.
     pub sides: [f64; 2],
-    /// q(s⁺) − q(s⁻) of each degree of freedom, of the loop; empty for closing segments.
+    /// How far each coordinate of the loop jumps, positions first; empty for closing segments.
     pub jumps: Vec<f64>,
     pub summary: Break,
 }
@@ -347,7 +347,7 @@ impl<'a> Queue<'a> {
             found.summary.jump_p = jump(dof + most.0);
             if found.curve == 0 {
                 found.summary.s = found.sides[1].rem_euclid(1.0);
-                found.jumps = (0..dof).map(jump).collect();
+                found.jumps = (0..2 * dof).map(jump).collect();
             }
         }
     }
