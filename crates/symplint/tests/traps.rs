@@ -2,6 +2,7 @@
 //! error that covers them, and verdicts must not be wrong.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use symplint::{
     Block, Circle, Coordinates, Diagnostic, Error, Loop, LoopIntegral, PerSample, Piecewise,
@@ -191,7 +192,7 @@ fn staircase(k: f64, h: f64) -> (impl TimeAdvance, f64, usize) {
 
 #[test]
 fn dense_breaks_are_no_noise() {
-    for k in [10.0, 150.0, 300.0, 600.0] {
+    for k in [10.0, 150.0, 300.0, 600.0, 1000.0, 1500.0] {
         let (map, exact, breaks) = staircase(k, 0.5);
         let found = Piecewise::default()
             .integrate(&map, &circle(0.13, 0.2), 0.5)
@@ -365,5 +366,127 @@ impl Loop for Sheared {
             block.q.row_mut(0)[k] = sin + 0.7 * cos;
             block.p.row_mut(0)[k] = cos;
         }
+    }
+}
+
+/// Noise below `size` that depends on every bit of q, for q in a range.
+fn noise_of(q: f64, size: f64, range: std::ops::Range<f64>) -> f64 {
+    let bits = q.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let unit = (bits ^ (bits >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 11;
+    let centred = unit as f64 / (1u64 << 53) as f64 - 0.5;
+    if range.contains(&q) {
+        size * centred
+    } else {
+        0.0
+    }
+}
+
+#[test]
+fn noise_on_a_part_of_the_loop_is_learned_there() {
+    for size in [1e-9, 1e-7, 1e-5] {
+        for drift in [0.0, 0.5] {
+            let map = PerSample::new(1, move |_, q: &mut [f64], p: &mut [f64]| {
+                p[0] += noise_of(q[0], size, 0.6..0.65);
+                q[0] += drift * p[0];
+            });
+            let found = Piecewise::default()
+                .integrate(&map, &circle(0.0, 0.0), 1.0)
+                .unwrap();
+            assert!(found.evaluations < 20_000, "{}", found.evaluations);
+            assert_covered(&found.continuous, PI);
+            assert!(found.continuous.quadrature_error < Some(100.0 * size));
+        }
+    }
+    // Of a kick that is smooth elsewhere, the verdict is good to that noise.
+    let map = kick_drift(|q| q.abs() + noise_of(q, 1e-9, 0.6..0.65));
+    let verdict = Diagnostic::halving(-1, -5)
+        .run(&map, &circle(0.1, 0.2), &|_| {})
+        .unwrap()
+        .verdict;
+    assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict}");
+    assert!(verdict.digits > Some(8.5), "{verdict}");
+}
+
+#[test]
+fn a_map_that_rounds_to_a_grid_is_noisy() {
+    // Equispaced places on equispaced grids can look smooth, and every step of a grid is a jump.
+    for drift in [0.0, 0.3, 0.5] {
+        let map = PerSample::new(1, move |_, q: &mut [f64], p: &mut [f64]| {
+            p[0] += f64::from((q[0] as f32).abs());
+            q[0] += drift * p[0];
+        });
+        let found = Piecewise::default()
+            .integrate(&map, &circle(0.0, 0.0), 1.0)
+            .unwrap();
+        assert!(found.evaluations < 50_000, "{}", found.evaluations);
+        assert_covered(&found.continuous, PI);
+        assert!(found.continuous.quadrature_error < Some(1e-6));
+        assert!(found.breaks.is_empty(), "{:?}", found.breaks);
+    }
+}
+
+#[test]
+fn no_more_states_are_advanced_than_may_be() {
+    let oscillating = kick_drift(|q| (3000.0 * q).cos());
+    let rounded = kick_drift(|q| f64::from((1e3 * q) as f32).floor() / 1e3);
+    let (stairs, ..) = staircase(100.0, 0.5);
+    let substeps = Kicks(&['V', 'T', 'V', 'V', 'T', 'V']);
+    for (name, map) in [
+        ("oscillating", &oscillating as &dyn TimeAdvance),
+        ("rounded", &rounded),
+        ("stairs", &stairs),
+        ("substeps", &substeps),
+    ] {
+        for most_evaluations in [72, 100, 500, 2_000, 10_000, 50_000] {
+            let advanced = AtomicUsize::new(0);
+            let counted = Counted {
+                map,
+                advanced: &advanced,
+            };
+            let rule = Piecewise {
+                most_evaluations,
+                ..Piecewise::default()
+            };
+            let found = rule.integrate(&counted, &circle(0.13, 0.2), 0.5).unwrap();
+            assert!(
+                found.evaluations <= most_evaluations,
+                "{name}: {} of {most_evaluations}",
+                found.evaluations
+            );
+            // Starts of closing segments go through the rest of the step only.
+            if map.substeps() == 1 {
+                assert_eq!(found.evaluations, advanced.into_inner(), "{name}");
+            }
+            // And they are put to use.
+            if !found.unresolved.is_empty() {
+                let used = found.evaluations as f64 / most_evaluations as f64;
+                assert!(most_evaluations < 500 || used > 0.7, "{name}: {used}");
+            }
+        }
+    }
+}
+
+/// A map that counts the states that it advances.
+struct Counted<'a> {
+    map: &'a dyn TimeAdvance,
+    advanced: &'a AtomicUsize,
+}
+
+impl TimeAdvance for Counted<'_> {
+    fn dof(&self) -> usize {
+        self.map.dof()
+    }
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.advanced.fetch_add(block.len(), Ordering::Relaxed);
+        self.map.advance(h, block)
+    }
+    fn substeps(&self) -> usize {
+        self.map.substeps()
+    }
+    fn advance_substep(&self, k: usize, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        if self.map.substeps() == 1 {
+            return self.advance(h, block);
+        }
+        self.map.advance_substep(k, h, block)
     }
 }

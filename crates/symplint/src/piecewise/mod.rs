@@ -15,10 +15,12 @@ mod closure;
 mod curves;
 mod fit;
 mod lobatto;
+mod noise;
 mod piece;
 mod places;
 mod queue;
 mod scales;
+mod task;
 
 use crate::breaks::Break;
 use crate::ensemble::Ensemble;
@@ -29,6 +31,7 @@ use crate::map::TimeAdvance;
 use closure::{Chord, close};
 use curves::Curves;
 pub(crate) use curves::coordinate;
+use fit::POINTS;
 use piece::{Piece, Smooth};
 use places::doubt_of_places;
 use queue::Queue;
@@ -81,7 +84,8 @@ pub struct Piecewise {
     /// Pieces to begin with. What happens between the states of a piece that looks smooth is not
     /// seen, but where a position turns round.
     pub pieces: usize,
-    /// States to be advanced at most; what is not resolved by then is reported.
+    /// States to be advanced at most, but for a first look, of 12 states and 15 for each of the first pieces;
+    /// what is not resolved by then is reported.
     pub most_evaluations: usize,
 }
 
@@ -177,14 +181,12 @@ impl Piecewise {
         let sketch = Ensemble::image(map, phase_loop, h, &sketch_points())?;
         let scales = Scales::new(&sketch, &coordinates, self.tolerance);
         let edges = self.first_edges(&map.known_breaks(phase_loop, h));
-        let pieces = edges.windows(2).map(|ends| Piece {
-            curve: 0,
-            a: ends[0],
-            b: ends[1],
-        });
+        let pieces = edges.windows(2).map(|ends| Piece::new(0, ends[0], ends[1]));
+        let pieces: Vec<Piece> = pieces.collect();
         let mut queue = Queue::new(curves, &coordinates, scales, self.most_evaluations, seen);
         queue.evaluations += SKETCH;
-        queue.run(0, pieces.collect())?;
+        queue.begin(SKETCH + pieces.len() * POINTS);
+        queue.run(0, pieces)?;
         let chords = close(&mut queue, self.closure)?;
         let place_error = doubt_of_places(&mut queue)?;
         collect(&queue, &chords, place_error)
