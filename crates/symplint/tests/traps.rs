@@ -222,6 +222,12 @@ fn a_state_that_fails_between_the_samples_is_named_by_its_place_on_the_loop() {
     let expected = 0.3f64.asin() / TAU;
     let off = (s - expected).abs().min((s - 0.5 + expected).abs());
     assert!(off < 1e-7, "{error}");
+    // The sample is one of a batch that nobody but the rule knows: the message has s alone.
+    let text = error.to_string();
+    assert!(!text.contains("at sample"), "{text}");
+    assert!(text.contains(&format!("s = {s:?} of the loop")), "{text}");
+    // And that s shows it again.
+    assert!(((TAU * s).sin() - 0.3).abs() < 1e-7, "{text}");
 }
 
 /// Kick by a force that jumps, drift, smooth kick and drift, on a cylinder of circumference 1.

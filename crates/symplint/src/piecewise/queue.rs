@@ -214,7 +214,7 @@ impl<'a> Queue<'a> {
         }
         if next.is_empty() {
             let waiting = std::mem::take(&mut self.waiting).into_iter();
-            let as_they_are = waiting.filter_map(Outcome::as_it_is);
+            let as_they_are = waiting.filter_map(Outcome::into_piece);
             self.smooth
                 .extend(as_they_are.map(|smooth| *smooth.unresolved()));
         }

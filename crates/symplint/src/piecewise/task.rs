@@ -86,7 +86,7 @@ impl Task {
     }
 
     /// What is known of its piece so far.
-    pub fn as_it_is(self) -> Option<Box<Smooth>> {
+    pub fn into_piece(self) -> Option<Box<Smooth>> {
         match self {
             Task::Piece(_) => None,
             Task::Bracket(bracket) | Task::Confirm(bracket) => Some(bracket.as_it_is),
@@ -112,8 +112,8 @@ impl Outcome {
     }
 
     /// The piece that it is about, as far as it is known.
-    pub fn as_it_is(mut self) -> Option<Box<Smooth>> {
-        let of_next = || self.next.pop().and_then(Task::as_it_is);
+    pub fn into_piece(mut self) -> Option<Box<Smooth>> {
+        let of_next = || self.next.pop().and_then(Task::into_piece);
         self.as_it_is.or_else(of_next)
     }
 
