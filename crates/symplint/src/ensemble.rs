@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::block::Block;
-use crate::error::Error;
+use crate::error::{Error, ON_THE_LOOP};
 use crate::loops::Loop;
 use crate::map::{StepFailure, TimeAdvance};
 use crate::rows::{Rows, RowsMut};
@@ -197,7 +197,8 @@ impl Ensemble {
     ) -> Result<Self, Error> {
         let mut states = Self::zeros(phase_loop.dof(), s.len());
         phase_loop.sample(s, &mut states.block());
-        (states.advance(map, h)).map_err(|error| error.on_the_way(|sample| s[sample]))?;
+        (states.advance(map, h))
+            .map_err(|error| error.on_the_way(|sample| (s[sample], ON_THE_LOOP)))?;
         Ok(states)
     }
 

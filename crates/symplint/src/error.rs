@@ -102,12 +102,14 @@ pub enum Error {
         /// The map's reason.
         reason: String,
     },
-    /// The map went wrong between samples, where the piecewise rule asked for a state.
-    #[error("at s = {s} of the loop: {source}")]
+    /// The map went wrong between samples, where somebody asked for a state.
+    #[error("at s = {s:?} of {place}: {}", .source.without_sample())]
     OnTheWay {
         /// The loop parameter (of a closing segment, its own from 0 to 1).
         s: f64,
-        /// What happened; its sample is that of a batch.
+        /// The curve that s belongs to, and how to come by the state.
+        place: &'static str,
+        /// What happened; its sample is that of a batch, and of no meaning elsewhere.
         source: Box<Error>,
     },
     /// A loop integral beyond the range of double precision.
@@ -206,6 +208,18 @@ pub enum Error {
     },
 }
 
+/// A place of [`Error::OnTheWay`]: a state of the loop.
+pub(crate) const ON_THE_LOOP: &str =
+    "the loop, between samples (sample the loop at this s and take one step)";
+
+/// A place of [`Error::OnTheWay`]: a state of the loop, or one near it.
+pub(crate) const BESIDE_THE_LOOP: &str =
+    "the loop (at its state there, or displaced from it to measure derivatives)";
+
+/// A place of [`Error::OnTheWay`]: a state that the loop does not have.
+pub(crate) const ON_A_SEGMENT: &str = "a segment that closes a break of the loop (0 is the one side of the break, \
+    1 the other; between them the map need not be defined, and Closure::Chords stays away from there)";
+
 impl Error {
     /// Counts a sample that lies between samples k and k + 1 among twice as many: as 2k + 1.
     pub(crate) fn of_sample_between(mut self) -> Error {
@@ -215,14 +229,40 @@ impl Error {
         self
     }
 
-    /// Says at which parameter a sample was.
-    pub(crate) fn on_the_way(self, parameter: impl Fn(usize) -> f64) -> Error {
+    /// Says at which parameter of which curve a sample was.
+    pub(crate) fn on_the_way(self, place: impl Fn(usize) -> (f64, &'static str)) -> Error {
         match self {
-            Error::NotFinite { sample, .. } | Error::StepFailed { sample, .. } => Error::OnTheWay {
-                s: parameter(sample),
-                source: Box::new(self),
-            },
+            Error::NotFinite { sample, .. } | Error::StepFailed { sample, .. } => {
+                let (s, place) = place(sample);
+                Error::OnTheWay {
+                    s,
+                    place,
+                    source: Box::new(self),
+                }
+            }
             other => other,
+        }
+    }
+
+    /// What happened, whichever sample it happened to.
+    fn without_sample(&self) -> String {
+        match self {
+            Error::NotFinite {
+                coordinate,
+                dof,
+                step_size,
+                value,
+                remedy,
+                ..
+            } => {
+                let step =
+                    step_size.map_or(String::new(), |h| format!(" after a step of h = {h:?}"));
+                format!("{coordinate} of degree of freedom {dof} is {value}{step}; {remedy}")
+            }
+            Error::StepFailed {
+                step_size, reason, ..
+            } => format!("the map failed with h = {step_size:?}: {reason}"),
+            other => other.to_string(),
         }
     }
 

@@ -260,6 +260,7 @@ impl<'a> Probe<'a> {
         let PiecewiseIntegral {
             continuous: mut integral,
             mut breaks,
+            place_error,
             ..
         } = pieces;
         breaks.retain(|found| is_substantial(found, seen));
@@ -271,7 +272,8 @@ impl<'a> Probe<'a> {
         }
         let mut closed = closed;
         let regularity = own_up(&mut integral, seen, coordinates, !breaks.is_empty())?;
-        closed.quadrature_error = integral.quadrature_error;
+        closed.quadrature_error =
+            (integral.quadrature_error).map(|error| (error - place_error).max(0.0));
         Ok(Measured {
             defect: Defect::between(&self.initial, &integral)?,
             regularity,

@@ -7,7 +7,7 @@ use super::method::JacobianMethod;
 use super::richardson::{self, Derivative, Neighbourhood, derivative};
 use super::{directions, noise, tangents};
 use crate::ensemble::Ensemble;
-use crate::error::Error;
+use crate::error::{BESIDE_THE_LOOP, Error, ON_THE_LOOP};
 use crate::loops::Loop;
 use crate::map::{TangentMap, TimeAdvance};
 use crate::piecewise::{coordinate, nearest};
@@ -67,7 +67,8 @@ impl<'a> Lab<'a> {
         let blocks = before.blocks().into_par_iter();
         let each = blocks.zip(places.par_chunks(Ensemble::block_width(dof)));
         each.for_each(|(mut block, s)| phase_loop.sample(s, &mut block));
-        (before.check_finite(None)).map_err(|error| error.on_the_way(|k| places[k]))?;
+        (before.check_finite(None))
+            .map_err(|error| error.on_the_way(|k| (places[k], ON_THE_LOOP)))?;
         let mut lab = Lab {
             map,
             tangent: None,
@@ -177,7 +178,8 @@ impl<'a> Lab<'a> {
                 }
             }
         });
-        let at = |error: Error| error.on_the_way(|k| self.places[displaced[k].place]);
+        let at =
+            |error: Error| error.on_the_way(|k| (self.places[displaced[k].place], BESIDE_THE_LOOP));
         states.advance(self.map, self.h).map_err(at)?;
         self.evaluations += displaced.len();
         Ok(states)

@@ -12,7 +12,7 @@ use super::lab::{Lab, Task};
 use super::richardson::{Derivative, UNRESOLVED};
 use crate::block::Block;
 use crate::ensemble::Ensemble;
-use crate::error::Error;
+use crate::error::{BESIDE_THE_LOOP, Error};
 use crate::map::TangentMap;
 use crate::piecewise::coordinate;
 use crate::random::unit;
@@ -94,7 +94,9 @@ impl Lab<'_> {
         // The first error in the order of the blocks, on any number of threads.
         let done: Result<(), Error> = results.into_iter().collect();
         done.and_then(|()| states.check_finite(Some(self.h)))
-            .map_err(|error| error.on_the_way(|k| self.places[trials[k].place]))?;
+            .map_err(|error| {
+                error.on_the_way(|k| (self.places[trials[k].place], BESIDE_THE_LOOP))
+            })?;
         self.evaluations += trials.len();
         Ok(Images { states, tangents })
     }

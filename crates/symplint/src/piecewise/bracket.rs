@@ -2,7 +2,7 @@
 
 use super::curves::coordinate;
 use super::lobatto::{SMOOTH, TERMS, evaluate, polynomial};
-use super::piece::Piece;
+use super::piece::{Piece, Smooth};
 use super::scales::{nearest, period};
 use crate::coordinates::Coordinates;
 use crate::ensemble::Ensemble;
@@ -30,6 +30,10 @@ pub(super) struct Bracket {
     /// The size that the jump should have.
     pub expected: f64,
     pub turns: usize,
+    /// Whether its surroundings are looked at a second time.
+    pub again: bool,
+    /// The piece as it is.
+    pub as_it_is: Box<Smooth>,
 }
 
 /// What a point in the bracket told.
@@ -48,8 +52,9 @@ const STAYS: f64 = 0.25;
 /// Near s = 0 doubles lie far closer than anything of a loop does.
 const NARROWEST: f64 = 1.0 / (1u128 << 64) as f64;
 
-/// States that tell a jump from noise.
-pub(super) const SURROUNDINGS: usize = 6;
+/// States that tell a jump from noise, half of them on each side of it: at a first look, and at a second one
+/// if need be.
+pub(super) const SURROUNDINGS: [usize; 2] = [6, 12];
 
 /// Their distance: many doubles, so that rounding of s itself is none of the noise, and nothing of a loop.
 const SPACING: f64 = 1.0 / (1u64 << 47) as f64;
@@ -64,15 +69,20 @@ impl Bracket {
     }
 
     /// Points close by, on the left and then on the right.
-    pub fn surroundings(&self) -> [f64; SURROUNDINGS] {
-        let half = SURROUNDINGS / 2;
-        std::array::from_fn(|k| {
+    pub fn surroundings(&self) -> impl Iterator<Item = f64> + '_ {
+        let half = self.looks() / 2;
+        (0..2 * half).map(move |k| {
             if k < half {
                 (self.low - (half - 1 - k) as f64 * SPACING).max(self.piece.a)
             } else {
                 (self.high + (k - half) as f64 * SPACING).min(self.piece.b)
             }
         })
+    }
+
+    /// How many they are.
+    pub fn looks(&self) -> usize {
+        SURROUNDINGS[usize::from(self.again)]
     }
 
     /// Whether what looked like a jump was a wrap: little of it is left, counted modulo the periods.
@@ -87,6 +97,23 @@ impl Bracket {
         let steps = left.windows(2).chain(right.windows(2));
         let steepest = steps.fold(0.0, |m: f64, x| m.max((x[1] - x[0]).abs()));
         steepest * (self.high - self.low) / SPACING
+    }
+
+    /// How far values of surroundings scatter, on the side where they do so more.
+    ///
+    /// Second differences of a straight line vanish; those of noise are larger than it. Noise fills a side; a
+    /// second jump close by spoils two of its four differences at most, and the second smallest counts. At the
+    /// first look there is one alone.
+    pub fn scatter(values: &[f64]) -> f64 {
+        let (left, right) = values.split_at(values.len() / 2);
+        let of_side = |side: &[f64]| {
+            let mut bends: Vec<f64> = (side.windows(3))
+                .map(|x| (x[0] - 2.0 * x[1] + x[2]).abs())
+                .collect();
+            bends.sort_by(f64::total_cmp);
+            bends[usize::from(bends.len() > 1)]
+        };
+        of_side(left).max(of_side(right))
     }
 
     pub fn project(&self, states: &Ensemble, sample: usize, coordinates: &Coordinates) -> f64 {

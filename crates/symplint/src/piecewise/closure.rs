@@ -30,11 +30,7 @@ pub(super) fn close(queue: &mut Queue<'_>, closure: Closure) -> Result<Vec<Chord
             let segments = queue.curves.segments.iter().enumerate();
             let pieces: Vec<Piece> = segments
                 .filter(|(_, segment)| segment.substep == substep)
-                .map(|(k, _)| Piece {
-                    curve: k + 1,
-                    a: 0.0,
-                    b: 1.0,
-                })
+                .map(|(k, _)| Piece::new(k + 1, 0.0, 1.0))
                 .collect();
             queue.run(substep, pieces)?;
         }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::ensemble::Ensemble;
-use crate::error::Error;
+use crate::error::{Error, ON_A_SEGMENT, ON_THE_LOOP};
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
 
@@ -83,7 +83,11 @@ impl Curves<'_> {
     pub fn images(&self, points: &[At], substep: usize, keep: bool) -> Result<Images, Error> {
         let mut states = self.before(points, substep);
         let mut inputs = Vec::new();
-        let at = |error: Error| error.on_the_way(|sample| points[sample].s);
+        let place = |sample: usize| match points[sample] {
+            At { curve: 0, s } => (s, ON_THE_LOOP),
+            At { s, .. } => (s, ON_A_SEGMENT),
+        };
+        let at = |error: Error| error.on_the_way(place);
         states.check_finite(None).map_err(at)?;
         for k in substep..self.map.substeps() {
             if keep {

@@ -15,9 +15,12 @@ mod closure;
 mod curves;
 mod fit;
 mod lobatto;
+mod noise;
 mod piece;
+mod places;
 mod queue;
 mod scales;
+mod task;
 
 use crate::breaks::Break;
 use crate::ensemble::Ensemble;
@@ -28,7 +31,9 @@ use crate::map::TimeAdvance;
 use closure::{Chord, close};
 use curves::Curves;
 pub(crate) use curves::coordinate;
+use fit::POINTS;
 use piece::{Piece, Smooth};
+use places::doubt_of_places;
 use queue::Queue;
 use scales::Scales;
 pub(crate) use scales::nearest;
@@ -79,7 +84,8 @@ pub struct Piecewise {
     /// Pieces to begin with. What happens between the states of a piece that looks smooth is not
     /// seen, but where a position turns round.
     pub pieces: usize,
-    /// States to be advanced at most; what is not resolved by then is reported.
+    /// States to be advanced at most, but for a first look, of 12 states and 15 for each of the first pieces;
+    /// what is not resolved by then is reported.
     pub most_evaluations: usize,
 }
 
@@ -99,6 +105,9 @@ impl Default for Piecewise {
 pub struct PiecewiseIntegral {
     /// I_ac: the absolutely continuous part, what the paper's rules aim at.
     pub continuous: LoopIntegral,
+    /// The part of its quadrature error that stands for breaks which may be elsewhere: where the loop only
+    /// grazes what breaks it, rounding moves the breaks along s. The closed integral has none of it.
+    pub place_error: f64,
     /// Contribution of the closing segments in each degree of freedom.
     pub closing: Vec<f64>,
     /// Every break, by its s.
@@ -121,6 +130,8 @@ impl PiecewiseIntegral {
             value.add(*sum);
         }
         closed.value = value.total();
+        closed.quadrature_error =
+            (closed.quadrature_error).map(|error| (error - self.place_error).max(0.0));
         closed
     }
 
@@ -170,16 +181,15 @@ impl Piecewise {
         let sketch = Ensemble::image(map, phase_loop, h, &sketch_points())?;
         let scales = Scales::new(&sketch, &coordinates, self.tolerance);
         let edges = self.first_edges(&map.known_breaks(phase_loop, h));
-        let pieces = edges.windows(2).map(|ends| Piece {
-            curve: 0,
-            a: ends[0],
-            b: ends[1],
-        });
+        let pieces = edges.windows(2).map(|ends| Piece::new(0, ends[0], ends[1]));
+        let pieces: Vec<Piece> = pieces.collect();
         let mut queue = Queue::new(curves, &coordinates, scales, self.most_evaluations, seen);
         queue.evaluations += SKETCH;
-        queue.run(0, pieces.collect())?;
+        queue.begin(SKETCH + pieces.len() * POINTS);
+        queue.run(0, pieces)?;
         let chords = close(&mut queue, self.closure)?;
-        collect(&queue, &chords)
+        let place_error = doubt_of_places(&mut queue)?;
+        collect(&queue, &chords, place_error)
     }
 
     /// Where the first pieces end: a few of one length, cut round the breaks that are known.
@@ -236,7 +246,11 @@ fn sketch_points() -> [f64; SKETCH] {
 ///
 /// Momenta are counted from a reference, p = p_ref + …: what p_ref contributes is known exactly, as
 /// the positions return but for the breaks and whole periods.
-fn collect(queue: &Queue<'_>, chords: &[Chord]) -> Result<PiecewiseIntegral, Error> {
+fn collect(
+    queue: &Queue<'_>,
+    chords: &[Chord],
+    place_error: f64,
+) -> Result<PiecewiseIntegral, Error> {
     let coordinates = queue.coordinates;
     let dof = coordinates.dof();
     let mut smooth: Vec<&Smooth> = queue.smooth.iter().collect();
@@ -290,7 +304,7 @@ fn collect(queue: &Queue<'_>, chords: &[Chord]) -> Result<PiecewiseIntegral, Err
         total.add(contribution);
     }
     let value = total.total();
-    if !(value.is_finite() && error.is_finite() && scale.is_finite()) {
+    if !(value.is_finite() && (error + place_error).is_finite() && scale.is_finite()) {
         let dof = contributions.iter().position(|c| !c.is_finite());
         return Err(Error::Overflow {
             dof: dof.unwrap_or(0),
@@ -320,12 +334,13 @@ fn collect(queue: &Queue<'_>, chords: &[Chord]) -> Result<PiecewiseIntegral, Err
         continuous: LoopIntegral {
             value,
             contributions,
-            quadrature_error: Some(error),
+            quadrature_error: Some(error + place_error),
             roundoff: 4.0 * UNIT_ROUNDOFF * (exposure + scale),
             scale,
             omitted: None,
             regularity: None,
         },
+        place_error,
         closing: of_closing,
         breaks,
         pieces: smooth.iter().filter(|p| p.piece.curve == 0).count(),

@@ -1,5 +1,7 @@
 //! A stretch of a curve, and what its samples say of it.
 
+use std::sync::Arc;
+
 use super::bracket::Bracket;
 use super::curves::{Images, coordinate};
 use super::fit::{CHECKS, Fit, POINTS, turn};
@@ -12,11 +14,13 @@ use crate::ensemble::Ensemble;
 use crate::integral::unwrap_row;
 
 /// A stretch [a, b] of a curve.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct Piece {
     pub curve: usize,
     pub a: f64,
     pub b: f64,
+    /// What each coordinate may be off because of the noise that the map has here, and not everywhere.
+    pub noise: Option<Arc<[f64]>>,
 }
 
 /// A stretch this short is a straight line.
@@ -38,6 +42,9 @@ const VANISHES: f64 = 0.02;
 /// A jump is this many times what rounding and tolerance allow for.
 const NOISES: f64 = 4.0;
 
+/// A jump is the range of an unresolved piece and what the coordinate moves back besides.
+const AND_MOTION: f64 = 1.1;
+
 /// Turning points looked at in one piece at most.
 const MOST_TURNS: usize = 64;
 
@@ -48,10 +55,26 @@ pub(super) enum Finding {
     /// It jumps in this bracket.
     Jumps(Bracket),
     /// It has a kink between two parameters, or is too long: cut it there.
-    Cut { at: Vec<f64>, explained: bool },
+    Cut {
+        at: Vec<f64>,
+        why: Why,
+        /// The piece as it is, if asked for.
+        as_it_is: Option<Box<Smooth>>,
+    },
 }
 
-/// A resolved piece.
+/// Why a piece is cut.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Why {
+    /// A kink, or a sample that it missed.
+    Explained,
+    /// It is too long for a smooth function.
+    Steep,
+    /// Nothing explains its highest coefficients.
+    Unexplained,
+}
+
+/// A piece that is done, or may be taken as it is.
 pub(super) struct Smooth {
     pub piece: Piece,
     /// ∫ (p − p_ref) dq of each degree of freedom.
@@ -62,6 +85,10 @@ pub(super) struct Smooth {
     pub exposure: f64,
     /// Bound on the error by interpolation.
     pub error: f64,
+    /// That bound if the piece hides a jump.
+    pub error_of_jump: f64,
+    /// What the interpolant of each coordinate may be off.
+    pub off: Vec<f64>,
     /// Points where positions turn round, and what each coordinate should be there.
     pub turns: Vec<(f64, Vec<f64>)>,
     /// What each coordinate may be off there; empty without such points.
@@ -70,7 +97,46 @@ pub(super) struct Smooth {
     pub resolved: bool,
 }
 
+impl Smooth {
+    /// Owns up to not being resolved.
+    pub fn unresolved(mut self: Box<Self>) -> Box<Self> {
+        self.resolved = false;
+        self.error = self.error_of_jump;
+        self
+    }
+}
+
 impl Piece {
+    /// The whole of a curve, or a part of it.
+    pub fn new(curve: usize, a: f64, b: f64) -> Self {
+        Piece {
+            curve,
+            a,
+            b,
+            noise: None,
+        }
+    }
+
+    /// A part of it: what is known of its noise holds there, too.
+    pub fn part(&self, a: f64, b: f64) -> Self {
+        Piece {
+            a,
+            b,
+            ..self.clone()
+        }
+    }
+
+    /// What a coordinate may be off: the tolerance, or what the noise here makes of it.
+    pub fn allowance(&self, c: usize, scales: &Scales) -> f64 {
+        let noise = self.noise.as_ref().map_or(0.0, |noise| noise[c]);
+        scales.tolerance[c].max(noise)
+    }
+
+    /// Whether it lies within a stretch.
+    pub fn lies_in(&self, [a, b]: &[f64; 2]) -> bool {
+        self.a >= *a && self.b <= *b
+    }
+
     pub fn length(&self) -> f64 {
         self.b - self.a
     }
@@ -130,8 +196,8 @@ impl View<'_> {
         values
     }
 
-    /// Looks at the piece; `last` if it is to be taken as it is.
-    pub fn examine(&self, last: bool) -> Finding {
+    /// Looks at the piece; `tight` if it may have to be taken as it is.
+    pub fn examine(&self, tight: bool) -> Finding {
         let dof = self.dof();
         let short = self.piece.length() < SHORTEST;
         let mut fits: Vec<Fit> = Vec::with_capacity(2 * dof);
@@ -142,16 +208,13 @@ impl View<'_> {
             fits.push(fit);
         }
         let missed = if resolved { self.missed(&fits) } else { None };
-        if last || short {
+        if short {
             return Finding::Smooth(self.smooth(&fits, resolved && missed.is_none()));
         }
         match missed {
-            Some(at) => Finding::Cut {
-                at: vec![at],
-                explained: true,
-            },
+            Some(at) => self.cut(&fits, vec![at], Why::Explained, tight),
             None if resolved => Finding::Smooth(self.smooth(&fits, resolved)),
-            None => self.seek_break(&fits),
+            None => self.seek_break(&fits, tight),
         }
     }
 
@@ -177,22 +240,33 @@ impl View<'_> {
             .map(|(_, s)| s)
     }
 
+    fn cut(&self, fits: &[Fit], at: Vec<f64>, why: Why, tight: bool) -> Finding {
+        let wanted = tight || why == Why::Unexplained;
+        Finding::Cut {
+            at,
+            why,
+            as_it_is: wanted.then(|| Box::new(self.smooth(fits, false))),
+        }
+    }
+
     /// What an interpolant may be off: the tolerance, and what the rounding of the state that the map got
     /// becomes where the loop is steep.
     fn allowed(&self, c: usize, fit: &Fit) -> f64 {
         let rounded = self.scales.input_rounding * fit.range() / self.piece.length();
-        self.scales.tolerance[c] + rounded
+        self.piece.allowance(c, self.scales) + rounded
     }
 
     fn smooth(&self, fits: &[Fit], resolved: bool) -> Smooth {
         let dof = self.dof();
         let short = self.piece.length() < SHORTEST;
         let mut smooth = Smooth {
-            piece: self.piece,
+            piece: self.piece.clone(),
             areas: Vec::with_capacity(dof),
             gains: Vec::with_capacity(dof),
             exposure: 0.0,
             error: 0.0,
+            error_of_jump: 0.0,
+            off: fits.iter().map(|fit| fit.off).collect(),
             turns: Vec::new(),
             allowed: Vec::new(),
             resolved,
@@ -208,21 +282,22 @@ impl View<'_> {
                 .push(weight * LOBATTO.area(&from_reference, &from_start));
             smooth.gains.push(q.values[DEGREE] - q.values[0]);
             let largest = |values: &Values| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-            smooth.error += weight.abs()
-                * if resolved {
-                    q.off * p.range() + p.off * q.range()
-                } else {
-                    // Any part of it may be a jump, which is missing where the reference is accounted for; of
-                    // a straight line, no more than its points are off.
-                    let jump = if short {
-                        q.off.min(q.range())
-                    } else {
-                        q.range()
-                    };
-                    jump * (p.range() + largest(&from_reference) + reference.abs())
-                };
+            smooth.error += weight.abs() * (q.off * p.range() + p.off * q.range());
+            // Any part of it may be a jump, which is missing where the reference is accounted for; of a straight
+            // line, no more than its points are off.
+            let jump = if short {
+                q.off.min(q.range())
+            } else {
+                q.range()
+            };
+            let anywhere = p.range() + largest(&from_reference) + reference.abs();
+            smooth.error_of_jump += weight.abs() * AND_MOTION * jump * anywhere;
             smooth.exposure +=
                 weight.abs() * (largest(&q.values) * p.range() + largest(&p.values) * q.range());
+        }
+        // So short a piece may be as steep as rounding allows, and that is as steep as a jump.
+        if !resolved || short {
+            smooth.error = smooth.error_of_jump;
         }
         if resolved && !short {
             let allowed = fits.iter().enumerate().map(|(c, fit)| self.allowed(c, fit));
@@ -266,7 +341,7 @@ impl View<'_> {
     }
 
     /// The gap between two nodes in which one break explains the coefficients best.
-    fn seek_break(&self, fits: &[Fit]) -> Finding {
+    fn seek_break(&self, fits: &[Fit], tight: bool) -> Finding {
         let mut explained = [0.0; DEGREE];
         let mut all = 0.0;
         for (c, fit) in fits.iter().enumerate() {
@@ -277,11 +352,12 @@ impl View<'_> {
             }
         }
         let most = explained.iter().copied().fold(0.0, f64::max);
-        if most < EXPLAINS * all || self.decays(fits) {
-            return Finding::Cut {
-                at: vec![self.piece.s(0.0)],
-                explained: false,
-            };
+        let in_the_middle = || vec![self.piece.s(0.0)];
+        if self.decays(fits) {
+            return self.cut(fits, in_the_middle(), Why::Steep, tight);
+        }
+        if most < EXPLAINS * all {
+            return self.cut(fits, in_the_middle(), Why::Unexplained, tight);
         }
         // Three terms next to an end can say what one at the end itself says.
         let best = (0..DEGREE)
@@ -294,10 +370,8 @@ impl View<'_> {
             .collect();
         let (low, high) = (LOBATTO.nodes[best], LOBATTO.nodes[best + 1]);
         if let Some(ends) = self.kink(&jumps, [low, high], (all - most).max(0.0)) {
-            return Finding::Cut {
-                at: ends.map(|x| self.piece.s(x)).into(),
-                explained: true,
-            };
+            let at = ends.map(|x| self.piece.s(x)).into();
+            return self.cut(fits, at, Why::Explained, tight);
         }
         let middle = 0.5 * (low + high);
         let direction: Vec<f64> = (jumps.iter().enumerate())
@@ -326,13 +400,10 @@ impl View<'_> {
         }
         // What rounding alone may be: no jump to close in on.
         if expected < NOISES * noise.sqrt() {
-            return Finding::Cut {
-                at: vec![self.piece.s(0.0)],
-                explained: false,
-            };
+            return self.cut(fits, in_the_middle(), Why::Unexplained, tight);
         }
         Finding::Jumps(Bracket {
-            piece: self.piece,
+            piece: self.piece.clone(),
             gap: [low, high].map(|x| self.piece.s(x)),
             low: self.piece.s(low),
             high: self.piece.s(high),
@@ -343,6 +414,8 @@ impl View<'_> {
             projected,
             expected,
             turns: 0,
+            again: false,
+            as_it_is: Box::new(self.smooth(fits, false)),
         })
     }
 

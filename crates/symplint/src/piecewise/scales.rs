@@ -1,9 +1,10 @@
 //! How large and how exact each coordinate is.
 
-use super::curves::{At, Curves, coordinate};
+use std::sync::Arc;
+
+use super::curves::coordinate;
 use crate::coordinates::Coordinates;
 use crate::ensemble::Ensemble;
-use crate::error::Error;
 use crate::integral::unwrap_row;
 
 /// Sizes and tolerances of the 2d coordinates, positions first.
@@ -18,7 +19,6 @@ pub(super) struct Scales {
     pub magnitude: Vec<f64>,
     /// How far along the loop the rounding of a state is, as a part of one turn.
     pub input_rounding: f64,
-    noise_known: bool,
 }
 
 /// Rounding of a few operations.
@@ -64,56 +64,24 @@ impl Scales {
                     .fold(1.0, f64::max),
             size,
             magnitude,
-            noise_known: false,
         }
     }
 
-    /// Raises the tolerances to noise that was met.
-    pub fn allow(&mut self, noise: &[f64]) {
-        for (tolerance, noise) in self.tolerance.iter_mut().zip(noise) {
-            *tolerance = tolerance.max(SAFETY * noise);
+    /// What an interpolant may be off where there is so much noise in each coordinate.
+    pub fn allowance(noise: Vec<f64>) -> Arc<[f64]> {
+        noise.into_iter().map(|noise| SAFETY * noise).collect()
+    }
+
+    /// Raises the tolerances to the noise of the map.
+    pub fn allow(&mut self, allowance: &[f64]) {
+        for (tolerance, allowance) in self.tolerance.iter_mut().zip(allowance) {
+            *tolerance = tolerance.max(*allowance);
         }
     }
 
     /// Weight of a coordinate beside the others.
     pub fn weight(&self, c: usize) -> f64 {
         1.0 / self.size[c]
-    }
-
-    /// Raises the tolerances to the noise of the map, once: that of a solver that stops at a
-    /// tolerance, of single precision.
-    ///
-    /// The sixth difference of a smooth coordinate over so short a stretch is below round-off; what
-    /// is left is noise (Moré & Wild, "Estimating computational noise", 2011). Breaks spoil two of
-    /// five places at most, so close together are the points of each, and their median counts.
-    pub fn learn_noise(&mut self, curves: &Curves<'_>) -> Result<usize, Error> {
-        const PLACES: [f64; 5] = [0.137, 0.289, 0.412, 0.643, 0.829];
-        const SPACING: f64 = 2e-6;
-        /// Binomial coefficients of the sixth difference, and the root of the sum of their squares.
-        const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
-        const GAIN: f64 = 30.4;
-        if self.noise_known {
-            return Ok(0);
-        }
-        self.noise_known = true;
-        let points: Vec<At> = (PLACES.iter())
-            .flat_map(|place| (0..7).map(move |k| place + SPACING * f64::from(k)))
-            .map(|s| At { curve: 0, s })
-            .collect();
-        let images = curves.images(&points, 0, false)?;
-        for (c, tolerance) in self.tolerance.iter_mut().enumerate() {
-            let row = coordinate(&images.after, c);
-            let mut noise: Vec<f64> = (row.chunks_exact(7))
-                .map(|values| {
-                    let terms = values.iter().zip(SIXTH);
-                    terms.map(|(value, factor)| value * factor).sum::<f64>()
-                })
-                .map(|difference| difference.abs() / GAIN)
-                .collect();
-            noise.sort_by(f64::total_cmp);
-            *tolerance = tolerance.max(SAFETY * noise[PLACES.len() / 2]);
-        }
-        Ok(points.len())
     }
 }
 
