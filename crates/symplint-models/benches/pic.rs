@@ -33,6 +33,9 @@ fn main() {
     for degree in 1..=3 {
         two_threads(degree, 1000, 256);
     }
+    for degree in 1..=3 {
+        force_on_two_threads(degree, 1_000_000);
+    }
 }
 
 fn plasma(degree: usize, particles: usize) -> (Pic1d, PlainPic) {
@@ -131,6 +134,31 @@ fn two_threads(degree: usize, particles: usize, samples: usize) {
         &format!("step, degree {degree}, 2 threads | 1 thread"),
         (particles * samples) as f64,
         (particles * samples) as f64,
+        on(2),
+        on(1),
+    );
+}
+
+/// One force of one sample on two threads beside the same on one.
+fn force_on_two_threads(degree: usize, particles: usize) {
+    let (pic, _) = plasma(degree, particles);
+    let (x, _) = TwoStream::default().sample(&pic, 1).unwrap();
+    let on = |threads: usize| {
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let (mut p, x, pic) = (vec![0.0; particles], &x, &pic);
+        move || {
+            let q = Rows::new(black_box(x), particles, 1, 1);
+            let p = &mut RowsMut::new(&mut p, particles, 1, 1);
+            pool.install(|| pic.kick(1e-9, q, p));
+        }
+    };
+    report(
+        &format!("force, degree {degree}, 1e6, 2 threads | 1 thread"),
+        particles as f64,
+        particles as f64,
         on(2),
         on(1),
     );

@@ -8,6 +8,7 @@ use super::mesh::Mesh;
 use super::pairs::PairTable;
 use super::place::Locator;
 use super::polynomials::{CellPolynomials, add_particle, gradient_at};
+use super::portions::Portions;
 
 /// Samples whose particles are carried to their meshes together: rows are read so many values at a
 /// time, and sums into different meshes do not wait for each other.
@@ -25,6 +26,7 @@ pub(super) struct LineForce {
     /// The nodes without a particle.
     background: Vec<f64>,
     pairs: Option<PairTable>,
+    portions: Portions,
 }
 
 /// Calls a function for the number of functions on a cell, which the compiler then knows.
@@ -47,10 +49,12 @@ impl LineForce {
         solver: &FieldSolver<D>,
         weights: &[f64],
     ) -> Self {
+        let polynomials = CellPolynomials::new(mesh);
         let mut force = LineForce {
             locator: Locator::new(*mesh.grid()),
             cells: mesh.cells(),
-            polynomials: CellPolynomials::new(mesh),
+            portions: Portions::new(polynomials.table_len()),
+            polynomials,
             background: mesh.background(weights.iter().sum()),
             pairs: None,
         };
@@ -120,13 +124,13 @@ impl LineForce {
         let (cells, nodes) = (self.cells, self.background.len());
         let len = self.polynomials.table_len();
         let work_len = self.polynomials.work_len(nodes);
+        let all = 0..weights.len();
         scratch::with_buffer(W * len + nodes + work_len, |buffer| {
             // For each sample the moments of its cells, then the gradients on them.
             let (tables, rest) = buffer.split_at_mut(W * len);
             let (nodes, work) = rest.split_at_mut(nodes);
-            tables.fill(0.0);
-            self.locator
-                .each_run::<W>(q, first, |a, places, fractions| {
+            (self.portions).sum(all.clone(), tables, &|portion, tables| {
+                let runs = |a: usize, places: &[[u32; W]], fractions: &[[f64; W]]| {
                     let particles = places.iter().zip(fractions).zip(&weights[a..]);
                     for ((places, fractions), &weight) in particles {
                         for (sample, table) in tables.chunks_exact_mut(len).enumerate() {
@@ -135,17 +139,21 @@ impl LineForce {
                             add_particle(&mut moments[cell], weight, fractions[sample]);
                         }
                     }
-                });
+                };
+                self.locator.each_run::<W>(q, first, portion, runs);
+            });
             for table in tables.chunks_exact_mut(len) {
                 nodes.copy_from_slice(&self.background);
                 self.polynomials.deposit::<N>(table, nodes, work);
                 solver.solve(nodes);
                 self.polynomials.gradients::<N>(nodes, table, work);
             }
-            self.locator
-                .each_run::<W>(q, first, |a, places, fractions| {
+            let tables = &*tables;
+            (self.portions).each::<1>(all, p.reborrow(), &|portion, mut p| {
+                let start = portion.start;
+                let runs = |a: usize, places: &[[u32; W]], fractions: &[[f64; W]]| {
                     for (i, (places, fractions)) in places.iter().zip(fractions).enumerate() {
-                        let row = &mut p.row_mut(a + i)[first..first + W];
+                        let row = &mut p.row_mut(a - start + i)[first..first + W];
                         for (sample, (v, table)) in
                             row.iter_mut().zip(tables.chunks_exact(len)).enumerate()
                         {
@@ -153,7 +161,9 @@ impl LineForce {
                             *v -= tau * gradient_at::<N>(table, cells, cell, fractions[sample]);
                         }
                     }
-                });
+                };
+                self.locator.each_run::<W>(q, first, portion, runs);
+            });
         });
     }
 }
@@ -295,5 +305,34 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Portions of the particles are summed on any threads, and the sums are not another.
+    #[test]
+    fn portions_are_the_whole_on_any_number_of_threads() {
+        const CELLS: usize = 16;
+        let shape = Shape::new(ShapeFamily::BSpline, 3).unwrap();
+        let particles = 5 * (1 << 14) + 77;
+        let line = Line::new(shape, CELLS, 0, &vec![1e-3; particles]);
+        let q: Vec<f64> = (0..particles)
+            .map(|i| ((i * i) as f64 * 0.618).rem_euclid(33.6) - 11.2)
+            .collect();
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let kicked = || line.kicked(&line.by_moments, &q, 1);
+            pool.build().unwrap().install(kicked)
+        };
+        let alone = on(1);
+        let charge = 1e-3 * particles as f64;
+        for (got, expected) in alone.iter().zip(line.slow(&q)) {
+            assert!((got - expected).abs() < 1e-14 * charge * line.mesh.length());
+        }
+        for threads in [2, 3] {
+            assert!(on(threads) == alone, "on {threads} threads");
+        }
+        let twice: Vec<f64> = q.iter().flat_map(|&x| [x; 2 * GROUP]).collect();
+        let together = line.kicked(&line.by_moments, &twice, 2 * GROUP);
+        let expected = alone.iter().flat_map(|&v| [v; 2 * GROUP]);
+        assert!(together.into_iter().eq(expected), "in a block");
     }
 }

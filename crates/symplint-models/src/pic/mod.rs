@@ -27,7 +27,7 @@
 //! matrices of one axis and one Fourier mode, `field` solves for the potential, `system` is the
 //! Hamiltonian. On a line there is a faster way, `line`: `place` finds the particles' cells,
 //! `polynomials` has what all particles of a cell share, and `pairs` does without a mesh where there
-//! are few. `tangent` has the derivative of the force.
+//! are few. Where there are many, `portions` shares them out to the threads. `tangent` has the derivative of the force.
 
 mod deposit;
 mod element;
@@ -38,6 +38,7 @@ mod mesh;
 mod pairs;
 mod place;
 mod polynomials;
+mod portions;
 mod scratch;
 mod shape;
 mod system;

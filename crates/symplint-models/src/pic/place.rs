@@ -1,5 +1,7 @@
 //! Where particles are: their cells and how far into them, without branches or conversions.
 
+use std::ops::Range;
+
 use symplint::Rows;
 
 use crate::periodic_grid::PeriodicGrid;
@@ -33,7 +35,7 @@ impl Locator {
         }
     }
 
-    /// Calls `work` with runs of particles and where `W` neighbouring samples, from `first` on, have
+    /// Calls `work` with runs of `particles` and where `W` neighbouring samples, from `first` on, have
     /// them: the number of the run's first particle, and for each particle the cells and fractions.
     ///
     /// Position a is row a of `q`.
@@ -42,6 +44,7 @@ impl Locator {
         &self,
         q: Rows<'_>,
         first: usize,
+        particles: Range<usize>,
         mut work: impl FnMut(usize, &[[u32; W]], &[[f64; W]]),
     ) {
         /// Positions of a run.
@@ -49,11 +52,16 @@ impl Locator {
         let mut x = [0.0; RUN];
         let mut cells = [0; RUN];
         let mut fractions = [0.0; RUN];
-        for a in (0..q.count()).step_by(RUN / W) {
-            let len = W * (q.count() - a).min(RUN / W);
+        for a in particles.clone().step_by(RUN / W) {
+            let len = W * (particles.end - a).min(RUN / W);
             let (x, cells, fractions) = (&mut x[..len], &mut cells[..len], &mut fractions[..len]);
-            for (i, x) in x.as_chunks_mut::<W>().0.iter_mut().enumerate() {
-                x.copy_from_slice(&q.row(a + i)[first..first + W]);
+            match q.as_slice() {
+                Some(all) if q.len() == W => x.copy_from_slice(&all[a * W..][..len]),
+                _ => {
+                    for (i, x) in x.as_chunks_mut::<W>().0.iter_mut().enumerate() {
+                        x.copy_from_slice(&q.row(a + i)[first..first + W]);
+                    }
+                }
             }
             self.locate(x, cells, fractions);
             work(a, cells.as_chunks().0, fractions.as_chunks().0);
@@ -136,8 +144,8 @@ mod tests {
         const SAMPLES: usize = 11;
         let q: Vec<f64> = (0..PARTICLES * SAMPLES).map(|i| 0.37 * i as f64).collect();
         let rows = Rows::new(&q, PARTICLES, SAMPLES, SAMPLES);
-        let mut next = 0;
-        Locator::new(grid).each_run::<4>(rows, 5, |a, cells, fractions| {
+        let mut next = 7;
+        Locator::new(grid).each_run::<4>(rows, 5, 7..141, |a, cells, fractions| {
             assert_eq!(a, next);
             next += cells.len();
             for (i, (cells, fractions)) in cells.iter().zip(fractions).enumerate() {
@@ -147,6 +155,6 @@ mod tests {
                 }
             }
         });
-        assert_eq!(next, PARTICLES);
+        assert_eq!(next, 141);
     }
 }
