@@ -9,6 +9,7 @@ use rustfft::{Fft, FftPlanner};
 
 use super::element::{AxisMode, ComplexMatrix};
 use super::mesh::Mesh;
+use super::packed::PackedSolver;
 use super::scratch::with_complex_buffer;
 
 /// G = B^{s/2} L⁺ B^{s/2} on tables of nodal values: L the stiffness matrix (∇N_i, ∇N_j), L⁺ its
@@ -28,6 +29,7 @@ pub(super) struct FieldSolver<const D: usize> {
     /// Both ways along the first of two axes; none in one dimension.
     across: Option<[Arc<dyn Fft<f64>>; 2]>,
     transform_scratch: usize,
+    packed: Option<PackedSolver>,
 }
 
 /// Nodes of a cell at most: degree 3 in two dimensions.
@@ -53,10 +55,14 @@ impl<const D: usize> FieldSolver<D> {
             .chain([forward.get_scratch_len(), inverse.get_scratch_len()])
             .max()
             .unwrap_or(0);
+        let green = green(mesh, passes);
+        let packs = D == 1 && mesh.components() == 1 && cells.is_multiple_of(2);
+        let eigenvalues = || green.iter().map(|green| green.re).collect::<Vec<f64>>();
         FieldSolver {
             cells,
             components: mesh.components(),
-            green: green(mesh, passes),
+            packed: packs.then(|| PackedSolver::new(&eigenvalues())),
+            green,
             forward,
             inverse,
             across,
@@ -81,6 +87,9 @@ impl<const D: usize> FieldSolver<D> {
 
     /// Turns the charges of the nodes into their potentials, in place.
     pub(super) fn solve(&self, nodes: &mut [f64]) {
+        if let Some(packed) = &self.packed {
+            return packed.solve(nodes);
+        }
         let rows = nodes.len() / self.cells;
         let spectrum_len = rows * self.half();
         let column_len = if D == 2 { self.cells } else { 0 };

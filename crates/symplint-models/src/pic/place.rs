@@ -12,6 +12,37 @@ pub(super) struct Locator {
     grid: PeriodicGrid,
 }
 
+/// Places of a run.
+const RUN: usize = 128;
+
+/// Where `W` samples have the particles of one run.
+pub(super) struct RunPlaces<const W: usize> {
+    cells: [u32; RUN],
+    fractions: [f64; RUN],
+    len: usize,
+}
+
+impl<const W: usize> RunPlaces<W> {
+    /// Particles of a run at most.
+    pub(super) const MOST: usize = RUN / W;
+
+    pub(super) fn new() -> Self {
+        RunPlaces {
+            cells: [0; RUN],
+            fractions: [0.0; RUN],
+            len: 0,
+        }
+    }
+
+    /// For each particle the cells it is in and the fractions of them at which it is, in all samples.
+    #[inline]
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&[u32; W], &[f64; W])> {
+        let (cells, _) = self.cells[..self.len].as_chunks();
+        let (fractions, _) = self.fractions[..self.len].as_chunks();
+        cells.iter().zip(fractions)
+    }
+}
+
 impl Locator {
     pub(super) fn new(grid: PeriodicGrid) -> Self {
         Locator { grid }
@@ -36,7 +67,7 @@ impl Locator {
     }
 
     /// Calls `work` with runs of `particles` and where `W` neighbouring samples, from `first` on, have
-    /// them: the number of the run's first particle, and for each particle the cells and fractions.
+    /// them: the number of the run's first particle, and its places.
     ///
     /// Position a is row a of `q`.
     #[inline]
@@ -45,27 +76,37 @@ impl Locator {
         q: Rows<'_>,
         first: usize,
         particles: Range<usize>,
-        mut work: impl FnMut(usize, &[[u32; W]], &[[f64; W]]),
+        mut work: impl FnMut(usize, &RunPlaces<W>),
     ) {
-        /// Positions of a run.
-        const RUN: usize = 64;
-        let mut x = [0.0; RUN];
-        let mut cells = [0; RUN];
-        let mut fractions = [0.0; RUN];
-        for a in particles.clone().step_by(RUN / W) {
-            let len = W * (particles.end - a).min(RUN / W);
-            let (x, cells, fractions) = (&mut x[..len], &mut cells[..len], &mut fractions[..len]);
-            match q.as_slice() {
-                Some(all) if q.len() == W => x.copy_from_slice(&all[a * W..][..len]),
-                _ => {
-                    for (i, x) in x.as_chunks_mut::<W>().0.iter_mut().enumerate() {
-                        x.copy_from_slice(&q.row(a + i)[first..first + W]);
-                    }
-                }
-            }
-            self.locate(x, cells, fractions);
-            work(a, cells.as_chunks().0, fractions.as_chunks().0);
+        let mut places = RunPlaces::new();
+        for a in particles.clone().step_by(RunPlaces::<W>::MOST) {
+            let end = particles.end.min(a + RunPlaces::<W>::MOST);
+            self.locate_run(q, first, a..end, &mut places);
+            work(a, &places);
         }
+    }
+
+    /// Finds where those samples have the particles of one run.
+    #[inline]
+    pub(super) fn locate_run<const W: usize>(
+        &self,
+        q: Rows<'_>,
+        first: usize,
+        particles: Range<usize>,
+        places: &mut RunPlaces<W>,
+    ) {
+        let len = W * particles.len();
+        let (cells, fractions) = (&mut places.cells[..len], &mut places.fractions[..len]);
+        places.len = len;
+        if let (Some(all), true) = (q.as_slice(), q.len() == W) {
+            return self.locate(&all[W * particles.start..][..len], cells, fractions);
+        }
+        let mut x = [0.0; RUN];
+        let x = &mut x[..len];
+        for (x, a) in x.as_chunks_mut::<W>().0.iter_mut().zip(particles) {
+            x.copy_from_slice(&q.row(a)[first..first + W]);
+        }
+        self.locate(x, cells, fractions);
     }
 
     /// Some positions are at nodes, far out, or not finite: all of them one by one.
@@ -145,10 +186,10 @@ mod tests {
         let q: Vec<f64> = (0..PARTICLES * SAMPLES).map(|i| 0.37 * i as f64).collect();
         let rows = Rows::new(&q, PARTICLES, SAMPLES, SAMPLES);
         let mut next = 7;
-        Locator::new(grid).each_run::<4>(rows, 5, 7..141, |a, cells, fractions| {
+        Locator::new(grid).each_run::<4>(rows, 5, 7..141, |a, places| {
             assert_eq!(a, next);
-            next += cells.len();
-            for (i, (cells, fractions)) in cells.iter().zip(fractions).enumerate() {
+            next += places.iter().count();
+            for (i, (cells, fractions)) in places.iter().enumerate() {
                 for sample in 0..4 {
                     let expected = grid.locate(rows.row(a + i)[5 + sample]);
                     assert_eq!((cells[sample] as usize, fractions[sample]), expected);

@@ -30,24 +30,23 @@ impl Portions {
     fn halves(self, particles: &Range<usize>) -> Option<[Range<usize>; 2]> {
         let middle = particles.start + particles.len() / 2;
         (particles.len() >= 2 * self.least)
-            .then(|| [particles.start..middle, middle..particles.end])
+            .then_some([particles.start..middle, middle..particles.end])
     }
 
-    /// Writes into `table` the sum of what `add` adds to it for all `particles`.
+    /// Writes into `table` the sum of what `deposit` writes for the portions of `particles`.
     pub(super) fn sum(
         self,
         particles: Range<usize>,
         table: &mut [f64],
-        add: &(impl Fn(Range<usize>, &mut [f64]) + Sync),
+        deposit: &(impl Fn(Range<usize>, &mut [f64]) + Sync),
     ) {
         let Some([first, second]) = self.halves(&particles) else {
-            table.fill(0.0);
-            return add(particles, table);
+            return deposit(particles, table);
         };
         scratch::with_buffer(table.len(), |other| {
             rayon::join(
-                || self.sum(first, table, add),
-                || self.sum(second, other, add),
+                || self.sum(first, table, deposit),
+                || self.sum(second, other, deposit),
             );
             for (sum, other) in table.iter_mut().zip(other) {
                 *sum += *other;
@@ -86,6 +85,7 @@ mod tests {
             let mut numbers = vec![f64::NAN; particles];
             LEAST.sum(0..particles, &mut numbers, &|portion, table| {
                 assert!(portion.len() < 2 * LEAST.least);
+                table.fill(0.0);
                 portion.for_each(|a| table[a] += a as f64);
             });
             let rows = RowsMut::new(&mut numbers, 2 * (particles / 2), 1, 1);
@@ -111,7 +111,7 @@ mod tests {
             pool.build().unwrap().install(|| {
                 let mut sum = [0.0];
                 LEAST.sum(0..1000, &mut sum, &|portion, sum| {
-                    portion.for_each(|a| sum[0] += (a as f64).sin());
+                    sum[0] = portion.map(|a| (a as f64).sin()).sum();
                 });
                 sum[0]
             })
