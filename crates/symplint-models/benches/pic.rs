@@ -7,13 +7,13 @@ mod pic_control;
 
 use std::hint::black_box;
 
-use interleaved::{heading, report};
-use pic_control::PlainPic;
+use interleaved::{heading, report, wanted};
+use pic_control::{PlainPic, PlainPlane};
 use rayon::ThreadPoolBuilder;
 use symplint::{Block, Circle, Ensemble, Rows, RowsMut, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::integrators::{Splitting, Variant, splitting_methods};
-use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, TwoStream};
+use symplint_models::pic::{ParticleWeights, Pic1d, Pic2d, PicConfig, TwoStream};
 
 const CELLS: usize = 128;
 const LENGTH: f64 = 50.0;
@@ -23,6 +23,11 @@ fn main() {
     for degree in 1..=3 {
         for samples in [1, 16] {
             force(degree, 10_000, samples);
+        }
+    }
+    for degree in 1..=3 {
+        for samples in [1, 16] {
+            force_in_a_plane(degree, 10_000, samples);
         }
     }
     for degree in 1..=3 {
@@ -80,6 +85,55 @@ fn force(degree: usize, particles: usize, samples: usize) {
         (particles * samples) as f64,
         particles as f64,
         kick,
+        control,
+    );
+}
+
+/// One evaluation of the force in a square of 64 by 64 cells, per particle and sample.
+fn force_in_a_plane(degree: usize, particles: usize, samples: usize) {
+    const CELLS: usize = 64;
+    let name = format!("force in a plane, degree {degree}, {samples} samples");
+    if !wanted(&name) {
+        return;
+    }
+    let pic = Pic2d::new(PicConfig {
+        weights: ParticleWeights::Each(vec![1.0; particles]),
+        cells: CELLS,
+        length: LENGTH,
+        degree,
+        ..PicConfig::default()
+    });
+    let pic = pic.unwrap();
+    let mut plain = PlainPlane::new(degree, CELLS, LENGTH, 1.0);
+    let coordinate = |a: usize, step: f64| LENGTH * (a as f64 * step).fract();
+    let x: Vec<f64> = (0..particles)
+        .flat_map(|a| [coordinate(a, 0.754_877_666), coordinate(a, 0.569_840_291)])
+        .collect();
+    let q: Vec<f64> = (x.iter())
+        .flat_map(|x| (0..samples).map(move |sample| x + 0.01 * sample as f64))
+        .collect();
+    let (dof, mut p, mut v) = (x.len(), vec![0.0; q.len()], vec![0.0; x.len()]);
+    let mut kick = || {
+        let q = Rows::new(black_box(&q), dof, samples, samples);
+        pic.kick(1.0, q, &mut RowsMut::new(&mut p, dof, samples, samples));
+    };
+    let mut control = || plain.kick(1.0, black_box(&x), &mut v);
+    kick();
+    control();
+    let scale = v.iter().fold(0.0, |scale: f64, v| scale.max(v.abs()));
+    for (row, v) in p.chunks_exact(samples).zip(&v) {
+        assert!((row[0] - v).abs() < 1e-10 * scale, "{} for {v}", row[0]);
+    }
+    let mut kick = || {
+        let q = Rows::new(black_box(&q), dof, samples, samples);
+        pic.kick(1e-9, q, &mut RowsMut::new(&mut p, dof, samples, samples));
+    };
+    let control = || plain.kick(1e-9, black_box(&x), &mut v);
+    report(
+        &name,
+        (particles * samples) as f64,
+        particles as f64,
+        &mut kick,
         control,
     );
 }

@@ -27,7 +27,8 @@
 //! matrices of one axis and one Fourier mode, `field` solves for the potential (`packed` where it can be faster), `system` is the
 //! Hamiltonian. On a line there is a faster way, `line`: `place` finds the particles' cells,
 //! `polynomials` has what all particles of a cell share, `runs` does without that where cells are
-//! more than particles (`carrier` has both), and `pairs` without a mesh where there are few. Where there are many, `portions` shares them out to the threads. `tangent` has the derivative of the force.
+//! more than particles (`carrier` has both), and `pairs` without a mesh where there are few. In a plane, `plane` goes by
+//! `runs` on both axes. Where there are many particles, `portions` shares them out to the threads. `tangent` has the derivative of the force.
 
 mod carrier;
 mod deposit;
@@ -39,6 +40,7 @@ mod mesh;
 mod packed;
 mod pairs;
 mod place;
+mod plane;
 mod polynomials;
 mod portions;
 mod runs;

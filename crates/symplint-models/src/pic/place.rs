@@ -37,6 +37,12 @@ impl<const W: usize> RunPlaces<W> {
     /// For each particle the cells it is in and the fractions of them at which it is, in all samples.
     #[inline]
     pub(super) fn iter(&self) -> impl Iterator<Item = (&[u32; W], &[f64; W])> {
+        self.chunks()
+    }
+
+    /// The same by `C` places: of particles that have a row for each axis.
+    #[inline]
+    pub(super) fn chunks<const C: usize>(&self) -> impl Iterator<Item = (&[u32; C], &[f64; C])> {
         let (cells, _) = self.cells[..self.len].as_chunks();
         let (fractions, _) = self.fractions[..self.len].as_chunks();
         cells.iter().zip(fractions)

@@ -61,6 +61,11 @@ impl Runs {
         self.step
     }
 
+    /// Functions on a cell.
+    pub(super) fn functions(&self) -> usize {
+        self.functions
+    }
+
     /// Nodes, each once.
     pub(super) fn nodes(&self) -> usize {
         self.step * self.cells
