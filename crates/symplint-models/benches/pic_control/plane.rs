@@ -73,10 +73,10 @@ impl PlainPlane {
                 values(self.degree, fraction_x),
                 values(self.degree, fraction_y),
             );
-            for i in 0..=self.degree {
-                for j in 0..=self.degree {
+            for (i, of_x) in of_x.iter().enumerate().take(self.degree + 1) {
+                for (j, of_y) in of_y.iter().enumerate().take(self.degree + 1) {
                     let node = (cell_x + i) % cells * cells + (cell_y + j) % cells;
-                    self.charge[node] += self.weight * of_x[i] * of_y[j];
+                    self.charge[node] += self.weight * of_x * of_y;
                 }
             }
         }
