@@ -8,7 +8,8 @@
 //! Splines are so numbered p places further than in a mesh. A field solve does not
 //! mind, as it commutes with shifts by cells.
 //!
-//! `N` is p + 1 everywhere. Functions are taken as polynomials of the fraction of the cell.
+//! `N` is p + 1 everywhere. Functions are taken as polynomials of the distance from the middle of the
+//! cell: from an end of it, terms larger than their sum would cost Lagrange elements a digit.
 
 use super::mesh::Mesh;
 
@@ -19,7 +20,7 @@ pub(super) struct Runs {
     /// Nodes of a cell.
     step: usize,
     functions: usize,
-    /// For each power of the fraction, its coefficient in each function.
+    /// For each power of the distance, its coefficient in each function.
     values: Vec<f64>,
     /// For each power of the gradient, what a node of each function contributes.
     slopes: Vec<f64>,
@@ -36,7 +37,7 @@ pub(super) struct RunFunctions<'a, const N: usize> {
 impl Runs {
     pub(super) fn new<const D: usize>(mesh: &Mesh<D>) -> Self {
         let functions = mesh.shape().degree() + 1;
-        let powers = mesh.shape().powers();
+        let powers = about_the_middle(mesh.shape().powers());
         let slope = |n: usize, j: usize| n as f64 * powers[n][j] * mesh.cells_per_length();
         Runs {
             cells: mesh.cells(),
@@ -127,14 +128,27 @@ impl<const N: usize> RunFunctions<'_, N> {
     /// The functions at a fraction of the cell.
     #[inline]
     pub(super) fn values(self, fraction: f64) -> [f64; N] {
-        horner(self.values, fraction)
+        horner(self.values, fraction - 0.5)
     }
 
     /// Their gradients there.
     #[inline]
     pub(super) fn slopes(self, fraction: f64) -> [f64; N] {
-        horner(self.slopes, fraction)
+        horner(self.slopes, fraction - 0.5)
     }
+}
+
+/// Polynomials of the fraction of a cell, one coefficient after the other, as those of its distance from ½.
+fn about_the_middle<const R: usize, const C: usize>(mut powers: [[f64; C]; R]) -> [[f64; C]; R] {
+    // Horner's division by x − ½, again and again.
+    for lowest in 0..R {
+        for n in (lowest..R - 1).rev() {
+            for j in 0..C {
+                powers[n][j] += 0.5 * powers[n + 1][j];
+            }
+        }
+    }
+    powers
 }
 
 /// Polynomials at x, all at once, by their coefficients from the zeroth power on.
