@@ -143,8 +143,9 @@ fn about_the_middle<const R: usize, const C: usize>(mut powers: [[f64; C]; R]) -
     // Horner's division by x − ½, again and again.
     for lowest in 0..R {
         for n in (lowest..R - 1).rev() {
-            for j in 0..C {
-                powers[n][j] += 0.5 * powers[n + 1][j];
+            let above = powers[n + 1];
+            for (power, above) in powers[n].iter_mut().zip(above) {
+                *power += 0.5 * above;
             }
         }
     }
