@@ -19,10 +19,18 @@ pub trait Separable: Send + Sync {
 
     /// The exact flow of T for a time `tau`: q += τ ∂T/∂p. By default T = |p|²/2.
     fn drift(&self, tau: f64, p: Rows<'_>, q: &mut RowsMut<'_>) {
-        for i in 0..p.count() {
-            for (q, p) in q.row_mut(i).iter_mut().zip(p.row(i)) {
+        let add = |q: &mut [f64], p: &[f64]| {
+            for (q, p) in q.iter_mut().zip(p) {
                 *q += tau * p;
             }
+        };
+        // A row has one value where there is one sample: they are taken all at once.
+        if let (Some(q), Some(p)) = (q.as_mut_slice(), p.as_slice()) {
+            assert_eq!(q.len(), p.len(), "q and p have the same shape");
+            return add(q, p);
+        }
+        for i in 0..p.count() {
+            add(q.row_mut(i), p.row(i));
         }
     }
 

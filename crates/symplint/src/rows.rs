@@ -93,6 +93,15 @@ impl<'a> Rows<'a> {
         unsafe { std::slice::from_raw_parts(self.start.add(i * self.stride), self.len) }
     }
 
+    /// All values, row after row, if nothing lies between the rows.
+    #[inline]
+    pub fn as_slice(&self) -> Option<&'a [f64]> {
+        // SAFETY: as in `row`; rows as far apart as they are long fill the memory between the first
+        // value and the last.
+        (self.stride == self.len)
+            .then(|| unsafe { std::slice::from_raw_parts(self.start, self.count * self.len) })
+    }
+
     /// Whether no value is infinite or NaN.
     pub fn all_finite(&self) -> bool {
         // Without a branch and in words as wide as the values, so that it is vectorised.
@@ -158,6 +167,14 @@ impl<'a> RowsMut<'a> {
         unsafe { std::slice::from_raw_parts_mut(self.start.add(i * self.stride), self.len) }
     }
 
+    /// All values for writing, row after row, if nothing lies between the rows.
+    #[inline]
+    pub fn as_mut_slice(&mut self) -> Option<&mut [f64]> {
+        // SAFETY: as in `Rows::as_slice` and `row_mut`; nothing between the rows belongs to others.
+        (self.stride == self.len)
+            .then(|| unsafe { std::slice::from_raw_parts_mut(self.start, self.count * self.len) })
+    }
+
     /// The same rows, read-only.
     #[inline]
     pub fn as_rows(&self) -> Rows<'_> {
@@ -199,6 +216,26 @@ impl<'a> RowsMut<'a> {
         }
     }
 
+    /// The first `count` rows, and the others.
+    ///
+    /// # Panics
+    /// If there are fewer.
+    pub fn split_at_row(self, count: usize) -> (RowsMut<'a>, RowsMut<'a>) {
+        assert!(count <= self.count, "{count} rows of {}", self.count);
+        let others = RowsMut {
+            // Without other rows there may be no memory where they would begin.
+            start: match self.count - count {
+                0 => self.start,
+                // SAFETY: there is a row `count`, so its start lies inside the table; the
+                // rows before it belong to the other half alone.
+                _ => unsafe { self.start.add(count * self.stride) },
+            },
+            count: self.count - count,
+            ..self
+        };
+        (RowsMut { count, ..self }, others)
+    }
+
     /// Cuts the rows into column ranges of at most `width` samples each.
     ///
     /// # Panics
@@ -222,6 +259,44 @@ impl<'a> RowsMut<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_without_gaps_are_one_slice_and_others_are_none() {
+        let mut values: Vec<f64> = (0..12).map(f64::from).collect();
+        let expected = values.clone();
+        let rows = Rows::new(&values, 4, 3, 3);
+        assert_eq!(rows.as_slice(), Some(&expected[..]));
+        assert!(Rows::new(&values, 3, 4, 3).as_slice().is_none());
+        assert_eq!(Rows::new(&[], 0, 3, 3).as_slice(), Some(&[][..]));
+        let mut rows = RowsMut::new(&mut values, 4, 3, 3);
+        rows.as_mut_slice().unwrap()[5] = -1.0;
+        assert_eq!(rows.row(1), [3.0, 4.0, -1.0]);
+        let block = RowsMut::new(&mut values, 4, 3, 3).column_blocks(2).next();
+        assert!(block.unwrap().as_mut_slice().is_none());
+    }
+
+    #[test]
+    fn halves_have_the_rows_between_them() {
+        let expected: Vec<f64> = (0..11).map(f64::from).collect();
+        for count in 0..=3 {
+            let mut values = expected.clone();
+            let rows = RowsMut::new(&mut values, 3, 4, 3);
+            let (mut first, mut second) = rows.split_at_row(count);
+            assert_eq!((first.count(), second.count()), (count, 3 - count));
+            for i in 0..3 {
+                let (half, row) = if i < count {
+                    (&mut first, i)
+                } else {
+                    (&mut second, i - count)
+                };
+                assert_eq!(half.row(row), &expected[4 * i..4 * i + 3]);
+                half.row_mut(row).fill(-1.0);
+            }
+            let untouched = [3, 7].map(|between| values[between]);
+            assert_eq!(untouched, [3.0, 7.0]);
+            assert_eq!(values.iter().filter(|&&v| v == -1.0).count(), 9);
+        }
+    }
 
     #[test]
     fn values_that_are_not_finite_are_found_anywhere_in_the_rows_and_nowhere_else() {

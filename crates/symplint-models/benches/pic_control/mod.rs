@@ -1,9 +1,13 @@
 //! The force of a plasma on a line as a textbook writes it: particle by particle, index by index.
 
+mod plane;
+
 use std::sync::Arc;
 
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex64;
+
+pub use plane::PlainPlane;
 
 /// Equal particles, B-splines of degree 1 to 3, no filter; buffers made once.
 pub struct PlainPic {

@@ -9,6 +9,7 @@ use rustfft::{Fft, FftPlanner};
 
 use super::element::{AxisMode, ComplexMatrix};
 use super::mesh::Mesh;
+use super::packed::PackedSolver;
 use super::scratch::with_complex_buffer;
 
 /// G = B^{s/2} L⁺ B^{s/2} on tables of nodal values: L the stiffness matrix (∇N_i, ∇N_j), L⁺ its
@@ -28,6 +29,7 @@ pub(super) struct FieldSolver<const D: usize> {
     /// Both ways along the first of two axes; none in one dimension.
     across: Option<[Arc<dyn Fft<f64>>; 2]>,
     transform_scratch: usize,
+    packed: Option<PackedSolver>,
 }
 
 /// Nodes of a cell at most: degree 3 in two dimensions.
@@ -53,10 +55,14 @@ impl<const D: usize> FieldSolver<D> {
             .chain([forward.get_scratch_len(), inverse.get_scratch_len()])
             .max()
             .unwrap_or(0);
+        let green = green(mesh, passes);
+        let packs = D == 1 && mesh.components() == 1 && cells.is_multiple_of(2);
+        let eigenvalues = || green.iter().map(|green| green.re).collect::<Vec<f64>>();
         FieldSolver {
             cells,
             components: mesh.components(),
-            green: green(mesh, passes),
+            packed: packs.then(|| PackedSolver::new(&eigenvalues())),
+            green,
             forward,
             inverse,
             across,
@@ -81,22 +87,38 @@ impl<const D: usize> FieldSolver<D> {
 
     /// Turns the charges of the nodes into their potentials, in place.
     pub(super) fn solve(&self, nodes: &mut [f64]) {
+        if let Some(packed) = &self.packed {
+            return packed.solve(nodes);
+        }
         let rows = nodes.len() / self.cells;
         let spectrum_len = rows * self.half();
-        let column_len = if D == 2 { self.cells } else { 0 };
-        let len = spectrum_len + column_len + self.transform_scratch;
+        let columns_len = if D == 2 { spectrum_len } else { 0 };
+        let len = spectrum_len + columns_len + self.transform_scratch;
         with_complex_buffer(len, |buffer| {
             let (spectrum, rest) = buffer.split_at_mut(spectrum_len);
-            let (column, scratch) = rest.split_at_mut(column_len);
+            let (columns, scratch) = rest.split_at_mut(columns_len);
             for (row, modes) in self.rows_and_modes(nodes, spectrum) {
                 self.forward
                     .process_with_scratch(row, modes, scratch)
                     .expect("rows and modes have the lengths of the plan");
             }
             if let Some([forward, inverse]) = &self.across {
-                self.along_columns(&**forward, spectrum, column, scratch);
-                self.apply_green(spectrum);
-                self.along_columns(&**inverse, spectrum, column, scratch);
+                // All columns of a component at once, side by side.
+                let component = self.cells * self.half();
+                let parts = || {
+                    (0..columns_len)
+                        .step_by(component)
+                        .map(|i| i..i + component)
+                };
+                for part in parts() {
+                    transpose(&spectrum[part.clone()], self.half(), &mut columns[part]);
+                }
+                forward.process_with_scratch(columns, scratch);
+                self.apply_green(columns);
+                inverse.process_with_scratch(columns, scratch);
+                for part in parts() {
+                    transpose(&columns[part.clone()], self.cells, &mut spectrum[part]);
+                }
             } else {
                 self.apply_green(spectrum);
             }
@@ -111,28 +133,6 @@ impl<const D: usize> FieldSolver<D> {
                     .expect("rows and modes have the lengths of the plan");
             }
         });
-    }
-
-    /// Transforms along the first of two axes.
-    fn along_columns(
-        &self,
-        plan: &dyn Fft<f64>,
-        spectrum: &mut [Complex64],
-        column: &mut [Complex64],
-        scratch: &mut [Complex64],
-    ) {
-        let half = self.half();
-        for component in spectrum.chunks_exact_mut(self.cells * half) {
-            for k in 0..half {
-                for (value, row) in column.iter_mut().zip(component.chunks_exact(half)) {
-                    *value = row[k];
-                }
-                plan.process_with_scratch(column, scratch);
-                for (value, row) in column.iter().zip(component.chunks_exact_mut(half)) {
-                    row[k] = *value;
-                }
-            }
-        }
     }
 
     fn apply_green(&self, spectrum: &mut [Complex64]) {
@@ -157,7 +157,23 @@ impl<const D: usize> FieldSolver<D> {
     }
 }
 
-/// The matrices of G for all modes of the half spectrum, the last axis running fastest.
+/// Writes the columns of a table whose rows have `width` values one after the other.
+fn transpose(table: &[Complex64], width: usize, columns: &mut [Complex64]) {
+    /// Values in a cache line, which is read once.
+    const LINE: usize = 4;
+    let height = table.len() / width;
+    for (block, columns) in columns.chunks_mut(LINE * height).enumerate() {
+        for (i, row) in table.chunks_exact(width).enumerate() {
+            let column_values = columns[i..].iter_mut().step_by(height);
+            for (value, row_value) in column_values.zip(&row[block * LINE..]) {
+                *value = *row_value;
+            }
+        }
+    }
+}
+
+/// The matrices of G for all modes of the half spectrum, the first axis running fastest: so the
+/// solver has them, by columns.
 fn green<const D: usize>(mesh: &Mesh<D>, passes: u32) -> Vec<Complex64> {
     let cells = mesh.cells();
     let axis = |k| AxisMode::new(mesh.shape(), cells, passes, k);
@@ -176,8 +192,8 @@ fn green<const D: usize>(mesh: &Mesh<D>, passes: u32) -> Vec<Complex64> {
         }
     } else {
         let modes: Vec<AxisMode> = (0..cells).map(axis).collect();
-        for (kx, x) in modes.iter().enumerate() {
-            for (ky, y) in modes[..=cells / 2].iter().enumerate() {
+        for (ky, y) in modes[..=cells / 2].iter().enumerate() {
+            for (kx, x) in modes.iter().enumerate() {
                 let stiffness = x.stiffness.kronecker(&y.mass) + x.mass.kronecker(&y.stiffness);
                 let basis = x.basis.kronecker(&y.basis);
                 let filter = x.filter.kronecker(&y.filter);

@@ -1,17 +1,22 @@
-//! The force on a line: particles to moments of cells, moments to nodes, charge to potential, and back;
-//! or pair by pair.
+//! The force on a line: particles to nodes, charge to potential, and back; or pair by pair.
 
 use symplint::{Rows, RowsMut, scratch};
 
+use super::carrier::{ByMoments, ByRuns, Carrier};
 use super::field::FieldSolver;
 use super::mesh::Mesh;
 use super::pairs::PairTable;
-use super::place::Locator;
-use super::polynomials::{CellPolynomials, add_particle, gradient_at};
+use super::place::{Locator, RunPlaces};
+use super::polynomials::CellPolynomials;
+use super::portions::Portions;
+use super::runs::Runs;
 
 /// Samples whose particles are carried to their meshes together: rows are read so many values at a
 /// time, and sums into different meshes do not wait for each other.
 const GROUP: usize = 8;
+
+/// Particles for each cell up to which it is faster to go without moments, at degrees 1 to 3.
+const PARTICLES_PER_CELL: usize = 1;
 
 /// Values of all tables of a group at most.
 const MOST_VALUES: usize = 1 << 16;
@@ -24,7 +29,18 @@ pub(super) struct LineForce {
     polynomials: CellPolynomials,
     /// The nodes without a particle.
     background: Vec<f64>,
-    pairs: Option<PairTable>,
+    portions: Portions,
+    way: Way,
+}
+
+/// How the force comes about. It is chosen by the numbers of particles and cells, never by those of
+/// samples: a sample has the same force to the last bit in every block.
+#[derive(Clone, Debug)]
+enum Way {
+    Pairs(PairTable),
+    /// With the background as the nodes run.
+    Runs(Runs, Vec<f64>),
+    Moments,
 }
 
 /// Calls a function for the number of functions on a cell, which the compiler then knows.
@@ -47,18 +63,31 @@ impl LineForce {
         solver: &FieldSolver<D>,
         weights: &[f64],
     ) -> Self {
+        let polynomials = CellPolynomials::new(mesh);
         let mut force = LineForce {
             locator: Locator::new(*mesh.grid()),
             cells: mesh.cells(),
-            polynomials: CellPolynomials::new(mesh),
+            portions: Portions::new(polynomials.table_len()),
+            polynomials,
             background: mesh.background(weights.iter().sum()),
-            pairs: None,
+            way: Way::Moments,
         };
-        if PairTable::is_faster(weights.len(), &force.polynomials, mesh.cells()) {
+        let (particles, cells) = (weights.len(), mesh.cells());
+        if particles <= PARTICLES_PER_CELL * cells {
+            force.way = force.by_runs(mesh);
+        }
+        if PairTable::is_faster(particles, &force.polynomials, cells) {
             let functions = force.polynomials.functions();
             for_functions!(functions, force.tabulate_pairs::<D>(mesh, solver));
         }
         force
+    }
+
+    fn by_runs<const D: usize>(&self, mesh: &Mesh<D>) -> Way {
+        let runs = Runs::new(mesh);
+        let of_cell = self.background.iter().step_by(self.cells);
+        let background = runs.in_all_cells(&of_cell.copied().collect::<Vec<f64>>());
+        Way::Runs(runs, background)
     }
 
     fn tabulate_pairs<const D: usize, const N: usize>(
@@ -67,7 +96,7 @@ impl LineForce {
         solver: &FieldSolver<D>,
     ) {
         let table = PairTable::new::<D, N>(mesh, &self.polynomials, solver);
-        self.pairs = Some(table);
+        self.way = Way::Pairs(table);
     }
 
     /// p −= τ × the gradient of the potential at the particles, for every sample.
@@ -93,23 +122,56 @@ impl LineForce {
         q: Rows<'_>,
         p: &mut RowsMut<'_>,
     ) {
-        if let Some(pairs) = &self.pairs {
-            return pairs.kick::<N>(&self.locator, weights, tau, q, p);
+        match &self.way {
+            Way::Pairs(pairs) => pairs.kick::<N>(&self.locator, weights, tau, q, p),
+            Way::Runs(runs, background) => {
+                let by = ByRuns {
+                    runs,
+                    background,
+                    functions: runs.of::<N>(),
+                };
+                self.kick_by(by, solver, weights, tau, q, p);
+            }
+            Way::Moments => {
+                let by = ByMoments::<N> {
+                    cells: self.cells,
+                    background: &self.background,
+                    polynomials: &self.polynomials,
+                };
+                self.kick_by(by, solver, weights, tau, q, p);
+            }
         }
+    }
+
+    /// Kicks all samples by tables.
+    fn kick_by<const D: usize>(
+        &self,
+        carrier: impl Carrier,
+        solver: &FieldSolver<D>,
+        weights: &[f64],
+        tau: f64,
+        q: Rows<'_>,
+        p: &mut RowsMut<'_>,
+    ) {
         // Tables of a whole group must fit into a cache, and with many cells into memory.
         let grouped = GROUP * self.polynomials.table_len() <= MOST_VALUES;
         let whole = if grouped { q.len() / GROUP * GROUP } else { 0 };
         for first in (0..whole).step_by(GROUP) {
-            self.kick_group::<D, N, GROUP>(solver, weights, tau, first, q, p);
+            self.kick_group::<D, GROUP>(carrier, solver, weights, tau, first, q, p);
         }
         for first in whole..q.len() {
-            self.kick_group::<D, N, 1>(solver, weights, tau, first, q, p);
+            self.kick_group::<D, 1>(carrier, solver, weights, tau, first, q, p);
         }
     }
 
     /// Kicks `W` neighbouring samples, from sample `first` on.
-    fn kick_group<const D: usize, const N: usize, const W: usize>(
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "what a kick has, and where it is"
+    )]
+    fn kick_group<const D: usize, const W: usize>(
         &self,
+        carrier: impl Carrier,
         solver: &FieldSolver<D>,
         weights: &[f64],
         tau: f64,
@@ -117,43 +179,55 @@ impl LineForce {
         q: Rows<'_>,
         p: &mut RowsMut<'_>,
     ) {
-        let (cells, nodes) = (self.cells, self.background.len());
-        let len = self.polynomials.table_len();
-        let work_len = self.polynomials.work_len(nodes);
-        scratch::with_buffer(W * len + nodes + work_len, |buffer| {
-            // For each sample the moments of its cells, then the gradients on them.
-            let (tables, rest) = buffer.split_at_mut(W * len);
-            let (nodes, work) = rest.split_at_mut(nodes);
-            tables.fill(0.0);
-            self.locator
-                .each_run::<W>(q, first, |a, places, fractions| {
-                    let particles = places.iter().zip(fractions).zip(&weights[a..]);
-                    for ((places, fractions), &weight) in particles {
-                        for (sample, table) in tables.chunks_exact_mut(len).enumerate() {
-                            let cell = places[sample] as usize;
-                            let (moments, _) = table.as_chunks_mut::<N>();
-                            add_particle(&mut moments[cell], weight, fractions[sample]);
-                        }
-                    }
-                });
-            for table in tables.chunks_exact_mut(len) {
-                nodes.copy_from_slice(&self.background);
-                self.polynomials.deposit::<N>(table, nodes, work);
-                solver.solve(nodes);
-                self.polynomials.gradients::<N>(nodes, table, work);
-            }
-            self.locator
-                .each_run::<W>(q, first, |a, places, fractions| {
-                    for (i, (places, fractions)) in places.iter().zip(fractions).enumerate() {
-                        let row = &mut p.row_mut(a + i)[first..first + W];
-                        for (sample, (v, table)) in
-                            row.iter_mut().zip(tables.chunks_exact(len)).enumerate()
+        let len = carrier.table_len();
+        let all = 0..weights.len();
+        scratch::with_buffer(W * len + carrier.work_len(), |buffer| {
+            let (tables, work) = buffer.split_at_mut(W * len);
+            let mut places = RunPlaces::<W>::new();
+            // The places of few particles are kept.
+            let kept = (all.len() <= RunPlaces::<W>::MOST).then(|| {
+                self.locator.locate_run(q, first, all.clone(), &mut places);
+                &places
+            });
+            (self.portions).sum(all.clone(), tables, &|portion, tables| {
+                for table in tables.chunks_exact_mut(len) {
+                    carrier.clear(table, portion.start == 0);
+                }
+                let mut deposit = |a: usize, places: &RunPlaces<W>| {
+                    for ((cells, fractions), &weight) in places.iter().zip(&weights[a..]) {
+                        let samples = cells.iter().zip(fractions);
+                        for ((&cell, &fraction), table) in samples.zip(tables.chunks_exact_mut(len))
                         {
-                            let cell = places[sample] as usize;
-                            *v -= tau * gradient_at::<N>(table, cells, cell, fractions[sample]);
+                            carrier.add(table, cell, weight, fraction);
                         }
                     }
-                });
+                };
+                match kept {
+                    Some(places) => deposit(0, places),
+                    None => self.locator.each_run(q, first, portion, deposit),
+                }
+            });
+            for table in tables.chunks_exact_mut(len) {
+                carrier.solve(table, work, |nodes| solver.solve(nodes));
+            }
+            let tables = &*tables;
+            (self.portions).each::<1>(all, p.reborrow(), &|portion, mut p| {
+                let start = portion.start;
+                let mut gather = |a: usize, places: &RunPlaces<W>| {
+                    for (i, (cells, fractions)) in places.iter().enumerate() {
+                        let row = &mut p.row_mut(a - start + i)[first..first + W];
+                        let samples = cells.iter().zip(fractions);
+                        let samples = samples.zip(tables.chunks_exact(len));
+                        for (v, ((&cell, &fraction), table)) in row.iter_mut().zip(samples) {
+                            *v -= tau * carrier.gradient(table, cell, fraction);
+                        }
+                    }
+                };
+                match kept {
+                    Some(places) => gather(0, places),
+                    None => self.locator.each_run(q, first, portion, gather),
+                }
+            });
         });
     }
 }
@@ -171,12 +245,13 @@ mod tests {
             })
     }
 
-    /// A plasma by all three ways.
+    /// A plasma by all ways.
     struct Line {
         mesh: Mesh<1>,
         solver: FieldSolver<1>,
         weights: Vec<f64>,
         by_moments: LineForce,
+        by_runs: LineForce,
         by_pairs: LineForce,
     }
 
@@ -185,8 +260,12 @@ mod tests {
             let mesh = Mesh::new(shape, cells, 0.7 * cells as f64).unwrap();
             let solver = FieldSolver::new(&mesh, passes);
             let by_moments = LineForce {
-                pairs: None,
+                way: Way::Moments,
                 ..LineForce::new(&mesh, &solver, weights)
+            };
+            let by_runs = LineForce {
+                way: by_moments.by_runs(&mesh),
+                ..by_moments.clone()
             };
             let mut by_pairs = by_moments.clone();
             let functions = shape.degree() + 1;
@@ -194,6 +273,7 @@ mod tests {
             Line {
                 weights: weights.to_vec(),
                 by_pairs,
+                by_runs,
                 by_moments,
                 solver,
                 mesh,
@@ -246,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn both_ways_are_the_slow_one() {
+    fn all_ways_are_the_slow_one() {
         for shape in shapes() {
             for passes in [0, 3] {
                 for cells in [1, 2, 3, 5, 8, 128] {
@@ -258,14 +338,14 @@ mod tests {
                     let slow = line.slow(&x);
                     // Fields are differences of potentials, which grow with the charge and the box.
                     let scale = x.len() as f64 * length.max(1.0);
-                    for force in [&line.by_moments, &line.by_pairs] {
+                    for force in [&line.by_moments, &line.by_runs, &line.by_pairs] {
                         let kicked = line.kicked(force, &x, 1);
                         for ((x, got), expected) in x.iter().zip(&kicked).zip(&slow) {
                             assert!(
                                 (got - expected).abs() < 1e-14 * scale,
                                 "{shape:?}, {cells} cells, {passes} passes, x = {x:e}: \
-                                 {got} for {expected}, pairs: {}",
-                                force.pairs.is_some()
+                                 {got} for {expected}, {:?}",
+                                force.way
                             );
                         }
                     }
@@ -284,7 +364,7 @@ mod tests {
             let q: Vec<f64> = (0..particles * SAMPLES)
                 .map(|i| ((i * i) as f64 * 0.618).rem_euclid(33.6) - 11.2)
                 .collect();
-            for force in [&line.by_moments, &line.by_pairs] {
+            for force in [&line.by_moments, &line.by_runs, &line.by_pairs] {
                 let together = line.kicked(force, &q, SAMPLES);
                 for sample in 0..SAMPLES {
                     let of_sample = |table: &[f64]| -> Vec<f64> {
@@ -295,5 +375,34 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Portions of the particles are summed on any threads, and the sums are not another.
+    #[test]
+    fn portions_are_the_whole_on_any_number_of_threads() {
+        const CELLS: usize = 16;
+        let shape = Shape::new(ShapeFamily::BSpline, 3).unwrap();
+        let particles = 5 * (1 << 14) + 77;
+        let line = Line::new(shape, CELLS, 0, &vec![1e-3; particles]);
+        let q: Vec<f64> = (0..particles)
+            .map(|i| ((i * i) as f64 * 0.618).rem_euclid(33.6) - 11.2)
+            .collect();
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let kicked = || line.kicked(&line.by_moments, &q, 1);
+            pool.build().unwrap().install(kicked)
+        };
+        let alone = on(1);
+        let charge = 1e-3 * particles as f64;
+        for (got, expected) in alone.iter().zip(line.slow(&q)) {
+            assert!((got - expected).abs() < 1e-14 * charge * line.mesh.length());
+        }
+        for threads in [2, 3] {
+            assert!(on(threads) == alone, "on {threads} threads");
+        }
+        let twice: Vec<f64> = q.iter().flat_map(|&x| [x; 2 * GROUP]).collect();
+        let together = line.kicked(&line.by_moments, &twice, 2 * GROUP);
+        let expected = alone.iter().flat_map(|&v| [v; 2 * GROUP]);
+        assert!(together.into_iter().eq(expected), "in a block");
     }
 }

@@ -24,20 +24,26 @@
 //!
 //! From the particles to the force: `shape` knows the basis functions of a cell, `mesh` numbers the
 //! nodes, `deposit` carries charge to them and gradients back, `element` has the
-//! matrices of one axis and one Fourier mode, `field` solves for the potential, `system` is the
+//! matrices of one axis and one Fourier mode, `field` solves for the potential (`packed` where it can be faster), `system` is the
 //! Hamiltonian. On a line there is a faster way, `line`: `place` finds the particles' cells,
-//! `polynomials` has what all particles of a cell share, and `pairs` does without a mesh where there
-//! are few. `tangent` has the derivative of the force.
+//! `polynomials` has what all particles of a cell share, `runs` does without that where cells are
+//! more than particles (`carrier` has both), and `pairs` without a mesh where there are few. In a plane, `plane` goes by
+//! `runs` on both axes. Where there are many particles, `portions` shares them out to the threads. `tangent` has the derivative of the force.
 
+mod carrier;
 mod deposit;
 mod element;
 mod field;
 mod initial;
 mod line;
 mod mesh;
+mod packed;
 mod pairs;
 mod place;
+mod plane;
 mod polynomials;
+mod portions;
+mod runs;
 mod scratch;
 mod shape;
 mod system;

@@ -25,14 +25,16 @@ impl PairTable {
 
     /// Whether this is the fastest way to the force.
     pub(super) fn is_faster(particles: usize, polynomials: &CellPolynomials, cells: usize) -> bool {
-        /// Pairs for each cell up to which they measure faster than a transform over the cells, at
-        /// degrees 1 to 3.
-        const PAIRS_PER_CELL: usize = 3;
+        /// Pairs times functions, for each cell, up to which they measure faster than a transform over
+        /// the cells, at degrees 1 to 3.
+        const PRODUCTS_PER_CELL: usize = 5;
         /// Values of a table that stays in a cache.
         const MOST_VALUES: usize = 1 << 16;
+        let functions = polynomials.functions();
+        let products = particles * particles * functions;
         particles <= Self::MOST
-            && particles * particles <= PAIRS_PER_CELL * cells
-            && polynomials.functions() * polynomials.table_len() <= MOST_VALUES
+            && products <= PRODUCTS_PER_CELL * cells
+            && functions * polynomials.table_len() <= MOST_VALUES
     }
 
     pub(super) fn new<const D: usize, const N: usize>(

@@ -1,5 +1,7 @@
 //! Where particles are: their cells and how far into them, without branches or conversions.
 
+use std::ops::Range;
+
 use symplint::Rows;
 
 use crate::periodic_grid::PeriodicGrid;
@@ -8,6 +10,43 @@ use crate::periodic_grid::PeriodicGrid;
 #[derive(Clone, Debug)]
 pub(super) struct Locator {
     grid: PeriodicGrid,
+}
+
+/// Places of a run.
+const RUN: usize = 128;
+
+/// Where `W` samples have the particles of one run.
+pub(super) struct RunPlaces<const W: usize> {
+    cells: [u32; RUN],
+    fractions: [f64; RUN],
+    len: usize,
+}
+
+impl<const W: usize> RunPlaces<W> {
+    /// Particles of a run at most.
+    pub(super) const MOST: usize = RUN / W;
+
+    pub(super) fn new() -> Self {
+        RunPlaces {
+            cells: [0; RUN],
+            fractions: [0.0; RUN],
+            len: 0,
+        }
+    }
+
+    /// For each particle the cells it is in and the fractions of them at which it is, in all samples.
+    #[inline]
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&[u32; W], &[f64; W])> {
+        self.chunks()
+    }
+
+    /// The same by `C` places: of particles that have a row for each axis.
+    #[inline]
+    pub(super) fn chunks<const C: usize>(&self) -> impl Iterator<Item = (&[u32; C], &[f64; C])> {
+        let (cells, _) = self.cells[..self.len].as_chunks();
+        let (fractions, _) = self.fractions[..self.len].as_chunks();
+        cells.iter().zip(fractions)
+    }
 }
 
 impl Locator {
@@ -33,8 +72,8 @@ impl Locator {
         }
     }
 
-    /// Calls `work` with runs of particles and where `W` neighbouring samples, from `first` on, have
-    /// them: the number of the run's first particle, and for each particle the cells and fractions.
+    /// Calls `work` with runs of `particles` and where `W` neighbouring samples, from `first` on, have
+    /// them: the number of the run's first particle, and its places.
     ///
     /// Position a is row a of `q`.
     #[inline]
@@ -42,22 +81,38 @@ impl Locator {
         &self,
         q: Rows<'_>,
         first: usize,
-        mut work: impl FnMut(usize, &[[u32; W]], &[[f64; W]]),
+        particles: Range<usize>,
+        mut work: impl FnMut(usize, &RunPlaces<W>),
     ) {
-        /// Positions of a run.
-        const RUN: usize = 64;
-        let mut x = [0.0; RUN];
-        let mut cells = [0; RUN];
-        let mut fractions = [0.0; RUN];
-        for a in (0..q.count()).step_by(RUN / W) {
-            let len = W * (q.count() - a).min(RUN / W);
-            let (x, cells, fractions) = (&mut x[..len], &mut cells[..len], &mut fractions[..len]);
-            for (i, x) in x.as_chunks_mut::<W>().0.iter_mut().enumerate() {
-                x.copy_from_slice(&q.row(a + i)[first..first + W]);
-            }
-            self.locate(x, cells, fractions);
-            work(a, cells.as_chunks().0, fractions.as_chunks().0);
+        let mut places = RunPlaces::new();
+        for a in particles.clone().step_by(RunPlaces::<W>::MOST) {
+            let end = particles.end.min(a + RunPlaces::<W>::MOST);
+            self.locate_run(q, first, a..end, &mut places);
+            work(a, &places);
         }
+    }
+
+    /// Finds where those samples have the particles of one run.
+    #[inline]
+    pub(super) fn locate_run<const W: usize>(
+        &self,
+        q: Rows<'_>,
+        first: usize,
+        particles: Range<usize>,
+        places: &mut RunPlaces<W>,
+    ) {
+        let len = W * particles.len();
+        let (cells, fractions) = (&mut places.cells[..len], &mut places.fractions[..len]);
+        places.len = len;
+        if let (Some(all), true) = (q.as_slice(), q.len() == W) {
+            return self.locate(&all[W * particles.start..][..len], cells, fractions);
+        }
+        let mut x = [0.0; RUN];
+        let x = &mut x[..len];
+        for (x, a) in x.as_chunks_mut::<W>().0.iter_mut().zip(particles) {
+            x.copy_from_slice(&q.row(a)[first..first + W]);
+        }
+        self.locate(x, cells, fractions);
     }
 
     /// Some positions are at nodes, far out, or not finite: all of them one by one.
@@ -136,17 +191,17 @@ mod tests {
         const SAMPLES: usize = 11;
         let q: Vec<f64> = (0..PARTICLES * SAMPLES).map(|i| 0.37 * i as f64).collect();
         let rows = Rows::new(&q, PARTICLES, SAMPLES, SAMPLES);
-        let mut next = 0;
-        Locator::new(grid).each_run::<4>(rows, 5, |a, cells, fractions| {
+        let mut next = 7;
+        Locator::new(grid).each_run::<4>(rows, 5, 7..141, |a, places| {
             assert_eq!(a, next);
-            next += cells.len();
-            for (i, (cells, fractions)) in cells.iter().zip(fractions).enumerate() {
+            next += places.iter().count();
+            for (i, (cells, fractions)) in places.iter().enumerate() {
                 for sample in 0..4 {
                     let expected = grid.locate(rows.row(a + i)[5 + sample]);
                     assert_eq!((cells[sample] as usize, fractions[sample]), expected);
                 }
             }
         });
-        assert_eq!(next, PARTICLES);
+        assert_eq!(next, 141);
     }
 }

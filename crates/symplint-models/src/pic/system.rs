@@ -5,6 +5,7 @@ use symplint::{Coordinates, Rows, RowsMut, scratch};
 use super::field::FieldSolver;
 use super::line::LineForce;
 use super::mesh::Mesh;
+use super::plane::PlaneForce;
 use super::shape::{Shape, ShapeFamily};
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
@@ -103,9 +104,15 @@ pub struct Pic<const D: usize> {
     /// −ρ0, what the nodes have without particles.
     background: Vec<f64>,
     pub(super) solver: FieldSolver<D>,
-    /// In one dimension, what makes its force fast.
-    line: Option<LineForce>,
+    force: Force,
     coordinates: Coordinates,
+}
+
+/// What makes the force fast.
+#[derive(Clone)]
+enum Force {
+    Line(LineForce),
+    Plane(PlaneForce),
 }
 
 /// Particles on a line.
@@ -146,8 +153,12 @@ impl<const D: usize> Pic<D> {
         ModelError::check_finite("the total weight of the particles", charge)?;
         let background = mesh.background(charge);
         let solver = FieldSolver::new(&mesh, config.filter_passes);
+        let force = match D {
+            1 => Force::Line(LineForce::new(&mesh, &solver, &weights)),
+            _ => Force::Plane(PlaneForce::new(&mesh, &weights)),
+        };
         Ok(Pic {
-            line: (D == 1).then(|| LineForce::new(&mesh, &solver, &weights)),
+            force,
             coordinates: coordinates::<D>(&weights, mesh.cell_width()),
             mesh,
             weights,
@@ -316,19 +327,10 @@ impl<const D: usize> Separable for Pic<D> {
     }
 
     fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
-        if let Some(line) = &self.line {
-            return line.kick(&self.solver, &self.weights, tau, q, p);
+        match &self.force {
+            Force::Line(line) => line.kick(&self.solver, &self.weights, tau, q, p),
+            Force::Plane(plane) => plane.kick(&self.solver, &self.weights, tau, q, p),
         }
-        self.each_sample(q, |sample, positions| {
-            self.with_potential(positions, |potential| {
-                for (particle, &x) in self.split(positions).iter().enumerate() {
-                    let gradient = self.mesh.gradient(potential, x);
-                    for (axis, slope) in gradient.iter().enumerate() {
-                        p.row_mut(D * particle + axis)[sample] -= tau * slope;
-                    }
-                }
-            });
-        });
     }
 
     fn kinetic_energy(&self, p: Rows<'_>, out: &mut [f64]) {

@@ -1,0 +1,112 @@
+//! The field solve on an even number of cells with one node each, by transforms of half the length.
+//!
+//! With z_j = x_2j + i x_2j+1 and Z its transform, the solve x ↦ G x, whose eigenvalue in mode k
+//! of n = 2 h is g_k = g_n−k, is
+//!
+//! Z_k ↦ (s − d sin θ) Z_k + i d cos θ conj Z_h−k, with θ = 2π k / n, s ± d = g_k, g_h−k:
+//!
+//! the modes of x itself are never needed.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use rustfft::num_complex::Complex64;
+use rustfft::{Fft, FftPlanner};
+
+use super::scratch::with_complex_buffer;
+
+/// Such a solve.
+#[derive(Clone)]
+pub(super) struct PackedSolver {
+    /// For each mode of z, what multiplies it and its mirror image.
+    factors: Vec<[f64; 2]>,
+    forward: Arc<dyn Fft<f64>>,
+    inverse: Arc<dyn Fft<f64>>,
+    scratch: usize,
+}
+
+impl PackedSolver {
+    /// By the eigenvalues of the half spectrum over the number of cells, which is even.
+    pub(super) fn new(eigenvalues: &[f64]) -> Self {
+        let half = eigenvalues.len() - 1;
+        let factors = (0..half).map(|k| {
+            let (here, there) = (eigenvalues[k], eigenvalues[half - k]);
+            let (sin, cos) = (TAU * k as f64 / (2 * half) as f64).sin_cos();
+            // Twice the halves: over half the cells goes the transform.
+            let (sum, difference) = (here + there, here - there);
+            [sum - difference * sin, difference * cos]
+        });
+        let mut planner = FftPlanner::new();
+        let forward = planner.plan_fft_forward(half);
+        let inverse = planner.plan_fft_inverse(half);
+        let scratch = [&forward, &inverse].map(|plan| plan.get_outofplace_scratch_len());
+        PackedSolver {
+            factors: factors.collect(),
+            forward,
+            inverse,
+            scratch: scratch[0].max(scratch[1]),
+        }
+    }
+
+    /// Turns the charges of the nodes into their potentials, in place.
+    pub(super) fn solve(&self, nodes: &mut [f64]) {
+        let half = self.factors.len();
+        with_complex_buffer(2 * half + self.scratch, |buffer| {
+            let (packed, rest) = buffer.split_at_mut(half);
+            let (modes, scratch) = rest.split_at_mut(half);
+            let (pairs, _) = nodes.as_chunks_mut();
+            for (packed, &[even, odd]) in packed.iter_mut().zip(&*pairs) {
+                *packed = Complex64::new(even, odd);
+            }
+            (self.forward).process_outofplace_with_scratch(packed, modes, scratch);
+            let multiply = |[by, mirrored_by]: [f64; 2], mode: Complex64, mirror: Complex64| {
+                Complex64::new(
+                    by * mode.re + mirrored_by * mirror.im,
+                    by * mode.im + mirrored_by * mirror.re,
+                )
+            };
+            packed[0] = multiply(self.factors[0], modes[0], modes[0]);
+            let mirrors = modes[1..].iter().rev();
+            let others = packed[1..].iter_mut().zip(&self.factors[1..]);
+            for ((packed, &factors), (&mode, &mirror)) in others.zip(modes[1..].iter().zip(mirrors))
+            {
+                *packed = multiply(factors, mode, mirror);
+            }
+            (self.inverse).process_outofplace_with_scratch(packed, modes, scratch);
+            for (pair, potential) in pairs.iter_mut().zip(&*modes) {
+                *pair = [potential.re, potential.im];
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Σ_k (2 − δ) g_k cos(2π k (i − j) / n) x_j, the solve as a sum.
+    #[test]
+    fn it_is_the_circulant_matrix() {
+        for half in 1..20 {
+            let n = 2 * half;
+            let eigenvalues: Vec<f64> = (0..=half).map(|k| 1.0 / (1 + 3 * k) as f64).collect();
+            let x: Vec<f64> = (0..n).map(|j| ((j * j) as f64).sin()).collect();
+            let mut solved = x.clone();
+            PackedSolver::new(&eigenvalues).solve(&mut solved);
+            for (i, solved) in solved.iter().enumerate() {
+                let entry = |j: usize| -> f64 {
+                    let modes = (0..n).map(|k| {
+                        let phase = (k * (n + i - j) % n) as f64 / n as f64;
+                        eigenvalues[k.min(n - k)] * (TAU * phase).cos()
+                    });
+                    modes.sum()
+                };
+                let expected: f64 = (0..n).map(|j| entry(j) * x[j]).sum();
+                assert!(
+                    (solved - expected).abs() < 1e-13 * n as f64,
+                    "{n}: {solved}"
+                );
+            }
+        }
+    }
+}
