@@ -16,13 +16,17 @@ use crate::error::Error;
 /// Breaks looked at on either side of one for its way back.
 const REACH: usize = 8;
 
+/// From where the slopes beside a break are taken: far beyond the few doubles in which a map may not know on which
+/// side of its threshold it is, where jumps would be taken for slopes.
+const FAR: f64 = 1e-6;
+
 /// A break that may have been somewhere else.
 struct Doubtful {
     /// Its two sides.
     sides: [f64; 2],
     /// How far it may be moved along s.
     doubt: f64,
-    /// Its sides can be moved outwards by so much without meeting another break.
+    /// So far outwards of its sides there is no other break.
     free: f64,
 }
 
@@ -85,7 +89,7 @@ fn doubtful(queue: &Queue<'_>) -> Vec<Doubtful> {
             // At half that distance from where it turns round, a coordinate as curved as the loop, (2π)²
             // times its size, climbs by 2π² times the distance.
             let doubt = (queue.scales.input_rounding / (2.0 * PI * PI * apart)).min(apart);
-            let free = doubt.min(0.5 * after(1)).min(0.5 * before(1));
+            let free = FAR.min(0.5 * after(1)).min(0.5 * before(1));
             (doubt > NEIGHBOURS && free > 0.0).then_some(Doubtful {
                 sides: found.sides,
                 doubt,
