@@ -53,36 +53,42 @@ pub(super) struct Band {
 /// Groups that are taken apart at a time: they stay in the innermost cache.
 const GROUPS: usize = 4;
 
-/// Twice the modes of q and p in groups of eight, the highest group first, real and imaginary parts apart:
-/// what they are less is taken from the sums.
+/// Modes k and N − k in groups of eight, the highest k first, real and imaginary parts apart.
 struct Apart {
-    q_re: [Lanes; GROUPS],
-    q_im: [Lanes; GROUPS],
-    p_re: [Lanes; GROUPS],
-    p_im: [Lanes; GROUPS],
+    re: [Lanes; GROUPS],
+    im: [Lanes; GROUPS],
+    mirrored_re: [Lanes; GROUPS],
+    mirrored_im: [Lanes; GROUPS],
 }
 
 impl Apart {
     fn empty() -> Self {
         Apart {
-            q_re: [[0.0; LANES]; GROUPS],
-            q_im: [[0.0; LANES]; GROUPS],
-            p_re: [[0.0; LANES]; GROUPS],
-            p_im: [[0.0; LANES]; GROUPS],
+            re: [[0.0; LANES]; GROUPS],
+            im: [[0.0; LANES]; GROUPS],
+            mirrored_re: [[0.0; LANES]; GROUPS],
+            mirrored_im: [[0.0; LANES]; GROUPS],
         }
     }
 
     /// Takes group `i` apart from modes of q + i p and, highest k first, the modes N − k.
     #[inline(always)]
     fn take(&mut self, i: usize, modes: &[Complex64; LANES], mirrored: &[Complex64; LANES]) {
-        let pair = |lane: usize| (modes[lane], mirrored[LANES - 1 - lane]);
-        let each = |part: fn(Complex64, Complex64) -> f64| -> Lanes {
-            from_fn(|lane| part(pair(lane).0, pair(lane).1))
-        };
-        self.q_re[i] = each(|a, b| a.re + b.re);
-        self.q_im[i] = each(|a, b| a.im - b.im);
-        self.p_re[i] = each(|a, b| a.im + b.im);
-        self.p_im[i] = each(|a, b| b.re - a.re);
+        self.re[i] = from_fn(|lane| modes[lane].re);
+        self.im[i] = from_fn(|lane| modes[lane].im);
+        self.mirrored_re[i] = from_fn(|lane| mirrored[LANES - 1 - lane].re);
+        self.mirrored_im[i] = from_fn(|lane| mirrored[LANES - 1 - lane].im);
+    }
+
+    /// Twice Q_k and P_k of a lane: what they are less is taken from the sums.
+    #[inline(always)]
+    fn twice(&self, i: usize, lane: usize) -> [Complex64; 2] {
+        let (re, im) = (self.re[i][lane], self.im[i][lane]);
+        let (mirrored_re, mirrored_im) = (self.mirrored_re[i][lane], self.mirrored_im[i][lane]);
+        [
+            Complex64::new(re + mirrored_re, im - mirrored_im),
+            Complex64::new(im + mirrored_im, mirrored_re - re),
+        ]
     }
 }
 
@@ -217,15 +223,12 @@ impl Accumulate for SumsInLanes {
     fn add(&mut self, apart: &Apart, groups: usize, first: usize, step: usize) {
         let (highest, down) = wave_numbers(first, step);
         for i in 0..groups.min(GROUPS) {
-            let (q_re, q_im) = (&apart.q_re[i], &apart.q_im[i]);
-            let (p_re, p_im) = (&apart.p_re[i], &apart.p_im[i]);
             for j in 0..LANES {
                 let k = highest[j] - i as f64 * down;
-                let q_size = modulus_bound(q_re[j], q_im[j]);
-                let p_size = modulus_bound(p_re[j], p_im[j]);
-                let q_squared = q_re[j] * q_re[j] + q_im[j] * q_im[j];
-                let p_squared = p_re[j] * p_re[j] + p_im[j] * p_im[j];
-                self.value[j] += k * (p_im[j] * q_re[j] - p_re[j] * q_im[j]);
+                let [q, p] = apart.twice(i, j);
+                let (q_size, p_size) = (modulus_bound(q), modulus_bound(p));
+                let (q_squared, p_squared) = (q.norm_sqr(), p.norm_sqr());
+                self.value[j] += k * (p.im * q.re - p.re * q.im);
                 self.q_slope[j] += k * q_size;
                 self.p_slope[j] += k * p_size;
                 self.q_slope_squared[j] += k * k * q_squared;
@@ -247,11 +250,10 @@ impl Accumulate for ValueInLanes {
     fn add(&mut self, apart: &Apart, groups: usize, first: usize, step: usize) {
         let (highest, down) = wave_numbers(first, step);
         for i in 0..groups.min(GROUPS) {
-            let (q_re, q_im) = (&apart.q_re[i], &apart.q_im[i]);
-            let (p_re, p_im) = (&apart.p_re[i], &apart.p_im[i]);
             for j in 0..LANES {
                 let k = highest[j] - i as f64 * down;
-                self.0[j] += k * (p_im[j] * q_re[j] - p_re[j] * q_im[j]);
+                let [q, p] = apart.twice(i, j);
+                self.0[j] += k * (p.im * q.re - p.re * q.im);
             }
         }
     }
@@ -290,14 +292,14 @@ pub(super) fn value(spectrum: &Spectrum, range: Range<usize>) -> f64 {
     0.25 * total(value.0)
 }
 
-/// A bound on √(x² + y²) that is at most 8.3 per cent above it: a regular octagon round the unit circle.
+/// A bound on |z| that is at most 8.3 per cent above it: a regular octagon round the unit circle.
 ///
 /// Without a root, which would take longer than all else that is done to a mode.
 #[inline(always)]
-fn modulus_bound(x: f64, y: f64) -> f64 {
+fn modulus_bound(z: Complex64) -> f64 {
     /// 1/cos(π/8): from the octagon in the circle to the one round it.
     const OUTWARDS: f64 = 1.082_392_200_292_394;
-    let (x, y) = (x.abs(), y.abs());
+    let (x, y) = (z.re.abs(), z.im.abs());
     let diagonal = std::f64::consts::FRAC_1_SQRT_2 * (x + y);
     OUTWARDS * larger(diagonal, larger(x, y))
 }
@@ -379,8 +381,7 @@ mod tests {
     #[test]
     fn the_bound_on_a_modulus_is_tight_to_nine_per_cent() {
         for degree in 0..360 {
-            let (y, x) = f64::from(degree).to_radians().sin_cos();
-            let bound = modulus_bound(x, y);
+            let bound = modulus_bound(Complex64::cis(f64::from(degree).to_radians()));
             assert!((1.0 - 1e-15..1.0824).contains(&bound), "{degree}: {bound}");
         }
     }
