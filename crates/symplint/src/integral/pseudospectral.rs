@@ -18,10 +18,10 @@ use aligned_vec::{AVec, avec};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
-use super::pair_sums::{Band, sums, value};
+use super::pair_sums::{Band, sums};
 use super::regularity::sobolev_exponent;
 use super::row::{Extent, pack, wraps};
-use super::spectrum::Spectrum;
+use super::spectrum::{Folded, Modes, Spectrum};
 use super::transform::{Scratch, Transform};
 use super::{RowIntegral, UNIT_ROUNDOFF, least, unwrap_row};
 use crate::coordinates::Coordinates;
@@ -97,7 +97,7 @@ impl Workspace {
         };
         pack(&mut self.modes, q, rows.q_unit, p, rows.p_unit);
         self.transform.forward(&mut self.modes, &mut self.scratch);
-        rows.integral(Spectrum::new(&mut self.modes, self.transform.classes()))
+        rows.integral(Spectrum::new(&self.modes, self.transform.classes()))
     }
 }
 
@@ -178,15 +178,22 @@ impl Rows {
             let tail = factor * upper_scale;
             // The same integral from every second sample; from the lower half of the modes where N
             // is odd.
-            let coarse = if samples.is_multiple_of(2) {
-                spectrum.fold()
+            let lower = [(samples / 2).div_ceil(2), 1];
+            let (coarse, coarse_mean) = if samples.is_multiple_of(2) {
+                let folded = Folded::new(spectrum);
+                (
+                    sums(&folded, &lower, &mut [Band::default()]),
+                    folded.mode(0).im,
+                )
             } else {
-                spectrum
+                (
+                    sums(&spectrum, &lower, &mut [Band::default()]),
+                    spectrum.mode(0).im,
+                )
             };
-            let coarse_value = value(&coarse, 1..(samples / 2).div_ceil(2));
-            let change = factor * (all.value - coarse_value).abs();
+            let change = factor * (all.value - coarse.value).abs();
             // The highest modes fold back into the mean as into every other mode.
-            let mean_change = (mean - coarse.mode(0).im / n).abs().max(p_top / n);
+            let mean_change = (mean - coarse_mean / n).abs().max(p_top / n);
             unit * change.max(tail).max(folded) + self.gain.abs() * self.p_unit * mean_change
         });
         RowIntegral {

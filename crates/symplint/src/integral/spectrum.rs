@@ -1,76 +1,119 @@
 //! The modes of a transform, in the order in which it leaves them.
 
-use multiversion::multiversion;
+use std::array::from_fn;
+
 use rustfft::num_complex::Complex64;
 
-/// The modes of N samples in classes: mode k is in class k mod C, and the C classes, each in order, stand
-/// in bit-reversed order. C is a power of two; with C = 1 the modes are in order.
-pub(super) struct Spectrum<'a> {
-    z: &'a mut [Complex64],
+/// The modes of N samples in classes: mode k is in class k mod C, at place ⌊k/C⌋ of it. C is a power of two.
+pub(super) trait Modes {
+    /// N.
+    fn modes(&self) -> usize;
+
     /// log₂ C.
+    fn class_bits(&self) -> u32;
+
+    /// The modes of a class from a place on.
+    fn run<const COUNT: usize>(&self, class: usize, place: usize) -> [Complex64; COUNT];
+
+    /// Mode k < N.
+    #[inline(always)]
+    fn mode(&self, k: usize) -> Complex64 {
+        let classes = 1 << self.class_bits();
+        let [mode] = self.run(k & (classes - 1), k >> self.class_bits());
+        mode
+    }
+}
+
+/// A whole transform. Its classes, each in order, stand in bit-reversed order; with C = 1 the modes are in
+/// order.
+#[derive(Clone, Copy)]
+pub(super) struct Spectrum<'a> {
+    z: &'a [Complex64],
     class_bits: u32,
-    class_len: usize,
-    /// From the start of one class to that of the next.
-    stride: usize,
 }
 
 impl<'a> Spectrum<'a> {
     /// # Panics
     /// If `classes` is no power of two, or does not divide the number of modes.
-    pub fn new(z: &'a mut [Complex64], classes: usize) -> Self {
+    pub fn new(z: &'a [Complex64], classes: usize) -> Self {
         assert!(
             classes.is_power_of_two() && z.len().is_multiple_of(classes),
             "{} modes in {classes} classes",
             z.len()
         );
-        let class_len = z.len() / classes;
         Spectrum {
             z,
             class_bits: classes.ilog2(),
-            class_len,
-            stride: class_len,
         }
     }
 
-    /// N.
     #[inline(always)]
-    pub fn modes(&self) -> usize {
-        self.class_len << self.class_bits
+    fn class(&self, class: usize) -> &[Complex64] {
+        let len = self.z.len() >> self.class_bits;
+        let start = len * reverse_bits(class, self.class_bits);
+        &self.z[start..start + len]
+    }
+}
+
+impl Modes for Spectrum<'_> {
+    #[inline(always)]
+    fn modes(&self) -> usize {
+        self.z.len()
     }
 
-    /// C.
     #[inline(always)]
-    pub fn classes(&self) -> usize {
-        1 << self.class_bits
+    fn class_bits(&self) -> u32 {
+        self.class_bits
     }
 
-    /// The modes k = `class`, `class` + C, `class` + 2 C, ….
     #[inline(always)]
-    pub fn class(&self, class: usize) -> &[Complex64] {
-        let start = self.stride * reverse_bits(class, self.class_bits);
-        &self.z[start..start + self.class_len]
+    fn run<const COUNT: usize>(&self, class: usize, place: usize) -> [Complex64; COUNT] {
+        *first_of(&self.class(class)[place..])
     }
+}
 
-    /// Mode k < N.
-    #[inline(always)]
-    pub fn mode(&self, k: usize) -> Complex64 {
-        let class = k & (self.classes() - 1);
-        self.z[self.stride * reverse_bits(class, self.class_bits) + (k >> self.class_bits)]
-    }
+/// Of an even number of samples, twice the transform of every second one: modes k and k + N/2 fold together.
+#[derive(Clone, Copy)]
+pub(super) struct Folded<'a>(Spectrum<'a>);
 
-    /// Of an even number of samples, twice the transform of every second one: modes k and k + N/2 fold
-    /// together. The upper half of each class is left over.
-    ///
+impl<'a> Folded<'a> {
     /// # Panics
     /// If classes have an odd number of modes.
-    pub fn fold(self) -> Self {
-        assert!(self.class_len.is_multiple_of(2), "{} modes", self.class_len);
-        fold_classes(self.z, self.stride, self.class_len);
-        Spectrum {
-            class_len: self.class_len / 2,
-            ..self
-        }
+    pub fn new(spectrum: Spectrum<'a>) -> Self {
+        let class_len = spectrum.modes() >> spectrum.class_bits;
+        assert!(class_len.is_multiple_of(2), "{class_len} modes in a class");
+        Folded(spectrum)
     }
+}
+
+impl Modes for Folded<'_> {
+    #[inline(always)]
+    fn modes(&self) -> usize {
+        self.0.modes() / 2
+    }
+
+    #[inline(always)]
+    fn class_bits(&self) -> u32 {
+        self.0.class_bits
+    }
+
+    #[inline(always)]
+    fn run<const COUNT: usize>(&self, class: usize, place: usize) -> [Complex64; COUNT] {
+        let class = self.0.class(class);
+        let (lower, upper) = class.split_at(class.len() / 2);
+        let lower: &[Complex64; COUNT] = first_of(&lower[place..]);
+        let upper: &[Complex64; COUNT] = first_of(&upper[place..]);
+        from_fn(|i| lower[i] + upper[i])
+    }
+}
+
+/// # Panics
+/// If there are not so many.
+#[inline(always)]
+fn first_of<const COUNT: usize>(modes: &[Complex64]) -> &[Complex64; COUNT] {
+    modes
+        .first_chunk()
+        .expect("runs end where their class does")
 }
 
 /// The lowest `bits` bits of `class` in reverse order; there are no others.
@@ -79,17 +122,6 @@ fn reverse_bits(class: usize, bits: u32) -> usize {
     match bits {
         0 => 0,
         _ => class.reverse_bits() >> (usize::BITS - bits),
-    }
-}
-
-/// Adds the upper half of each class to the lower.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-fn fold_classes(z: &mut [Complex64], stride: usize, class_len: usize) {
-    for class in z.chunks_exact_mut(stride) {
-        let (lower, upper) = class[..class_len].split_at_mut(class_len / 2);
-        for (low, high) in lower.iter_mut().zip(&*upper) {
-            *low += high;
-        }
     }
 }
 
@@ -123,8 +155,8 @@ mod tests {
         let z: Vec<Complex64> = (0..n).map(|k| slow(&samples, k)).collect();
         let second: Vec<Complex64> = samples.iter().step_by(2).copied().collect();
         for classes in [1, 2, 4, 8] {
-            let mut z = in_classes(&z, classes);
-            let folded = Spectrum::new(&mut z, classes).fold();
+            let z = in_classes(&z, classes);
+            let folded = Folded::new(Spectrum::new(&z, classes));
             assert_eq!(folded.modes(), n / 2);
             for k in 0..n / 2 {
                 assert!((folded.mode(k) / 2.0 - slow(&second, k)).norm() < 1e-12);
@@ -136,11 +168,12 @@ mod tests {
     fn classes_hold_every_mode_in_its_place() {
         let z: Vec<Complex64> = (0..32).map(|k| Complex64::new(k as f64, 0.0)).collect();
         for classes in [1, 2, 4, 8, 16] {
-            let mut z = in_classes(&z, classes);
-            let spectrum = Spectrum::new(&mut z, classes);
+            let z = in_classes(&z, classes);
+            let spectrum = Spectrum::new(&z, classes);
             for k in 0..32 {
                 assert_eq!(spectrum.mode(k).re, k as f64);
-                assert_eq!(spectrum.class(k % classes)[k / classes].re, k as f64);
+                let [mode] = spectrum.run(k % classes, k / classes);
+                assert_eq!(mode.re, k as f64);
             }
         }
     }

@@ -121,7 +121,7 @@ fn has_vectors() -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::spectrum::Spectrum;
+    use super::super::spectrum::{Modes, Spectrum};
     use super::*;
 
     #[test]
@@ -139,10 +139,7 @@ mod tests {
             }
             let classes = Transform::new(samples, true).classes();
             assert_eq!(classes, samples.div_ceil(1024));
-            let (slow, fast) = (
-                Spectrum::new(&mut slow, 1),
-                Spectrum::new(&mut fast, classes),
-            );
+            let (slow, fast) = (Spectrum::new(&slow, 1), Spectrum::new(&fast, classes));
             for k in 0..samples {
                 let off = (slow.mode(k) - fast.mode(k)).norm();
                 assert!(off < 1e-15 * samples as f64, "{samples}, mode {k}: {off:e}");
