@@ -1,13 +1,12 @@
 //! What is done to a row of samples before its transform.
 
+use std::array::from_fn;
+
 use multiversion::multiversion;
 use rustfft::num_complex::Complex64;
 
 /// Values in a vector register of AVX-512.
 const LANES: usize = 8;
-
-/// Registers in use beside each other, so that none waits for the one before it.
-const REGISTERS: usize = 4;
 
 /// Where the samples of a row lie.
 #[derive(Clone, Copy, Debug)]
@@ -46,35 +45,33 @@ impl Extent {
     }
 }
 
-/// One bound after the other: a loop for both at once does not become vector instructions.
+/// In one go, at the speed of the memory. Two registers for either bound, so that neither waits for itself; with
+/// names, since arrays of them would stay in memory.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 fn low_and_high(row: &[f64]) -> (f64, f64) {
-    (fold(row, smaller), fold(row, larger))
+    let (chunks, rest) = row.as_chunks::<{ 2 * LANES }>();
+    let [mut low, mut other_low, mut high, mut other_high] = [[row[0]; LANES]; 4];
+    for chunk in chunks {
+        let (values, other_values) = chunk.split_at(LANES);
+        low = each(low, values, smaller);
+        high = each(high, values, larger);
+        other_low = each(other_low, other_values, smaller);
+        other_high = each(other_high, other_values, larger);
+    }
+    let (low, high) = (
+        each(low, &other_low, smaller),
+        each(high, &other_high, larger),
+    );
+    let mut bounds = (low[0], high[0]);
+    for &value in low.iter().chain(&high).chain(rest) {
+        bounds = (smaller(value, bounds.0), larger(value, bounds.1));
+    }
+    bounds
 }
 
 #[inline(always)]
-fn fold(row: &[f64], choose: impl Fn(f64, f64) -> f64) -> f64 {
-    let (chunks, rest) = row.as_chunks::<{ LANES * REGISTERS }>();
-    let mut chosen = [[row[0]; LANES]; REGISTERS];
-    for chunk in chunks {
-        let (parts, _) = chunk.as_chunks::<LANES>();
-        for (chosen, values) in chosen.iter_mut().zip(parts) {
-            for (chosen, &value) in chosen.iter_mut().zip(values) {
-                *chosen = choose(value, *chosen);
-            }
-        }
-    }
-    let [mut lanes, others @ ..] = chosen;
-    for other in &others {
-        for (lane, &value) in lanes.iter_mut().zip(other) {
-            *lane = choose(value, *lane);
-        }
-    }
-    let mut all = lanes[0];
-    for &value in lanes[1..].iter().chain(rest) {
-        all = choose(value, all);
-    }
-    all
+fn each(chosen: [f64; LANES], values: &[f64], choose: fn(f64, f64) -> f64) -> [f64; LANES] {
+    from_fn(|lane| choose(values[lane], chosen[lane]))
 }
 
 /// The smaller of two numbers, in one instruction.
