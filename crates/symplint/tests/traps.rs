@@ -496,3 +496,48 @@ impl TimeAdvance for Counted<'_> {
         self.map.advance_substep(k, h, block)
     }
 }
+
+#[test]
+fn maps_that_round_nothing_are_not_accused_of_it() {
+    // Exact on a loop of few digits: q of the first is of three decimals, and p of the second, at rest, becomes h q.
+    let samples = 64;
+    let mut printed = symplint::Ensemble::zeros(2, samples);
+    let rounded = |x: f64| (x * 1e3).round() / 1e3;
+    for k in 0..samples {
+        let turn = TAU * k as f64 / samples as f64;
+        printed.block().q.row_mut(0)[k] = rounded(turn.cos());
+        printed.block().p.row_mut(0)[k] = rounded(turn.sin());
+    }
+    let springs = PerSample::new(2, |h, q: &mut [f64], p: &mut [f64]| {
+        let stretch = q[1] - q[0];
+        p[0] += h * stretch;
+        p[1] -= h * stretch;
+        q[0] += h * p[0];
+        q[1] += h * p[1];
+    });
+    let printed = symplint::SampledLoop::new(printed, &Coordinates::plain(2)).unwrap();
+    let found = Diagnostic::default().run(&springs, &printed, &|_| {});
+    let evidence = found.unwrap().verdict.evidence.join(" ");
+    assert!(!evidence.contains("rounds"), "{evidence}");
+}
+
+#[test]
+fn a_state_that_fails_beside_the_samples_takes_no_verdict_back() {
+    // Sample 15 of 64, which is none of 33.
+    let hole = circle(0.1, 0.2);
+    let at = symplint::Ensemble::sample(&hole, 64).unwrap();
+    let hole_q = at.q().row(0)[15];
+    let map = PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+        p[0] -= if q[0] == hole_q { f64::NAN } else { h * q[0] };
+        q[0] += h * p[0];
+    });
+    let found = Diagnostic {
+        samples: symplint::SampleCount::Fixed(33),
+        loops: 1,
+        jacobian: false,
+        stages: false,
+        ..Diagnostic::default()
+    }
+    .run(&map, &hole, &|_| {});
+    assert_eq!(found.unwrap().verdict.kind, VerdictKind::Symplectic);
+}

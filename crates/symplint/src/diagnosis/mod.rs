@@ -257,7 +257,7 @@ impl Diagnostic {
         verdict
             .evidence
             .extend(study.regularity.and_then(|s| roughness(s, largest)));
-        digits::own_up(map, phase_loop, largest, &mut verdict)?;
+        digits::own_up(map, phase_loop, largest, &mut verdict);
         let long_time = match self.long_time {
             0 => None,
             steps => long_time::follow(&configured, largest, steps, &mut verdict)?,

@@ -270,10 +270,14 @@ impl<'a> Probe<'a> {
             integral.quadrature_error = None;
             breaks.push(found);
         }
+        // What the samples doubt besides holds for the closed integral, too; the places of breaks do not.
         let mut closed = closed;
+        let own_error = integral.quadrature_error;
         let regularity = own_up(&mut integral, seen, coordinates, !breaks.is_empty())?;
-        closed.quadrature_error =
-            (integral.quadrature_error).map(|error| (error - place_error).max(0.0));
+        closed.quadrature_error = match integral.quadrature_error {
+            Some(error) if Some(error) == own_error => Some((error - place_error).max(0.0)),
+            other => other,
+        };
         Ok(Measured {
             defect: Defect::between(&self.initial, &integral)?,
             regularity,

@@ -216,6 +216,10 @@ struct BandInLanes {
 impl SumsInLanes {
     /// Adds the first `groups` groups of `apart`. The wave numbers of the first are `first`, `first` + `step`, …;
     /// each other lies below the one before.
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "an iterator over the lanes does not become vector instructions"
+    )]
     #[inline(always)]
     fn add(&mut self, apart: &Apart, groups: usize, first: usize, step: usize) {
         let (highest, down) = wave_numbers(first, step);

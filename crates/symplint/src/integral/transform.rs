@@ -30,7 +30,14 @@ pub(super) enum Scratch {
 }
 
 /// Plans are dear and the same few lengths come again and again.
-static PLANS: LazyLock<Mutex<HashMap<usize, Arc<Transform>>>> = LazyLock::new(Mutex::default);
+static PLANS: LazyLock<Mutex<Plans>> = LazyLock::new(Mutex::default);
+
+#[derive(Default)]
+struct Plans {
+    of_lengths: HashMap<usize, Arc<Transform>>,
+    /// Lengths share what their factors need.
+    planner: Option<FftPlanner<f64>>,
+}
 
 impl Transform {
     /// Modes of a class at most: a class stays in the innermost cache while it is made.
@@ -39,13 +46,18 @@ impl Transform {
     /// The transform of so many samples.
     pub fn of(samples: usize) -> Arc<Self> {
         let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
-        let plan = plans
-            .entry(samples)
-            .or_insert_with(|| Arc::new(Self::new(samples, has_vectors())));
+        let Plans {
+            of_lengths,
+            planner,
+        } = &mut *plans;
+        let plan = of_lengths.entry(samples).or_insert_with(|| {
+            let planner = planner.get_or_insert_with(FftPlanner::new);
+            Arc::new(Self::new(samples, has_vectors(), planner))
+        });
         Arc::clone(plan)
     }
 
-    fn new(samples: usize, has_vectors: bool) -> Self {
+    fn new(samples: usize, has_vectors: bool, planner: &mut FftPlanner<f64>) -> Self {
         /// Below, a call costs more than the transform.
         const FEWEST: usize = 32;
         /// Plans hold 56 bytes for each sample.
@@ -60,7 +72,7 @@ impl Transform {
                 },
             ))
         } else {
-            Transform::InOrder(FftPlanner::new().plan_fft_forward(samples))
+            Transform::InOrder(planner.plan_fft_forward(samples))
         }
     }
 
@@ -126,18 +138,19 @@ mod tests {
 
     #[test]
     fn both_libraries_agree_on_every_mode() {
+        let mut planner = FftPlanner::new();
         for samples in [32, 64, 512, 1024, 2048, 4096, 8192, 1 << 16] {
             let row: Vec<Complex64> = (0..samples)
                 .map(|k| Complex64::new((k as f64).sin(), (1.3 * (k * k) as f64).cos()))
                 .collect();
             let [mut slow, mut fast] = [row.clone(), row];
             for (row, has_vectors) in [(&mut slow, false), (&mut fast, true)] {
-                let transform = Transform::new(samples, has_vectors);
+                let transform = Transform::new(samples, has_vectors, &mut planner);
                 assert_eq!(transform.samples(), samples);
                 assert!(has_vectors || transform.classes() == 1);
                 transform.forward(row, &mut transform.scratch());
             }
-            let classes = Transform::new(samples, true).classes();
+            let classes = Transform::new(samples, true, &mut planner).classes();
             assert_eq!(classes, samples.div_ceil(1024));
             let (slow, fast) = (Spectrum::new(&slow, 1), Spectrum::new(&fast, classes));
             for k in 0..samples {
