@@ -11,7 +11,7 @@ use crate::verdict::{Verdict, VerdictKind};
 const FEW: usize = 10;
 
 /// Different values that it takes to tell.
-const ENOUGH: usize = 16;
+const ENOUGH: u32 = 16;
 
 /// The digits of all values of a coordinate so far.
 #[derive(Clone, Copy)]
@@ -21,9 +21,9 @@ struct Digits {
     /// Whether all are numbers of single precision.
     single: bool,
     largest: f64,
-    /// The first different values, `count` of them.
-    values: [f64; ENOUGH],
-    count: usize,
+    /// One of 64 bits for each value, by its hash: as many different ones, at least. There may be millions of
+    /// coordinates.
+    seen: u64,
 }
 
 impl Default for Digits {
@@ -32,8 +32,7 @@ impl Default for Digits {
             decimal: 1,
             single: true,
             largest: 0.0,
-            values: [0.0; ENOUGH],
-            count: 0,
+            seen: 0,
         }
     }
 }
@@ -45,15 +44,13 @@ impl Digits {
         }
         self.single &= f64::from(value as f32) == value;
         self.largest = self.largest.max(value.abs());
-        if self.count < ENOUGH && !self.values[..self.count].contains(&value) {
-            self.values[self.count] = value;
-            self.count += 1;
-        }
+        // The fractional part of a multiple of the golden ratio spreads neighbours.
+        self.seen |= 1 << (value.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58);
     }
 
     /// In words, and how far apart neighbouring values are, if they are few.
     fn few(&self) -> Option<(String, f64)> {
-        if self.count < ENOUGH {
+        if self.seen.count_ones() < ENOUGH {
             return None;
         }
         if self.decimal <= FEW {
