@@ -2,6 +2,7 @@
 
 use symplint::{Rows, RowsMut, scratch};
 
+use super::by_functions::for_functions;
 use super::carrier::{ByMoments, ByRuns, Carrier};
 use super::field::FieldSolver;
 use super::mesh::Mesh;
@@ -41,20 +42,6 @@ enum Way {
     /// With the background as the nodes run.
     Runs(Runs, Vec<f64>),
     Moments,
-}
-
-/// Calls a function for the number of functions on a cell, which the compiler then knows.
-macro_rules! for_functions {
-    ($functions:expr, $object:ident.$function:ident::<$dimension:tt>($($argument:expr),*)) => {
-        match $functions {
-            2 => $object.$function::<$dimension, 2>($($argument),*),
-            3 => $object.$function::<$dimension, 3>($($argument),*),
-            4 => $object.$function::<$dimension, 4>($($argument),*),
-            5 => $object.$function::<$dimension, 5>($($argument),*),
-            6 => $object.$function::<$dimension, 6>($($argument),*),
-            functions => unreachable!("no shape has {functions} functions on a cell"),
-        }
-    };
 }
 
 impl LineForce {

@@ -30,6 +30,7 @@
 //! more than particles (`carrier` has both), and `pairs` without a mesh where there are few. In a plane, `plane` goes by
 //! `runs` on both axes. Where there are many particles, `portions` shares them out to the threads. `tangent` has the derivative of the force.
 
+mod by_functions;
 mod carrier;
 mod deposit;
 mod element;

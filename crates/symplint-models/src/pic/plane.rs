@@ -2,6 +2,7 @@
 
 use symplint::{Rows, RowsMut, scratch};
 
+use super::by_functions::for_functions;
 use super::field::FieldSolver;
 use super::mesh::Mesh;
 use super::place::{Locator, RunPlaces};
@@ -52,14 +53,10 @@ impl PlaneForce {
         q: Rows<'_>,
         p: &mut RowsMut<'_>,
     ) {
-        match self.runs.functions() {
-            2 => self.kick_with::<D, 2>(solver, weights, tau, q, p),
-            3 => self.kick_with::<D, 3>(solver, weights, tau, q, p),
-            4 => self.kick_with::<D, 4>(solver, weights, tau, q, p),
-            5 => self.kick_with::<D, 5>(solver, weights, tau, q, p),
-            6 => self.kick_with::<D, 6>(solver, weights, tau, q, p),
-            functions => unreachable!("no shape has {functions} functions on a cell"),
-        }
+        for_functions!(
+            self.runs.functions(),
+            self.kick_with::<D>(solver, weights, tau, q, p)
+        );
     }
 
     fn kick_with<const D: usize, const N: usize>(
