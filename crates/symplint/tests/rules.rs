@@ -122,6 +122,37 @@ fn circles_far_away_and_badly_scaled_are_exact() {
 }
 
 #[test]
+fn what_was_integrated_before_changes_no_bit() {
+    let circle = |radius: f64| {
+        let q = move |s: f64| 0.1 + radius * (TAU * s).cos();
+        curve(75, q, |s| (TAU * s).sin() - (2.0 * TAU * s).cos())
+    };
+    let winding = |s: f64| (0.9 + 3.0 * s).rem_euclid(1.0);
+    let mut loops: Vec<Ensemble> = [1.0, 0.3, 1e-200, 0.0, 7e150].map(circle).into();
+    loops.push(curve(75, winding, |s| (TAU * s).cos()));
+    // Every number, to the last digit.
+    let integrals = |which: &[usize]| -> Vec<String> {
+        let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+        let of = |&i: &usize| {
+            let period = if i == 5 { 1.0 } else { 0.0 };
+            let coordinates = Coordinates::plain(1).with_periods(vec![period]).unwrap();
+            let rule = Rule::Pseudospectral;
+            let integral = LoopIntegral::in_coordinates(&loops[i], &rule, &coordinates);
+            format!("{:?}", integral.unwrap())
+        };
+        one_thread
+            .unwrap()
+            .install(|| which.iter().map(of).collect())
+    };
+    let alone: Vec<String> = (0..loops.len()).flat_map(|i| integrals(&[i])).collect();
+    for before in 0..loops.len() {
+        for i in 0..loops.len() {
+            assert_eq!(integrals(&[before, i])[1], alone[i], "{i} after {before}");
+        }
+    }
+}
+
+#[test]
 fn circles_of_any_size_that_doubles_hold_are_exact() {
     for (q_radius, p_radius) in [
         (1e160, 1e-160),

@@ -1,5 +1,6 @@
 //! Loop integrals ∮ p·dq of an ensemble, by one of the rules.
 
+mod ahead;
 mod finite_difference;
 mod pair_sums;
 mod pseudospectral;
@@ -8,6 +9,7 @@ mod row;
 mod spectrum;
 mod transform;
 mod unwrap;
+mod vectors;
 
 pub use finite_difference::{Cutoff, Cutoffs, OmittedCell};
 pub use unwrap::unwrap_row;

@@ -18,9 +18,10 @@ use aligned_vec::{AVec, avec};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
-use super::pair_sums::{Band, sums};
+use super::ahead::Ahead;
+use super::pair_sums::{Band, sums, value};
 use super::regularity::sobolev_exponent;
-use super::row::{Extent, pack, wraps};
+use super::row::{pack, wraps};
 use super::spectrum::{Folded, Modes, Spectrum};
 use super::transform::{Scratch, Transform};
 use super::{RowIntegral, UNIT_ROUNDOFF, least, unwrap_row};
@@ -39,6 +40,8 @@ struct Workspace {
     unwrapped: Vec<f64>,
     /// On cache lines, so that no vector register is loaded from two.
     modes: AVec<Complex64>,
+    /// Of the last rows, q and p.
+    units: [f64; 2],
 }
 
 /// What the transform of a pair of rows does not show of them.
@@ -71,13 +74,15 @@ impl Workspace {
             scratch: transform.scratch(),
             unwrapped: Vec::new(),
             modes: avec![Complex64::ZERO; transform.samples()],
+            units: [1.0; 2],
             transform,
         }
     }
 
-    fn integrate(&mut self, q: &[f64], p: &[f64], period: f64) -> RowIntegral {
-        let (mut q_extent, p_extent) = (Extent::of(q), Extent::of(p));
-        let q_largest = q_extent.largest();
+    fn integrate(&mut self, q: &[f64], p: &[f64], period: f64, ahead: Ahead) -> RowIntegral {
+        // Neighbouring rows mostly have the same units: those of the last, then, and no second pass.
+        let mut extents = pack(&mut self.modes, [q, p], self.units);
+        let [q_largest, p_largest] = extents.map(|extent| extent.largest());
         let (mut q, mut gain) = (q, 0.0);
         if wraps(q, period) {
             self.unwrapped.clear();
@@ -85,19 +90,24 @@ impl Workspace {
             gain = unwrap_row(&mut self.unwrapped, period) as f64 * period;
             take_off_ramp(&mut self.unwrapped, gain);
             q = &self.unwrapped;
-            q_extent = Extent::of(q);
+            extents = pack(&mut self.modes, [q, p], self.units);
         }
+        let units = extents.map(|extent| extent.unit());
+        if units != self.units {
+            pack(&mut self.modes, [q, p], units);
+            self.units = units;
+        }
+        let [q_unit, p_unit] = units;
         let rows = Rows {
-            q_unit: q_extent.unit(),
-            p_unit: p_extent.unit(),
+            q_unit,
+            p_unit,
             q_largest,
-            p_largest: p_extent.largest(),
+            p_largest,
             p_first: p[0],
             gain,
         };
-        pack(&mut self.modes, q, rows.q_unit, p, rows.p_unit);
         self.transform.forward(&mut self.modes, &mut self.scratch);
-        rows.integral(Spectrum::new(&self.modes, self.transform.classes()))
+        rows.integral(Spectrum::new(&self.modes, self.transform.classes()), ahead)
     }
 }
 
@@ -128,7 +138,7 @@ fn noise_of_mode(samples: usize, largest: f64, unit: f64) -> f64 {
 
 impl Rows {
     /// The integral from the transform of q + i p in these units, which it uses up.
-    fn integral(&self, spectrum: Spectrum) -> RowIntegral {
+    fn integral(&self, spectrum: Spectrum, ahead: Ahead) -> RowIntegral {
         let samples = spectrum.modes();
         let n = samples as f64;
         let modes = samples.div_ceil(2);
@@ -143,7 +153,7 @@ impl Rows {
             *edge = 1 << j;
         }
         let mut bands = [Band::default(); MOST_BANDS];
-        let all = sums(&spectrum, &edges[..4 + octaves], &mut bands);
+        let all = sums(&spectrum, &edges[..4 + octaves], &mut bands, ahead);
         let [top, rest_of_upper, ..] = bands;
         let upper_scale = top.scale + rest_of_upper.scale;
         let scale: f64 = bands.iter().map(|band| band.scale).sum();
@@ -178,20 +188,14 @@ impl Rows {
             let tail = factor * upper_scale;
             // The same integral from every second sample; from the lower half of the modes where N
             // is odd.
-            let lower = [(samples / 2).div_ceil(2), 1];
+            let lower = 1..(samples / 2).div_ceil(2);
             let (coarse, coarse_mean) = if samples.is_multiple_of(2) {
                 let folded = Folded::new(spectrum);
-                (
-                    sums(&folded, &lower, &mut [Band::default()]),
-                    folded.mode(0).im,
-                )
+                (value(&folded, lower), folded.mode(0).im)
             } else {
-                (
-                    sums(&spectrum, &lower, &mut [Band::default()]),
-                    spectrum.mode(0).im,
-                )
+                (value(&spectrum, lower), spectrum.mode(0).im)
             };
-            let change = factor * (all.value - coarse.value).abs();
+            let change = factor * (all.value - coarse).abs();
             // The highest modes fold back into the mean as into every other mode.
             let mean_change = (mean - coarse_mean / n).abs().max(p_top / n);
             unit * change.max(tail).max(folded) + self.gain.abs() * self.p_unit * mean_change
@@ -228,8 +232,12 @@ pub(super) fn rows(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<RowInt
     (0..ensemble.dof())
         .into_par_iter()
         .map(|i| {
+            let ahead = match i + 1 {
+                next if next < ensemble.dof() => Ahead::new([q.row(next), p.row(next)]),
+                _ => Ahead::nothing(),
+            };
             Workspace::lend(&transform, |workspace| {
-                workspace.integrate(q.row(i), p.row(i), coordinates.period(i))
+                workspace.integrate(q.row(i), p.row(i), coordinates.period(i), ahead)
             })
         })
         .collect()

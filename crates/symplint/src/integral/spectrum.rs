@@ -1,26 +1,94 @@
 //! The modes of a transform, in the order in which it leaves them.
 
 use std::array::from_fn;
+use std::slice::from_mut;
 
+use pulp::Simd;
+use pulp::bytemuck::{cast_slice, cast_slice_mut};
 use rustfft::num_complex::Complex64;
 
 /// The modes of N samples in classes: mode k is in class k mod C, at place ⌊k/C⌋ of it. C is a power of two.
 pub(super) trait Modes {
+    /// One class.
+    type Class<'a>: Class
+    where
+        Self: 'a;
+
     /// N.
     fn modes(&self) -> usize;
 
     /// log₂ C.
     fn class_bits(&self) -> u32;
 
-    /// The modes of a class from a place on.
-    fn run<const COUNT: usize>(&self, class: usize, place: usize) -> [Complex64; COUNT];
+    /// The modes of a class.
+    fn class(&self, class: usize) -> Self::Class<'_>;
 
     /// Mode k < N.
     #[inline(always)]
     fn mode(&self, k: usize) -> Complex64 {
         let classes = 1 << self.class_bits();
-        let [mode] = self.run(k & (classes - 1), k >> self.class_bits());
-        mode
+        self.class(k & (classes - 1)).at(k >> self.class_bits())
+    }
+}
+
+/// Modes of one class.
+pub(super) trait Class {
+    /// The mode at a place.
+    fn at(&self, place: usize) -> Complex64;
+
+    /// As many modes from a place on as a register has lanes.
+    fn run<S: Simd>(&self, simd: S, place: usize) -> Parts<S>;
+}
+
+/// Modes, one in each lane, in an order of the processor's: the same in all that are taken by [`Class::run`].
+#[derive(Clone, Copy)]
+pub(super) struct Parts<S: Simd> {
+    pub re: S::f64s,
+    pub im: S::f64s,
+}
+
+impl<S: Simd> Parts<S> {
+    /// From two registers of modes as they stand in memory.
+    #[inline(always)]
+    fn of(simd: S, modes: [S::f64s; 2]) -> Self {
+        let [re, im] = simd.deinterleave_shfl_f64s(modes);
+        Parts { re, im }
+    }
+
+    /// The last mode first.
+    #[inline(always)]
+    pub fn reversed(self) -> Self {
+        // The order of lanes is such that its reverse is that of reversed modes.
+        let reversed = |mut lanes: S::f64s| {
+            cast_slice_mut::<_, f64>(from_mut(&mut lanes)).reverse();
+            lanes
+        };
+        Parts {
+            re: reversed(self.re),
+            im: reversed(self.im),
+        }
+    }
+}
+
+/// Two registers of modes, as they stand in memory.
+///
+/// # Panics
+/// If there are not so many.
+#[inline(always)]
+fn registers<S: Simd>(modes: &[Complex64]) -> [S::f64s; 2] {
+    let (registers, _) = S::as_simd_f64s(cast_slice(&modes[..S::F64_LANES]));
+    [registers[0], registers[1]]
+}
+
+impl Class for &[Complex64] {
+    #[inline(always)]
+    fn at(&self, place: usize) -> Complex64 {
+        self[place]
+    }
+
+    #[inline(always)]
+    fn run<S: Simd>(&self, simd: S, place: usize) -> Parts<S> {
+        Parts::of(simd, registers::<S>(&self[place..]))
     }
 }
 
@@ -46,16 +114,14 @@ impl<'a> Spectrum<'a> {
             class_bits: classes.ilog2(),
         }
     }
-
-    #[inline(always)]
-    fn class(&self, class: usize) -> &[Complex64] {
-        let len = self.z.len() >> self.class_bits;
-        let start = len * reverse_bits(class, self.class_bits);
-        &self.z[start..start + len]
-    }
 }
 
 impl Modes for Spectrum<'_> {
+    type Class<'a>
+        = &'a [Complex64]
+    where
+        Self: 'a;
+
     #[inline(always)]
     fn modes(&self) -> usize {
         self.z.len()
@@ -67,8 +133,10 @@ impl Modes for Spectrum<'_> {
     }
 
     #[inline(always)]
-    fn run<const COUNT: usize>(&self, class: usize, place: usize) -> [Complex64; COUNT] {
-        *first_of(&self.class(class)[place..])
+    fn class(&self, class: usize) -> &[Complex64] {
+        let len = self.z.len() >> self.class_bits;
+        let start = len * reverse_bits(class, self.class_bits);
+        &self.z[start..start + len]
     }
 }
 
@@ -87,6 +155,11 @@ impl<'a> Folded<'a> {
 }
 
 impl Modes for Folded<'_> {
+    type Class<'a>
+        = FoldedClass<'a>
+    where
+        Self: 'a;
+
     #[inline(always)]
     fn modes(&self) -> usize {
         self.0.modes() / 2
@@ -98,22 +171,31 @@ impl Modes for Folded<'_> {
     }
 
     #[inline(always)]
-    fn run<const COUNT: usize>(&self, class: usize, place: usize) -> [Complex64; COUNT] {
+    fn class(&self, class: usize) -> FoldedClass<'_> {
         let class = self.0.class(class);
         let (lower, upper) = class.split_at(class.len() / 2);
-        let lower: &[Complex64; COUNT] = first_of(&lower[place..]);
-        let upper: &[Complex64; COUNT] = first_of(&upper[place..]);
-        from_fn(|i| lower[i] + upper[i])
+        FoldedClass { lower, upper }
     }
 }
 
-/// # Panics
-/// If there are not so many.
-#[inline(always)]
-fn first_of<const COUNT: usize>(modes: &[Complex64]) -> &[Complex64; COUNT] {
-    modes
-        .first_chunk()
-        .expect("runs end where their class does")
+/// One class of [`Folded`] modes: the sums of these.
+pub(super) struct FoldedClass<'a> {
+    lower: &'a [Complex64],
+    upper: &'a [Complex64],
+}
+
+impl Class for FoldedClass<'_> {
+    #[inline(always)]
+    fn at(&self, place: usize) -> Complex64 {
+        self.lower[place] + self.upper[place]
+    }
+
+    #[inline(always)]
+    fn run<S: Simd>(&self, simd: S, place: usize) -> Parts<S> {
+        let lower = registers::<S>(&self.lower[place..]);
+        let upper = registers::<S>(&self.upper[place..]);
+        Parts::of(simd, from_fn(|i| simd.add_f64s(lower[i], upper[i])))
+    }
 }
 
 /// The lowest `bits` bits of `class` in reverse order; there are no others.
@@ -138,6 +220,8 @@ pub(super) fn in_classes(z: &[Complex64], classes: usize) -> Vec<Complex64> {
 
 #[cfg(test)]
 mod tests {
+    use pulp::Scalar;
+
     use super::*;
 
     #[test]
@@ -172,8 +256,8 @@ mod tests {
             let spectrum = Spectrum::new(&z, classes);
             for k in 0..32 {
                 assert_eq!(spectrum.mode(k).re, k as f64);
-                let [mode] = spectrum.run(k % classes, k / classes);
-                assert_eq!(mode.re, k as f64);
+                let run = spectrum.class(k % classes).run(Scalar, k / classes);
+                assert_eq!(run.re, k as f64);
             }
         }
     }
