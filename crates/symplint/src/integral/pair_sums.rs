@@ -218,12 +218,9 @@ fn add_single<S: Simd>(
         taken[lane] = modes.mode(k);
         mirrored[lanes - 1 - lane] = modes.mode(modes.modes() - k);
     }
-    let [taken, mirrored] = [&taken[..], &mirrored].map(|modes| modes.run(simd, 0));
-    to.add(
-        simd,
-        wave_numbers(simd, first, step),
-        Pair::apart(simd, taken, mirrored),
-    );
+    let (taken, mirrored) = (&taken[..], &mirrored[..]);
+    let pair = Pair::apart(simd, taken.run(simd, 0), mirrored.run(simd, 0));
+    to.add(simd, wave_numbers(simd, first, step), pair);
 }
 
 /// Lanes of a vector register at most.
@@ -281,7 +278,7 @@ struct ValueInLanes<S: Simd>(S::f64s);
 impl<S: Simd> Accumulate<S> for ValueInLanes<S> {
     #[inline(always)]
     fn add(&mut self, simd: S, k: S::f64s, pair: Pair<S>) {
-        self.0 = simd.add_f64s(self.0, simd.mul_f64s(k, pair.area(simd)));
+        add_product(simd, &mut self.0, k, pair.area(simd));
     }
 }
 
@@ -331,19 +328,23 @@ impl<S: Simd> BandInLanes<S> {
 impl<S: Simd> Accumulate<S> for SumsInLanes<S> {
     #[inline(always)]
     fn add(&mut self, simd: S, k: S::f64s, pair: Pair<S>) {
-        let add_product = |sum: &mut S::f64s, a, b| *sum = simd.add_f64s(*sum, simd.mul_f64s(a, b));
         let (q_size, p_size) = (pair.q.octagon(simd), pair.p.octagon(simd));
         let (q_squared, p_squared) = (pair.q.squared(simd), pair.p.squared(simd));
         let k_squared = simd.mul_f64s(k, k);
-        add_product(&mut self.value, k, pair.area(simd));
-        add_product(&mut self.q_slope, k, q_size);
-        add_product(&mut self.p_slope, k, p_size);
-        add_product(&mut self.q_slope_squared, k_squared, q_squared);
-        add_product(&mut self.p_slope_squared, k_squared, p_squared);
-        add_product(&mut self.band.scale, k, simd.mul_f64s(p_size, q_size));
+        add_product(simd, &mut self.value, k, pair.area(simd));
+        add_product(simd, &mut self.q_slope, k, q_size);
+        add_product(simd, &mut self.p_slope, k, p_size);
+        add_product(simd, &mut self.q_slope_squared, k_squared, q_squared);
+        add_product(simd, &mut self.p_slope_squared, k_squared, p_squared);
+        add_product(simd, &mut self.band.scale, k, simd.mul_f64s(p_size, q_size));
         self.band.q_power = simd.add_f64s(self.band.q_power, q_squared);
         self.band.p_power = simd.add_f64s(self.band.p_power, p_squared);
     }
+}
+
+#[inline(always)]
+fn add_product<S: Simd>(simd: S, sum: &mut S::f64s, a: S::f64s, b: S::f64s) {
+    *sum = simd.add_f64s(*sum, simd.mul_f64s(a, b));
 }
 
 /// 1/cos(π/8): from an octagon in a circle to the one round it.

@@ -1,6 +1,5 @@
 //! The modes of a transform, in the order in which it leaves them.
 
-use std::array::from_fn;
 use std::slice::from_mut;
 
 use pulp::Simd;
@@ -55,19 +54,20 @@ impl<S: Simd> Parts<S> {
         Parts { re, im }
     }
 
-    /// The last mode first.
+    /// The last mode first: the order of lanes is such that its reverse is that of reversed modes.
     #[inline(always)]
     pub fn reversed(self) -> Self {
-        // The order of lanes is such that its reverse is that of reversed modes.
-        let reversed = |mut lanes: S::f64s| {
-            cast_slice_mut::<_, f64>(from_mut(&mut lanes)).reverse();
-            lanes
-        };
         Parts {
-            re: reversed(self.re),
-            im: reversed(self.im),
+            re: reversed::<S>(self.re),
+            im: reversed::<S>(self.im),
         }
     }
+}
+
+#[inline(always)]
+fn reversed<S: Simd>(mut lanes: S::f64s) -> S::f64s {
+    cast_slice_mut::<_, f64>(from_mut(&mut lanes)).reverse();
+    lanes
 }
 
 /// Two registers of modes, as they stand in memory.
@@ -192,9 +192,10 @@ impl Class for FoldedClass<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(&self, simd: S, place: usize) -> Parts<S> {
-        let lower = registers::<S>(&self.lower[place..]);
-        let upper = registers::<S>(&self.upper[place..]);
-        Parts::of(simd, from_fn(|i| simd.add_f64s(lower[i], upper[i])))
+        let [lower, next_lower] = registers::<S>(&self.lower[place..]);
+        let [upper, next_upper] = registers::<S>(&self.upper[place..]);
+        let folded = simd.add_f64s(lower, upper);
+        Parts::of(simd, [folded, simd.add_f64s(next_lower, next_upper)])
     }
 }
 
