@@ -10,6 +10,8 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use multiversion::multiversion;
+use pulp::bytemuck::cast_slice_mut;
 use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 
@@ -39,45 +41,44 @@ impl PackedSolver {
         let mut planner = FftPlanner::new();
         let forward = planner.plan_fft_forward(half);
         let inverse = planner.plan_fft_inverse(half);
-        let scratch = [&forward, &inverse].map(|plan| plan.get_outofplace_scratch_len());
+        let scratch = (forward.get_inplace_scratch_len()).max(inverse.get_outofplace_scratch_len());
         PackedSolver {
             factors: factors.collect(),
             forward,
             inverse,
-            scratch: scratch[0].max(scratch[1]),
+            scratch,
         }
     }
 
     /// Turns the charges of the nodes into their potentials, in place.
     pub(super) fn solve(&self, nodes: &mut [f64]) {
-        let half = self.factors.len();
-        with_complex_buffer(2 * half + self.scratch, |buffer| {
-            let (packed, rest) = buffer.split_at_mut(half);
-            let (modes, scratch) = rest.split_at_mut(half);
-            let (pairs, _) = nodes.as_chunks_mut();
-            for (packed, &[even, odd]) in packed.iter_mut().zip(&*pairs) {
-                *packed = Complex64::new(even, odd);
-            }
-            (self.forward).process_outofplace_with_scratch(packed, modes, scratch);
-            let multiply = |[by, mirrored_by]: [f64; 2], mode: Complex64, mirror: Complex64| {
-                Complex64::new(
-                    by * mode.re + mirrored_by * mirror.im,
-                    by * mode.im + mirrored_by * mirror.re,
-                )
-            };
-            packed[0] = multiply(self.factors[0], modes[0], modes[0]);
-            let mirrors = modes[1..].iter().rev();
-            let others = packed[1..].iter_mut().zip(&self.factors[1..]);
-            for ((packed, &factors), (&mode, &mirror)) in others.zip(modes[1..].iter().zip(mirrors))
-            {
-                *packed = multiply(factors, mode, mirror);
-            }
-            (self.inverse).process_outofplace_with_scratch(packed, modes, scratch);
-            for (pair, potential) in pairs.iter_mut().zip(&*modes) {
-                *pair = [potential.re, potential.im];
-            }
+        let packed: &mut [Complex64] = cast_slice_mut(nodes);
+        with_complex_buffer(packed.len() + self.scratch, |buffer| {
+            let (solved, scratch) = buffer.split_at_mut(packed.len());
+            self.forward.process_with_scratch(packed, scratch);
+            multiply(&self.factors, packed, solved);
+            (self.inverse).process_outofplace_with_scratch(solved, packed, scratch);
         });
     }
+}
+
+/// Each mode and its mirror image times their factors.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn multiply(factors: &[[f64; 2]], modes: &[Complex64], solved: &mut [Complex64]) {
+    solved[0] = product(&factors[0], &modes[0], &modes[0]);
+    let (factors, modes) = (factors[1..].iter(), &modes[1..]);
+    let pairs = modes.iter().zip(modes.iter().rev());
+    for ((solved, factors), (mode, mirror)) in solved[1..].iter_mut().zip(factors).zip(pairs) {
+        *solved = product(factors, mode, mirror);
+    }
+}
+
+#[inline(always)]
+fn product([by, mirrored_by]: &[f64; 2], mode: &Complex64, mirror: &Complex64) -> Complex64 {
+    Complex64::new(
+        by * mode.re + mirrored_by * mirror.im,
+        by * mode.im + mirrored_by * mirror.re,
+    )
 }
 
 #[cfg(test)]
