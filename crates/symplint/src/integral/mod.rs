@@ -2,6 +2,7 @@
 
 mod ahead;
 mod finite_difference;
+mod pair_lanes;
 mod pair_sums;
 mod pseudospectral;
 mod regularity;

@@ -4,11 +4,8 @@
 //!
 //! Q_k = (Z_k + conj Z_{N−k})/2, P_k = (Z_k − conj Z_{N−k})/2i.
 //!
-//! They are taken apart before anything is multiplied: a sum of |Z_k|² would cancel.
-//!
 //! Sums run in the lanes of a vector register, from the highest mode down (small terms first) within each class
-//! of modes, in an order that depends on N, the classes and the width of registers alone. No multiplication is
-//! fused with an addition: rows that are equal enclose no area, to the last bit.
+//! of modes, in an order that depends on N, the classes and the width of registers alone.
 
 use std::ops::Range;
 
@@ -16,34 +13,9 @@ use pulp::{Simd, WithSimd};
 use rustfft::num_complex::Complex64;
 
 use super::ahead::Ahead;
-use super::spectrum::{Class, Modes, Parts};
+use super::pair_lanes::{Accumulate, Band, BandInLanes, Pair, Sums, SumsInLanes, ValueInLanes};
+use super::spectrum::{Class, Modes};
 use super::vectors::vectorised;
-
-/// Sums over all bands, both spectra unnormalised.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sums {
-    /// Σ k (Im P_k Re Q_k − Re P_k Im Q_k).
-    pub value: f64,
-    /// Σ k |Q_k|, at most 9 per cent too large.
-    pub q_slope: f64,
-    /// Σ k |P_k|, at most 9 per cent too large.
-    pub p_slope: f64,
-    /// Σ k² |Q_k|².
-    pub q_slope_squared: f64,
-    /// Σ k² |P_k|².
-    pub p_slope_squared: f64,
-}
-
-/// Sums over one band of modes.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Band {
-    /// Σ k |P_k| |Q_k|, at most 18 per cent too large.
-    pub scale: f64,
-    /// Σ |Q_k|².
-    pub q_power: f64,
-    /// Σ |P_k|².
-    pub p_power: f64,
-}
 
 /// All sums over the modes of bands that lie below each other, within 1 … ⌈N/2⌉ − 1: band i
 /// from `edges[i + 1]` to below `edges[i]`. On the way, rows of as many samples are asked for.
@@ -78,19 +50,9 @@ impl<M: Modes> WithSimd for OverBands<'_, M> {
             let (end, start) = (edges[0], edges[1]);
             lanes.band = BandInLanes::new(simd);
             accumulate(simd, self.modes, start..end, &mut lanes, &mut self.ahead);
-            *band = Band {
-                scale: OUTWARDS * OUTWARDS * 0.25 * simd.reduce_sum_f64s(lanes.band.scale),
-                q_power: 0.25 * simd.reduce_sum_f64s(lanes.band.q_power),
-                p_power: 0.25 * simd.reduce_sum_f64s(lanes.band.p_power),
-            };
+            *band = lanes.band.total(simd);
         }
-        Sums {
-            value: 0.25 * simd.reduce_sum_f64s(lanes.value),
-            q_slope: OUTWARDS * 0.5 * simd.reduce_sum_f64s(lanes.q_slope),
-            p_slope: OUTWARDS * 0.5 * simd.reduce_sum_f64s(lanes.p_slope),
-            q_slope_squared: 0.25 * simd.reduce_sum_f64s(lanes.q_slope_squared),
-            p_slope_squared: 0.25 * simd.reduce_sum_f64s(lanes.p_slope_squared),
-        }
+        lanes.total(simd)
     }
 }
 
@@ -104,7 +66,7 @@ impl<M: Modes> WithSimd for OverRange<'_, M> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let mut lanes = ValueInLanes::<S>(simd.splat_f64s(0.0));
+        let mut lanes = ValueInLanes::new(simd);
         accumulate(
             simd,
             self.modes,
@@ -112,7 +74,7 @@ impl<M: Modes> WithSimd for OverRange<'_, M> {
             &mut lanes,
             &mut Ahead::nothing(),
         );
-        0.25 * simd.reduce_sum_f64s(lanes.0)
+        lanes.total(simd)
     }
 }
 
@@ -236,146 +198,8 @@ fn wave_numbers<S: Simd>(simd: S, first: usize, step: usize) -> S::f64s {
     (&k[..]).run(simd, 0).re
 }
 
-/// Twice Q_k and P_k: what they are less is taken from the sums.
-struct Pair<S: Simd> {
-    q: Parts<S>,
-    p: Parts<S>,
-}
-
-impl<S: Simd> Pair<S> {
-    /// From modes of q + i p and, highest k first, the modes N − k.
-    #[inline(always)]
-    fn apart(simd: S, modes: Parts<S>, mirrored: Parts<S>) -> Self {
-        let mirrored = mirrored.reversed();
-        Pair {
-            q: Parts {
-                re: simd.add_f64s(modes.re, mirrored.re),
-                im: simd.sub_f64s(modes.im, mirrored.im),
-            },
-            p: Parts {
-                re: simd.add_f64s(modes.im, mirrored.im),
-                im: simd.sub_f64s(mirrored.re, modes.re),
-            },
-        }
-    }
-
-    /// Im P_k Re Q_k − Re P_k Im Q_k, four times.
-    #[inline(always)]
-    fn area(&self, simd: S) -> S::f64s {
-        let (q, p) = (&self.q, &self.p);
-        simd.sub_f64s(simd.mul_f64s(p.im, q.re), simd.mul_f64s(p.re, q.im))
-    }
-}
-
-/// Sums, each in lanes.
-trait Accumulate<S: Simd> {
-    /// Adds modes of wave numbers k.
-    fn add(&mut self, simd: S, k: S::f64s, pair: Pair<S>);
-}
-
-struct ValueInLanes<S: Simd>(S::f64s);
-
-impl<S: Simd> Accumulate<S> for ValueInLanes<S> {
-    #[inline(always)]
-    fn add(&mut self, simd: S, k: S::f64s, pair: Pair<S>) {
-        add_product(simd, &mut self.0, k, pair.area(simd));
-    }
-}
-
-/// [`Sums`] and those of one [`Band`].
-struct SumsInLanes<S: Simd> {
-    value: S::f64s,
-    q_slope: S::f64s,
-    p_slope: S::f64s,
-    q_slope_squared: S::f64s,
-    p_slope_squared: S::f64s,
-    band: BandInLanes<S>,
-}
-
-struct BandInLanes<S: Simd> {
-    scale: S::f64s,
-    q_power: S::f64s,
-    p_power: S::f64s,
-}
-
-impl<S: Simd> SumsInLanes<S> {
-    #[inline(always)]
-    fn new(simd: S) -> Self {
-        let zero = simd.splat_f64s(0.0);
-        SumsInLanes {
-            value: zero,
-            q_slope: zero,
-            p_slope: zero,
-            q_slope_squared: zero,
-            p_slope_squared: zero,
-            band: BandInLanes::new(simd),
-        }
-    }
-}
-
-impl<S: Simd> BandInLanes<S> {
-    #[inline(always)]
-    fn new(simd: S) -> Self {
-        let zero = simd.splat_f64s(0.0);
-        BandInLanes {
-            scale: zero,
-            q_power: zero,
-            p_power: zero,
-        }
-    }
-}
-
-impl<S: Simd> Accumulate<S> for SumsInLanes<S> {
-    #[inline(always)]
-    fn add(&mut self, simd: S, k: S::f64s, pair: Pair<S>) {
-        let (q_size, p_size) = (pair.q.octagon(simd), pair.p.octagon(simd));
-        let (q_squared, p_squared) = (pair.q.squared(simd), pair.p.squared(simd));
-        let k_squared = simd.mul_f64s(k, k);
-        add_product(simd, &mut self.value, k, pair.area(simd));
-        add_product(simd, &mut self.q_slope, k, q_size);
-        add_product(simd, &mut self.p_slope, k, p_size);
-        add_product(simd, &mut self.q_slope_squared, k_squared, q_squared);
-        add_product(simd, &mut self.p_slope_squared, k_squared, p_squared);
-        add_product(simd, &mut self.band.scale, k, simd.mul_f64s(p_size, q_size));
-        self.band.q_power = simd.add_f64s(self.band.q_power, q_squared);
-        self.band.p_power = simd.add_f64s(self.band.p_power, p_squared);
-    }
-}
-
-#[inline(always)]
-fn add_product<S: Simd>(simd: S, sum: &mut S::f64s, a: S::f64s, b: S::f64s) {
-    *sum = simd.add_f64s(*sum, simd.mul_f64s(a, b));
-}
-
-/// 1/cos(π/8): from an octagon in a circle to the one round it.
-const OUTWARDS: f64 = 1.082_392_200_292_394;
-
-impl<S: Simd> Parts<S> {
-    /// |z|².
-    #[inline(always)]
-    fn squared(&self, simd: S) -> S::f64s {
-        simd.add_f64s(
-            simd.mul_f64s(self.re, self.re),
-            simd.mul_f64s(self.im, self.im),
-        )
-    }
-
-    /// |z| within a factor of [`OUTWARDS`], from below: the gauge of the regular octagon round the unit circle.
-    ///
-    /// Without a root, which would take longer than all else that is done to a mode.
-    #[inline(always)]
-    fn octagon(&self, simd: S) -> S::f64s {
-        let (x, y) = (simd.abs_f64s(self.re), simd.abs_f64s(self.im));
-        let half_root = simd.splat_f64s(std::f64::consts::FRAC_1_SQRT_2);
-        let diagonal = simd.mul_f64s(half_root, simd.add_f64s(x, y));
-        simd.max_f64s(diagonal, simd.max_f64s(x, y))
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use pulp::Scalar;
-
     use super::super::spectrum::{Spectrum, in_classes};
     use super::super::vectors::{on, widths};
     use super::*;
@@ -480,16 +304,6 @@ mod tests {
             for (sums, _, value) in at_each_width(&Spectrum::new(&z, 1), [n.div_ceil(2), 3, 1]) {
                 assert_eq!((sums.value, value), (0.0, 0.0), "{n}");
             }
-        }
-    }
-
-    #[test]
-    fn the_bound_on_a_modulus_is_tight_to_nine_per_cent() {
-        for degree in 0..360 {
-            let z = Complex64::cis(f64::from(degree).to_radians());
-            let parts = Parts::<Scalar> { re: z.re, im: z.im };
-            let bound = OUTWARDS * parts.octagon(Scalar);
-            assert!((1.0 - 1e-15..1.0824).contains(&bound), "{degree}: {bound}");
         }
     }
 }

@@ -19,7 +19,8 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
 use super::ahead::Ahead;
-use super::pair_sums::{Band, sums, value};
+use super::pair_lanes::Band;
+use super::pair_sums::{sums, value};
 use super::regularity::sobolev_exponent;
 use super::row::{pack, wraps};
 use super::spectrum::{Folded, Modes, Spectrum};
