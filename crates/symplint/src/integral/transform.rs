@@ -29,6 +29,9 @@ pub(super) enum Scratch {
     Bytes(PodBuffer),
 }
 
+/// Plans that are kept at most: those of long odd lengths take megabytes.
+const MOST_PLANS: usize = 64;
+
 /// Plans are dear and the same few lengths come again and again.
 static PLANS: LazyLock<Mutex<Plans>> = LazyLock::new(Mutex::default);
 
@@ -46,6 +49,9 @@ impl Transform {
     /// The transform of so many samples.
     pub fn of(samples: usize) -> Arc<Self> {
         let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
+        if plans.of_lengths.len() >= MOST_PLANS && !plans.of_lengths.contains_key(&samples) {
+            *plans = Plans::default();
+        }
         let Plans {
             of_lengths,
             planner,
@@ -157,6 +163,16 @@ mod tests {
                 let off = (slow.mode(k) - fast.mode(k)).norm();
                 assert!(off < 1e-15 * samples as f64, "{samples}, mode {k}: {off:e}");
             }
+        }
+    }
+
+    #[test]
+    fn plans_of_few_lengths_are_kept() {
+        let of_lengths = || PLANS.lock().unwrap().of_lengths.len();
+        for samples in 3000..3000 + 3 * MOST_PLANS {
+            let transform = Transform::of(samples);
+            assert_eq!(transform.samples(), samples);
+            assert!(of_lengths() <= MOST_PLANS);
         }
     }
 
