@@ -8,18 +8,22 @@ use super::mesh::Mesh;
 impl<const D: usize> Mesh<D> {
     /// A charge of −`charge` spread evenly over the box, as deposited on the nodes.
     pub(super) fn background(&self, charge: f64) -> Vec<f64> {
+        let of_cell = self.background_of_cell(charge).into_iter();
+        of_cell
+            .flat_map(|value| repeat_n(value, self.values_per_component()))
+            .collect()
+    }
+
+    /// The same for the nodes of one cell, which all cells share.
+    pub(super) fn background_of_cell(&self, charge: f64) -> Vec<f64> {
         let per_cell = charge / self.values_per_component() as f64;
         let axis = node_integrals(self.shape());
-        let integrals = (0..D).fold(vec![1.0], |products, _| {
+        (0..D).fold(vec![-per_cell], |products, _| {
             let products = products.iter();
             products
                 .flat_map(|product| axis.iter().map(move |integral| product * integral))
                 .collect()
-        });
-        let components = integrals.iter();
-        components
-            .flat_map(|integral| repeat_n(-per_cell * integral, self.values_per_component()))
-            .collect()
+        })
     }
 
     /// Adds `charge` × N_i(x) to every node i.

@@ -61,7 +61,7 @@ impl LineForce {
         };
         let (particles, cells) = (weights.len(), mesh.cells());
         if particles <= PARTICLES_PER_CELL * cells {
-            force.way = force.by_runs(mesh);
+            force.way = Self::by_runs(mesh, weights);
         }
         if PairTable::is_faster(particles, &force.polynomials, cells) {
             let functions = force.polynomials.functions();
@@ -70,10 +70,9 @@ impl LineForce {
         force
     }
 
-    fn by_runs<const D: usize>(&self, mesh: &Mesh<D>) -> Way {
+    fn by_runs<const D: usize>(mesh: &Mesh<D>, weights: &[f64]) -> Way {
         let runs = Runs::new(mesh);
-        let of_cell = self.background.iter().step_by(self.cells);
-        let background = runs.in_all_cells(&of_cell.copied().collect::<Vec<f64>>());
+        let background = runs.in_all_cells(&mesh.background_of_cell(weights.iter().sum()));
         Way::Runs(runs, background)
     }
 
@@ -251,7 +250,7 @@ mod tests {
                 ..LineForce::new(&mesh, &solver, weights)
             };
             let by_runs = LineForce {
-                way: by_moments.by_runs(&mesh),
+                way: LineForce::by_runs(&mesh, weights),
                 ..by_moments.clone()
             };
             let mut by_pairs = by_moments.clone();

@@ -25,10 +25,7 @@ pub(super) struct PlaneForce {
 impl PlaneForce {
     pub(super) fn new<const D: usize>(mesh: &Mesh<D>, weights: &[f64]) -> Self {
         let runs = Runs::new(mesh);
-        let of_nodes = mesh.background(weights.iter().sum());
-        let of_cell: Vec<f64> = (of_nodes.iter().step_by(mesh.values_per_component()))
-            .copied()
-            .collect();
+        let of_cell = mesh.background_of_cell(weights.iter().sum());
         // One row for each node of a cell along the first axis, then those of all cells.
         let rows: Vec<Vec<f64>> = (of_cell.chunks_exact(runs.step()))
             .map(|of_row| runs.in_all_cells(of_row))
