@@ -82,7 +82,7 @@ impl LoopIntegral {
     /// Positions with a period are unwrapped and may wind. States must be finite: an
     /// [`Ensemble`] from a loop or a map was checked when it was made. Rows are spread over the threads
     /// of the current Rayon pool; the result does not depend on their number. The last bits of the
-    /// pseudospectral rule depend on the processor: transforms use the instructions that it has.
+    /// pseudospectral rule depend on the processor: transforms and sums use the instructions that it has.
     ///
     /// # Errors
     /// If there are fewer than 3 samples, `coordinates` has other degrees of freedom than

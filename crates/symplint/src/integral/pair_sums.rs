@@ -18,7 +18,7 @@ use super::spectrum::{Class, Modes};
 use super::vectors::vectorised;
 
 /// All sums over the modes of bands that lie below each other, within 1 … ⌈N/2⌉ − 1: band i
-/// from `edges[i + 1]` to below `edges[i]`. On the way, rows of as many samples are asked for.
+/// from `edges[i + 1]` to below `edges[i]`. On the way, most of the rows `ahead` is asked for.
 pub(super) fn sums(modes: &impl Modes, edges: &[usize], bands: &mut [Band], ahead: Ahead) -> Sums {
     vectorised(OverBands {
         modes,
@@ -144,7 +144,7 @@ fn accumulate_class<S: Simd>(
     for i in 1..=groups {
         let place = places.end - i * lanes;
         let mirrored = mirrored.run(simd, origin - (place + lanes));
-        // Modes k and N − k: in the end, N samples of the rows ahead.
+        // Modes k and N − k: in the end, nearly N samples of each row ahead.
         ahead.ask(2 * lanes);
         to.add(simd, k, Pair::apart(simd, this.run(simd, place), mirrored));
         k = simd.sub_f64s(k, down);
@@ -200,7 +200,7 @@ fn wave_numbers<S: Simd>(simd: S, first: usize, step: usize) -> S::f64s {
 
 #[cfg(test)]
 mod tests {
-    use super::super::spectrum::{Spectrum, in_classes};
+    use super::super::spectrum::{Folded, Spectrum, in_classes};
     use super::super::vectors::{on, widths};
     use super::*;
 
@@ -286,6 +286,36 @@ mod tests {
                     ] {
                         assert!(close(sum, expected, expected), "{n}: {sum} {expected}");
                     }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn folded_modes_are_summed_as_others() {
+        for (n, classes) in [(6, 1), (50, 1), (200, 1), (64, 2), (128, 4), (512, 16)] {
+            let z = transform(n);
+            let permuted = in_classes(&z, classes);
+            let folded = Folded::new(Spectrum::new(&permuted, classes));
+            let expected: Vec<Complex64> = (0..n / 2).map(|k| z[k] + z[k + n / 2]).collect();
+            for start in 1..(n / 2).div_ceil(2) {
+                let range = start..(n / 2).div_ceil(2);
+                let (mut value, mut scale) = (0.0, 0.0);
+                for k in range.clone() {
+                    let ((q, p), k) = (modes(&expected, k), k as f64);
+                    value += k * (p * q.conj()).im;
+                    scale += k * p.norm() * q.norm();
+                }
+                for width in widths() {
+                    let over_range = OverRange {
+                        modes: &folded,
+                        range: range.clone(),
+                    };
+                    let off = (on(width, over_range) - value).abs();
+                    assert!(
+                        off <= 1e-14 * scale,
+                        "{n}, {classes}, from {start}: {off:e}"
+                    );
                 }
             }
         }

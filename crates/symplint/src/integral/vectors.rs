@@ -17,7 +17,7 @@ pub(super) fn on<Op: WithSimd>(registers: Arch, work: Op) -> Op::Output {
     }
 }
 
-/// All registers that the processor has.
+/// Kinds of registers that the processor has.
 #[cfg(test)]
 pub(super) fn widths() -> Vec<Arch> {
     let mut widths = vec![Arch::Scalar, Arch::new()];
