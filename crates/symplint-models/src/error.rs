@@ -17,7 +17,7 @@ pub enum ModelError {
         remedy: &'static str,
     },
     /// A system of nothing.
-    #[error("{system} of 0 {parts} has no phase space; give at least 1")]
+    #[error("{system} of 0 {parts} is empty; give at least 1")]
     Empty {
         /// Which system.
         system: &'static str,

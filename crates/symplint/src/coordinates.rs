@@ -90,11 +90,17 @@ impl Coordinates {
     }
 
     /// Period of q_i, 0 where it is not periodic.
+    ///
+    /// # Panics
+    /// If periods are stated and `i` is none of the degrees of freedom.
     pub fn period(&self, i: usize) -> f64 {
         self.periods.as_ref().map_or(0.0, |periods| periods[i])
     }
 
     /// Weight of p_i.
+    ///
+    /// # Panics
+    /// If weights are stated and `i` is none of the degrees of freedom.
     pub fn weight(&self, i: usize) -> f64 {
         self.weights.as_ref().map_or(1.0, |weights| weights[i])
     }

@@ -64,7 +64,9 @@ impl Defect {
 /// numbers are subtracted without error, while each logarithm is rounded, in absolute
 /// terms the worse the further the integral is from 1.
 pub fn logarithmic_defect(initial: f64, advanced: f64) -> Option<f64> {
-    (initial * advanced > 0.0).then(|| (advanced.abs().ln() - initial.abs().ln()).exp_m1())
+    // Not by their product, which may under- or overflow.
+    let one_sign = (initial > 0.0 && advanced > 0.0) || (initial < 0.0 && advanced < 0.0);
+    one_sign.then(|| (advanced.abs().ln() - initial.abs().ln()).exp_m1())
 }
 
 #[cfg(test)]
@@ -120,5 +122,9 @@ mod tests {
         let far = logarithmic_defect(2.0, 2.5).unwrap();
         assert!((far - 0.25).abs() < 1e-15);
         assert_eq!(logarithmic_defect(1.0, -1.0), None);
+        assert_eq!(logarithmic_defect(0.0, 0.0), None);
+        // Products of these under- and overflow.
+        assert_eq!(logarithmic_defect(1e-200, 1e-200), Some(0.0));
+        assert_eq!(logarithmic_defect(-1e200, -1e200), Some(0.0));
     }
 }

@@ -204,13 +204,19 @@ impl Ensemble {
 
     /// Refuses what no machine holds, before the allocation fails.
     pub(crate) fn check_size(dof: usize, samples: usize) -> Result<(), Error> {
-        const MOST_BYTES: f64 = (1u64 << 46) as f64;
-        let bytes = 16.0 * dof as f64 * samples as f64;
-        if bytes > MOST_BYTES {
+        let values = row_stride(samples).checked_mul(2);
+        let fits = (values.and_then(|of_each| of_each.checked_mul(dof))).is_some_and(|values| {
+            let mut reserved: Vec<f64> = Vec::new();
+            let result = reserved.try_reserve_exact(values);
+            // Or the compiler leaves out what is given back at once.
+            std::hint::black_box(reserved);
+            result.is_ok()
+        });
+        if !fits {
             return Err(Error::TooLarge {
                 dof,
                 samples,
-                bytes,
+                bytes: 16.0 * dof as f64 * samples as f64,
             });
         }
         Ok(())
@@ -286,8 +292,8 @@ impl Ensemble {
     ///
     /// # Errors
     /// Names the first sample that is not, the coordinate and its value.
-    pub fn check_finite(&mut self, step_size: Option<f64>) -> Result<(), Error> {
-        match first_not_finite(&self.block()) {
+    pub fn check_finite(&self, step_size: Option<f64>) -> Result<(), Error> {
+        match first_not_finite(self.q(), self.p()) {
             None => Ok(()),
             Some(found) => Err(found.into_error(0, step_size)),
         }
@@ -306,7 +312,7 @@ pub(crate) fn sample_block(
 ) -> Result<(), Error> {
     let s: Vec<f64> = (0..block.len()).map(|k| at(first + k)).collect();
     phase_loop.sample(&s, block);
-    match first_not_finite(block) {
+    match first_not_finite(block.q.as_rows(), block.p.as_rows()) {
         None => Ok(()),
         Some(found) => Err(found.into_error(first, None)),
     }
@@ -337,7 +343,9 @@ pub(crate) fn advance_block(
         step_size: h,
         reason: failure.reason,
     })?;
-    let not_finite = (!finite).then(|| first_not_finite(block)).flatten();
+    let not_finite = (!finite)
+        .then(|| first_not_finite(block.q.as_rows(), block.p.as_rows()))
+        .flatten();
     match not_finite {
         None => Ok(()),
         Some(found) => Err(found.into_error(first, Some(h))),
@@ -366,19 +374,19 @@ impl NotFinite {
             step_size,
             value: self.value,
             remedy: match step_size {
-                None => "give finite initial states",
+                None => "give finite states",
                 Some(_) => "look at the map there, or take smaller step sizes or a smaller loop",
             },
         }
     }
 }
 
-fn first_not_finite(block: &Block<'_>) -> Option<NotFinite> {
-    if block.all_finite() {
+fn first_not_finite(q: Rows<'_>, p: Rows<'_>) -> Option<NotFinite> {
+    if q.all_finite() && p.all_finite() {
         return None;
     }
     let mut first: Option<NotFinite> = None;
-    for (coordinate, rows) in [("q", block.q.as_rows()), ("p", block.p.as_rows())] {
+    for (coordinate, rows) in [("q", q), ("p", p)] {
         for dof in 0..rows.count() {
             let row = rows.row(dof);
             let Some(sample) = row.iter().position(|v| !v.is_finite()) else {

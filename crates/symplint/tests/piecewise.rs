@@ -362,3 +362,32 @@ fn known_breaks_save_evaluations_and_wrong_ones_do_no_harm() {
         assert!((found.continuous.value - PI).abs() < 1e-12);
     }
 }
+
+/// Says that it has one degree of freedom less than it has.
+struct Miscounted;
+
+impl TimeAdvance for Miscounted {
+    fn dof(&self) -> usize {
+        2
+    }
+    fn advance(&self, _: f64, _: &mut Block<'_>) -> Result<(), StepFailure> {
+        Ok(())
+    }
+    fn coordinates(&self) -> Coordinates {
+        Coordinates::plain(1)
+    }
+}
+
+#[test]
+fn coordinates_of_another_number_of_degrees_of_freedom_are_refused() {
+    let circle = Circle::new(vec![0.0; 2], vec![0.0; 2], 1.0).unwrap();
+    let error = Piecewise::default().integrate(&Miscounted, &circle, 0.1);
+    assert!(matches!(
+        error,
+        Err(Error::Length {
+            expected: 2,
+            got: 1,
+            ..
+        })
+    ));
+}

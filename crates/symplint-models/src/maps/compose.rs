@@ -93,8 +93,12 @@ impl<M: TimeAdvance> TimeAdvance for Compose<M> {
     }
 
     fn substep_name(&self, substep: usize) -> String {
-        let (_, map, substep) = self.part(substep);
-        map.substep_name(substep)
+        let (fraction, map, substep) = self.part(substep);
+        let name = map.substep_name(substep);
+        match fraction {
+            1.0 => name,
+            _ => format!("{name} with h times {fraction:.4}"),
+        }
     }
 
     fn coordinates(&self) -> Coordinates {

@@ -52,7 +52,8 @@ impl Break {
 /// what looked like one is continuous when evaluated more closely.
 ///
 /// # Errors
-/// Those of the map where it is evaluated between the samples.
+/// Those of the map where it is evaluated between the samples; if map, loop, samples and coordinates differ
+/// in their degrees of freedom.
 pub fn find_break(
     map: &dyn TimeAdvance,
     phase_loop: &dyn Loop,
@@ -60,6 +61,15 @@ pub fn find_break(
     advanced: &Ensemble,
     coordinates: &Coordinates,
 ) -> Result<Option<Break>, Error> {
+    let dof = phase_loop.dof();
+    if map.dof() != dof {
+        return Err(Error::DofMismatch {
+            map: map.dof(),
+            phase_loop: dof,
+        });
+    }
+    Error::check_length("rows of the advanced samples", dof, advanced.dof())?;
+    Error::check_length("coordinates", dof, coordinates.dof())?;
     let suspects = suspects::suspects(advanced, coordinates);
     follow_up(
         map,

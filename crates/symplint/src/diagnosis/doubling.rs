@@ -54,7 +54,7 @@ impl Doubling {
             error,
             wanted,
             enough: error <= wanted,
-            stalled: self.stalls == 2,
+            stalled: self.stalls >= 2,
             sees_the_grid: measured.cells_apart <= MOST_CELLS_APART,
         }
     }

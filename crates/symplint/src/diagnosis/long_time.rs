@@ -17,7 +17,7 @@ use crate::verdict::Verdict;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Growth {
-    /// No step shows a defect that its uncertainty would not explain.
+    /// No step shows a defect of 1e-11 or more.
     None,
     /// It stays of one size and returns: the method may be conjugate to a symplectic one.
     Bounded,

@@ -55,7 +55,7 @@ pub enum RuleChoice {
 /// How many samples a loop gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleCount {
-    /// Doubled from 64 until the quadrature error of the largest step reaches round-off, stops
+    /// Doubled from 4096/d, 64 at least, until the quadrature error of the largest step reaches round-off, stops
     /// falling, or the ensemble reaches its limit (65,536 samples or 512 MiB, before and after the step; by
     /// the streaming rule 2^30 coordinates to be advanced).
     Auto,

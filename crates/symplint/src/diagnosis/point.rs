@@ -48,7 +48,7 @@ pub struct Point {
     pub omitted_cells: Option<usize>,
     /// Breaks of the advanced loop.
     pub jumps: Option<usize>,
-    /// Contribution of the chords that close the breaks.
+    /// Contribution of the segments that close the breaks.
     pub chord: Option<f64>,
     /// |E| of the integral whose breaks are closed.
     pub closed_defect: Option<f64>,

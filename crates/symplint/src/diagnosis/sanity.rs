@@ -20,8 +20,8 @@ const ROUNDINGS: f64 = 256.0;
 /// Advances some samples in their order, in reverse, one of them twice, and each alone.
 ///
 /// # Errors
-/// [`Error::Memory`] where a sample comes out differently; those of the map itself are left to the
-/// measurement.
+/// [`Error::Memory`] where a sample comes out differently, and those of a map that fails where it did not
+/// before. One that fails at once is left to the measurement.
 pub(super) fn check(map: &dyn TimeAdvance, phase_loop: &dyn Loop, h: f64) -> Result<(), Error> {
     let samples = match fits(phase_loop.dof(), SMALL) {
         true => SAMPLES,

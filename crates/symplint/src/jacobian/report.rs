@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::method::JacobianMethod;
-use crate::verdict::short;
+use crate::verdict::{BEYOND_DOUBT, LEAST_DEFORMATION, UNEXPLAINED, WEAKEST_BOUND, short};
 
 /// The change of the symplectic form on two tangent vectors,
 /// (ω(DΦ u, DΦ v) − ω(u, v)) / (‖u‖ ‖v‖), with ‖u‖² = Σ |w_i| r_qi r_pi (x_i² + y_i²) for
@@ -40,18 +40,6 @@ impl TangentDefect {
         self.magnitude() + self.uncertainty
     }
 }
-
-/// A defect this many times its uncertainty is beyond doubt.
-const BEYOND_DOUBT: f64 = 10.0;
-
-/// A defect this many times its uncertainty is not explained by it.
-const UNEXPLAINED: f64 = 3.0;
-
-/// A bound above this is too weak to call a map symplectic.
-const WEAKEST_BOUND: f64 = 1e-6;
-
-/// A step that deforms tangent vectors by less than this part of their size tests nothing.
-const LEAST_DEFORMATION: f64 = 0.2;
 
 /// What was found at one point of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -3,7 +3,7 @@
 use super::compare::{Broken, Compared, FEWEST, Initial, Wrap};
 use crate::verdict::{
     Fit, LEAST_DEFORMATION, LoopEvidence, SMALL, StepEvidence, TREND, Verdict, VerdictKind,
-    fit_order, short, size,
+    capitalised, fit_order, short, size,
 };
 
 /// Judges the advanced loops.
@@ -398,11 +398,4 @@ impl Case<'_> {
         ));
         lines
     }
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
 }

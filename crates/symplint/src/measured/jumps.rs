@@ -106,7 +106,8 @@ impl Search<'_> {
         let reach = stencil.reach() + 1;
         let is_jump = |k: usize| {
             let residual = narrow[k];
-            let around = (k + n - reach..=k + n + reach).map(|j| narrow[j % n]);
+            // The fewest samples are 3, and the reach is 4 at most.
+            let around = (k + 4 * n - reach..=k + 4 * n + reach).map(|j| narrow[j % n]);
             !self.flagged[k]
                 && residual > self.floor
                 && residual > OUTSTANDING * noise[k / NEIGHBOURHOOD]

@@ -103,9 +103,11 @@ pub fn measure(
 ) -> Result<Diagnosis, Error> {
     check(before, after, coordinates)?;
     let initial = Initial::new(before, coordinates)?;
-    let compared: Vec<Compared> = (after.par_iter())
+    // All of them, so that the error is that of the first snapshot on any number of threads.
+    let compared: Vec<Result<Compared, Error>> = (after.par_iter())
         .map(|snapshot| initial.compare(snapshot))
-        .collect::<Result<_, Error>>()?;
+        .collect();
+    let compared: Vec<Compared> = compared.into_iter().collect::<Result<_, Error>>()?;
     let samples = before.states.samples();
     let points = compared
         .iter()
@@ -155,7 +157,7 @@ fn check(before: &Snapshot, after: &[Snapshot], coordinates: &Coordinates) -> Re
                 remedy: "give a number from 0 to 0.1, such as 2^-53 for double precision",
             });
         }
-        snapshot.states.clone().check_finite(snapshot.step_size)?;
+        snapshot.states.check_finite(snapshot.step_size)?;
     }
     let mut seen: Vec<f64> = Vec::new();
     for (index, snapshot) in after.iter().enumerate() {

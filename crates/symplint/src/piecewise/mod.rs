@@ -212,6 +212,7 @@ impl Piecewise {
                 phase_loop: phase_loop.dof(),
             });
         }
+        Error::check_length("coordinates of the map", map.dof(), map.coordinates().dof())?;
         if !(self.tolerance.is_finite() && self.tolerance > 0.0) {
             return Err(Error::OutOfRange {
                 what: "tolerance of the piecewise rule",

@@ -15,9 +15,12 @@ pub(crate) const TREND: f64 = 0.5;
 
 /// Judges what the loops showed.
 ///
-/// `loops` holds the given loop first; `deformation` is how much the largest step deforms
+/// `loops` holds the given loop first, and without one nothing is decided; `deformation` is how much the largest step deforms
 /// it, relative to its size.
 pub fn judge(loops: &[LoopEvidence], deformation: f64) -> (Verdict, Vec<Fit>) {
+    if loops.is_empty() {
+        return (nothing_measured(), Vec::new());
+    }
     let fits: Vec<Fit> = loops.iter().filter_map(fit_order).collect();
     let case = Case {
         loops,
@@ -29,6 +32,17 @@ pub fn judge(loops: &[LoopEvidence], deformation: f64) -> (Verdict, Vec<Fit>) {
         .or_else(|| case.undecided())
         .unwrap_or_else(|| case.symplectic());
     (verdict, fits)
+}
+
+fn nothing_measured() -> Verdict {
+    Verdict {
+        kind: VerdictKind::Undecided,
+        digits: None,
+        order: None,
+        summary: "No loop was measured.".into(),
+        evidence: Vec::new(),
+        advice: vec!["Measure one loop or more.".into()],
+    }
 }
 
 struct Case<'a> {
@@ -105,7 +119,7 @@ impl Case<'_> {
         Some(Verdict {
             kind: VerdictKind::BrokenLoops,
             digits: None,
-            order: fit.and_then(Fit::whole),
+            order: fit.filter(|fit| fit.slope > TREND).and_then(Fit::whole),
             summary: format!(
                 "The map is discontinuous, as far as double precision can tell: {} of degree of freedom {} jumps at s = {:.12}.{then}",
                 jump(found.jump_q, found.jump_p),
@@ -320,11 +334,13 @@ impl Case<'_> {
             digits: Some(digits),
             order: None,
             summary: match self.loops[0].testifies() {
-                true => format!(
-                    "No defect above {bound:.1e} on the given loop for h from {} to {}{random}.",
-                    size(low),
-                    size(high)
-                ),
+                true => {
+                    let range = match low == high {
+                        true => format!("at h = {}", size(high)),
+                        false => format!("for h from {} to {}", size(low), size(high)),
+                    };
+                    format!("No defect above {bound:.1e} on the given loop {range}{random}.")
+                }
                 false => format!(
                     "No defect above {bound:.1e} on {testifying} random loops at h = {}; the given one winds \
                      round a period.",
@@ -343,7 +359,7 @@ impl Case<'_> {
     fn bounds(&self) -> Vec<String> {
         let line = |evidence: &LoopEvidence| {
             if let Some(failure) = &evidence.failure {
-                let who = capitalised(name(evidence.index));
+                let who = capitalised(&name(evidence.index));
                 return Some(format!(
                     "{who} says nothing, for the map fails on it: {failure}."
                 ));
@@ -351,7 +367,7 @@ impl Case<'_> {
             let step = (evidence.steps.iter()).max_by(|a, b| a.bound().total_cmp(&b.bound()))?;
             Some(format!(
                 "{} ({}): |E| ≤ {:.1e}; measured {} ± {:.1e} at the worst, h = {}.",
-                capitalised(name(evidence.index)),
+                capitalised(&name(evidence.index)),
                 match evidence.piecewise {
                     true => "piecewise".into(),
                     false => format!("{} samples", evidence.samples),
@@ -377,7 +393,7 @@ impl Case<'_> {
             format!(
                 "{} winds round a period and changes by {:+.3e} of itself at h = {}: the map is not exact; \
                  no Hamiltonian of that period makes it.",
-                capitalised(name(evidence.index)),
+                capitalised(&name(evidence.index)),
                 step.defect.signed,
                 size(step.step_size)
             )
@@ -390,7 +406,7 @@ impl Case<'_> {
         lines.extend(exact.map(|found| {
             format!(
                 "{} winds round a period, cannot be contracted, and is conserved, too: the map is exact.",
-                capitalised(name(found.index))
+                capitalised(&name(found.index))
             )
         }));
         lines.push(format!(
@@ -405,7 +421,7 @@ impl Case<'_> {
     }
 }
 
-/// A step size as people read it: `2^-3`, or three digits.
+/// A step size as people read it: `2^-3`, or with six decimals; very small and large ones with four digits.
 pub(crate) fn size(h: f64) -> String {
     let exponent = h.abs().log2();
     if exponent.fract() == 0.0 && h.abs() != 1.0 {
@@ -434,7 +450,8 @@ fn name(index: usize) -> String {
     }
 }
 
-fn capitalised(text: String) -> String {
+/// A sentence begins with a capital letter.
+pub(crate) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| {
         first.to_uppercase().chain(letters).collect()

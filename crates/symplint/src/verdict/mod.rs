@@ -11,7 +11,7 @@ mod judge;
 pub use fit::Fit;
 pub(crate) use fit::fit_order;
 pub use judge::judge;
-pub(crate) use judge::{LEAST_DEFORMATION, SMALL, TREND, short, size};
+pub(crate) use judge::{LEAST_DEFORMATION, SMALL, TREND, capitalised, short, size};
 
 use serde::Serialize;
 
@@ -51,7 +51,7 @@ pub struct Verdict {
     pub kind: VerdictKind,
     /// Digits to which the loop integral is conserved, where the verdict is symplectic.
     pub digits: Option<f64>,
-    /// k of defect ~ h^k, where a trend was found.
+    /// k of defect ~ h^k, where the defects have a trend that is a whole number within its uncertainty or 0.15.
     pub order: Option<f64>,
     /// One sentence.
     pub summary: String,
@@ -130,7 +130,7 @@ pub struct Closing {
 pub(crate) const BEYOND_DOUBT: f64 = 10.0;
 
 /// A defect this many times its uncertainty is not explained by it.
-const UNEXPLAINED: f64 = 3.0;
+pub(crate) const UNEXPLAINED: f64 = 3.0;
 
 /// Samples further apart than this many cells of the map's grid, or half periods, do not see them: what
 /// they show is not the map.
@@ -155,12 +155,8 @@ impl LoopEvidence {
     /// A random loop on which the map failed.
     pub fn failed(index: usize, failure: Error) -> Self {
         LoopEvidence {
-            index,
-            samples: 0,
-            piecewise: false,
-            winds: false,
-            steps: Vec::new(),
             failure: Some(failure),
+            ..Self::new(index, 0)
         }
     }
 

@@ -59,8 +59,15 @@ impl TimeAdvance for Prefix<'_> {
     }
 }
 
-/// Breaks nearer than this part of the loop are one: a later substep moves states, and no parameter.
-const SAME_PLACE: f64 = 1e-14;
+/// Breaks nearer than this part of the loop are one: a later substep moves states, and no parameter. Twice
+/// the cell that a break is located to, with room for the rounding of its ends.
+const SAME_PLACE: f64 = 5e-14;
+
+/// Whether two places of the loop are one; it ends where it begins.
+fn same_place(a: f64, b: f64) -> bool {
+    let distance = (a - b).abs();
+    distance.min(1.0 - distance) <= SAME_PLACE
+}
 
 /// Integrates the loop after every substep.
 pub(super) fn stages(subject: Subject<'_>, method: Method, h: f64) -> Result<Vec<Stage>, Error> {
@@ -80,7 +87,7 @@ pub(super) fn stages(subject: Subject<'_>, method: Method, h: f64) -> Result<Vec
             let measured = Probe::new(0, subject, method)?.measure(h)?;
             let defect = measured.closing.map_or(measured.defect, |c| c.closed);
             let places: Vec<f64> = measured.breaks.iter().map(|found| found.s).collect();
-            let is_new = |s: &&f64| broken_at.iter().all(|old| (*s - old).abs() > SAME_PLACE);
+            let is_new = |s: &&f64| !broken_at.iter().any(|old| same_place(**s, *old));
             let (breaks, new_breaks) = (places.len(), places.iter().filter(is_new).count());
             broken_at = places;
             let since = before.map_or(0.0, |before| before.signed);
@@ -144,4 +151,16 @@ pub(super) fn line(stages: &[Stage], h: &str) -> Option<String> {
         "Of the {count} substeps at h = {h}, {}{rest}.",
         culprits.join(", ")
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_loop_ends_where_it_begins() {
+        assert!(same_place(0.3, 0.3 + 2e-14) && !same_place(0.3, 0.3 + 1e-12));
+        assert!(same_place(0.0, 1.0 - 1e-14) && same_place(1.0 - 1e-14, 0.0));
+        assert!(!same_place(0.0, 0.5));
+    }
 }
