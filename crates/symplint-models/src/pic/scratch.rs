@@ -1,21 +1,10 @@
-//! Complex working memory for Fourier transforms, kept for each thread so that a field solve does
-//! not allocate.
+//! Complex working memory for Fourier transforms.
 
-use std::cell::RefCell;
-
+use pulp::bytemuck::cast_slice_mut;
 use rustfft::num_complex::Complex64;
+use symplint::scratch::with_buffer;
 
-thread_local! {
-    static IDLE: RefCell<Vec<Vec<Complex64>>> = const { RefCell::new(Vec::new()) };
-}
-
-/// Lends `work` a buffer of `len` values with unspecified contents. Calls may nest.
+/// Lends `work` a buffer of `len` complex values with unspecified contents. Calls may nest.
 pub(super) fn with_complex_buffer<R>(len: usize, work: impl FnOnce(&mut [Complex64]) -> R) -> R {
-    let mut buffer = IDLE.with_borrow_mut(Vec::pop).unwrap_or_default();
-    if buffer.len() < len {
-        buffer.resize(len, Complex64::ZERO);
-    }
-    let result = work(&mut buffer[..len]);
-    IDLE.with_borrow_mut(|idle| idle.push(buffer));
-    result
+    with_buffer(2 * len, |buffer| work(cast_slice_mut(buffer)))
 }
