@@ -88,6 +88,18 @@ pub fn derivative_weights(degree: usize, order: usize, x: f64) -> CellWeights {
     weights
 }
 
+/// The same functions as polynomials: for each power of the fraction of the cell, its factor in each of them.
+///
+/// # Panics
+/// If `degree` exceeds [`MAX_DEGREE`].
+pub(crate) fn powers(degree: usize) -> [CellWeights; MAX_DEGREE + 1] {
+    let mut factorial = 1.0;
+    std::array::from_fn(|n| {
+        factorial *= n.max(1) as f64;
+        derivative_weights(degree, n, 0.0).map(|weight| weight / factorial)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

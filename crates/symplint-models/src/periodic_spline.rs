@@ -144,14 +144,10 @@ fn collocation_coefficients(degree: usize, values: &[f64]) -> Vec<f64> {
 /// the cell's left end.
 fn cell_polynomials(degree: usize, coefficients: &[f64]) -> Vec<[f64; MAX_DEGREE + 1]> {
     let cells = coefficients.len();
-    let mut factorial = 1.0;
-    let taylor_weights: [_; MAX_DEGREE + 1] = std::array::from_fn(|n| {
-        factorial *= n.max(1) as f64;
-        bspline::derivative_weights(degree, n, 0.0).map(|weight| weight / factorial)
-    });
+    let powers = bspline::powers(degree);
     (0..cells)
         .map(|cell| {
-            taylor_weights.map(|weights| {
+            powers.map(|weights| {
                 (0..=degree)
                     .map(|j| weights[j] * coefficients[(cell + cells - degree + j) % cells])
                     .sum()

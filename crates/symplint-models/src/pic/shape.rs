@@ -83,7 +83,7 @@ impl Shape {
     /// The functions as polynomials of the fraction: row n has the coefficients of its nth power.
     pub(super) fn powers(self) -> [CellWeights; MAX_DEGREE + 1] {
         match self.family {
-            ShapeFamily::BSpline => spline_powers(self.degree),
+            ShapeFamily::BSpline => bspline::powers(self.degree),
             ShapeFamily::Lagrange => lagrange_powers(self.degree),
         }
     }
@@ -104,15 +104,6 @@ impl Shape {
             ShapeFamily::Lagrange => lagrange_curvatures(self.degree, x),
         }
     }
-}
-
-/// Taylor series of the splines of a cell at its left end.
-fn spline_powers(degree: usize) -> [CellWeights; MAX_DEGREE + 1] {
-    let mut factorial = 1.0;
-    std::array::from_fn(|n| {
-        factorial *= n.max(1) as f64;
-        bspline::derivative_weights(degree, n, 0.0).map(|weight| weight / factorial)
-    })
 }
 
 /// The products of [`lagrange_values`], multiplied out.

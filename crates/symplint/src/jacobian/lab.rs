@@ -23,6 +23,18 @@ pub(super) struct Task {
     pub directions: Vec<Vec<f64>>,
 }
 
+impl Task {
+    /// Where the states of each task begin, with so many for each direction.
+    pub fn starts(tasks: &[Self], states: usize) -> Vec<usize> {
+        let of_tasks = tasks.iter().scan(0, |next, task| {
+            let start = *next;
+            *next += task.directions.len() * states;
+            Some(start)
+        });
+        of_tasks.collect()
+    }
+}
+
 /// One step of a map round places of a loop.
 pub(super) struct Lab<'a> {
     map: &'a dyn TimeAdvance,
@@ -207,14 +219,7 @@ impl<'a> Lab<'a> {
             })
             .collect();
         let images = self.images(&displaced)?;
-        let mut first = 0;
-        let starts: Vec<usize> = (tasks.iter())
-            .map(|task| {
-                let start = first;
-                first += task.directions.len() * richardson::STATES;
-                start
-            })
-            .collect();
+        let starts = Task::starts(tasks, richardson::STATES);
         let of_task = |(task, &start): (&Task, &usize)| {
             let of_direction = |k: usize| {
                 derivative(self.coordinates(), |c| {

@@ -131,14 +131,7 @@ impl Lab<'_> {
         tasks: &[Task],
     ) -> Result<Vec<Vec<Derivative>>, Error> {
         let images = self.tangent_images(map, tasks)?;
-        let mut first = 0;
-        let starts: Vec<usize> = (tasks.iter())
-            .map(|task| {
-                let start = first;
-                first += task.directions.len() * TRIALS;
-                start
-            })
-            .collect();
+        let starts = Task::starts(tasks, TRIALS);
         let of_task = |(task, &start): (&Task, &usize)| {
             let of_direction = |k: usize| self.tangent_derivative(&images, start + k * TRIALS);
             (0..task.directions.len()).map(of_direction).collect()
