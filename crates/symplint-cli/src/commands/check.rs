@@ -32,8 +32,13 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
         folder.write_config(&config.resolved)?;
         folder.write_json("report.json", &report)?;
         folder.write_csv("points.csv", &diagnosis.points)?;
-        for (name, figure) in output::check_figures(&config, &diagnosis)? {
+        let (figures, note) = output::check_figures(&config, &diagnosis);
+        for (name, figure) in figures {
             figure.save(&folder.figures(), name)?;
+        }
+        // On standard error: standard output may be JSON.
+        if let Some(note) = note {
+            anstream::eprintln!("note: {note}");
         }
     }
     if common.json {

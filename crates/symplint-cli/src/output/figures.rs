@@ -2,7 +2,6 @@
 
 use symplint::{Diagnosis, Ensemble, Point, Sweep, TraceRecord};
 
-use crate::commands::Failure;
 use crate::config::Config;
 use crate::figure::{Axis, Figure, Panel, Scale, Series, Style};
 use crate::paper::{portrait, reference_slope};
@@ -25,11 +24,11 @@ pub fn error_axis() -> Axis {
     }
 }
 
-/// The figures of a diagnosis with their names.
+/// The figures of a diagnosis with their names, and a line on the one that was left out, if any was.
 pub fn check_figures(
     config: &Config,
     diagnosis: &Diagnosis,
-) -> Result<Vec<(&'static str, Figure)>, Failure> {
+) -> (Vec<(&'static str, Figure)>, Option<String>) {
     let title = format!("{}, {}", config.system.name, config.integrator);
     let mut figures = vec![("step_sizes", step_sizes(&title, diagnosis))];
     if diagnosis
@@ -39,8 +38,14 @@ pub fn check_figures(
     {
         figures.push(("samples", samples(&title, diagnosis)));
     }
-    figures.push(("loop", advanced_loop(&title, config)?));
-    Ok(figures)
+    let note = match advanced_loop(&title, config) {
+        Ok(figure) => {
+            figures.push(("loop", figure));
+            None
+        }
+        Err(reason) => Some(format!("figures/loop is left out: {reason}")),
+    };
+    (figures, note)
 }
 
 fn series(label: &str, points: Vec<(f64, f64)>, style: Style, color: usize) -> Series {
@@ -146,12 +151,29 @@ fn plane(ensemble: &Ensemble, dof: usize) -> Vec<(f64, f64)> {
 /// The loop before and after the largest step, in the plane of the first degree of freedom.
 ///
 /// Drawn as points, because a line would hide that a loop is broken.
-fn advanced_loop(title: &str, config: &Config) -> Result<Figure, Failure> {
+///
+/// # Errors
+/// Why it cannot be had, in words. The verdict does not need it, so that this is no failure of the run.
+fn advanced_loop(title: &str, config: &Config) -> Result<Figure, String> {
     const SAMPLES: usize = 720;
+    /// Of the states before the step. A run that streams its samples must not need more memory for a
+    /// figure than for the verdict.
+    const MOST_BYTES: usize = 512 << 20;
+    let dof = config.map.dof();
+    if dof > MOST_BYTES / (16 * SAMPLES) {
+        return Err(format!(
+            "{SAMPLES} states of {dof} degrees of freedom take more than 512 MiB"
+        ));
+    }
     let h = (config.diagnostic.step_sizes.iter().copied()).fold(0.0, f64::max);
-    let before = Ensemble::sample(&*config.phase_loop, SAMPLES)?;
-    let mut after = before.clone();
-    after.advance(&*config.map, h)?;
+    let advanced = || -> Result<(Ensemble, Ensemble), symplint::Error> {
+        let before = Ensemble::sample(&*config.phase_loop, SAMPLES)?;
+        let mut after = before.clone();
+        after.advance(&*config.map, h)?;
+        Ok((before, after))
+    };
+    let (before, after) =
+        advanced().map_err(|error| format!("of its {SAMPLES} samples one fails; {error}"))?;
     Ok(two_loops(title, &before, &after, 0, Some(h)))
 }
 

@@ -9,6 +9,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 mod refusals;
+mod run_folder;
 
 fn symplint(arguments: &[&str]) -> Output {
     Command::cargo_bin("symplint")

@@ -1,0 +1,80 @@
+//! What `--out` leaves behind, and what it leaves out.
+
+use tempfile::TempDir;
+
+use super::{configuration, symplint, text};
+
+/// Kepler's problem; a circle in the plane of its first degree of freedom.
+const KEPLER: &str = r#"
+[system]
+name = "kepler"
+q0 = 0.0
+p0 = [0.0, 1.0]
+
+[integrator]
+name = "strang"
+variant = "momentum-first"
+
+[loop]
+dofs = [0]
+
+[diagnostic]
+rule = "pseudospectral"
+samples = 64
+loops = 1
+step_sizes = [1e-10]
+stages = false
+"#;
+
+#[test]
+fn a_figure_that_cannot_be_drawn_costs_no_verdict() {
+    let (folder, path) = configuration(KEPLER);
+    let (path, out) = (path.to_str().unwrap(), folder.path().join("run"));
+    // The circle is moved so that it meets the centre, where there is no force, at s = 77/720 to the last bit:
+    // none of 64 samples is there.
+    let samples = folder.path().join("samples.csv");
+    let output = samples.to_str().unwrap();
+    symplint(&["loop", path, "--samples", "720", "--output", output]);
+    let samples = fs::read_to_string(&samples).unwrap();
+    let position = samples.lines().nth(1 + 77).unwrap().split(',').next();
+    let through = format!("system.q0=[-{}, 0.0]", position.unwrap());
+    let arguments = ["check", path, "--json", "--set", &through];
+    let without = symplint(&arguments);
+    let with = symplint(&[&arguments[..], &["--out", out.to_str().unwrap()]].concat());
+    let said = text(&with.stderr);
+    assert_ne!(without.status.code(), Some(2), "{}", text(&without.stderr));
+    assert_eq!(with.status.code(), without.status.code(), "{said}");
+    assert_eq!(with.stdout, without.stdout);
+    for words in ["figures/loop is left out", "720 samples"] {
+        assert!(said.contains(words), "{said}");
+    }
+    assert!(out.join("report.json").exists());
+    assert!(out.join("figures/step_sizes.svg").exists());
+    assert!(!out.join("figures/loop.svg").exists());
+}
+
+#[test]
+fn a_figure_beyond_memory_is_left_out() {
+    let folder = TempDir::new().unwrap();
+    let settings = [
+        "diagnostic.rule=streaming",
+        "diagnostic.samples=33",
+        "diagnostic.loops=1",
+        "diagnostic.step_sizes=[0.5]",
+    ];
+    // 720 states of 46604 pendula take 512 MiB.
+    for (pendula, drawn) in [("system.pendula=64", true), ("system.pendula=46604", false)] {
+        let (_run, path) = configuration("[system]\nname = \"pendulum-array\"\n");
+        let out = folder.path().join(pendula);
+        let mut arguments = vec!["check", path.to_str().unwrap(), "--out"];
+        arguments.extend([out.to_str().unwrap(), "--set", pendula]);
+        for setting in settings {
+            arguments.extend(["--set", setting]);
+        }
+        let output = symplint(&arguments);
+        let said = text(&output.stderr);
+        assert_ne!(output.status.code(), Some(2), "{said}");
+        assert_eq!(out.join("figures/loop.svg").exists(), drawn, "{pendula}");
+        assert_eq!(said.contains("more than 512 MiB"), !drawn, "{said}");
+    }
+}
