@@ -336,11 +336,16 @@ impl Section {
         })
     }
 
-    /// Records what a table inside this one resolved to.
-    pub fn adopt(&self, key: &str, inner: Section) {
+    /// Records what a key resolved to, where that is not what was written.
+    pub fn record(&self, key: &str, value: impl Into<toml::Value>) {
         self.resolved
             .borrow_mut()
-            .insert(key.to_owned(), inner.resolved().into());
+            .insert(key.to_owned(), value.into());
+    }
+
+    /// Records what a table inside this one resolved to.
+    pub fn adopt(&self, key: &str, inner: Section) {
+        self.record(key, inner.resolved());
     }
 
     /// A table inside this one, or `None` where it was left out.

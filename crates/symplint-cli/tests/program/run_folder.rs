@@ -1,8 +1,12 @@
 //! What `--out` leaves behind, and what it leaves out.
 
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
 use tempfile::TempDir;
 
-use super::{configuration, symplint, text};
+use super::{configuration, report, symplint, text};
 
 /// Kepler's problem; a circle in the plane of its first degree of freedom.
 const KEPLER: &str = r#"
@@ -76,5 +80,32 @@ fn a_figure_beyond_memory_is_left_out() {
         assert_ne!(output.status.code(), Some(2), "{said}");
         assert_eq!(out.join("figures/loop.svg").exists(), drawn, "{pendula}");
         assert_eq!(said.contains("more than 512 MiB"), !drawn, "{said}");
+    }
+}
+
+#[test]
+fn a_resolved_configuration_finds_its_state_file() {
+    let (folder, _) = configuration("");
+    let file = folder.path().join("few.toml");
+    let system = "name = \"pendulum-array\"\npendula = 2\ninitial = { file = \"state.csv\" }";
+    fs::write(&file, format!("[system]\n{system}\n")).unwrap();
+    fs::write(folder.path().join("state.csv"), "0.1,0.2\n0.3,0.4\n").unwrap();
+    // By a relative path of the configuration, too: its folder is that of the run then.
+    for (from, given) in [(Path::new("/"), file.as_path()), (folder.path(), Path::new("few.toml"))] {
+        let output = assert_cmd::Command::cargo_bin("symplint")
+            .unwrap()
+            .current_dir(from)
+            .arg("check")
+            .arg(given)
+            .arg("--out")
+            .arg(folder.path().join("run"))
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let resolved = folder.path().join("run/config.toml");
+        let again = report(&["check", resolved.to_str().unwrap()]);
+        let first = fs::read_to_string(folder.path().join("run/report.json")).unwrap();
+        let first: Value = serde_json::from_str(&first).unwrap();
+        assert_eq!(again["points"], first["points"]);
     }
 }
