@@ -8,8 +8,13 @@ use super::{configuration, example, symplint, text};
 
 /// Runs `check` and demands exit status 2 and every word of `expected` on standard error.
 fn refused(configuration_text: &str, settings: &[&str], expected: &[&str]) {
+    refused_by("check", configuration_text, settings, expected);
+}
+
+/// The same of a command.
+fn refused_by(command: &str, configuration_text: &str, settings: &[&str], expected: &[&str]) {
     let (_folder, path) = configuration(configuration_text);
-    let mut arguments = vec!["check", path.to_str().unwrap()];
+    let mut arguments = vec![command, path.to_str().unwrap()];
     for setting in settings {
         arguments.extend(["--set", setting]);
     }
@@ -133,6 +138,16 @@ fn bad_settings_are_refused_with_place_and_remedy() {
         &["even", "odd number of cells"],
     );
     refused(spline, &["system.degree=3", "system.cells=2"], &["cells"]);
+}
+
+#[test]
+fn rules_that_no_trace_can_use_are_refused() {
+    for rule in ["piecewise", "streaming"] {
+        let set = format!("diagnostic.rule={rule}");
+        let named = format!("diagnostic.rule is \"{rule}\"");
+        let expected = [named.as_str(), "a trace", "diagnostic.rule=pseudospectral"];
+        refused_by("trace", PENDULUM, &[&set], &expected);
+    }
 }
 
 #[test]
