@@ -63,7 +63,8 @@ fn run(config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> {
         .find(|&&step| step > settings.steps)
     {
         let text = format!("trace.snapshots names step {late} of {}", settings.steps);
-        return Err(ConfigError::new(text, "take more steps or drop the snapshot").into());
+        let help = "take more steps or drop the snapshot, for example by --set trace.snapshots=[0]";
+        return Err(ConfigError::new(text, help).into());
     }
     let trace = Trace {
         rule: rule(config.diagnostic.rule)?,

@@ -151,6 +151,13 @@ fn rules_that_no_trace_can_use_are_refused() {
 }
 
 #[test]
+fn a_snapshot_after_the_last_step_is_refused() {
+    let settings = ["trace.steps=50", "trace.snapshots=[0, 80]"];
+    let expected = ["trace.snapshots names step 80 of 50", "drop the snapshot"];
+    refused_by("trace", PENDULUM, &settings, &expected);
+}
+
+#[test]
 fn integrators_that_do_not_fit_are_refused() {
     let double = "[system]\nname = \"double-pendulum\"\n";
     refused(

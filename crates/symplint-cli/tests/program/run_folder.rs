@@ -109,3 +109,22 @@ fn a_resolved_configuration_finds_its_state_file() {
         assert_eq!(again["points"], first["points"]);
     }
 }
+
+/// Default snapshots come to step 80.
+#[test]
+fn a_short_trace_drops_the_default_snapshots_that_it_does_not_reach() {
+    let (folder, path) = configuration("[system]\nname = \"pendulum\"\n");
+    let out = folder.path().join("run");
+    let short = ["--set", "trace.steps=50", "--set", "trace.samples=64"];
+    let arguments = [
+        &["trace", path.to_str().unwrap(), "--out", out.to_str().unwrap()],
+        &short[..],
+    ];
+    let output = symplint(&arguments.concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(out.join("loop_40.csv").exists());
+    assert!(!out.join("loop_80.csv").exists());
+    // What was resolved can be run again.
+    let again = report(&["trace", out.join("config.toml").to_str().unwrap()]);
+    assert_eq!(again["points"].as_array().unwrap().len(), 51);
+}
