@@ -386,6 +386,15 @@ fn bad_state_files_are_refused() {
     let output = symplint(&["check", path.to_str().unwrap(), "--quiet", "--set", &good]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 
+    // By the program's own names of columns, too.
+    for header in ["q,p", "x,v", "q0,p0", "q_0,p_0"] {
+        let rows = format!("{header}\n0.1,0.4\n0.2,0.5\n0.3,0.6\n");
+        let named = file("named.csv", rows.as_bytes());
+        let arguments = ["check", path.to_str().unwrap(), "--quiet", "--set", &named];
+        let output = symplint(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    }
+
     let shape = file("shape.npy", &npy("(3, 2)", &[0.0; 6]));
     refused(array, &[&shape], &["[3, 2]", "(2, dof)"]);
     let long = file("long.npy", &npy("(2, 4)", &[0.0; 8]));
@@ -411,6 +420,15 @@ fn bad_state_files_are_refused() {
     refused(array, &[&huge], &["huge.npy"]);
     let mistyped = file("mistyped.csv", b"O.1,O.2\n0.1,0.2\n0.1,0.2\n0.1,0.2\n");
     refused(array, &[&mistyped], &["row 1"]);
+    for name in ["O1,O2", "q.0,p.0", "x1e,v1e"] {
+        let rows = format!("{name}\n0.1,0.2\n0.1,0.2\n0.1,0.2\n");
+        let mistyped = file("mistyped.csv", rows.as_bytes());
+        refused(array, &[&mistyped], &["row 1"]);
+    }
+    let mut long = b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec();
+    long.extend([b' '; 100]);
+    let long = file("header.npy", &long);
+    refused(array, &[&long], &["header.npy", "promises 4294967307 bytes"]);
     let kind = file("state.txt", b"0.1 0.2\n");
     refused(array, &[&kind], &[".npy nor .csv"]);
     refused(
