@@ -4,6 +4,7 @@ use std::fs;
 use std::io::{Cursor, Write};
 use std::path::Path;
 use std::process::Output;
+use std::time::Duration;
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -500,6 +501,21 @@ fn bad_files_are_refused_by_name() {
         &[("q", huge), ("p", p.clone())],
         &["cut short in `q`"],
     );
+    // Nothing in rows without end, and by columns, as if they were to be put in order.
+    let endless = npy("<f8", true, "(1152921504606846976, 0)", &[]);
+    npz(
+        &folder.join("endless.npz"),
+        false,
+        &[("q", endless.clone()), ("p", endless)],
+    );
+    let mut command = Command::cargo_bin("symplint").unwrap();
+    command.current_dir(folder).timeout(Duration::from_secs(20));
+    let output = command
+        .args(["measure", "before.npz", "endless.npz"])
+        .output();
+    let output = output.expect("it comes to an end");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("0 degrees of freedom"));
     let mut long = b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec();
     long.extend([b' '; 100]);
     broken(
