@@ -214,6 +214,20 @@ fn a_run_folder_holds_everything() {
 }
 
 #[test]
+fn the_longest_sweep_that_is_not_refused() {
+    let settings = ["diagnostic.step_sizes={from=1,to='2^-64'}", "diagnostic.loops=1"];
+    let example = example("pendulum.toml");
+    let mut arguments = vec!["check", &example];
+    for setting in settings {
+        arguments.extend(["--set", setting]);
+    }
+    let report = report(&arguments);
+    let points = report["points"].as_array().unwrap();
+    assert_eq!(points.len(), 65);
+    assert_eq!(points[64]["step_size"], 2f64.powi(-64));
+}
+
+#[test]
 fn threads_do_not_change_the_report() {
     let (_folder, path) = configuration(
         "[system]\nname = \"pendulum-array\"\npendula = 50\n[diagnostic]\nsamples = 300\n",

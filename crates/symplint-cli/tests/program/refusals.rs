@@ -74,6 +74,16 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     refused(PENDULUM, &["diagnostic.samples=64.5"], &["whole number"]);
     refused(
         PENDULUM,
+        &["diagnostic.seed=10000000000000000"],
+        &["diagnostic.seed is 1", "at most 9000000000000000"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.step_sizes={from=1,to='2^-65'}"],
+        &["step_sizes", "at most 64 halvings"],
+    );
+    refused(
+        PENDULUM,
         &["diagnostic.step_sizes=[0.1, -0.1]"],
         &["-0.1", "above 0"],
     );
