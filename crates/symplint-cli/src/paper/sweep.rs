@@ -12,6 +12,7 @@ use symplint_models::{ModelError, Separable};
 
 use super::true_defect::Known;
 use crate::commands::Failure;
+use crate::config::{ConfigError, Section};
 
 /// A point with what distinguishes its curve.
 #[derive(Clone, Debug, Serialize)]
@@ -171,6 +172,14 @@ pub fn doublings(from: u64, to: u64) -> Vec<usize> {
 /// 2^`from`, 2^(`from` − 1), …, 2^`to`.
 pub fn halvings(from: i32, to: i32) -> Vec<f64> {
     (to..=from).rev().map(|m| 2f64.powi(m)).collect()
+}
+
+/// 2^-1, 2^-2, …, 2^-`halvings` by the key of that name.
+pub fn chosen_halvings(settings: &Section) -> Result<Vec<f64>, ConfigError> {
+    /// A step of 2^-40 changes no state by more than its round-off.
+    const MOST: u64 = 40;
+    let last = settings.whole_between("halvings", 2, MOST)?;
+    Ok(halvings(-1, -(last as i32)))
 }
 
 /// The largest |E|.

@@ -556,6 +556,16 @@ fn runs_without_end_are_refused() {
     for expected in ["fig8.until", "too many", "at most"] {
         assert!(error.contains(expected), "{expected}: {error}");
     }
+    for item in ["fig4", "fig5", "fig7", "fig9"] {
+        let folder = TempDir::new().unwrap();
+        let out = folder.path().to_str().unwrap();
+        let output = symplint(&["reproduce", item, "--set", "halvings=41", "--out", out]);
+        assert_eq!(output.status.code(), Some(2));
+        let error = text(&output.stderr);
+        for expected in [&format!("{item}.halvings"), "41 is too many", "at most 40"] {
+            assert!(error.contains(expected), "{expected}: {error}");
+        }
+    }
     // The key to blame is the one that was set, and numbers stay readable.
     let output = symplint(&["reproduce", "fig8", "--set", "step_size=1e-300"]);
     let error = text(&output.stderr);
