@@ -15,7 +15,7 @@ pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
-    /// Options of every command.
+    /// Options of every command that measures.
     #[command(flatten)]
     pub common: Common,
 }
@@ -113,11 +113,15 @@ pub enum Command {
         list: bool,
     },
     /// What there is to choose from.
+    ///
+    /// Measures nothing, and refuses --set, --out, --json and --quiet.
     List {
         /// Of what.
         what: What,
     },
     /// Print a commented starter configuration.
+    ///
+    /// Measures nothing, and refuses --set, --out, --json and --quiet.
     Init {
         /// The system; `symplint list systems` shows them.
         system: String,
@@ -137,7 +141,7 @@ pub enum What {
     Figures,
 }
 
-/// Options of every command.
+/// Options of every command that measures.
 #[derive(Args)]
 pub struct Common {
     /// Change a key of the configuration, such as integrator.name=rk2 (repeatable)

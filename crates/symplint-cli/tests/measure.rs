@@ -417,10 +417,12 @@ fn a_run_folder_holds_everything() {
     }
     let made = symplint(
         exchange.path(),
-        &["loop", &example("pendulum.toml"), "--out", "run"],
+        &["loop", &example("pendulum.toml"), "--out", "made/here"],
     );
     assert_eq!(status(&made), 0);
-    assert!(exchange.path().join("run/loop.npz").exists());
+    assert!(exchange.path().join("made/here/loop.npz").exists());
+    // There is nothing to draw.
+    assert!(!exchange.path().join("made/here/figures").exists());
 }
 
 #[test]

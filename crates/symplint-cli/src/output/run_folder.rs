@@ -8,19 +8,26 @@ use symplint::Ensemble;
 
 use crate::commands::Failure;
 
-/// A folder with `figures/` in it.
+/// A folder for what a command leaves behind.
 pub struct RunFolder {
     path: PathBuf,
 }
 
 impl RunFolder {
-    /// Makes the folder if it is not there, and checks that files can be written in it.
+    /// Makes the folder with `figures/` in it if they are not there, and checks that files can be written in it.
     pub fn create(path: &Path) -> Result<Self, Failure> {
+        let folder = RunFolder::without_figures(path)?;
+        let figures = folder.figures();
+        fs::create_dir_all(&figures).map_err(|error| cannot_write(&figures, &error))?;
+        Ok(folder)
+    }
+
+    /// The same for a command that draws nothing.
+    pub fn without_figures(path: &Path) -> Result<Self, Failure> {
         let folder = RunFolder {
             path: path.to_owned(),
         };
-        let figures = folder.figures();
-        fs::create_dir_all(&figures).map_err(|error| cannot_write(&figures, &error))?;
+        fs::create_dir_all(path).map_err(|error| cannot_write(path, &error))?;
         let probe = path.join(".writable");
         fs::write(&probe, "").map_err(|error| cannot_write(path, &error))?;
         fs::remove_file(&probe).map_err(|error| cannot_write(path, &error))?;

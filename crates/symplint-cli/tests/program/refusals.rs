@@ -501,3 +501,24 @@ fn bad_usage_has_status_2() {
         assert!(!output.stderr.is_empty());
     }
 }
+
+#[test]
+fn options_of_a_run_are_refused_by_what_runs_nothing() {
+    for command in [
+        &["list", "systems"][..],
+        &["init", "pendulum"],
+        &["reproduce", "--list"],
+    ] {
+        let options = ["--json", "--quiet", "--out=folder", "--set=loop.radius=2"];
+        for option in options {
+            let output = symplint(&[command, &[option]].concat());
+            let said = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{command:?} {option}");
+            assert!(output.stdout.is_empty());
+            let name = option.split('=').next().unwrap();
+            assert!(said.contains(&format!("{name} means nothing")), "{said}");
+        }
+        let output = symplint(&[command, &["--threads", "1"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    }
+}
