@@ -252,6 +252,37 @@ fn every_format_gives_the_same_numbers() {
     let unknown = report(folder, &["before.npz", "after.npz"]);
     assert_eq!(unknown["points"][0]["step_size"], Value::Null);
     assert_eq!(unknown["verdict"]["kind"], "not-symplectic");
+    // As an empty field in the table of points.
+    let arguments = ["measure", "before.npz", "after.npz", "--out", "unknown"];
+    assert_eq!(status(&symplint(folder, &arguments)), 1);
+    let points = fs::read_to_string(folder.join("unknown/points.csv")).unwrap();
+    let first = points.lines().nth(1).unwrap();
+    assert!(first.starts_with("step-size,0,,64,"), "{points}");
+}
+
+/// Snapshots of a trace are loops of it, with their parameter besides.
+#[test]
+fn snapshots_of_a_trace_can_be_measured() {
+    let folder = TempDir::new().unwrap();
+    let arguments = [
+        "trace",
+        &example("pendulum.toml"),
+        "--set=trace.steps=1",
+        "--set=trace.step_size=0.5",
+        "--set=trace.samples=256",
+        "--set=trace.snapshots=[0, 1]",
+        "--out=run",
+    ];
+    assert_eq!(status(&symplint(folder.path(), &arguments)), 0);
+    let files = ["run/loop_0.csv", "run/loop_1.csv"];
+    let table = fs::read_to_string(folder.path().join(files[1])).unwrap();
+    assert!(table.starts_with("s,q_0,p_0\n"), "{table}");
+    let new = report(folder.path(), &files);
+    assert_eq!(new["verdict"]["kind"], "symplectic");
+    // As they were named before.
+    let before = table.replacen("s,q_0,p_0", "s,q0,p0", 1);
+    fs::write(folder.path().join(files[1]), before).unwrap();
+    assert_eq!(report(folder.path(), &files)["points"], new["points"]);
 }
 
 #[test]

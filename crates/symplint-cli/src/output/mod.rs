@@ -3,6 +3,7 @@
 mod figures;
 mod power;
 mod progress;
+mod record_table;
 mod report;
 mod run_folder;
 mod say;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use symplint::Ensemble;
 
+use super::record_table::RecordTable;
 use crate::commands::Failure;
 
 /// A folder for what a command leaves behind.
@@ -64,11 +65,11 @@ impl RunFolder {
     pub fn write_csv<T: Serialize>(&self, name: &str, records: &[T]) -> Result<(), Failure> {
         let path = self.path.join(name);
         let write = || -> csv::Result<()> {
-            let mut writer = csv::Writer::from_path(&path)?;
+            let mut table = RecordTable::create(&path)?;
             for record in records {
-                writer.serialize(record)?;
+                table.push(record)?;
             }
-            Ok(writer.flush()?)
+            table.flush()
         };
         write().map_err(|error| cannot_write(&path, &error))
     }
@@ -79,7 +80,8 @@ impl RunFolder {
         let write = || -> csv::Result<()> {
             let mut writer = csv::Writer::from_path(&path)?;
             let dof = ensemble.dof();
-            let columns = |c: &str| (0..dof).map(|i| format!("{c}{i}")).collect::<Vec<_>>();
+            // The names of columns of loop files, which can be read as such.
+            let columns = |c: &str| (0..dof).map(|i| format!("{c}_{i}")).collect::<Vec<_>>();
             writer.write_record([vec!["s".to_owned()], columns("q"), columns("p")].concat())?;
             for k in 0..ensemble.samples() {
                 let s = k as f64 / ensemble.samples() as f64;

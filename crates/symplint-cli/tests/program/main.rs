@@ -289,7 +289,7 @@ fn a_trace_follows_loop_and_energy() {
     let samples = fs::read_to_string(folder.path().join("loop_50.csv")).unwrap();
     assert_eq!(
         (samples.lines().count(), samples.lines().next()),
-        (257, Some("s,q0,p0"))
+        (257, Some("s,q_0,p_0"))
     );
 }
 
