@@ -1,6 +1,7 @@
 //! What the program prints and writes.
 
 mod figures;
+mod point_log;
 mod power;
 mod progress;
 mod record_table;
@@ -10,6 +11,7 @@ mod say;
 mod table;
 
 pub use figures::{check_figures, error_axis, measure_figures, step_axis, trace_figures};
+pub use point_log::PointLog;
 pub use power::{power_of_two, raised_power_of_two};
 pub use progress::Progress;
 pub use report::{Report, TraceReport, to_json};

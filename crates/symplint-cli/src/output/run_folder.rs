@@ -1,11 +1,13 @@
 //! The folder that a run leaves behind.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use symplint::Ensemble;
 
+use super::point_log::PointLog;
 use super::record_table::RecordTable;
 use crate::commands::Failure;
 
@@ -48,6 +50,20 @@ impl RunFolder {
     /// Writes `config.toml` as resolved.
     pub fn write_config(&self, config: &toml::Table) -> Result<(), Failure> {
         self.write_text("config.toml", &config.to_string())
+    }
+
+    /// Begins a diagnosis: `config.toml` says what runs, `points.csv` gets what it measures, and no report of
+    /// an earlier run stands beside them.
+    pub fn begin(&self, config: &toml::Table) -> Result<PointLog, Failure> {
+        let report = self.path.join("report.json");
+        match fs::remove_file(&report) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(cannot_write(&report, &error));
+            }
+            _ => {}
+        }
+        self.write_config(config)?;
+        PointLog::create(&self.path.join("points.csv"))
     }
 
     /// Writes a text.
@@ -96,7 +112,7 @@ impl RunFolder {
     }
 }
 
-fn cannot_write(path: &Path, error: &impl ToString) -> Failure {
+pub fn cannot_write(path: &Path, error: &impl ToString) -> Failure {
     Failure::Write {
         path: path.to_owned(),
         reason: error.to_string(),

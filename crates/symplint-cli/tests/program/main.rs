@@ -211,6 +211,18 @@ fn a_run_folder_holds_everything() {
     let first: Value =
         serde_json::from_str(&fs::read_to_string(out.join("report.json")).unwrap()).unwrap();
     assert_eq!(again["points"], first["points"]);
+    // The table has the points of the report, in their order.
+    let listed = first["points"].as_array().unwrap();
+    assert_eq!(points.lines().count(), listed.len() + 1);
+    for (line, point) in points.lines().skip(1).zip(listed) {
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(point["sweep"], fields[0]);
+        assert_eq!(point["loop"].to_string(), fields[1]);
+        let of_report = point["final"].as_f64().unwrap();
+        // The reader of JSON here rounds the last bit at will.
+        let of_table: f64 = fields[6].parse().unwrap();
+        assert!((of_report - of_table).abs() < 1e-15 * of_table.abs());
+    }
 }
 
 #[test]

@@ -128,3 +128,48 @@ fn a_short_trace_drops_the_default_snapshots_that_it_does_not_reach() {
     let again = report(&["trace", out.join("config.toml").to_str().unwrap()]);
     assert_eq!(again["points"].as_array().unwrap().len(), 51);
 }
+
+/// A step of ¼ takes the state at s = 0 to the centre, where there is no force; one of ½ takes it beyond.
+const INTO_THE_CENTRE: &str = r#"
+[system]
+name = "kepler"
+q0 = [-0.125, 0.0]
+p0 = [0.0, 0.0]
+
+[integrator]
+name = "strang"
+variant = "position-first"
+
+[loop]
+dofs = [0]
+
+[diagnostic]
+rule = "pseudospectral"
+samples = 64
+loops = 1
+step_sizes = [0.5, 0.25]
+"#;
+
+#[test]
+fn a_run_that_fails_leaves_the_points_until_then() {
+    let (folder, path) = configuration(INTO_THE_CENTRE);
+    let out = folder.path().join("run");
+    let (path, into) = (path.to_str().unwrap(), out.to_str().unwrap());
+    let arguments = ["check", path, "--out", into];
+    // An earlier run came to its end: its report must not stand beside the points of this one.
+    let shorter = ["--set", "diagnostic.step_sizes=[0.5]"];
+    let output = symplint(&[&arguments[..], &shorter].concat());
+    assert_ne!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    let whole = fs::read_to_string(out.join("points.csv")).unwrap();
+    assert!(out.join("report.json").exists());
+
+    let output = symplint(&arguments);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("the points until then are in"), "{said}");
+    assert_eq!(fs::read_to_string(out.join("points.csv")).unwrap(), whole);
+    assert_eq!(whole.lines().count(), 2, "{whole}");
+    let resolved = fs::read_to_string(out.join("config.toml")).unwrap();
+    assert!(resolved.contains("step_sizes = [0.5, 0.25]"), "{resolved}");
+    assert!(!out.join("report.json").exists());
+}
