@@ -67,7 +67,8 @@ fn open(path: &Path) -> Result<BufReader<File>, StateFileError> {
 }
 
 fn read_npy(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
-    let broken = |reason: String| unusable(reason, "write an array of double precision by numpy.save");
+    let broken =
+        |reason: String| unusable(reason, "write an array of double precision by numpy.save");
     let mut bytes = Vec::new();
     let read = open(path)?.read_to_end(&mut bytes);
     read.map_err(|error| broken(format!("cannot read {}: {error}", path.display())))?;

@@ -64,9 +64,19 @@ mod tests {
         let folder = tempfile::TempDir::new().unwrap();
         let path = folder.path().join("table.csv");
         let mut table = RecordTable::create(&path).unwrap();
-        for (number, other) in [(f64::NAN, None), (0.1, Some(f64::NAN)), (-1e-300, Some(2.0))] {
+        for (number, other) in [
+            (f64::NAN, None),
+            (0.1, Some(f64::NAN)),
+            (-1e-300, Some(2.0)),
+        ] {
             let name = "a \"name\", quoted";
-            table.push(&Row { name, number, other }).unwrap();
+            table
+                .push(&Row {
+                    name,
+                    number,
+                    other,
+                })
+                .unwrap();
         }
         table.flush().unwrap();
         let name = "\"a \"\"name\"\", quoted\"";

@@ -227,7 +227,10 @@ fn a_run_folder_holds_everything() {
 
 #[test]
 fn the_longest_sweep_that_is_not_refused() {
-    let settings = ["diagnostic.step_sizes={from=1,to='2^-64'}", "diagnostic.loops=1"];
+    let settings = [
+        "diagnostic.step_sizes={from=1,to='2^-64'}",
+        "diagnostic.loops=1",
+    ];
     let example = example("pendulum.toml");
     let mut arguments = vec!["check", &example];
     for setting in settings {

@@ -438,7 +438,11 @@ fn bad_state_files_are_refused() {
     let mut long = b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec();
     long.extend([b' '; 100]);
     let long = file("header.npy", &long);
-    refused(array, &[&long], &["header.npy", "promises 4294967307 bytes"]);
+    refused(
+        array,
+        &[&long],
+        &["header.npy", "promises 4294967307 bytes"],
+    );
     let kind = file("state.txt", b"0.1 0.2\n");
     refused(array, &[&kind], &[".npy nor .csv"]);
     refused(

@@ -91,7 +91,10 @@ fn a_resolved_configuration_finds_its_state_file() {
     fs::write(&file, format!("[system]\n{system}\n")).unwrap();
     fs::write(folder.path().join("state.csv"), "0.1,0.2\n0.3,0.4\n").unwrap();
     // By a relative path of the configuration, too: its folder is that of the run then.
-    for (from, given) in [(Path::new("/"), file.as_path()), (folder.path(), Path::new("few.toml"))] {
+    for (from, given) in [
+        (Path::new("/"), file.as_path()),
+        (folder.path(), Path::new("few.toml")),
+    ] {
         let output = assert_cmd::Command::cargo_bin("symplint")
             .unwrap()
             .current_dir(from)
@@ -117,7 +120,12 @@ fn a_short_trace_drops_the_default_snapshots_that_it_does_not_reach() {
     let out = folder.path().join("run");
     let short = ["--set", "trace.steps=50", "--set", "trace.samples=64"];
     let arguments = [
-        &["trace", path.to_str().unwrap(), "--out", out.to_str().unwrap()],
+        &[
+            "trace",
+            path.to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+        ],
         &short[..],
     ];
     let output = symplint(&arguments.concat());
