@@ -96,7 +96,8 @@ pub enum Command {
     /// Loop integral and energy against time.
     ///
     /// Takes trace.steps steps of size trace.step_size and follows the loop integral, and the
-    /// energy of the orbit that starts at the centre of the loop.
+    /// energy of the orbit that starts at the centre of the loop. By the pseudospectral rule, or finite
+    /// differences; the others are refused.
     Trace {
         /// The configuration; `symplint init SYSTEM` prints one to start from.
         config: PathBuf,
