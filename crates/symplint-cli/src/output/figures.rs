@@ -2,26 +2,18 @@
 
 use symplint::{Diagnosis, Ensemble, Point, Sweep, TraceRecord};
 
+use super::plot::{axis, portrait, reference_slope, series};
 use crate::config::Config;
 use crate::figure::{Axis, Figure, Panel, Scale, Series, Style};
-use crate::paper::{portrait, reference_slope};
 
 /// The axis of step sizes.
 pub fn step_axis() -> Axis {
-    Axis {
-        label: "step size h".into(),
-        scale: Scale::Log2,
-        range: None,
-    }
+    axis("step size h", Scale::Log2)
 }
 
 /// The axis of relative defects.
 pub fn error_axis() -> Axis {
-    Axis {
-        label: "relative loop defect |E|".into(),
-        scale: Scale::Log10,
-        range: None,
-    }
+    axis("relative loop defect |E|", Scale::Log10)
 }
 
 /// The figures of a diagnosis with their names, and a line on the one that was left out, if any was.
@@ -46,15 +38,6 @@ pub fn check_figures(
         Err(reason) => Some(format!("figures/loop is left out: {reason}")),
     };
     (figures, note)
-}
-
-fn series(label: &str, points: Vec<(f64, f64)>, style: Style, color: usize) -> Series {
-    Series {
-        label: label.into(),
-        points,
-        style,
-        color,
-    }
 }
 
 fn single(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Figure {
@@ -118,11 +101,7 @@ fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
     let points: Vec<&Point> = (diagnosis.points.iter())
         .filter(|point| point.sweep == Sweep::Samples)
         .collect();
-    let x = Axis {
-        label: "samples Nₛ".into(),
-        scale: Scale::Log2,
-        range: None,
-    };
+    let x = axis("samples Nₛ", Scale::Log2);
     let count = |point: &Point| point.samples as f64;
     let defects = points
         .iter()
@@ -188,18 +167,19 @@ fn two_loops(
     let label = h.map_or("after the step".into(), |h| {
         format!("after one step of {}", super::raised_power_of_two(h))
     });
-    let axis = |coordinate: &str| {
-        phase_axis(&match before.dof() {
-            1 => coordinate.to_owned(),
-            _ => format!("{coordinate}{}", subscript(dof)),
-        })
+    let coordinate = |name: &str| {
+        let label = match before.dof() {
+            1 => name.to_owned(),
+            _ => format!("{name}{}", subscript(dof)),
+        };
+        axis(&label, Scale::Linear)
     };
     Figure {
         title: None,
         panels: vec![Panel {
             title: title.into(),
-            x: axis("q"),
-            y: axis("p"),
+            x: coordinate("q"),
+            y: coordinate("p"),
             series: vec![
                 series("before", plane(before, dof), Style::Closed, 0),
                 series(&label, plane(after, dof), Style::Points, 1),
@@ -242,22 +222,10 @@ pub fn measure_figures(
     figures
 }
 
-fn phase_axis(label: &str) -> Axis {
-    Axis {
-        label: label.into(),
-        scale: Scale::Linear,
-        range: None,
-    }
-}
-
 /// The figures of a trace with their names.
 pub fn trace_figures(config: &Config, record: &TraceRecord) -> Vec<(&'static str, Figure)> {
     let title = format!("{}, {}", config.system.name, config.integrator);
-    let time = || Axis {
-        label: "time t".into(),
-        scale: Scale::Linear,
-        range: None,
-    };
+    let time = || axis("time t", Scale::Linear);
     let defects = record
         .points
         .iter()
@@ -273,11 +241,7 @@ pub fn trace_figures(config: &Config, record: &TraceRecord) -> Vec<(&'static str
     let energy = (record.points.iter())
         .map(|point| (point.time, point.energy_error.unwrap_or(f64::NAN)))
         .collect();
-    let energy_axis = Axis {
-        label: "relative energy error".into(),
-        scale: Scale::Linear,
-        range: None,
-    };
+    let energy_axis = axis("relative energy error", Scale::Linear);
     let mut figures = vec![(
         "loop_integral",
         single(&title, time(), error_axis(), integral),

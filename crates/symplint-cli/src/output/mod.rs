@@ -1,6 +1,7 @@
 //! What the program prints and writes.
 
 mod figures;
+pub mod plot;
 mod point_log;
 mod power;
 mod progress;

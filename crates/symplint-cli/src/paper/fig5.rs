@@ -8,11 +8,12 @@ use symplint_models::systems::PendulumArray;
 
 use super::Item;
 use super::claim::{Claim, Judgement, Origin};
-use super::plot::{axis, floor, reference_slope, series};
+use super::floor::floor;
 use super::sweep::{Record, Study, chosen_halvings, fitted_order, order_text, step_of, worst};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
+use crate::output::plot::{axis, reference_slope, series};
 use crate::output::{RunFolder, error_axis, step_axis};
 
 pub const ITEM: Item = Item {
