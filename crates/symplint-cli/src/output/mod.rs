@@ -13,7 +13,7 @@ mod table;
 
 pub use figures::{check_figures, error_axis, measure_figures, step_axis, trace_figures};
 pub use point_log::PointLog;
-pub use power::{power_of_two, raised_power_of_two};
+pub use power::{power_of_two, raised_power_of_two, short_power};
 pub use progress::Progress;
 pub use report::{Report, TraceReport, to_json};
 pub use run_folder::RunFolder;

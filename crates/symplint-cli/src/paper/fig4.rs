@@ -6,13 +6,13 @@ use super::Item;
 use super::claim::{Claim, Judgement, Origin};
 use super::interpolated::{CASES, Case, circle_round, pendulum, sweep_case};
 use super::sweep::{
-    Record, Study, chosen_halvings, fitted_order, halvings, order_text, short_power, step_of, worst,
+    Record, Study, chosen_halvings, fitted_order, halvings, order_text, step_of, worst,
 };
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel};
 use crate::output::plot::reference_slope;
-use crate::output::{RunFolder, error_axis, raised_power_of_two, step_axis};
+use crate::output::{RunFolder, error_axis, raised_power_of_two, short_power, step_axis};
 
 pub const ITEM: Item = Item {
     id: "fig4",

@@ -13,6 +13,7 @@ use symplint_models::{ModelError, Separable};
 use super::true_defect::Known;
 use crate::commands::Failure;
 use crate::config::{ConfigError, Section};
+use crate::output::short_power;
 
 /// A point with what distinguishes its curve.
 #[derive(Clone, Debug, Serialize)]
@@ -220,16 +221,6 @@ pub fn order_text(fit: Option<&Fit>) -> String {
             short_power(fit.from)
         ),
         None => "no power of h".into(),
-    }
-}
-
-/// 2^-7 for what is a power of two, the number for what is none.
-pub fn short_power(h: f64) -> String {
-    let exponent = h.log2();
-    if exponent == exponent.round() && exponent < 0.0 {
-        format!("2^{exponent}")
-    } else {
-        format!("{h:.3}")
     }
 }
 
