@@ -19,7 +19,7 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
     let config = Config::load(path, &set)?;
     // Before hours of work, not after.
     let folder = common.out.as_deref().map(RunFolder::create).transpose()?;
-    let log = (folder.as_ref().map(|folder| folder.begin(&config.resolved))).transpose()?;
+    let log = (folder.as_ref()).map(|folder| PointLog::new(folder, &config.resolved));
     let progress = Progress::new("points", common.quiet || common.json);
     let outcome = config
         .diagnostic

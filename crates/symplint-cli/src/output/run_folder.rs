@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use symplint::Ensemble;
 
-use super::point_log::PointLog;
 use super::record_table::RecordTable;
 use crate::commands::Failure;
 
@@ -47,6 +46,11 @@ impl RunFolder {
         self.path.join("figures")
     }
 
+    /// Where points go.
+    pub fn points(&self) -> PathBuf {
+        self.path.join("points.csv")
+    }
+
     /// Writes `config.toml` as resolved.
     pub fn write_config(&self, config: &toml::Table) -> Result<(), Failure> {
         self.write_text("config.toml", &config.to_string())
@@ -54,7 +58,7 @@ impl RunFolder {
 
     /// Begins a diagnosis: `config.toml` says what runs, `points.csv` gets what it measures, and no report of
     /// an earlier run stands beside them.
-    pub fn begin(&self, config: &toml::Table) -> Result<PointLog, Failure> {
+    pub fn begin(&self, config: &toml::Table) -> Result<RecordTable, Failure> {
         let report = self.path.join("report.json");
         match fs::remove_file(&report) {
             Err(error) if error.kind() != ErrorKind::NotFound => {
@@ -63,7 +67,8 @@ impl RunFolder {
             _ => {}
         }
         self.write_config(config)?;
-        PointLog::create(&self.path.join("points.csv"))
+        let points = self.points();
+        RecordTable::create(&points).map_err(|error| cannot_write(&points, &error))
     }
 
     /// Writes a text.

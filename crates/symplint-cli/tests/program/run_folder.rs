@@ -170,6 +170,14 @@ fn a_run_that_fails_leaves_the_points_until_then() {
     assert_ne!(output.status.code(), Some(2), "{}", text(&output.stderr));
     let whole = fs::read_to_string(out.join("points.csv")).unwrap();
     assert!(out.join("report.json").exists());
+    // One that is refused before it measures anything leaves them alone.
+    let streaming = ["diagnostic.rule=streaming", "diagnostic.samples=16"];
+    let refused = ["--set", streaming[0], "--set", streaming[1]];
+    let output = symplint(&[&arguments[..], &refused].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!text(&output.stderr).contains("the points until then"));
+    assert!(out.join("report.json").exists());
+    assert_eq!(fs::read_to_string(out.join("points.csv")).unwrap(), whole);
 
     let output = symplint(&arguments);
     let said = text(&output.stderr);
