@@ -15,7 +15,7 @@ pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
-    /// Options of every command.
+    /// Options of every command that measures.
     #[command(flatten)]
     pub common: Common,
 }
@@ -96,7 +96,8 @@ pub enum Command {
     /// Loop integral and energy against time.
     ///
     /// Takes trace.steps steps of size trace.step_size and follows the loop integral, and the
-    /// energy of the orbit that starts at the centre of the loop.
+    /// energy of the orbit that starts at the centre of the loop. By the pseudospectral rule, or finite
+    /// differences; the others are refused.
     Trace {
         /// The configuration; `symplint init SYSTEM` prints one to start from.
         config: PathBuf,
@@ -113,11 +114,15 @@ pub enum Command {
         list: bool,
     },
     /// What there is to choose from.
+    ///
+    /// Measures nothing, and refuses --set, --out, --json and --quiet.
     List {
         /// Of what.
         what: What,
     },
     /// Print a commented starter configuration.
+    ///
+    /// Measures nothing, and refuses --set, --out, --json and --quiet.
     Init {
         /// The system; `symplint list systems` shows them.
         system: String,
@@ -137,7 +142,7 @@ pub enum What {
     Figures,
 }
 
-/// Options of every command.
+/// Options of every command that measures.
 #[derive(Args)]
 pub struct Common {
     /// Change a key of the configuration, such as integrator.name=rk2 (repeatable)

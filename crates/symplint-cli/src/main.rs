@@ -64,7 +64,7 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
         }
         Command::Trace { config } => commands::trace(config, common),
         Command::Reproduce { ids, list } => commands::reproduce(ids, *list, common),
-        Command::List { what } => commands::list(*what),
-        Command::Init { system } => commands::init(system),
+        Command::List { what } => commands::list(*what, common),
+        Command::Init { system } => commands::init(system, common),
     })
 }

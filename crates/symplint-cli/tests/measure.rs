@@ -4,6 +4,7 @@ use std::fs;
 use std::io::{Cursor, Write};
 use std::path::Path;
 use std::process::Output;
+use std::time::Duration;
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -251,6 +252,37 @@ fn every_format_gives_the_same_numbers() {
     let unknown = report(folder, &["before.npz", "after.npz"]);
     assert_eq!(unknown["points"][0]["step_size"], Value::Null);
     assert_eq!(unknown["verdict"]["kind"], "not-symplectic");
+    // As an empty field in the table of points.
+    let arguments = ["measure", "before.npz", "after.npz", "--out", "unknown"];
+    assert_eq!(status(&symplint(folder, &arguments)), 1);
+    let points = fs::read_to_string(folder.join("unknown/points.csv")).unwrap();
+    let first = points.lines().nth(1).unwrap();
+    assert!(first.starts_with("step-size,0,,64,"), "{points}");
+}
+
+/// Snapshots of a trace are loops of it, with their parameter besides.
+#[test]
+fn snapshots_of_a_trace_can_be_measured() {
+    let folder = TempDir::new().unwrap();
+    let arguments = [
+        "trace",
+        &example("pendulum.toml"),
+        "--set=trace.steps=1",
+        "--set=trace.step_size=0.5",
+        "--set=trace.samples=256",
+        "--set=trace.snapshots=[0, 1]",
+        "--out=run",
+    ];
+    assert_eq!(status(&symplint(folder.path(), &arguments)), 0);
+    let files = ["run/loop_0.csv", "run/loop_1.csv"];
+    let table = fs::read_to_string(folder.path().join(files[1])).unwrap();
+    assert!(table.starts_with("s,q_0,p_0\n"), "{table}");
+    let new = report(folder.path(), &files);
+    assert_eq!(new["verdict"]["kind"], "symplectic");
+    // As they were named before.
+    let before = table.replacen("s,q_0,p_0", "s,q0,p0", 1);
+    fs::write(folder.path().join(files[1]), before).unwrap();
+    assert_eq!(report(folder.path(), &files)["points"], new["points"]);
 }
 
 #[test]
@@ -416,10 +448,12 @@ fn a_run_folder_holds_everything() {
     }
     let made = symplint(
         exchange.path(),
-        &["loop", &example("pendulum.toml"), "--out", "run"],
+        &["loop", &example("pendulum.toml"), "--out", "made/here"],
     );
     assert_eq!(status(&made), 0);
-    assert!(exchange.path().join("run/loop.npz").exists());
+    assert!(exchange.path().join("made/here/loop.npz").exists());
+    // There is nothing to draw.
+    assert!(!exchange.path().join("made/here/figures").exists());
 }
 
 #[test]
@@ -500,6 +534,21 @@ fn bad_files_are_refused_by_name() {
         &[("q", huge), ("p", p.clone())],
         &["cut short in `q`"],
     );
+    // Nothing in rows without end, and by columns, as if they were to be put in order.
+    let endless = npy("<f8", true, "(1152921504606846976, 0)", &[]);
+    npz(
+        &folder.join("endless.npz"),
+        false,
+        &[("q", endless.clone()), ("p", endless)],
+    );
+    let mut command = Command::cargo_bin("symplint").unwrap();
+    command.current_dir(folder).timeout(Duration::from_secs(20));
+    let output = command
+        .args(["measure", "before.npz", "endless.npz"])
+        .output();
+    let output = output.expect("it comes to an end");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("0 degrees of freedom"));
     let mut long = b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec();
     long.extend([b' '; 100]);
     broken(

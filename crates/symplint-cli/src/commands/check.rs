@@ -8,7 +8,7 @@ use symplint::VerdictKind;
 use super::Failure;
 use crate::cli::Common;
 use crate::config::Config;
-use crate::output::{self, Progress, Report, RunFolder};
+use crate::output::{self, PointLog, Progress, Report, RunFolder};
 
 /// Diagnoses a configuration.
 ///
@@ -19,21 +19,36 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
     let config = Config::load(path, &set)?;
     // Before hours of work, not after.
     let folder = common.out.as_deref().map(RunFolder::create).transpose()?;
+    let log = (folder.as_ref()).map(|folder| PointLog::new(folder, &config.resolved));
     let progress = Progress::new("points", common.quiet || common.json);
-    let diagnosis = config
+    let outcome = config
         .diagnostic
         .run(&*config.map, &*config.phase_loop, &|event| {
+            if let Some(log) = &log {
+                log.diagnosis(event);
+            }
             progress.diagnosis(event);
-        })?;
+        });
     progress.finish();
+    let kept = log.as_ref().and_then(PointLog::measured);
+    if let (Err(_), Some(kept)) = (&outcome, kept) {
+        anstream::eprintln!("note: the points until then are in {}", kept.display());
+    }
+    let diagnosis = outcome?;
+    if let Some(log) = log {
+        log.finish()?;
+    }
 
     let report = Report::new(&config.resolved, &diagnosis);
     if let Some(folder) = &folder {
-        folder.write_config(&config.resolved)?;
         folder.write_json("report.json", &report)?;
-        folder.write_csv("points.csv", &diagnosis.points)?;
-        for (name, figure) in output::check_figures(&config, &diagnosis)? {
+        let (figures, note) = output::check_figures(&config, &diagnosis);
+        for (name, figure) in figures {
             figure.save(&folder.figures(), name)?;
+        }
+        // On standard error: standard output may be JSON.
+        if let Some(note) = note {
+            anstream::eprintln!("note: {note}");
         }
     }
     if common.json {

@@ -5,13 +5,15 @@ use std::process::ExitCode;
 use symplint_models::integrators::catalogue::CATALOGUE;
 
 use super::Failure;
-use crate::cli::What;
+use super::no_options::refuse_options;
+use crate::cli::{Common, What};
 use crate::config::SYSTEMS;
 use crate::output::{plain_table, say};
 use crate::paper::ITEMS;
 
 /// Prints what there is to choose from.
-pub fn list(what: What) -> Result<ExitCode, Failure> {
+pub fn list(what: What, common: &Common) -> Result<ExitCode, Failure> {
+    refuse_options("list", common)?;
     let (header, rows): (&[&str], Vec<Vec<String>>) = match what {
         What::Systems => (
             &["system", "what it is", "keys"],

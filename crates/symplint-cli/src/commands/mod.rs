@@ -5,6 +5,7 @@ mod failure;
 mod init;
 mod list;
 mod measure;
+mod no_options;
 mod reproduce;
 mod trace;
 mod write_loop;

@@ -18,7 +18,7 @@ const FOLDER: &str = "symplint-paper";
 /// Reproduces items of the paper.
 pub fn reproduce(ids: &[String], only_list: bool, common: &Common) -> Result<ExitCode, Failure> {
     if only_list {
-        return list(What::Figures);
+        return list(What::Figures, common);
     }
     let items = chosen(ids)?;
     if !common.set.is_empty() && items.len() != 1 {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use symplint::{Orbit, Rows, Rule, RuleChoice, Trace, TraceRecord};
+use symplint::{Orbit, Piecewise, Rows, Rule, RuleChoice, Streaming, Trace, TraceRecord};
 
 use super::Failure;
 use crate::cli::Common;
@@ -41,6 +41,20 @@ pub fn trace(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// The rule of a trace, which keeps an ensemble of samples and never makes new ones in between.
+fn rule(choice: RuleChoice) -> Result<Rule, ConfigError> {
+    let name = match choice {
+        RuleChoice::Auto => return Ok(Rule::Pseudospectral),
+        RuleChoice::Fixed(rule) => return Ok(rule),
+        RuleChoice::Piecewise => Piecewise::NAME,
+        RuleChoice::Streaming => Streaming::NAME,
+    };
+    Err(ConfigError::new(
+        format!("diagnostic.rule is \"{name}\", and a trace cannot be had by it"),
+        "give \"pseudospectral\" or \"finite-difference\", for example by --set diagnostic.rule=pseudospectral",
+    ))
+}
+
 fn run(config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> {
     let settings = &config.trace;
     if let Some(&late) = settings
@@ -49,15 +63,11 @@ fn run(config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> {
         .find(|&&step| step > settings.steps)
     {
         let text = format!("trace.snapshots names step {late} of {}", settings.steps);
-        return Err(ConfigError::new(text, "take more steps or drop the snapshot").into());
+        let help = "take more steps or drop the snapshot, for example by --set trace.snapshots=[0]";
+        return Err(ConfigError::new(text, help).into());
     }
     let trace = Trace {
-        rule: match config.diagnostic.rule {
-            RuleChoice::Auto | RuleChoice::Piecewise | RuleChoice::Streaming => {
-                Rule::Pseudospectral
-            }
-            RuleChoice::Fixed(rule) => rule,
-        },
+        rule: rule(config.diagnostic.rule)?,
         samples: settings.samples,
         step_size: settings.step_size,
         steps: settings.steps,

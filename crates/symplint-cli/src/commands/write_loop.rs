@@ -39,7 +39,7 @@ pub fn write_loop(
     });
     let name = output.unwrap_or(Path::new("loop.npz"));
     let target = match &common.out {
-        Some(folder) => RunFolder::create(folder)?.path().join(name),
+        Some(folder) => RunFolder::without_figures(folder)?.path().join(name),
         None => name.to_owned(),
     };
     let coordinates = config.map.coordinates();

@@ -187,12 +187,13 @@ fn step_sizes(section: &Section) -> Result<Vec<f64>, ConfigError> {
                 .expect("it is a table");
             let from = range.number("from", Accept::Positive)?;
             let to = range.number("to", Accept::Positive)?;
-            // Halves of `from` down to `to`, with room for rounding at the end.
-            let sizes: Vec<f64> = (0..=LONGEST)
+            // Halves of `from` down to `to`, with room for rounding at the end; one more than there may be, to
+            // tell.
+            let sizes: Vec<f64> = (0..=LONGEST + 1)
                 .map(|m| from * 0.5f64.powi(m as i32))
                 .take_while(|&h| h >= to * (1.0 - 1e-9))
                 .collect();
-            if sizes.is_empty() || sizes.len() > LONGEST {
+            if sizes.is_empty() || sizes.len() > LONGEST + 1 {
                 return Err(section.error(
                     "step_sizes",
                     format!("from {from} by halves to {to} is no sweep"),

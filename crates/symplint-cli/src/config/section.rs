@@ -336,11 +336,16 @@ impl Section {
         })
     }
 
-    /// Records what a table inside this one resolved to.
-    pub fn adopt(&self, key: &str, inner: Section) {
+    /// Records what a key resolved to, where that is not what was written.
+    pub fn record(&self, key: &str, value: impl Into<toml::Value>) {
         self.resolved
             .borrow_mut()
-            .insert(key.to_owned(), inner.resolved().into());
+            .insert(key.to_owned(), value.into());
+    }
+
+    /// Records what a table inside this one resolved to.
+    pub fn adopt(&self, key: &str, inner: Section) {
+        self.record(key, inner.resolved());
     }
 
     /// A table inside this one, or `None` where it was left out.
@@ -374,20 +379,23 @@ pub fn read_number(path: &str, node: &Node, accept: Accept) -> Result<f64, Confi
     Ok(value)
 }
 
+/// Whole numbers are read as doubles, which beyond 2^53 miss some of them.
+const MOST_WHOLE: u64 = 9_000_000_000_000_000;
+
 /// Reads a whole number written as a number or as a text like `2^15`.
 pub fn read_whole(path: &str, node: &Node, least: u64) -> Result<u64, ConfigError> {
     let value = read_number(path, node, Accept::Finite)?;
-    if value.fract() != 0.0 || value < least as f64 || value > 9e15 {
-        return Err(ConfigError::new(
-            format!("{path} is {value}"),
-            format!("give a whole number of at least {least}"),
-        )
-        .at(
-            &node.place,
-            format!("must be a whole number of at least {least}"),
-        ));
-    }
-    Ok(value as u64)
+    let expected = if value > MOST_WHOLE as f64 {
+        format!("a whole number of at most {MOST_WHOLE}")
+    } else if value.fract() != 0.0 || value < least as f64 {
+        format!("a whole number of at least {least}")
+    } else {
+        return Ok(value as u64);
+    };
+    Err(
+        ConfigError::new(format!("{path} is {value}"), format!("give {expected}"))
+            .at(&node.place, format!("must be {expected}")),
+    )
 }
 
 fn wrong(path: &str, node: &Node, expected: &str, help: &str) -> ConfigError {

@@ -1,10 +1,10 @@
 //! Initial states from files: `.npy` with two rows, `.csv` with two columns.
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read};
 use std::path::Path;
 
-use npyz::{NpyFile, Order};
+use crate::loop_file::{Accept, Array, is_header};
 
 /// Why a state file is of no use, and what to do.
 #[derive(Debug)]
@@ -67,60 +67,21 @@ fn open(path: &Path) -> Result<BufReader<File>, StateFileError> {
 }
 
 fn read_npy(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
-    let name = path.display();
-    let broken = |error: std::io::Error| {
-        unusable(
-            format!("{name} is no NumPy array that can be read: {error}"),
-            "write an array of double precision by numpy.save",
-        )
-    };
-    let bytes = open(path)?.get_ref().metadata().map_err(broken)?.len();
-    let file = NpyFile::new(open(path)?).map_err(broken)?;
-    let shape = file.shape().to_vec();
-    let [2, columns] = shape[..] else {
+    let broken =
+        |reason: String| unusable(reason, "write an array of double precision by numpy.save");
+    let mut bytes = Vec::new();
+    let read = open(path)?.read_to_end(&mut bytes);
+    read.map_err(|error| broken(format!("cannot read {}: {error}", path.display())))?;
+    let mut array = Array::decode(&bytes, Accept::Floats, path, "")
+        .map_err(|error| broken(error.to_string()))?;
+    let [2, dof] = array.shape[..] else {
         return Err(unusable(
-            format!("{name} has the shape {shape:?}"),
+            format!("{} has the shape {:?}", path.display(), array.shape),
             "give an array of shape (2, dof): row 0 positions, row 1 momenta",
         ));
     };
-    let order = file.order();
-    let descr = file.dtype().descr();
-    let width = match descr.trim_matches('\'') {
-        "<f8" | ">f8" => 8,
-        "<f4" | ">f4" => 4,
-        _ => {
-            return Err(unusable(
-                format!("{name} holds {descr} values"),
-                "give double or single precision numbers",
-            ));
-        }
-    };
-    // Before anything is allocated: a header can claim any size.
-    if columns
-        .checked_mul(2 * width)
-        .is_none_or(|needed| needed > bytes)
-    {
-        return Err(unusable(
-            format!("{name} is cut short: its header promises 2 × {columns} numbers"),
-            "write it again",
-        ));
-    }
-    let columns = columns as usize;
-    let values: Vec<f64> = if width == 4 {
-        let single: Vec<f32> = file.into_vec().map_err(broken)?;
-        single.into_iter().map(f64::from).collect()
-    } else {
-        file.into_vec().map_err(broken)?
-    };
-    let at = |row: usize| {
-        (0..columns)
-            .map(|column| match order {
-                Order::C => values[row * columns + column],
-                Order::Fortran => values[2 * column + row],
-            })
-            .collect()
-    };
-    Ok((at(0), at(1)))
+    let p = array.values.split_off(dof);
+    Ok((array.values, p))
 }
 
 fn read_csv(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
@@ -146,8 +107,7 @@ fn read_csv(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
                 q.push(position);
                 p.push(momentum);
             }
-            // A first row of words is a header; a number mistyped is none.
-            _ if row == 0 && !record.as_slice().contains(|c: char| c.is_ascii_digit()) => {}
+            _ if row == 0 && is_header(&record) && record.iter().all(is_name) => {}
             _ => {
                 return Err(unusable(
                     format!(
@@ -161,4 +121,12 @@ fn read_csv(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
         }
     }
     Ok((q, p))
+}
+
+/// Whether a field of the first row is a name: without a digit, or one that tables of loops use, q_0 or p0. Any
+/// other with a digit may be a number mistyped, such as O.1, and its state would be lost.
+fn is_name(field: &str) -> bool {
+    let bare = field.trim_end_matches(|c: char| c.is_ascii_digit());
+    let of_loops = matches!(bare.strip_suffix('_').unwrap_or(bare), "q" | "p");
+    of_loops || !field.contains(|c: char| c.is_ascii_digit())
 }

@@ -10,9 +10,10 @@ use std::path::{Path, PathBuf};
 
 use symplint::{Ensemble, Snapshot};
 
-pub use array::Array;
+pub use array::{Accept, Array};
 pub use error::LoopFileError;
 pub use pair::is_partner;
+pub use table::is_header;
 
 /// A loop as a file holds it.
 pub struct LoopFile {

@@ -162,7 +162,7 @@ impl Columns {
 }
 
 /// A first line of names; a number mistyped is none.
-fn is_header(record: &StringRecord) -> bool {
+pub fn is_header(record: &StringRecord) -> bool {
     (record.iter()).all(|field| {
         field.starts_with(|c: char| c.is_alphabetic()) && field.parse::<f64>().is_err()
     })

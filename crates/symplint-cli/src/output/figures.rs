@@ -2,34 +2,25 @@
 
 use symplint::{Diagnosis, Ensemble, Point, Sweep, TraceRecord};
 
-use crate::commands::Failure;
+use super::plot::{axis, portrait, reference_slope, series};
 use crate::config::Config;
 use crate::figure::{Axis, Figure, Panel, Scale, Series, Style};
-use crate::paper::{portrait, reference_slope};
 
 /// The axis of step sizes.
 pub fn step_axis() -> Axis {
-    Axis {
-        label: "step size h".into(),
-        scale: Scale::Log2,
-        range: None,
-    }
+    axis("step size h", Scale::Log2)
 }
 
 /// The axis of relative defects.
 pub fn error_axis() -> Axis {
-    Axis {
-        label: "relative loop defect |E|".into(),
-        scale: Scale::Log10,
-        range: None,
-    }
+    axis("relative loop defect |E|", Scale::Log10)
 }
 
-/// The figures of a diagnosis with their names.
+/// The figures of a diagnosis with their names, and a line on the one that was left out, if any was.
 pub fn check_figures(
     config: &Config,
     diagnosis: &Diagnosis,
-) -> Result<Vec<(&'static str, Figure)>, Failure> {
+) -> (Vec<(&'static str, Figure)>, Option<String>) {
     let title = format!("{}, {}", config.system.name, config.integrator);
     let mut figures = vec![("step_sizes", step_sizes(&title, diagnosis))];
     if diagnosis
@@ -39,17 +30,14 @@ pub fn check_figures(
     {
         figures.push(("samples", samples(&title, diagnosis)));
     }
-    figures.push(("loop", advanced_loop(&title, config)?));
-    Ok(figures)
-}
-
-fn series(label: &str, points: Vec<(f64, f64)>, style: Style, color: usize) -> Series {
-    Series {
-        label: label.into(),
-        points,
-        style,
-        color,
-    }
+    let note = match advanced_loop(&title, config) {
+        Ok(figure) => {
+            figures.push(("loop", figure));
+            None
+        }
+        Err(reason) => Some(format!("figures/loop is left out: {reason}")),
+    };
+    (figures, note)
 }
 
 fn single(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Figure {
@@ -113,11 +101,7 @@ fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
     let points: Vec<&Point> = (diagnosis.points.iter())
         .filter(|point| point.sweep == Sweep::Samples)
         .collect();
-    let x = Axis {
-        label: "samples Nₛ".into(),
-        scale: Scale::Log2,
-        range: None,
-    };
+    let x = axis("samples Nₛ", Scale::Log2);
     let count = |point: &Point| point.samples as f64;
     let defects = points
         .iter()
@@ -146,12 +130,29 @@ fn plane(ensemble: &Ensemble, dof: usize) -> Vec<(f64, f64)> {
 /// The loop before and after the largest step, in the plane of the first degree of freedom.
 ///
 /// Drawn as points, because a line would hide that a loop is broken.
-fn advanced_loop(title: &str, config: &Config) -> Result<Figure, Failure> {
+///
+/// # Errors
+/// Why it cannot be had, in words. The verdict does not need it, so that this is no failure of the run.
+fn advanced_loop(title: &str, config: &Config) -> Result<Figure, String> {
     const SAMPLES: usize = 720;
+    /// Of the states before the step. A run that streams its samples must not need more memory for a
+    /// figure than for the verdict.
+    const MOST_BYTES: usize = 512 << 20;
+    let dof = config.map.dof();
+    if dof > MOST_BYTES / (16 * SAMPLES) {
+        return Err(format!(
+            "{SAMPLES} states of {dof} degrees of freedom take more than 512 MiB"
+        ));
+    }
     let h = (config.diagnostic.step_sizes.iter().copied()).fold(0.0, f64::max);
-    let before = Ensemble::sample(&*config.phase_loop, SAMPLES)?;
-    let mut after = before.clone();
-    after.advance(&*config.map, h)?;
+    let advanced = || -> Result<(Ensemble, Ensemble), symplint::Error> {
+        let before = Ensemble::sample(&*config.phase_loop, SAMPLES)?;
+        let mut after = before.clone();
+        after.advance(&*config.map, h)?;
+        Ok((before, after))
+    };
+    let (before, after) =
+        advanced().map_err(|error| format!("of its {SAMPLES} samples one fails; {error}"))?;
     Ok(two_loops(title, &before, &after, 0, Some(h)))
 }
 
@@ -166,18 +167,19 @@ fn two_loops(
     let label = h.map_or("after the step".into(), |h| {
         format!("after one step of {}", super::raised_power_of_two(h))
     });
-    let axis = |coordinate: &str| {
-        phase_axis(&match before.dof() {
-            1 => coordinate.to_owned(),
-            _ => format!("{coordinate}{}", subscript(dof)),
-        })
+    let coordinate = |name: &str| {
+        let label = match before.dof() {
+            1 => name.to_owned(),
+            _ => format!("{name}{}", subscript(dof)),
+        };
+        axis(&label, Scale::Linear)
     };
     Figure {
         title: None,
         panels: vec![Panel {
             title: title.into(),
-            x: axis("q"),
-            y: axis("p"),
+            x: coordinate("q"),
+            y: coordinate("p"),
             series: vec![
                 series("before", plane(before, dof), Style::Closed, 0),
                 series(&label, plane(after, dof), Style::Points, 1),
@@ -220,22 +222,10 @@ pub fn measure_figures(
     figures
 }
 
-fn phase_axis(label: &str) -> Axis {
-    Axis {
-        label: label.into(),
-        scale: Scale::Linear,
-        range: None,
-    }
-}
-
 /// The figures of a trace with their names.
 pub fn trace_figures(config: &Config, record: &TraceRecord) -> Vec<(&'static str, Figure)> {
     let title = format!("{}, {}", config.system.name, config.integrator);
-    let time = || Axis {
-        label: "time t".into(),
-        scale: Scale::Linear,
-        range: None,
-    };
+    let time = || axis("time t", Scale::Linear);
     let defects = record
         .points
         .iter()
@@ -251,11 +241,7 @@ pub fn trace_figures(config: &Config, record: &TraceRecord) -> Vec<(&'static str
     let energy = (record.points.iter())
         .map(|point| (point.time, point.energy_error.unwrap_or(f64::NAN)))
         .collect();
-    let energy_axis = Axis {
-        label: "relative energy error".into(),
-        scale: Scale::Linear,
-        range: None,
-    };
+    let energy_axis = axis("relative energy error", Scale::Linear);
     let mut figures = vec![(
         "loop_integral",
         single(&title, time(), error_axis(), integral),

@@ -2,25 +2,33 @@
 
 use crate::figure::superscript;
 
+/// k of 2^k, where that reads better than the number; 1 does not.
+fn exponent(value: f64) -> Option<f64> {
+    Some(value.log2()).filter(|exponent| exponent.fract() == 0.0 && *exponent != 0.0)
+}
+
 /// `2^-3` for 0.125; other numbers as they are.
 pub fn power_of_two(value: f64) -> String {
-    let exponent = value.log2();
-    if exponent.fract() == 0.0 && value != 1.0 {
-        format!("2^{exponent}")
-    } else if (1e-4..1e6).contains(&value) {
-        format!("{value}")
-    } else {
-        format!("{value:e}")
+    match exponent(value) {
+        Some(exponent) => format!("2^{exponent}"),
+        None if (1e-4..1e6).contains(&value) => format!("{value}"),
+        None => format!("{value:e}"),
+    }
+}
+
+/// `2^-3` for 0.125; three decimals of other numbers, for sentences.
+pub fn short_power(value: f64) -> String {
+    match exponent(value) {
+        Some(exponent) if exponent < 0.0 => format!("2^{exponent}"),
+        _ => format!("{value:.3}"),
     }
 }
 
 /// A power with a raised exponent, for figures: `2⁻³` for 0.125.
 pub fn raised_power_of_two(value: f64) -> String {
-    let exponent = value.log2();
-    if exponent.fract() == 0.0 && value != 1.0 {
-        format!("2{}", superscript(exponent))
-    } else {
-        format!("{value}")
+    match exponent(value) {
+        Some(exponent) => format!("2{}", superscript(exponent)),
+        None => format!("{value}"),
     }
 }
 
@@ -34,6 +42,12 @@ mod tests {
         assert_eq!(power_of_two(1024.0), "2^10");
         assert_eq!(power_of_two(0.1), "0.1");
         assert_eq!(power_of_two(1.0), "1");
+        assert_eq!(power_of_two(0.0), "0e0");
+        assert_eq!(power_of_two(f64::INFINITY), "inf");
+        assert_eq!(short_power(0.125), "2^-3");
+        assert_eq!(short_power(2.0), "2.000");
+        assert_eq!(short_power(0.1), "0.100");
+        assert_eq!(raised_power_of_two(1.0), "1");
         assert_eq!(raised_power_of_two(2f64.powi(-10)), "2⁻¹⁰");
     }
 }

@@ -1,26 +1,35 @@
 //! The folder that a run leaves behind.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use symplint::Ensemble;
 
+use super::record_table::RecordTable;
 use crate::commands::Failure;
 
-/// A folder with `figures/` in it.
+/// A folder for what a command leaves behind.
 pub struct RunFolder {
     path: PathBuf,
 }
 
 impl RunFolder {
-    /// Makes the folder if it is not there, and checks that files can be written in it.
+    /// Makes the folder with `figures/` in it if they are not there, and checks that files can be written in it.
     pub fn create(path: &Path) -> Result<Self, Failure> {
+        let folder = RunFolder::without_figures(path)?;
+        let figures = folder.figures();
+        fs::create_dir_all(&figures).map_err(|error| cannot_write(&figures, &error))?;
+        Ok(folder)
+    }
+
+    /// The same for a command that draws nothing.
+    pub fn without_figures(path: &Path) -> Result<Self, Failure> {
         let folder = RunFolder {
             path: path.to_owned(),
         };
-        let figures = folder.figures();
-        fs::create_dir_all(&figures).map_err(|error| cannot_write(&figures, &error))?;
+        fs::create_dir_all(path).map_err(|error| cannot_write(path, &error))?;
         let probe = path.join(".writable");
         fs::write(&probe, "").map_err(|error| cannot_write(path, &error))?;
         fs::remove_file(&probe).map_err(|error| cannot_write(path, &error))?;
@@ -37,9 +46,29 @@ impl RunFolder {
         self.path.join("figures")
     }
 
+    /// Where points go.
+    pub fn points(&self) -> PathBuf {
+        self.path.join("points.csv")
+    }
+
     /// Writes `config.toml` as resolved.
     pub fn write_config(&self, config: &toml::Table) -> Result<(), Failure> {
         self.write_text("config.toml", &config.to_string())
+    }
+
+    /// Begins a diagnosis: `config.toml` says what runs, `points.csv` gets what it measures, and no report of
+    /// an earlier run stands beside them.
+    pub fn begin(&self, config: &toml::Table) -> Result<RecordTable, Failure> {
+        let report = self.path.join("report.json");
+        match fs::remove_file(&report) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(cannot_write(&report, &error));
+            }
+            _ => {}
+        }
+        self.write_config(config)?;
+        let points = self.points();
+        RecordTable::create(&points).map_err(|error| cannot_write(&points, &error))
     }
 
     /// Writes a text.
@@ -57,11 +86,11 @@ impl RunFolder {
     pub fn write_csv<T: Serialize>(&self, name: &str, records: &[T]) -> Result<(), Failure> {
         let path = self.path.join(name);
         let write = || -> csv::Result<()> {
-            let mut writer = csv::Writer::from_path(&path)?;
+            let mut table = RecordTable::create(&path)?;
             for record in records {
-                writer.serialize(record)?;
+                table.push(record)?;
             }
-            Ok(writer.flush()?)
+            table.flush()
         };
         write().map_err(|error| cannot_write(&path, &error))
     }
@@ -72,7 +101,8 @@ impl RunFolder {
         let write = || -> csv::Result<()> {
             let mut writer = csv::Writer::from_path(&path)?;
             let dof = ensemble.dof();
-            let columns = |c: &str| (0..dof).map(|i| format!("{c}{i}")).collect::<Vec<_>>();
+            // The names of columns of loop files, which can be read as such.
+            let columns = |c: &str| (0..dof).map(|i| format!("{c}_{i}")).collect::<Vec<_>>();
             writer.write_record([vec!["s".to_owned()], columns("q"), columns("p")].concat())?;
             for k in 0..ensemble.samples() {
                 let s = k as f64 / ensemble.samples() as f64;
@@ -87,7 +117,7 @@ impl RunFolder {
     }
 }
 
-fn cannot_write(path: &Path, error: &impl ToString) -> Failure {
+pub fn cannot_write(path: &Path, error: &impl ToString) -> Failure {
     Failure::Write {
         path: path.to_owned(),
         reason: error.to_string(),

@@ -106,12 +106,22 @@ fn sweep_table(points: &[&Point]) -> String {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
-    let text = table.to_string();
-    if every > 1 {
-        format!("{text}\n(every {every}th point is shown)")
-    } else {
-        text
+    with_note(&table, every)
+}
+
+/// The table, and a line on the points that it skips, if it does.
+fn with_note(table: &Table, every: usize) -> String {
+    if every <= 1 {
+        return table.to_string();
     }
+    let ending = match (every % 100, every % 10) {
+        (11..=13, _) => "th",
+        (_, 1) => "st",
+        (_, 2) => "nd",
+        (_, 3) => "rd",
+        _ => "th",
+    };
+    format!("{table}\n(every {every}{ending} point is shown)")
 }
 
 /// A step size; a loop from a file may not state it.
@@ -179,7 +189,7 @@ pub fn trace_table(points: &[TracePoint], short: bool) -> String {
     let mut table = Table::new();
     table.load_style(presets::UTF8_BORDERS_ONLY);
     table.set_header(["t", "∮p·dq", "defect", "quadrature", "energy error"]);
-    let every = (points.len() / MOST_ROWS).max(1);
+    let every = points.len().div_ceil(MOST_ROWS).max(1);
     for point in points.iter().step_by(every) {
         table.add_row([
             format!("{:.4}", point.time),
@@ -196,5 +206,39 @@ pub fn trace_table(points: &[TracePoint], short: bool) -> String {
     for column in table.column_iter_mut() {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    format!("{table}\n{summary}")
+    format!("{}\n{summary}", with_note(&table, every))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trace_fits_on_a_screen_and_says_what_it_skips() {
+        let point = |step: usize| TracePoint {
+            step,
+            time: step as f64,
+            integral: 1.0,
+            signed_defect: 0.0,
+            defect: 0.0,
+            quadrature_error: None,
+            energy: None,
+            energy_error: None,
+        };
+        // Header, its rule and the borders, and two lines of summary besides the rows.
+        const BESIDES: usize = 6;
+        for (points, rows, note) in [
+            (16, 16, None),
+            (17, 9, Some("every 2nd point")),
+            (31, 16, Some("every 2nd point")),
+            (1001, 16, Some("every 63rd point")),
+        ] {
+            let points: Vec<TracePoint> = (0..points).map(point).collect();
+            let text = trace_table(&points, false);
+            let noted = usize::from(note.is_some());
+            assert_eq!(text.lines().count(), rows + BESIDES + noted, "{text}");
+            assert!(text.contains(note.unwrap_or("")), "{text}");
+            assert_eq!(text.contains("point is shown"), note.is_some());
+        }
+    }
 }

@@ -5,12 +5,12 @@ use symplint::{Ensemble, LoopIntegral, Rule};
 
 use super::Item;
 use super::claim::{Claim, Judgement, Origin};
-use super::plot::{axis, reference_slope, series};
 use super::sweep::{doublings, power_law, trend_text};
 use crate::commands::Failure;
 use crate::config::{Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
 use crate::output::RunFolder;
+use crate::output::plot::{axis, reference_slope, series};
 
 pub const ITEM: Item = Item {
     id: "appendix-a",

@@ -7,12 +7,12 @@ use symplint::{Cutoff, Cutoffs, Ensemble, LoopIntegral, Rule};
 
 use super::Item;
 use super::claim::{Claim, Judgement, Origin};
-use super::plot::{axis, reference_slope, series};
 use super::sweep::{doublings, power_law, trend_text};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
 use crate::output::RunFolder;
+use crate::output::plot::{axis, reference_slope, series};
 
 pub const ITEM: Item = Item {
     id: "appendix-b",

@@ -12,12 +12,12 @@ use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
 
 use super::Item;
 use super::claim::{Claim, Judgement, Origin};
-use super::plot::{axis, series};
 use super::sweep::{halvings, step_of};
 use crate::commands::Failure;
 use crate::config::{Key, Section};
 use crate::figure::{Figure, Panel, Scale, Series, Style};
 use crate::output::RunFolder;
+use crate::output::plot::{axis, series};
 
 pub const ITEM: Item = Item {
     id: "broken-loops",

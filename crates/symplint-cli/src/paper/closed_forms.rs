@@ -11,12 +11,12 @@ use symplint_models::systems::AbsoluteValue;
 use super::Item;
 use super::accumulation::{Named, accumulated, break_line};
 use super::claim::{Claim, Judgement, Origin};
-use super::plot::{axis, series};
 use super::sweep::{Study, step_of, worst};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
 use crate::output::RunFolder;
+use crate::output::plot::{axis, series};
 
 pub const ITEM: Item = Item {
     id: "closed-forms",

@@ -9,12 +9,12 @@ use symplint_models::{Hamiltonian, Separable};
 
 use super::Item;
 use super::claim::{Claim, Judgement, Origin};
-use super::plot::{axis, portrait, series};
 use super::sweep::{power_law, step_of, trend_text};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
 use crate::output::RunFolder;
+use crate::output::plot::{axis, portrait, series};
 
 pub const ITEM: Item = Item {
     id: "fig1",

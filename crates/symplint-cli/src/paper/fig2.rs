@@ -9,11 +9,11 @@ use symplint_models::systems::{Pendulum, PendulumPotential};
 
 use super::Item;
 use super::claim::{Claim, Judgement, Origin};
-use super::plot::{axis, series};
 use super::sweep::step_of;
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
+use crate::output::plot::{axis, series};
 use crate::output::{RunFolder, error_axis};
 
 pub const ITEM: Item = Item {

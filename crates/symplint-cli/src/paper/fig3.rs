@@ -5,11 +5,11 @@ use symplint::Cutoffs;
 use super::Item;
 use super::claim::{Claim, Judgement, Origin};
 use super::interpolated::{CASES, circle_round, sweep_case};
-use super::plot::{axis, reference_slope};
 use super::sweep::{Record, doublings, power_law, trend_text};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale};
+use crate::output::plot::{axis, reference_slope};
 use crate::output::{RunFolder, error_axis};
 
 pub const ITEM: Item = Item {

@@ -5,14 +5,14 @@ use symplint::{Cutoffs, Rule};
 use super::Item;
 use super::claim::{Claim, Judgement, Origin};
 use super::interpolated::{CASES, Case, circle_round, pendulum, sweep_case};
-use super::plot::reference_slope;
 use super::sweep::{
-    Record, Study, fitted_order, halvings, order_text, short_power, step_of, worst,
+    Record, Study, chosen_halvings, fitted_order, halvings, order_text, step_of, worst,
 };
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel};
-use crate::output::{RunFolder, error_axis, raised_power_of_two, step_axis};
+use crate::output::plot::reference_slope;
+use crate::output::{RunFolder, error_axis, raised_power_of_two, short_power, step_axis};
 
 pub const ITEM: Item = Item {
     id: "fig4",
@@ -39,7 +39,7 @@ const PAPER_ROUGH: usize = 1 << 20;
 fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let smooth = settings.whole("samples_smooth", 3)? as usize;
     let rough = settings.whole("samples_rough", 3)? as usize;
-    let steps = halvings(-1, -(settings.whole("halvings", 2)?.min(40) as i32));
+    let steps = chosen_halvings(settings)?;
     let p0 = settings.number("p0", Accept::Finite)?;
     let circle = circle_round(p0)?;
     let cutoffs = Cutoffs::relative(settings.number("cutoff", Accept::Positive)?);

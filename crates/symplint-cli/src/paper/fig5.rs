@@ -8,11 +8,12 @@ use symplint_models::systems::PendulumArray;
 
 use super::Item;
 use super::claim::{Claim, Judgement, Origin};
-use super::plot::{axis, floor, reference_slope, series};
-use super::sweep::{Record, Study, fitted_order, halvings, order_text, step_of, worst};
+use super::floor::floor;
+use super::sweep::{Record, Study, chosen_halvings, fitted_order, order_text, step_of, worst};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
+use crate::output::plot::{axis, reference_slope, series};
 use crate::output::{RunFolder, error_axis, step_axis};
 
 pub const ITEM: Item = Item {
@@ -51,10 +52,10 @@ fn array(pendula: usize, seed: u64) -> Result<(Arc<dyn Separable>, Circle), Fail
 
 fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let seed = settings.whole("seed", 0)?;
-    let time_panel = trace(settings, folder, seed)?;
     let pendula = settings.whole("pendula", 1)? as usize;
     let samples = settings.whole("samples", 3)? as usize;
-    let steps = halvings(-1, -(settings.whole("halvings", 2)?.min(40) as i32));
+    let steps = chosen_halvings(settings)?;
+    let time_panel = trace(settings, folder, seed)?;
     let (system, circle) = array(pendula, seed)?;
     let mut records: Vec<Record> = Vec::new();
     let mut floors = Vec::new();

@@ -5,7 +5,7 @@ use super::claim::Claim;
 use super::fig7_claims;
 use super::pic::{DEGREES, LAMBDA, Over, RK2, SEED, STRANG, Setup};
 use super::pic_panels::{measure_panels, plain_panels};
-use super::sweep::halvings;
+use super::sweep::chosen_halvings;
 use crate::commands::Failure;
 use crate::config::{Key, Section};
 use crate::output::RunFolder;
@@ -31,7 +31,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let samples = settings.whole("samples", 3)? as usize;
     let over = Over::Steps {
         samples,
-        step_sizes: halvings(-1, -(settings.whole("halvings", 2)?.min(40) as i32)),
+        step_sizes: chosen_halvings(settings)?,
     };
     let panels = plain_panels(DEGREES.map(|(degree, _)| degree), |degree| {
         Some((if degree == 1 { 2.0 } else { 4.0 }, "RK2"))

@@ -2,8 +2,9 @@
 
 use super::claim::{Claim, Judgement};
 use super::pic::{Case, Curves, PLASMAS, Setup};
-use super::sweep::{Record, fitted_order, order_text, short_power, worst};
+use super::sweep::{Record, fitted_order, order_text, worst};
 use super::true_defect::{self, Known};
+use crate::output::short_power;
 
 /// What the paper says it says of so many samples of so many particles.
 const SAMPLES: usize = 1 << 15;

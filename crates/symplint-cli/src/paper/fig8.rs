@@ -13,12 +13,12 @@ use super::Item;
 use super::claim::Claim;
 use super::drift::{BLOCKS, DRIFT, Drift};
 use super::pic::{DEGREES, MOST_PARTICLES, SEED, STRANG};
-use super::plot::{axis, series};
 use super::sweep::step_of;
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
 use crate::output::RunFolder;
+use crate::output::plot::{axis, series};
 
 pub const ITEM: Item = Item {
     id: "fig8",

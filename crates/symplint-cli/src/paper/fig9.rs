@@ -5,7 +5,7 @@ use super::claim::Claim;
 use super::fig9_claims;
 use super::pic::{Case, Curves, DEGREES, INTEGRATORS, LAMBDA, Over, RK2, SEED, STRANG, Setup};
 use super::pic_panels::{PanelOf, measure_panels};
-use super::sweep::{doublings, halvings};
+use super::sweep::{chosen_halvings, doublings};
 use crate::commands::Failure;
 use crate::config::{Accept, Key, Section};
 use crate::output::RunFolder;
@@ -48,7 +48,7 @@ fn run(settings: &Section, folder: &RunFolder) -> Result<Vec<Claim>, Failure> {
     let samples = settings.whole("samples", 3)? as usize;
     let over_steps = Over::Steps {
         samples,
-        step_sizes: halvings(-1, -(settings.whole("halvings", 2)?.min(40) as i32)),
+        step_sizes: chosen_halvings(settings)?,
     };
     let over_samples = Over::Samples {
         counts: doublings(64, samples as u64),

@@ -7,10 +7,11 @@ use symplint::{Circle, Cutoffs, Rule};
 use symplint_models::Separable;
 use symplint_models::systems::InterpolatedPendulum;
 
-use super::plot::{floor, series};
+use super::floor::floor;
 use super::sweep::{Record, Study, step_of};
 use crate::commands::Failure;
 use crate::figure::{Series, Style};
+use crate::output::plot::series;
 
 /// One panel of figures 3 and 4.
 pub struct Case {

@@ -24,18 +24,17 @@ mod fig7_claims;
 mod fig8;
 mod fig9;
 mod fig9_claims;
+mod floor;
 mod formulas;
 mod interpolated;
 mod particle_scaling;
 mod physics;
 mod pic;
 mod pic_panels;
-mod plot;
 mod sweep;
 mod true_defect;
 
 pub use claim::{Claim, claims_markdown, claims_summary};
-pub use plot::{portrait, reference_slope};
 
 use crate::commands::Failure;
 use crate::config::{Key, Section};

@@ -13,12 +13,12 @@ use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
 use super::Item;
 use super::claim::{Claim, Judgement, Origin};
 use super::pic::MOST_PARTICLES;
-use super::plot::{axis, series};
 use super::sweep::{least_squares, step_of};
 use crate::commands::Failure;
 use crate::config::{Key, Section};
 use crate::figure::{Figure, Panel, Scale, Style};
 use crate::output::RunFolder;
+use crate::output::plot::{axis, series};
 
 pub const ITEM: Item = Item {
     id: "physics",

@@ -1,10 +1,11 @@
 //! The panels of figures 6, 7 and 9: each a plasma with splines of one degree.
 
+use super::floor::floor;
 use super::pic::{Case, Curves, INTEGRATORS, Over, PLASMAS, Setup};
-use super::plot::{axis, floor, reference_slope, series};
 use super::sweep::Record;
 use crate::commands::Failure;
 use crate::figure::{Axis, Figure, Panel, Scale, Style};
+use crate::output::plot::{axis, reference_slope, series};
 use crate::output::{error_axis, step_axis};
 
 /// A panel: curves of both integrators for each case in it.

@@ -12,6 +12,8 @@ use symplint_models::{ModelError, Separable};
 
 use super::true_defect::Known;
 use crate::commands::Failure;
+use crate::config::{ConfigError, Section};
+use crate::output::short_power;
 
 /// A point with what distinguishes its curve.
 #[derive(Clone, Debug, Serialize)]
@@ -173,6 +175,14 @@ pub fn halvings(from: i32, to: i32) -> Vec<f64> {
     (to..=from).rev().map(|m| 2f64.powi(m)).collect()
 }
 
+/// 2^-1, 2^-2, …, 2^-`halvings` by the key of that name.
+pub fn chosen_halvings(settings: &Section) -> Result<Vec<f64>, ConfigError> {
+    /// A step of 2^-40 changes no state by more than its round-off.
+    const MOST: u64 = 40;
+    let last = settings.whole_between("halvings", 2, MOST)?;
+    Ok(halvings(-1, -(last as i32)))
+}
+
 /// The largest |E|.
 pub fn worst<'a>(records: impl IntoIterator<Item = &'a Record>) -> f64 {
     (records.into_iter().map(Record::defect)).fold(0.0, f64::max)
@@ -211,16 +221,6 @@ pub fn order_text(fit: Option<&Fit>) -> String {
             short_power(fit.from)
         ),
         None => "no power of h".into(),
-    }
-}
-
-/// 2^-7 for what is a power of two, the number for what is none.
-pub fn short_power(h: f64) -> String {
-    let exponent = h.log2();
-    if exponent == exponent.round() && exponent < 0.0 {
-        format!("2^{exponent}")
-    } else {
-        format!("{h:.3}")
     }
 }
 

@@ -9,6 +9,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 mod refusals;
+mod run_folder;
 
 fn symplint(arguments: &[&str]) -> Output {
     Command::cargo_bin("symplint")
@@ -210,6 +211,35 @@ fn a_run_folder_holds_everything() {
     let first: Value =
         serde_json::from_str(&fs::read_to_string(out.join("report.json")).unwrap()).unwrap();
     assert_eq!(again["points"], first["points"]);
+    // The table has the points of the report, in their order.
+    let listed = first["points"].as_array().unwrap();
+    assert_eq!(points.lines().count(), listed.len() + 1);
+    for (line, point) in points.lines().skip(1).zip(listed) {
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(point["sweep"], fields[0]);
+        assert_eq!(point["loop"].to_string(), fields[1]);
+        let of_report = point["final"].as_f64().unwrap();
+        // The reader of JSON here rounds the last bit at will.
+        let of_table: f64 = fields[6].parse().unwrap();
+        assert!((of_report - of_table).abs() < 1e-15 * of_table.abs());
+    }
+}
+
+#[test]
+fn the_longest_sweep_that_is_not_refused() {
+    let settings = [
+        "diagnostic.step_sizes={from=1,to='2^-64'}",
+        "diagnostic.loops=1",
+    ];
+    let example = example("pendulum.toml");
+    let mut arguments = vec!["check", &example];
+    for setting in settings {
+        arguments.extend(["--set", setting]);
+    }
+    let report = report(&arguments);
+    let points = report["points"].as_array().unwrap();
+    assert_eq!(points.len(), 65);
+    assert_eq!(points[64]["step_size"], 2f64.powi(-64));
 }
 
 #[test]
@@ -274,7 +304,7 @@ fn a_trace_follows_loop_and_energy() {
     let samples = fs::read_to_string(folder.path().join("loop_50.csv")).unwrap();
     assert_eq!(
         (samples.lines().count(), samples.lines().next()),
-        (257, Some("s,q0,p0"))
+        (257, Some("s,q_0,p_0"))
     );
 }
 
@@ -540,6 +570,16 @@ fn runs_without_end_are_refused() {
     let error = text(&output.stderr);
     for expected in ["fig8.until", "too many", "at most"] {
         assert!(error.contains(expected), "{expected}: {error}");
+    }
+    for item in ["fig4", "fig5", "fig7", "fig9"] {
+        let folder = TempDir::new().unwrap();
+        let out = folder.path().to_str().unwrap();
+        let output = symplint(&["reproduce", item, "--set", "halvings=41", "--out", out]);
+        assert_eq!(output.status.code(), Some(2));
+        let error = text(&output.stderr);
+        for expected in [&format!("{item}.halvings"), "41 is too many", "at most 40"] {
+            assert!(error.contains(expected), "{expected}: {error}");
+        }
     }
     // The key to blame is the one that was set, and numbers stay readable.
     let output = symplint(&["reproduce", "fig8", "--set", "step_size=1e-300"]);

@@ -8,8 +8,13 @@ use super::{configuration, example, symplint, text};
 
 /// Runs `check` and demands exit status 2 and every word of `expected` on standard error.
 fn refused(configuration_text: &str, settings: &[&str], expected: &[&str]) {
+    refused_by("check", configuration_text, settings, expected);
+}
+
+/// The same of a command.
+fn refused_by(command: &str, configuration_text: &str, settings: &[&str], expected: &[&str]) {
     let (_folder, path) = configuration(configuration_text);
-    let mut arguments = vec!["check", path.to_str().unwrap()];
+    let mut arguments = vec![command, path.to_str().unwrap()];
     for setting in settings {
         arguments.extend(["--set", setting]);
     }
@@ -67,6 +72,16 @@ fn bad_settings_are_refused_with_place_and_remedy() {
         &["diagnostic.samples is 2", "at least 3"],
     );
     refused(PENDULUM, &["diagnostic.samples=64.5"], &["whole number"]);
+    refused(
+        PENDULUM,
+        &["diagnostic.seed=10000000000000000"],
+        &["diagnostic.seed is 1", "at most 9000000000000000"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.step_sizes={from=1,to='2^-65'}"],
+        &["step_sizes", "at most 64 halvings"],
+    );
     refused(
         PENDULUM,
         &["diagnostic.step_sizes=[0.1, -0.1]"],
@@ -133,6 +148,23 @@ fn bad_settings_are_refused_with_place_and_remedy() {
         &["even", "odd number of cells"],
     );
     refused(spline, &["system.degree=3", "system.cells=2"], &["cells"]);
+}
+
+#[test]
+fn rules_that_no_trace_can_use_are_refused() {
+    for rule in ["piecewise", "streaming"] {
+        let set = format!("diagnostic.rule={rule}");
+        let named = format!("diagnostic.rule is \"{rule}\"");
+        let expected = [named.as_str(), "a trace", "diagnostic.rule=pseudospectral"];
+        refused_by("trace", PENDULUM, &[&set], &expected);
+    }
+}
+
+#[test]
+fn a_snapshot_after_the_last_step_is_refused() {
+    let settings = ["trace.steps=50", "trace.snapshots=[0, 80]"];
+    let expected = ["trace.snapshots names step 80 of 50", "drop the snapshot"];
+    refused_by("trace", PENDULUM, &settings, &expected);
 }
 
 #[test]
@@ -364,6 +396,15 @@ fn bad_state_files_are_refused() {
     let output = symplint(&["check", path.to_str().unwrap(), "--quiet", "--set", &good]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 
+    // By the program's own names of columns, too.
+    for header in ["q,p", "x,v", "q0,p0", "q_0,p_0"] {
+        let rows = format!("{header}\n0.1,0.4\n0.2,0.5\n0.3,0.6\n");
+        let named = file("named.csv", rows.as_bytes());
+        let arguments = ["check", path.to_str().unwrap(), "--quiet", "--set", &named];
+        let output = symplint(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    }
+
     let shape = file("shape.npy", &npy("(3, 2)", &[0.0; 6]));
     refused(array, &[&shape], &["[3, 2]", "(2, dof)"]);
     let long = file("long.npy", &npy("(2, 4)", &[0.0; 8]));
@@ -389,6 +430,19 @@ fn bad_state_files_are_refused() {
     refused(array, &[&huge], &["huge.npy"]);
     let mistyped = file("mistyped.csv", b"O.1,O.2\n0.1,0.2\n0.1,0.2\n0.1,0.2\n");
     refused(array, &[&mistyped], &["row 1"]);
+    for name in ["O1,O2", "q.0,p.0", "x1e,v1e"] {
+        let rows = format!("{name}\n0.1,0.2\n0.1,0.2\n0.1,0.2\n");
+        let mistyped = file("mistyped.csv", rows.as_bytes());
+        refused(array, &[&mistyped], &["row 1"]);
+    }
+    let mut long = b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec();
+    long.extend([b' '; 100]);
+    let long = file("header.npy", &long);
+    refused(
+        array,
+        &[&long],
+        &["header.npy", "promises 4294967307 bytes"],
+    );
     let kind = file("state.txt", b"0.1 0.2\n");
     refused(array, &[&kind], &[".npy nor .csv"]);
     refused(
@@ -449,5 +503,26 @@ fn bad_usage_has_status_2() {
         let output = symplint(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         assert!(!output.stderr.is_empty());
+    }
+}
+
+#[test]
+fn options_of_a_run_are_refused_by_what_runs_nothing() {
+    for command in [
+        &["list", "systems"][..],
+        &["init", "pendulum"],
+        &["reproduce", "--list"],
+    ] {
+        let options = ["--json", "--quiet", "--out=folder", "--set=loop.radius=2"];
+        for option in options {
+            let output = symplint(&[command, &[option]].concat());
+            let said = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{command:?} {option}");
+            assert!(output.stdout.is_empty());
+            let name = option.split('=').next().unwrap();
+            assert!(said.contains(&format!("{name} means nothing")), "{said}");
+        }
+        let output = symplint(&[command, &["--threads", "1"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     }
 }

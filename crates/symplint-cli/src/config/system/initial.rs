@@ -16,7 +16,7 @@ pub enum Initial {
 }
 
 /// Reads `initial`: one of `names`, or a file with the state of `dof` degrees of freedom, its path
-/// relative to `folder`.
+/// relative to `folder` and recorded as an absolute one.
 pub fn initial(
     section: &Section,
     folder: &Path,
@@ -33,16 +33,24 @@ pub fn initial(
         Some(Value::Text(_)) => Ok(Initial::Named(section.choice("initial", names)?)),
         Some(Value::Table(_)) => {
             let inner = section.subsection("initial", &keys)?;
-            let Some(file) = inner
-                .map(|inner| inner.optional_text("file"))
-                .transpose()?
-                .flatten()
-            else {
+            let named = match &inner {
+                Some(inner) => inner.optional_text("file")?,
+                None => None,
+            };
+            let (Some(inner), Some(file)) = (inner, named) else {
                 let help = "write { file = \"state.npy\" }";
                 return Err(section.error("initial", "no file named", help));
             };
-            let (q, p) = read_state(&folder.join(file), dof)
+            let file = folder.join(file);
+            let (q, p) = read_state(&file, dof)
                 .map_err(|error| section.error("initial", error.message, error.remedy))?;
+            // What was resolved is read again from a run folder, where the path as written leads elsewhere. A
+            // path that is no text cannot be said in TOML and stays as it was written.
+            let absolute = std::path::absolute(&file).ok();
+            if let Some(absolute) = absolute.as_deref().and_then(Path::to_str) {
+                inner.record("file", absolute);
+            }
+            section.adopt("initial", inner);
             Ok(Initial::State(q, p))
         }
         _ => {

@@ -1,9 +1,8 @@
-//! What several figures share.
+//! Parts of figures: axes, series, reference slopes, phase portraits.
 
 use contour::ContourBuilder;
 use symplint::{Block, Observable, RowsMut};
 
-use super::sweep::Record;
 use crate::figure::{Axis, Panel, Scale, Series, Style, superscript};
 
 /// Palette index of what is no measurement.
@@ -26,15 +25,6 @@ pub fn series(label: &str, points: Vec<(f64, f64)>, style: Style, color: usize) 
         style,
         color,
     }
-}
-
-/// The floor of `records`, placed by the abscissa of `at`.
-pub fn floor(records: &[Record], at: fn(&Record) -> (f64, f64)) -> Series {
-    let points = records
-        .iter()
-        .map(|record| (at(record).0, record.floor()))
-        .collect();
-    series("floor of Strang", points, Style::Floor, 0)
 }
 
 /// A dashed line of slope `order` that runs just below those of the defects `points` that lie well above

@@ -1,0 +1,191 @@
+//! What `--out` leaves behind, and what it leaves out.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use super::{configuration, report, symplint, text};
+
+/// Kepler's problem; a circle in the plane of its first degree of freedom.
+const KEPLER: &str = r#"
+[system]
+name = "kepler"
+q0 = 0.0
+p0 = [0.0, 1.0]
+
+[integrator]
+name = "strang"
+variant = "momentum-first"
+
+[loop]
+dofs = [0]
+
+[diagnostic]
+rule = "pseudospectral"
+samples = 64
+loops = 1
+step_sizes = [1e-10]
+stages = false
+"#;
+
+#[test]
+fn a_figure_that_cannot_be_drawn_costs_no_verdict() {
+    let (folder, path) = configuration(KEPLER);
+    let (path, out) = (path.to_str().unwrap(), folder.path().join("run"));
+    // The circle is moved so that it meets the centre, where there is no force, at s = 77/720 to the last bit:
+    // none of 64 samples is there.
+    let samples = folder.path().join("samples.csv");
+    let output = samples.to_str().unwrap();
+    symplint(&["loop", path, "--samples", "720", "--output", output]);
+    let samples = fs::read_to_string(&samples).unwrap();
+    let position = samples.lines().nth(1 + 77).unwrap().split(',').next();
+    let through = format!("system.q0=[-{}, 0.0]", position.unwrap());
+    let arguments = ["check", path, "--json", "--set", &through];
+    let without = symplint(&arguments);
+    let with = symplint(&[&arguments[..], &["--out", out.to_str().unwrap()]].concat());
+    let said = text(&with.stderr);
+    assert_ne!(without.status.code(), Some(2), "{}", text(&without.stderr));
+    assert_eq!(with.status.code(), without.status.code(), "{said}");
+    assert_eq!(with.stdout, without.stdout);
+    for words in ["figures/loop is left out", "720 samples"] {
+        assert!(said.contains(words), "{said}");
+    }
+    assert!(out.join("report.json").exists());
+    assert!(out.join("figures/step_sizes.svg").exists());
+    assert!(!out.join("figures/loop.svg").exists());
+}
+
+#[test]
+fn a_figure_beyond_memory_is_left_out() {
+    let folder = TempDir::new().unwrap();
+    let settings = [
+        "diagnostic.rule=streaming",
+        "diagnostic.samples=33",
+        "diagnostic.loops=1",
+        "diagnostic.step_sizes=[0.5]",
+    ];
+    // 720 states of 46604 pendula take 512 MiB.
+    for (pendula, drawn) in [("system.pendula=64", true), ("system.pendula=46604", false)] {
+        let (_run, path) = configuration("[system]\nname = \"pendulum-array\"\n");
+        let out = folder.path().join(pendula);
+        let mut arguments = vec!["check", path.to_str().unwrap(), "--out"];
+        arguments.extend([out.to_str().unwrap(), "--set", pendula]);
+        for setting in settings {
+            arguments.extend(["--set", setting]);
+        }
+        let output = symplint(&arguments);
+        let said = text(&output.stderr);
+        assert_ne!(output.status.code(), Some(2), "{said}");
+        assert_eq!(out.join("figures/loop.svg").exists(), drawn, "{pendula}");
+        assert_eq!(said.contains("more than 512 MiB"), !drawn, "{said}");
+    }
+}
+
+#[test]
+fn a_resolved_configuration_finds_its_state_file() {
+    let (folder, _) = configuration("");
+    let file = folder.path().join("few.toml");
+    let system = "name = \"pendulum-array\"\npendula = 2\ninitial = { file = \"state.csv\" }";
+    fs::write(&file, format!("[system]\n{system}\n")).unwrap();
+    fs::write(folder.path().join("state.csv"), "0.1,0.2\n0.3,0.4\n").unwrap();
+    // By a relative path of the configuration, too: its folder is that of the run then.
+    for (from, given) in [
+        (Path::new("/"), file.as_path()),
+        (folder.path(), Path::new("few.toml")),
+    ] {
+        let output = assert_cmd::Command::cargo_bin("symplint")
+            .unwrap()
+            .current_dir(from)
+            .arg("check")
+            .arg(given)
+            .arg("--out")
+            .arg(folder.path().join("run"))
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let resolved = folder.path().join("run/config.toml");
+        let again = report(&["check", resolved.to_str().unwrap()]);
+        let first = fs::read_to_string(folder.path().join("run/report.json")).unwrap();
+        let first: Value = serde_json::from_str(&first).unwrap();
+        assert_eq!(again["points"], first["points"]);
+    }
+}
+
+/// Default snapshots come to step 80.
+#[test]
+fn a_short_trace_drops_the_default_snapshots_that_it_does_not_reach() {
+    let (folder, path) = configuration("[system]\nname = \"pendulum\"\n");
+    let out = folder.path().join("run");
+    let short = ["--set", "trace.steps=50", "--set", "trace.samples=64"];
+    let arguments = [
+        &[
+            "trace",
+            path.to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+        ],
+        &short[..],
+    ];
+    let output = symplint(&arguments.concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(out.join("loop_40.csv").exists());
+    assert!(!out.join("loop_80.csv").exists());
+    // What was resolved can be run again.
+    let again = report(&["trace", out.join("config.toml").to_str().unwrap()]);
+    assert_eq!(again["points"].as_array().unwrap().len(), 51);
+}
+
+/// A step of ¼ takes the state at s = 0 to the centre, where there is no force; one of ½ takes it beyond.
+const INTO_THE_CENTRE: &str = r#"
+[system]
+name = "kepler"
+q0 = [-0.125, 0.0]
+p0 = [0.0, 0.0]
+
+[integrator]
+name = "strang"
+variant = "position-first"
+
+[loop]
+dofs = [0]
+
+[diagnostic]
+rule = "pseudospectral"
+samples = 64
+loops = 1
+step_sizes = [0.5, 0.25]
+"#;
+
+#[test]
+fn a_run_that_fails_leaves_the_points_until_then() {
+    let (folder, path) = configuration(INTO_THE_CENTRE);
+    let out = folder.path().join("run");
+    let (path, into) = (path.to_str().unwrap(), out.to_str().unwrap());
+    let arguments = ["check", path, "--out", into];
+    // An earlier run came to its end: its report must not stand beside the points of this one.
+    let shorter = ["--set", "diagnostic.step_sizes=[0.5]"];
+    let output = symplint(&[&arguments[..], &shorter].concat());
+    assert_ne!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    let whole = fs::read_to_string(out.join("points.csv")).unwrap();
+    assert!(out.join("report.json").exists());
+    // One that is refused before it measures anything leaves them alone.
+    let streaming = ["diagnostic.rule=streaming", "diagnostic.samples=16"];
+    let refused = ["--set", streaming[0], "--set", streaming[1]];
+    let output = symplint(&[&arguments[..], &refused].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!text(&output.stderr).contains("the points until then"));
+    assert!(out.join("report.json").exists());
+    assert_eq!(fs::read_to_string(out.join("points.csv")).unwrap(), whole);
+
+    let output = symplint(&arguments);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("the points until then are in"), "{said}");
+    assert_eq!(fs::read_to_string(out.join("points.csv")).unwrap(), whole);
+    assert_eq!(whole.lines().count(), 2, "{whole}");
+    let resolved = fs::read_to_string(out.join("config.toml")).unwrap();
+    assert!(resolved.contains("step_sizes = [0.5, 0.25]"), "{resolved}");
+    assert!(!out.join("report.json").exists());
+}
