@@ -17,6 +17,7 @@ mod curves;
 mod fit;
 mod lobatto;
 mod noise;
+mod one_sided;
 mod path;
 mod piece;
 mod places;
