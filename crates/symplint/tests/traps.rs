@@ -1,6 +1,9 @@
 //! Maps and loops with features that a few pieces, or a few samples, step over: numbers must come with an
 //! error that covers them, and verdicts must not be wrong.
 
+#[path = "traps/by_chance.rs"]
+mod by_chance;
+
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -49,6 +49,10 @@ pub(super) fn close(queue: &mut Queue<'_>, closure: Closure) -> Result<Vec<Chord
         queue.measure_breaks(first, &stages[stages.len() - 1]);
         for k in 0..points.len() / 2 {
             let sides = [2 * k, 2 * k + 1];
+            if queue.breaks[first + k].curve == 0 {
+                queue.breaks[first + k].areas =
+                    chord(queue, &stages[stages.len() - 1], sides).areas;
+            }
             let born = birth(queue, &stages, sides);
             if substeps > 1 {
                 queue.breaks[first + k].summary.substep = Some(substep + born.max(1) - 1);

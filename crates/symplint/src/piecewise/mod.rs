@@ -11,16 +11,20 @@
 //! through the rest of the step as another curve.
 
 mod bracket;
+mod chance;
 mod closure;
 mod curves;
 mod fit;
 mod lobatto;
 mod noise;
+mod one_sided;
+mod path;
 mod piece;
 mod places;
 mod queue;
 mod scales;
 mod task;
+mod twins;
 
 use crate::breaks::Break;
 use crate::ensemble::Ensemble;
@@ -28,6 +32,7 @@ use crate::error::Error;
 use crate::integral::{CompensatedSum, LoopIntegral, UNIT_ROUNDOFF};
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
+use chance::doubt_of_chance;
 use closure::{Chord, close};
 use curves::Curves;
 pub(crate) use curves::coordinate;
@@ -37,6 +42,7 @@ use places::doubt_of_places;
 use queue::Queue;
 use scales::Scales;
 pub(crate) use scales::nearest;
+use twins::look_for_twins;
 
 /// How the segments that close breaks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -187,6 +193,7 @@ impl Piecewise {
         queue.evaluations += SKETCH;
         queue.begin(SKETCH + pieces.len() * POINTS);
         queue.run(0, pieces)?;
+        look_for_twins(&mut queue)?;
         let chords = close(&mut queue, self.closure)?;
         let place_error = doubt_of_places(&mut queue)?;
         collect(&queue, &chords, place_error)
@@ -261,7 +268,7 @@ fn collect(
     let mut closing = vec![CompensatedSum::default(); dof];
     let mut gains = vec![CompensatedSum::default(); dof];
     let mut closing_gains = vec![CompensatedSum::default(); dof];
-    let (mut error, mut exposure, mut scale) = (0.0, 0.0, 0.0);
+    let (mut error, mut exposure, mut scale) = (doubt_of_chance(queue), 0.0, 0.0);
     for piece in &smooth {
         let of_loop = piece.piece.curve == 0;
         for i in 0..dof {

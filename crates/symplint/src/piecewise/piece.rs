@@ -24,7 +24,7 @@ pub(super) struct Piece {
 }
 
 /// A stretch this short is a straight line.
-const SHORTEST: f64 = 1e-11;
+pub(super) const SHORTEST: f64 = 1e-11;
 
 /// Part of the highest coefficients, squared, that one break has to explain.
 const EXPLAINS: f64 = 0.95;

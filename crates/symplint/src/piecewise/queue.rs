@@ -31,7 +31,7 @@ pub(super) struct Queue<'a> {
     waiting: Vec<Outcome>,
     noise_known: bool,
     /// Equispaced samples of the advanced loop that are known besides.
-    seen: Option<&'a Ensemble>,
+    pub seen: Option<&'a Ensemble>,
 }
 
 /// A break of a curve.
@@ -41,6 +41,9 @@ pub(super) struct Found {
     pub sides: [f64; 2],
     /// How far each coordinate of the loop jumps, positions first; empty for closing segments.
     pub jumps: Vec<f64>,
+    /// ∫ (p − p_ref) dq along the straight chord between the sides, for each degree of freedom; empty for
+    /// closing segments.
+    pub areas: Vec<f64>,
     pub summary: Break,
 }
 
@@ -91,7 +94,7 @@ impl<'a> Queue<'a> {
     }
 
     /// Grants so many evaluations, if they may be made.
-    fn grant(&mut self, evaluations: usize) -> bool {
+    pub fn grant(&mut self, evaluations: usize) -> bool {
         let granted = self.granted + evaluations;
         let within = granted <= self.most_evaluations;
         if within {
@@ -192,6 +195,7 @@ impl<'a> Queue<'a> {
                 curve,
                 sides,
                 jumps: Vec::new(),
+                areas: Vec::new(),
                 summary: Break {
                     s: sides[1],
                     dof: 0,
