@@ -7,12 +7,10 @@
 //!
 //! Kinks and jumps are narrow as well, but nothing is left to chance there: the states on one side do not continue
 //! those on the other, and any piece across them shows it. A feature is met by chance where samples on both sides
-//! continue each other as if there was nothing in between; or, where a kink is close to it as well, where those on one
-//! side are continued again beyond it, before the kink ([`one_sided`](super::one_sided)).
+//! continue each other as if there was nothing in between.
 
 use super::curves::coordinate;
 use super::lobatto::{LOBATTO, Values};
-use super::one_sided::Side;
 use super::path::Path;
 use super::queue::Queue;
 use super::scales::{nearest, period};
@@ -31,26 +29,21 @@ const BESIDE: usize = 6;
 
 /// A stretch of short pieces between two long ones.
 pub(super) struct Stretch<'a> {
-    pub queue: &'a Queue<'a>,
-    pub seen: &'a Ensemble,
+    queue: &'a Queue<'a>,
+    seen: &'a Ensemble,
     /// Its pieces, in order.
-    pub pieces: Vec<usize>,
+    pieces: Vec<usize>,
     /// Where it begins, and where it ends: beyond 1 if that is in the next turn.
     pub ends: [f64; 2],
     /// Samples in the long pieces on the left and on the right, rising, counted on from one turn to the next.
-    pub beside: [Vec<usize>; 2],
+    beside: [Vec<usize>; 2],
 }
 
-/// A feature that was met by chance.
-pub(super) struct Feature {
-    /// What it contributes: so much more than if there was nothing there.
-    pub area: f64,
-    /// How well that is known: as well as samples continue each other, or the loop beyond it.
-    pub doubt: f64,
-    /// The ends of the pieces round it, rising.
-    pub edges: Vec<f64>,
-    /// The samples beside it that tell how the loop would go on if there was nothing there.
-    pub beside: Vec<usize>,
+/// What a stretch contributes more than if there was nothing in it.
+struct Departure {
+    area: f64,
+    /// How well that is known: as well as the samples on both sides continue each other.
+    doubt: f64,
 }
 
 /// What the integral may be off because features were met by chance.
@@ -58,9 +51,9 @@ pub(super) fn doubt_of_chance(queue: &Queue<'_>) -> f64 {
     let (mut net, mut doubt) = (0.0, 0.0);
     for stretch in stretches(queue) {
         for i in 0..queue.coordinates.dof() {
-            for feature in stretch.by_chance(i) {
-                net += feature.area;
-                doubt += feature.doubt;
+            if let Some(departure) = stretch.by_chance(i) {
+                net += departure.area;
+                doubt += departure.doubt;
             }
         }
     }
@@ -127,24 +120,21 @@ pub(super) fn stretches<'a>(queue: &'a Queue<'_>) -> Vec<Stretch<'a>> {
 }
 
 impl Stretch<'_> {
-    /// Features of degree of freedom i here that were met by chance.
-    pub fn by_chance(&self, i: usize) -> Vec<Feature> {
-        let across = self.across(i);
-        if across.is_some() {
-            return across.into_iter().collect();
-        }
-        let sides = [Side::Left, Side::Right];
-        sides
-            .iter()
-            .filter_map(|side| self.beside_a_kink(i, *side))
+    /// The ends of its pieces, rising.
+    pub fn edges(&self) -> Vec<f64> {
+        let from = self.ends[0];
+        let edge = |k: &usize| {
+            let a = self.queue.smooth[*k].piece.a;
+            if a < from { a + 1.0 } else { a }
+        };
+        (self.pieces.iter().map(edge))
+            .chain([self.ends[1]])
             .collect()
     }
 
-    /// The ends of a piece of it, counted on as its own are.
-    pub fn ends_of(&self, k: usize) -> [f64; 2] {
-        let piece = &self.queue.smooth[k].piece;
-        let turn = f64::from(piece.a < self.ends[0]);
-        [piece.a + turn, piece.b + turn]
+    /// Whether degree of freedom i has a feature here that was met by chance.
+    pub fn is_by_chance(&self, i: usize) -> bool {
+        self.by_chance(i).is_some()
     }
 
     /// Whether it reaches into the cell between sample k and the next.
@@ -156,10 +146,16 @@ impl Stretch<'_> {
             .any(|&k| ((k + 1) as f64) > from && (k as f64) < to)
     }
 
+    /// A row of samples, as many as are seen, as if there was nothing here.
+    pub fn across(&self, row: &[f64], period: f64) -> Path {
+        let [left, right] = &self.beside;
+        self.path(row, period, &[&left[..], &right[..]].concat())
+    }
+
     /// A row through some of its samples.
-    pub fn path(&self, row: &[f64], period: f64, at: &[usize]) -> Path {
+    fn path(&self, row: &[f64], period: f64, at: &[usize]) -> Path {
         let count = row.len();
-        let origin = at.first().map_or(0.0, |k| row[k % count]);
+        let origin = row[self.beside[0][0] % count];
         let points = at.iter().map(|k| {
             let value = origin + nearest(row[k % count] - origin, period);
             (*k as f64 / count as f64, value)
@@ -167,11 +163,10 @@ impl Stretch<'_> {
         Path::through(points.collect())
     }
 
-    /// The feature between both sides, where what degree of freedom i contributes more than if there was nothing
-    /// is more than what the samples there disagree on.
-    fn across(&self, i: usize) -> Option<Feature> {
+    /// What degree of freedom i contributes more than if there was nothing here, if that is
+    /// more than what samples on both sides disagree on.
+    fn by_chance(&self, i: usize) -> Option<Departure> {
         let [left, right] = &self.beside;
-        let both = [&left[..], &right[..]].concat();
         let dof = self.seen.dof();
         let samples = self.seen.samples() as f64;
         let gap = [
@@ -181,7 +176,7 @@ impl Stretch<'_> {
         let weight = self.queue.coordinates.weight(i);
         let rows =
             [i, dof + i].map(|c| (coordinate(self.seen, c), period(self.queue.coordinates, c)));
-        let [q, p] = rows.map(|(row, period)| self.path(row, period, &both));
+        let [q, p] = rows.map(|(row, period)| self.across(row, period));
         let (across, above) = (q.values(self.ends), p.values(self.ends));
         // Momenta count from one of the stretch, so that all that a difference at its ends makes is small.
         let local = above[0];
@@ -197,30 +192,14 @@ impl Stretch<'_> {
         let [off_q, off_p] = [i, dof + i].map(|c| self.allowance(c));
         let [off_q, off_p] = [off_q + apart(rows[0]), off_p + apart(rows[1])];
         let doubt = weight.abs() * (off_p * range(&q.values(gap)) + off_q * range(&p.values(gap)));
-        (area.abs() > doubt).then(|| Feature {
-            area,
-            doubt,
-            edges: (self.pieces.iter().map(|&k| self.ends_of(k)[0]))
-                .chain([self.ends[1]])
-                .collect(),
-            beside: both,
-        })
+        (area.abs() > doubt).then_some(Departure { area, doubt })
     }
 
     /// What coordinate c of its pieces may be off.
-    pub fn allowance(&self, c: usize) -> f64 {
+    fn allowance(&self, c: usize) -> f64 {
         let pieces = self.pieces.iter().map(|&k| &self.queue.smooth[k].piece);
         let allowances = pieces.map(|piece| piece.allowance(c, &self.queue.scales));
         allowances.fold(0.0, f64::max)
-    }
-
-    /// ∫ (p − p_ref) dq and ∫ dq along the chords of breaks between two parameters, as far as they are known.
-    pub fn chords(&self, i: usize, [from, to]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
-        let inside = move |s: f64| (from..=to).contains(&s) || (from..=to).contains(&(s + 1.0));
-        let breaks = self.queue.breaks.iter();
-        breaks
-            .filter(move |found| found.curve == 0 && inside(found.sides[0]))
-            .filter_map(move |found| Some((*found.areas.get(i)?, *found.jumps.get(i)?)))
     }
 
     /// ∫ (p − `reference`) dq over the stretch, its breaks closed by chords as far as they are known.
@@ -228,16 +207,20 @@ impl Stretch<'_> {
         let pieces = (self.pieces.iter())
             .map(|&k| &self.queue.smooth[k])
             .map(|piece| (piece.areas[i], piece.gains[i]));
-        let chords = self.chords(i, self.ends);
-        let (area, gain) = pieces
-            .chain(chords)
+        let [from, to] = self.ends;
+        let inside = |s: f64| (from..=to).contains(&s) || (from..=to).contains(&(s + 1.0));
+        let breaks = self.queue.breaks.iter();
+        let chords = breaks
+            .filter(|found| found.curve == 0 && inside(found.sides[0]))
+            .filter_map(|found| Some((*found.areas.get(i)?, *found.jumps.get(i)?)));
+        let (area, gain) = (pieces.chain(chords))
             .fold((0.0, 0.0), |sum, (area, gain)| (sum.0 + area, sum.1 + gain));
         let weight = self.queue.coordinates.weight(i);
         area + weight * (self.queue.scales.p_reference[i] - reference) * gain
     }
 }
 
-pub(super) fn range(values: &Values) -> f64 {
+fn range(values: &Values) -> f64 {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low
 }

@@ -17,7 +17,6 @@ mod curves;
 mod fit;
 mod lobatto;
 mod noise;
-mod one_sided;
 mod path;
 mod piece;
 mod places;

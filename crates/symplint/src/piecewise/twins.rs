@@ -7,7 +7,7 @@
 //! function of those that the kick meets.
 
 use super::POINTS;
-use super::chance::{Feature, Stretch, stretches};
+use super::chance::{Stretch, stretches};
 use super::curves::coordinate;
 use super::path::Path;
 use super::piece::{Piece, SHORTEST};
@@ -49,24 +49,16 @@ pub(super) fn look_for_twins(queue: &mut Queue<'_>) -> Result<(), Error> {
 fn places(queue: &Queue<'_>) -> Result<Vec<f64>, Error> {
     let dof = queue.coordinates.dof();
     let stretches = stretches(queue);
-    let features_of = |i: usize| -> Vec<(&Stretch<'_>, Feature)> {
-        let of_each = stretches
-            .iter()
-            .map(|stretch| (stretch, stretch.by_chance(i)));
-        of_each
-            .flat_map(|(stretch, found)| found.into_iter().map(move |feature| (stretch, feature)))
-            .collect()
-    };
-    let found: Vec<(usize, Vec<(&Stretch<'_>, Feature)>)> = (0..dof)
-        .map(|i| (i, features_of(i)))
-        .filter(|(_, features)| !features.is_empty())
+    let found: Vec<(usize, Vec<&Stretch<'_>>)> = (0..dof)
+        .map(|i| (i, stretches.iter().filter(|x| x.is_by_chance(i)).collect()))
+        .filter(|(_, stretches): &(usize, Vec<_>)| !stretches.is_empty())
         .collect();
     let (Some(after), false) = (queue.seen, found.is_empty()) else {
         return Ok(Vec::new());
     };
     let before = Ensemble::sample(queue.curves.phase_loop, after.samples())?;
     let mut places = Vec::new();
-    for (i, features) in found {
+    for (i, stretches) in found {
         for c in [i, dof + i] {
             let period = period(queue.coordinates, c);
             let [before, after] = [&before, after].map(|states| coordinate(states, c));
@@ -74,8 +66,8 @@ fn places(queue: &Queue<'_>) -> Result<Vec<f64>, Error> {
                 .map(|(x, y)| x + 0.5 * nearest(y - x, period))
                 .collect();
             for row in [before, after, &half_way] {
-                for (stretch, feature) in &features {
-                    add_places(&mut places, stretch, feature, row, period);
+                for stretch in &stretches {
+                    add_places(&mut places, stretch, row, period);
                 }
             }
         }
@@ -85,17 +77,11 @@ fn places(queue: &Queue<'_>) -> Result<Vec<f64>, Error> {
     Ok(places)
 }
 
-/// Adds where a row of samples takes the values that it has at the ends of the pieces round a feature.
-fn add_places(
-    places: &mut Vec<f64>,
-    stretch: &Stretch<'_>,
-    feature: &Feature,
-    row: &[f64],
-    period: f64,
-) {
+/// Adds where a row of samples takes the values that it has at the ends of the pieces of a stretch.
+fn add_places(places: &mut Vec<f64>, stretch: &Stretch<'_>, row: &[f64], period: f64) {
     let samples = row.len();
-    let across = stretch.path(row, period, &feature.beside);
-    let values: Vec<f64> = feature.edges.iter().map(|&s| across.at(s)).collect();
+    let across = stretch.across(row, period);
+    let values: Vec<f64> = (stretch.edges().iter()).map(|&s| across.at(s)).collect();
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));

@@ -145,18 +145,3 @@ fn breaks_whose_twins_samples_miss_do_not_open_the_closed_loop() {
         }
     }
 }
-
-#[test]
-fn a_bump_so_close_to_the_kink_that_no_sample_is_between_them_is_owned_up_to() {
-    for width in [1e-4, 3e-5, 8e-6] {
-        for at in [2e-4, -3e-4, 5e-4] {
-            for start in [0.0, 0.123, 0.71] {
-                let map = kink_and_bump(Order::KickDrift, at, width, 0.0);
-                let found = diagnose(&map, &BegunAt(start)).verdict;
-                let kind = found.kind;
-                let what = format!("{width:e} at {at} from {start}: {found}");
-                assert_ne!(kind, VerdictKind::NotSymplectic, "{what}");
-            }
-        }
-    }
-}
