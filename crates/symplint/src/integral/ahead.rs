@@ -1,31 +1,34 @@
 //! Rows that come next, asked of the memory while the processor is busy with others.
 
+use std::slice::Iter;
+
 use crate::rows::prefetch;
 
-/// What has not been asked for yet of the rows of one degree of freedom.
-pub(super) struct Ahead<'a>([&'a [f64]; 2]);
+/// Values in a cache line.
+const LINE: usize = 64 / size_of::<f64>();
+
+/// What has not been asked for yet of the rows of one degree of freedom, by cache lines.
+pub(super) struct Ahead<'a>([Iter<'a, [f64; LINE]>; 2]);
 
 impl<'a> Ahead<'a> {
     pub fn new(rows: [&'a [f64]; 2]) -> Self {
-        Ahead(rows)
+        Ahead(rows.map(|row| row.as_chunks().0.iter()))
     }
 
     /// Nothing comes next.
     pub fn nothing() -> Self {
-        Ahead([&[]; 2])
+        Ahead::new([&[]; 2])
     }
 
-    /// Asks for so many more samples of each row.
+    /// Asks for so many more samples of each row, whole cache lines of them.
     #[inline(always)]
     pub fn ask(&mut self, samples: usize) {
-        /// In a cache line.
-        const VALUES: usize = 64 / size_of::<f64>();
-        for row in &mut self.0 {
-            let (asked, later) = row.split_at(samples.min(row.len()));
-            for line in asked.chunks(VALUES) {
-                prefetch(&line[0]);
+        for lines in &mut self.0 {
+            for _ in 0..samples / LINE {
+                if let Some(line) = lines.next() {
+                    prefetch(&line[0]);
+                }
             }
-            *row = later;
         }
     }
 }
