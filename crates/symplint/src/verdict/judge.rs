@@ -1,6 +1,7 @@
 //! From the evidence to the answer.
 
 use super::fit::{Fit, fit_order};
+use super::words::{capitalised, jump, name, short, size};
 use super::{BEYOND_DOUBT, LoopEvidence, StepEvidence, Verdict, VerdictKind, WEAKEST_BOUND};
 
 /// A step that deforms the loop by less than this part of its size tests nothing: even a method
@@ -418,53 +419,5 @@ impl Case<'_> {
             short(self.deformation)
         ));
         lines
-    }
-}
-
-/// A step size as people read it: `2^-3`, or with six decimals; very small and large ones with four digits.
-pub(crate) fn size(h: f64) -> String {
-    let exponent = h.abs().log2();
-    if exponent.fract() == 0.0 && h.abs() != 1.0 {
-        let sign = if h < 0.0 { "-" } else { "" };
-        return format!("{sign}2^{exponent}");
-    }
-    match h.abs() {
-        0.001..1000.0 => format!("{}", (h * 1e6).round() / 1e6),
-        _ => format!("{h:.3e}"),
-    }
-}
-
-/// Two digits, and no exponent where none is needed.
-pub(crate) fn short(value: f64) -> String {
-    match value {
-        0.0 => "0".into(),
-        0.01..1000.0 => format!("{value:.2}"),
-        _ => format!("{value:.1e}"),
-    }
-}
-
-fn name(index: usize) -> String {
-    match index {
-        0 => "the given loop".into(),
-        k => format!("random loop {k}"),
-    }
-}
-
-/// A sentence begins with a capital letter.
-pub(crate) fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
-}
-
-fn jump(jump_q: f64, jump_p: f64) -> &'static str {
-    let (q, p) = (jump_q.abs(), jump_p.abs());
-    if q > 1e3 * p {
-        "q"
-    } else if p > 1e3 * q {
-        "p"
-    } else {
-        "(q, p)"
     }
 }

@@ -7,11 +7,13 @@
 
 mod fit;
 mod judge;
+mod words;
 
 pub use fit::Fit;
 pub(crate) use fit::fit_order;
 pub use judge::judge;
-pub(crate) use judge::{LEAST_DEFORMATION, SMALL, TREND, capitalised, short, size};
+pub(crate) use judge::{LEAST_DEFORMATION, SMALL, TREND};
+pub(crate) use words::{capitalised, short, size};
 
 use serde::Serialize;
 
