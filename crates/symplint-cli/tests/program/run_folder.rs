@@ -8,16 +8,18 @@ use tempfile::TempDir;
 
 use super::{configuration, report, symplint, text};
 
-/// Kepler's problem; a circle in the plane of its first degree of freedom.
-const KEPLER: &str = r#"
+/// Kepler's problem from a state at rest or not, and a circle in the plane of its first degree of freedom.
+fn kepler(q0: &str, p0: &str, variant: &str, diagnostic: &str) -> String {
+    format!(
+        r#"
 [system]
 name = "kepler"
-q0 = 0.0
-p0 = [0.0, 1.0]
+q0 = {q0}
+p0 = {p0}
 
 [integrator]
 name = "strang"
-variant = "momentum-first"
+variant = "{variant}"
 
 [loop]
 dofs = [0]
@@ -26,13 +28,19 @@ dofs = [0]
 rule = "pseudospectral"
 samples = 64
 loops = 1
-step_sizes = [1e-10]
-stages = false
-"#;
+{diagnostic}
+"#
+    )
+}
 
 #[test]
 fn a_figure_that_cannot_be_drawn_costs_no_verdict() {
-    let (folder, path) = configuration(KEPLER);
+    let (folder, path) = configuration(&kepler(
+        "0.0",
+        "[0.0, 1.0]",
+        "momentum-first",
+        "step_sizes = [1e-10]\nstages = false",
+    ));
     let (path, out) = (path.to_str().unwrap(), folder.path().join("run"));
     // The circle is moved so that it meets the centre, where there is no force, at s = 77/720 to the last bit:
     // none of 64 samples is there.
@@ -137,30 +145,15 @@ fn a_short_trace_drops_the_default_snapshots_that_it_does_not_reach() {
     assert_eq!(again["points"].as_array().unwrap().len(), 51);
 }
 
-/// A step of ¼ takes the state at s = 0 to the centre, where there is no force; one of ½ takes it beyond.
-const INTO_THE_CENTRE: &str = r#"
-[system]
-name = "kepler"
-q0 = [-0.125, 0.0]
-p0 = [0.0, 0.0]
-
-[integrator]
-name = "strang"
-variant = "position-first"
-
-[loop]
-dofs = [0]
-
-[diagnostic]
-rule = "pseudospectral"
-samples = 64
-loops = 1
-step_sizes = [0.5, 0.25]
-"#;
-
 #[test]
 fn a_run_that_fails_leaves_the_points_until_then() {
-    let (folder, path) = configuration(INTO_THE_CENTRE);
+    // A step of ¼ takes the state at s = 0 to the centre, where there is no force; one of ½ takes it beyond.
+    let (folder, path) = configuration(&kepler(
+        "[-0.125, 0.0]",
+        "[0.0, 0.0]",
+        "position-first",
+        "step_sizes = [0.5, 0.25]",
+    ));
     let out = folder.path().join("run");
     let (path, into) = (path.to_str().unwrap(), out.to_str().unwrap());
     let arguments = ["check", path, "--out", into];
