@@ -43,47 +43,38 @@
 //!   current Rayon pool.
 //! * Bad input and maps that fail give an [`Error`] with the numbers in it, never a panic.
 
-mod block;
 mod breaks;
-mod coordinates;
-mod defect;
 mod diagnosis;
-mod ensemble;
 mod error;
-mod integral;
 mod jacobian;
 mod loops;
 mod map;
-mod measured;
-mod piecewise;
-mod random;
-mod rows;
-pub mod scratch;
-mod streaming;
+mod rules;
+mod signal;
+mod snapshots;
+mod state;
+mod survey;
 mod trace;
-mod turn;
 mod verdict;
 
-pub use block::Block;
 pub use breaks::{Break, find_break};
-pub use coordinates::Coordinates;
-pub use defect::{Defect, logarithmic_defect};
 pub use diagnosis::{
     BreakAt, Diagnosis, Diagnostic, Event, Growth, Localisation, LongTime, Point, RuleChoice,
     SampleCount, SampleSweep, Sector, Stage, Sweep,
 };
-pub use ensemble::Ensemble;
 pub use error::Error;
-pub use integral::{Cutoff, Cutoffs, LoopIntegral, OmittedCell, Rule, unwrap_row};
 pub use jacobian::{
     Agreement, Doubt, JacobianMethod, JacobianPoint, JacobianReport, JacobianTest, JacobianVerdict,
     SecondOpinion, TangentDefect, TangentDoubt,
 };
 pub use loops::{Circle, FourierLoop, Loop, SampledLoop};
 pub use map::{PerSample, StepFailure, TangentMap, TimeAdvance};
-pub use measured::{Snapshot, measure};
-pub use piecewise::{Closure, Piecewise, PiecewiseIntegral};
-pub use rows::{Rows, RowsMut};
-pub use streaming::{Streaming, StreamingIntegral};
+pub use rules::{
+    Closure, Cutoff, Cutoffs, Defect, LoopIntegral, OmittedCell, Piecewise, PiecewiseIntegral,
+    Rule, Streaming, StreamingIntegral, logarithmic_defect,
+};
+pub use signal::unwrap_row;
+pub use snapshots::{Snapshot, measure};
+pub use state::{Block, Coordinates, Ensemble, Rows, RowsMut, scratch};
 pub use trace::{Observable, Orbit, Trace, TracePoint, TraceRecord};
 pub use verdict::{Closing, Fit, LoopEvidence, StepEvidence, Verdict, VerdictKind, judge};

@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
-use crate::defect::Defect;
-use crate::ensemble::Ensemble;
 use crate::error::Error;
-use crate::integral::{LoopIntegral, Rule};
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
-use crate::rows::Rows;
+use crate::rules::Defect;
+use crate::rules::{LoopIntegral, Rule};
+use crate::state::Ensemble;
+use crate::state::Rows;
 
 /// A quantity of single states, such as the energy: writes one value for each sample, from
 /// positions and momenta of d rows each.

@@ -2,11 +2,11 @@
 
 use super::suspects::{Coordinate, OUTSTANDING, Suspect};
 use super::{Break, fourth_difference};
-use crate::ensemble::Ensemble;
 use crate::error::Error;
-use crate::integral::unwrap_row;
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
+use crate::signal::unwrap_row;
+use crate::state::Ensemble;
 
 /// Cells into which a stretch is cut at each turn.
 const CELLS: usize = 24;

@@ -11,11 +11,11 @@ pub(crate) use suspects::{Coordinate, Roughness, Suspect, most_outstanding};
 
 use serde::Serialize;
 
-use crate::coordinates::Coordinates;
-use crate::ensemble::Ensemble;
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
+use crate::state::Coordinates;
+use crate::state::Ensemble;
 
 /// A place where an advanced loop is discontinuous, in the degree of freedom
 /// that led to it.

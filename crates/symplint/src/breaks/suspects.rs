@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::fourth_difference;
-use crate::coordinates::Coordinates;
-use crate::ensemble::Ensemble;
-use crate::integral::unwrap_row;
+use crate::signal::unwrap_row;
+use crate::state::Coordinates;
+use crate::state::Ensemble;
 
 /// Which coordinate of a degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

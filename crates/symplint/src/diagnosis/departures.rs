@@ -1,8 +1,8 @@
 //! The samples of a loop, from which step after step departs.
 
 use super::probe::Subject;
-use crate::ensemble::{Ensemble, copy_samples, sample_block};
 use crate::error::Error;
+use crate::state::{Ensemble, copy_samples, sample_block};
 
 /// Samples before the step are kept where they take no more than this.
 const KEPT_BYTES: usize = 64 << 20;
@@ -76,10 +76,10 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use crate::block::Block;
-    use crate::coordinates::Coordinates;
     use crate::loops::{Circle, Loop};
     use crate::map::PerSample;
+    use crate::state::Block;
+    use crate::state::Coordinates;
 
     /// Counts the samples that are made.
     struct Counted(Circle, AtomicUsize);

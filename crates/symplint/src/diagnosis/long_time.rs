@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::probe::{Method, Probe};
 use super::streamed::fits;
 use crate::error::Error;
-use crate::integral::Rule;
+use crate::rules::Rule;
 use crate::trace::{Trace, TracePoint};
 use crate::verdict::Verdict;
 

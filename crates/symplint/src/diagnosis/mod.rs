@@ -1,38 +1,35 @@
 //! The whole diagnosis: sweeps over the step size and the number of samples, and the verdict.
 
 mod departures;
-mod digits;
 mod doubling;
 mod localise;
 mod long_time;
-mod motion;
 mod nested;
 mod point;
 mod probe;
 mod random_loop;
 mod resolve;
-mod sanity;
 mod second;
 mod streamed;
 mod study;
 
 pub use localise::{Localisation, Sector, Stage};
 pub use long_time::{Growth, LongTime};
-pub(crate) use motion::motion;
 pub use point::{Point, Sweep};
+pub(crate) use streamed::{SMALL, fits};
 
 use serde::Serialize;
 
 use crate::breaks::Break;
 use crate::error::Error;
-use crate::integral::Rule;
 use crate::jacobian::JacobianReport;
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
-use crate::piecewise::Piecewise;
-use crate::streaming::Streaming;
+use crate::rules::Piecewise;
+use crate::rules::Rule;
+use crate::rules::Streaming;
+use crate::survey;
 use crate::verdict::{Fit, LoopEvidence, Verdict, judge, size};
-use motion::deformation;
 use probe::Subject;
 use random_loop::{random_loop, winding_loop};
 use study::Study;
@@ -210,7 +207,7 @@ impl Diagnostic {
                 phase_loop: phase_loop.dof(),
             });
         }
-        sanity::check(map, phase_loop, largest)?;
+        survey::check(map, phase_loop, largest)?;
         let coordinates = map.coordinates();
         let mut study = Study {
             watch,
@@ -252,12 +249,12 @@ impl Diagnostic {
         if self.loops > 1 && !loops[0].winds {
             loops.extend(self.try_winding(&mut study, subject)?);
         }
-        let deformation = deformation(map, phase_loop, largest)?;
+        let deformation = survey::deformation(map, phase_loop, largest)?;
         let (mut verdict, fits) = judge(&loops, deformation);
         verdict
             .evidence
             .extend(study.regularity.and_then(|s| roughness(s, largest)));
-        digits::own_up(map, phase_loop, largest, &mut verdict);
+        survey::own_up(map, phase_loop, largest, &mut verdict);
         let long_time = match self.long_time {
             0 => None,
             steps => long_time::follow(&configured, largest, steps, &mut verdict)?,

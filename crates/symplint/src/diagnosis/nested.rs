@@ -1,8 +1,8 @@
 //! Samples that are doubled without making or advancing any of them again.
 
 use super::probe::Subject;
-use crate::ensemble::Ensemble;
 use crate::error::Error;
+use crate::state::Ensemble;
 
 /// The samples of a loop before and after one step of size h.
 ///
@@ -61,9 +61,9 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use crate::coordinates::Coordinates;
     use crate::loops::Circle;
     use crate::map::PerSample;
+    use crate::state::Coordinates;
 
     #[test]
     fn no_sample_is_advanced_twice_and_none_differs() {

@@ -1,17 +1,17 @@
 //! One loop with a rule and a number of samples, ready to be advanced by any step size.
 
 use super::departures::Departures;
-use crate::block::Block;
 use crate::breaks::{Break, find_break};
-use crate::coordinates::Coordinates;
-use crate::defect::Defect;
-use crate::ensemble::Ensemble;
 use crate::error::Error;
-use crate::integral::{LoopIntegral, Rule};
 use crate::loops::Loop;
 use crate::map::{StepFailure, TimeAdvance};
-use crate::piecewise::{Piecewise, PiecewiseIntegral};
-use crate::streaming::Streaming;
+use crate::rules::Defect;
+use crate::rules::Streaming;
+use crate::rules::{LoopIntegral, Rule};
+use crate::rules::{Piecewise, PiecewiseIntegral};
+use crate::state::Block;
+use crate::state::Coordinates;
+use crate::state::Ensemble;
 use crate::verdict::Closing;
 
 /// What is under test: a map and a loop to send through it.

@@ -1,10 +1,10 @@
 //! Further probes: random loops like the given one.
 
-use super::motion::Extent;
-use crate::coordinates::Coordinates;
-use crate::ensemble::Ensemble;
 use crate::error::Error;
 use crate::loops::{FourierLoop, Loop};
+use crate::state::Coordinates;
+use crate::state::Ensemble;
+use crate::survey::Extent;
 
 /// A random loop about as large as `phase_loop` round the same centre.
 pub(super) fn random_loop(phase_loop: &dyn Loop, seed: u64) -> Result<FourierLoop, Error> {

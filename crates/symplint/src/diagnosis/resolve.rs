@@ -5,8 +5,8 @@ use super::nested::Nested;
 use super::probe::{Method, Probe, Subject};
 use super::{Diagnostic, RuleChoice, SampleCount};
 use crate::error::Error;
-use crate::integral::{Cutoffs, Rule};
-use crate::piecewise::Piecewise;
+use crate::rules::Piecewise;
+use crate::rules::{Cutoffs, Rule};
 use crate::verdict::WEAKEST_BOUND;
 
 /// Where automatic doubling begins in one degree of freedom: what is narrower than a cell of the loop is

@@ -4,19 +4,19 @@ use super::doubling::Doubling;
 use super::probe::{Measured, Method, Probe, Subject};
 use super::resolve::{MOST, MOST_BYTES, fewest_samples, power_below};
 use super::{Diagnostic, SampleCount};
-use crate::defect::Defect;
 use crate::error::Error;
-use crate::streaming::Streaming;
+use crate::rules::Defect;
+use crate::rules::Streaming;
 
 /// Coordinates that the map may be made to advance for one loop integral, where nobody asked for the number of
 /// samples: a thousand samples in a million degrees of freedom.
 const MOST_STREAMED: usize = 1 << 30;
 
 /// Samples of the smallest ensembles that a diagnosis makes besides the one that it measures with.
-pub(super) const SMALL: usize = 64;
+pub(crate) const SMALL: usize = 64;
 
 /// Whether an ensemble of so many samples may be made without being asked for.
-pub(super) fn fits(dof: usize, samples: usize) -> bool {
+pub(crate) fn fits(dof: usize, samples: usize) -> bool {
     samples.saturating_mul(dof) <= MOST_BYTES / 16
 }
 

@@ -1,11 +1,11 @@
 //! Points as they are measured: told of, and kept.
 
 use super::departures::Departures;
-use super::motion::winds;
 use super::nested::Nested;
 use super::probe::{Measured, Method, Probe};
 use super::{BreakAt, Event, Point, SampleSweep, Sweep};
 use crate::error::Error;
+use crate::survey::winds;
 use crate::verdict::{LoopEvidence, StepEvidence};
 
 /// A diagnosis under way.

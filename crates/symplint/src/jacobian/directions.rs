@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use crate::random::unit;
+use crate::signal::unit;
 
 /// The unit vectors of all 2d coordinates.
 pub(super) fn units(dof: usize) -> Vec<Vec<f64>> {

@@ -4,12 +4,12 @@ use std::iter::repeat_n;
 
 use super::richardson::Derivative;
 use super::tangents::SAFETY;
-use crate::coordinates::Coordinates;
-use crate::ensemble::Ensemble;
 use crate::error::Error;
-use crate::integral::{CompensatedSum, UNIT_ROUNDOFF, unwrap_row};
 use crate::loops::Loop;
-use crate::piecewise::coordinate;
+use crate::signal::{CompensatedSum, UNIT_ROUNDOFF, unwrap_row};
+use crate::state::Coordinates;
+use crate::state::Ensemble;
+use crate::state::coordinate;
 
 /// Units in which tangent vectors are given: a component of 1 is half the range of that coordinate on
 /// the loop. Positions come first, then momenta.

@@ -6,11 +6,12 @@ use super::frame::Frame;
 use super::method::JacobianMethod;
 use super::richardson::{self, Derivative, Neighbourhood, derivative};
 use super::{directions, noise, tangents};
-use crate::ensemble::Ensemble;
 use crate::error::{BESIDE_THE_LOOP, Error, ON_THE_LOOP};
 use crate::loops::Loop;
 use crate::map::{TangentMap, TimeAdvance};
-use crate::piecewise::{coordinate, nearest};
+use crate::signal::nearest;
+use crate::state::Ensemble;
+use crate::state::coordinate;
 
 /// Values in an ensemble of displaced states, unless one task needs more: 128 MiB.
 const BATCH_VALUES: usize = 1 << 24;

@@ -9,7 +9,7 @@
 //! * the noise of the map over the distance;
 //! * the distance to the entry of the smallest differences, which are nearest to the definition.
 
-use crate::piecewise::nearest;
+use crate::signal::nearest;
 
 /// Distances t = 2^-3, 2^-5, …, 2^-19: from what a smooth map needs down to what is left between
 /// the many breaks of a map of many degrees of freedom.

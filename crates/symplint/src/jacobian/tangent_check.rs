@@ -8,7 +8,8 @@ use super::method::TangentDoubt;
 use super::tangents::TRIALS;
 use crate::error::Error;
 use crate::map::TangentMap;
-use crate::piecewise::{coordinate, nearest};
+use crate::signal::nearest;
+use crate::state::coordinate;
 
 /// A difference this many times what the error bars explain is none of theirs.
 const BEYOND: f64 = 3.0;

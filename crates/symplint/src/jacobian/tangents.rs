@@ -10,12 +10,12 @@ use rayon::prelude::*;
 
 use super::lab::{Lab, Task};
 use super::richardson::{Derivative, UNRESOLVED};
-use crate::block::Block;
-use crate::ensemble::Ensemble;
 use crate::error::{BESIDE_THE_LOOP, Error};
 use crate::map::TangentMap;
-use crate::piecewise::coordinate;
-use crate::random::unit;
+use crate::signal::unit;
+use crate::state::Block;
+use crate::state::Ensemble;
+use crate::state::coordinate;
 
 /// Times that each tangent vector is advanced; the first time as it is.
 pub(super) const TRIALS: usize = 7;

@@ -4,11 +4,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use super::Loop;
-use crate::block::Block;
+use super::turn::sin_cos_turn;
 use crate::error::Error;
-use crate::random::unit;
-use crate::scratch;
-use crate::turn::sin_cos_turn;
+use crate::signal::unit;
+use crate::state::Block;
+use crate::state::scratch;
 
 /// q_i = q0_i + r_i sin 2π(s + φ_i), p_i = p0_i + r_i cos 2π(s + φ_i).
 ///
@@ -138,8 +138,8 @@ impl Loop for Circle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ensemble::Ensemble;
-    use crate::integral::{LoopIntegral, Rule};
+    use crate::rules::{LoopIntegral, Rule};
+    use crate::state::Ensemble;
     use std::f64::consts::PI;
 
     #[test]

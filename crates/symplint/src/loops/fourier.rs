@@ -4,11 +4,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use super::Loop;
-use crate::block::Block;
+use super::turn::sin_cos_turn;
 use crate::error::Error;
-use crate::random::unit;
-use crate::scratch;
-use crate::turn::sin_cos_turn;
+use crate::signal::unit;
+use crate::state::Block;
+use crate::state::scratch;
 
 /// One degree of freedom of one mode: cosine and sine amplitudes of q and of p.
 #[derive(Clone, Copy, Debug)]
@@ -163,9 +163,9 @@ impl Loop for FourierLoop {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::coordinates::Coordinates;
-    use crate::ensemble::Ensemble;
-    use crate::integral::{LoopIntegral, Rule};
+    use crate::rules::{LoopIntegral, Rule};
+    use crate::state::Coordinates;
+    use crate::state::Ensemble;
     use std::f64::consts::PI;
 
     fn random(seed: u64) -> FourierLoop {

@@ -3,12 +3,13 @@
 mod circle;
 mod fourier;
 mod sampled;
+mod turn;
 
 pub use circle::Circle;
 pub use fourier::FourierLoop;
 pub use sampled::SampledLoop;
 
-use crate::block::Block;
+use crate::state::Block;
 
 /// A closed curve in phase space that can be sampled at any s.
 ///

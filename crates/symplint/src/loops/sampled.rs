@@ -6,12 +6,12 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
 use super::Loop;
-use crate::block::Block;
-use crate::coordinates::Coordinates;
-use crate::ensemble::Ensemble;
+use super::turn::sin_cos_turn;
 use crate::error::Error;
-use crate::integral::unwrap_row;
-use crate::turn::sin_cos_turn;
+use crate::signal::unwrap_row;
+use crate::state::Block;
+use crate::state::Coordinates;
+use crate::state::Ensemble;
 
 /// The trigonometric interpolant of a loop's samples.
 ///
@@ -127,7 +127,7 @@ impl Loop for SampledLoop {
 mod tests {
     use super::*;
     use crate::loops::FourierLoop;
-    use crate::rows::RowsMut;
+    use crate::state::RowsMut;
 
     #[test]
     fn returns_its_samples_and_interpolates_between_them() {

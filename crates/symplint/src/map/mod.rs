@@ -6,9 +6,9 @@ mod tangent;
 pub use per_sample::PerSample;
 pub use tangent::TangentMap;
 
-use crate::block::Block;
-use crate::coordinates::Coordinates;
 use crate::loops::Loop;
+use crate::state::Block;
+use crate::state::Coordinates;
 
 /// A map from states to states that advances by one step of size h.
 ///

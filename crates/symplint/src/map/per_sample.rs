@@ -1,8 +1,8 @@
 //! A map written for one state at a time.
 
 use super::{StepFailure, TimeAdvance};
-use crate::block::Block;
-use crate::scratch;
+use crate::state::Block;
+use crate::state::scratch;
 
 /// Wraps a function `step(h, q, p)` that advances one state in place.
 ///

@@ -1,7 +1,7 @@
 //! Derivatives of maps along tangent vectors.
 
 use super::StepFailure;
-use crate::block::Block;
+use crate::state::Block;
 
 /// The tangent map of a map Φ_h: it advances states z and, with each, a tangent vector u by the
 /// derivative of the step, (z, u) → (Φ_h(z), DΦ_h(z) u).

@@ -212,7 +212,7 @@ fn polynomial(x: &[f64], y: &[f64], errors: &[f64], terms: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::defect::Defect;
+    use crate::rules::Defect;
     use crate::verdict::StepEvidence;
 
     fn evidence(law: impl Fn(f64) -> f64, noise: f64) -> LoopEvidence {

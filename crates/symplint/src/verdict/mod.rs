@@ -18,8 +18,8 @@ pub(crate) use words::{capitalised, short, size};
 use serde::Serialize;
 
 use crate::breaks::Break;
-use crate::defect::Defect;
 use crate::error::Error;
+use crate::rules::Defect;
 
 /// The four answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -13,7 +13,7 @@ use super::random_loop::{random_loop, winding_loop};
 use super::streamed::fits;
 use super::{Diagnostic, RuleChoice};
 use crate::error::Error;
-use crate::integral::Rule;
+use crate::rules::Rule;
 use crate::verdict::{LoopEvidence, Verdict, VerdictKind, size};
 
 /// Where the defect of one loop comes from.

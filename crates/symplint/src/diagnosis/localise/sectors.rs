@@ -7,11 +7,11 @@
 use serde::Serialize;
 
 use super::super::probe::{Identity, Subject};
-use crate::block::Block;
-use crate::ensemble::Ensemble;
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::piecewise::Piecewise;
+use crate::rules::Piecewise;
+use crate::state::Block;
+use crate::state::Ensemble;
 
 /// What one sector of the disc contributes to the defect of its loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -144,9 +144,9 @@ pub(super) fn line(sectors: &[Sector], h: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::coordinates::Coordinates;
     use crate::loops::Circle;
     use crate::map::PerSample;
+    use crate::state::Coordinates;
 
     #[test]
     fn sectors_add_up_and_find_where_areas_change() {

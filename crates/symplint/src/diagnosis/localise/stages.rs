@@ -3,11 +3,11 @@
 use serde::Serialize;
 
 use super::super::probe::{Method, Probe, Subject};
-use crate::block::Block;
-use crate::coordinates::Coordinates;
-use crate::defect::Defect;
 use crate::error::Error;
 use crate::map::{StepFailure, TimeAdvance};
+use crate::rules::Defect;
+use crate::state::Block;
+use crate::state::Coordinates;
 use crate::verdict::BEYOND_DOUBT;
 
 /// What one substep of the map does to the loop.

@@ -1,0 +1,374 @@
+//! One advanced loop against the loop before the step.
+
+use rayon::prelude::*;
+
+use super::Snapshot;
+use super::increments::Increments;
+use super::jumps::{Jump, Roughness, find_jumps};
+use super::pieces::{Curve, Pieces, stored_roundoff};
+use crate::breaks::Break;
+use crate::error::Error;
+use crate::rules::Defect;
+use crate::rules::{LoopIntegral, OmittedCell, Rule};
+use crate::signal::{CompensatedSum, UNIT_ROUNDOFF};
+use crate::state::Coordinates;
+use crate::state::Ensemble;
+use crate::survey::motion;
+
+/// Fewer samples than this do not show whether a loop is smooth.
+pub(super) const FEWEST: usize = 32;
+
+/// A jump of this part of a coordinate's whole range is a wrap in a periodic box.
+const WRAP: f64 = 0.98;
+
+/// The loop before the step.
+pub(super) struct Initial<'a> {
+    snapshot: &'a Snapshot,
+    coordinates: &'a Coordinates,
+    pub integral: LoopIntegral,
+    /// A jump of the loop before any step: it is no closed loop, or not unwrapped.
+    pub broken: Option<Break>,
+    pub wrapped: Option<Wrap>,
+    windings: Vec<f64>,
+}
+
+/// A position that jumps by its whole range, as one in a periodic box does.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wrap {
+    pub dof: usize,
+    pub period: f64,
+}
+
+/// What the jumps of one loop do to its integral.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Broken {
+    /// Jumps that stay under refinement.
+    pub confirmed: usize,
+    /// Cells that jump.
+    pub cells: usize,
+    /// Contribution of the chords.
+    pub chord: f64,
+    /// Defect of the integral with its chords.
+    pub closed_defect: Defect,
+}
+
+/// An advanced loop.
+pub(super) struct Compared {
+    pub step_size: Option<f64>,
+    pub rule: &'static str,
+    pub integral: LoopIntegral,
+    pub defect: Defect,
+    /// If there are jumps.
+    pub broken: Option<Broken>,
+    /// Confirmed jumps.
+    pub breaks: Vec<Break>,
+    /// The largest of them, as a part of the range of its coordinate.
+    pub largest_jump: f64,
+    pub wrapped: Option<Wrap>,
+    /// How much the step deforms the loop, relative to its size.
+    pub deformation: f64,
+}
+
+/// One degree of freedom as the samples show it.
+struct Row {
+    increments: [Increments; 2],
+    roughness: [Roughness; 2],
+    /// max |q|, max |p|.
+    largest: [f64; 2],
+}
+
+impl Row {
+    fn flagged(&self, samples: usize) -> Vec<bool> {
+        let mut flagged = vec![false; samples];
+        for jump in self.roughness.iter().flat_map(|rough| &rough.jumps) {
+            flagged[jump.cell] = true;
+        }
+        flagged
+    }
+
+    fn jumps(&self) -> bool {
+        self.roughness.iter().any(|rough| !rough.jumps.is_empty())
+    }
+
+    /// What an unnoticed jump would add.
+    fn hidden(&self) -> f64 {
+        let [q, p] = [self.roughness[0].hidden, self.roughness[1].hidden];
+        self.largest[1] * q + 0.5 * q * p
+    }
+
+    fn roundoff(&self, unit_roundoff: f64) -> f64 {
+        stored_roundoff(&self.increments, self.largest, unit_roundoff)
+    }
+
+    /// Whether q jumps by its range where p does not jump.
+    fn wrap(&self, dof: usize, row: &[f64]) -> Option<Wrap> {
+        let [q, p] = &self.roughness;
+        let (low, high) = range(row);
+        let is_wrap = |jump: &&Jump| {
+            jump.size.abs() >= WRAP * (high - low)
+                && p.jumps.iter().all(|other| other.cell != jump.cell)
+        };
+        q.jumps.iter().find(is_wrap).map(|jump| Wrap {
+            dof,
+            period: jump.size.abs(),
+        })
+    }
+}
+
+fn range(row: &[f64]) -> (f64, f64) {
+    row.iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
+            (l.min(v), h.max(v))
+        })
+}
+
+/// The rounding error of the values: they may be single precision numbers that someone stored as
+/// doubles.
+fn unit_roundoff(snapshot: &Snapshot) -> f64 {
+    let states = &snapshot.states;
+    let is_single = |value: &f64| f64::from(*value as f32) == *value;
+    let all_single = [states.q(), states.p()]
+        .iter()
+        .all(|rows| (0..rows.count()).all(|i| rows.row(i).iter().all(is_single)));
+    if all_single {
+        snapshot.unit_roundoff.max(Snapshot::SINGLE)
+    } else {
+        snapshot.unit_roundoff
+    }
+}
+
+fn rows(snapshot: &Snapshot, coordinates: &Coordinates) -> Vec<Row> {
+    let states = &snapshot.states;
+    let unit_roundoff = unit_roundoff(snapshot);
+    (0..states.dof())
+        .into_par_iter()
+        .map(|dof| {
+            let period = coordinates.period(dof);
+            let increments = Increments::of(states, dof, period, unit_roundoff);
+            let roughness = [0, 1].map(|c| find_jumps(&increments[c]));
+            let of = |row: &[f64]| row.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            Row {
+                largest: [of(states.q().row(dof)), of(states.p().row(dof))],
+                increments,
+                roughness,
+            }
+        })
+        .collect()
+}
+
+fn breaks(rows: &[Row], samples: usize, wanted: impl Fn(&Jump) -> bool) -> Vec<Break> {
+    let mut found = Vec::new();
+    for (dof, row) in rows.iter().enumerate() {
+        let [q, p] = &row.roughness;
+        let size = |jumps: &[Jump], cell: usize| {
+            let here = jumps.iter().find(|jump| jump.cell == cell);
+            here.map_or(0.0, |jump| jump.size)
+        };
+        let mut cells: Vec<usize> = (q.jumps.iter().chain(&p.jumps))
+            .filter(|jump| wanted(jump))
+            .map(|jump| jump.cell)
+            .collect();
+        cells.sort_unstable();
+        cells.dedup();
+        found.extend(cells.into_iter().map(|cell| Break {
+            s: (cell as f64 + 0.5) / samples as f64,
+            dof,
+            jump_q: size(&q.jumps, cell),
+            jump_p: size(&p.jumps, cell),
+            substep: None,
+        }));
+    }
+    found
+}
+
+fn largest_jump(rows: &[Row], states: &Ensemble) -> f64 {
+    let of = |rough: &Roughness, row: &[f64]| {
+        let (low, high) = range(row);
+        let confirmed = rough.jumps.iter().filter(|jump| jump.confirmed);
+        confirmed.fold(0.0, |m: f64, jump| m.max(jump.size.abs() / (high - low)))
+    };
+    let each = rows.iter().enumerate().map(|(dof, row)| {
+        let [q, p] = &row.roughness;
+        of(q, states.q().row(dof)).max(of(p, states.p().row(dof)))
+    });
+    each.fold(0.0, f64::max)
+}
+
+fn wrap(rows: &[Row], states: &Ensemble, coordinates: &Coordinates) -> Option<Wrap> {
+    (0..rows.len())
+        .filter(|&dof| coordinates.period(dof) == 0.0)
+        .find_map(|dof| rows[dof].wrap(dof, states.q().row(dof)))
+}
+
+/// The pseudospectral integral with the error that belongs to stored values.
+fn smooth(
+    snapshot: &Snapshot,
+    rows: &[Row],
+    coordinates: &Coordinates,
+) -> Result<LoopIntegral, Error> {
+    let states = &snapshot.states;
+    let mut integral = LoopIntegral::in_coordinates(states, &Rule::Pseudospectral, coordinates)?;
+    let weighted = |of: &dyn Fn(&Row) -> f64| -> f64 {
+        let terms = rows.iter().enumerate();
+        terms
+            .map(|(dof, row)| coordinates.weight(dof).abs() * of(row))
+            .sum()
+    };
+    let unit_roundoff = unit_roundoff(snapshot);
+    if unit_roundoff > Snapshot::DOUBLE {
+        integral.roundoff += weighted(&|row| row.roundoff(unit_roundoff));
+    }
+    let unresolved = (rows.iter().flat_map(|row| &row.roughness)).any(|rough| rough.unresolved);
+    integral.quadrature_error = (integral.quadrature_error)
+        .filter(|_| !unresolved && states.samples() >= FEWEST)
+        .map(|error| error + weighted(&Row::hidden));
+    Ok(integral)
+}
+
+impl<'a> Initial<'a> {
+    pub fn new(snapshot: &'a Snapshot, coordinates: &'a Coordinates) -> Result<Self, Error> {
+        let rows = rows(snapshot, coordinates);
+        let integral = smooth(snapshot, &rows, coordinates)?;
+        let found = breaks(&rows, snapshot.states.samples(), |_| true);
+        Ok(Initial {
+            snapshot,
+            coordinates,
+            integral,
+            broken: found.first().copied(),
+            wrapped: wrap(&rows, &snapshot.states, coordinates),
+            windings: rows.iter().map(|row| row.increments[0].gain).collect(),
+        })
+    }
+
+    /// Integrates an advanced loop and takes its defect.
+    pub fn compare(&self, after: &Snapshot) -> Result<Compared, Error> {
+        let rows = rows(after, self.coordinates);
+        let mut compared = if rows.iter().any(Row::jumps) {
+            self.across_jumps(after, &rows)?
+        } else {
+            let integral = smooth(after, &rows, self.coordinates)?;
+            Compared {
+                step_size: after.step_size,
+                rule: Rule::Pseudospectral.name(),
+                defect: Defect::between(&self.integral, &integral)?,
+                integral,
+                broken: None,
+                breaks: Vec::new(),
+                largest_jump: 0.0,
+                wrapped: None,
+                deformation: self.deformation(after),
+            }
+        };
+        // No continuous map changes how often a loop winds.
+        let winds = |(row, before): (&Row, &f64)| {
+            let change = (row.increments[0].gain - before).abs();
+            change > 1e-9 * before.abs().max(row.increments[0].gain.abs())
+        };
+        if rows.iter().zip(&self.windings).any(winds) {
+            compared.integral.quadrature_error = None;
+            compared.defect = Defect::between(&self.integral, &compared.integral)?;
+        }
+        Ok(compared)
+    }
+
+    fn across_jumps(&self, after: &Snapshot, rows: &[Row]) -> Result<Compared, Error> {
+        let states = &after.states;
+        let samples = states.samples();
+        let parts: Vec<Pieces> = (rows.par_iter().enumerate())
+            .map(|(dof, row)| {
+                let [q, p] = &row.increments;
+                let momenta = states.p().row(dof);
+                let flagged = &row.flagged(samples);
+                Curve {
+                    q,
+                    p,
+                    momenta,
+                    flagged,
+                }
+                .integrate()
+            })
+            .collect();
+        let found = breaks(rows, samples, |jump| jump.confirmed);
+        let unit_roundoff = unit_roundoff(after).max(Snapshot::DOUBLE);
+        let unresolved = (rows.iter().flat_map(|row| &row.roughness)).any(|rough| rough.unresolved);
+
+        let (mut value, mut chord) = (CompensatedSum::default(), CompensatedSum::default());
+        let (mut error, mut closed_error) = (0.0, 0.0);
+        let (mut roundoff, mut scale) = (0.0, 0.0);
+        let mut contributions = Vec::with_capacity(rows.len());
+        for (dof, (part, row)) in parts.iter().zip(rows).enumerate() {
+            let weight = self.coordinates.weight(dof);
+            let size = weight.abs();
+            contributions.push(weight * part.continuous);
+            value.add(weight * part.continuous);
+            chord.add(weight * part.chord);
+            error += size * (part.error + row.hidden());
+            closed_error += size * (part.closed_error + row.hidden());
+            if found.is_empty() {
+                // All may be steep flanks that belong to the integral.
+                error += size * part.steep;
+            }
+            scale += size * part.scale;
+            roundoff += size * (row.roundoff(unit_roundoff) + 2.0 * UNIT_ROUNDOFF * part.scale);
+        }
+        let total = value.total() + chord.total();
+        if !(total.abs() + scale + error + roundoff).is_finite() {
+            return Err(Error::Overflow {
+                dof: contributions
+                    .iter()
+                    .position(|c| !c.is_finite())
+                    .unwrap_or(0),
+                value: total,
+            });
+        }
+        let cells = |(dof, row): (usize, &Row)| {
+            let flagged = row.flagged(samples);
+            (0..samples)
+                .filter(move |&cell| flagged[cell])
+                .map(move |cell| OmittedCell { dof, cell })
+        };
+        let omitted: Vec<OmittedCell> = rows.iter().enumerate().flat_map(cells).collect();
+        let known = !unresolved && samples >= FEWEST;
+        let integral = LoopIntegral {
+            value: value.total(),
+            contributions,
+            quadrature_error: known.then_some(error),
+            roundoff,
+            scale,
+            omitted: Some(omitted),
+            regularity: None,
+        };
+        let closed = LoopIntegral {
+            value: total,
+            quadrature_error: known.then_some(closed_error),
+            ..integral.clone()
+        };
+        Ok(Compared {
+            step_size: after.step_size,
+            rule: "jump-detecting",
+            defect: Defect::between(&self.integral, &integral)?,
+            broken: Some(Broken {
+                confirmed: found.len(),
+                cells: integral.omitted.as_ref().map_or(0, Vec::len),
+                chord: chord.total(),
+                closed_defect: Defect::between(&self.integral, &closed)?,
+            }),
+            integral,
+            largest_jump: largest_jump(rows, states),
+            breaks: found,
+            wrapped: wrap(rows, states, self.coordinates),
+            deformation: self.deformation(after),
+        })
+    }
+
+    /// The largest motion of a coordinate against its mean motion, over half its range.
+    fn deformation(&self, after: &Snapshot) -> f64 {
+        let (old, new) = (&self.snapshot.states, &after.states);
+        (0..old.dof())
+            .map(|i| {
+                let of_q = motion(old.q().row(i), new.q().row(i), self.coordinates.period(i));
+                of_q.max(motion(old.p().row(i), new.p().row(i), 0.0))
+            })
+            .fold(0.0, f64::max)
+    }
+}

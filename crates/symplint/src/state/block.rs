@@ -1,0 +1,57 @@
+//! A block of samples: what a time-advance map works on.
+
+use crate::state::RowsMut;
+
+/// Positions and momenta of a run of samples, to be advanced in place.
+///
+/// `q` and `p` have one row for each degree of freedom and one column for each
+/// sample of the block: `block.q.row(i)[k]` is q_i of sample k.
+pub struct Block<'a> {
+    /// Positions, d rows.
+    pub q: RowsMut<'a>,
+    /// Momenta, d rows.
+    pub p: RowsMut<'a>,
+}
+
+impl<'a> Block<'a> {
+    /// Joins positions and momenta.
+    ///
+    /// # Panics
+    /// If their shapes differ.
+    pub fn new(q: RowsMut<'a>, p: RowsMut<'a>) -> Self {
+        assert_eq!(
+            (q.count(), q.len()),
+            (p.count(), p.len()),
+            "q and p of one block have the same shape"
+        );
+        Block { q, p }
+    }
+
+    /// Degrees of freedom.
+    pub fn dof(&self) -> usize {
+        self.q.count()
+    }
+
+    /// Samples in the block.
+    pub fn len(&self) -> usize {
+        self.q.len()
+    }
+
+    /// Whether the block holds no sample.
+    pub fn is_empty(&self) -> bool {
+        self.q.is_empty()
+    }
+
+    /// Whether no position and no momentum is infinite or NaN.
+    pub fn all_finite(&self) -> bool {
+        self.q.as_rows().all_finite() && self.p.as_rows().all_finite()
+    }
+
+    /// The same block for a shorter time, so that it can be passed on and used again.
+    pub fn reborrow(&mut self) -> Block<'_> {
+        Block {
+            q: self.q.reborrow(),
+            p: self.p.reborrow(),
+        }
+    }
+}

@@ -1,0 +1,416 @@
+//! All samples at one time.
+
+use rayon::prelude::*;
+
+use crate::error::{Error, ON_THE_LOOP};
+use crate::loops::Loop;
+use crate::map::{StepFailure, TimeAdvance};
+use crate::state::Block;
+use crate::state::{Rows, RowsMut};
+
+/// The states of all samples, one contiguous row of N_s values for each coordinate.
+///
+/// Positions and momenta are apart. Rows start a little further apart than they are
+/// long where their length is a multiple of a large power of two: rows at such
+/// distances compete for the same cache sets.
+#[derive(Clone, Debug)]
+pub struct Ensemble {
+    dof: usize,
+    samples: usize,
+    stride: usize,
+    q: Vec<f64>,
+    p: Vec<f64>,
+}
+
+/// Distance between rows of `samples` values that does not alias in the caches.
+fn row_stride(samples: usize) -> usize {
+    /// Values in a cache line.
+    const LINE: usize = 8;
+    /// Values in a page.
+    const PAGE: usize = 512;
+    if samples.is_multiple_of(PAGE) {
+        samples + LINE
+    } else {
+        samples
+    }
+}
+
+impl Ensemble {
+    /// An ensemble of `samples` states at the origin.
+    pub fn zeros(dof: usize, samples: usize) -> Self {
+        let stride = row_stride(samples);
+        Ensemble {
+            dof,
+            samples,
+            stride,
+            q: vec![0.0; dof * stride],
+            p: vec![0.0; dof * stride],
+        }
+    }
+
+    /// Degrees of freedom d.
+    pub fn dof(&self) -> usize {
+        self.dof
+    }
+
+    /// Samples N_s.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Positions: d rows of N_s values.
+    pub fn q(&self) -> Rows<'_> {
+        Rows::new(&self.q, self.dof, self.stride, self.samples)
+    }
+
+    /// Momenta: d rows of N_s values.
+    pub fn p(&self) -> Rows<'_> {
+        Rows::new(&self.p, self.dof, self.stride, self.samples)
+    }
+
+    /// The whole ensemble as one block.
+    pub fn block(&mut self) -> Block<'_> {
+        Block::new(
+            RowsMut::new(&mut self.q, self.dof, self.stride, self.samples),
+            RowsMut::new(&mut self.p, self.dof, self.stride, self.samples),
+        )
+    }
+
+    /// The ensemble cut into blocks of samples that fit into a core's cache.
+    ///
+    /// The cut depends on the shape alone, never on the number of threads.
+    pub fn blocks(&mut self) -> Vec<Block<'_>> {
+        let width = Self::block_width(self.dof);
+        let whole = self.block();
+        let (q, p) = (whole.q.column_blocks(width), whole.p.column_blocks(width));
+        q.zip(p).map(|(q, p)| Block::new(q, p)).collect()
+    }
+
+    /// Samples in a block: states of one block take about a quarter of a mebibyte, and a row of
+    /// it four cache lines at least, as shorter runs of memory are slow to fetch. In very many
+    /// degrees of freedom it is two, as the working memory of a method counts there.
+    pub fn block_width(dof: usize) -> usize {
+        const BLOCK_VALUES: usize = 32 * 1024;
+        const MANY_DOF: usize = 16 * 1024;
+        if dof > MANY_DOF {
+            return 16;
+        }
+        // Of multiples of 32 vector loops leave no rest on any processor.
+        (BLOCK_VALUES / (2 * dof.max(1)) / 32 * 32).clamp(32, 1024)
+    }
+
+    /// The samples γ(k/N_s), k = 0 … N_s − 1, of a loop.
+    ///
+    /// # Errors
+    /// If `samples` is less than 3, the ensemble is beyond all memory, or the loop is not finite
+    /// somewhere.
+    pub fn sample(phase_loop: &dyn Loop, samples: usize) -> Result<Self, Error> {
+        if samples < 3 {
+            return Err(Error::TooFewSamples { samples });
+        }
+        Self::sample_at(phase_loop, 0, samples, |k| k as f64 / samples as f64)
+    }
+
+    /// The samples γ((k + ½)/N_s), k = 0 … N_s − 1: what is missing for twice as many.
+    ///
+    /// # Errors
+    /// Those of [`sample`](Self::sample).
+    pub(crate) fn sample_between(phase_loop: &dyn Loop, samples: usize) -> Result<Self, Error> {
+        let twice = 2 * samples;
+        Self::sample_at(phase_loop, 0, samples, |k| {
+            (2 * k + 1) as f64 / twice as f64
+        })
+    }
+
+    /// Shows the same samples in ensembles of a few, in their order: for what a glance at each is enough.
+    ///
+    /// # Errors
+    /// The same, and those of `visit`.
+    pub(crate) fn in_parts(
+        phase_loop: &dyn Loop,
+        samples: usize,
+        mut visit: impl FnMut(Ensemble) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        /// Memory of a part, unless a block of a few samples needs more.
+        const BYTES: usize = 64 << 20;
+        let count = (BYTES / (16 * phase_loop.dof().max(1))).clamp(8, samples);
+        for first in (0..samples).step_by(count) {
+            let count = count.min(samples - first);
+            let at = |k: usize| k as f64 / samples as f64;
+            visit(Self::sample_at(phase_loop, first, count, at)?)?;
+        }
+        Ok(())
+    }
+
+    /// The states γ(`at`(k)) of `count` samples k from `first` on.
+    fn sample_at(
+        phase_loop: &dyn Loop,
+        first: usize,
+        count: usize,
+        at: impl Fn(usize) -> f64 + Sync,
+    ) -> Result<Self, Error> {
+        Self::check_size(phase_loop.dof(), count)?;
+        let mut ensemble = Self::zeros(phase_loop.dof(), count);
+        let width = Self::block_width(ensemble.dof);
+        let each = |(b, mut block): (usize, Block<'_>)| {
+            sample_block(phase_loop, &at, first + b * width, &mut block)
+        };
+        let blocks = ensemble.blocks().into_par_iter().enumerate();
+        first_error(blocks.map(each).collect())?;
+        Ok(ensemble)
+    }
+
+    /// Puts sample k of `between` after sample k of this ensemble, for every k: twice the samples,
+    /// and none of them made again.
+    pub(crate) fn interleave(&mut self, between: &Ensemble) {
+        assert_eq!(
+            (self.dof, self.samples),
+            (between.dof, between.samples),
+            "ensembles of one shape"
+        );
+        let (samples, old) = (self.samples, self.stride);
+        let stride = row_stride(2 * samples);
+        let pairs = [(&mut self.q, between.q()), (&mut self.p, between.p())];
+        for (values, between) in pairs {
+            values.resize(self.dof * stride, 0.0);
+            // From the end: what is still to be moved lies before where it goes.
+            for i in (0..self.dof).rev() {
+                let between = between.row(i);
+                for k in (0..samples).rev() {
+                    values[i * stride + 2 * k + 1] = between[k];
+                    values[i * stride + 2 * k] = values[i * old + k];
+                }
+            }
+        }
+        (self.samples, self.stride) = (2 * samples, stride);
+    }
+
+    /// What one step of `map` makes of the loop at the parameters `s`, as many or few as wanted.
+    ///
+    /// # Errors
+    /// Those of [`advance`](Self::advance).
+    pub(crate) fn image(
+        map: &dyn TimeAdvance,
+        phase_loop: &dyn Loop,
+        h: f64,
+        s: &[f64],
+    ) -> Result<Self, Error> {
+        let mut states = Self::zeros(phase_loop.dof(), s.len());
+        phase_loop.sample(s, &mut states.block());
+        (states.advance(map, h))
+            .map_err(|error| error.on_the_way(|sample| (s[sample], ON_THE_LOOP)))?;
+        Ok(states)
+    }
+
+    /// Refuses what no machine holds, before the allocation fails.
+    pub(crate) fn check_size(dof: usize, samples: usize) -> Result<(), Error> {
+        let values = row_stride(samples).checked_mul(2);
+        let fits = (values.and_then(|of_each| of_each.checked_mul(dof))).is_some_and(|values| {
+            let mut reserved: Vec<f64> = Vec::new();
+            let result = reserved.try_reserve_exact(values);
+            // Or the compiler leaves out what is given back at once.
+            std::hint::black_box(reserved);
+            result.is_ok()
+        });
+        if !fits {
+            return Err(Error::TooLarge {
+                dof,
+                samples,
+                bytes: 16.0 * dof as f64 * samples as f64,
+            });
+        }
+        Ok(())
+    }
+
+    /// Advances every sample by one step of size `h`, in place, over the threads of the
+    /// current Rayon pool.
+    ///
+    /// # Errors
+    /// If map and ensemble differ in their degrees of freedom, the map fails, or it returns a state
+    /// that is not finite. The error is that of the first block of samples that has one,
+    /// on any number of threads; the ensemble is then half advanced and of no use.
+    pub fn advance(&mut self, map: &dyn TimeAdvance, h: f64) -> Result<(), Error> {
+        self.advance_from(map, h, |_, _| Ok(()))
+    }
+
+    /// Advances every sample by one substep of a step of size `h`, as [`advance`](Self::advance)
+    /// does by the whole step.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn advance_substep(
+        &mut self,
+        map: &dyn TimeAdvance,
+        substep: usize,
+        h: f64,
+    ) -> Result<(), Error> {
+        let step = |block: &mut Block<'_>| {
+            map.advance_substep(substep, h, block)?;
+            Ok(block.all_finite())
+        };
+        self.each_block(map, |first, block| advance_block(step, h, first, block))
+    }
+
+    /// The same from the states that `depart` puts into each block, which begins with the sample named: they
+    /// are advanced while a cache has them.
+    ///
+    /// # Errors
+    /// Those of `depart` and of [`advance`](Self::advance).
+    pub(crate) fn advance_from(
+        &mut self,
+        map: &dyn TimeAdvance,
+        h: f64,
+        depart: impl Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync,
+    ) -> Result<(), Error> {
+        self.each_block(map, |first, block| {
+            depart(first, block)?;
+            advance_block(|block| map.advance_and_look(h, block), h, first, block)
+        })
+    }
+
+    /// Calls `work` with each block and its first sample.
+    fn each_block(
+        &mut self,
+        map: &dyn TimeAdvance,
+        work: impl Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync,
+    ) -> Result<(), Error> {
+        if map.dof() != self.dof {
+            return Err(Error::DofMismatch {
+                map: map.dof(),
+                phase_loop: self.dof,
+            });
+        }
+        let width = Self::block_width(self.dof);
+        let each = |(b, mut block): (usize, Block<'_>)| work(b * width, &mut block);
+        let blocks = self.blocks().into_par_iter().enumerate();
+        first_error(blocks.map(each).collect())
+    }
+
+    /// Checks that every state is finite.
+    ///
+    /// `step_size` is that of the step that made the states, if one did.
+    ///
+    /// # Errors
+    /// Names the first sample that is not, the coordinate and its value.
+    pub fn check_finite(&self, step_size: Option<f64>) -> Result<(), Error> {
+        match first_not_finite(self.q(), self.p()) {
+            None => Ok(()),
+            Some(found) => Err(found.into_error(0, step_size)),
+        }
+    }
+}
+
+/// Writes the samples γ(k/N_s), k = `first`, `first` + 1, …, of a loop into a block.
+///
+/// # Errors
+/// If the loop is not finite somewhere.
+pub(crate) fn sample_block(
+    phase_loop: &dyn Loop,
+    at: impl Fn(usize) -> f64,
+    first: usize,
+    block: &mut Block<'_>,
+) -> Result<(), Error> {
+    let s: Vec<f64> = (0..block.len()).map(|k| at(first + k)).collect();
+    phase_loop.sample(&s, block);
+    match first_not_finite(block.q.as_rows(), block.p.as_rows()) {
+        None => Ok(()),
+        Some(found) => Err(found.into_error(first, None)),
+    }
+}
+
+/// Copies into a block the samples of an ensemble from `first` on.
+pub(crate) fn copy_samples(ensemble: &Ensemble, first: usize, block: &mut Block<'_>) {
+    let samples = first..first + block.len();
+    for i in 0..block.dof() {
+        (block.q.row_mut(i)).copy_from_slice(&ensemble.q().row(i)[samples.clone()]);
+        (block.p.row_mut(i)).copy_from_slice(&ensemble.p().row(i)[samples.clone()]);
+    }
+}
+
+/// Advances a block that begins with sample `first` by a step of size `h`, which says whether all states
+/// are finite afterwards.
+///
+/// # Errors
+/// If the step fails or returns a state that is not finite.
+pub(crate) fn advance_block(
+    step: impl Fn(&mut Block<'_>) -> Result<bool, StepFailure>,
+    h: f64,
+    first: usize,
+    block: &mut Block<'_>,
+) -> Result<(), Error> {
+    let finite = step(block).map_err(|failure| Error::StepFailed {
+        sample: first + failure.sample,
+        step_size: h,
+        reason: failure.reason,
+    })?;
+    let not_finite = (!finite)
+        .then(|| first_not_finite(block.q.as_rows(), block.p.as_rows()))
+        .flatten();
+    match not_finite {
+        None => Ok(()),
+        Some(found) => Err(found.into_error(first, Some(h))),
+    }
+}
+
+/// The first error in the order of the blocks, so that it does not depend on the threads.
+pub(crate) fn first_error(results: Vec<Result<(), Error>>) -> Result<(), Error> {
+    results.into_iter().collect()
+}
+
+/// A state of a block that is not finite.
+struct NotFinite {
+    coordinate: &'static str,
+    dof: usize,
+    sample: usize,
+    value: f64,
+}
+
+impl NotFinite {
+    fn into_error(self, first_sample: usize, step_size: Option<f64>) -> Error {
+        Error::NotFinite {
+            coordinate: self.coordinate,
+            dof: self.dof,
+            sample: first_sample + self.sample,
+            step_size,
+            value: self.value,
+            remedy: match step_size {
+                None => "give finite states",
+                Some(_) => "look at the map there, or take smaller step sizes or a smaller loop",
+            },
+        }
+    }
+}
+
+fn first_not_finite(q: Rows<'_>, p: Rows<'_>) -> Option<NotFinite> {
+    if q.all_finite() && p.all_finite() {
+        return None;
+    }
+    let mut first: Option<NotFinite> = None;
+    for (coordinate, rows) in [("q", q), ("p", p)] {
+        for dof in 0..rows.count() {
+            let row = rows.row(dof);
+            let Some(sample) = row.iter().position(|v| !v.is_finite()) else {
+                continue;
+            };
+            if first.as_ref().is_none_or(|found| sample < found.sample) {
+                first = Some(NotFinite {
+                    coordinate,
+                    dof,
+                    sample,
+                    value: row[sample],
+                });
+            }
+        }
+    }
+    first
+}
+
+/// Coordinate c of a sample: positions first, then momenta.
+pub(crate) fn coordinate(states: &Ensemble, c: usize) -> &[f64] {
+    let dof = states.dof();
+    if c < dof {
+        states.q().row(c)
+    } else {
+        states.p().row(c - dof)
+    }
+}

@@ -1,0 +1,14 @@
+//! States: rows of coordinates, blocks of samples, ensembles, and what coordinates mean.
+
+mod block;
+mod coordinates;
+mod ensemble;
+mod rows;
+pub mod scratch;
+
+pub use block::Block;
+pub use coordinates::Coordinates;
+pub use ensemble::Ensemble;
+pub(crate) use ensemble::*;
+pub(crate) use rows::prefetch;
+pub use rows::{Rows, RowsMut};

@@ -1,0 +1,53 @@
+//! Working memory for maps, kept for each thread so that advancing a block does
+//! not allocate.
+
+use std::cell::RefCell;
+
+use crate::state::RowsMut;
+
+/// Values of the largest buffer that a thread keeps, 64 MiB: larger ones, for blocks of so many degrees of freedom
+/// that few states fit into memory, would stay with every thread that ever had one.
+const LARGEST_KEPT: usize = 1 << 23;
+
+thread_local! {
+    static IDLE: RefCell<Vec<Vec<f64>>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Lends `work` a buffer of `len` values with unspecified contents. Calls may nest.
+///
+/// The buffer belongs to the calling thread and is used again by later calls, unless it is larger than 64 MiB.
+pub fn with_buffer<R>(len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
+    let mut buffer = IDLE.with_borrow_mut(Vec::pop).unwrap_or_default();
+    if buffer.len() < len {
+        buffer.resize(len, 0.0);
+    }
+    let result = work(&mut buffer[..len]);
+    if buffer.len() <= LARGEST_KEPT {
+        IDLE.with_borrow_mut(|idle| idle.push(buffer));
+    }
+    result
+}
+
+/// Lends `work` `tables` tables of `count` rows and `len` columns each, with unspecified
+/// contents: room for the stages of a Runge–Kutta step on one block. Calls may nest.
+pub fn with_tables<R>(
+    tables: usize,
+    count: usize,
+    len: usize,
+    work: impl FnOnce(&mut [RowsMut<'_>]) -> R,
+) -> R {
+    let size = count * len;
+    with_buffer(tables * size, |buffer| {
+        let mut rows: Vec<RowsMut<'_>> = if size == 0 {
+            (0..tables)
+                .map(|_| RowsMut::new(&mut [], count, len, len))
+                .collect()
+        } else {
+            buffer
+                .chunks_exact_mut(size)
+                .map(|table| RowsMut::new(table, count, len, len))
+                .collect()
+        };
+        work(&mut rows)
+    })
+}
