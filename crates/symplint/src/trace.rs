@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::rules::Defect;
 use crate::rules::{LoopIntegral, Rule};
 use crate::state::Ensemble;
@@ -99,6 +99,18 @@ impl Trace {
         orbit: Option<Orbit<'_>>,
         watch: &dyn Fn(&TracePoint),
     ) -> Result<TraceRecord, Error> {
+        let count = EvaluationCount::unlimited();
+        self.run_with(&Evaluator::new(map, &count)?, phase_loop, orbit, watch)
+    }
+
+    /// The same with the evaluations counted by `evaluator`.
+    pub(crate) fn run_with(
+        &self,
+        evaluator: &Evaluator<'_>,
+        phase_loop: &dyn Loop,
+        orbit: Option<Orbit<'_>>,
+        watch: &dyn Fn(&TracePoint),
+    ) -> Result<TraceRecord, Error> {
         if !self.step_size.is_finite() || self.step_size == 0.0 {
             return Err(Error::OutOfRange {
                 what: "step size",
@@ -106,24 +118,24 @@ impl Trace {
                 remedy: "give a finite step size that is not zero",
             });
         }
-        let coordinates = map.coordinates();
+        let coordinates = evaluator.coordinates();
         let mut follower = orbit
-            .map(|orbit| Follower::new(orbit, map.dof()))
+            .map(|orbit| Follower::new(orbit, evaluator.dof()))
             .transpose()?;
         let mut ensemble = Ensemble::sample(phase_loop, self.samples)?;
-        let initial = LoopIntegral::in_coordinates(&ensemble, &self.rule, &coordinates)?;
+        let initial = LoopIntegral::in_coordinates(&ensemble, &self.rule, coordinates)?;
         let mut record = TraceRecord {
             points: Vec::new(),
             snapshots: Vec::new(),
         };
         for step in 0..=self.steps {
             if step > 0 {
-                ensemble.advance(map, self.step_size)?;
+                evaluator.advance(&mut ensemble, self.step_size)?;
                 if let Some(follower) = &mut follower {
-                    follower.state.advance(map, self.step_size)?;
+                    evaluator.advance(&mut follower.state, self.step_size)?;
                 }
             }
-            let integral = LoopIntegral::in_coordinates(&ensemble, &self.rule, &coordinates)?;
+            let integral = LoopIntegral::in_coordinates(&ensemble, &self.rule, coordinates)?;
             let defect = Defect::between(&initial, &integral)?;
             let energy = follower.as_ref().map(Follower::energy);
             let point = TracePoint {

@@ -2,7 +2,8 @@
 
 use super::probe::Subject;
 use crate::error::Error;
-use crate::state::{Ensemble, copy_samples, sample_block};
+use crate::loops::sample_block;
+use crate::state::{Ensemble, copy_samples};
 
 /// Samples before the step are kept where they take no more than this.
 const KEPT_BYTES: usize = 64 << 20;
@@ -37,7 +38,9 @@ impl<'a> Departures<'a> {
     /// Those of making and of advancing them.
     pub fn advanced(&mut self, samples: usize, h: f64) -> Result<&Ensemble, Error> {
         let Subject {
-            map, phase_loop, ..
+            evaluator,
+            phase_loop,
+            ..
         } = self.subject;
         let held = (self.ensembles.take()).filter(|held| held.after.samples() == samples);
         let held = match held {
@@ -46,11 +49,11 @@ impl<'a> Departures<'a> {
         };
         let Ensembles { before, after } = self.ensembles.insert(held);
         match before {
-            Some(before) => after.advance_from(map, h, |first, block| {
+            Some(before) => evaluator.advance_from(after, h, |first, block| {
                 copy_samples(before, first, block);
                 Ok(())
             })?,
-            None => after.advance_from(map, h, |first, block| {
+            None => evaluator.advance_from(after, h, |first, block| {
                 sample_block(phase_loop, |k| k as f64 / samples as f64, first, block)
             })?,
         }
@@ -77,7 +80,7 @@ mod tests {
 
     use super::*;
     use crate::loops::{Circle, Loop};
-    use crate::map::PerSample;
+    use crate::map::{EvaluationCount, Evaluator, PerSample};
     use crate::state::Block;
     use crate::state::Coordinates;
 
@@ -106,6 +109,8 @@ mod tests {
             }
         });
         let circle = Circle::new(vec![0.1; DOF], vec![0.5; DOF], 1.0).unwrap();
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(&map, &count).unwrap();
         let coordinates = Coordinates::plain(DOF);
         // The last is too large to be kept, and no multiple of a block.
         for (samples, makings) in [(48, 1), (1024, 1), (15_001, 3)] {
@@ -113,7 +118,7 @@ mod tests {
             for threads in [1, 2] {
                 counted.1.store(0, Ordering::Relaxed);
                 let mut departures = Departures::new(Subject {
-                    map: &map,
+                    evaluator: &evaluator,
                     phase_loop: &counted,
                     coordinates: &coordinates,
                 });
@@ -138,9 +143,11 @@ mod tests {
     fn another_number_of_samples_is_another_ensemble() {
         let map = PerSample::new(1, |h, q: &mut [f64], p: &mut [f64]| q[0] += h * p[0]);
         let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(&map, &count).unwrap();
         let coordinates = Coordinates::plain(1);
         let mut departures = Departures::new(Subject {
-            map: &map,
+            evaluator: &evaluator,
             phase_loop: &circle,
             coordinates: &coordinates,
         });

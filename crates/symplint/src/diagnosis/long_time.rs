@@ -83,7 +83,12 @@ pub(super) fn follow(
         steps,
         snapshots: Vec::new(),
     };
-    let record = trace.run(probe.subject.map, probe.subject.phase_loop, None, &|_| {})?;
+    let record = trace.run_with(
+        probe.subject.evaluator,
+        probe.subject.phase_loop,
+        None,
+        &|_| {},
+    )?;
     let found = judge(h, &record.points[1..]);
     verdict.evidence.push(found.to_string());
     Ok(Some(found))

@@ -24,7 +24,7 @@ use crate::breaks::Break;
 use crate::error::Error;
 use crate::jacobian::JacobianReport;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::rules::Piecewise;
 use crate::rules::Rule;
 use crate::rules::Streaming;
@@ -201,14 +201,10 @@ impl Diagnostic {
         watch: &dyn Fn(Event<'_>),
     ) -> Result<Diagnosis, Error> {
         let largest = self.largest_step()?;
-        if map.dof() != phase_loop.dof() {
-            return Err(Error::DofMismatch {
-                map: map.dof(),
-                phase_loop: phase_loop.dof(),
-            });
-        }
-        survey::check(map, phase_loop, largest)?;
-        let coordinates = map.coordinates();
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(map, &count)?;
+        evaluator.check_dof(phase_loop.dof())?;
+        survey::check(&evaluator, phase_loop, largest)?;
         let mut study = Study {
             watch,
             points: Vec::new(),
@@ -217,9 +213,9 @@ impl Diagnostic {
             largest,
         };
         let subject = Subject {
-            map,
+            evaluator: &evaluator,
             phase_loop,
-            coordinates: &coordinates,
+            coordinates: evaluator.coordinates(),
         };
         let configured = self.resolve(0, subject, largest)?;
         let mut loops = vec![study.sweep_steps(&configured, &self.step_sizes)?];
@@ -249,12 +245,12 @@ impl Diagnostic {
         if self.loops > 1 && !loops[0].winds {
             loops.extend(self.try_winding(&mut study, subject)?);
         }
-        let deformation = survey::deformation(map, phase_loop, largest)?;
+        let deformation = survey::deformation(&evaluator, phase_loop, largest)?;
         let (mut verdict, fits) = judge(&loops, deformation);
         verdict
             .evidence
             .extend(study.regularity.and_then(|s| roughness(s, largest)));
-        survey::own_up(map, phase_loop, largest, &mut verdict);
+        survey::own_up(&evaluator, phase_loop, largest, &mut verdict);
         let long_time = match self.long_time {
             0 => None,
             steps => long_time::follow(&configured, largest, steps, &mut verdict)?,

@@ -19,7 +19,7 @@ impl<'a> Nested<'a> {
     pub fn new(subject: Subject<'a>, samples: usize, h: f64) -> Result<Self, Error> {
         let before = Ensemble::sample(subject.phase_loop, samples)?;
         let mut after = before.clone();
-        after.advance(subject.map, h)?;
+        subject.evaluator.advance(&mut after, h)?;
         Ok(Nested {
             subject,
             h,
@@ -35,8 +35,8 @@ impl<'a> Nested<'a> {
         let mut between = (Ensemble::sample_between(self.subject.phase_loop, samples))
             .map_err(Error::of_sample_between)?;
         self.before.interleave(&between);
-        between
-            .advance(self.subject.map, self.h)
+        (self.subject.evaluator)
+            .advance(&mut between, self.h)
             .map_err(Error::of_sample_between)?;
         self.after.interleave(&between);
         Ok(())
@@ -62,7 +62,7 @@ mod tests {
 
     use super::*;
     use crate::loops::Circle;
-    use crate::map::PerSample;
+    use crate::map::{EvaluationCount, Evaluator, PerSample};
     use crate::state::Coordinates;
 
     #[test]
@@ -76,8 +76,10 @@ mod tests {
             }
         });
         let circle = Circle::new(vec![0.1, 0.2, 0.3], vec![0.5; 3], 1.0).unwrap();
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(&map, &count).unwrap();
         let subject = Subject {
-            map: &map,
+            evaluator: &evaluator,
             phase_loop: &circle,
             coordinates: &Coordinates::plain(3),
         };
@@ -111,8 +113,10 @@ mod tests {
             }
         });
         let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(&map, &count).unwrap();
         let subject = Subject {
-            map: &map,
+            evaluator: &evaluator,
             phase_loop: &circle,
             coordinates: &Coordinates::plain(1),
         };

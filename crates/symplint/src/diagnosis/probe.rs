@@ -1,10 +1,10 @@
 //! One loop with a rule and a number of samples, ready to be advanced by any step size.
 
 use super::departures::Departures;
-use crate::breaks::{Break, find_break};
+use crate::breaks::{Break, find_break_with};
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::{StepFailure, TimeAdvance};
+use crate::map::{EvaluationCount, Evaluator, StepFailure, TimeAdvance};
 use crate::rules::Defect;
 use crate::rules::Streaming;
 use crate::rules::{LoopIntegral, Rule};
@@ -17,7 +17,7 @@ use crate::verdict::Closing;
 /// What is under test: a map and a loop to send through it.
 #[derive(Clone, Copy)]
 pub(super) struct Subject<'a> {
-    pub map: &'a dyn TimeAdvance,
+    pub evaluator: &'a Evaluator<'a>,
     pub phase_loop: &'a dyn Loop,
     pub coordinates: &'a Coordinates,
 }
@@ -111,6 +111,8 @@ impl<'a> Probe<'a> {
         before: &Ensemble,
     ) -> Result<Self, Error> {
         let rest = Identity(subject.coordinates);
+        let unmoved = EvaluationCount::unlimited();
+        let rest = Evaluator::new(&rest, &unmoved)?;
         let pieces = rule.integrate_beside(&rest, subject.phase_loop, 1.0, Some(before))?;
         let mut initial = pieces.continuous;
         own_up(&mut initial, before, subject.coordinates, false)?;
@@ -205,11 +207,11 @@ impl<'a> Probe<'a> {
     /// A break, if advanced samples lead to one.
     fn find_break(&self, after: &Ensemble, h: f64) -> Result<Option<Break>, Error> {
         let Subject {
-            map,
+            evaluator,
             phase_loop,
-            coordinates,
+            ..
         } = self.subject;
-        let found = find_break(map, phase_loop, h, after, coordinates)?;
+        let found = find_break_with(evaluator, phase_loop, h, after)?;
         Ok(found.filter(|found| is_substantial(found, after)))
     }
 
@@ -250,11 +252,11 @@ impl<'a> Probe<'a> {
         h: f64,
     ) -> Result<Measured, Error> {
         let Subject {
-            map,
+            evaluator,
             phase_loop,
             coordinates,
         } = self.subject;
-        let pieces = rule.integrate_beside(map, phase_loop, h, Some(seen))?;
+        let pieces = rule.integrate_beside(evaluator, phase_loop, h, Some(seen))?;
         let closed = pieces.closed();
         let (samples, evaluations) = (pieces.nodes(), pieces.evaluations + seen.samples());
         let PiecewiseIntegral {

@@ -24,7 +24,7 @@ pub(super) fn opinion(
             ..all
         }
     };
-    let report = match test.run(subject.map, subject.phase_loop, h) {
+    let report = match test.run_with(subject.evaluator, subject.phase_loop, h) {
         Ok(report) => report,
         // It displaces states off the loop, where the map need not be defined.
         Err(error) => {

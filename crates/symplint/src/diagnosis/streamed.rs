@@ -34,7 +34,8 @@ impl Probe<'_> {
         samples: usize,
         h: f64,
     ) -> Result<Measured, Error> {
-        let found = rule.integrate(self.subject.map, self.subject.phase_loop, h, samples)?;
+        let found =
+            rule.integrate_with(self.subject.evaluator, self.subject.phase_loop, h, samples)?;
         Ok(Measured {
             defect: Defect::between(&self.initial, &found.integral)?,
             regularity: None,

@@ -8,7 +8,7 @@ use super::richardson::{self, Derivative, Neighbourhood, derivative};
 use super::{directions, noise, tangents};
 use crate::error::{BESIDE_THE_LOOP, Error, ON_THE_LOOP};
 use crate::loops::Loop;
-use crate::map::{TangentMap, TimeAdvance};
+use crate::map::Evaluator;
 use crate::signal::nearest;
 use crate::state::Ensemble;
 use crate::state::coordinate;
@@ -38,9 +38,7 @@ impl Task {
 
 /// One step of a map round places of a loop.
 pub(super) struct Lab<'a> {
-    map: &'a dyn TimeAdvance,
-    /// The map's tangent map, where it has one that can be trusted.
-    tangent: Option<&'a dyn TangentMap>,
+    pub evaluator: &'a Evaluator<'a>,
     pub method: JacobianMethod,
     pub h: f64,
     pub frame: Frame,
@@ -66,14 +64,12 @@ struct Displaced<'d> {
 impl<'a> Lab<'a> {
     /// Samples the loop, measures the noise of the map, and checks its tangent map.
     pub fn new(
-        map: &'a dyn TimeAdvance,
+        evaluator: &'a Evaluator<'a>,
         phase_loop: &dyn Loop,
         h: f64,
         places: Vec<f64>,
         seed: u64,
     ) -> Result<Self, Error> {
-        let coordinates = map.coordinates();
-        Error::check_length("coordinates of the map", map.dof(), coordinates.dof())?;
         let dof = phase_loop.dof();
         Ensemble::check_size(dof, places.len())?;
         let mut before = Ensemble::zeros(dof, places.len());
@@ -83,11 +79,10 @@ impl<'a> Lab<'a> {
         (before.check_finite(None))
             .map_err(|error| error.on_the_way(|k| (places[k], ON_THE_LOOP)))?;
         let mut lab = Lab {
-            map,
-            tangent: None,
+            evaluator,
             method: JacobianMethod::CentralDifferences { rejected: None },
             h,
-            frame: Frame::new(phase_loop, &coordinates)?,
+            frame: Frame::new(phase_loop, evaluator.coordinates())?,
             before,
             after: Vec::with_capacity(places.len()),
             noise: Vec::with_capacity(places.len()),
@@ -96,12 +91,11 @@ impl<'a> Lab<'a> {
         };
         let direction = directions::of_noise(dof, seed);
         lab.measure_noise(&direction)?;
-        if let Some(tangent) = map.tangent() {
-            lab.method = match lab.doubt(tangent, &direction)? {
+        if evaluator.has_tangent() {
+            lab.method = match lab.doubt(&direction)? {
                 None => JacobianMethod::TangentMap,
                 rejected => JacobianMethod::CentralDifferences { rejected },
             };
-            lab.tangent = Some(tangent).filter(|_| lab.method == JacobianMethod::TangentMap);
         }
         Ok(lab)
     }
@@ -193,16 +187,16 @@ impl<'a> Lab<'a> {
         });
         let at =
             |error: Error| error.on_the_way(|k| (self.places[displaced[k].place], BESIDE_THE_LOOP));
-        states.advance(self.map, self.h).map_err(at)?;
+        self.evaluator.advance(&mut states, self.h).map_err(at)?;
         self.evaluations += displaced.len();
         Ok(states)
     }
 
     /// The derivatives of the step along the directions of each task, all evaluated as one ensemble.
     pub fn derivatives(&mut self, tasks: &[Task]) -> Result<Vec<Vec<Derivative>>, Error> {
-        match self.tangent {
-            Some(tangent) => self.tangent_derivatives(tangent, tasks),
-            None => self.differences(tasks),
+        match self.method {
+            JacobianMethod::TangentMap => self.tangent_derivatives(tasks),
+            JacobianMethod::CentralDifferences { .. } => self.differences(tasks),
         }
     }
 

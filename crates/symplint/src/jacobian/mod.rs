@@ -29,7 +29,7 @@ pub use report::{Doubt, JacobianPoint, JacobianReport, JacobianVerdict, TangentD
 
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use frame::{Estimate, Frame};
 use lab::{Lab, Task};
 use locate::locate;
@@ -110,10 +110,22 @@ impl JacobianTest {
         phase_loop: &dyn Loop,
         h: f64,
     ) -> Result<JacobianReport, Error> {
-        self.check(map, phase_loop, h)?;
-        let dof = map.dof();
+        let count = EvaluationCount::unlimited();
+        self.run_with(&Evaluator::new(map, &count)?, phase_loop, h)
+    }
+
+    /// The same with the evaluations counted by `evaluator`.
+    pub(crate) fn run_with(
+        &self,
+        evaluator: &Evaluator<'_>,
+        phase_loop: &dyn Loop,
+        h: f64,
+    ) -> Result<JacobianReport, Error> {
+        evaluator.check_dof(phase_loop.dof())?;
+        self.check(h)?;
+        let dof = evaluator.dof();
         let full = dof <= self.full_up_to;
-        let mut lab = Lab::new(map, phase_loop, h, places(self.points), self.seed)?;
+        let mut lab = Lab::new(evaluator, phase_loop, h, places(self.points), self.seed)?;
         let task = |(place, pair): (usize, usize)| Task {
             place,
             directions: if full {
@@ -202,13 +214,7 @@ impl JacobianTest {
         }))
     }
 
-    fn check(&self, map: &dyn TimeAdvance, phase_loop: &dyn Loop, h: f64) -> Result<(), Error> {
-        if map.dof() != phase_loop.dof() {
-            return Err(Error::DofMismatch {
-                map: map.dof(),
-                phase_loop: phase_loop.dof(),
-            });
-        }
+    fn check(&self, h: f64) -> Result<(), Error> {
         if !h.is_finite() || h == 0.0 {
             return Err(Error::OutOfRange {
                 what: "step size",

@@ -7,7 +7,6 @@ use super::lab::{Lab, Task};
 use super::method::TangentDoubt;
 use super::tangents::TRIALS;
 use crate::error::Error;
-use crate::map::TangentMap;
 use crate::signal::nearest;
 use crate::state::coordinate;
 
@@ -19,11 +18,7 @@ impl Lab<'_> {
     ///
     /// Points at which differences do not converge do not count: a kink that is nearer than they reach
     /// leaves the derivative as it is.
-    pub(super) fn doubt(
-        &mut self,
-        tangent: &dyn TangentMap,
-        direction: &[f64],
-    ) -> Result<Option<TangentDoubt>, Error> {
+    pub(super) fn doubt(&mut self, direction: &[f64]) -> Result<Option<TangentDoubt>, Error> {
         let task = |place| Task {
             place,
             directions: vec![direction.to_vec()],
@@ -33,7 +28,7 @@ impl Lab<'_> {
         for first in places.clone().step_by(self.tasks_in_a_batch(1)) {
             let batch = first..(first + self.tasks_in_a_batch(1)).min(places.end);
             let tasks: Vec<Task> = batch.clone().map(task).collect();
-            let images = self.tangent_images(tangent, &tasks)?;
+            let images = self.tangent_images(&tasks)?;
             let differences = self.differences(&tasks)?;
             for (k, (place, by_differences)) in batch.zip(&differences).enumerate() {
                 let s = self.places[place];

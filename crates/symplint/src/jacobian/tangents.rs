@@ -11,7 +11,6 @@ use rayon::prelude::*;
 use super::lab::{Lab, Task};
 use super::richardson::{Derivative, UNRESOLVED};
 use crate::error::{BESIDE_THE_LOOP, Error};
-use crate::map::TangentMap;
 use crate::signal::unit;
 use crate::state::Block;
 use crate::state::Ensemble;
@@ -57,11 +56,7 @@ pub(super) struct Images {
 
 impl Lab<'_> {
     /// Advances every trial of every direction of the tasks, in this order.
-    pub(super) fn tangent_images(
-        &mut self,
-        map: &dyn TangentMap,
-        tasks: &[Task],
-    ) -> Result<Images, Error> {
+    pub(super) fn tangent_images(&mut self, tasks: &[Task]) -> Result<Images, Error> {
         let trials: Vec<Trial<'_>> = (tasks.iter())
             .flat_map(|task| task.directions.iter().map(|d| (task.place, d)))
             .flat_map(|(place, direction)| {
@@ -77,23 +72,12 @@ impl Lab<'_> {
         let mut states = Ensemble::zeros(dof, trials.len());
         let mut tangents = Ensemble::zeros(dof, trials.len());
         let nudges = nudges(2 * dof);
-        let width = Ensemble::block_width(dof);
-        let blocks = states.blocks().into_par_iter().zip(tangents.blocks());
-        let each = blocks.zip(trials.par_chunks(width)).enumerate();
-        let results: Vec<Result<(), Error>> = each
-            .map(|(b, ((mut states, mut tangents), trials))| {
-                self.fill(&mut states, &mut tangents, trials, &nudges);
-                let advanced = map.advance_tangents(self.h, &mut states, &mut tangents);
-                advanced.map_err(|failure| Error::StepFailed {
-                    sample: b * width + failure.sample,
-                    step_size: self.h,
-                    reason: failure.reason,
-                })
-            })
-            .collect();
-        // The first error in the order of the blocks, on any number of threads.
-        let done: Result<(), Error> = results.into_iter().collect();
-        done.and_then(|()| states.check_finite(Some(self.h)))
+        let fill = |first: usize, states: &mut Block<'_>, tangents: &mut Block<'_>| {
+            let trials = &trials[first..first + states.len()];
+            self.fill(states, tangents, trials, &nudges);
+        };
+        (self.evaluator)
+            .advance_tangents(&mut states, &mut tangents, self.h, fill)
             .map_err(|error| {
                 error.on_the_way(|k| (self.places[trials[k].place], BESIDE_THE_LOOP))
             })?;
@@ -127,10 +111,9 @@ impl Lab<'_> {
     /// The derivatives of the step along the directions of each task, by the tangent map.
     pub(super) fn tangent_derivatives(
         &mut self,
-        map: &dyn TangentMap,
         tasks: &[Task],
     ) -> Result<Vec<Vec<Derivative>>, Error> {
-        let images = self.tangent_images(map, tasks)?;
+        let images = self.tangent_images(tasks)?;
         let starts = Task::starts(tasks, TRIALS);
         let of_task = |(task, &start): (&Task, &usize)| {
             let of_direction = |k: usize| self.tangent_derivative(&images, start + k * TRIALS);

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::Evaluator;
 use crate::state::Coordinates;
 use crate::state::Ensemble;
 
@@ -41,17 +41,17 @@ pub(crate) fn winds(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<
 ///
 /// A translation deforms nothing, and no defect can come of it.
 pub(crate) fn deformation(
-    map: &dyn TimeAdvance,
+    evaluator: &Evaluator<'_>,
     phase_loop: &dyn Loop,
     h: f64,
 ) -> Result<f64, Error> {
     const SAMPLES: usize = 32;
-    let coordinates = map.coordinates();
+    let coordinates = evaluator.coordinates();
     let dof = phase_loop.dof();
     let mut motions = vec![[Motion::default(); 2]; dof];
     Ensemble::in_parts(phase_loop, SAMPLES, |before| {
         let mut after = before.clone();
-        after.advance(map, h)?;
+        evaluator.advance(&mut after, h)?;
         for (i, [of_q, of_p]) in motions.iter_mut().enumerate() {
             of_q.add(before.q().row(i), after.q().row(i), coordinates.period(i));
             of_p.add(before.p().row(i), after.p().row(i), 0.0);

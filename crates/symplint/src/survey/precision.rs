@@ -3,7 +3,7 @@
 //! Such a map is symplectic to its rounding at best, and nobody would think of that from a verdict of few digits.
 
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::Evaluator;
 use crate::state::Ensemble;
 use crate::verdict::{Verdict, VerdictKind};
 
@@ -75,13 +75,18 @@ fn has_digits(value: f64, digits: usize) -> bool {
 /// that: few digits before the step may make few after it.
 ///
 /// A map that fails at one of the samples looked at, which need not be those of the verdict, is not accused.
-pub(crate) fn own_up(map: &dyn TimeAdvance, phase_loop: &dyn Loop, h: f64, verdict: &mut Verdict) {
+pub(crate) fn own_up(
+    evaluator: &Evaluator<'_>,
+    phase_loop: &dyn Loop,
+    h: f64,
+    verdict: &mut Verdict,
+) {
     const SAMPLES: usize = 64;
     let dof = phase_loop.dof();
     let mut digits = vec![[Digits::default(); 4]; dof];
     let looked = Ensemble::in_parts(phase_loop, SAMPLES, |before| {
         let mut after = before.clone();
-        after.advance(map, h)?;
+        evaluator.advance(&mut after, h)?;
         for (i, digits) in digits.iter_mut().enumerate() {
             let rows = [
                 before.q().row(i),

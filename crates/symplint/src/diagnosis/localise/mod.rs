@@ -89,11 +89,11 @@ impl Diagnostic {
                 ..subject
             }
         };
-        let (samples, rule) = (evidence.samples, self.affordable(subject.map.dof()));
+        let (samples, rule) = (evidence.samples, self.affordable(subject.evaluator.dof()));
         let method = match self.rule {
             _ if evidence.piecewise => Method::Piecewise(rule, samples),
             RuleChoice::Fixed(rule) => Method::Samples(rule, samples),
-            RuleChoice::Auto if fits(subject.map.dof(), samples) => {
+            RuleChoice::Auto if fits(subject.evaluator.dof(), samples) => {
                 Method::Samples(Rule::Pseudospectral, samples)
             }
             _ => Method::Streaming(self.streaming, samples),
@@ -101,7 +101,7 @@ impl Diagnostic {
         Ok(Localisation {
             loop_index: evidence.index,
             step_size: h,
-            stages: match subject.map.substeps() {
+            stages: match subject.evaluator.substeps() {
                 1 => Vec::new(),
                 _ => stages::stages(subject, method, h)?,
             },

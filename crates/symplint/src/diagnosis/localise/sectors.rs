@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::super::probe::{Identity, Subject};
 use crate::error::Error;
 use crate::loops::Loop;
+use crate::map::{EvaluationCount, Evaluator};
 use crate::rules::Piecewise;
 use crate::state::Block;
 use crate::state::Ensemble;
@@ -78,6 +79,8 @@ pub(super) fn sectors(
         ..*rule
     };
     let rest = Identity(subject.coordinates);
+    let unmoved = EvaluationCount::unlimited();
+    let rest = Evaluator::new(&rest, &unmoved)?;
     let edge = |k: usize| k as f64 / SECTORS as f64;
     let mut whole = 0.0;
     let mut sectors = Vec::with_capacity(SECTORS);
@@ -88,8 +91,10 @@ pub(super) fn sectors(
             from: edge(k),
             to: edge(k + 1),
         };
-        let before = rule.integrate(&rest, &boundary, h)?.continuous;
-        let after = rule.integrate(subject.map, &boundary, h)?.closed();
+        let before = rule.integrate_beside(&rest, &boundary, h, None)?.continuous;
+        let after = rule
+            .integrate_beside(subject.evaluator, &boundary, h, None)?
+            .closed();
         whole += before.value;
         let errors = before.quadrature_error.zip(after.quadrature_error);
         sectors.push(Sector {
@@ -160,8 +165,10 @@ mod tests {
             );
         });
         let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(&map, &count).unwrap();
         let subject = Subject {
-            map: &map,
+            evaluator: &evaluator,
             phase_loop: &circle,
             coordinates: &Coordinates::plain(1),
         };

@@ -4,10 +4,7 @@ use serde::Serialize;
 
 use super::super::probe::{Method, Probe, Subject};
 use crate::error::Error;
-use crate::map::{StepFailure, TimeAdvance};
 use crate::rules::Defect;
-use crate::state::Block;
-use crate::state::Coordinates;
 use crate::verdict::BEYOND_DOUBT;
 
 /// What one substep of the map does to the loop.
@@ -27,38 +24,6 @@ pub struct Stage {
     pub new_breaks: usize,
 }
 
-/// The first substeps of a map, as a map.
-struct Prefix<'a> {
-    map: &'a dyn TimeAdvance,
-    substeps: usize,
-}
-
-impl TimeAdvance for Prefix<'_> {
-    fn dof(&self) -> usize {
-        self.map.dof()
-    }
-    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
-        (0..self.substeps).try_for_each(|k| self.map.advance_substep(k, h, block))
-    }
-    fn substeps(&self) -> usize {
-        self.substeps
-    }
-    fn advance_substep(
-        &self,
-        substep: usize,
-        h: f64,
-        block: &mut Block<'_>,
-    ) -> Result<(), StepFailure> {
-        self.map.advance_substep(substep, h, block)
-    }
-    fn substep_name(&self, substep: usize) -> String {
-        self.map.substep_name(substep)
-    }
-    fn coordinates(&self) -> Coordinates {
-        self.map.coordinates()
-    }
-}
-
 /// Breaks nearer than this part of the loop are one: a later substep moves states, and no parameter. Twice
 /// the cell that a break is located to, with room for the rounding of its ends.
 const SAME_PLACE: f64 = 5e-14;
@@ -73,17 +38,14 @@ fn same_place(a: f64, b: f64) -> bool {
 pub(super) fn stages(subject: Subject<'_>, method: Method, h: f64) -> Result<Vec<Stage>, Error> {
     let mut before: Option<Defect> = None;
     let mut broken_at: Vec<f64> = Vec::new();
-    (0..subject.map.substeps())
+    (0..subject.evaluator.substeps())
         .map(|substep| {
-            let prefix = Prefix {
-                map: subject.map,
-                substeps: substep + 1,
-            };
+            let prefix = subject.evaluator.prefix(substep + 1);
             let subject = Subject {
-                map: &prefix,
+                evaluator: &prefix,
                 ..subject
             };
-            let name = subject.map.substep_name(substep);
+            let name = subject.evaluator.substep_name(substep);
             let measured = Probe::new(0, subject, method)?.measure(h)?;
             let defect = measured.closing.map_or(measured.defect, |c| c.closed);
             let places: Vec<f64> = measured.breaks.iter().map(|found| found.s).collect();

@@ -12,7 +12,7 @@ mod window;
 use crate::breaks::{Break, Suspect, follow_up, most_outstanding};
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::rules::LoopIntegral;
 use crate::signal::CompensatedSum;
 use crate::state::Coordinates;
@@ -98,21 +98,28 @@ impl Streaming {
         h: f64,
         samples: usize,
     ) -> Result<StreamingIntegral, Error> {
-        if map.dof() != phase_loop.dof() {
-            return Err(Error::DofMismatch {
-                map: map.dof(),
-                phase_loop: phase_loop.dof(),
-            });
-        }
-        let coordinates = map.coordinates();
+        let count = EvaluationCount::unlimited();
+        self.integrate_with(&Evaluator::new(map, &count)?, phase_loop, h, samples)
+    }
+
+    /// The same with the evaluations counted by `evaluator`.
+    pub(crate) fn integrate_with(
+        &self,
+        evaluator: &Evaluator<'_>,
+        phase_loop: &dyn Loop,
+        h: f64,
+        samples: usize,
+    ) -> Result<StreamingIntegral, Error> {
+        evaluator.check_dof(phase_loop.dof())?;
+        let coordinates = evaluator.coordinates();
         let source = Source {
             phase_loop,
             samples,
-            step: Some((map, h)),
+            step: Some((evaluator, h)),
         };
-        let turn = self.turn(&source, &coordinates)?;
+        let turn = self.turn(&source, coordinates)?;
         // Between the samples only as many states are needed: the window is gone.
-        let found = follow_up(map, phase_loop, h, &turn.suspects, samples, &coordinates)?;
+        let found = follow_up(evaluator, phase_loop, h, &turn.suspects, samples)?;
         let is_substantial = |found: &Break| {
             let of_found = turn.suspects.iter().zip(&turn.ranges);
             let mut ranges = of_found.filter(|(suspect, _)| suspect.dof == found.dof);
