@@ -64,8 +64,7 @@ pub use diagnosis::{
 };
 pub use error::Error;
 pub use jacobian::{
-    Agreement, Doubt, JacobianMethod, JacobianPoint, JacobianReport, JacobianTest, JacobianVerdict,
-    SecondOpinion, TangentDefect, TangentDoubt,
+    JacobianEvidence, JacobianMethod, JacobianPoint, JacobianTest, TangentDefect, TangentRejection,
 };
 pub use loops::{Circle, FourierLoop, Loop, SampledLoop};
 pub use map::{PerSample, StepFailure, TangentMap, TimeAdvance};
@@ -77,4 +76,7 @@ pub use signal::unwrap_row;
 pub use snapshots::{Snapshot, measure};
 pub use state::{Block, Coordinates, Ensemble, Rows, RowsMut, scratch};
 pub use trace::{Observable, Orbit, Trace, TracePoint, TraceRecord};
-pub use verdict::{Closing, Fit, LoopEvidence, StepEvidence, Verdict, VerdictKind, judge};
+pub use verdict::{
+    Agreement, Closing, Fit, Inconclusive, JacobianFinding, JacobianVerdict, LoopEvidence,
+    StepEvidence, Verdict, VerdictKind, compare_jacobian, judge, judge_jacobian,
+};

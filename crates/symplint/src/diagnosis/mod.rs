@@ -22,7 +22,7 @@ use serde::Serialize;
 
 use crate::breaks::Break;
 use crate::error::Error;
-use crate::jacobian::JacobianReport;
+use crate::jacobian::JacobianEvidence;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::rules::Piecewise;
@@ -171,7 +171,7 @@ pub struct Diagnosis {
     /// Which substep and which part of the loop the defect comes from, if there is one.
     pub localisation: Option<Localisation>,
     /// What the Jacobian of the largest step says at points of the given loop, where it was asked.
-    pub jacobian: Option<JacobianReport>,
+    pub jacobian: Option<JacobianEvidence>,
 }
 
 impl Diagnostic {

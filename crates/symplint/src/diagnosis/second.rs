@@ -1,8 +1,8 @@
 //! The Jacobian's opinion beside that of the loops.
 
 use super::probe::Subject;
-use crate::jacobian::{JacobianReport, JacobianTest, JacobianVerdict};
-use crate::verdict::{Verdict, VerdictKind};
+use crate::jacobian::{JacobianEvidence, JacobianTest};
+use crate::verdict::{JacobianVerdict, Verdict, VerdictKind, compare_jacobian};
 
 /// Degrees of freedom from which fewer points and pairs have to do.
 const MANY: usize = 256;
@@ -13,7 +13,7 @@ pub(super) fn opinion(
     subject: &Subject<'_>,
     h: f64,
     verdict: &mut Verdict,
-) -> Option<JacobianReport> {
+) -> Option<JacobianEvidence> {
     let all = JacobianTest::default();
     let test = if subject.phase_loop.dof() < MANY {
         all
@@ -24,8 +24,8 @@ pub(super) fn opinion(
             ..all
         }
     };
-    let report = match test.run_with(subject.evaluator, subject.phase_loop, h) {
-        Ok(report) => report,
+    let evidence = match test.run_with(subject.evaluator, subject.phase_loop, h) {
+        Ok(evidence) => evidence,
         // It displaces states off the loop, where the map need not be defined.
         Err(error) => {
             let line = format!("The Jacobian test could not be made: {error}.");
@@ -33,9 +33,9 @@ pub(super) fn opinion(
             return None;
         }
     };
-    let opinion = report.compare(verdict);
-    verdict.evidence.push(opinion.text);
-    let refuted = matches!(report.verdict, JacobianVerdict::NotSymplectic { .. });
+    let finding = compare_jacobian(&evidence, verdict.kind, verdict.digits);
+    verdict.evidence.push(finding.to_string());
+    let refuted = matches!(finding.verdict, JacobianVerdict::NotSymplectic { .. });
     if verdict.kind == VerdictKind::Symplectic && refuted {
         *verdict = Verdict {
             kind: VerdictKind::Undecided,
@@ -49,7 +49,7 @@ pub(super) fn opinion(
             ..verdict.clone()
         };
     }
-    Some(report)
+    Some(evidence)
 }
 
 #[cfg(test)]

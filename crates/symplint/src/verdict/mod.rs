@@ -6,11 +6,15 @@
 //! that were tried.
 
 mod fit;
+mod jacobian;
 mod judge;
 mod words;
 
 pub use fit::Fit;
 pub(crate) use fit::fit_order;
+pub use jacobian::{
+    Agreement, Inconclusive, JacobianFinding, JacobianVerdict, compare_jacobian, judge_jacobian,
+};
 pub use judge::judge;
 pub(crate) use judge::{LEAST_DEFORMATION, SMALL, TREND};
 pub(crate) use words::{capitalised, short, size};
