@@ -314,7 +314,7 @@ fn verdicts_on_given_maps() {
     let verdict = |map: &dyn TimeAdvance, q0: f64, radius: f64| {
         let circle = Circle::new(vec![q0], vec![0.1], radius).unwrap();
         let diagnosis = Diagnostic::halving(0, -5)
-            .run(map, &circle, &|_| {})
+            .run(map, &circle)
             .unwrap();
         (diagnosis.verdict.kind, diagnosis.verdict.order)
     };
