@@ -18,7 +18,7 @@ fn a_broken_loop_whose_defect_has_no_trend_has_no_order() {
         p[0] *= 0.9;
     });
     let circle = Circle::new(vec![0.1], vec![0.2], 1.0).unwrap();
-    let diagnosis = (Diagnostic::halving(-4, -8).run(&map, &circle, &|_| {})).unwrap();
+    let diagnosis = (Diagnostic::halving(-4, -8).run(&map, &circle)).unwrap();
     assert_eq!(diagnosis.verdict.kind, VerdictKind::BrokenLoops);
     assert_eq!(diagnosis.verdict.order, None, "{:?}", diagnosis.fits);
 }

@@ -225,7 +225,7 @@ pub fn check(theme: &str, cases: &[Case]) {
     for case in cases {
         let started = std::time::Instant::now();
         let phase_loop = &*case.on.phase_loop;
-        let verdict = match case.diagnostic.run(&*case.map, phase_loop, &|_| {}) {
+        let verdict = match case.diagnostic.run(&*case.map, phase_loop) {
             Ok(diagnosis) => diagnosis.verdict,
             Err(error) => {
                 let title = case.title();

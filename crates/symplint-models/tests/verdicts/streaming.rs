@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use symplint::{
-    Block, Diagnostic, PerSample, RuleChoice, SampleCount, StepFailure, TimeAdvance, VerdictKind,
+    Block, Diagnostic, PerSample, Rule, SampleCount, StepFailure, TimeAdvance, VerdictKind,
 };
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::build;
@@ -13,7 +13,7 @@ use crate::{circle, diagnose};
 
 fn streaming() -> Diagnostic {
     Diagnostic {
-        rule: RuleChoice::Streaming,
+        rule: Rule::Streaming(Streaming::default()),
         ..Diagnostic::halving(-1, -7)
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use symplint::{
-    Block, Coordinates, Diagnostic, RuleChoice, SampleCount, StepFailure, TimeAdvance, VerdictKind,
+    Block, Coordinates, Diagnostic, Rule, SampleCount, StepFailure, TimeAdvance, VerdictKind,
 };
 
 use symplint_models::discrete::StandardMap;
@@ -41,7 +41,7 @@ fn wrapped_positions_need_their_period() {
     let silent = Wrapping {
         coordinates: Coordinates::plain(1),
     };
-    for rule in [RuleChoice::Auto, RuleChoice::Streaming] {
+    for rule in [Rule::Auto, Rule::Streaming(Streaming::default())] {
         let diagnostic = Diagnostic {
             rule,
             ..Diagnostic::default()

@@ -9,7 +9,7 @@ mod suspects;
 
 pub(crate) use suspects::{Coordinate, Roughness, Suspect, most_outstanding};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::loops::Loop;
@@ -19,7 +19,7 @@ use crate::state::Ensemble;
 
 /// A place where an advanced loop is discontinuous, in the degree of freedom
 /// that led to it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Break {
     /// Where: the loop parameter in [0, 1).
     pub s: f64,

@@ -49,11 +49,6 @@ impl EvaluationCount {
         self.made.load(Ordering::Relaxed)
     }
 
-    /// Evaluations that may be made.
-    pub fn budget(&self) -> usize {
-        self.budget
-    }
-
     /// Evaluations that may still be made.
     pub fn left(&self) -> usize {
         self.budget.saturating_sub(self.made())

@@ -1,17 +1,10 @@
 //! Whether a map is a map: the same state must come of the same state, whatever was advanced before
 //! or beside it.
 
-use crate::diagnosis::{SMALL, fits};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::Evaluator;
 use crate::state::Ensemble;
-
-/// Samples that are tried.
-const SAMPLES: usize = 16;
-
-/// Samples that are tried where those would take much memory.
-const SAMPLES_OF_MANY: usize = 4;
 
 /// Differences below this many roundings are another order of the same arithmetic: vector instructions and
 /// their remainders need not agree to the last bit.
@@ -22,11 +15,12 @@ const ROUNDINGS: f64 = 256.0;
 /// # Errors
 /// [`Error::Memory`] where a sample comes out differently, and those of a map that fails where it did not
 /// before. One that fails at once is left to the measurement.
-pub(crate) fn check(evaluator: &Evaluator<'_>, phase_loop: &dyn Loop, h: f64) -> Result<(), Error> {
-    let samples = match fits(phase_loop.dof(), SMALL) {
-        true => SAMPLES,
-        false => SAMPLES_OF_MANY,
-    };
+pub(crate) fn check_purity(
+    evaluator: &Evaluator<'_>,
+    phase_loop: &dyn Loop,
+    h: f64,
+    samples: usize,
+) -> Result<(), Error> {
     // Off any symmetry of the loop.
     let s: Vec<f64> = (0..samples)
         .map(|k| (k as f64 + 0.31) / samples as f64)
@@ -88,10 +82,11 @@ mod tests {
     fn verdict(map: &dyn TimeAdvance) -> Result<(), Error> {
         let count = EvaluationCount::unlimited();
         let evaluator = Evaluator::new(map, &count)?;
-        check(
+        check_purity(
             &evaluator,
             &Circle::new(vec![0.3], vec![0.5], 1.0).unwrap(),
             0.25,
+            16,
         )
     }
 

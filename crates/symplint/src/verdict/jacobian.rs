@@ -4,8 +4,10 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::words::short;
-use super::{BEYOND_DOUBT, LEAST_DEFORMATION, UNEXPLAINED, VerdictKind, WEAKEST_BOUND};
+use super::VerdictKind;
+use super::number::{short, size};
+use super::thresholds::LEAST_DEFORMATION;
+use crate::evidence::{SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
 use crate::jacobian::{JacobianEvidence, JacobianMethod, TangentDefect, TangentRejection};
 
 /// The answer of a Jacobian test alone.
@@ -120,7 +122,7 @@ pub fn judge_jacobian(evidence: &JacobianEvidence) -> JacobianVerdict {
     let exceeds = |times: f64| {
         worst.magnitude() > (evidence.method.least_defect()).max(times * worst.uncertainty)
     };
-    if exceeds(BEYOND_DOUBT) {
+    if exceeds(SIGNIFICANT) {
         return JacobianVerdict::NotSymplectic { worst };
     }
     if 2 * evidence.not_differentiable >= evidence.points.len() {
@@ -219,8 +221,11 @@ impl fmt::Display for JacobianFinding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "At h = {:?} the Jacobian is {} ({}). {}",
-            self.step_size, self.verdict, self.method, self.agreement
+            "At h = {} the Jacobian is {} ({}). {}",
+            size(self.step_size),
+            self.verdict,
+            self.method,
+            self.agreement
         )?;
         match self.verdict {
             JacobianVerdict::Undecided {

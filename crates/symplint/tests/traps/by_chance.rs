@@ -54,7 +54,7 @@ fn diagnose(map: &dyn TimeAdvance, phase_loop: &dyn Loop) -> Diagnosis {
         loops: 4,
         ..Diagnostic::halving(-1, -5)
     };
-    diagnostic.run(map, phase_loop, &|_| {}).unwrap()
+    diagnostic.run(map, phase_loop).unwrap()
 }
 
 const WIDTHS: [f64; 5] = [1e-3, 3e-4, 1e-4, 3e-5, 1e-5];

@@ -15,6 +15,7 @@ mod chance;
 mod closure;
 mod curves;
 mod fit;
+mod integrator;
 mod lobatto;
 mod noise;
 mod path;
@@ -37,6 +38,7 @@ use chance::doubt_of_chance;
 use closure::{Chord, close};
 use curves::Curves;
 use fit::POINTS;
+pub(crate) use integrator::Identity;
 use piece::{Piece, Smooth};
 use places::doubt_of_places;
 use queue::Queue;
@@ -147,8 +149,13 @@ impl PiecewiseIntegral {
 }
 
 impl Piecewise {
-    /// The rule's name in configurations and reports.
-    pub const NAME: &'static str = "piecewise";
+    /// The same without a limit of evaluations: for the loop before the step, which costs none.
+    fn unlimited(&self) -> Self {
+        Piecewise {
+            most_evaluations: Piecewise::default().most_evaluations,
+            ..*self
+        }
+    }
 
     /// Integrates the loop that `map` makes of `phase_loop` in one step of size `h`.
     ///

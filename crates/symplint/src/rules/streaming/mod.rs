@@ -13,7 +13,7 @@ use crate::breaks::{Break, Suspect, follow_up, most_outstanding};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
-use crate::rules::LoopIntegral;
+use crate::rules::{Advanced, Defect, LoopIntegral, LoopIntegrator, RuleKind, Samples, Subject};
 use crate::signal::CompensatedSum;
 use crate::state::Coordinates;
 use row::{Row, WIDEST};
@@ -73,9 +73,6 @@ pub struct StreamingIntegral {
 }
 
 impl Streaming {
-    /// The rule's name in configurations and reports.
-    pub const NAME: &'static str = "streaming";
-
     /// The fewest neighbours on either side.
     pub const NARROWEST: usize = 8;
 
@@ -202,6 +199,43 @@ impl Streaming {
             });
         }
         Ok(())
+    }
+}
+
+impl LoopIntegrator for Streaming {
+    fn kind(&self) -> RuleKind {
+        RuleKind::Streaming
+    }
+
+    fn keeps_samples(&self) -> bool {
+        false
+    }
+
+    fn before(&self, subject: &Subject<'_>, samples: Samples<'_>) -> Result<LoopIntegral, Error> {
+        self.initial(subject.phase_loop, subject.coordinates(), samples.count())
+    }
+
+    fn after(
+        &self,
+        subject: &Subject<'_>,
+        h: f64,
+        samples: Samples<'_>,
+        initial: &LoopIntegral,
+    ) -> Result<Advanced, Error> {
+        let Subject {
+            evaluator,
+            phase_loop,
+        } = *subject;
+        let found = self.integrate_with(evaluator, phase_loop, h, samples.count())?;
+        Ok(Advanced {
+            defect: Defect::between(initial, &found.integral)?,
+            regularity: None,
+            integral: found.integral,
+            breaks: found.found.into_iter().collect(),
+            closed: None,
+            samples: samples.count(),
+            cells_apart: found.cells_apart,
+        })
     }
 }
 

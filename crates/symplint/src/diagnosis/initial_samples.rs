@@ -1,8 +1,8 @@
-//! The samples of a loop, from which step after step departs.
+//! The samples of a loop before the step, kept from one step size to the next.
 
-use super::probe::Subject;
 use crate::error::Error;
 use crate::loops::sample_block;
+use crate::rules::Subject;
 use crate::state::{Ensemble, copy_samples};
 
 /// Samples before the step are kept where they take no more than this.
@@ -12,7 +12,7 @@ const KEPT_BYTES: usize = 64 << 20;
 ///
 /// Samples are made once where they are kept. Larger ones would double the memory of a sweep: each block of
 /// them is made again just before it is advanced.
-pub(super) struct Departures<'a> {
+pub(super) struct InitialSamples<'a> {
     subject: Subject<'a>,
     ensembles: Option<Ensembles>,
 }
@@ -23,10 +23,10 @@ struct Ensembles {
     after: Ensemble,
 }
 
-impl<'a> Departures<'a> {
+impl<'a> InitialSamples<'a> {
     /// Takes no memory until there is a step.
     pub fn new(subject: Subject<'a>) -> Self {
-        Departures {
+        InitialSamples {
             subject,
             ensembles: None,
         }
@@ -40,7 +40,6 @@ impl<'a> Departures<'a> {
         let Subject {
             evaluator,
             phase_loop,
-            ..
         } = self.subject;
         let held = (self.ensembles.take()).filter(|held| held.after.samples() == samples);
         let held = match held {
@@ -82,7 +81,6 @@ mod tests {
     use crate::loops::{Circle, Loop};
     use crate::map::{EvaluationCount, Evaluator, PerSample};
     use crate::state::Block;
-    use crate::state::Coordinates;
 
     /// Counts the samples that are made.
     struct Counted(Circle, AtomicUsize);
@@ -111,21 +109,19 @@ mod tests {
         let circle = Circle::new(vec![0.1; DOF], vec![0.5; DOF], 1.0).unwrap();
         let count = EvaluationCount::unlimited();
         let evaluator = Evaluator::new(&map, &count).unwrap();
-        let coordinates = Coordinates::plain(DOF);
         // The last is too large to be kept, and no multiple of a block.
         for (samples, makings) in [(48, 1), (1024, 1), (15_001, 3)] {
             let counted = Counted(circle.clone(), AtomicUsize::new(0));
             for threads in [1, 2] {
                 counted.1.store(0, Ordering::Relaxed);
-                let mut departures = Departures::new(Subject {
+                let mut initial = InitialSamples::new(Subject {
                     evaluator: &evaluator,
                     phase_loop: &counted,
-                    coordinates: &coordinates,
                 });
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
                 pool.build().unwrap().install(|| {
                     for h in [0.5, 0.25, 0.5] {
-                        let after = departures.advanced(samples, h).unwrap();
+                        let after = initial.advanced(samples, h).unwrap();
                         let mut anew = Ensemble::sample(&circle, samples).unwrap();
                         anew.advance(&map, h).unwrap();
                         for i in 0..DOF {
@@ -145,18 +141,16 @@ mod tests {
         let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
         let count = EvaluationCount::unlimited();
         let evaluator = Evaluator::new(&map, &count).unwrap();
-        let coordinates = Coordinates::plain(1);
-        let mut departures = Departures::new(Subject {
+        let mut initial = InitialSamples::new(Subject {
             evaluator: &evaluator,
             phase_loop: &circle,
-            coordinates: &coordinates,
         });
         for samples in [32, 64, 32] {
-            let after = departures.advanced(samples, 0.5).unwrap();
+            let after = initial.advanced(samples, 0.5).unwrap();
             assert_eq!(after.samples(), samples);
         }
         assert!(matches!(
-            departures.advanced(2, 0.5),
+            initial.advanced(2, 0.5),
             Err(Error::TooFewSamples { samples: 2 })
         ));
     }
