@@ -225,12 +225,17 @@ fn the_degrees_of_freedom_that_carry_the_defect_are_named() {
 }
 
 #[test]
-fn the_cost_is_as_documented() {
-    let of = |dof| run(&pendula(dof, |_, _, _| {}), &circle(dof), 0.3).evaluations;
-    for dof in [1, 2, 8] {
-        assert_eq!(of(dof), 8 * (49 + 18 * 2 * dof));
+fn the_cost_is_known_beforehand() {
+    let test = JacobianTest::default();
+    for (dof, expected) in [
+        (1, 8 * (13 + 12 * 2)),
+        (2, 8 * (13 + 12 * 4)),
+        (8, 8 * (13 + 12 * 16)),
+        (9, 8 * (13 + 12 * 4)),
+    ] {
+        let made = run(&pendula(dof, |_, _, _| {}), &circle(dof), 0.3).evaluations;
+        assert_eq!((made, test.evaluations(dof, false)), (expected, expected));
     }
-    assert_eq!(of(9), 8 * (49 + 36 * 16));
 }
 
 /// Two masses on a spring, each carried by its velocity.
@@ -493,7 +498,7 @@ fn a_defect_that_a_symmetric_loop_hides_is_seen() {
         jacobian: false,
         ..Diagnostic::halving(-1, -4)
     };
-    let loops = diagnostic.run(&map, &centred, &|_| {}).unwrap().verdict;
+    let loops = diagnostic.run(&map, &centred).unwrap().verdict;
     assert_eq!(loops.kind, VerdictKind::Symplectic, "{loops}");
     let report = run(&map, &centred, 0.5);
     let worst = worst_of(&report);
@@ -545,7 +550,14 @@ fn bad_input_is_an_error() {
     }
     let none = [
         JacobianTest { points: 0, ..test },
-        JacobianTest { pairs: 0, ..test },
+        JacobianTest {
+            directions: 1,
+            ..test
+        },
+        JacobianTest {
+            budget: 8 * 37 - 1,
+            ..test
+        },
     ];
     for test in none {
         assert!(matches!(

@@ -2,7 +2,57 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::method::JacobianMethod;
+use super::constants::CONSTANTS;
+
+/// By which method a Jacobian test computes derivatives.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum JacobianMethod {
+    /// The map's own [`TangentMap`](crate::TangentMap), exact up to round-off, and found to agree with
+    /// central differences.
+    TangentMap,
+    /// Central differences, extrapolated.
+    CentralDifferences {
+        /// Why the tangent map is not used, where the map has one.
+        rejected: Option<TangentRejection>,
+    },
+}
+
+/// Why the tangent map of a map is not used.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "why")]
+pub enum TangentRejection {
+    /// It is not the derivative of the map: differences disagree.
+    WrongDerivative {
+        /// The loop parameter of the point.
+        s: f64,
+        /// The largest difference of a component, in units of the loop.
+        difference: f64,
+        /// What the uncertainty of both explains of it.
+        uncertainty: f64,
+    },
+    /// It does not advance states as the map does.
+    WrongState {
+        /// The loop parameter of the point.
+        s: f64,
+        /// The largest difference of a coordinate, in units of the loop.
+        difference: f64,
+    },
+    /// Differences converge at no point, so that there is nothing to compare with.
+    Unchecked,
+}
+
+impl JacobianMethod {
+    /// The smallest defect that derivatives of this method attribute to the map. Smaller ones can be noise of
+    /// the map that differences enlarge, or the residual of stages that are solved to round-off, which no
+    /// trial of a tangent map shows.
+    pub(crate) fn least_defect(self) -> f64 {
+        match self {
+            JacobianMethod::TangentMap => CONSTANTS.least_defect_of_tangents,
+            JacobianMethod::CentralDifferences { .. } => CONSTANTS.least_defect_of_differences,
+        }
+    }
+}
 
 /// The change of the symplectic form on two tangent vectors,
 /// (ω(DΦ u, DΦ v) − ω(u, v)) / (‖u‖ ‖v‖), with ‖u‖² = Σ |w_i| r_qi r_pi (x_i² + y_i²) for
@@ -37,9 +87,7 @@ impl TangentDefect {
     /// Whether it is larger than noise makes it, by derivatives of this method. It rules which of several
     /// defects is kept, and which one is traced to its degrees of freedom.
     pub(super) fn is_significant(&self, method: JacobianMethod) -> bool {
-        /// As the judge has it: a smaller one of many pairs may be chance.
-        const SIGNIFICANT: f64 = 10.0;
-        self.magnitude() > (method.least_defect()).max(SIGNIFICANT * self.uncertainty)
+        self.magnitude() > (method.least_defect()).max(CONSTANTS.significant * self.uncertainty)
     }
 
     /// The largest of the significant ones, or else of all; the first of equals.

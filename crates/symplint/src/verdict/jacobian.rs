@@ -170,7 +170,7 @@ impl JacobianEvidence {
 ///     q[0] += h * p[0];
 /// });
 /// let circle = Circle::new(vec![0.0], vec![0.0], 1.0)?;
-/// let loops = Diagnostic::halving(-1, -4).run(&map, &circle, &|_| {})?.verdict;
+/// let loops = Diagnostic::halving(-1, -4).run(&map, &circle)?.verdict;
 /// assert_eq!(loops.kind, VerdictKind::BrokenLoops);
 /// let evidence = JacobianTest::default().run(&map, &circle, 0.5)?;
 /// let finding = compare_jacobian(&evidence, loops.kind, loops.digits);
