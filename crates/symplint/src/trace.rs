@@ -36,7 +36,7 @@ pub struct Orbit<'a> {
 /// });
 /// let trace = Trace { rule: Rule::Pseudospectral, samples: 64, step_size: 0.1, steps: 100, snapshots: vec![] };
 /// let circle = Circle::new(vec![1.0], vec![0.0], 0.5)?;
-/// let record = trace.run(&spring, &circle, None, &|_| {})?;
+/// let record = trace.run(&spring, &circle, None)?;
 /// assert!(record.points.iter().all(|point| point.defect < 1e-13));
 /// # Ok::<(), symplint::Error>(())
 /// ```
@@ -87,12 +87,23 @@ pub struct TraceRecord {
 impl Trace {
     /// Advances the loop step by step, on the threads of the current Rayon pool.
     ///
-    /// `watch` is told of each point.
-    ///
     /// # Errors
     /// If map, loop and orbit do not fit, the step size is zero or not finite, the loop
     /// encloses no area, or the map fails or returns states that are not finite.
     pub fn run(
+        &self,
+        map: &dyn TimeAdvance,
+        phase_loop: &dyn Loop,
+        orbit: Option<Orbit<'_>>,
+    ) -> Result<TraceRecord, Error> {
+        self.run_watched(map, phase_loop, orbit, &|_| {})
+    }
+
+    /// The same; `watch` is told of each point.
+    ///
+    /// # Errors
+    /// Those of [`run`](Self::run).
+    pub fn run_watched(
         &self,
         map: &dyn TimeAdvance,
         phase_loop: &dyn Loop,

@@ -42,9 +42,7 @@ fn a_narrow_force_is_not_called_not_symplectic() {
             ("gauss", &gauss as &dyn TimeAdvance),
             ("tent", &tent as &dyn TimeAdvance),
         ] {
-            let found = Diagnostic::default()
-                .run(map, &circle(0.1, 0.2))
-                .unwrap();
+            let found = Diagnostic::default().run(map, &circle(0.1, 0.2)).unwrap();
             assert_ne!(
                 found.verdict.kind,
                 VerdictKind::NotSymplectic,
@@ -81,11 +79,9 @@ fn a_narrow_feature_of_the_loop_counts_before_the_step_as_after_it() {
         q[0] += h * p[0];
         p[0] -= h * if q[0] < 0.0 { -1.0 } else { 1.0 };
     });
-    let found = Diagnostic::default()
-        .run(&broken, &Bumped)
-        .unwrap();
+    let found = Diagnostic::default().run(&broken, &Bumped).unwrap();
     assert_eq!(found.verdict.kind, VerdictKind::BrokenLoops);
-    assert!(!found.verdict.summary.contains("change even with"));
+    assert!(!found.verdict.summary().contains("change even with"));
 }
 
 #[test]
@@ -520,7 +516,7 @@ fn maps_that_round_nothing_are_not_accused_of_it() {
     });
     let printed = symplint::SampledLoop::new(printed, &Coordinates::plain(2)).unwrap();
     let found = Diagnostic::default().run(&springs, &printed);
-    let evidence = found.unwrap().verdict.evidence.join(" ");
+    let evidence = found.unwrap().verdict.evidence().join(" ");
     assert!(!evidence.contains("rounds"), "{evidence}");
 }
 

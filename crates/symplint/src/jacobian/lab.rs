@@ -107,7 +107,9 @@ impl<'a> Lab<'a> {
 
     /// Largest noise of a coordinate at any place, in units of the frame.
     pub fn largest_noise(&self) -> f64 {
-        (self.noise.iter().flatten()).fold(0.0, |largest, noise| largest.max(*noise))
+        let largest =
+            (self.noise.iter().flatten()).fold(0.0_f64, |largest, noise| largest.max(*noise));
+        largest.min(f64::MAX)
     }
 
     /// How many tasks of so many directions fit into one batch.

@@ -4,7 +4,7 @@
 //! every point one tangent vector that moves all coordinates must come out as by differences.
 
 use super::lab::{Lab, Task};
-use super::method::TangentDoubt;
+use super::method::TangentRejection;
 use super::tangents::TRIALS;
 use crate::error::Error;
 use crate::signal::nearest;
@@ -18,7 +18,7 @@ impl Lab<'_> {
     ///
     /// Points at which differences do not converge do not count: a kink that is nearer than they reach
     /// leaves the derivative as it is.
-    pub(super) fn doubt(&mut self, direction: &[f64]) -> Result<Option<TangentDoubt>, Error> {
+    pub(super) fn doubt(&mut self, direction: &[f64]) -> Result<Option<TangentRejection>, Error> {
         let task = |place| Task {
             place,
             directions: vec![direction.to_vec()],
@@ -37,7 +37,7 @@ impl Lab<'_> {
                     let state = coordinate(&images.states, c)[k * TRIALS];
                     let off = nearest(state - after, period).abs() / size;
                     if off > self.noise[place][c] {
-                        return Ok(Some(TangentDoubt::OtherState { s, off }));
+                        return Ok(Some(TangentRejection::WrongState { s, difference: off }));
                     }
                 }
                 let by_tangent = self.tangent_derivative(&images, k * TRIALS);
@@ -50,15 +50,15 @@ impl Lab<'_> {
                     let off = (by_tangent.value[c] - by_differences.value[c]).abs();
                     let uncertainty = by_tangent.error[c] + by_differences.error[c];
                     if off > BEYOND * uncertainty {
-                        return Ok(Some(TangentDoubt::OtherDerivative {
+                        return Ok(Some(TangentRejection::WrongDerivative {
                             s,
-                            off,
+                            difference: off,
                             uncertainty,
                         }));
                     }
                 }
             }
         }
-        Ok((!compared).then_some(TangentDoubt::Unchecked))
+        Ok((!compared).then_some(TangentRejection::Unchecked))
     }
 }
