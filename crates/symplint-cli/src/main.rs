@@ -3,10 +3,7 @@
 mod cli;
 mod commands;
 mod config;
-mod figure;
-mod loop_file;
 mod output;
-mod paper;
 
 use std::process::ExitCode;
 

@@ -4,11 +4,15 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use symplint::VerdictKind;
+use symplint_report::figures::check_figures;
+use symplint_report::report::Report;
+use symplint_report::run_folder::{PointLog, RunFolder};
+use symplint_report::table::{degrees_of_freedom, points_table};
 
 use super::Failure;
 use crate::cli::Common;
 use crate::config::Config;
-use crate::output::{self, PointLog, Progress, Report, RunFolder};
+use crate::output::{self, Progress};
 
 /// Diagnoses a configuration.
 ///
@@ -19,7 +23,8 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
     let config = Config::load(path, &set)?;
     // Before hours of work, not after.
     let folder = common.out.as_deref().map(RunFolder::create).transpose()?;
-    let log = (folder.as_ref()).map(|folder| PointLog::new(folder, &config.resolved));
+    let resolved = config.resolved.to_string();
+    let log = (folder.as_ref()).map(|folder| PointLog::new(folder, &resolved));
     let progress = Progress::new("points", common.quiet || common.json);
     let outcome = config
         .diagnostic
@@ -42,7 +47,15 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
     let report = Report::new(&config.resolved, &diagnosis);
     if let Some(folder) = &folder {
         folder.write_json("report.json", &report)?;
-        let (figures, note) = output::check_figures(&config, &diagnosis);
+        let title = format!("{}, {}", config.system.name, config.integrator);
+        let largest = (config.diagnostic.step_sizes.iter().copied()).fold(0.0, f64::max);
+        let (figures, note) = check_figures(
+            &title,
+            &diagnosis,
+            &*config.map,
+            &*config.phase_loop,
+            largest,
+        );
         for (name, figure) in figures {
             figure.save(&folder.figures(), name)?;
         }
@@ -59,11 +72,11 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
                 "{} · {} · {}",
                 config.system.name,
                 config.integrator,
-                output::degrees_of_freedom(config.map.dof())
+                degrees_of_freedom(config.map.dof())
             );
-            output::say(output::points_table(&heading, &diagnosis))?;
+            output::say(points_table(&heading, &diagnosis))?;
         }
-        output::say(output::verdict_text(&diagnosis, common.quiet))?;
+        output::say(output::verdict_text(&diagnosis.verdict, common.quiet))?;
         match &folder {
             Some(folder) if !common.quiet => {
                 output::say(format!("\nWritten to {}", folder.path().display()))?;

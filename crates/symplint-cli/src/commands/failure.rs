@@ -4,9 +4,12 @@ use std::path::PathBuf;
 
 use miette::Diagnostic;
 
+use symplint_paper::PaperError;
+use symplint_report::figure::FigureError;
+use symplint_report::loop_file::LoopFileError;
+use symplint_report::run_folder::WriteError;
+
 use crate::config::ConfigError;
-use crate::figure::FigureError;
-use crate::loop_file::LoopFileError;
 
 /// Everything that can end a command early.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -22,9 +25,9 @@ pub enum Failure {
     #[error(transparent)]
     Model(#[from] symplint_models::ModelError),
     /// A loop in a file.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    LoopFile(#[from] LoopFileError),
+    #[error("{0}")]
+    #[diagnostic(help("{}", .0.remedy()))]
+    LoopFile(LoopFileError),
     /// A figure.
     #[error(transparent)]
     Figure(#[from] FigureError),
@@ -64,4 +67,32 @@ pub enum Failure {
         /// Why.
         reason: String,
     },
+}
+
+impl From<LoopFileError> for Failure {
+    fn from(error: LoopFileError) -> Self {
+        Failure::LoopFile(error)
+    }
+}
+
+impl From<PaperError> for Failure {
+    fn from(error: PaperError) -> Self {
+        match error {
+            PaperError::Setting(error) => Failure::Usage {
+                message: error.to_string(),
+                remedy: error.remedy(),
+            },
+            PaperError::Run(error) => error.into(),
+            PaperError::Model(error) => error.into(),
+            PaperError::Figure(error) => error.into(),
+            PaperError::Write(error) => error.into(),
+        }
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        let WriteError { path, reason } = error;
+        Failure::Write { path, reason }
+    }
 }

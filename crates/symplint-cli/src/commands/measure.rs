@@ -4,13 +4,17 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use symplint::{Coordinates, Snapshot, measure as compare};
+use symplint_report::figures::measure_figures;
+use symplint_report::loop_file::{LoopFile, is_partner};
+use symplint_report::report::Report;
+use symplint_report::run_folder::RunFolder;
+use symplint_report::table::{degrees_of_freedom, points_table};
 
 use super::Failure;
 use super::check::exit_status;
 use crate::cli::Common;
 use crate::config::parse_number;
-use crate::loop_file::{LoopFile, is_partner};
-use crate::output::{self, Report, RunFolder};
+use crate::output;
 
 /// What the command line says of the files.
 pub struct Stated<'a> {
@@ -82,16 +86,14 @@ pub fn measure(
         .map_or("".into(), |stem| stem.to_string_lossy());
     let report = Report::new(&resolved, &diagnosis);
     if let Some(folder) = &folder {
-        folder.write_config(&resolved)?;
+        folder.write_config(&resolved.to_string())?;
         folder.write_json("report.json", &report)?;
         folder.write_csv("points.csv", &diagnosis.points)?;
         let size = |snapshot: &Snapshot| snapshot.step_size.unwrap_or(0.0).abs();
         let largest = (after.iter()).reduce(|a, b| if size(b) > size(a) { b } else { a });
         if let Some(largest) = largest {
             let (states, h) = (&largest.states, largest.step_size);
-            for (name, figure) in
-                output::measure_figures(&title, &diagnosis, &before.states, states, h)
-            {
+            for (name, figure) in measure_figures(&title, &diagnosis, &before.states, states, h) {
                 figure.save(&folder.figures(), name)?;
             }
         }
@@ -100,10 +102,10 @@ pub fn measure(
         output::say(report.to_json())?;
     } else {
         if !common.quiet {
-            let heading = format!("{title} · {}", output::degrees_of_freedom(dof));
-            output::say(output::points_table(&heading, &diagnosis))?;
+            let heading = format!("{title} · {}", degrees_of_freedom(dof));
+            output::say(points_table(&heading, &diagnosis))?;
         }
-        output::say(output::verdict_text(&diagnosis, common.quiet))?;
+        output::say(output::verdict_text(&diagnosis.verdict, common.quiet))?;
         if let Some(folder) = folder.as_ref().filter(|_| !common.quiet) {
             output::say(format!("\nWritten to {}", folder.path().display()))?;
         }

@@ -3,14 +3,15 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use rayon::prelude::*;
+use symplint_paper::{ITEMS, Item, PaperError, claims_summary};
+use symplint_report::report::to_json;
+use symplint_report::run_folder::RunFolder;
 
 use super::Failure;
 use super::list::list;
 use crate::cli::{Common, What};
-use crate::config::{settings, suggestion};
-use crate::output::{Progress, RunFolder, say, to_json};
-use crate::paper::{self, Claim, ITEMS, Item};
+use crate::config::{ItemSettings, suggestion};
+use crate::output::{Progress, say};
 
 /// Where results go unless `--out` says otherwise.
 const FOLDER: &str = "symplint-paper";
@@ -27,27 +28,26 @@ pub fn reproduce(ids: &[String], only_list: bool, common: &Common) -> Result<Exi
             remedy: "name the item, for example: symplint reproduce fig2 --set samples=4096".into(),
         });
     }
+    let settings = (items.iter())
+        .map(|item| ItemSettings::read(item, &common.set))
+        .collect::<Result<Vec<_>, _>>()?;
+    let runs = (items.into_iter().zip(&settings))
+        .map(|(item, settings)| Ok((item, settings.resolved()?)))
+        .collect::<Result<Vec<_>, Failure>>()?;
     let folder = RunFolder::create(common.out.as_deref().unwrap_or(Path::new(FOLDER)))?;
     let progress = Progress::new("items", common.quiet || common.json);
-    progress.plan(items.len());
-    // Beside each other: drawing and writing of one fill the gaps of another.
-    let claims: Vec<Vec<Claim>> = (items.into_par_iter())
-        .map(|item| {
-            progress.say(item.id);
-            let section = settings(item.id, &common.set, item.keys)?;
-            let claims = (item.run)(&section, &folder)?;
-            progress.step();
-            Ok(claims)
-        })
-        .collect::<Result<_, Failure>>()?;
-    let claims = claims.concat();
+    progress.plan(runs.len());
+    let claims = symplint_paper::reproduce(&runs, &folder, &|event| progress.item(event));
     progress.finish();
-    folder.write_json("claims.json", &claims)?;
-    folder.write_text("claims.md", &paper::claims_markdown(&claims))?;
+    let claims = claims.map_err(|error| match (error, &settings[..]) {
+        // Several items run with their defaults, and these are all right.
+        (PaperError::Setting(error), [settings]) => settings.refused(&error).into(),
+        (error, _) => Failure::from(error),
+    })?;
     if common.json {
         say(to_json(&claims))?;
     } else {
-        say(paper::claims_summary(&claims))?;
+        say(claims_summary(&claims))?;
         say(format!(
             "\nFigures, data and claims.md are in {}",
             folder.path().display()

@@ -3,12 +3,18 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use symplint::{Orbit, Piecewise, Rows, Rule, RuleChoice, Streaming, Trace, TraceRecord};
+use symplint::{
+    Observable, Orbit, Piecewise, Rows, Rule, RuleChoice, Streaming, Trace, TraceRecord,
+};
+use symplint_report::figures::trace_figures;
+use symplint_report::report::TraceReport;
+use symplint_report::run_folder::RunFolder;
+use symplint_report::table::trace_table;
 
 use super::Failure;
 use crate::cli::Common;
 use crate::config::{Config, ConfigError};
-use crate::output::{self, Progress, RunFolder, TraceReport};
+use crate::output::{self, Progress};
 
 /// Follows loop integral and energy in time.
 pub fn trace(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
@@ -20,20 +26,26 @@ pub fn trace(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
 
     let report = TraceReport::new(&config.resolved, &record.points);
     if let Some(folder) = &folder {
-        folder.write_config(&config.resolved)?;
+        folder.write_config(&config.resolved.to_string())?;
         folder.write_json("report.json", &report)?;
         folder.write_csv("points.csv", &record.points)?;
         for (step, ensemble) in &record.snapshots {
             folder.write_samples(&format!("loop_{step}.csv"), ensemble)?;
         }
-        for (name, figure) in output::trace_figures(&config, &record) {
+        let title = format!("{}, {}", config.system.name, config.integrator);
+        let hamiltonian = config.system.model.hamiltonian();
+        let energy = hamiltonian.map(|hamiltonian| {
+            |q: Rows<'_>, p: Rows<'_>, out: &mut [f64]| hamiltonian.energy(q, p, out)
+        });
+        let energy = energy.as_ref().map(|energy| energy as Observable<'_>);
+        for (name, figure) in trace_figures(&title, &record, config.trace.step_size, energy) {
             figure.save(&folder.figures(), name)?;
         }
     }
     if common.json {
         output::say(report.to_json())?;
     } else {
-        output::say(output::trace_table(&record.points, common.quiet))?;
+        output::say(trace_table(&record.points, common.quiet))?;
         if let Some(folder) = folder.as_ref().filter(|_| !common.quiet) {
             output::say(format!("\nWritten to {}", folder.path().display()))?;
         }

@@ -5,12 +5,15 @@ use std::process::ExitCode;
 
 use serde::Serialize;
 use symplint::{Ensemble, SampleCount, Snapshot};
+use symplint_report::loop_file::LoopFile;
+use symplint_report::report::to_json;
+use symplint_report::run_folder::RunFolder;
+use symplint_report::table::degrees_of_freedom;
 
 use super::Failure;
 use crate::cli::Common;
 use crate::config::Config;
-use crate::loop_file::LoopFile;
-use crate::output::{self, RunFolder};
+use crate::output;
 
 /// Samples unless someone asks for another number: smooth loops need no more.
 const SAMPLES: usize = 256;
@@ -59,7 +62,7 @@ pub fn write_loop(
     };
     let files = file.write()?;
     if common.json {
-        output::say(output::to_json(&Written {
+        output::say(to_json(&Written {
             files,
             samples,
             dof,
@@ -75,7 +78,7 @@ pub fn write_loop(
     output::say(format!(
         "{}: {samples} samples of {}",
         names.join(", "),
-        output::degrees_of_freedom(dof)
+        degrees_of_freedom(dof)
     ))?;
     if !common.quiet {
         output::say(

@@ -4,6 +4,7 @@ mod diagnostic;
 mod document;
 mod error;
 mod integrator;
+mod item_settings;
 mod number;
 mod phase_loop;
 mod section;
@@ -17,8 +18,9 @@ use std::path::Path;
 use symplint::{Diagnostic, Loop, TimeAdvance};
 
 pub use error::ConfigError;
+pub use item_settings::ItemSettings;
 pub use number::parse as parse_number;
-pub use section::{Accept, Key, Section, suggestion};
+pub use section::suggestion;
 pub use system::{SYSTEMS, System};
 pub use template::template;
 pub use trace::TraceSettings;
@@ -82,13 +84,4 @@ impl Config {
             resolved,
         })
     }
-}
-
-/// The settings of something without a configuration file: `--set` over the defaults of `keys`.
-///
-/// # Errors
-/// If a setting is not one of `keys`, or cannot be read.
-pub fn settings(name: &str, settings: &[String], keys: &[Key]) -> Result<Section, ConfigError> {
-    let table = document::settings_only(settings)?;
-    Section::from_table(name, table, keys.to_vec())
 }

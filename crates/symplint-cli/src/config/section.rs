@@ -90,23 +90,6 @@ impl Section {
                 ));
             }
         };
-        Self::checked(path, table, place, keys)
-    }
-
-    /// The section `path` from its entries.
-    ///
-    /// # Errors
-    /// If there is a key that `keys` does not list.
-    pub fn from_table(path: &str, table: Table, keys: Vec<Key>) -> Result<Self, ConfigError> {
-        Self::checked(path, table, None, keys)
-    }
-
-    fn checked(
-        path: &str,
-        table: Table,
-        place: Option<Place>,
-        keys: Vec<Key>,
-    ) -> Result<Self, ConfigError> {
         check_keys(path, &table, keys.iter().map(|key| key.name))?;
         Ok(Section {
             path: path.to_owned(),
