@@ -80,6 +80,20 @@ impl LoopFile {
         }
     }
 
+    /// The files that [`write`](Self::write) makes.
+    ///
+    /// # Errors
+    /// If the name says no format.
+    pub fn paths(&self) -> Result<Vec<PathBuf>, LoopFileError> {
+        Ok(match Format::of(&self.path)? {
+            Format::NpyPair => {
+                let (q, p) = pair::pair_of(&self.path);
+                vec![q, p]
+            }
+            Format::Npz | Format::Csv => vec![self.path.clone()],
+        })
+    }
+
     /// Whether the file that it is written to has room for period, weight and step size.
     pub fn carries_settings(&self) -> bool {
         Format::of(&self.path) == Ok(Format::Npz)
