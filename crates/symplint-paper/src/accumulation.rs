@@ -7,11 +7,11 @@ use serde::Serialize;
 use symplint::{
     Circle, Cutoffs, Diagnostic, Rule, RuleChoice, SampleCount, TimeAdvance, Trace, TracePoint,
 };
+use symplint_report::run_folder::RunFolder;
 
 use super::PaperError;
 use super::claim::{Claim, Judgement};
 use super::sweep::{halvings, power_law, trend_text};
-use symplint_report::run_folder::RunFolder;
 
 /// A splitting with its name.
 pub type Named = (String, Box<dyn TimeAdvance>);

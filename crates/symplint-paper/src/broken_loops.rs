@@ -9,15 +9,14 @@ use serde::Serialize;
 use symplint::{Circle, Cutoffs, Defect, Ensemble, LoopIntegral, Piecewise, Rule, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
-
-use super::Item;
-use super::PaperError;
-use super::claim::{Claim, Judgement, Origin};
-use super::settings::{Key, Settings};
-use super::sweep::{halvings, step_of};
 use symplint_report::figure::{Figure, Panel, Scale, Series, Style};
 use symplint_report::plot::{axis, series};
 use symplint_report::run_folder::RunFolder;
+
+use super::{Item, PaperError};
+use super::claim::{Claim, Judgement, Origin};
+use super::settings::{Key, Settings};
+use super::sweep::{halvings, step_of};
 
 pub const ITEM: Item = Item {
     id: "broken-loops",
@@ -141,7 +140,12 @@ fn figure(particles: usize, rows: &[Row]) -> Figure {
                 .collect()
         };
         let all: Vec<Series> = vec![
-            series("uncertainty", of(|row| row.uncertainty), Style::Floor, 0),
+            series(
+                "uncertainty",
+                of(|row| row.uncertainty),
+                Style::Uncertainty,
+                0,
+            ),
             series("cut-off rule", of(|row| row.cutoff_rule), Style::Points, 1),
             series(
                 "between breaks",
@@ -164,11 +168,7 @@ fn figure(particles: usize, rows: &[Row]) -> Figure {
             equal_aspect: false,
         }
     };
-    Figure {
-        title: None,
-        panels: vec![panel(0), panel(1)],
-        columns: 2,
-    }
+    Figure::new(vec![panel(0), panel(1)], 2)
 }
 
 fn claims(rows: &[Row], more: &[Row]) -> Vec<Claim> {

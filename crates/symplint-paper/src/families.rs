@@ -3,14 +3,13 @@
 use serde::Serialize;
 use symplint::{Diagnostic, VerdictKind};
 use symplint_models::pic::ShapeFamily;
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
+use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::pic::{MOST_PARTICLES, SEED, plasma};
 use super::settings::{Key, Settings};
 use super::sweep::step_of;
-use symplint_report::run_folder::RunFolder;
 
 pub const ITEM: Item = Item {
     id: "families",

@@ -6,15 +6,14 @@ use std::sync::Arc;
 use symplint::{Circle, Orbit, Rows, Rule, Trace};
 use symplint_models::systems::{Pendulum, PendulumPotential};
 use symplint_models::{Hamiltonian, Separable};
-
-use super::Item;
-use super::PaperError;
-use super::claim::{Claim, Judgement, Origin};
-use super::settings::{Key, Settings};
-use super::sweep::{power_law, step_of, trend_text};
 use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, portrait, series};
 use symplint_report::run_folder::RunFolder;
+
+use super::{Item, PaperError};
+use super::claim::{Claim, Judgement, Origin};
+use super::settings::{Key, Settings};
+use super::sweep::{power_law, step_of, trend_text};
 
 pub const ITEM: Item = Item {
     id: "fig1",
@@ -74,14 +73,13 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         series: vec![series("", errors.clone(), Style::Line, 0)],
         equal_aspect: false,
     };
-    Figure {
-        title: None,
-        panels: vec![
+    Figure::new(
+        vec![
             portrait("loop round (π, ½)", &loops, Some(&energy)),
             energy_panel,
         ],
-        columns: 2,
-    }
+        2,
+    )
     .save(&folder.figures(), "fig1")?;
 
     // h, h/2, h/4, h/8 over the same time; O(h^p) is about small steps.

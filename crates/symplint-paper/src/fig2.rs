@@ -6,16 +6,14 @@ use std::sync::Arc;
 use symplint::{Circle, Rule, Trace};
 use symplint_models::Separable;
 use symplint_models::systems::{Pendulum, PendulumPotential};
+use symplint_report::figure::{Figure, Panel, Scale, Style};
+use symplint_report::plot::{axis, error_axis, series, uncertainty_in_time};
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
+use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
 use super::sweep::step_of;
-use symplint_report::figure::{Figure, Panel, Scale, Style};
-use symplint_report::plot::error_axis;
-use symplint_report::plot::{axis, series};
-use symplint_report::run_folder::RunFolder;
 
 pub const ITEM: Item = Item {
     id: "fig2",
@@ -62,16 +60,14 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             title: title.into(),
             x: axis("time t", Scale::Linear),
             y: error_axis(),
-            series: vec![series("", defects, Style::Line, 0)],
+            series: vec![
+                uncertainty_in_time(&record.points),
+                series("loop integral", defects, Style::Line, 0),
+            ],
             equal_aspect: false,
         });
     }
-    Figure {
-        title: None,
-        panels,
-        columns: 2,
-    }
-    .save(&folder.figures(), "fig2")?;
+    Figure::new(panels, 2).save(&folder.figures(), "fig2")?;
 
     let describe = |time: Option<f64>| match time {
         None => "never".to_owned(),

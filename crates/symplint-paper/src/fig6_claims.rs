@@ -50,7 +50,7 @@ fn rate(curves: &Curves, degree: usize) -> Claim {
         })
     };
     // Single errors scatter with the places of the kinks; the estimate, which bounds them, does not.
-    let bounds = of(Record::floor);
+    let bounds = of(Record::uncertainty);
     let errors = of(|r| r.known_error().map_or(f64::NAN, |known| known.size));
     let expected = -(degree as f64);
     let window = (expected - 0.5, expected + 0.5);

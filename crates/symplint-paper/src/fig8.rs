@@ -8,17 +8,16 @@ use serde::Serialize;
 use symplint::{Ensemble, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, ShapeFamily, TwoStream};
+use symplint_report::figure::{Figure, Panel, Scale, Style};
+use symplint_report::plot::{axis, series};
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
+use super::{Item, PaperError};
 use super::claim::Claim;
 use super::drift::{BLOCKS, DRIFT, Drift};
 use super::pic::{DEGREES, MOST_PARTICLES, SEED, STRANG};
 use super::settings::{Key, SettingError, Settings};
 use super::sweep::step_of;
-use symplint_report::figure::{Figure, Panel, Scale, Style};
-use symplint_report::plot::{axis, series};
-use symplint_report::run_folder::RunFolder;
 
 pub const ITEM: Item = Item {
     id: "fig8",
@@ -122,12 +121,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             equal_aspect: false,
         });
     }
-    Figure {
-        title: None,
-        panels,
-        columns: 1,
-    }
-    .save(&folder.figures(), "fig8")?;
+    Figure::new(panels, 3).save(&folder.figures(), "fig8")?;
     let all: Vec<Moment> = runs.into_iter().flatten().collect();
     folder.write_csv("fig8.csv", &all)?;
     Ok(claims)

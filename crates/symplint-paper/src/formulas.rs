@@ -8,12 +8,11 @@ use symplint_models::bspline;
 use symplint_models::integrators::{Tableau, TableauPair, tableaus};
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_models::systems::TwoCell;
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
+use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::Settings;
-use symplint_report::run_folder::RunFolder;
 
 pub const ITEM: Item = Item {
     id: "formulas",

@@ -25,7 +25,6 @@ mod fig7_claims;
 mod fig8;
 mod fig9;
 mod fig9_claims;
-mod floor;
 mod formulas;
 mod interpolated;
 mod particle_scaling;
@@ -36,6 +35,7 @@ mod reproduce;
 mod settings;
 mod sweep;
 mod true_defect;
+mod uncertainty;
 
 pub use claim::{Claim, Judgement, Origin, claims_markdown, claims_summary};
 pub use error::PaperError;

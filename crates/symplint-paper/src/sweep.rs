@@ -9,11 +9,11 @@ use symplint::{
 };
 use symplint_models::integrators::catalogue::build;
 use symplint_models::{ModelError, Separable};
+use symplint_report::number::short_power;
 
 use super::PaperError;
 use super::settings::{Key, Settings};
 use super::true_defect::Known;
-use symplint_report::number::short_power;
 
 /// A point with what distinguishes its curve.
 #[derive(Clone, Debug, Serialize)]
@@ -53,8 +53,8 @@ impl Record {
         self.signed_defect.abs()
     }
 
-    /// Quadrature error and round-off together: the floor below which |E| means nothing.
-    pub fn floor(&self) -> f64 {
+    /// Quadrature error and round-off together; NaN where the first is not known.
+    pub fn uncertainty(&self) -> f64 {
         self.quadrature_error.unwrap_or(f64::NAN) + self.roundoff
     }
 
@@ -201,7 +201,7 @@ pub fn worst<'a>(records: impl IntoIterator<Item = &'a Record>) -> f64 {
     (records.into_iter().map(Record::defect)).fold(0.0, f64::max)
 }
 
-/// The power of h that the defects of one curve follow at its smallest steps above the floor, by the fit of
+/// The power of h that the defects of one curve follow at its smallest steps above the uncertainty, by the fit of
 /// the diagnostic itself; `None` where they show none.
 pub fn fitted_order<'a>(records: impl IntoIterator<Item = &'a Record>) -> Option<Fit> {
     let mut evidence = LoopEvidence::new(0, 0);

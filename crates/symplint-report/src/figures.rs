@@ -4,7 +4,10 @@ use symplint::{Diagnosis, Ensemble, Loop, Observable, Point, Sweep, TimeAdvance,
 
 use crate::figure::{Axis, Figure, Panel, Scale, Series, Style};
 use crate::number::raised_power_of_two;
-use crate::plot::{axis, error_axis, portrait, reference_slope, series, step_axis};
+use crate::plot::{
+    axis, error_axis, portrait, reference_slope, series, step_axis, uncertainty,
+    uncertainty_in_time,
+};
 
 /// The figures of a diagnosis of `map` by `phase_loop` with their names, and a line on the one that was left
 /// out, if any was. The loop is drawn after a step of size `h`.
@@ -34,31 +37,25 @@ pub fn check_figures(
 }
 
 fn single(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Figure {
-    Figure {
-        title: None,
-        panels: vec![Panel {
+    Figure::new(
+        vec![Panel {
             title: title.into(),
             x,
             y,
             series,
             equal_aspect: false,
         }],
-        columns: 1,
-    }
+        1,
+    )
 }
 
-/// Quadrature error and round-off: what lies below cannot be told from zero.
-fn floor(points: &[&Point], x: impl Fn(&Point) -> f64) -> Series {
-    let floor = points.iter().map(|point| {
+/// The uncertainty of some points; none where it is not known.
+fn uncertainty_of(points: &[&Point], x: impl Fn(&Point) -> f64) -> Series {
+    let known = points.iter().map(|point| {
         let quadrature = point.quadrature_error.unwrap_or(f64::NAN);
         (x(point), quadrature + point.roundoff)
     });
-    series(
-        "quadrature error + round-off",
-        floor.collect(),
-        Style::Floor,
-        0,
-    )
+    uncertainty(known)
 }
 
 fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
@@ -71,7 +68,7 @@ fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
     let given = of_loop(|index| index == 0);
     let random = of_loop(|index| index > 0);
     let mut all = vec![
-        floor(&given, |point| point.step_size),
+        uncertainty_of(&given, |point| point.step_size),
         series(
             "given loop",
             given.iter().map(|point| at(point)).collect(),
@@ -101,7 +98,7 @@ fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
         .map(|point| (count(point), point.defect))
         .collect();
     let all = vec![
-        floor(&points, count),
+        uncertainty_of(&points, count),
         series("given loop", defects, Style::LineAndPoints, 0),
     ];
     single(title, x, error_axis(), all)
@@ -171,9 +168,8 @@ fn two_loops(
         };
         axis(&label, Scale::Linear)
     };
-    Figure {
-        title: None,
-        panels: vec![Panel {
+    Figure::new(
+        vec![Panel {
             title: title.into(),
             x: coordinate("q"),
             y: coordinate("p"),
@@ -183,8 +179,8 @@ fn two_loops(
             ],
             equal_aspect: true,
         }],
-        columns: 1,
-    }
+        1,
+    )
 }
 
 /// The digits of a number as an index.
@@ -233,11 +229,8 @@ pub fn trace_figures(
         .iter()
         .map(|point| (point.time, point.defect))
         .collect();
-    let floor = (record.points.iter())
-        .map(|point| (point.time, point.quadrature_error.unwrap_or(f64::NAN)))
-        .collect();
     let integral = vec![
-        series("quadrature error", floor, Style::Floor, 0),
+        uncertainty_in_time(&record.points),
         series("loop integral", defects, Style::Line, 0),
     ];
     let energy_errors = (record.points.iter())
@@ -264,14 +257,7 @@ pub fn trace_figures(
             })
             .collect();
         let panel = portrait(title, &loops, energy);
-        figures.push((
-            "loops",
-            Figure {
-                title: None,
-                panels: vec![panel],
-                columns: 1,
-            },
-        ));
+        figures.push(("loops", Figure::new(vec![panel], 1)));
     }
     figures
 }

@@ -206,6 +206,7 @@ mod tests {
             signed_defect: 0.0,
             defect: 0.0,
             quadrature_error: None,
+            roundoff: 0.0,
             energy: None,
             energy_error: None,
         };

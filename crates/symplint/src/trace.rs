@@ -69,6 +69,8 @@ pub struct TracePoint {
     pub defect: f64,
     /// Estimate of the quadrature error of both integrals, relative to |I(0)|.
     pub quadrature_error: Option<f64>,
+    /// Estimate of the round-off in the defect, relative to |I(0)|.
+    pub roundoff: f64,
     /// Energy of the orbit, if one is followed.
     pub energy: Option<f64>,
     /// (H(t) − H(0)) / |H(0)|, or H(t) − H(0) where H(0) is 0.
@@ -156,6 +158,7 @@ impl Trace {
                 signed_defect: defect.signed,
                 defect: defect.magnitude(),
                 quadrature_error: defect.quadrature_error,
+                roundoff: defect.roundoff,
                 energy: energy.map(|(value, _)| value),
                 energy_error: energy.map(|(_, error)| error),
             };

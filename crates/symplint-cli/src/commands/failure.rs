@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use miette::Diagnostic;
-
 use symplint_paper::PaperError;
 use symplint_report::figure::FigureError;
 use symplint_report::loop_file::LoopFileError;

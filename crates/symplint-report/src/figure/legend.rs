@@ -1,14 +1,14 @@
 //! Legends that hide no data.
 //!
-//! The legend goes to the first place inside the frame that no line, marker or zero touches;
-//! if there is none, into a strip below the panel.
+//! The legend of a panel goes to the first place inside the frame that no line, marker or zero touches;
+//! if there is none, into a strip below the panel. One legend for all panels is a strip below them.
 
 use super::font::{CAPITAL, Typeface};
 use super::geometry::{Point, Rect};
 use super::layout::LEGEND;
 use super::marker;
-use super::palette::{CONTOUR, FLOOR, FLOOR_SHADE, GRID, INK, WHITE, color};
-use super::panel::{DASHES, DOT, Shapes, THICK, THIN};
+use super::palette::{BAND, BAND_SHADE, CONTOUR, GRID, INK, WHITE, color};
+use super::panel::{DASHES, DOT, Placed, Shapes, THICK, THIN};
 use super::scene::{Align, Scene, Text};
 use super::{Panel, Style, curve};
 
@@ -39,8 +39,8 @@ enum Sample {
     Zero,
 }
 
-#[derive(Debug, Clone)]
-struct Entry {
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Entry {
     sample: Sample,
     text: String,
     size: f64,
@@ -51,18 +51,18 @@ struct Entry {
 #[derive(Debug)]
 pub(super) enum Legend {
     Nothing,
-    Inside { place: Rect, rows: Rows },
-    Below { rows: Rows },
+    Inside { place: Rect, entries: Vec<Entry> },
+    Below { strip: Strip },
 }
 
-/// Entries in rows.
+/// Entries in rows below each other.
 #[derive(Debug)]
-pub(super) struct Rows(Vec<Vec<Entry>>);
+pub(super) struct Strip(Vec<Vec<Entry>>);
 
 impl Legend {
     /// Finds the place for the legend of a panel with the given frame.
     pub fn place(panel: &Panel, shapes: &[Shapes], frame: Rect, face: &Typeface) -> Legend {
-        let entries = entries(panel, shapes, frame, face);
+        let entries = entries(panel, shapes, frame.width(), face);
         if entries.is_empty() {
             return Legend::Nothing;
         }
@@ -72,12 +72,9 @@ impl Legend {
             .into_iter()
             .find(|place| covered(*place, shapes) == 0);
         match free {
-            Some(place) => Legend::Inside {
-                place,
-                rows: Rows(entries.into_iter().map(|entry| vec![entry]).collect()),
-            },
+            Some(place) => Legend::Inside { place, entries },
             None => Legend::Below {
-                rows: in_rows(entries, frame.width()),
+                strip: Strip::in_rows(entries, frame.width()),
             },
         }
     }
@@ -85,7 +82,7 @@ impl Legend {
     /// Height that the legend needs below the panel.
     pub fn height_below(&self) -> f64 {
         match self {
-            Legend::Below { rows } => ROW * rows.0.len() as f64 + PADDING,
+            Legend::Below { strip } => strip.height(),
             Legend::Nothing | Legend::Inside { .. } => 0.0,
         }
     }
@@ -94,28 +91,70 @@ impl Legend {
     pub fn draw(&self, scene: &mut Scene, frame: Rect, below: f64) {
         match self {
             Legend::Nothing => {}
-            Legend::Inside { place, rows } => {
+            Legend::Inside { place, entries } => {
                 scene.rect(*place, WHITE);
                 let mut outline = place.corners().to_vec();
                 outline.push((place.left, place.top));
                 scene.line(outline, 1.0, GRID);
-                for (k, row) in rows.0.iter().enumerate() {
+                for (k, entry) in entries.iter().enumerate() {
                     let middle = place.top + PADDING + ROW * (k as f64 + 0.5);
-                    draw_row(scene, row, place.left + PADDING, middle);
+                    draw_row(
+                        scene,
+                        std::slice::from_ref(entry),
+                        place.left + PADDING,
+                        middle,
+                    );
                 }
             }
-            Legend::Below { rows } => {
-                for (k, row) in rows.0.iter().enumerate() {
-                    let left = frame.left + 0.5 * (frame.width() - row_width(row));
-                    draw_row(scene, row, left, below + ROW * (k as f64 + 0.5));
-                }
-            }
+            Legend::Below { strip } => strip.draw(scene, (frame.left, frame.right), below),
         }
     }
 }
 
-fn entries(panel: &Panel, shapes: &[Shapes], frame: Rect, face: &Typeface) -> Vec<Entry> {
-    let room = frame.width() - SAMPLE - SAMPLE_GAP;
+impl Strip {
+    /// The entries of all panels, each once, in rows at most `room` wide.
+    pub fn of(panels: &[Placed<'_>], room: f64, face: &Typeface) -> Strip {
+        let mut all: Vec<Entry> = Vec::new();
+        for panel in panels {
+            for entry in entries(panel.panel, &panel.shapes, room, face) {
+                if !all.contains(&entry) {
+                    all.push(entry);
+                }
+            }
+        }
+        // What marks zeros comes last, wherever the first of them are.
+        all.sort_by_key(|entry| entry.sample == Sample::Zero);
+        Strip::in_rows(all, room)
+    }
+
+    fn in_rows(entries: Vec<Entry>, room: f64) -> Strip {
+        let mut rows: Vec<Vec<Entry>> = Vec::new();
+        for entry in entries {
+            match rows.last_mut() {
+                Some(row) if row_width(row) + BETWEEN + entry.width <= room => row.push(entry),
+                _ => rows.push(vec![entry]),
+            }
+        }
+        Strip(rows)
+    }
+
+    /// Height on the page.
+    pub fn height(&self) -> f64 {
+        ROW * self.0.len() as f64 + PADDING
+    }
+
+    /// Draws the strip from `top` on, in the middle between left and right.
+    pub fn draw(&self, scene: &mut Scene, (left, right): (f64, f64), top: f64) {
+        for (k, row) in self.0.iter().enumerate() {
+            let left = left + 0.5 * (right - left - row_width(row));
+            draw_row(scene, row, left, top + ROW * (k as f64 + 0.5));
+        }
+    }
+}
+
+/// The entries of a panel, each at most `room` wide.
+fn entries(panel: &Panel, shapes: &[Shapes], room: f64, face: &Typeface) -> Vec<Entry> {
+    let room = room - SAMPLE - SAMPLE_GAP;
     let entry = |sample, label: &str| {
         let (text, size) = face.fit(label, LEGEND, room);
         let width = SAMPLE + SAMPLE_GAP + face.width(&text, size);
@@ -200,17 +239,6 @@ fn covered(place: Rect, shapes: &[Shapes]) -> usize {
         .sum()
 }
 
-fn in_rows(entries: Vec<Entry>, room: f64) -> Rows {
-    let mut rows: Vec<Vec<Entry>> = Vec::new();
-    for entry in entries {
-        match rows.last_mut() {
-            Some(row) if row_width(row) + BETWEEN + entry.width <= room => row.push(entry),
-            _ => rows.push(vec![entry]),
-        }
-    }
-    Rows(rows)
-}
-
 fn row_width(row: &[Entry]) -> f64 {
     let entries: f64 = row.iter().map(|entry| entry.width).sum();
     entries + BETWEEN * row.len().saturating_sub(1) as f64
@@ -261,15 +289,15 @@ fn draw_sample(scene: &mut Scene, sample: Sample, (left, middle): Point) {
                     scene.line(dash, THIN, color(index));
                 }
             }
-            Style::Floor => {
+            Style::Uncertainty => {
                 let shade = Rect {
                     left,
                     top: middle,
                     right: left + SAMPLE,
                     bottom: middle + 0.3 * ROW,
                 };
-                scene.rect(shade, FLOOR_SHADE);
-                scene.line(line, THIN, FLOOR);
+                scene.rect(shade, BAND_SHADE);
+                scene.line(line, THIN, BAND);
             }
             Style::Thin => scene.line(line, 1.0, CONTOUR),
         },
