@@ -38,6 +38,7 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
         Command::Check(arguments) => commands::check(arguments),
         Command::Loop(arguments) => commands::write_loop(arguments),
         Command::Measure(arguments) => commands::measure(arguments),
+        Command::Judge(arguments) => commands::judge(arguments),
         Command::Trace(arguments) => commands::trace(arguments),
         Command::Reproduce(arguments) => commands::reproduce(arguments),
         Command::List { what } => commands::list(*what),

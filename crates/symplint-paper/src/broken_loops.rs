@@ -13,10 +13,10 @@ use symplint_report::figure::{Figure, Panel, Scale, Series, Style};
 use symplint_report::plot::{axis, series};
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
 use super::sweep::{halvings, step_of};
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "broken-loops",

@@ -10,10 +10,10 @@ use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, portrait, series};
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
 use super::sweep::{power_law, step_of, trend_text};
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig1",
@@ -53,7 +53,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         p: &[0.0],
         energy: &energy,
     };
-    let record = trace.run(&*map, &circle, Some(orbit), &|_| {})?;
+    let record = trace.run(&*map, &circle, Some(orbit))?;
     folder.write_csv("fig1_energy.csv", &record.points)?;
 
     let mut loops = Vec::new();
@@ -92,7 +92,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             snapshots: vec![],
             ..trace.clone()
         };
-        let record = finer.run(&*map, &circle, Some(orbit), &|_| {})?;
+        let record = finer.run(&*map, &circle, Some(orbit))?;
         let errors = || record.points.iter().filter_map(|point| point.energy_error);
         let (low, high) = errors().fold((0.0f64, 0.0f64), |(l, h), e| (l.min(e), h.max(e)));
         bands.push((finer.step_size, high - low));

@@ -10,10 +10,10 @@ use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, error_axis, series, uncertainty_in_time};
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
 use super::sweep::step_of;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig2",
@@ -47,7 +47,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         ("x_point", "loop round (0, 0)", (0.0, 0.0)),
     ] {
         let circle = Circle::new(vec![centre.0], vec![centre.1], 1.0)?;
-        let record = trace.run(&*map, &circle, None, &|_| {})?;
+        let record = trace.run(&*map, &circle, None)?;
         folder.write_csv(&format!("fig2_{name}.csv"), &record.points)?;
         let lost = record.points.iter().find(|point| point.defect > LOST);
         onset.push(lost.map(|point| point.time));

@@ -11,13 +11,13 @@ use symplint_report::plot::{
 };
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
 use super::sweep::{
     Record, Study, chosen_halvings, fitted_order, halvings_to, order_text, step_of, worst,
 };
 use super::uncertainty::uncertainty;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig5",
@@ -144,7 +144,7 @@ fn trace(settings: &Settings, folder: &RunFolder, seed: u64) -> Result<Panel, Pa
     let (mut drawn, mut all) = (Vec::new(), Vec::new());
     for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
         let map = step_of(name, variant, &system)?;
-        let record = trace.run(&*map, &circle, None, &|_| {})?;
+        let record = trace.run(&*map, &circle, None)?;
         folder.write_csv(&format!("fig5_time_{name}_{variant}.csv"), &record.points)?;
         let points = record
             .points

@@ -20,7 +20,7 @@ pub fn check_figures(
 ) -> (Vec<(&'static str, Figure)>, Option<String>) {
     let mut figures = vec![("step_sizes", step_sizes(title, diagnosis))];
     if diagnosis
-        .points
+        .points()
         .iter()
         .any(|point| point.sweep == Sweep::Samples)
     {
@@ -59,8 +59,9 @@ fn uncertainty_of(points: &[&Point], x: impl Fn(&Point) -> f64) -> Series {
 }
 
 fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
+    let points = diagnosis.points();
     let of_loop = |wanted: fn(usize) -> bool| -> Vec<&Point> {
-        (diagnosis.points.iter())
+        (points.iter())
             .filter(|point| point.sweep == Sweep::StepSize && wanted(point.loop_index))
             .collect()
     };
@@ -88,7 +89,8 @@ fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
 }
 
 fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
-    let points: Vec<&Point> = (diagnosis.points.iter())
+    let all = diagnosis.points();
+    let points: Vec<&Point> = (all.iter())
         .filter(|point| point.sweep == Sweep::Samples)
         .collect();
     let x = axis("samples Nₛ", Scale::Log2);
@@ -204,13 +206,17 @@ pub fn measure_figures(
 ) -> Vec<(&'static str, Figure)> {
     let mut figures = Vec::new();
     if diagnosis
-        .points
+        .points()
         .iter()
         .any(|point| point.step_size.is_finite())
     {
         figures.push(("step_sizes", step_sizes(title, diagnosis)));
     }
-    let dof = diagnosis.breaks.first().map_or(0, |at| at.found.dof);
+    let dof = diagnosis
+        .evidence
+        .breaks
+        .first()
+        .map_or(0, |at| at.found.dof);
     figures.push(("loop", two_loops(title, before, after, dof, h)));
     figures
 }

@@ -32,7 +32,7 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
     let progress = Progress::new("points", run.quiet || run.json);
     let outcome = config
         .diagnostic
-        .run(&*config.map, &*config.phase_loop, &|event| {
+        .run_watched(&*config.map, &*config.phase_loop, &|event| {
             if let Some(log) = &log {
                 log.diagnosis(event);
             }

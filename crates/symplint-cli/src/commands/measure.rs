@@ -71,7 +71,7 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
         let folder = &output.folder;
         folder.write_config(&output.config)?;
         folder.write_json("report.json", &report)?;
-        folder.write_csv("points.csv", &diagnosis.points)?;
+        folder.write_csv("points.csv", &diagnosis.points())?;
         let size = |snapshot: &Snapshot| snapshot.step_size.unwrap_or(0.0).abs();
         let largest = (after.iter()).reduce(|a, b| if size(b) > size(a) { b } else { a });
         if let Some(largest) = largest {

@@ -3,6 +3,7 @@
 mod check;
 mod failure;
 mod init;
+mod judge;
 mod list;
 mod loop_shape;
 mod measure;
@@ -15,6 +16,7 @@ mod write_loop;
 pub use check::check;
 pub use failure::Failure;
 pub use init::init;
+pub use judge::judge;
 pub use list::list;
 pub use measure::measure;
 pub use reproduce::reproduce;

@@ -2,9 +2,7 @@
 
 use std::process::ExitCode;
 
-use symplint::{
-    Observable, Orbit, Piecewise, Rows, Rule, RuleChoice, Streaming, Trace, TraceRecord,
-};
+use symplint::{Observable, Orbit, Rows, Rule, Trace, TraceRecord};
 use symplint_report::figures::trace_figures;
 use symplint_report::report::TraceReport;
 use symplint_report::table::trace_table;
@@ -55,12 +53,11 @@ pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
 }
 
 /// The rule of a trace. It follows a fixed ensemble, so the rules that make further samples do not apply.
-fn rule(choice: RuleChoice) -> Result<Rule, ConfigError> {
-    let name = match choice {
-        RuleChoice::Auto => return Ok(Rule::Pseudospectral),
-        RuleChoice::Fixed(rule) => return Ok(rule),
-        RuleChoice::Piecewise => Piecewise::NAME,
-        RuleChoice::Streaming => Streaming::NAME,
+fn rule(rule: Rule) -> Result<Rule, ConfigError> {
+    let name = match rule {
+        Rule::Auto => return Ok(Rule::Pseudospectral),
+        Rule::Pseudospectral | Rule::FiniteDifference(_) => return Ok(rule),
+        other => other.kind().name(),
     };
     Err(ConfigError::new(
         format!("diagnostic.rule is \"{name}\", which a trace does not accept"),
@@ -108,5 +105,5 @@ fn follow(trace: &Trace, config: &Config, progress: &Progress) -> Result<TraceRe
     });
     progress.plan(trace.steps + 1);
     let watch = |_: &symplint::TracePoint| progress.step();
-    Ok(trace.run(&*config.map, &*config.phase_loop, orbit, &watch)?)
+    Ok(trace.run_watched(&*config.map, &*config.phase_loop, orbit, &watch)?)
 }
