@@ -36,7 +36,7 @@ pub struct Orbit<'a> {
 /// });
 /// let trace = Trace { rule: Rule::Pseudospectral, samples: 64, step_size: 0.1, steps: 100, snapshots: vec![] };
 /// let circle = Circle::new(vec![1.0], vec![0.0], 0.5)?;
-/// let record = trace.run(&spring, &circle, None, &|_| {})?;
+/// let record = trace.run(&spring, &circle, None)?;
 /// assert!(record.points.iter().all(|point| point.defect < 1e-13));
 /// # Ok::<(), symplint::Error>(())
 /// ```
@@ -69,6 +69,8 @@ pub struct TracePoint {
     pub defect: f64,
     /// Estimate of the quadrature error of both integrals, relative to |I(0)|.
     pub quadrature_error: Option<f64>,
+    /// Estimate of the round-off in the defect, relative to |I(0)|.
+    pub roundoff: f64,
     /// Energy of the orbit, if one is followed.
     pub energy: Option<f64>,
     /// (H(t) − H(0)) / |H(0)|, or H(t) − H(0) where H(0) is 0.
@@ -87,12 +89,23 @@ pub struct TraceRecord {
 impl Trace {
     /// Advances the loop step by step, on the threads of the current Rayon pool.
     ///
-    /// `watch` is told of each point.
-    ///
     /// # Errors
     /// If map, loop and orbit do not fit, the step size is zero or not finite, the loop
     /// encloses no area, or the map fails or returns states that are not finite.
     pub fn run(
+        &self,
+        map: &dyn TimeAdvance,
+        phase_loop: &dyn Loop,
+        orbit: Option<Orbit<'_>>,
+    ) -> Result<TraceRecord, Error> {
+        self.run_watched(map, phase_loop, orbit, &|_| {})
+    }
+
+    /// The same; `watch` is told of each point.
+    ///
+    /// # Errors
+    /// Those of [`run`](Self::run).
+    pub fn run_watched(
         &self,
         map: &dyn TimeAdvance,
         phase_loop: &dyn Loop,
@@ -145,6 +158,7 @@ impl Trace {
                 signed_defect: defect.signed,
                 defect: defect.magnitude(),
                 quadrature_error: defect.quadrature_error,
+                roundoff: defect.roundoff,
                 energy: energy.map(|(value, _)| value),
                 energy_error: energy.map(|(_, error)| error),
             };

@@ -81,7 +81,7 @@ fn a_narrow_feature_of_the_loop_counts_before_the_step_as_after_it() {
     });
     let found = Diagnostic::default().run(&broken, &Bumped).unwrap();
     assert_eq!(found.verdict.kind, VerdictKind::BrokenLoops);
-    assert!(!found.verdict.summary.contains("change even with"));
+    assert!(!found.verdict.summary().contains("change even with"));
 }
 
 #[test]
@@ -516,7 +516,7 @@ fn maps_that_round_nothing_are_not_accused_of_it() {
     });
     let printed = symplint::SampledLoop::new(printed, &Coordinates::plain(2)).unwrap();
     let found = Diagnostic::default().run(&springs, &printed);
-    let evidence = found.unwrap().verdict.evidence.join(" ");
+    let evidence = found.unwrap().verdict.evidence().join(" ");
     assert!(!evidence.contains("rounds"), "{evidence}");
 }
 

@@ -3,17 +3,16 @@
 use std::process::ExitCode;
 
 use symplint_models::integrators::catalogue::CATALOGUE;
+use symplint_paper::ITEMS;
+use symplint_report::table::plain_table;
 
 use super::Failure;
-use super::no_options::refuse_options;
-use crate::cli::{Common, What};
+use crate::cli::What;
 use crate::config::SYSTEMS;
-use crate::output::{plain_table, say};
-use crate::paper::ITEMS;
+use crate::output::{say, width};
 
-/// Prints what there is to choose from.
-pub fn list(what: What, common: &Common) -> Result<ExitCode, Failure> {
-    refuse_options("list", common)?;
+/// Prints the systems, integrators, rules or items of the paper.
+pub fn list(what: What) -> Result<ExitCode, Failure> {
     let (header, rows): (&[&str], Vec<Vec<String>>) = match what {
         What::Systems => (
             &["system", "what it is", "keys"],
@@ -83,6 +82,6 @@ pub fn list(what: What, common: &Common) -> Result<ExitCode, Failure> {
                 .collect(),
         ),
     };
-    say(plain_table(header, rows))?;
+    say(plain_table(header, rows, width()))?;
     Ok(ExitCode::SUCCESS)
 }

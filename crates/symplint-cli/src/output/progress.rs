@@ -2,8 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use symplint::Event;
-
-use super::power_of_two;
+use symplint_report::number::power_of_two;
 
 /// A progress bar that may be silent.
 pub struct Progress {
@@ -39,7 +38,7 @@ impl Progress {
     }
 
     /// What is at work.
-    pub fn say(&self, message: &str) {
+    fn say(&self, message: &str) {
         self.bar.set_message(message.to_owned());
         self.bar.tick();
     }
@@ -53,6 +52,14 @@ impl Progress {
                     .set_message(format!("h = {}", power_of_two(point.step_size)));
                 self.step();
             }
+        }
+    }
+
+    /// Follows the items of the paper.
+    pub fn item(&self, event: symplint_paper::Progress) {
+        match event {
+            symplint_paper::Progress::Started(id) => self.say(id),
+            symplint_paper::Progress::Finished(_) => self.step(),
         }
     }
 

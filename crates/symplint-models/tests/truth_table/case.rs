@@ -207,7 +207,7 @@ impl Case {
                 Order::Unstated => true,
             },
             (Truth::Broken { closed }, VerdictKind::BrokenLoops) => {
-                let says = |text: &str| verdict.summary.contains(text);
+                let says = |text: &str| verdict.summary().contains(text);
                 match closed {
                     None => true,
                     Some(true) => says("closed its loop integrals are conserved"),

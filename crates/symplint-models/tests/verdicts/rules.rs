@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use symplint::{Cutoffs, Diagnostic, PerSample, Rule, SampleCount, VerdictKind};
+use symplint::{
+    Cutoffs, Diagnostic, PerSample, Piecewise, Rule, SampleCount, Streaming, VerdictKind,
+};
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::build;
 use symplint_models::systems::{AbsoluteValue, InterpolatedPendulum, Pendulum};
@@ -31,7 +33,7 @@ fn the_wedge_breaks_loops_that_cross_it() {
                     VerdictKind::BrokenLoops,
                     "{name}, {variant}"
                 );
-                assert!(!across.breaks.is_empty());
+                assert!(!across.evidence.breaks.is_empty());
             }
         }
     }
@@ -112,7 +114,7 @@ fn regularity_follows_the_degree_of_the_splines() {
             ..Diagnostic::halving(-1, -3)
         };
         let found = diagnose(&diagnostic, &*map, &circle(&[3.0], &[0.2], 1.0));
-        for point in &found.points {
+        for point in &found.points() {
             let expected = degree as f64 - 0.5;
             let regularity = point.regularity.expect("thousands of samples");
             assert!(

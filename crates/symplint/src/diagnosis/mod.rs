@@ -13,7 +13,7 @@ mod refined_samples;
 mod resolve;
 
 use crate::evidence::Point;
-use crate::rules::{Piecewise, Rule};
+use crate::rules::{Piecewise, Rule, Streaming};
 
 /// How many samples a loop gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +56,8 @@ pub struct Diagnostic {
     pub rule: Rule,
     /// The piecewise rule that [`Rule::Auto`] uses.
     pub piecewise: Piecewise,
+    /// The streaming rule that [`Rule::Auto`] uses.
+    pub streaming: Streaming,
     /// The number of samples, for all rules but the piecewise one.
     pub samples: SampleCount,
     /// Step sizes h, not zero. The verdict leans on the largest.
@@ -86,6 +88,7 @@ impl Default for Diagnostic {
         Diagnostic {
             rule: Rule::Auto,
             piecewise: Piecewise::default(),
+            streaming: Streaming::default(),
             samples: SampleCount::Auto,
             step_sizes: (1..=10).map(|m| 0.5f64.powi(m)).collect(),
             sample_sweep: None,

@@ -9,7 +9,7 @@ use super::refined_samples::RefinedSamples;
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
 use crate::evidence::WEAKEST_BOUND;
-use crate::rules::{Cutoffs, Piecewise, Rule, Subject};
+use crate::rules::{Advanced, Cutoffs, Piecewise, Rule, Streaming, Subject};
 use crate::state::Ensemble;
 
 /// The most samples of automatic doubling.
@@ -214,7 +214,7 @@ impl Diagnostic {
     fn broken<'a>(
         &self,
         probe: Probe<'a>,
-        advanced: crate::rules::Advanced,
+        advanced: Advanced,
         refined: &RefinedSamples<'_>,
         with: &Resolution<'_>,
         spent: usize,
@@ -282,10 +282,10 @@ impl Diagnostic {
     }
 
     /// The stencil of the streaming rule.
-    fn streaming(&self) -> crate::rules::Streaming {
+    fn streaming(&self) -> Streaming {
         match self.rule {
             Rule::Streaming(streaming) => streaming,
-            _ => crate::rules::Streaming::default(),
+            _ => self.streaming,
         }
     }
 

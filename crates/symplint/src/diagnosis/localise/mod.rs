@@ -9,7 +9,7 @@ use super::plan::Plan;
 use super::random_loops::{random_loop, winding_loop};
 use crate::error::Error;
 use crate::evidence::{Localisation, LoopEvidence, LoopKind};
-use crate::rules::{Rule, RuleKind, Streaming, Subject};
+use crate::rules::{Rule, RuleKind, Subject};
 
 impl Diagnostic {
     /// Looks where the defect of one loop comes from; of broken loops the substep alone.
@@ -49,7 +49,7 @@ impl Diagnostic {
             (_, Rule::Auto) if fits(subject.dof(), found.samples) => {
                 (Rule::Pseudospectral, found.samples)
             }
-            (_, Rule::Auto) => (Rule::Streaming(Streaming::default()), found.samples),
+            (_, Rule::Auto) => (Rule::Streaming(self.streaming), found.samples),
             (_, rule) => (rule, found.samples),
         };
         Ok(Localisation {

@@ -1,0 +1,41 @@
+//! Running items beside each other, and the tables of their claims.
+
+use rayon::prelude::*;
+use symplint_report::run_folder::RunFolder;
+
+use crate::{Claim, Item, PaperError, Settings, claims_markdown};
+
+/// What happens while items are reproduced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// The item of this name begins.
+    Started(&'static str),
+    /// It has ended.
+    Finished(&'static str),
+}
+
+/// Reproduces items with their settings: figures and data, `claims.json` and `claims.md` go into the folder.
+///
+/// `progress` is called from several threads.
+///
+/// # Errors
+/// The first failure of an item. What other items had written is left there.
+pub fn reproduce(
+    items: &[(&'static Item, Settings)],
+    folder: &RunFolder,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Vec<Claim>, PaperError> {
+    // Beside each other: drawing and writing of one fill the gaps of another.
+    let claims: Vec<Vec<Claim>> = (items.par_iter())
+        .map(|(item, settings)| {
+            progress(Progress::Started(item.id));
+            let claims = (item.run)(settings, folder)?;
+            progress(Progress::Finished(item.id));
+            Ok(claims)
+        })
+        .collect::<Result<_, PaperError>>()?;
+    let claims = claims.concat();
+    folder.write_json("claims.json", &claims)?;
+    folder.write_text("claims.md", &claims_markdown(&claims))?;
+    Ok(claims)
+}

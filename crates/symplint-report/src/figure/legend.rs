@@ -1,0 +1,357 @@
+//! Legends that hide no data.
+//!
+//! The legend of a panel goes to the first place inside the frame that no line, marker or zero touches;
+//! if there is none, into a strip below the panel. One legend for all panels is a strip below them.
+
+use super::font::{CAPITAL, Typeface};
+use super::geometry::{Point, Rect};
+use super::layout::LEGEND;
+use super::marker;
+use super::palette::{BAND, BAND_SHADE, CONTOUR, GRID, INK, WHITE, color};
+use super::panel::{DASHES, DOT, Placed, Shapes, THICK, THIN};
+use super::scene::{Align, Scene, Text};
+use super::{Panel, Style, curve};
+
+/// Height of an entry.
+const ROW: f64 = 24.0;
+/// Width of the drawn sample, and from there to the text.
+const SAMPLE: f64 = 36.0;
+const SAMPLE_GAP: f64 = 8.0;
+/// Inside of the box.
+const PADDING: f64 = 7.0;
+/// From the box to the frame.
+const INSET: f64 = 9.0;
+/// Between entries beside each other in a strip.
+const BETWEEN: f64 = 24.0;
+/// Free room between the box and data.
+const CLEARANCE: f64 = 6.0;
+
+/// What an entry's sample shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Sample {
+    Series {
+        style: Style,
+        color: usize,
+        dash: usize,
+    },
+    /// A cloud of dots of this colour.
+    Dots(usize),
+    Zero,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Entry {
+    sample: Sample,
+    text: String,
+    size: f64,
+    width: f64,
+}
+
+/// The entries of a panel and where they go.
+#[derive(Debug)]
+pub(super) enum Legend {
+    Nothing,
+    Inside { place: Rect, entries: Vec<Entry> },
+    Below { strip: Strip },
+}
+
+/// Entries in rows below each other.
+#[derive(Debug)]
+pub(super) struct Strip(Vec<Vec<Entry>>);
+
+impl Legend {
+    /// Finds the place for the legend of a panel with the given frame.
+    pub fn place(panel: &Panel, shapes: &[Shapes], frame: Rect, face: &Typeface) -> Legend {
+        let entries = entries(panel, shapes, frame.width(), face);
+        if entries.is_empty() {
+            return Legend::Nothing;
+        }
+        let width = entries.iter().map(|entry| entry.width).fold(0.0, f64::max) + 2.0 * PADDING;
+        let height = ROW * entries.len() as f64 + 2.0 * PADDING;
+        let free = places(frame, width, height)
+            .into_iter()
+            .find(|place| covered(*place, shapes) == 0);
+        match free {
+            Some(place) => Legend::Inside { place, entries },
+            None => Legend::Below {
+                strip: Strip::in_rows(entries, frame.width()),
+            },
+        }
+    }
+
+    /// Height that the legend needs below the panel.
+    pub fn height_below(&self) -> f64 {
+        match self {
+            Legend::Below { strip } => strip.height(),
+            Legend::Nothing | Legend::Inside { .. } => 0.0,
+        }
+    }
+
+    /// Draws the legend; `below` is where a strip starts.
+    pub fn draw(&self, scene: &mut Scene, frame: Rect, below: f64) {
+        match self {
+            Legend::Nothing => {}
+            Legend::Inside { place, entries } => {
+                scene.rect(*place, WHITE);
+                let mut outline = place.corners().to_vec();
+                outline.push((place.left, place.top));
+                scene.line(outline, 1.0, GRID);
+                for (k, entry) in entries.iter().enumerate() {
+                    let middle = place.top + PADDING + ROW * (k as f64 + 0.5);
+                    draw_row(
+                        scene,
+                        std::slice::from_ref(entry),
+                        place.left + PADDING,
+                        middle,
+                    );
+                }
+            }
+            Legend::Below { strip } => strip.draw(scene, (frame.left, frame.right), below),
+        }
+    }
+}
+
+impl Strip {
+    /// The entries of all panels, each once, in rows at most `room` wide.
+    pub fn of(panels: &[Placed<'_>], room: f64, face: &Typeface) -> Strip {
+        let mut all: Vec<Entry> = Vec::new();
+        for panel in panels {
+            for entry in entries(panel.panel, &panel.shapes, room, face) {
+                if !all.contains(&entry) {
+                    all.push(entry);
+                }
+            }
+        }
+        // What marks zeros comes last, wherever the first of them are.
+        all.sort_by_key(|entry| entry.sample == Sample::Zero);
+        Strip::in_rows(all, room)
+    }
+
+    fn in_rows(entries: Vec<Entry>, room: f64) -> Strip {
+        let mut rows: Vec<Vec<Entry>> = Vec::new();
+        for entry in entries {
+            match rows.last_mut() {
+                Some(row) if row_width(row) + BETWEEN + entry.width <= room => row.push(entry),
+                _ => rows.push(vec![entry]),
+            }
+        }
+        Strip(rows)
+    }
+
+    /// Height on the page.
+    pub fn height(&self) -> f64 {
+        ROW * self.0.len() as f64 + PADDING
+    }
+
+    /// Draws the strip from `top` on, in the middle between left and right.
+    pub fn draw(&self, scene: &mut Scene, (left, right): (f64, f64), top: f64) {
+        for (k, row) in self.0.iter().enumerate() {
+            let left = left + 0.5 * (right - left - row_width(row));
+            draw_row(scene, row, left, top + ROW * (k as f64 + 0.5));
+        }
+    }
+}
+
+/// The entries of a panel, each at most `room` wide.
+fn entries(panel: &Panel, shapes: &[Shapes], room: f64, face: &Typeface) -> Vec<Entry> {
+    let room = room - SAMPLE - SAMPLE_GAP;
+    let entry = |sample, label: &str| {
+        let (text, size) = face.fit(label, LEGEND, room);
+        let width = SAMPLE + SAMPLE_GAP + face.width(&text, size);
+        Entry {
+            sample,
+            text,
+            size,
+            width,
+        }
+    };
+    let mut entries: Vec<Entry> = panel
+        .series
+        .iter()
+        .zip(shapes)
+        .filter(|(series, _)| !series.label.is_empty() && series.style != Style::Thin)
+        .map(|(series, shapes)| {
+            let sample = if series.style == Style::Points && !shapes.dots.is_empty() {
+                Sample::Dots(series.color)
+            } else {
+                Sample::Series {
+                    style: series.style,
+                    color: series.color,
+                    dash: shapes.dash,
+                }
+            };
+            entry(sample, &series.label)
+        })
+        .collect();
+    if shapes.iter().any(|shapes| !shapes.zeros.is_empty()) {
+        entries.push(entry(Sample::Zero, "exactly 0"));
+    }
+    entries
+}
+
+/// The places inside the frame, best first; none if the box is too large.
+fn places(frame: Rect, width: f64, height: f64) -> Vec<Rect> {
+    let (left, right) = (frame.left + INSET, frame.right - INSET - width);
+    let (top, bottom) = (frame.top + INSET, frame.bottom - INSET - height);
+    if left > right || top > bottom {
+        return Vec::new();
+    }
+    let (centre, middle) = (0.5 * (left + right), 0.5 * (top + bottom));
+    [
+        (right, top),
+        (left, top),
+        (right, bottom),
+        (left, bottom),
+        (right, middle),
+        (left, middle),
+        (centre, top),
+        (centre, bottom),
+    ]
+    .map(|(x, y)| Rect {
+        left: x.round(),
+        top: y.round(),
+        right: (x + width).round(),
+        bottom: (y + height).round(),
+    })
+    .to_vec()
+}
+
+/// How many segments, markers and zeros the box would hide.
+fn covered(place: Rect, shapes: &[Shapes]) -> usize {
+    let place = place.grown(CLEARANCE);
+    let marked = place.grown(marker::RADIUS);
+    shapes
+        .iter()
+        .map(|shapes| {
+            let segments = shapes
+                .lines
+                .iter()
+                .flat_map(|line| line.windows(2))
+                .filter(|pair| place.clip(pair[0], pair[1]).is_some());
+            let markers = shapes
+                .markers
+                .iter()
+                .chain(&shapes.dots)
+                .chain(&shapes.zeros)
+                .filter(|point| marked.contains(**point));
+            segments.count() + markers.count()
+        })
+        .sum()
+}
+
+fn row_width(row: &[Entry]) -> f64 {
+    let entries: f64 = row.iter().map(|entry| entry.width).sum();
+    entries + BETWEEN * row.len().saturating_sub(1) as f64
+}
+
+fn draw_row(scene: &mut Scene, row: &[Entry], left: f64, middle: f64) {
+    let mut left = left;
+    for entry in row {
+        draw_sample(scene, entry.sample, (left, middle));
+        scene.text(Text {
+            text: entry.text.clone(),
+            at: (
+                left + SAMPLE + SAMPLE_GAP,
+                middle + 0.5 * CAPITAL * entry.size,
+            ),
+            align: Align::Start,
+            size: entry.size,
+            upwards: false,
+            color: INK,
+        });
+        left += entry.width + BETWEEN;
+    }
+}
+
+fn draw_sample(scene: &mut Scene, sample: Sample, (left, middle): Point) {
+    let centre = (left + 0.5 * SAMPLE, middle);
+    let line = vec![(left, middle), (left + SAMPLE, middle)];
+    match sample {
+        Sample::Dots(index) => {
+            for (dx, dy) in [(-12.0, 2.0), (-4.0, -3.0), (3.0, 3.0), (11.0, -1.0)] {
+                scene.disc((centre.0 + dx, centre.1 + dy), 1.4 * DOT, color(index));
+            }
+        }
+        Sample::Zero => marker::draw_zero(scene, (centre.0, centre.1 + marker::RADIUS), INK),
+        Sample::Series {
+            style,
+            color: index,
+            dash,
+        } => match style {
+            Style::Line | Style::Closed => scene.line(line, THICK, color(index)),
+            Style::Points => marker::draw(scene, centre, index, color(index)),
+            Style::LineAndPoints => {
+                scene.line(line, THICK, color(index));
+                marker::draw(scene, centre, index, color(index));
+            }
+            Style::Dashed => {
+                for dash in curve::dashes(&line, DASHES[dash]) {
+                    scene.line(dash, THIN, color(index));
+                }
+            }
+            Style::Uncertainty => {
+                let shade = Rect {
+                    left,
+                    top: middle,
+                    right: left + SAMPLE,
+                    bottom: middle + 0.3 * ROW,
+                };
+                scene.rect(shade, BAND_SHADE);
+                scene.line(line, THIN, BAND);
+            }
+            Style::Thin => scene.line(line, 1.0, CONTOUR),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{panel, series};
+    use super::*;
+
+    const FRAME: Rect = Rect {
+        left: 100.0,
+        top: 0.0,
+        right: 600.0,
+        bottom: 400.0,
+    };
+
+    fn place(lines: Vec<Vec<Point>>, label: &str) -> Legend {
+        let face = Typeface::load().expect("the built-in font is readable");
+        let panel = panel(vec![series(label, Vec::new(), Style::Line, 0)]);
+        let shapes = vec![Shapes {
+            lines,
+            ..Shapes::default()
+        }];
+        Legend::place(&panel, &shapes, FRAME, &face)
+    }
+
+    #[test]
+    fn the_legend_avoids_a_segment_without_points_in_the_corner() {
+        // The line only passes through the upper right and the upper left corner.
+        let Legend::Inside { place, .. } = place(vec![vec![(100.0, 20.0), (600.0, 20.0)]], "a")
+        else {
+            panic!("the lower corners are free");
+        };
+        assert!(place.right > 500.0 && place.bottom > 350.0);
+    }
+
+    #[test]
+    fn a_full_panel_has_its_legend_below() {
+        let lines = (0..40)
+            .map(|k| vec![(100.0, 10.0 * f64::from(k)), (600.0, 10.0 * f64::from(k))])
+            .collect();
+        let legend = place(lines, "a");
+        assert!(matches!(legend, Legend::Below { .. }));
+        assert!(legend.height_below() > 0.0);
+    }
+
+    #[test]
+    fn no_labels_no_legend_and_long_labels_fit_the_panel() {
+        assert!(matches!(place(Vec::new(), ""), Legend::Nothing));
+        let Legend::Below { rows } = place(vec![], &"very long ".repeat(20)) else {
+            panic!("too wide for the frame");
+        };
+        assert!(row_width(&rows.0[0]) <= FRAME.width() + 0.1);
+    }
+}

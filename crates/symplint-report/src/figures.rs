@@ -1,0 +1,269 @@
+//! The figures of a diagnosis, of a trace and of loops from files.
+
+use symplint::{Diagnosis, Ensemble, Loop, Observable, Point, Sweep, TimeAdvance, TraceRecord};
+
+use crate::figure::{Axis, Figure, Panel, Scale, Series, Style};
+use crate::number::raised_power_of_two;
+use crate::plot::{
+    axis, error_axis, portrait, reference_slope, series, step_axis, uncertainty,
+    uncertainty_in_time,
+};
+
+/// The figures of a diagnosis of `map` by `phase_loop` with their names, and a line on the one that was left
+/// out, if any was. The loop is drawn after a step of size `h`.
+pub fn check_figures(
+    title: &str,
+    diagnosis: &Diagnosis,
+    map: &dyn TimeAdvance,
+    phase_loop: &dyn Loop,
+    h: f64,
+) -> (Vec<(&'static str, Figure)>, Option<String>) {
+    let mut figures = vec![("step_sizes", step_sizes(title, diagnosis))];
+    if diagnosis
+        .points()
+        .iter()
+        .any(|point| point.sweep == Sweep::Samples)
+    {
+        figures.push(("samples", samples(title, diagnosis)));
+    }
+    let note = match advanced_loop(title, map, phase_loop, h) {
+        Ok(figure) => {
+            figures.push(("loop", figure));
+            None
+        }
+        Err(reason) => Some(format!("figures/loop is left out: {reason}")),
+    };
+    (figures, note)
+}
+
+fn single(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Figure {
+    Figure::new(
+        vec![Panel {
+            title: title.into(),
+            x,
+            y,
+            series,
+            equal_aspect: false,
+        }],
+        1,
+    )
+}
+
+/// The uncertainty of some points; none where it is not known.
+fn uncertainty_of(points: &[&Point], x: impl Fn(&Point) -> f64) -> Series {
+    let known = points.iter().map(|point| {
+        let quadrature = point.quadrature_error.unwrap_or(f64::NAN);
+        (x(point), quadrature + point.roundoff)
+    });
+    uncertainty(known)
+}
+
+fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
+    let points = diagnosis.points();
+    let of_loop = |wanted: fn(usize) -> bool| -> Vec<&Point> {
+        (points.iter())
+            .filter(|point| point.sweep == Sweep::StepSize && wanted(point.loop_index))
+            .collect()
+    };
+    let at = |point: &Point| (point.step_size, point.defect);
+    let given = of_loop(|index| index == 0);
+    let random = of_loop(|index| index > 0);
+    let mut all = vec![
+        uncertainty_of(&given, |point| point.step_size),
+        series(
+            "given loop",
+            given.iter().map(|point| at(point)).collect(),
+            Style::LineAndPoints,
+            0,
+        ),
+    ];
+    if !random.is_empty() {
+        let points = random.iter().map(|point| at(point)).collect();
+        all.push(series("random loops", points, Style::Points, 1));
+    }
+    if let Some(order) = diagnosis.verdict.order {
+        let points: Vec<(f64, f64)> = given.iter().map(|point| at(point)).collect();
+        all.push(reference_slope(&points, order, "h"));
+    }
+    single(title, step_axis(), error_axis(), all)
+}
+
+fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
+    let all = diagnosis.points();
+    let points: Vec<&Point> = (all.iter())
+        .filter(|point| point.sweep == Sweep::Samples)
+        .collect();
+    let x = axis("samples Nₛ", Scale::Log2);
+    let count = |point: &Point| point.samples as f64;
+    let defects = points
+        .iter()
+        .map(|point| (count(point), point.defect))
+        .collect();
+    let all = vec![
+        uncertainty_of(&points, count),
+        series("given loop", defects, Style::LineAndPoints, 0),
+    ];
+    single(title, x, error_axis(), all)
+}
+
+/// Positions and momenta of one degree of freedom.
+fn plane(ensemble: &Ensemble, dof: usize) -> Vec<(f64, f64)> {
+    /// More points than a figure can show only make files large.
+    const MOST: usize = 4096;
+    let (q, p) = (ensemble.q().row(dof), ensemble.p().row(dof));
+    let every = q.len().div_ceil(MOST).max(1);
+    q.iter()
+        .copied()
+        .zip(p.iter().copied())
+        .step_by(every)
+        .collect()
+}
+
+/// The loop before and after the largest step, in the plane of the first degree of freedom.
+///
+/// Drawn as points, because a line would hide that a loop is broken.
+///
+/// # Errors
+/// Why it cannot be had, in words. The verdict does not need it, so that this is no failure of the run.
+fn advanced_loop(
+    title: &str,
+    map: &dyn TimeAdvance,
+    phase_loop: &dyn Loop,
+    h: f64,
+) -> Result<Figure, String> {
+    const SAMPLES: usize = 720;
+    /// Of the states before the step. A run that streams its samples must not need more memory for a
+    /// figure than for the verdict.
+    const MOST_BYTES: usize = 512 << 20;
+    let dof = map.dof();
+    if dof > MOST_BYTES / (16 * SAMPLES) {
+        return Err(format!(
+            "{SAMPLES} states of {dof} degrees of freedom take more than 512 MiB"
+        ));
+    }
+    let advanced = || -> Result<(Ensemble, Ensemble), symplint::Error> {
+        let before = Ensemble::sample(phase_loop, SAMPLES)?;
+        let mut after = before.clone();
+        after.advance(map, h)?;
+        Ok((before, after))
+    };
+    let (before, after) =
+        advanced().map_err(|error| format!("of its {SAMPLES} samples one fails; {error}"))?;
+    Ok(two_loops(title, &before, &after, 0, Some(h)))
+}
+
+/// A loop before and after a step, in the plane of one degree of freedom.
+fn two_loops(
+    title: &str,
+    before: &Ensemble,
+    after: &Ensemble,
+    dof: usize,
+    h: Option<f64>,
+) -> Figure {
+    let label = h.map_or("after the step".into(), |h| {
+        format!("after one step of {}", raised_power_of_two(h))
+    });
+    let coordinate = |name: &str| {
+        let label = match before.dof() {
+            1 => name.to_owned(),
+            _ => format!("{name}{}", subscript(dof)),
+        };
+        axis(&label, Scale::Linear)
+    };
+    Figure::new(
+        vec![Panel {
+            title: title.into(),
+            x: coordinate("q"),
+            y: coordinate("p"),
+            series: vec![
+                series("before", plane(before, dof), Style::Closed, 0),
+                series(&label, plane(after, dof), Style::Points, 1),
+            ],
+            equal_aspect: true,
+        }],
+        1,
+    )
+}
+
+/// The digits of a number as an index.
+fn subscript(number: usize) -> String {
+    let lower = |digit: char| match digit.to_digit(10) {
+        Some(value) => char::from_u32(0x2080 + value).unwrap_or(digit),
+        None => digit,
+    };
+    number.to_string().chars().map(lower).collect()
+}
+
+/// The figures of loops from files with their names: defects against step sizes where they are stated, and
+/// the loop before and after the largest step, in the plane of the degree of freedom that jumps
+/// first, if any does.
+pub fn measure_figures(
+    title: &str,
+    diagnosis: &Diagnosis,
+    before: &Ensemble,
+    after: &Ensemble,
+    h: Option<f64>,
+) -> Vec<(&'static str, Figure)> {
+    let mut figures = Vec::new();
+    if diagnosis
+        .points()
+        .iter()
+        .any(|point| point.step_size.is_finite())
+    {
+        figures.push(("step_sizes", step_sizes(title, diagnosis)));
+    }
+    let dof = diagnosis
+        .evidence
+        .breaks
+        .first()
+        .map_or(0, |at| at.found.dof);
+    figures.push(("loop", two_loops(title, before, after, dof, h)));
+    figures
+}
+
+/// The figures of a trace with their names. `energy` is that of the system, if it has one; `step_size` is the
+/// size of its steps.
+pub fn trace_figures(
+    title: &str,
+    record: &TraceRecord,
+    step_size: f64,
+    energy: Option<Observable<'_>>,
+) -> Vec<(&'static str, Figure)> {
+    let time = || axis("time t", Scale::Linear);
+    let defects = record
+        .points
+        .iter()
+        .map(|point| (point.time, point.defect))
+        .collect();
+    let integral = vec![
+        uncertainty_in_time(&record.points),
+        series("loop integral", defects, Style::Line, 0),
+    ];
+    let energy_errors = (record.points.iter())
+        .map(|point| (point.time, point.energy_error.unwrap_or(f64::NAN)))
+        .collect();
+    let energy_axis = axis("relative energy error", Scale::Linear);
+    let mut figures = vec![(
+        "loop_integral",
+        single(title, time(), error_axis(), integral),
+    )];
+    if energy.is_some() {
+        let errors = vec![series("", energy_errors, Style::Line, 0)];
+        figures.push(("energy", single(title, time(), energy_axis, errors)));
+    }
+    if record
+        .snapshots
+        .first()
+        .is_some_and(|(_, ensemble)| ensemble.dof() == 1)
+    {
+        let loops: Vec<(String, Vec<(f64, f64)>)> = (record.snapshots.iter())
+            .map(|(step, ensemble)| {
+                let time = *step as f64 * step_size;
+                (format!("t = {time}"), plane(ensemble, 0))
+            })
+            .collect();
+        let panel = portrait(title, &loops, energy);
+        figures.push(("loops", Figure::new(vec![panel], 1)));
+    }
+    figures
+}

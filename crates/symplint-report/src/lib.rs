@@ -1,0 +1,25 @@
+//! What [`symplint`] found, as tables, JSON, figures and run folders, and loops in files.
+//!
+//! Programs and bindings share this crate. It knows nothing of terminals: a table takes its width as an
+//! argument, and texts are not coloured. It knows nothing of configuration files: a report takes whatever
+//! value [`serde`] can write.
+//!
+//! | module | holds |
+//! | --- | --- |
+//! | [`figure`] | figures as data, and their files: SVG and PNG |
+//! | [`plot`] | parts of figures: axes, series, reference slopes, phase portraits |
+//! | [`figures`] | the figures of a diagnosis, of a trace and of loops from files |
+//! | [`table`] | tables of points and of the steps of a trace, and the text of a verdict |
+//! | [`report`] | reports as JSON |
+//! | [`run_folder`] | the folder of a run: reports, points and samples as files |
+//! | [`loop_file`] | loops in files, for and from other codes |
+//! | [`number`] | step sizes as people write them |
+
+pub mod figure;
+pub mod figures;
+pub mod loop_file;
+pub mod number;
+pub mod plot;
+pub mod report;
+pub mod run_folder;
+pub mod table;

@@ -1,0 +1,154 @@
+//! The folder that a run leaves behind.
+
+mod point_log;
+mod record_table;
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use symplint::Ensemble;
+
+pub use point_log::PointLog;
+pub use record_table::RecordTable;
+
+use crate::report::to_json;
+
+/// A file or folder of a run that cannot be written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("cannot write {}: {reason}", path.display())]
+pub struct WriteError {
+    /// Which.
+    pub path: PathBuf,
+    /// Why.
+    pub reason: String,
+}
+
+/// A folder for what a run leaves behind.
+pub struct RunFolder {
+    path: PathBuf,
+}
+
+impl RunFolder {
+    /// Makes the folder with `figures/` in it if they are not there, and checks that files can be written in it.
+    ///
+    /// # Errors
+    /// If they cannot.
+    pub fn create(path: &Path) -> Result<Self, WriteError> {
+        let folder = RunFolder {
+            path: path.to_owned(),
+        };
+        let figures = folder.figures();
+        fs::create_dir_all(&figures).map_err(|error| cannot_write(&figures, &error))?;
+        let probe = path.join(".writable");
+        fs::write(&probe, "").map_err(|error| cannot_write(path, &error))?;
+        fs::remove_file(&probe).map_err(|error| cannot_write(path, &error))?;
+        Ok(folder)
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Where figures go.
+    pub fn figures(&self) -> PathBuf {
+        self.path.join("figures")
+    }
+
+    /// Where points go.
+    pub fn points(&self) -> PathBuf {
+        self.path.join("points.csv")
+    }
+
+    /// Writes `config.toml`.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write_config(&self, config: &str) -> Result<(), WriteError> {
+        self.write_text("config.toml", config)
+    }
+
+    /// Begins a diagnosis: `config.toml` says what runs, `points.csv` gets what it measures, and no report of
+    /// an earlier run stands beside them.
+    ///
+    /// # Errors
+    /// If one of these files cannot be written.
+    pub fn begin(&self, config: &str) -> Result<RecordTable, WriteError> {
+        let report = self.path.join("report.json");
+        match fs::remove_file(&report) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(cannot_write(&report, &error));
+            }
+            _ => {}
+        }
+        self.write_config(config)?;
+        let points = self.points();
+        RecordTable::create(&points).map_err(|error| cannot_write(&points, &error))
+    }
+
+    /// Writes a text.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write_text(&self, name: &str, text: &str) -> Result<(), WriteError> {
+        let path = self.path.join(name);
+        fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
+    }
+
+    /// Writes JSON.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<(), WriteError> {
+        self.write_text(name, &(to_json(value) + "\n"))
+    }
+
+    /// Writes records as CSV with a header; what is not given is an empty field.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write_csv<T: Serialize>(&self, name: &str, records: &[T]) -> Result<(), WriteError> {
+        let path = self.path.join(name);
+        let write = || -> csv::Result<()> {
+            let mut table = RecordTable::create(&path)?;
+            for record in records {
+                table.push(record)?;
+            }
+            table.flush()
+        };
+        write().map_err(|error| cannot_write(&path, &error))
+    }
+
+    /// Writes the samples of a loop as CSV: s, then q and p of each degree of freedom.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write_samples(&self, name: &str, ensemble: &Ensemble) -> Result<(), WriteError> {
+        let path = self.path.join(name);
+        let write = || -> csv::Result<()> {
+            let mut writer = csv::Writer::from_path(&path)?;
+            let dof = ensemble.dof();
+            // The names of columns of loop files, which can be read as such.
+            let columns = |c: &str| (0..dof).map(|i| format!("{c}_{i}")).collect::<Vec<_>>();
+            writer.write_record([vec!["s".to_owned()], columns("q"), columns("p")].concat())?;
+            for k in 0..ensemble.samples() {
+                let s = k as f64 / ensemble.samples() as f64;
+                let q = (0..dof).map(|i| ensemble.q().row(i)[k]);
+                let p = (0..dof).map(|i| ensemble.p().row(i)[k]);
+                let record = std::iter::once(s).chain(q).chain(p);
+                writer.write_record(record.map(|value| format!("{value:?}")))?;
+            }
+            Ok(writer.flush()?)
+        };
+        write().map_err(|error| cannot_write(&path, &error))
+    }
+}
+
+fn cannot_write(path: &Path, error: &impl ToString) -> WriteError {
+    WriteError {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    }
+}
