@@ -50,7 +50,7 @@ impl Diagnostic {
         let count = EvaluationCount::new(budget);
         let evaluator = Evaluator::new(map, &count)?;
         evaluator.check_dof(phase_loop.dof())?;
-        let plan = Plan::new(self, budget, phase_loop.dof());
+        let plan = Plan::new(self, budget, &evaluator);
         survey::check_purity(&evaluator, phase_loop, largest, plan.purity_samples)?;
         let mut evidence = Evidence::default();
         evidence.evaluations.budget = budget;
@@ -436,8 +436,8 @@ impl Run<'_> {
             evaluator,
             phase_loop,
         } = subject;
-        let (dof, left) = (evaluator.dof(), self.count.left());
-        match JacobianTest::within(left, dof, evaluator.has_tangent()) {
+        let left = self.count.left().min(self.plan.jacobian);
+        match JacobianTest::within(left, evaluator.dof(), evaluator.has_tangent()) {
             None => self.omit(Omission::JacobianBudget, self.plan.jacobian),
             Some(test) => match test.run_with(evaluator, phase_loop, self.largest) {
                 Ok(found) => self.evidence.jacobian = Some(found),
