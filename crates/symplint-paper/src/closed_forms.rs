@@ -11,11 +11,11 @@ use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, series};
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::accumulation::{Named, accumulated, break_line};
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
 use super::sweep::{Study, step_of, worst};
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "closed-forms",

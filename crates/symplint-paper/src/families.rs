@@ -5,11 +5,11 @@ use symplint::{Diagnostic, VerdictKind};
 use symplint_models::pic::ShapeFamily;
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::pic::{MOST_PARTICLES, SEED, plasma};
 use super::settings::{Key, Settings};
 use super::sweep::step_of;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "families",

@@ -10,10 +10,10 @@ use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, error_axis, series, uncertainty_in_time};
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
 use super::sweep::step_of;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig2",
@@ -61,8 +61,8 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             x: axis("time t", Scale::Linear),
             y: error_axis(),
             series: vec![
+                series("defect", defects, Style::Line, 0),
                 uncertainty_in_time(&record.points),
-                series("loop integral", defects, Style::Line, 0),
             ],
             equal_aspect: false,
         });

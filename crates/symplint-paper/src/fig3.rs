@@ -5,11 +5,11 @@ use symplint_report::figure::{Figure, Panel, Scale};
 use symplint_report::plot::{axis, error_axis, reference_slope};
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::interpolated::{CASES, circle_round, sweep_case};
 use super::settings::{Key, Settings};
 use super::sweep::{Record, doublings, power_law, trend_text};
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig3",

@@ -6,13 +6,13 @@ use symplint_report::number::{raised_power_of_two, short_power};
 use symplint_report::plot::{error_axis, reference_slope, step_axis};
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::interpolated::{CASES, Case, circle_round, pendulum, sweep_case};
 use super::settings::{Key, Settings};
 use super::sweep::{
     Record, Study, chosen_halvings, fitted_order, halvings, halvings_to, order_text, step_of, worst,
 };
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig4",

@@ -11,13 +11,13 @@ use symplint_report::plot::{
 };
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
 use super::sweep::{
     Record, Study, chosen_halvings, fitted_order, halvings_to, order_text, step_of, worst,
 };
 use super::uncertainty::uncertainty;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig5",

@@ -12,12 +12,12 @@ use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, series};
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::claim::Claim;
 use super::drift::{BLOCKS, DRIFT, Drift};
 use super::pic::{DEGREES, MOST_PARTICLES, SEED, STRANG};
 use super::settings::{Key, SettingError, Settings};
 use super::sweep::step_of;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig8",

@@ -2,7 +2,6 @@
 
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::claim::Claim;
 use super::fig9_claims;
 use super::pic::{
@@ -11,6 +10,7 @@ use super::pic::{
 use super::pic_panels::{PanelOf, measure_panels};
 use super::settings::{Key, Settings};
 use super::sweep::{chosen_halvings, doublings, halvings_to};
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig9",

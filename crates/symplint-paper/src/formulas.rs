@@ -10,9 +10,9 @@ use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_models::systems::TwoCell;
 use symplint_report::run_folder::RunFolder;
 
-use super::{Item, PaperError};
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::Settings;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "formulas",
