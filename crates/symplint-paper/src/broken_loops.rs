@@ -9,8 +9,8 @@ use serde::Serialize;
 use symplint::{Circle, Cutoffs, Defect, Ensemble, LoopIntegral, Piecewise, Rule, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
-use symplint_report::figure::{Figure, Panel, Scale, Series, Style};
-use symplint_report::plot::{axis, series};
+use symplint_report::figure::{Figure, Panel, Series, Style};
+use symplint_report::plot::{error_axis, series, step_axis, uncertainty};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};
@@ -140,12 +140,6 @@ fn figure(particles: usize, rows: &[Row]) -> Figure {
                 .collect()
         };
         let all: Vec<Series> = vec![
-            series(
-                "uncertainty",
-                of(|row| row.uncertainty),
-                Style::Uncertainty,
-                0,
-            ),
             series("cut-off rule", of(|row| row.cutoff_rule), Style::Points, 1),
             series(
                 "between breaks",
@@ -159,11 +153,12 @@ fn figure(particles: usize, rows: &[Row]) -> Figure {
                 Style::LineAndPoints,
                 2,
             ),
+            uncertainty(of(|row| row.uncertainty)),
         ];
         Panel {
             title: format!("{integrator}, linear splines, Nₚ = {particles}"),
-            x: axis("step size h", Scale::Log2),
-            y: axis("relative loop defect |E|", Scale::Log10),
+            x: step_axis(),
+            y: error_axis(),
             series: all,
             equal_aspect: false,
         }

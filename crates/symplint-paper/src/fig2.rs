@@ -61,8 +61,8 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             x: axis("time t", Scale::Linear),
             y: error_axis(),
             series: vec![
+                series("defect", defects, Style::Line, 0),
                 uncertainty_in_time(&record.points),
-                series("loop integral", defects, Style::Line, 0),
             ],
             equal_aspect: false,
         });

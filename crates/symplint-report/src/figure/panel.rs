@@ -212,7 +212,7 @@ impl Placed<'_> {
         self.draw_each(scene, &data, draw_lines);
         self.draw_frame(scene);
         self.draw_each(scene, &data, draw_markers);
-        self.legend.draw(scene, self.frame, self.below);
+        self.legend.draw(scene, self.left, self.below);
         self.draw_tick_labels(scene);
         self.draw_titles(scene, face);
     }
