@@ -75,7 +75,7 @@ fn coefficients_decay_as_jumps_and_kinks_have_it() {
     let smooth = |s: f64| (TAU * s).sin();
     let kink = |s: f64| smooth(s) + (s - 0.3).abs().min(1.0 - (s - 0.3).abs());
     let jump = |s: f64| smooth(s) + if s > 0.3 { 1.0 - s } else { -s };
-    // One class of modes, two, four and sixteen, an odd length, and one beyond all plans of classes.
+    // Powers of two, another even length and an odd one.
     for n in [512, 1000, 2048, 4096, 4097, 1 << 14, 1 << 19] {
         for (q, exponent) in [(&kink as &dyn Fn(f64) -> f64, 1.5), (&jump, 0.5)] {
             let integral = pseudospectral(&curve(n, q, smooth));
