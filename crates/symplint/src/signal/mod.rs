@@ -8,5 +8,5 @@ mod unwrap;
 pub(crate) use compensated_sum::{CompensatedSum, UNIT_ROUNDOFF};
 pub(crate) use largest::largest;
 pub(crate) use random::unit;
-pub(crate) use unwrap::nearest;
 pub use unwrap::unwrap_row;
+pub(crate) use unwrap::{nearest, wraps};

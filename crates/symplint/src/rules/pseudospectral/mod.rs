@@ -22,11 +22,11 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
 use super::{RowIntegral, least};
-use crate::signal::{UNIT_ROUNDOFF, largest, unwrap_row};
+use crate::signal::{UNIT_ROUNDOFF, largest, unwrap_row, wraps};
 use crate::state::Coordinates;
 use crate::state::Ensemble;
 use regularity::sobolev_exponent;
-use row::{Scaling, pack, wraps};
+use row::{Scaling, pack};
 use sums::{Sums, fold, value};
 use transform::{Transform, transform};
 
