@@ -1,6 +1,8 @@
 //! The Jacobian test by differences against exact Jacobians: closed forms, and the tangent maps of the same
 //! steps by dual numbers.
 
+mod budget;
+#[path = "../dual/mod.rs"]
 mod dual;
 
 use dual::{METHODS, SYSTEMS, Step};
