@@ -142,6 +142,20 @@ fn a_budget_that_a_wrong_tangent_map_used_up_leaves_no_verdict() {
     }
 }
 
+#[test]
+fn the_cost_is_known_beforehand() {
+    let test = JacobianTest::default();
+    for (dof, expected) in [
+        (1, 8 * (13 + 12 * 2)),
+        (2, 8 * (13 + 12 * 4)),
+        (8, 8 * (13 + 12 * 16)),
+        (9, 8 * (13 + 12 * 4)),
+    ] {
+        let made = run(&pendula(dof, |_, _, _| {}), &circle(dof), 0.3).evaluations;
+        assert_eq!((made, test.evaluations(dof, false)), (expected, expected));
+    }
+}
+
 /// Remembers every state that it is asked to advance.
 struct Recorded<M> {
     map: M,
