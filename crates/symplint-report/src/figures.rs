@@ -92,13 +92,13 @@ fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
     };
     let (given, random) = (of_loop(|index| index == 0), of_loop(|index| index > 0));
     let mut all = Vec::new();
+    let colors = [GIVEN, GIVEN_CLOSED];
+    all.extend(defects("given loop", &given, Style::LineAndPoints, colors));
     if !random.is_empty() {
-        // Below the others, whose markers do not hide them.
+        // Above the others, whose lines still show.
         let colors = [RANDOM, RANDOM_CLOSED];
         all.extend(defects("random loops", &random, Style::Points, colors));
     }
-    let colors = [GIVEN, GIVEN_CLOSED];
-    all.extend(defects("given loop", &given, Style::LineAndPoints, colors));
     if let Some(order) = diagnosis.verdict.order {
         let points: Vec<(f64, f64)> = (given.iter())
             .map(|point| (point.step_size, point.defect))

@@ -3,6 +3,8 @@
 use serde::Serialize;
 use symplint::{Diagnosis, TracePoint};
 
+use crate::provenance::Provenance;
+
 /// What a diagnosis found: schema `symplint/report/1`. `C` is the configuration that it belongs to.
 #[derive(Serialize)]
 pub struct Report<'a, C> {
@@ -11,16 +13,19 @@ pub struct Report<'a, C> {
     config: &'a C,
     #[serde(flatten)]
     diagnosis: &'a Diagnosis,
+    /// Last, and all in one place: everything before it is a result, the same to the last bit in every run.
+    provenance: Provenance,
 }
 
 impl<'a, C: Serialize> Report<'a, C> {
     /// The report on a configuration.
-    pub fn new(config: &'a C, diagnosis: &'a Diagnosis) -> Self {
+    pub fn new(config: &'a C, diagnosis: &'a Diagnosis, provenance: Provenance) -> Self {
         Report {
             schema: "symplint/report/1",
             symplint: env!("CARGO_PKG_VERSION"),
             config,
             diagnosis,
+            provenance,
         }
     }
 
@@ -37,16 +42,18 @@ pub struct TraceReport<'a, C> {
     symplint: &'static str,
     config: &'a C,
     points: &'a [TracePoint],
+    provenance: Provenance,
 }
 
 impl<'a, C: Serialize> TraceReport<'a, C> {
     /// The report on a trace.
-    pub fn new(config: &'a C, points: &'a [TracePoint]) -> Self {
+    pub fn new(config: &'a C, points: &'a [TracePoint], provenance: Provenance) -> Self {
         TraceReport {
             schema: "symplint/trace/1",
             symplint: env!("CARGO_PKG_VERSION"),
             config,
             points,
+            provenance,
         }
     }
 

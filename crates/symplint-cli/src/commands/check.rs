@@ -13,11 +13,13 @@ use super::Failure;
 use crate::cli::Common;
 use crate::config::Config;
 use crate::output::{self, Progress};
+use crate::provenance;
 
 /// Diagnoses a configuration.
 ///
 /// `steps` is short for the key diagnostic.steps.
 pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitCode, Failure> {
+    let run = provenance::start();
     let mut set = common.set.clone();
     set.extend(steps.map(|steps| format!("diagnostic.steps={steps}")));
     let config = Config::load(path, &set)?;
@@ -44,7 +46,11 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
         log.finish()?;
     }
 
-    let report = Report::new(&config.resolved, &diagnosis);
+    let report = Report::new(
+        &config.resolved,
+        &diagnosis,
+        provenance::provenance(&run, &config.resolved),
+    );
     if let Some(folder) = &folder {
         folder.write_json("report.json", &report)?;
         let title = format!("{}, {}", config.system.name, config.integrator);

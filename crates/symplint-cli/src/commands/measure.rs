@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use symplint::{Coordinates, Snapshot, measure as compare};
 use symplint_report::figures::measure_figures;
 use symplint_report::loop_file::{LoopFile, is_partner};
+use symplint_report::provenance::Provenance;
 use symplint_report::report::Report;
 use symplint_report::run_folder::RunFolder;
 use symplint_report::table::{degrees_of_freedom, points_table};
@@ -15,6 +16,7 @@ use super::check::exit_status;
 use crate::cli::Common;
 use crate::config::parse_number;
 use crate::output;
+use crate::provenance;
 
 /// What the command line says of the files.
 pub struct Stated<'a> {
@@ -33,6 +35,7 @@ pub fn measure(
     stated: &Stated<'_>,
     common: &Common,
 ) -> Result<ExitCode, Failure> {
+    let run = provenance::start();
     if !common.set.is_empty() {
         return Err(usage(
             "--set changes a configuration, and measure has none",
@@ -52,6 +55,9 @@ pub fn measure(
     for file in &files[1..] {
         file.check_same_loop(&files[0])?;
     }
+    let hashes = (files.iter().flat_map(LoopFile::parts))
+        .map(|part| LoopFile::hash(&part))
+        .collect::<Result<Vec<_>, _>>()?;
     let folder = common.out.as_deref().map(RunFolder::create).transpose()?;
 
     state_step_sizes(&mut files[1..], &numbers("--h", stated.step_sizes)?)?;
@@ -84,7 +90,14 @@ pub fn measure(
     let title = names[0]
         .file_stem()
         .map_or("".into(), |stem| stem.to_string_lossy());
-    let report = Report::new(&resolved, &diagnosis);
+    let report = Report::new(
+        &resolved,
+        &diagnosis,
+        Provenance {
+            files: hashes,
+            ..provenance::provenance(&run, &resolved)
+        },
+    );
     if let Some(folder) = &folder {
         folder.write_config(&resolved.to_string())?;
         folder.write_json("report.json", &report)?;

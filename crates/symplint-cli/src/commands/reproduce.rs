@@ -12,6 +12,7 @@ use super::list::list;
 use crate::cli::{Common, What};
 use crate::config::{ItemSettings, suggestion};
 use crate::output::{Progress, say};
+use crate::provenance;
 
 /// Where results go unless `--out` says otherwise.
 const FOLDER: &str = "symplint-paper";
@@ -21,6 +22,7 @@ pub fn reproduce(ids: &[String], only_list: bool, common: &Common) -> Result<Exi
     if only_list {
         return list(What::Figures, common);
     }
+    let run = provenance::start();
     let items = chosen(ids)?;
     if !common.set.is_empty() && items.len() != 1 {
         return Err(Failure::Usage {
@@ -37,7 +39,7 @@ pub fn reproduce(ids: &[String], only_list: bool, common: &Common) -> Result<Exi
     let folder = RunFolder::create(common.out.as_deref().unwrap_or(Path::new(FOLDER)))?;
     let progress = Progress::new("items", common.quiet || common.json);
     progress.plan(runs.len());
-    let claims = symplint_paper::reproduce(&runs, &folder, &|event| progress.item(event));
+    let claims = symplint_paper::reproduce(&runs, &folder, &run, &|event| progress.item(event));
     progress.finish();
     let claims = claims.map_err(|error| match (error, &settings[..]) {
         // Several items run with their defaults, and these are all right.

@@ -15,16 +15,22 @@ use super::Failure;
 use crate::cli::Common;
 use crate::config::{Config, ConfigError};
 use crate::output::{self, Progress};
+use crate::provenance;
 
 /// Follows loop integral and energy in time.
 pub fn trace(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
+    let run = provenance::start();
     let config = Config::load(path, &common.set)?;
     let folder = common.out.as_deref().map(RunFolder::create).transpose()?;
     let progress = Progress::new("steps", common.quiet || common.json);
-    let record = run(&config, &progress)?;
+    let record = follow(&config, &progress)?;
     progress.finish();
 
-    let report = TraceReport::new(&config.resolved, &record.points);
+    let report = TraceReport::new(
+        &config.resolved,
+        &record.points,
+        provenance::provenance(&run, &config.resolved),
+    );
     if let Some(folder) = &folder {
         folder.write_config(&config.resolved.to_string())?;
         folder.write_json("report.json", &report)?;
@@ -67,7 +73,7 @@ fn rule(choice: RuleChoice) -> Result<Rule, ConfigError> {
     ))
 }
 
-fn run(config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> {
+fn follow(config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> {
     let settings = &config.trace;
     if let Some(&late) = settings
         .snapshots

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 
 use symplint::{Ensemble, Snapshot};
 
+use crate::provenance::HashedFile;
+
 pub use array::{Accept, Array};
 pub use error::LoopFileError;
 pub use pair::is_partner;
@@ -78,6 +80,28 @@ impl LoopFile {
             Format::NpyPair => pair::write(self),
             Format::Csv => table::write(self),
         }
+    }
+
+    /// The files that hold it: two where it is a pair.
+    pub fn parts(&self) -> Vec<PathBuf> {
+        match Format::of(&self.path) {
+            Ok(Format::NpyPair) => {
+                let (q, p) = pair::pair_of(&self.path);
+                vec![q, p]
+            }
+            _ => vec![self.path.clone()],
+        }
+    }
+
+    /// The hash of one of these files.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn hash(part: &Path) -> Result<HashedFile, LoopFileError> {
+        HashedFile::read(part).map_err(|error| LoopFileError::Read {
+            path: part.to_owned(),
+            reason: error.to_string(),
+        })
     }
 
     /// Whether the file that it is written to has room for period, weight and step size.
