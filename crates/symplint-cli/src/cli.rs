@@ -1,138 +1,109 @@
 //! The command line.
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::config::parse_number;
+
 /// Tells whether a time-advance map is symplectic.
 ///
-/// A closed loop of initial states is sent through one step of the map, and the Poincaré loop integral
-/// ∮ p·dq is compared before and after, while the step size and the number of samples vary.
+/// A closed loop of initial states is advanced by one step of the map. The Poincaré loop integral ∮ p·dq is
+/// compared before and after the step, for several step sizes, loops and numbers of samples.
 #[derive(Parser)]
-#[command(version, max_term_width = 100, after_help = AFTER)]
+#[command(name = "symplint", version, max_term_width = 100, after_help = AFTER)]
 pub struct Cli {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
-    /// Options of every command that measures.
-    #[command(flatten)]
-    pub common: Common,
 }
 
 const AFTER: &str = "Examples:
   symplint init pendulum > pendulum.toml          a commented configuration to start from
   symplint check pendulum.toml                    is it symplectic?
   symplint check pendulum.toml --set integrator.name=rk2 --out run
-  symplint loop pendulum.toml -o before.npz       initial states for another code
+  symplint loop --dof 3 --radius 0.5 -o before.npz
+                                                  initial states for another code
   symplint measure before.npz after.npz           what its step did to them
   symplint reproduce fig2                         a figure of the paper
 
-Exit status of `check` and `measure`: 0 symplectic, 1 not symplectic or loops broken, 2 bad usage, bad input or a \
-failed run, 3 undecided.";
+Exit status of `check`, `measure` and `judge`: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
+failed run; 3 undecided.";
 
-/// What to do.
+const EXIT_STATUS: &str = "Exit status: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
+failed run; 3 undecided.";
+
+/// The commands.
 #[derive(Subcommand)]
 pub enum Command {
-    /// Full diagnosis of a configuration: sweeps, verdict, figures.
+    /// Diagnose a configuration: sweeps, verdict, figures.
     ///
-    /// Sweeps the step size (and, if asked for, the number of samples), tries further random loops at the
-    /// largest step size, and gives a verdict. With --out DIR everything measured is written there.
-    Check {
-        /// The configuration; `symplint init SYSTEM` prints one to start from.
-        config: PathBuf,
-        /// Take N steps of the largest size, too, and see whether the defect adds up or returns
-        #[arg(long, value_name = "N")]
-        steps: Option<usize>,
-    },
-    /// Write the samples of a configured loop, for another code to advance.
+    /// Sweeps the step size and, if the configuration asks for it, the number of samples. Then tests random
+    /// loops at the largest step size and gives a verdict. With --out DIR all results are written there.
+    #[command(after_help = EXIT_STATUS)]
+    Check(CheckArgs),
+    /// Write the samples of a loop, for another code to advance.
     ///
     /// Row k of the arrays q and p, of shape (samples, dof), is the state at s = k/samples. Advance every row
     /// by one step, store the arrays in the same way, and give both files to `symplint measure`.
-    Loop {
-        /// The configuration; its integrator is not used.
-        config: PathBuf,
-        /// Samples of the loop; diagnostic.samples if left out, or 256 where that is "auto"
-        #[arg(long, value_name = "N")]
-        samples: Option<usize>,
-        /// File to write, `loop.npz` if left out (in DIR, if --out names one): .npz holds q and p, and
-        /// period and weight where there are any; .npy is a pair, loop_q.npy and loop_p.npy; .csv has
-        /// columns q_0, q_1, …, p_0, p_1, …
-        #[arg(long, short, value_name = "FILE")]
-        output: Option<PathBuf>,
-    },
-    /// Defect and verdict of a loop that another code advanced.
     ///
-    /// Compares the file before the step with one or more files after it, each advanced from BEFORE by one
-    /// step. Files are as `symplint loop` writes them; an .npz file may also hold `h`, `period` (for each
-    /// position, 0 if it is not periodic) and `weight` (canonical momentum = weight × p). What is said here
-    /// goes before what the files say. Samples alone cannot prove that a loop is broken, but show it.
-    Measure {
-        /// The loop before the step: .npz, .npy (loop_q.npy stands for the pair with loop_p.npy) or .csv.
-        before: PathBuf,
-        /// The loop after one step; several files for several step sizes.
-        #[arg(required = true)]
-        after: Vec<PathBuf>,
-        /// Step sizes of the files after the step, in their order; without any, no order is fitted
-        #[arg(
-            long = "h",
-            value_name = "H",
-            value_delimiter = ',',
-            allow_hyphen_values = true
-        )]
-        h: Vec<String>,
-        /// Period of the positions, 0 for none: one number, or one for each degree of freedom
-        #[arg(long, value_name = "L", value_delimiter = ',')]
-        period: Vec<String>,
-        /// Weight of the momenta: one number, or one for each degree of freedom
-        #[arg(
-            long,
-            value_name = "W",
-            value_delimiter = ',',
-            allow_hyphen_values = true
-        )]
-        weight: Vec<String>,
-    },
-    /// Loop integral and energy against time.
+    /// The loop comes from a configuration or, without one, from --dof, --q0, --p0, --radius and so on.
+    #[command(after_help = LOOP_EXAMPLES)]
+    Loop(LoopArgs),
+    /// Compare a loop before and after a step of another code.
     ///
-    /// Takes trace.steps steps of size trace.step_size and follows the loop integral, and the
-    /// energy of the orbit that starts at the centre of the loop. By the pseudospectral rule, or finite
-    /// differences; the others are refused.
-    Trace {
-        /// The configuration; `symplint init SYSTEM` prints one to start from.
-        config: PathBuf,
-    },
-    /// The paper: its figures and closed forms, with the claims they bear out.
+    /// Each file after the step holds the states of BEFORE advanced by one step. Files are as `symplint loop`
+    /// writes them; an .npz file may also hold `h`, `period` (of each position, 0 if it is not periodic) and
+    /// `weight` (canonical momentum = weight × p). Options replace values in the files. Samples alone cannot
+    /// prove that a loop is broken, but they are evidence for it.
+    #[command(after_help = EXIT_STATUS)]
+    Measure(MeasureArgs),
+    /// Reach the verdict again, from the evidence in a report.
     ///
-    /// Writes figures (SVG, PNG), data (CSV) and the judged claims into one folder, `symplint-paper`
-    /// unless --out names another. --set changes the settings of a single item.
-    Reproduce {
-        /// Which items; all if none is named. `symplint list figures` shows them.
-        ids: Vec<String>,
-        /// Only show the items with their cost.
-        #[arg(long)]
-        list: bool,
-    },
-    /// What there is to choose from.
+    /// Nothing is measured: the verdict follows from the key `evidence` of a report that `check --out`,
+    /// `measure --out` or `--json` wrote.
+    #[command(after_help = EXIT_STATUS)]
+    Judge(JudgeArgs),
+    /// Follow the loop integral and the energy in time.
     ///
-    /// Measures nothing, and refuses --set, --out, --json and --quiet.
+    /// Takes trace.steps steps of size trace.step_size. The energy is that of the orbit from the centre of the
+    /// loop. The rule is pseudospectral or finite-difference; a trace does not accept the others.
+    Trace(TraceArgs),
+    /// Reproduce the paper: figures, data, and whether its claims hold.
+    ///
+    /// Writes figures (SVG, PNG), data (CSV) and the judged claims into one folder. --set changes the settings
+    /// of a single item.
+    Reproduce(ReproduceArgs),
+    /// List systems, integrators, rules or figures.
     List {
-        /// Of what.
+        /// What to list.
         what: What,
     },
     /// Print a commented starter configuration.
-    ///
-    /// Measures nothing, and refuses --set, --out, --json and --quiet.
     Init {
-        /// The system; `symplint list systems` shows them.
+        /// The system; `symplint list systems` shows them all.
         system: String,
     },
+}
+
+impl Command {
+    /// The number of threads, if it is given.
+    pub fn threads(&self) -> Option<usize> {
+        match self {
+            Command::Check(arguments) => arguments.run.threads,
+            Command::Loop(arguments) => arguments.threads,
+            Command::Measure(arguments) => arguments.run.threads,
+            Command::Trace(arguments) => arguments.run.threads,
+            Command::Reproduce(arguments) => arguments.threads,
+            Command::Judge(_) | Command::List { .. } | Command::Init { .. } => None,
+        }
+    }
 }
 
 /// What can be listed.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum What {
-    /// Hamiltonians.
+    /// Hamiltonians and maps.
     Systems,
     /// Time-advance maps.
     Integrators,
@@ -142,22 +113,280 @@ pub enum What {
     Figures,
 }
 
-/// Options of every command that measures.
+/// Arguments of `check`.
 #[derive(Args)]
-pub struct Common {
-    /// Change a key of the configuration, such as integrator.name=rk2 (repeatable)
-    #[arg(long, value_name = "KEY=VALUE", global = true)]
-    pub set: Vec<String>,
-    /// Run folder: report.json, points.csv, figures/, config.toml as resolved
-    #[arg(long, value_name = "DIR", global = true)]
-    pub out: Option<PathBuf>,
-    /// Print the report as JSON on standard output, and nothing else there
-    #[arg(long, global = true)]
+pub struct CheckArgs {
+    /// The configuration; `symplint init SYSTEM` prints one to start from
+    pub config: PathBuf,
+    /// Also take N steps of the largest size, and see whether the defect accumulates or returns
+    #[arg(long, value_name = "N", value_parser = whole)]
+    pub steps: Option<usize>,
+    /// Changes of the configuration.
+    #[command(flatten)]
+    pub settings: Settings,
+    /// Output and threads.
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Arguments of `judge`.
+#[derive(Args)]
+pub struct JudgeArgs {
+    /// The report: report.json, the run folder that holds it, or - for standard input
+    #[arg(value_name = "REPORT")]
+    pub report: PathBuf,
+    /// Print the verdict as JSON
+    #[arg(long)]
     pub json: bool,
-    /// Number of threads; all cores if left out. Results do not depend on it
-    #[arg(long, value_name = "N", global = true)]
-    pub threads: Option<NonZeroUsize>,
-    /// No progress bars and no tables; only the verdict
-    #[arg(long, global = true)]
+    /// Print only the headline of the verdict
+    #[arg(long)]
     pub quiet: bool,
+}
+
+/// Arguments of `trace`.
+#[derive(Args)]
+pub struct TraceArgs {
+    /// The configuration; `symplint init SYSTEM` prints one to start from
+    pub config: PathBuf,
+    /// Changes of the configuration.
+    #[command(flatten)]
+    pub settings: Settings,
+    /// Output and threads.
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Arguments of `measure`.
+#[derive(Args)]
+pub struct MeasureArgs {
+    /// The loop before the step: .npz, .npy (loop_q.npy stands for the pair with loop_p.npy) or .csv
+    pub before: PathBuf,
+    /// The loop after one step; several files for several step sizes
+    #[arg(required = true)]
+    pub after: Vec<PathBuf>,
+    /// Step sizes of the files after the step, in their order; without any, no order is fitted
+    #[arg(long = "h", value_name = "H", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
+    pub step_sizes: Vec<f64>,
+    /// Period of the positions, 0 for none: one number, or one for each degree of freedom
+    #[arg(long, value_name = "L", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
+    pub period: Vec<f64>,
+    /// Weight of the momenta: one number, or one for each degree of freedom
+    #[arg(long, value_name = "W", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
+    pub weight: Vec<f64>,
+    /// Output and threads.
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Arguments of `reproduce`.
+#[derive(Args)]
+pub struct ReproduceArgs {
+    /// Names of the items; all if none is given. `symplint list figures` shows them
+    pub ids: Vec<String>,
+    /// Only list the items and their cost
+    #[arg(long, conflicts_with_all = ["ids", "set", "out", "force", "json", "quiet"])]
+    pub list: bool,
+    /// Changes of the settings of one item.
+    #[command(flatten)]
+    pub settings: Settings,
+    /// Folder for figures, data and claims
+    #[arg(long, value_name = "DIR", default_value = "symplint-paper")]
+    pub out: PathBuf,
+    /// Replace another run in that folder; files that symplint did not write are never replaced
+    #[arg(long)]
+    pub force: bool,
+    /// Print the claims as JSON on standard output, and nothing else there
+    #[arg(long)]
+    pub json: bool,
+    /// No progress bar
+    #[arg(long)]
+    pub quiet: bool,
+    /// Number of threads; all cores if left out. Results do not depend on it
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    pub threads: Option<usize>,
+}
+
+const LOOP_EXAMPLES: &str = "Examples:
+  symplint loop pendulum.toml -o before.npz
+  symplint loop --dof 3 --radius 0.5 --samples 2^10 -o before.npz
+  symplint loop --q0 1,2,3 --p0 0 --shape fourier --seed 7 -o before.csv
+  symplint loop --dof 2 --center pi --radius 0.1 --period 2*pi,0 -o before.npz";
+
+/// Arguments of `loop`.
+#[derive(Args)]
+pub struct LoopArgs {
+    /// The configuration of the loop; its integrator is not used
+    pub config: Option<PathBuf>,
+    /// Samples of the loop; if left out diagnostic.samples, or 256 where that is "auto"
+    #[arg(long, value_name = "N", value_parser = whole)]
+    pub samples: Option<usize>,
+    /// File to write: .npz holds q and p, and period and weight if there are any; .npy is a pair of files,
+    /// loop_q.npy and loop_p.npy; .csv has columns q_0, q_1, …, p_0, p_1, …
+    #[arg(long, short, value_name = "FILE", default_value = "loop.npz")]
+    pub output: PathBuf,
+    /// Folder of the file
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace another loop in that file; a file that is not a loop is never replaced
+    #[arg(long)]
+    pub force: bool,
+    /// The loop without a configuration.
+    #[command(flatten)]
+    pub shape: LoopShape,
+    /// Changes of the configuration.
+    #[command(flatten)]
+    pub settings: Settings,
+    /// Print the names of the files as JSON on standard output, and nothing else there
+    #[arg(long)]
+    pub json: bool,
+    /// Print the names of the files only, not how to go on
+    #[arg(long)]
+    pub quiet: bool,
+    /// Number of threads; all cores if left out. Results do not depend on it
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    pub threads: Option<usize>,
+}
+
+/// A loop without a configuration.
+#[derive(Args)]
+#[command(next_help_heading = "Loop without a configuration")]
+pub struct LoopShape {
+    /// Degrees of freedom; may be left out if a list of one number for each is given
+    #[arg(long, value_name = "D", value_parser = at_least_one)]
+    pub dof: Option<usize>,
+    /// Centre of the loop, positions: one number, or one for each degree of freedom [default: 0]
+    #[arg(long, value_name = "Q", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
+    pub q0: Vec<f64>,
+    /// Centre of the loop, momenta: one number, or one for each degree of freedom [default: 0]
+    #[arg(long, value_name = "P", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
+    pub p0: Vec<f64>,
+    /// Centre of the loop in short: one number for all positions and momenta, or all positions and then
+    /// all momenta
+    #[arg(
+        long,
+        visible_alias = "centre",
+        value_name = "C",
+        value_delimiter = ',',
+        value_parser = number,
+        allow_hyphen_values = true,
+        conflicts_with_all = ["q0", "p0"]
+    )]
+    pub center: Vec<f64>,
+    /// Radius of the loop, in units of q and of p [default: 1]
+    #[arg(long, value_name = "R", value_parser = number, allow_hyphen_values = true)]
+    pub radius: Option<f64>,
+    /// Shape of the loop [default: circle]
+    #[arg(long)]
+    pub shape: Option<Shape>,
+    /// Phases of the circles [default: equal]
+    #[arg(long)]
+    pub phases: Option<Phases>,
+    /// Seed of random phases and of fourier loops [default: 1]
+    #[arg(long, value_name = "N", value_parser = whole)]
+    pub seed: Option<usize>,
+    /// Period of the positions, 0 for none: one number, or one for each degree of freedom
+    #[arg(long, value_name = "L", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
+    pub period: Vec<f64>,
+    /// Weight of the momenta, canonical momentum = weight × p: one number, or one for each degree of freedom
+    #[arg(long, value_name = "W", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
+    pub weight: Vec<f64>,
+}
+
+/// Shapes of loops.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Shape {
+    /// q = q0 + r sin 2πs, p = p0 + r cos 2πs in every degree of freedom
+    Circle,
+    /// Random Fourier modes 1 to 3
+    Fourier,
+}
+
+/// Phases of circles.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Phases {
+    /// All degrees of freedom start at the same phase
+    Equal,
+    /// Each degree of freedom starts at a phase of its own
+    Random,
+}
+
+/// Changes of a configuration.
+#[derive(Args)]
+pub struct Settings {
+    /// Change a key of the configuration, such as integrator.name=rk2 (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+/// Output and threads of a run.
+#[derive(Args)]
+pub struct Run {
+    /// Folder for the results: report.json, points.csv, figures/, config.toml with all defaults. It must be
+    /// new or empty, or hold a run of the same configuration
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace another run in that folder; files that symplint did not write are never replaced
+    #[arg(long, requires = "out")]
+    pub force: bool,
+    /// Print the report as JSON on standard output, and nothing else there
+    #[arg(long)]
+    pub json: bool,
+    /// No progress bar and no table; only the verdict
+    #[arg(long)]
+    pub quiet: bool,
+    /// Number of threads; all cores if left out. Results do not depend on it
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    pub threads: Option<usize>,
+}
+
+/// A number, as in a configuration.
+fn number(text: &str) -> Result<f64, String> {
+    (parse_number(text).filter(|value| value.is_finite()))
+        .ok_or_else(|| "give a finite number such as 0.1, 2^-3 or 2*pi".to_owned())
+}
+
+/// A whole number, as in a configuration.
+fn whole(text: &str) -> Result<usize, String> {
+    /// Doubles represent every whole number up to this one.
+    const MOST: f64 = (1_u64 << 53) as f64;
+    (parse_number(text).filter(|value| value.fract() == 0.0 && (0.0..=MOST).contains(value)))
+        .map(|value| value as usize)
+        .ok_or_else(|| "give a whole number such as 1000, 1e3 or 2^10".to_owned())
+}
+
+/// A whole number above 0.
+fn at_least_one(text: &str) -> Result<usize, String> {
+    match whole(text)? {
+        0 => Err("give a whole number of at least 1".to_owned()),
+        number => Ok(number),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_definitions_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn whole_numbers_are_written_as_in_configurations() {
+        assert_eq!(whole("16384"), Ok(16384));
+        assert_eq!(whole("2^14"), Ok(16384));
+        assert_eq!(whole("1e4"), Ok(10000));
+        assert_eq!(whole("0"), Ok(0));
+        assert_eq!(at_least_one("2^0"), Ok(1));
+        for text in ["", "x", "0.5", "-1", "nan", "inf", "2^64", "1e400"] {
+            assert!(whole(text).is_err(), "{text}");
+        }
+        assert!(at_least_one("0").is_err());
+        assert_eq!(number("-pi/2"), Ok(-std::f64::consts::FRAC_PI_2));
+        for text in ["nan", "inf", "1e400", "1 2", "0x10"] {
+            assert!(number(text).is_err(), "{text}");
+        }
+    }
 }

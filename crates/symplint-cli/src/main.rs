@@ -24,45 +24,25 @@ fn main() -> ExitCode {
     }
 }
 
-/// More threads than any machine has cores only cost memory.
+/// Threads at most. More than a machine has cores cost memory and gain nothing.
 const MOST_THREADS: usize = 1024;
 
 fn run(cli: &Cli) -> Result<ExitCode, Failure> {
-    let common = &cli.common;
+    let threads = cli.command.threads();
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(
-            common
-                .threads
-                .map_or(0, |n| usize::from(n).min(MOST_THREADS)),
-        )
+        .num_threads(threads.map_or(0, |count| count.min(MOST_THREADS)))
         .build()
         .map_err(|error| Failure::Threads {
             reason: error.to_string(),
         })?;
     pool.install(|| match &cli.command {
-        Command::Check { config, steps } => commands::check(config, *steps, common),
-        Command::Loop {
-            config,
-            samples,
-            output,
-        } => commands::write_loop(config, *samples, output.as_deref(), common),
-        Command::Measure {
-            before,
-            after,
-            h,
-            period,
-            weight,
-        } => {
-            let stated = commands::Stated {
-                step_sizes: h,
-                period,
-                weight,
-            };
-            commands::measure(before, after, &stated, common)
-        }
-        Command::Trace { config } => commands::trace(config, common),
-        Command::Reproduce { ids, list } => commands::reproduce(ids, *list, common),
-        Command::List { what } => commands::list(*what, common),
-        Command::Init { system } => commands::init(system, common),
+        Command::Check(arguments) => commands::check(arguments),
+        Command::Loop(arguments) => commands::write_loop(arguments),
+        Command::Measure(arguments) => commands::measure(arguments),
+        Command::Judge(arguments) => commands::judge(arguments),
+        Command::Trace(arguments) => commands::trace(arguments),
+        Command::Reproduce(arguments) => commands::reproduce(arguments),
+        Command::List { what } => commands::list(*what),
+        Command::Init { system } => commands::init(system),
     })
 }

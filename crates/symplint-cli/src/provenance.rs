@@ -9,7 +9,7 @@ pub fn start() -> Run {
 }
 
 /// The provenance of what a run has found until now, with the seeds of its configuration.
-pub fn provenance(run: &Run, config: &toml::Table) -> Provenance {
+pub fn of(run: &Run, config: &toml::Table) -> Provenance {
     let mut provenance = run.provenance(rayon::current_num_threads());
     for (section, keys) in config {
         let seed = keys.get("seed").and_then(toml::Value::as_integer);

@@ -43,7 +43,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             let plasma = plasma("two-stream", particles, family, degree, 0, seed)?;
             let map = step_of("strang", "position-first", &plasma.system)?;
             let diagnostic = Diagnostic::halving(-1, -4);
-            let verdict = diagnostic.run(&*map, &plasma.circle, &|_| {})?.verdict;
+            let verdict = diagnostic.run(&*map, &plasma.circle)?.verdict;
             let smooth = family == ShapeFamily::BSpline && degree > 1;
             let expected = if smooth {
                 VerdictKind::Symplectic
@@ -55,7 +55,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
                 family: family.name(),
                 degree,
                 verdict: verdict.headline(),
-                summary: verdict.summary,
+                summary: verdict.summary(),
             });
         }
     }

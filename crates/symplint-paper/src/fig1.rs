@@ -53,7 +53,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         p: &[0.0],
         energy: &energy,
     };
-    let record = trace.run(&*map, &circle, Some(orbit), &|_| {})?;
+    let record = trace.run(&*map, &circle, Some(orbit))?;
     folder.write_csv("fig1_energy.csv", &record.points)?;
 
     let mut loops = Vec::new();
@@ -92,7 +92,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             snapshots: vec![],
             ..trace.clone()
         };
-        let record = finer.run(&*map, &circle, Some(orbit), &|_| {})?;
+        let record = finer.run(&*map, &circle, Some(orbit))?;
         let errors = || record.points.iter().filter_map(|point| point.energy_error);
         let (low, high) = errors().fold((0.0f64, 0.0f64), |(l, h), e| (l.min(e), h.max(e)));
         bands.push((finer.step_size, high - low));

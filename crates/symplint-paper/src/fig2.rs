@@ -47,7 +47,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         ("x_point", "loop round (0, 0)", (0.0, 0.0)),
     ] {
         let circle = Circle::new(vec![centre.0], vec![centre.1], 1.0)?;
-        let record = trace.run(&*map, &circle, None, &|_| {})?;
+        let record = trace.run(&*map, &circle, None)?;
         folder.write_csv(&format!("fig2_{name}.csv"), &record.points)?;
         let lost = record.points.iter().find(|point| point.defect > LOST);
         onset.push(lost.map(|point| point.time));

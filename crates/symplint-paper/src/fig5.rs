@@ -144,7 +144,7 @@ fn trace(settings: &Settings, folder: &RunFolder, seed: u64) -> Result<Panel, Pa
     let (mut drawn, mut all) = (Vec::new(), Vec::new());
     for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
         let map = step_of(name, variant, &system)?;
-        let record = trace.run(&*map, &circle, None, &|_| {})?;
+        let record = trace.run(&*map, &circle, None)?;
         folder.write_csv(&format!("fig5_time_{name}_{variant}.csv"), &record.points)?;
         let points = record
             .points

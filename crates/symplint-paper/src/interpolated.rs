@@ -110,7 +110,7 @@ pub fn sweep_case(
                 phase_loop: circle,
                 rule,
             })?;
-            if rule.name() == case.rule_name() {
+            if rule.kind().name() == case.rule_name() {
                 let curve = points.iter().map(at).collect();
                 curves.push(series(label, curve, Style::LineAndPoints, index));
                 drawn.extend(points.iter().cloned());

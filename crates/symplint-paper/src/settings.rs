@@ -270,6 +270,12 @@ impl Settings {
         Ok(())
     }
 
+    /// All settings with their values.
+    pub fn values(&self) -> impl Iterator<Item = (&'static str, &Value)> {
+        let names = self.keys.iter().map(|key| key.name);
+        names.zip(&self.values)
+    }
+
     fn value(&self, key: &str) -> &Value {
         let index = (self.keys.iter().position(|known| known.name == key))
             .unwrap_or_else(|| panic!("the item reads the unlisted setting {key}"));

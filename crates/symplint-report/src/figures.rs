@@ -20,7 +20,7 @@ pub fn check_figures(
 ) -> (Vec<(&'static str, Figure)>, Option<String>) {
     let mut figures = vec![("step_sizes", step_sizes(title, diagnosis))];
     if diagnosis
-        .points
+        .points()
         .iter()
         .any(|point| point.sweep == Sweep::Samples)
     {
@@ -85,8 +85,9 @@ fn defects(name: &str, points: &[&Point], style: Style, colors: [usize; 2]) -> V
 }
 
 fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
+    let points = diagnosis.points();
     let of_loop = |wanted: fn(usize) -> bool| -> Vec<&Point> {
-        (diagnosis.points.iter())
+        (points.iter())
             .filter(|point| point.sweep == Sweep::StepSize && wanted(point.loop_index))
             .collect()
     };
@@ -111,7 +112,8 @@ fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
 }
 
 fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
-    let points: Vec<&Point> = (diagnosis.points.iter())
+    let all = diagnosis.points();
+    let points: Vec<&Point> = (all.iter())
         .filter(|point| point.sweep == Sweep::Samples)
         .collect();
     let x = axis("samples Nₛ", Scale::Log2);
@@ -227,13 +229,17 @@ pub fn measure_figures(
 ) -> Vec<(&'static str, Figure)> {
     let mut figures = Vec::new();
     if diagnosis
-        .points
+        .points()
         .iter()
         .any(|point| point.step_size.is_finite())
     {
         figures.push(("step_sizes", step_sizes(title, diagnosis)));
     }
-    let dof = diagnosis.breaks.first().map_or(0, |at| at.found.dof);
+    let dof = diagnosis
+        .evidence
+        .breaks
+        .first()
+        .map_or(0, |at| at.found.dof);
     figures.push(("loop", two_loops(title, before, after, dof, h)));
     figures
 }
@@ -308,9 +314,7 @@ mod tests {
             q[0] += h * p[0];
         });
         let circle = Circle::new(vec![0.1], vec![0.3], 1.0).unwrap();
-        let diagnosis = Diagnostic::halving(-1, -4)
-            .run(&step, &circle, &|_| {})
-            .unwrap();
+        let diagnosis = Diagnostic::halving(-1, -4).run(&step, &circle).unwrap();
         let figure = step_sizes("|q|", &diagnosis);
         assert!(defects_of(&figure, "given loop, between breaks").all(|defect| defect > 1e-4));
         assert!(defects_of(&figure, "given loop, breaks closed").all(|defect| defect < 1e-12));
@@ -325,9 +329,7 @@ mod tests {
             p[0] -= h * q[0];
         });
         let circle = Circle::new(vec![1.0], vec![0.0], 0.5).unwrap();
-        let diagnosis = Diagnostic::halving(-1, -3)
-            .run(&spring, &circle, &|_| {})
-            .unwrap();
+        let diagnosis = Diagnostic::halving(-1, -3).run(&spring, &circle).unwrap();
         let figure = step_sizes("spring", &diagnosis);
         assert!(defects_of(&figure, "given loop").all(|defect| defect < 1e-13));
         let labels = figure.panels[0].series.iter().map(|series| &series.label);

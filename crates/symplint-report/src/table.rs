@@ -33,8 +33,9 @@ pub fn degrees_of_freedom(count: usize) -> String {
 /// The sweeps of the given loop, under a heading.
 pub fn points_table(heading: &str, diagnosis: &Diagnosis) -> String {
     let mut text = format!("{heading}\n");
+    let all = diagnosis.points();
     for sweep in [Sweep::StepSize, Sweep::Samples] {
-        let points: Vec<&Point> = (diagnosis.points.iter())
+        let points: Vec<&Point> = (all.iter())
             .filter(|point| point.sweep == sweep && point.loop_index == 0)
             .collect();
         if !points.is_empty() {
@@ -71,7 +72,7 @@ fn sweep_table(points: &[&Point]) -> String {
         let mut row = vec![
             step_size(point.step_size),
             point.samples.to_string(),
-            point.rule.to_owned(),
+            point.rule.to_string(),
             format!("{:.9e}", point.advanced),
             format!("{:+.2e}", point.signed_defect),
             point
@@ -130,11 +131,11 @@ fn step_size(h: f64) -> String {
 
 /// What a verdict rests on: its summary, the evidence and the advice, below the headline.
 pub fn reasons(verdict: &Verdict) -> String {
-    let mut text = verdict.summary.clone();
-    for line in &verdict.evidence {
+    let mut text = verdict.summary();
+    for line in verdict.evidence() {
         text += &format!("\n  · {line}");
     }
-    for line in &verdict.advice {
+    for line in verdict.advice() {
         text += &format!("\n  → {line}");
     }
     text

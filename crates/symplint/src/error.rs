@@ -112,6 +112,15 @@ pub enum Error {
         /// What happened; its sample is that of a batch, and of no meaning elsewhere.
         source: Box<Error>,
     },
+    /// A rule that evaluates the map between the samples, asked to integrate samples alone.
+    #[error(
+        "the {rule} rule evaluates the map and cannot integrate samples alone; use the pseudospectral or the \
+         finite-difference rule"
+    )]
+    NeedsMap {
+        /// The rule's name.
+        rule: &'static str,
+    },
     /// A loop integral beyond the range of double precision.
     #[error(
         "the loop integral of degree of freedom {dof} overflows (it is {value}); choose units in which \

@@ -1,36 +1,40 @@
 //! `symplint check CONFIG.toml`.
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use symplint::VerdictKind;
 use symplint_report::figures::check_figures;
 use symplint_report::report::Report;
-use symplint_report::run_folder::{PointLog, RunFolder};
+use symplint_report::run_folder::PointLog;
 use symplint_report::table::{degrees_of_freedom, points_table};
 
 use super::Failure;
-use crate::cli::Common;
+use super::run_output::RunOutput;
+use crate::cli::CheckArgs;
 use crate::config::Config;
-use crate::output::{self, Progress};
+use crate::output::{Progress, say, verdict_text};
 use crate::provenance;
 
 /// Diagnoses a configuration.
 ///
-/// `steps` is short for the key diagnostic.steps.
-pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitCode, Failure> {
-    let run = provenance::start();
-    let mut set = common.set.clone();
-    set.extend(steps.map(|steps| format!("diagnostic.steps={steps}")));
-    let config = Config::load(path, &set)?;
-    // Before hours of work, not after.
-    let folder = common.out.as_deref().map(RunFolder::create).transpose()?;
-    let resolved = config.resolved.to_string();
-    let log = (folder.as_ref()).map(|folder| PointLog::new(folder, &resolved));
-    let progress = Progress::new("points", common.quiet || common.json);
+/// `--steps` stands for the key diagnostic.steps.
+pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
+    let started = provenance::start();
+    let run = &arguments.run;
+    let mut settings = arguments.settings.set.clone();
+    settings.extend(
+        arguments
+            .steps
+            .map(|steps| format!("diagnostic.steps={steps}")),
+    );
+    let config = Config::load(&arguments.config, &settings)?;
+    // Before the run, which may take hours.
+    let output = RunOutput::of_run("check", &config.resolved, run)?;
+    let log = (output.as_ref()).map(|output| PointLog::new(&output.folder, &output.config));
+    let progress = Progress::new("points", run.quiet || run.json);
     let outcome = config
         .diagnostic
-        .run(&*config.map, &*config.phase_loop, &|event| {
+        .run_watched(&*config.map, &*config.phase_loop, &|event| {
             if let Some(log) = &log {
                 log.diagnosis(event);
             }
@@ -39,7 +43,7 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
     progress.finish();
     let kept = log.as_ref().and_then(PointLog::measured);
     if let (Err(_), Some(kept)) = (&outcome, kept) {
-        anstream::eprintln!("note: the points until then are in {}", kept.display());
+        anstream::eprintln!("note: the points measured before are in {}", kept.display());
     }
     let diagnosis = outcome?;
     if let Some(log) = log {
@@ -49,10 +53,10 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
     let report = Report::new(
         &config.resolved,
         &diagnosis,
-        provenance::provenance(&run, &config.resolved),
+        provenance::of(&started, &config.resolved),
     );
-    if let Some(folder) = &folder {
-        folder.write_json("report.json", &report)?;
+    if let Some(output) = &output {
+        output.folder.write_json("report.json", &report)?;
         let title = format!("{}, {}", config.system.name, config.integrator);
         let largest = (config.diagnostic.step_sizes.iter().copied()).fold(0.0, f64::max);
         let (figures, note) = check_figures(
@@ -62,33 +66,31 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
             &*config.phase_loop,
             largest,
         );
-        for (name, figure) in figures {
-            figure.save(&folder.figures(), name)?;
-        }
+        output.write_figures(figures, &[])?;
         // On standard error: standard output may be JSON.
         if let Some(note) = note {
             anstream::eprintln!("note: {note}");
         }
     }
-    if common.json {
-        output::say(report.to_json())?;
+    if run.json {
+        say(report.to_json())?;
     } else {
-        if !common.quiet {
+        if !run.quiet {
             let heading = format!(
                 "{} · {} · {}",
                 config.system.name,
                 config.integrator,
                 degrees_of_freedom(config.map.dof())
             );
-            output::say(points_table(&heading, &diagnosis))?;
+            say(points_table(&heading, &diagnosis))?;
         }
-        output::say(output::verdict_text(&diagnosis.verdict, common.quiet))?;
-        match &folder {
-            Some(folder) if !common.quiet => {
-                output::say(format!("\nWritten to {}", folder.path().display()))?;
+        say(verdict_text(&diagnosis.verdict, run.quiet))?;
+        match &output {
+            Some(output) if !run.quiet => {
+                say(format!("\nWritten to {}", output.folder.path().display()))?;
             }
-            None if !common.quiet => {
-                output::say("\nAdd --out DIR for figures, all points and the report.")?;
+            None if !run.quiet => {
+                say("\nAdd --out DIR to write figures, all points and the report.")?;
             }
             _ => {}
         }
@@ -96,7 +98,7 @@ pub fn check(path: &Path, steps: Option<usize>, common: &Common) -> Result<ExitC
     Ok(exit_status(diagnosis.verdict.kind))
 }
 
-/// The exit status that stands for a verdict.
+/// The exit status of a verdict.
 pub fn exit_status(kind: VerdictKind) -> ExitCode {
     match kind {
         VerdictKind::Symplectic => ExitCode::SUCCESS,

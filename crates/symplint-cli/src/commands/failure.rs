@@ -1,4 +1,4 @@
-//! Why a command ended with exit status 2.
+//! Errors that end a command with exit status 2.
 
 use std::path::PathBuf;
 
@@ -6,17 +6,23 @@ use miette::Diagnostic;
 use symplint_paper::PaperError;
 use symplint_report::figure::FigureError;
 use symplint_report::loop_file::LoopFileError;
+use symplint_report::report::ReportError;
 use symplint_report::run_folder::WriteError;
 
+use super::run_output::OccupiedError;
 use crate::config::ConfigError;
 
-/// Everything that can end a command early.
+/// Errors of commands.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum Failure {
     /// The configuration.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Config(#[from] ConfigError),
+    /// The folder of `--out` holds something else.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Occupied(#[from] OccupiedError),
     /// The run itself.
     #[error("the run failed")]
     Run(#[from] symplint::Error),
@@ -30,42 +36,73 @@ pub enum Failure {
     /// A figure.
     #[error(transparent)]
     Figure(#[from] FigureError),
-    /// A file of the run folder.
+    /// A file or folder that cannot be written.
     #[error("cannot write {}: {reason}", path.display())]
-    #[diagnostic(help("give --out a folder that can be written"))]
+    #[diagnostic(help("give a path that can be written"))]
     Write {
-        /// Which.
+        /// Its path.
         path: PathBuf,
-        /// Why.
+        /// The error of the operating system.
         reason: String,
     },
     /// A name on the command line.
-    #[error("there is no {what} \"{name}\"")]
+    #[error("unknown {what} \"{name}\"")]
     #[diagnostic(help("{suggestion}"))]
     Unknown {
-        /// Of what.
+        /// The kind of name.
         what: &'static str,
         /// The name given.
         name: String,
-        /// What there is.
+        /// The known names.
         suggestion: String,
     },
-    /// Options that do not go together.
+    /// Options that are missing, out of range or contradict each other.
     #[error("{message}")]
     #[diagnostic(help("{remedy}"))]
     Usage {
         /// What is wrong.
         message: String,
-        /// What to do.
+        /// The remedy.
         remedy: String,
+    },
+    /// A file that cannot be read.
+    #[error("cannot read {}: {reason}", path.display())]
+    #[diagnostic(help("give the report.json of a run folder"))]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The error of the operating system.
+        reason: String,
+    },
+    /// A report without evidence.
+    #[error("cannot judge {}: {error}", path.display())]
+    Report {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        error: ReportError,
     },
     /// The thread pool.
     #[error("cannot start the threads: {reason}")]
     #[diagnostic(help("try --threads 1"))]
     Threads {
-        /// Why.
+        /// The error of the operating system.
         reason: String,
     },
+}
+
+impl Failure {
+    /// An error of the library that is caused by an option. Its text ends with the remedy.
+    pub fn from_input(error: symplint::Error) -> Self {
+        let text = error.to_string();
+        let (message, remedy) = text
+            .split_once("; ")
+            .unwrap_or((&text, "give another value"));
+        Failure::Usage {
+            message: message.to_owned(),
+            remedy: remedy.to_owned(),
+        }
+    }
 }
 
 impl From<LoopFileError> for Failure {

@@ -3,14 +3,11 @@
 use std::process::ExitCode;
 
 use super::Failure;
-use super::no_options::refuse_options;
-use crate::cli::Common;
 use crate::config::{SYSTEMS, suggestion, template};
 use crate::output::say;
 
 /// Prints a starter configuration.
-pub fn init(name: &str, common: &Common) -> Result<ExitCode, Failure> {
-    refuse_options("init", common)?;
+pub fn init(name: &str) -> Result<ExitCode, Failure> {
     let info = (SYSTEMS.iter().find(|info| info.name == name)).ok_or_else(|| Failure::Unknown {
         what: "system",
         name: name.to_owned(),

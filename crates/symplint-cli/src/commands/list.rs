@@ -7,14 +7,12 @@ use symplint_paper::ITEMS;
 use symplint_report::table::plain_table;
 
 use super::Failure;
-use super::no_options::refuse_options;
-use crate::cli::{Common, What};
+use crate::cli::What;
 use crate::config::SYSTEMS;
 use crate::output::{say, width};
 
-/// Prints what there is to choose from.
-pub fn list(what: What, common: &Common) -> Result<ExitCode, Failure> {
-    refuse_options("list", common)?;
+/// Prints the systems, integrators, rules or items of the paper.
+pub fn list(what: What) -> Result<ExitCode, Failure> {
     let (header, rows): (&[&str], Vec<Vec<String>>) = match what {
         What::Systems => (
             &["system", "what it is", "keys"],

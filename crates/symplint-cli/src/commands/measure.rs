@@ -8,41 +8,21 @@ use symplint_report::figures::measure_figures;
 use symplint_report::loop_file::{LoopFile, is_partner};
 use symplint_report::provenance::Provenance;
 use symplint_report::report::Report;
-use symplint_report::run_folder::RunFolder;
 use symplint_report::table::{degrees_of_freedom, points_table};
 
 use super::Failure;
 use super::check::exit_status;
-use crate::cli::Common;
-use crate::config::parse_number;
-use crate::output;
+use super::per_dof::{per_dof, spread};
+use super::run_output::RunOutput;
+use crate::cli::MeasureArgs;
+use crate::output::{say, verdict_text};
 use crate::provenance;
 
-/// What the command line says of the files.
-pub struct Stated<'a> {
-    /// Step sizes.
-    pub step_sizes: &'a [String],
-    /// Periods of the positions.
-    pub period: &'a [String],
-    /// Weights of the momenta.
-    pub weight: &'a [String],
-}
-
-/// Measures what a step of another code did to a loop.
-pub fn measure(
-    before: &Path,
-    after: &[PathBuf],
-    stated: &Stated<'_>,
-    common: &Common,
-) -> Result<ExitCode, Failure> {
-    let run = provenance::start();
-    if !common.set.is_empty() {
-        return Err(usage(
-            "--set changes a configuration, and measure has none",
-            "use --h, --period and --weight",
-        ));
-    }
-    let names = loops_of(before, after);
+/// Compares a loop before and after a step of another code.
+pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
+    let started = provenance::start();
+    let run = &arguments.run;
+    let names = loops_of(&arguments.before, &arguments.after);
     if names.len() < 2 {
         return Err(usage(
             "there is a loop before the step, but none after it",
@@ -55,25 +35,25 @@ pub fn measure(
     for file in &files[1..] {
         file.check_same_loop(&files[0])?;
     }
-    let hashes = (files.iter().flat_map(LoopFile::parts))
-        .map(|part| LoopFile::hash(&part))
-        .collect::<Result<Vec<_>, _>>()?;
-    let folder = common.out.as_deref().map(RunFolder::create).transpose()?;
-
-    state_step_sizes(&mut files[1..], &numbers("--h", stated.step_sizes)?)?;
+    let hashes = (files.iter().map(LoopFile::hashes)).collect::<Result<Vec<_>, _>>()?;
+    set_step_sizes(&mut files[1..], &arguments.step_sizes)?;
     let dof = files[0].states.dof();
-    let period = numbers("--period", stated.period)?;
-    let weight = numbers("--weight", stated.weight)?;
-    let period = setting("period", &period, &files, dof, |file| file.period.as_ref())?;
-    let weight = setting("weight", &weight, &files, dof, |file| file.weight.as_ref())?;
+    let (period, weight) = (&arguments.period, &arguments.weight);
+    let period = setting("period", period, &files, dof, |file| file.period.as_ref())?;
+    let weight = setting("weight", weight, &files, dof, |file| file.weight.as_ref())?;
     let mut coordinates = Coordinates::plain(dof);
     if let Some(period) = &period {
-        coordinates = coordinates.with_periods(period.clone())?;
+        coordinates = coordinates
+            .with_periods(period.clone())
+            .map_err(Failure::from_input)?;
     }
     if let Some(weight) = &weight {
-        coordinates = coordinates.with_weights(weight.clone())?;
+        coordinates = coordinates
+            .with_weights(weight.clone())
+            .map_err(Failure::from_input)?;
     }
     let resolved = resolved(&files, period, weight);
+    let output = RunOutput::of_run("measure", &resolved, run)?;
 
     let mut snapshots: Vec<Snapshot> = files
         .into_iter()
@@ -94,33 +74,33 @@ pub fn measure(
         &resolved,
         &diagnosis,
         Provenance {
-            files: hashes,
-            ..provenance::provenance(&run, &resolved)
+            files: hashes.concat(),
+            ..provenance::of(&started, &resolved)
         },
     );
-    if let Some(folder) = &folder {
-        folder.write_config(&resolved.to_string())?;
+    if let Some(output) = &output {
+        let folder = &output.folder;
+        folder.write_config(&output.config)?;
         folder.write_json("report.json", &report)?;
-        folder.write_csv("points.csv", &diagnosis.points)?;
+        folder.write_csv("points.csv", &diagnosis.points())?;
         let size = |snapshot: &Snapshot| snapshot.step_size.unwrap_or(0.0).abs();
         let largest = (after.iter()).reduce(|a, b| if size(b) > size(a) { b } else { a });
         if let Some(largest) = largest {
             let (states, h) = (&largest.states, largest.step_size);
-            for (name, figure) in measure_figures(&title, &diagnosis, &before.states, states, h) {
-                figure.save(&folder.figures(), name)?;
-            }
+            let figures = measure_figures(&title, &diagnosis, &before.states, states, h);
+            output.write_figures(figures, &[])?;
         }
     }
-    if common.json {
-        output::say(report.to_json())?;
+    if run.json {
+        say(report.to_json())?;
     } else {
-        if !common.quiet {
+        if !run.quiet {
             let heading = format!("{title} · {}", degrees_of_freedom(dof));
-            output::say(points_table(&heading, &diagnosis))?;
+            say(points_table(&heading, &diagnosis))?;
         }
-        output::say(output::verdict_text(&diagnosis.verdict, common.quiet))?;
-        if let Some(folder) = folder.as_ref().filter(|_| !common.quiet) {
-            output::say(format!("\nWritten to {}", folder.path().display()))?;
+        say(verdict_text(&diagnosis.verdict, run.quiet))?;
+        if let Some(output) = output.as_ref().filter(|_| !run.quiet) {
+            say(format!("\nWritten to {}", output.folder.path().display()))?;
         }
     }
     Ok(exit_status(diagnosis.verdict.kind))
@@ -133,7 +113,7 @@ fn usage(message: impl Into<String>, remedy: impl Into<String>) -> Failure {
     }
 }
 
-/// One name for each loop: a shell makes two of `before_{q,p}.npy`.
+/// One name for each loop: a shell expands `before_{q,p}.npy` to two names.
 fn loops_of(before: &Path, after: &[PathBuf]) -> Vec<PathBuf> {
     let mut names: Vec<PathBuf> = Vec::new();
     for name in std::iter::once(before).chain(after.iter().map(PathBuf::as_path)) {
@@ -143,22 +123,9 @@ fn loops_of(before: &Path, after: &[PathBuf]) -> Vec<PathBuf> {
     }
     names
 }
-
-fn numbers(option: &str, texts: &[String]) -> Result<Vec<f64>, Failure> {
-    let read = |text: &String| {
-        parse_number(text).ok_or_else(|| {
-            usage(
-                format!("{option} says \"{text}\", which is no number"),
-                "write numbers such as 0.1, 2^-3 or 2*pi, separated by commas",
-            )
-        })
-    };
-    texts.iter().map(read).collect()
-}
-
-/// Gives the files after the step the sizes from the command line, one for each that states none
-/// itself, or one for each.
-fn state_step_sizes(after: &mut [LoopFile], sizes: &[f64]) -> Result<(), Failure> {
+/// Sets the step sizes from the command line: one for each file after the step, or one for each of those
+/// that do not hold a step size.
+fn set_step_sizes(after: &mut [LoopFile], sizes: &[f64]) -> Result<(), Failure> {
     if sizes.is_empty() {
         return Ok(());
     }
@@ -169,12 +136,12 @@ fn state_step_sizes(after: &mut [LoopFile], sizes: &[f64]) -> Result<(), Failure
             format!("{of_all}, one for each file after the step, in their order")
         } else {
             format!(
-                "{missing}, one for each file after the step that has none, or {of_all} for all"
+                "{missing}, one for each file without `h`, or {of_all}, one for each file after the step"
             )
         };
         return Err(usage(
             format!(
-                "--h gives {} step sizes for {of_all} files after the step",
+                "--h has {} step sizes for {of_all} files after the step",
                 sizes.len()
             ),
             format!("give {wanted}"),
@@ -191,54 +158,41 @@ fn state_step_sizes(after: &mut [LoopFile], sizes: &[f64]) -> Result<(), Failure
 /// must agree.
 fn setting<'a>(
     what: &str,
-    stated: &[f64],
+    given: &[f64],
     files: &'a [LoopFile],
     dof: usize,
     of: impl Fn(&'a LoopFile) -> Option<&'a Vec<f64>>,
 ) -> Result<Option<Vec<f64>>, Failure> {
-    let spread = |values: &[f64]| match values {
-        [one] => vec![*one; dof],
-        _ => values.to_vec(),
-    };
-    if !stated.is_empty() {
-        if stated.len() != 1 && stated.len() != dof {
-            return Err(usage(
-                format!(
-                    "--{what} gives {} numbers for {dof} degrees of freedom",
-                    stated.len()
-                ),
-                "give one for all, or one for each",
-            ));
-        }
-        return Ok(Some(spread(stated)));
+    if let Some(values) = per_dof(&format!("--{what}"), given, dof)? {
+        return Ok(Some(values));
     }
-    let mut said = files
+    let mut found = files
         .iter()
-        .filter_map(|file| of(file).map(|v| (file, spread(v))));
-    let Some((first, values)) = said.next() else {
+        .filter_map(|file| of(file).map(|values| (file, spread(values, dof))));
+    let Some((first, values)) = found.next() else {
         return Ok(None);
     };
-    match said.find(|(_, others)| *others != values) {
+    match found.find(|(_, others)| *others != values) {
         None => Ok(Some(values)),
         Some((other, _)) => Err(usage(
             format!(
-                "{} and {} state different values of {what}",
+                "{} and {} have different values of {what}",
                 first.path.display(),
                 other.path.display()
             ),
-            format!("make them agree, or say which holds by --{what}"),
+            format!("make them equal, or give the right value by --{what}"),
         )),
     }
 }
 
-/// What was compared, as the report's configuration.
+/// The files and their coordinates, as the configuration of the report.
 fn resolved(files: &[LoopFile], period: Option<Vec<f64>>, weight: Option<Vec<f64>>) -> toml::Table {
     let name = |file: &LoopFile| toml::Value::from(file.path.display().to_string());
     let mut section = toml::Table::new();
     section.insert("before".into(), name(&files[0]));
     let after: Vec<toml::Value> = files[1..].iter().map(name).collect();
     section.insert("after".into(), after.into());
-    // TOML has no null: sizes are listed if all are known.
+    // TOML has no null, so step sizes are listed only if all are known.
     let sizes: Option<Vec<f64>> = files[1..].iter().map(|file| file.step_size).collect();
     for (key, values) in [("h", sizes), ("period", period), ("weight", weight)] {
         if let Some(values) = values {

@@ -3,18 +3,22 @@
 mod check;
 mod failure;
 mod init;
+mod judge;
 mod list;
+mod loop_shape;
 mod measure;
-mod no_options;
+mod per_dof;
 mod reproduce;
+mod run_output;
 mod trace;
 mod write_loop;
 
 pub use check::check;
 pub use failure::Failure;
 pub use init::init;
+pub use judge::judge;
 pub use list::list;
-pub use measure::{Stated, measure};
+pub use measure::measure;
 pub use reproduce::reproduce;
 pub use trace::trace;
 pub use write_loop::write_loop;

@@ -1,52 +1,54 @@
 //! `symplint reproduce`.
 
-use std::path::Path;
 use std::process::ExitCode;
 
-use symplint_paper::{ITEMS, Item, PaperError, claims_summary};
+use symplint_paper::{ITEMS, Item, PaperError, Settings, Value, claims_summary};
 use symplint_report::report::to_json;
-use symplint_report::run_folder::RunFolder;
 
 use super::Failure;
 use super::list::list;
-use crate::cli::{Common, What};
+use super::run_output::RunOutput;
+use crate::cli::{ReproduceArgs, What};
 use crate::config::{ItemSettings, suggestion};
 use crate::output::{Progress, say};
 use crate::provenance;
 
-/// Where results go unless `--out` says otherwise.
-const FOLDER: &str = "symplint-paper";
-
 /// Reproduces items of the paper.
-pub fn reproduce(ids: &[String], only_list: bool, common: &Common) -> Result<ExitCode, Failure> {
-    if only_list {
-        return list(What::Figures, common);
+pub fn reproduce(arguments: &ReproduceArgs) -> Result<ExitCode, Failure> {
+    if arguments.list {
+        return list(What::Figures);
     }
-    let run = provenance::start();
-    let items = chosen(ids)?;
-    if !common.set.is_empty() && items.len() != 1 {
+    let started = provenance::start();
+    let items = chosen(&arguments.ids)?;
+    let set = &arguments.settings.set;
+    if !set.is_empty() && items.len() != 1 {
         return Err(Failure::Usage {
             message: "--set changes the settings of one item".into(),
             remedy: "name the item, for example: symplint reproduce fig2 --set samples=4096".into(),
         });
     }
     let settings = (items.iter())
-        .map(|item| ItemSettings::read(item, &common.set))
+        .map(|item| ItemSettings::read(item, set))
         .collect::<Result<Vec<_>, _>>()?;
     let runs = (items.into_iter().zip(&settings))
         .map(|(item, settings)| Ok((item, settings.resolved()?)))
         .collect::<Result<Vec<_>, Failure>>()?;
-    let folder = RunFolder::create(common.out.as_deref().unwrap_or(Path::new(FOLDER)))?;
-    let progress = Progress::new("items", common.quiet || common.json);
+    let config = (runs.iter())
+        .map(|(item, settings)| (item.id.to_owned(), table(settings).into()))
+        .collect();
+    let output = RunOutput::open(&arguments.out, "reproduce", &config, arguments.force)?;
+    let folder = &output.folder;
+    folder.write_config(&output.config)?;
+    let progress = Progress::new("items", arguments.quiet || arguments.json);
     progress.plan(runs.len());
-    let claims = symplint_paper::reproduce(&runs, &folder, &run, &|event| progress.item(event));
+    let claims = symplint_paper::reproduce(&runs, folder, &started, &|event| progress.item(event));
     progress.finish();
     let claims = claims.map_err(|error| match (error, &settings[..]) {
-        // Several items run with their defaults, and these are all right.
+        // Only the settings of a single item can be wrong: several items run with their defaults.
         (PaperError::Setting(error), [settings]) => settings.refused(&error).into(),
         (error, _) => Failure::from(error),
     })?;
-    if common.json {
+    if arguments.json {
         say(to_json(&claims))?;
     } else {
         say(claims_summary(&claims))?;
@@ -56,6 +58,19 @@ pub fn reproduce(ids: &[String], only_list: bool, common: &Common) -> Result<Exi
         ))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The settings of an item as TOML.
+fn table(settings: &Settings) -> toml::Table {
+    (settings.values())
+        .map(|(key, value)| {
+            let value = match value {
+                Value::Number(number) => (*number).into(),
+                Value::Word(word) => word.clone().into(),
+            };
+            (key.to_owned(), value)
+        })
+        .collect()
 }
 
 fn chosen(ids: &[String]) -> Result<Vec<&'static Item>, Failure> {

@@ -1,38 +1,38 @@
 //! `symplint trace CONFIG.toml`.
 
-use std::path::Path;
 use std::process::ExitCode;
 
-use symplint::{
-    Observable, Orbit, Piecewise, Rows, Rule, RuleChoice, Streaming, Trace, TraceRecord,
-};
+use symplint::{Observable, Orbit, Rows, Rule, Trace, TraceRecord};
 use symplint_report::figures::trace_figures;
 use symplint_report::report::TraceReport;
-use symplint_report::run_folder::RunFolder;
 use symplint_report::table::trace_table;
 
 use super::Failure;
-use crate::cli::Common;
+use super::run_output::RunOutput;
+use crate::cli::TraceArgs;
 use crate::config::{Config, ConfigError};
-use crate::output::{self, Progress};
+use crate::output::{Progress, say};
 use crate::provenance;
 
-/// Follows loop integral and energy in time.
-pub fn trace(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
-    let run = provenance::start();
-    let config = Config::load(path, &common.set)?;
-    let folder = common.out.as_deref().map(RunFolder::create).transpose()?;
-    let progress = Progress::new("steps", common.quiet || common.json);
-    let record = follow(&config, &progress)?;
+/// Follows the loop integral and the energy in time.
+pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
+    let started = provenance::start();
+    let run = &arguments.run;
+    let config = Config::load(&arguments.config, &arguments.settings.set)?;
+    let trace = settings(&config)?;
+    let output = RunOutput::of_run("trace", &config.resolved, run)?;
+    let progress = Progress::new("steps", run.quiet || run.json);
+    let record = follow(&trace, &config, &progress)?;
     progress.finish();
 
     let report = TraceReport::new(
         &config.resolved,
         &record.points,
-        provenance::provenance(&run, &config.resolved),
+        provenance::of(&started, &config.resolved),
     );
-    if let Some(folder) = &folder {
-        folder.write_config(&config.resolved.to_string())?;
+    if let Some(output) = &output {
+        let folder = &output.folder;
+        folder.write_config(&output.config)?;
         folder.write_json("report.json", &report)?;
         folder.write_csv("points.csv", &record.points)?;
         for (step, ensemble) in &record.snapshots {
@@ -44,53 +44,58 @@ pub fn trace(path: &Path, common: &Common) -> Result<ExitCode, Failure> {
             |q: Rows<'_>, p: Rows<'_>, out: &mut [f64]| hamiltonian.energy(q, p, out)
         });
         let energy = energy.as_ref().map(|energy| energy as Observable<'_>);
-        for (name, figure) in trace_figures(&title, &record, config.trace.step_size, energy) {
-            figure.save(&folder.figures(), name)?;
-        }
+        let figures = trace_figures(&title, &record, config.trace.step_size, energy);
+        output.write_figures(figures, &trace.snapshots)?;
     }
-    if common.json {
-        output::say(report.to_json())?;
+    if run.json {
+        say(report.to_json())?;
     } else {
-        output::say(trace_table(&record.points, common.quiet))?;
-        if let Some(folder) = folder.as_ref().filter(|_| !common.quiet) {
-            output::say(format!("\nWritten to {}", folder.path().display()))?;
+        say(trace_table(&record.points, run.quiet))?;
+        if let Some(output) = output.as_ref().filter(|_| !run.quiet) {
+            say(format!("\nWritten to {}", output.folder.path().display()))?;
         }
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// The rule of a trace, which keeps an ensemble of samples and never makes new ones in between.
-fn rule(choice: RuleChoice) -> Result<Rule, ConfigError> {
-    let name = match choice {
-        RuleChoice::Auto => return Ok(Rule::Pseudospectral),
-        RuleChoice::Fixed(rule) => return Ok(rule),
-        RuleChoice::Piecewise => Piecewise::NAME,
-        RuleChoice::Streaming => Streaming::NAME,
+/// The rule of a trace. It follows a fixed ensemble, so the rules that make further samples do not apply.
+fn rule(rule: Rule) -> Result<Rule, ConfigError> {
+    let name = match rule {
+        Rule::Auto => return Ok(Rule::Pseudospectral),
+        Rule::Pseudospectral | Rule::FiniteDifference(_) => return Ok(rule),
+        other => other.kind().name(),
     };
     Err(ConfigError::new(
-        format!("diagnostic.rule is \"{name}\", and a trace cannot be had by it"),
+        format!("diagnostic.rule is \"{name}\", which a trace does not accept"),
         "give \"pseudospectral\" or \"finite-difference\", for example by --set diagnostic.rule=pseudospectral",
     ))
 }
 
-fn follow(config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> {
+fn settings(config: &Config) -> Result<Trace, ConfigError> {
     let settings = &config.trace;
     if let Some(&late) = settings
         .snapshots
         .iter()
         .find(|&&step| step > settings.steps)
     {
-        let text = format!("trace.snapshots names step {late} of {}", settings.steps);
-        let help = "take more steps or drop the snapshot, for example by --set trace.snapshots=[0]";
-        return Err(ConfigError::new(text, help).into());
+        return Err(ConfigError::new(
+            format!(
+                "trace.snapshots has step {late}, but trace.steps is {}",
+                settings.steps
+            ),
+            "take more steps or leave that snapshot out, for example by --set trace.snapshots=[0]",
+        ));
     }
-    let trace = Trace {
+    Ok(Trace {
         rule: rule(config.diagnostic.rule)?,
         samples: settings.samples,
         step_size: settings.step_size,
         steps: settings.steps,
         snapshots: settings.snapshots.clone(),
-    };
+    })
+}
+
+fn follow(trace: &Trace, config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> {
     let system = &config.system;
     let hamiltonian = system.model.hamiltonian();
     let energy = |q: Rows<'_>, p: Rows<'_>, out: &mut [f64]| {
@@ -98,13 +103,13 @@ fn follow(config: &Config, progress: &Progress) -> Result<TraceRecord, Failure> 
             hamiltonian.energy(q, p, out);
         }
     };
-    // A system without an energy has none to follow.
+    // A system that is a map has no energy.
     let orbit = hamiltonian.map(|_| Orbit {
         q: &system.q0,
         p: &system.p0,
         energy: &energy,
     });
-    progress.plan(settings.steps + 1);
+    progress.plan(trace.steps + 1);
     let watch = |_: &symplint::TracePoint| progress.step();
-    Ok(trace.run(&*config.map, &*config.phase_loop, orbit, &watch)?)
+    Ok(trace.run_watched(&*config.map, &*config.phase_loop, orbit, &watch)?)
 }

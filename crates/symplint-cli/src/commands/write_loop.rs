@@ -1,24 +1,24 @@
-//! `symplint loop CONFIG.toml`.
+//! `symplint loop`.
 
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use serde::Serialize;
-use symplint::{Ensemble, SampleCount, Snapshot};
+use symplint::{Coordinates, Ensemble, Loop, SampleCount, Snapshot};
 use symplint_report::loop_file::LoopFile;
 use symplint_report::report::to_json;
-use symplint_report::run_folder::RunFolder;
 use symplint_report::table::degrees_of_freedom;
 
-use super::Failure;
-use crate::cli::Common;
+use super::{Failure, loop_shape};
+use crate::cli::LoopArgs;
 use crate::config::Config;
-use crate::output;
+use crate::output::say;
 
-/// Samples unless someone asks for another number: smooth loops need no more.
+/// The default number of samples. Smooth loops need no more.
 const SAMPLES: usize = 256;
 
-/// What was written, for `--json`.
+/// The files that were written, for `--json`.
 #[derive(Serialize)]
 struct Written {
     files: Vec<PathBuf>,
@@ -28,41 +28,32 @@ struct Written {
     weight: Option<Vec<f64>>,
 }
 
-/// Writes the samples of a configured loop.
-pub fn write_loop(
-    path: &Path,
-    samples: Option<usize>,
-    output: Option<&Path>,
-    common: &Common,
-) -> Result<ExitCode, Failure> {
-    let config = Config::load(path, &common.set)?;
-    let samples = samples.unwrap_or(match config.diagnostic.samples {
-        SampleCount::Fixed(count) => count,
-        SampleCount::Auto => SAMPLES,
-    });
-    let name = output.unwrap_or(Path::new("loop.npz"));
-    let target = match &common.out {
-        Some(folder) => RunFolder::without_figures(folder)?.path().join(name),
-        None => name.to_owned(),
-    };
-    let coordinates = config.map.coordinates();
+/// Writes the samples of a loop.
+pub fn write_loop(arguments: &LoopArgs) -> Result<ExitCode, Failure> {
+    let (phase_loop, coordinates, samples) = sampled_loop(arguments)?;
     let dof = coordinates.dof();
-    // What says nothing is left out.
-    let of_each = |value: &dyn Fn(usize) -> f64, nothing: f64| {
+    // Default values are left out.
+    let of_each = |value: &dyn Fn(usize) -> f64, default: f64| {
         let values: Vec<f64> = (0..dof).map(value).collect();
-        values.iter().any(|&v| v != nothing).then_some(values)
+        values.iter().any(|&v| v != default).then_some(values)
     };
+    let folder = arguments.out.clone().unwrap_or_default();
     let file = LoopFile {
-        path: target,
-        states: Ensemble::sample(&*config.phase_loop, samples)?,
+        path: folder.join(&arguments.output),
+        states: Ensemble::sample(&*phase_loop, samples).map_err(Failure::from_input)?,
         unit_roundoff: Snapshot::DOUBLE,
         step_size: None,
         period: of_each(&|i| coordinates.period(i), 0.0),
         weight: of_each(&|i| coordinates.weight(i), 1.0),
     };
+    check_replaceable(&file, arguments.force)?;
+    fs::create_dir_all(&folder).map_err(|error| Failure::Write {
+        path: folder.clone(),
+        reason: error.to_string(),
+    })?;
     let files = file.write()?;
-    if common.json {
-        output::say(to_json(&Written {
+    if arguments.json {
+        say(to_json(&Written {
             files,
             samples,
             dof,
@@ -75,25 +66,93 @@ pub fn write_loop(
         .iter()
         .map(|file| file.display().to_string())
         .collect();
-    output::say(format!(
+    say(format!(
         "{}: {samples} samples of {}",
         names.join(", "),
         degrees_of_freedom(dof)
     ))?;
-    if !common.quiet {
-        output::say(
+    if !arguments.quiet {
+        say(
             "Advance every row of q and p by one step, store them in the same way, and run\n  symplint \
              measure BEFORE AFTER",
         )?;
         if !file.carries_settings() {
             for (option, values) in [("period", &file.period), ("weight", &file.weight)] {
                 if let Some(values) = values {
-                    output::say(format!("  with --{option} {}", listed(values)))?;
+                    say(format!("  with --{option} {}", listed(values)))?;
                 }
             }
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The loop, the meaning of its coordinates, and the number of samples.
+fn sampled_loop(arguments: &LoopArgs) -> Result<(Box<dyn Loop>, Coordinates, usize), Failure> {
+    let Some(path) = &arguments.config else {
+        if !arguments.settings.set.is_empty() {
+            return Err(Failure::Usage {
+                message: "--set changes a configuration, and there is none".into(),
+                remedy: "name a configuration, or describe the loop by --dof, --q0, --p0, --radius"
+                    .into(),
+            });
+        }
+        let (phase_loop, coordinates) = loop_shape::build(&arguments.shape)?;
+        return Ok((
+            phase_loop,
+            coordinates,
+            arguments.samples.unwrap_or(SAMPLES),
+        ));
+    };
+    loop_shape::refuse_beside_configuration(&arguments.shape)?;
+    let config = Config::load(path, &arguments.settings.set)?;
+    let samples = arguments
+        .samples
+        .unwrap_or(match config.diagnostic.samples {
+            SampleCount::Fixed(count) => count,
+            SampleCount::Auto => SAMPLES,
+        });
+    let coordinates = config.map.coordinates();
+    Ok((config.phase_loop, coordinates, samples))
+}
+
+/// Checks that writing the loop replaces nothing but the same loop or, with `force`, another loop before a
+/// step. Other codes store step sizes in their files; `symplint loop` does not.
+fn check_replaceable(file: &LoopFile, force: bool) -> Result<(), Failure> {
+    let Some(there) = file.paths()?.into_iter().find(|path| path.exists()) else {
+        return Ok(());
+    };
+    let there = there.display();
+    match LoopFile::read(&file.path) {
+        Ok(found) if same_loop(&found, file) => Ok(()),
+        Ok(found) if found.step_size.is_none() => {
+            if force {
+                return Ok(());
+            }
+            Err(Failure::Usage {
+                message: format!(
+                    "{there} holds another loop, with {} samples of {}",
+                    found.states.samples(),
+                    degrees_of_freedom(found.states.dof())
+                ),
+                remedy: "give --output another file, or add --force to replace that loop".into(),
+            })
+        }
+        _ => Err(Failure::Usage {
+            message: format!("{there} exists, and is not a loop that symplint wrote"),
+            remedy: "give --output another file; --force does not replace this one".into(),
+        }),
+    }
+}
+
+fn same_loop(found: &LoopFile, file: &LoopFile) -> bool {
+    let (one, other) = (&found.states, &file.states);
+    one.dof() == other.dof()
+        && one.samples() == other.samples()
+        && (0..one.dof()).all(|i| one.q().row(i) == other.q().row(i))
+        && (0..one.dof()).all(|i| one.p().row(i) == other.p().row(i))
+        && (!file.carries_settings()
+            || (found.period == file.period && found.weight == file.weight))
 }
 
 /// Numbers as the options of `measure` take them: one where all are the same.

@@ -1,13 +1,12 @@
 //! `[diagnostic]`: what `check` measures.
 
 use symplint::{
-    Closure, Cutoff, Cutoffs, Diagnostic, Piecewise, Rule, RuleChoice, SampleCount, SampleSweep,
-    Streaming,
+    Closure, Cutoff, Cutoffs, Diagnostic, Piecewise, Rule, SampleCount, SampleSweep, Streaming,
 };
 
 use super::document::{Node, Value};
 use super::error::ConfigError;
-use super::section::{Accept, Key, Section, read_number};
+use super::section::{Accept, Key, MOST_WHOLE, Section, read_number};
 
 /// The keys of `[diagnostic]`.
 pub const KEYS: &[Key] = &[
@@ -19,7 +18,7 @@ pub const KEYS: &[Key] = &[
     Key::new(
         "step_sizes",
         "{ from = \"2^-1\", to = \"2^-10\" }",
-        "halving from … to …, or a list; the verdict leans on the largest",
+        "halved from … to …, or a list; the largest matters most to the verdict",
     ),
     Key::new(
         "samples",
@@ -27,58 +26,68 @@ pub const KEYS: &[Key] = &[
         "samples of the loop: \"auto\", or a number from 3",
     ),
     Key::new(
+        "budget",
+        "\"auto\"",
+        "evaluations (one state advanced by one step) at most: \"auto\", or a number from 200",
+    ),
+    Key::new(
         "tolerance",
         "1e-11",
-        "of the piecewise rule, relative to the size of the loop",
+        "tolerance of the piecewise rule, relative to the size of the loop",
     ),
     Key::new(
         "closure",
         "\"substeps\"",
-        "how the piecewise rule closes breaks: where a substep breaks them, or by \"chords\"",
+        "how the piecewise rule closes breaks: in the substep that causes them, or by \"chords\"",
     ),
     Key::new(
         "half_width",
         "8",
-        "m of the streaming rule: its differences of order 2m see m samples on either side, 8 to 16",
+        "m of the streaming rule, 8 to 16: differences of order 2m use m samples on either side",
     ),
     Key::optional(
         "sample_sweep",
         "{ from = \"2^6\", to = \"2^15\", step_size = 0.1 }",
-        "doubling from … to …; no sweep if left out",
+        "numbers of samples, doubled from … to …; no such sweep if left out",
     ),
     Key::new(
         "cutoff_q",
         "1000.0",
-        "λ_q: finite differences leave out cells where |dq/ds| > λ_q max|q|",
+        "λ_q: the finite-difference rule omits cells where |dq/ds| > λ_q max|q|",
     ),
     Key::new("cutoff_p", "1000.0", "λ_p: the same for p"),
     Key::optional(
         "cutoff_q_absolute",
         "100.0",
-        "τ_q: cut-off on |dq/ds| itself, in place of cutoff_q",
+        "τ_q: omits cells where |dq/ds| > τ_q, in place of cutoff_q",
     ),
     Key::optional("cutoff_p_absolute", "100.0", "τ_p: the same for p"),
     Key::new(
         "loops",
         "8",
-        "loops in all; those after the first are random and tried at the largest step size",
+        "number of loops; those after the first are random, and use the largest step size",
     ),
-    Key::new("seed", "1", "of the random loops"),
+    Key::new("seed", "1", "seed of the random loops"),
     Key::new(
         "steps",
         "0",
-        "so many steps of the largest size, to see whether a defect adds up; 0 for none",
+        "number of steps of the largest size, to see whether a defect accumulates; 0 for none",
     ),
     Key::new(
-        "stages",
+        "jacobian",
+        "true",
+        "whether the Jacobian of one step is checked besides the loops",
+    ),
+    Key::new(
+        "localise",
         "true",
         "whether a defect is traced to a substep of the map and to a part of the loop",
     ),
 ];
 
 const FROM_TO: [Key; 2] = [
-    Key::optional("from", "\"2^-1\"", "the first"),
-    Key::optional("to", "\"2^-10\"", "the last"),
+    Key::optional("from", "\"2^-1\"", "largest step size"),
+    Key::optional("to", "\"2^-10\"", "smallest step size"),
 ];
 
 const SAMPLE_SWEEP: [Key; 3] = [
@@ -87,17 +96,20 @@ const SAMPLE_SWEEP: [Key; 3] = [
     Key::new("step_size", "0.1", "h"),
 ];
 
-/// Halvings or doublings in one sweep at most.
+/// Halvings of the step size at most: from 1 they reach far below round-off.
 const LONGEST: usize = 64;
 
-/// Samples of one loop at most: their ensemble must fit into memory many times over.
+/// Samples of one loop at most. An ensemble of them takes 4 GiB for each degree of freedom.
 pub const MOST_SAMPLES: u64 = 1 << 28;
 
-/// Steps of one run at most.
+/// Steps of a long-time run at most.
 const MOST_STEPS: u64 = 100_000_000;
 
-/// Loops at most: each is a run of its own.
+/// Loops at most: each is sampled and advanced separately.
 const MOST_LOOPS: u64 = 10_000;
+
+/// The smallest budget that is accepted: one loop and the checks of the map take nearly as many evaluations.
+const LEAST_BUDGET: u64 = 200;
 
 /// Reads `[diagnostic]`.
 pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
@@ -107,16 +119,9 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         "auto",
         "pseudospectral",
         "finite-difference",
-        Piecewise::NAME,
-        Streaming::NAME,
+        "piecewise",
+        "streaming",
     ];
-    let rule = match section.choice("rule", &rules)? {
-        "auto" => RuleChoice::Auto,
-        "pseudospectral" => RuleChoice::Fixed(Rule::Pseudospectral),
-        "finite-difference" => RuleChoice::Fixed(Rule::FiniteDifference(cutoffs)),
-        Piecewise::NAME => RuleChoice::Piecewise,
-        _ => RuleChoice::Streaming,
-    };
     let piecewise = Piecewise {
         tolerance: section.number("tolerance", Accept::Positive)?,
         closure: match section.choice("closure", &["substeps", "chords"])? {
@@ -125,17 +130,30 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         },
         ..Piecewise::default()
     };
+    let streaming = streaming(&section)?;
+    let rule = match section.choice("rule", &rules)? {
+        "auto" => Rule::Auto,
+        "pseudospectral" => Rule::Pseudospectral,
+        "finite-difference" => Rule::FiniteDifference(cutoffs),
+        "piecewise" => Rule::Piecewise(piecewise),
+        _ => Rule::Streaming(streaming),
+    };
+    let budget = section.whole_or_auto("budget", LEAST_BUDGET, MOST_WHOLE)?;
     let diagnostic = Diagnostic {
         rule,
         piecewise,
-        streaming: streaming(&section)?,
-        samples: samples(&section)?,
+        streaming,
+        samples: match section.whole_or_auto("samples", 3, MOST_SAMPLES)? {
+            None => SampleCount::Auto,
+            Some(count) => SampleCount::Fixed(count as usize),
+        },
         step_sizes: step_sizes(&section)?,
         sample_sweep: sample_sweep(&section)?,
         loops: section.whole_between("loops", 1, MOST_LOOPS)? as usize,
         seed: section.whole("seed", 0)?,
-        jacobian: true,
-        stages: section.flag("stages")?,
+        jacobian: section.flag("jacobian")?,
+        localise: section.flag("localise")?,
+        budget: budget.map(|budget| budget as usize),
         long_time: section.whole_between("steps", 0, MOST_STEPS)? as usize,
     };
     Ok((diagnostic, section))
@@ -161,23 +179,15 @@ fn streaming(section: &Section) -> Result<Streaming, ConfigError> {
     })
 }
 
-fn samples(section: &Section) -> Result<SampleCount, ConfigError> {
-    match section.node("samples")?.map(|node| node.value) {
-        Some(Value::Text(text)) if text == "auto" => Ok(SampleCount::Auto),
-        _ => {
-            let count = section.whole_between("samples", 3, MOST_SAMPLES)?;
-            Ok(SampleCount::Fixed(count as usize))
-        }
-    }
-}
-
 fn step_sizes(section: &Section) -> Result<Vec<f64>, ConfigError> {
     let node = section.node("step_sizes")?.expect("it has a default");
     let path = "diagnostic.step_sizes";
     match &node.value {
-        Value::List(list) if list.is_empty() => {
-            Err(section.error("step_sizes", "empty", "give one step size or more"))
-        }
+        Value::List(list) if list.is_empty() => Err(section.error(
+            "step_sizes",
+            "the list is empty",
+            "give one step size or more",
+        )),
         Value::List(list) => (list.iter())
             .map(|item| read_number(path, item, Accept::Positive))
             .collect(),
@@ -187,18 +197,20 @@ fn step_sizes(section: &Section) -> Result<Vec<f64>, ConfigError> {
                 .expect("it is a table");
             let from = range.number("from", Accept::Positive)?;
             let to = range.number("to", Accept::Positive)?;
-            // Halves of `from` down to `to`, with room for rounding at the end; one more than there may be, to
-            // tell.
+            // Down to `to`, which may be rounded. One step size more than allowed shows that there are too many.
             let sizes: Vec<f64> = (0..=LONGEST + 1)
                 .map(|m| from * 0.5f64.powi(m as i32))
                 .take_while(|&h| h >= to * (1.0 - 1e-9))
                 .collect();
-            if sizes.is_empty() || sizes.len() > LONGEST + 1 {
-                return Err(section.error(
-                    "step_sizes",
-                    format!("from {from} by halves to {to} is no sweep"),
-                    format!("let `from` be the larger one, with at most {LONGEST} halvings"),
-                ));
+            if sizes.is_empty() {
+                let message = format!("`from` is {from}, smaller than `to`, which is {to}");
+                let help = "step sizes are halved: let `from` be the larger one";
+                return Err(section.error("step_sizes", message, help));
+            }
+            if sizes.len() > LONGEST + 1 {
+                let message = format!("from {from} to {to} takes more than {LONGEST} halvings");
+                let help = format!("give a range of at most {LONGEST} halvings");
+                return Err(section.error("step_sizes", message, help));
             }
             Ok(sizes)
         }
@@ -217,11 +229,18 @@ fn sample_sweep(section: &Section) -> Result<Option<SampleSweep>, ConfigError> {
         .map(|count| count as usize)
         .collect();
     if counts.is_empty() {
-        return Err(section.error(
-            "sample_sweep",
-            format!("from {from} by doubling to {to} is no sweep"),
-            "let `to` be the larger one, and `from` at most 2^28",
-        ));
+        let (message, help) = if from > MOST_SAMPLES {
+            (
+                format!("`from` is {from}, which is too large"),
+                "give at most 2^28",
+            )
+        } else {
+            (
+                format!("`from` is {from}, larger than `to`, which is {to}"),
+                "numbers of samples are doubled: let `to` be the larger one",
+            )
+        };
+        return Err(section.error("sample_sweep", message, help));
     }
     let step_size = range.number("step_size", Accept::Positive)?;
     section.adopt("sample_sweep", range);

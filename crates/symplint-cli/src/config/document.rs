@@ -1,4 +1,4 @@
-//! The settings as written: a tree in which every value knows its place.
+//! The settings as written: a tree of values with their positions in the source.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,17 +10,17 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::{ConfigError, Place};
 
-/// The name of settings from the command line as a source.
+/// The source name of settings from the command line.
 pub const SETTING: &str = "--set";
 
-/// A value and where it was written.
+/// A value and its position.
 #[derive(Clone, Debug)]
 pub struct Node {
     pub value: Value,
     pub place: Place,
 }
 
-/// A TOML value; dates have no use here.
+/// A TOML value, other than a date.
 #[derive(Clone, Debug)]
 pub enum Value {
     Text(String),
@@ -31,17 +31,17 @@ pub enum Value {
     Table(Table),
 }
 
-/// The keys of a table with their places.
+/// The keys of a table with their positions.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     pub entries: BTreeMap<String, (Place, Node)>,
 }
 
 impl Value {
-    /// What kind of value this is, for messages.
+    /// The type of the value, for messages.
     pub fn kind(&self) -> &'static str {
         match self {
-            Value::Text(_) => "a text",
+            Value::Text(_) => "a string",
             Value::Integer(_) => "a whole number",
             Value::Float(_) => "a number",
             Value::Boolean(_) => "true or false",
@@ -50,7 +50,7 @@ impl Value {
         }
     }
 
-    /// The value for a resolved configuration.
+    /// The value as TOML.
     pub fn to_toml(&self) -> toml::Value {
         match self {
             Value::Text(text) => toml::Value::String(text.clone()),
@@ -68,7 +68,7 @@ impl Value {
     }
 }
 
-/// Reads a configuration file and lays `--set` settings over it, the last one on top.
+/// Reads a configuration file and applies `--set` settings in their order; later ones replace earlier ones.
 pub fn load(path: &Path, settings: &[String]) -> Result<Table, ConfigError> {
     let text = std::fs::read_to_string(path).map_err(|error| {
         ConfigError::new(
@@ -83,7 +83,7 @@ pub fn load(path: &Path, settings: &[String]) -> Result<Table, ConfigError> {
     Ok(table)
 }
 
-/// Only `--set` settings: for commands without a configuration file.
+/// The `--set` settings alone, for commands without a configuration file.
 pub fn settings_only(settings: &[String]) -> Result<Table, ConfigError> {
     let mut table = Table::default();
     for setting in settings {
@@ -92,7 +92,7 @@ pub fn settings_only(settings: &[String]) -> Result<Table, ConfigError> {
     Ok(table)
 }
 
-/// Reads a text as TOML.
+/// Parses TOML.
 pub fn parse(name: &str, text: String) -> Result<Table, ConfigError> {
     let source = Arc::new(NamedSource::new(name, text));
     let parsed = DeTable::parse(source.inner()).map_err(|error| {
@@ -101,15 +101,15 @@ pub fn parse(name: &str, text: String) -> Result<Table, ConfigError> {
             span: error.span().unwrap_or(0..0),
         };
         ConfigError::new(
-            format!("{name} is not TOML: {}", error.message()),
-            "write keys as `name = value` under their [section]; texts in quotes",
+            format!("{name} is not valid TOML: {}", error.message()),
+            "write keys as `name = value` under their [section], and strings in quotes",
         )
         .at(&place, "here")
     })?;
     convert_table(parsed.get_ref(), &source)
 }
 
-/// `KEY=VALUE` with a dotted key; a value that is not TOML is taken as a text.
+/// `KEY=VALUE` with a dotted key; a value that is not valid TOML is taken as a string.
 fn parse_setting(setting: &str) -> Result<Table, ConfigError> {
     let Some((key, value)) = setting.split_once('=') else {
         return Err(ConfigError::new(
@@ -126,7 +126,7 @@ fn parse_setting(setting: &str) -> Result<Table, ConfigError> {
     parse(SETTING, format!("{key} = {quoted}"))
 }
 
-/// Puts the entries of `over` into `table`, table by table.
+/// Puts the entries of `over` into `table`, recursively for tables.
 fn overlay(table: &mut Table, over: Table) {
     for (key, (place, node)) in over.entries {
         match (table.entries.get_mut(&key), node.value) {
@@ -197,7 +197,7 @@ fn convert(
         DeValue::Table(table) => Value::Table(convert_table(table, source)?),
         DeValue::Datetime(_) => {
             return Err(
-                ConfigError::new("a date has no meaning here", "write a number or a text")
+                ConfigError::new("dates are not accepted", "write a number or a string")
                     .at(&place, "a date"),
             );
         }

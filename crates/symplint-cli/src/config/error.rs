@@ -1,4 +1,4 @@
-//! Errors of a configuration: they point at the place and name the remedy.
+//! Errors of a configuration, with their position in the source and the remedy.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ pub struct ConfigError {
 }
 
 impl ConfigError {
-    /// An error that belongs to no place in a text.
+    /// An error without a position.
     pub fn new(message: impl Into<String>, help: impl Into<String>) -> Self {
         ConfigError {
             message: message.into(),
@@ -31,7 +31,7 @@ impl ConfigError {
         }
     }
 
-    /// Points at a place.
+    /// Adds the position.
     pub fn at(mut self, place: &Place, label: impl Into<String>) -> Self {
         self.source_code = Some(Arc::clone(&place.source));
         self.span = Some(place.span.clone().into());
@@ -40,11 +40,11 @@ impl ConfigError {
     }
 }
 
-/// Where in which text a setting stands.
+/// The position of a setting.
 #[derive(Clone, Debug)]
 pub struct Place {
-    /// The text, with the name of its file, or `--set`.
+    /// The source, named after its file or `--set`.
     pub source: Arc<NamedSource<String>>,
-    /// Bytes of it.
+    /// Byte range in the source.
     pub span: std::ops::Range<usize>,
 }

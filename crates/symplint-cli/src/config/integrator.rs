@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use symplint::TimeAdvance;
-use symplint_models::integrators::catalogue::{CATALOGUE, IntegratorInfo, build_solved_by};
+use symplint_models::integrators::aliases::{self, ALIASES};
+use symplint_models::integrators::catalogue::{
+    CATALOGUE, IntegratorInfo, build_solved_by, resolve,
+};
 use symplint_models::integrators::{Solver, StageSolver, Stop};
 use symplint_models::maps::{Damped, SinglePrecision};
 use symplint_models::{Model, ModelError};
@@ -13,10 +16,10 @@ use super::error::ConfigError;
 use super::section::{Accept, Key, Section, suggestion};
 use super::system::NOTHING;
 
-/// The keys of the stage solver, which only implicit methods have.
+/// The keys of the stage solver, which only implicit methods accept.
 const OF_SOLVER: [&str; 4] = ["solver", "tolerance", "max_iterations", "iterations"];
 
-/// The keys of `[integrator]`; `default` is the integrator of the system, as TOML.
+/// The keys of `[integrator]`; `default` is the default integrator of the system, as TOML.
 pub fn keys(default: &'static str) -> [Key; 8] {
     [
         Key::new("name", default, "see `symplint list integrators`"),
@@ -28,32 +31,32 @@ pub fn keys(default: &'static str) -> [Key; 8] {
         Key::optional(
             "solver",
             "\"newton\"",
-            "of implicit methods; \"fixed-point\" if left out",
+            "solver of implicit methods; \"fixed-point\" if left out",
         ),
         Key::optional(
             "tolerance",
             "1e-8",
-            "to which implicit stages are solved; round-off if left out",
+            "tolerance of the solver of implicit methods; round-off if left out",
         ),
         Key::optional(
             "max_iterations",
             "50",
-            "after which implicit stages fail; 200 if left out",
+            "iterations after which the solver fails; 200 if left out",
         ),
         Key::optional(
             "iterations",
             "2",
-            "exactly so many for implicit stages, solved or not, in place of a tolerance",
+            "a fixed number of iterations, converged or not, in place of a tolerance",
         ),
         Key::optional(
             "damping",
             "0.01",
-            "a fault to try: momenta are multiplied by exp(-damping h) after the step",
+            "a deliberate fault: multiplies momenta by exp(-damping h) after the step",
         ),
         Key::optional(
             "precision",
             "\"single\"",
-            "a fault to try: states are rounded to 24 bits before and after the step",
+            "a deliberate fault: rounds states to single precision before and after the step",
         ),
     ]
 }
@@ -74,7 +77,7 @@ pub fn read(
     Ok((full_name, map, section))
 }
 
-/// A system that is a map: nothing but its own name fits.
+/// A system that is a map: no integrator applies to it.
 fn given(
     section: &Section,
     name: &str,
@@ -93,7 +96,7 @@ fn given(
         None => Ok((NOTHING.to_owned(), Box::new(Arc::clone(map)))),
         Some(key) => Err(section.error(
             key,
-            "the system is a map, with nothing to integrate",
+            "the system is a map and does not accept an integrator",
             format!("leave the key out, or write name = \"{NOTHING}\""),
         )),
     }
@@ -104,63 +107,87 @@ fn integrated(
     name: &str,
     model: &Model,
 ) -> Result<(String, Box<dyn TimeAdvance>), ConfigError> {
-    let info = CATALOGUE.iter().find(|info| info.name == name);
-    let variant = if variant_of_another(section, info) {
+    let variant = if variant_of_another(section, name) {
         None
     } else {
         section.optional_text("variant")?
     };
+    let refused = |error| refusal(section, name, &error);
+    let (info, variant) = resolve(name, variant.as_deref()).map_err(refused)?;
+    // The resolved configuration has the name in the catalogue, not an alias.
+    section.record("name", info.name);
+    if let Some(variant) = variant {
+        section.record("variant", variant);
+    }
     let solver = solver(section, info)?;
-    let built = build_solved_by(solver, name, variant.as_deref(), model.clone());
-    let map = built.map_err(|error| refusal(section, name, &error))?;
-    let full_name = variant.map_or(name.to_owned(), |variant| format!("{name}, {variant}"));
+    let map = build_solved_by(solver, info.name, variant, model.clone()).map_err(refused)?;
+    let full_name = match variant {
+        Some(variant) => format!("{}, {variant}", info.name),
+        None => info.name.to_owned(),
+    };
     Ok((full_name, map))
 }
 
-/// What the catalogue has against it, at the key that caused it.
+/// An error of the catalogue, at the key that caused it.
 fn refusal(section: &Section, name: &str, error: &ModelError) -> ConfigError {
     match error {
         ModelError::UnknownIntegrator { .. } => section.error(
             "name",
-            format!("there is no integrator \"{name}\""),
-            suggestion(name, CATALOGUE.iter().map(|info| info.name)),
+            format!("unknown integrator \"{name}\""),
+            suggestion(
+                name,
+                (CATALOGUE.iter().map(|info| info.name))
+                    .chain(ALIASES.iter().map(|alias| alias.name)),
+            ),
         ),
-        ModelError::UnknownVariant { known, variant, .. } => section.error(
-            "variant",
-            format!("\"{name}\" has no variant \"{variant}\""),
-            match known {
-                [] => "it has none: leave the key out".to_owned(),
-                known => suggestion(variant, known.iter().copied()),
-            },
-        ),
+        ModelError::UnknownVariant { known, variant, .. } => match aliases::find(name) {
+            Some(alias) if !alias.variants.is_empty() => section.error(
+                "variant",
+                format!(
+                    "\"{name}\" is another name for \"{}\" with variant = \"{}\"",
+                    alias.integrator, alias.variants[0]
+                ),
+                format!(
+                    "leave variant out, or write name = \"{}\"",
+                    alias.integrator
+                ),
+            ),
+            _ => section.error(
+                "variant",
+                format!("\"{name}\" has no variant \"{variant}\""),
+                match known {
+                    [] => "it has no variants: leave the key out".to_owned(),
+                    known => suggestion(variant, known.iter().copied()),
+                },
+            ),
+        },
         ModelError::NotForThis {
             needs, kind, known, ..
         } => section.error(
             "name",
-            format!("\"{name}\" is for {needs}, and this system is {kind}"),
-            format!("there are: {}", known.join(", ")),
+            format!("\"{name}\" is for {needs}, but this system is {kind}"),
+            format!("available: {}", known.join(", ")),
         ),
         ModelError::TooManyUnknowns { unknowns, limit } => section.error(
             "solver",
-            format!("{unknowns} equations for each sample, and {limit} are the most for newton"),
+            format!(
+                "\"newton\" would solve {unknowns} equations for each sample, and accepts at most {limit}"
+            ),
             "use \"fixed-point\"",
         ),
         other => section.error("name", other.to_string(), "choose another integrator"),
     }
 }
 
-/// How stages are solved; the keys are refused where there are none to solve.
-fn solver(section: &Section, info: Option<&IntegratorInfo>) -> Result<StageSolver, ConfigError> {
+/// The solver of implicit stages; its keys are refused for explicit methods.
+fn solver(section: &Section, info: &IntegratorInfo) -> Result<StageSolver, ConfigError> {
     let mut solver = StageSolver::default();
-    let Some(info) = info else {
-        return Ok(solver);
-    };
     if !info.is_implicit() {
         let written = |key: &&str| section.written_place(key).is_some();
         return match OF_SOLVER.into_iter().find(written) {
             Some(key) if !of_another(section, key) => Err(section.error(
                 key,
-                format!("\"{}\" has no stages to be solved", info.name),
+                format!("\"{}\" is explicit and does not accept this key", info.name),
                 "leave the key out",
             )),
             _ => Ok(solver),
@@ -176,7 +203,7 @@ fn solver(section: &Section, info: Option<&IntegratorInfo>) -> Result<StageSolve
     Ok(solver)
 }
 
-/// When the iteration for the stages ends.
+/// When the iteration for the stages stops.
 fn stop(section: &Section) -> Result<Stop, ConfigError> {
     const MOST: u64 = 1_000_000;
     let tolerance = section.optional_number("tolerance", Accept::NotNegative)?;
@@ -193,13 +220,13 @@ fn stop(section: &Section) -> Result<Stop, ConfigError> {
         }),
         _ => Err(section.error(
             "iterations",
-            "given besides tolerance or max_iterations",
-            "leave out either iterations or the others",
+            "cannot be combined with tolerance or max_iterations",
+            "leave out either iterations or the other two",
         )),
     }
 }
 
-/// The map with the faults that were asked for.
+/// The map with deliberate faults, where the keys ask for them.
 fn with_faults(
     section: &Section,
     full_name: &mut String,
@@ -220,17 +247,15 @@ fn with_faults(
     Ok(map)
 }
 
-/// Whether `--set` named another integrator than the file did, for which the file's variant
-/// means nothing.
-fn variant_of_another(section: &Section, info: Option<&IntegratorInfo>) -> bool {
+/// Whether the variant in the file belongs to the integrator in the file, and `--set` names another one
+/// that does not have it.
+fn variant_of_another(section: &Section, name: &str) -> bool {
     let written = section.written_text("variant");
     of_another(section, "variant")
-        && written
-            .zip(info)
-            .is_some_and(|(variant, info)| !info.variants.contains(&variant))
+        && written.is_some_and(|variant| resolve(name, Some(variant)).is_err())
 }
 
-/// Whether `key` is the file's and the name of the integrator is not, but from `--set`.
+/// Whether `key` is from the file and the name of the integrator is from `--set`.
 fn of_another(section: &Section, key: &str) -> bool {
     let set = |key| {
         section

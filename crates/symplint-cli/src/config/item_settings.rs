@@ -6,7 +6,7 @@ use super::document::{self, Table, Value as Written};
 use super::error::ConfigError;
 use super::section::{self, Accept, read_number, suggestion};
 
-/// What `--set` says of an item, with the places where it says so.
+/// The `--set` settings of an item, with their positions.
 pub struct ItemSettings {
     item: &'static Item,
     table: Table,
@@ -16,17 +16,17 @@ impl ItemSettings {
     /// Reads the settings.
     ///
     /// # Errors
-    /// If one cannot be read, or the item does not have it.
+    /// If one cannot be read, or is not a setting of the item.
     pub fn read(item: &'static Item, settings: &[String]) -> Result<Self, ConfigError> {
         let table = document::settings_only(settings)?;
         section::check_keys(item.id, &table, item.keys.iter().map(|key| key.name))?;
         Ok(ItemSettings { item, table })
     }
 
-    /// The settings of the item with these over its defaults.
+    /// All settings of the item: its defaults, changed by these.
     ///
     /// # Errors
-    /// If the item does not take a value.
+    /// If the item does not accept a value.
     pub fn resolved(&self) -> Result<Settings, ConfigError> {
         let mut settings = Settings::new(self.item.keys);
         for key in self.item.keys {
@@ -47,7 +47,7 @@ impl ItemSettings {
         Ok(settings)
     }
 
-    /// The error of a setting that was refused, at its place.
+    /// The error of a setting that was refused, at its position.
     pub fn refused(&self, error: &SettingError) -> ConfigError {
         let help = match error {
             SettingError::Word { given, words, .. } => suggestion(given, words.iter().copied()),

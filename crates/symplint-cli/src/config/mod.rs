@@ -1,4 +1,4 @@
-//! Configurations: from a file and `--set` to a map, a loop and what to measure.
+//! Configurations: a file and `--set` settings give a map, a loop and a diagnostic.
 
 mod diagnostic;
 mod document;
@@ -29,35 +29,35 @@ use document::Table;
 
 const SECTIONS: [&str; 5] = ["system", "integrator", "loop", "diagnostic", "trace"];
 
-/// A configuration with everything in it resolved.
+/// A configuration with all defaults filled in.
 pub struct Config {
     /// The system under test.
     pub system: System,
-    /// Name of the integrator.
+    /// The integrator, its variant and faults, for headings.
     pub integrator: String,
     /// One step of it.
     pub map: Box<dyn TimeAdvance>,
     /// The loop.
     pub phase_loop: Box<dyn Loop>,
-    /// What `check` measures.
+    /// Settings of `check`.
     pub diagnostic: Diagnostic,
-    /// What `trace` does.
+    /// Settings of `trace`.
     pub trace: TraceSettings,
     /// Every key with its value, defaults included.
     pub resolved: toml::Table,
 }
 
 impl Config {
-    /// Reads a file, lays `--set` settings over it and builds what it describes.
+    /// Reads a file, applies `--set` settings and builds the map and the loop.
     ///
     /// # Errors
-    /// The first thing that is wrong, with its place and the remedy.
+    /// The first error, with its position and the remedy.
     pub fn load(path: &Path, settings: &[String]) -> Result<Self, ConfigError> {
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::build(document::load(path, settings)?, folder)
     }
 
-    /// `folder` is where relative paths of initial states start.
+    /// Relative paths of initial states start at `folder`.
     fn build(table: Table, folder: &Path) -> Result<Self, ConfigError> {
         section::check_keys("", &table, SECTIONS.into_iter())?;
         let node = |name: &str| table.entries.get(name).map(|(_, node)| node);

@@ -1,4 +1,4 @@
-//! Numbers as people write them: `0.1`, `2^-3`, `pi/2`.
+//! Numbers with powers, products and pi: `0.1`, `2^-3`, `pi/2`.
 
 use std::f64::consts::PI;
 
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reads_what_people_write() {
+    fn reads_powers_products_and_pi() {
         assert_eq!(parse("2^-3"), Some(0.125));
         assert_eq!(parse("pi"), Some(PI));
         assert_eq!(parse("-pi/2"), Some(-PI / 2.0));
@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_the_rest() {
+    fn refuses_everything_else() {
         for text in ["", "two", "2^", "1//2", "pi pi", "2*"] {
             assert_eq!(parse(text), None, "{text}");
         }

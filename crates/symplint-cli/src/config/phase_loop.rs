@@ -18,17 +18,17 @@ pub const KEYS: &[Key] = &[
     Key::optional(
         "dofs",
         "[0]",
-        "degrees of freedom that a circle moves, counted from 0; all if left out",
+        "degrees of freedom that the circle moves, counted from 0; all if left out",
     ),
     Key::new(
         "phases",
         "\"equal\"",
-        "\"random\" starts each degree of freedom elsewhere on its circle",
+        "\"random\": each degree of freedom starts at a phase of its own",
     ),
-    Key::new("seed", "1", "of random phases and modes"),
+    Key::new("seed", "1", "seed of random phases and modes"),
 ];
 
-/// Reads `[loop]`; it goes round the system's initial state.
+/// Reads `[loop]`; its centre is the initial state of the system.
 pub fn read(node: Option<&Node>, system: &System) -> Result<(Box<dyn Loop>, Section), ConfigError> {
     let section = Section::new("loop", node, KEYS.to_vec())?;
     let shape = section.choice("shape", &["circle", "fourier"])?;
@@ -62,7 +62,7 @@ pub fn read(node: Option<&Node>, system: &System) -> Result<(Box<dyn Loop>, Sect
         if let Some(key) = circle_only.or((phases == "random").then_some("phases")) {
             return Err(section.error(
                 key,
-                "only for circles",
+                "applies to circles only",
                 "leave it out: a fourier loop has random phases in every degree of freedom",
             ));
         }

@@ -1,4 +1,4 @@
-//! One section of a configuration: typed keys with defaults, and nothing else.
+//! One section of a configuration: typed keys with defaults.
 
 use std::cell::RefCell;
 
@@ -6,15 +6,15 @@ use super::document::{Node, Table, Value};
 use super::error::{ConfigError, Place};
 use super::number;
 
-/// A key that a section knows.
+/// A key of a section.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
     pub name: &'static str,
-    /// The default, as TOML; of an optional key an example.
+    /// The default, as TOML; for an optional key, an example.
     pub value: &'static str,
-    /// Whether leaving the key out has a meaning of its own.
+    /// Whether the key has no default and may be left out.
     pub optional: bool,
-    /// What it is, in one line.
+    /// One line of documentation.
     pub help: &'static str,
 }
 
@@ -59,7 +59,7 @@ impl Accept {
     }
 }
 
-/// Reads the keys of one table and records what they resolved to.
+/// Reads the keys of one table and records their values, defaults included.
 pub struct Section {
     /// Dotted path, empty for the top.
     path: String,
@@ -100,7 +100,7 @@ impl Section {
         })
     }
 
-    /// The keys as resolved: what was written, and defaults for the rest.
+    /// The keys with their values: as written, and defaults for the rest.
     pub fn resolved(self) -> toml::Table {
         self.resolved.into_inner()
     }
@@ -110,7 +110,7 @@ impl Section {
         format!("{}.{key}", self.path)
     }
 
-    /// The place of a key, or of the section, for errors found later.
+    /// The position of a key, or else of the section, for error messages.
     pub fn place(&self, key: &str) -> Option<Place> {
         let of_key = self
             .table
@@ -120,12 +120,12 @@ impl Section {
         of_key.or_else(|| self.place.clone())
     }
 
-    /// Where a key was written, if it was.
+    /// The position of a key, if it was written.
     pub fn written_place(&self, key: &str) -> Option<&Place> {
         self.table.entries.get(key).map(|(_, node)| &node.place)
     }
 
-    /// A text as it was written, if it was.
+    /// The value of a key, if it was written and is a string.
     pub fn written_text(&self, key: &str) -> Option<&str> {
         match self.table.entries.get(key).map(|(_, node)| &node.value) {
             Some(Value::Text(text)) => Some(text),
@@ -223,7 +223,7 @@ impl Section {
         )
     }
 
-    /// A list, that may be left out; `other` makes something of what is no list.
+    /// A list, that may be left out; `other` reads a value that is not a list.
     fn optional_list<T>(
         &self,
         key: &str,
@@ -250,10 +250,28 @@ impl Section {
     pub fn whole_between(&self, key: &str, least: u64, most: u64) -> Result<u64, ConfigError> {
         let value = self.whole(key, least)?;
         if value > most {
-            let message = format!("{value} is too many");
+            let message = format!("{value} is too large");
             return Err(self.error(key, message, format!("give at most {most}")));
         }
         Ok(value)
+    }
+
+    /// A whole number from `least` to `most`, or `None` for the string "auto".
+    pub fn whole_or_auto(
+        &self,
+        key: &str,
+        least: u64,
+        most: u64,
+    ) -> Result<Option<u64>, ConfigError> {
+        match self.required(key)?.value {
+            Value::Text(text) if text == "auto" => Ok(None),
+            Value::Text(text) if number::parse(&text).is_none() => Err(self.error(
+                key,
+                format!("unknown value \"{text}\""),
+                format!("write \"auto\" or a whole number of at least {least}"),
+            )),
+            _ => self.whole_between(key, least, most).map(Some),
+        }
     }
 
     /// A list of whole numbers of at least `least`, that may be left out.
@@ -276,7 +294,7 @@ impl Section {
         }
     }
 
-    /// A text.
+    /// A string.
     pub fn text(&self, key: &str) -> Result<String, ConfigError> {
         let node = self.required(key)?;
         match node.value {
@@ -284,13 +302,13 @@ impl Section {
             _ => Err(wrong(
                 &self.dotted(key),
                 &node,
-                "a text",
+                "a string",
                 "put it in quotes",
             )),
         }
     }
 
-    /// A text that may be left out.
+    /// A string that may be left out.
     pub fn optional_text(&self, key: &str) -> Result<Option<String>, ConfigError> {
         match self.node(key)? {
             None => Ok(None),
@@ -301,37 +319,37 @@ impl Section {
             Some(node) => Err(wrong(
                 &self.dotted(key),
                 &node,
-                "a text",
+                "a string",
                 "put it in quotes",
             )),
         }
     }
 
-    /// One of some words.
+    /// One of several strings.
     pub fn choice(&self, key: &str, choices: &[&'static str]) -> Result<&'static str, ConfigError> {
         let text = self.text(key)?;
         (choices.iter().copied().find(|choice| *choice == text)).ok_or_else(|| {
             self.error(
                 key,
-                format!("there is no \"{text}\""),
+                format!("unknown value \"{text}\""),
                 suggestion(&text, choices.iter().copied()),
             )
         })
     }
 
-    /// Records what a key resolved to, where that is not what was written.
+    /// Records the value of a key, where it differs from what was written.
     pub fn record(&self, key: &str, value: impl Into<toml::Value>) {
         self.resolved
             .borrow_mut()
             .insert(key.to_owned(), value.into());
     }
 
-    /// Records what a table inside this one resolved to.
+    /// Records the values of a table inside this one.
     pub fn adopt(&self, key: &str, inner: Section) {
         self.record(key, inner.resolved());
     }
 
-    /// A table inside this one, or `None` where it was left out.
+    /// A table inside this one, or `None` if it was left out.
     pub fn subsection(&self, key: &str, keys: &[Key]) -> Result<Option<Section>, ConfigError> {
         (self.node(key)?)
             .map(|node| Section::new(&self.dotted(key), Some(&node), keys.to_vec()))
@@ -339,7 +357,7 @@ impl Section {
     }
 }
 
-/// Reads a number written as a number or as a text like `2^-1` or `pi/2`.
+/// Reads a number, also one written as a string such as `2^-1` or `pi/2`.
 pub fn read_number(path: &str, node: &Node, accept: Accept) -> Result<f64, ConfigError> {
     let value = match &node.value {
         Value::Integer(number) => Some(*number as f64),
@@ -362,10 +380,10 @@ pub fn read_number(path: &str, node: &Node, accept: Accept) -> Result<f64, Confi
     Ok(value)
 }
 
-/// Whole numbers are read as doubles, which beyond 2^53 miss some of them.
-const MOST_WHOLE: u64 = 9_000_000_000_000_000;
+/// The largest whole number: doubles represent every one up to 2^53, and round some beyond.
+pub const MOST_WHOLE: u64 = 9_000_000_000_000_000;
 
-/// Reads a whole number written as a number or as a text like `2^15`.
+/// Reads a whole number, also one written as a string such as `2^15`.
 pub fn read_whole(path: &str, node: &Node, least: u64) -> Result<u64, ConfigError> {
     let value = read_number(path, node, Accept::Finite)?;
     let expected = if value > MOST_WHOLE as f64 {
@@ -389,7 +407,7 @@ fn wrong(path: &str, node: &Node, expected: &str, help: &str) -> ConfigError {
     .at(&node.place, format!("must be {expected}"))
 }
 
-/// Refuses keys that are not known.
+/// Refuses unknown keys.
 pub fn check_keys(
     path: &str,
     table: &Table,
@@ -398,7 +416,7 @@ pub fn check_keys(
     for (key, (place, _)) in &table.entries {
         if !known.clone().any(|name| name == key) {
             let what = if path.is_empty() {
-                format!("there is no section [{key}]")
+                format!("unknown section [{key}]")
             } else {
                 format!("[{path}] has no key \"{key}\"")
             };
@@ -408,8 +426,14 @@ pub fn check_keys(
     Ok(())
 }
 
-/// The nearest known name, and all of them.
+/// Keys that had another name, which resembles too little for a suggestion: the old name and the new one.
+const RENAMED: [(&str, &str); 1] = [("stages", "localise")];
+
+/// The known name that is most similar, and all of them.
 pub fn suggestion(name: &str, known: impl Iterator<Item = &'static str> + Clone) -> String {
+    let renamed = (RENAMED.iter())
+        .find(|(old, new)| *old == name && known.clone().any(|one| one == *new))
+        .map(|(_, new)| (1.0, *new));
     let nearest = (known.clone())
         .map(|candidate| {
             (
@@ -419,10 +443,10 @@ pub fn suggestion(name: &str, known: impl Iterator<Item = &'static str> + Clone)
         })
         .max_by(|a, b| a.0.total_cmp(&b.0));
     let all = known.collect::<Vec<_>>().join(", ");
-    match nearest {
-        Some((likeness, candidate)) if likeness > 0.4 => {
-            format!("did you mean \"{candidate}\"? There are: {all}")
+    match renamed.or(nearest) {
+        Some((similarity, candidate)) if similarity > 0.4 => {
+            format!("did you mean \"{candidate}\"? Available: {all}")
         }
-        _ => format!("there are: {all}"),
+        _ => format!("available: {all}"),
     }
 }

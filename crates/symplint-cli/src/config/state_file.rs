@@ -6,7 +6,7 @@ use std::path::Path;
 
 use symplint_report::loop_file::{Accept, Array, is_header};
 
-/// Why a state file is of no use, and what to do.
+/// Why a state file cannot be used, and the remedy.
 #[derive(Debug)]
 pub struct StateFileError {
     pub message: String,
@@ -29,7 +29,7 @@ pub fn read_state(path: &Path, dof: usize) -> Result<(Vec<f64>, Vec<f64>), State
         "csv" => read_csv(path)?,
         _ => {
             return Err(unusable(
-                format!("{name} is neither .npy nor .csv"),
+                format!("{name} is not a .npy or .csv file"),
                 "give a NumPy array of two rows (.npy) or a table of two columns (.csv)",
             ));
         }
@@ -37,17 +37,17 @@ pub fn read_state(path: &Path, dof: usize) -> Result<(Vec<f64>, Vec<f64>), State
     if q.len() != dof {
         return Err(unusable(
             format!(
-                "{name} holds {} degrees of freedom where the system has {dof}",
+                "{name} has {} degrees of freedom, but the system has {dof}",
                 q.len()
             ),
-            "make the two agree",
+            "give one position and one momentum for each degree of freedom of the system",
         ));
     }
     for (coordinate, values) in [("position", &q), ("momentum", &p)] {
         if let Some(i) = values.iter().position(|value| !value.is_finite()) {
             return Err(unusable(
                 format!(
-                    "{name} has {} as {coordinate} of degree of freedom {i}",
+                    "in {name} the {coordinate} of degree of freedom {i} is {}",
                     values[i]
                 ),
                 "give finite numbers",
@@ -61,14 +61,14 @@ fn open(path: &Path) -> Result<BufReader<File>, StateFileError> {
     File::open(path).map(BufReader::new).map_err(|error| {
         unusable(
             format!("cannot open {}: {error}", path.display()),
-            "paths are relative to the configuration file",
+            "check the path; it is relative to the folder of the configuration file",
         )
     })
 }
 
 fn read_npy(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
     let broken =
-        |reason: String| unusable(reason, "write an array of double precision by numpy.save");
+        |reason: String| unusable(reason, "write an array of double precision with numpy.save");
     let mut bytes = Vec::new();
     let read = open(path)?.read_to_end(&mut bytes);
     read.map_err(|error| broken(format!("cannot read {}: {error}", path.display())))?;
@@ -111,9 +111,9 @@ fn read_csv(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
             _ => {
                 return Err(unusable(
                     format!(
-                        "{name} has no numbers in row {}: {}",
-                        row + 1,
-                        record.as_slice()
+                        "{name} has \"{}\" in row {} instead of two numbers",
+                        record.iter().collect::<Vec<_>>().join(", "),
+                        row + 1
                     ),
                     columns,
                 ));
@@ -123,8 +123,8 @@ fn read_csv(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
     Ok((q, p))
 }
 
-/// Whether a field of the first row is a name: without a digit, or one that tables of loops use, q_0 or p0. Any
-/// other with a digit may be a number mistyped, such as O.1, and its state would be lost.
+/// Whether a field of the first row is a column name: without a digit, or as in tables of loops, q_0 or p0. Any
+/// other field with a digit may be a mistyped number, such as O.1, and must not be skipped.
 fn is_name(field: &str) -> bool {
     let bare = field.trim_end_matches(|c: char| c.is_ascii_digit());
     let of_loops = matches!(bare.strip_suffix('_').unwrap_or(bare), "q" | "p");

@@ -6,7 +6,8 @@ use super::section::Key;
 use super::system::SystemInfo;
 use super::{diagnostic, integrator, phase_loop, trace};
 
-/// A commented configuration of `system` with every key at its default.
+/// A commented configuration of `system` with every key. Those without a default are commented out, with an
+/// example.
 pub fn template(system: &SystemInfo) -> String {
     let mut text = format!(
         "# {}: {}\n# Run it with: symplint check THIS_FILE\n\n[system]\nname = \"{}\"\n",

@@ -1,4 +1,4 @@
-//! `[trace]`: what `trace` follows.
+//! `[trace]`: settings of `symplint trace`.
 
 use super::diagnostic::MOST_SAMPLES;
 use super::document::Node;
@@ -7,7 +7,7 @@ use super::section::{Accept, Key, Section};
 
 /// The keys of `[trace]`.
 pub const KEYS: &[Key] = &[
-    Key::new("step_size", "0.1", "h"),
+    Key::new("step_size", "0.1", "step size h"),
     Key::new("steps", "1000", "number of steps"),
     Key::new("samples", "2048", "samples of the loop"),
     Key::new(
@@ -20,7 +20,7 @@ pub const KEYS: &[Key] = &[
 /// Steps at most: each is a row of the report.
 const MOST_STEPS: u64 = 10_000_000;
 
-/// What `trace` does.
+/// Settings of `trace`.
 pub struct TraceSettings {
     /// Step size h.
     pub step_size: f64,
@@ -37,7 +37,7 @@ pub fn read(node: Option<&Node>) -> Result<(TraceSettings, Section), ConfigError
     let section = Section::new("trace", node, KEYS.to_vec())?;
     let steps = section.whole_between("steps", 1, MOST_STEPS)?;
     let mut snapshots = section.optional_wholes("snapshots", 0)?.unwrap_or_default();
-    // A late one that was asked for is a mistake; of the defaults nobody asked for any.
+    // Defaults beyond the last step are dropped. Those that were written are refused by `trace`.
     if section.written_place("snapshots").is_none() {
         snapshots.retain(|&step| step <= steps);
         let kept = snapshots.iter().map(|&step| step as i64);

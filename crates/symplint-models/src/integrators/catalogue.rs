@@ -5,7 +5,7 @@ use symplint::TimeAdvance;
 use super::implicit::StageSolver;
 use super::maker::Maker;
 use super::splitting::Variant;
-use super::{splitting_methods, tableaus};
+use super::{aliases, splitting_methods, tableaus};
 use crate::error::ModelError;
 use crate::model::Model;
 
@@ -252,11 +252,12 @@ pub const CATALOGUE: &[IntegratorInfo] = &[
     },
 ];
 
-/// The entry of an integrator.
+/// The entry of an integrator, by its name or by an alias.
 ///
 /// # Errors
-/// If there is none of this name; the error lists those there are.
+/// If there is none of this name; the error lists the names in the [`CATALOGUE`].
 pub fn find(name: &str) -> Result<&'static IntegratorInfo, ModelError> {
+    let name = aliases::find(name).map_or(name, |alias| alias.integrator);
     let entry = CATALOGUE.iter().find(|info| info.name == name);
     entry.ok_or_else(|| ModelError::UnknownIntegrator {
         name: name.to_owned(),
@@ -264,8 +265,44 @@ pub fn find(name: &str) -> Result<&'static IntegratorInfo, ModelError> {
     })
 }
 
+/// The entry of the integrator `name`, and the variant if one is given or implied by an alias.
+///
+/// ```
+/// use symplint_models::integrators::catalogue::resolve;
+///
+/// let (info, variant) = resolve("leapfrog", None)?;
+/// assert_eq!((info.name, variant), ("strang", Some("momentum-first")));
+/// # Ok::<(), symplint_models::ModelError>(())
+/// ```
+///
+/// # Errors
+/// If there is no integrator of this name, it has no such variant, or the alias stands for another one.
+pub fn resolve(
+    name: &str,
+    variant: Option<&str>,
+) -> Result<(&'static IntegratorInfo, Option<&'static str>), ModelError> {
+    let info = find(name)?;
+    let (name, known) = match aliases::find(name) {
+        Some(alias) if !alias.variants.is_empty() => (alias.name, alias.variants),
+        _ => (info.name, info.variants),
+    };
+    match variant {
+        None if known.len() == 1 => Ok((info, Some(known[0]))),
+        None => Ok((info, None)),
+        Some(variant) => match known.iter().find(|one| **one == variant) {
+            Some(&found) => Ok((info, Some(found))),
+            None => Err(ModelError::UnknownVariant {
+                integrator: name,
+                variant: variant.to_owned(),
+                known,
+            }),
+        },
+    }
+}
+
 /// The map of the integrator `name`, in its default form unless a `variant` is given, for
-/// `system`. Stages are solved as [`StageSolver::default`] says.
+/// `system`. The name may be one of the [aliases](super::aliases). Stages are solved as
+/// [`StageSolver::default`] says.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -298,19 +335,13 @@ pub fn build_solved_by(
     variant: Option<&str>,
     system: impl Into<Model>,
 ) -> Result<Box<dyn TimeAdvance>, ModelError> {
-    let (info, model) = (find(name)?, system.into());
-    let place = match variant {
-        None => 0,
-        Some(variant) => {
-            let place = info.variants.iter().position(|known| *known == variant);
-            place.ok_or_else(|| ModelError::UnknownVariant {
-                integrator: info.name,
-                variant: variant.to_owned(),
-                known: info.variants,
-            })?
-        }
-    };
-    let maker = info.makers[place];
+    let ((info, variant), model) = (resolve(name, variant)?, system.into());
+    let index = info
+        .variants
+        .iter()
+        .position(|known| Some(*known) == variant);
+    // Without a variant the first, or only, form.
+    let maker = info.makers[index.unwrap_or(0)];
     let made = maker.make(model.clone(), solver);
     made.unwrap_or_else(|| {
         let known = CATALOGUE.iter().filter(|info| info.is_for(&model));
@@ -375,13 +406,19 @@ mod tests {
             Ok(_) => panic!("{name} was built"),
             Err(error) => error.to_string(),
         };
-        assert!(message("leapfrog", None).contains("strang, mclachlan4"));
+        assert!(message("leap-frog", None).contains("strang, mclachlan4"));
         assert_eq!(
             message("rk2", Some("ralston")),
             "integrator \"rk2\" has no variant \"ralston\"; there are midpoint, heun (the first \
              is the default)"
         );
         assert!(message("rk4", Some("midpoint")).ends_with("leave the variant out"));
+        let said = message("verlet", Some("position-first"));
+        assert!(
+            said.contains("\"verlet\" has no variant \"position-first\""),
+            "{said}"
+        );
+        assert!(said.contains("momentum-first"), "{said}");
     }
 
     #[test]

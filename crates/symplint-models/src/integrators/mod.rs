@@ -6,6 +6,7 @@
 //! [`Boris`] stand for themselves. The [`catalogue`] gives all of them by name.
 
 mod adaptive_strang;
+pub mod aliases;
 mod boris;
 pub mod catalogue;
 mod dormand_prince;

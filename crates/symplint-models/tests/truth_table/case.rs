@@ -207,7 +207,7 @@ impl Case {
                 Order::Unstated => true,
             },
             (Truth::Broken { closed }, VerdictKind::BrokenLoops) => {
-                let says = |text: &str| verdict.summary.contains(text);
+                let says = |text: &str| verdict.summary().contains(text);
                 match closed {
                     None => true,
                     Some(true) => says("closed its loop integrals are conserved"),
@@ -225,7 +225,7 @@ pub fn check(theme: &str, cases: &[Case]) {
     for case in cases {
         let started = std::time::Instant::now();
         let phase_loop = &*case.on.phase_loop;
-        let verdict = match case.diagnostic.run(&*case.map, phase_loop, &|_| {}) {
+        let verdict = match case.diagnostic.run(&*case.map, phase_loop) {
             Ok(diagnosis) => diagnosis.verdict,
             Err(error) => {
                 let title = case.title();

@@ -83,25 +83,31 @@ impl LoopFile {
     }
 
     /// The files that hold it: two where it is a pair.
-    pub fn parts(&self) -> Vec<PathBuf> {
-        match Format::of(&self.path) {
-            Ok(Format::NpyPair) => {
+    ///
+    /// # Errors
+    /// If the name says no format.
+    pub fn paths(&self) -> Result<Vec<PathBuf>, LoopFileError> {
+        Ok(match Format::of(&self.path)? {
+            Format::NpyPair => {
                 let (q, p) = pair::pair_of(&self.path);
                 vec![q, p]
             }
-            _ => vec![self.path.clone()],
-        }
+            Format::Npz | Format::Csv => vec![self.path.clone()],
+        })
     }
 
-    /// The hash of one of these files.
+    /// The hashes of its files.
     ///
     /// # Errors
-    /// If it cannot be read.
-    pub fn hash(part: &Path) -> Result<HashedFile, LoopFileError> {
-        HashedFile::read(part).map_err(|error| LoopFileError::Read {
-            path: part.to_owned(),
-            reason: error.to_string(),
-        })
+    /// If one cannot be read.
+    pub fn hashes(&self) -> Result<Vec<HashedFile>, LoopFileError> {
+        let hash = |path: PathBuf| {
+            HashedFile::read(&path).map_err(|error| LoopFileError::Read {
+                path,
+                reason: error.to_string(),
+            })
+        };
+        self.paths()?.into_iter().map(hash).collect()
     }
 
     /// Whether the file that it is written to has room for period, weight and step size.

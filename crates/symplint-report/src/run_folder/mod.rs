@@ -36,21 +36,11 @@ impl RunFolder {
     /// # Errors
     /// If they cannot.
     pub fn create(path: &Path) -> Result<Self, WriteError> {
-        let folder = RunFolder::without_figures(path)?;
-        let figures = folder.figures();
-        fs::create_dir_all(&figures).map_err(|error| cannot_write(&figures, &error))?;
-        Ok(folder)
-    }
-
-    /// The same for a run that draws nothing.
-    ///
-    /// # Errors
-    /// If files cannot be written in it.
-    pub fn without_figures(path: &Path) -> Result<Self, WriteError> {
         let folder = RunFolder {
             path: path.to_owned(),
         };
-        fs::create_dir_all(path).map_err(|error| cannot_write(path, &error))?;
+        let figures = folder.figures();
+        fs::create_dir_all(&figures).map_err(|error| cannot_write(&figures, &error))?;
         let probe = path.join(".writable");
         fs::write(&probe, "").map_err(|error| cannot_write(path, &error))?;
         fs::remove_file(&probe).map_err(|error| cannot_write(path, &error))?;

@@ -21,16 +21,48 @@ const WINDOWS: usize = ROW - 6;
 /// Spacings, in units of the direction; the largest reaches as far as the differences.
 const SPACINGS: [f64; 4] = [1.434e-5, 2.371e-4, 3.883e-3, 2.0e-2];
 
-/// States of a noise stencil, that at the centre first.
+/// Spacings of a noise stencil.
+pub(super) const LEVELS: usize = SPACINGS.len();
+
+/// States of a noise stencil with the smallest spacing, that at the centre first.
+pub(super) const FIRST_STATES: usize = 1 + NODES.len();
+
+/// States of each further spacing.
+pub(super) const FURTHER_STATES: usize = NODES.len();
+
+/// States of a noise stencil with all spacings.
 pub(super) const STATES: usize = 1 + NODES.len() * SPACINGS.len();
 
 /// Noise is counted this many times what the differences show: they show its standard deviation.
 const SAFETY: f64 = 4.0;
 
-/// How far along the direction the states of a noise stencil are.
-pub(super) fn offsets() -> impl Iterator<Item = f64> {
-    let around = |spacing: f64| NODES.into_iter().map(move |node| node * spacing);
-    std::iter::once(0.0).chain(SPACINGS.into_iter().flat_map(around))
+/// How far along the direction the states of a noise stencil with one of the spacings are; the centre comes with
+/// the smallest.
+pub(super) fn offsets(level: usize) -> impl Iterator<Item = f64> {
+    let centre = (level == 0).then_some(0.0);
+    let around = NODES.into_iter().map(move |node| node * SPACINGS[level]);
+    centre.into_iter().chain(around)
+}
+
+/// Whether neighbours differ at the largest of the spacings that there are, so that its noise counts.
+pub(super) fn is_resolved(differences: &[f64]) -> bool {
+    differences.len() > NODES.len()
+        && equal_neighbours(&row(&differences[differences.len() - NODES.len()..])) <= MOST_EQUAL
+}
+
+/// Neighbours of a row that may be equal.
+const MOST_EQUAL: usize = 2;
+
+fn equal_neighbours(row: &[f64; ROW]) -> usize {
+    row.windows(2).filter(|pair| pair[0] == pair[1]).count()
+}
+
+/// The differences at one spacing, with that at the centre in between.
+fn row(around: &[f64]) -> [f64; ROW] {
+    let mut row = [0.0; ROW];
+    row[..SIDE].copy_from_slice(&around[..SIDE]);
+    row[SIDE + 1..].copy_from_slice(&around[SIDE..]);
+    row
 }
 
 /// Sixth differences, in a form that gives independent values of variance 1 the variance 1.
@@ -58,25 +90,21 @@ impl SixthDifferences {
     }
 
     /// The noise of one coordinate from its differences to the centre, in units of its size and in the
-    /// order of [`offsets`].
+    /// order of [`offsets`], of as many spacings as there are.
     ///
     /// The smallest spacing counts at which neighbours differ: it is least misled by a steep map, and a
     /// smaller one sees the stairs of single precision only now and then. Where every spacing has
     /// equal neighbours, the largest noise counts. A coordinate that does not respond at all is noise as large
     /// as the loop: a symplectic map has none, so it must be coarser than the differences.
     pub fn noise(&self, differences: &[f64]) -> f64 {
-        const MOST_EQUAL: usize = 2;
         if differences.iter().all(|&difference| difference == 0.0) {
             return 1.0;
         }
         let mut largest: f64 = 0.0;
         for around in differences[1..].chunks_exact(NODES.len()) {
-            let mut row = [0.0; ROW];
-            row[..SIDE].copy_from_slice(&around[..SIDE]);
-            row[SIDE + 1..].copy_from_slice(&around[SIDE..]);
+            let row = row(around);
             let noise = SAFETY * self.root_mean_square(&row);
-            let equal = row.windows(2).filter(|pair| pair[0] == pair[1]).count();
-            if equal <= MOST_EQUAL {
+            if equal_neighbours(&row) <= MOST_EQUAL {
                 return noise;
             }
             largest = largest.max(noise);
@@ -113,7 +141,8 @@ mod tests {
     use super::*;
 
     fn shown(f: impl Fn(f64) -> f64) -> f64 {
-        let differences: Vec<f64> = offsets().map(|t| f(t) - f(0.0)).collect();
+        let all = (0..LEVELS).flat_map(offsets);
+        let differences: Vec<f64> = all.map(|t| f(t) - f(0.0)).collect();
         assert_eq!(differences.len(), STATES);
         SixthDifferences::new().noise(&differences)
     }

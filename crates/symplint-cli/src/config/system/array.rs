@@ -25,9 +25,9 @@ pub const PENDULUM_ARRAY: SystemInfo = SystemInfo {
         Key::new(
             "initial",
             "\"uniform\"",
-            "random in [0, 1), or { file = \"state.npy\" } with rows q, p (.csv: columns)",
+            "random in [0, 1); or { file = \"state.npy\" } with rows q and p (.csv: columns)",
         ),
-        Key::new("seed", "1", "of the random initial state"),
+        Key::new("seed", "1", "seed of the random initial state"),
     ],
     integrator: STRANG,
     build: pendulum_array,

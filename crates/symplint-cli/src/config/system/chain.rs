@@ -12,16 +12,16 @@ use crate::config::ConfigError;
 use crate::config::section::{Accept, Key, Section};
 
 const MASSES: Key = Key::new("masses", "32", "number of masses, the degrees of freedom");
-const ENDS: Key = Key::new("ends", "\"fixed\"", "\"fixed\" to walls, or \"periodic\"");
+const ENDS: Key = Key::new("ends", "\"fixed\"", "\"fixed\" to walls or \"periodic\"");
 const INITIAL: Key = Key::new(
     "initial",
     "\"mode\"",
-    "at rest in a normal mode, or { file = \"state.npy\" } with rows q, p (.csv: columns)",
+    "at rest in a normal mode; or { file = \"state.npy\" } with rows q and p (.csv: columns)",
 );
 const MODE: Key = Key::new(
     "mode",
     "1",
-    "half waves between walls, or waves round a ring",
+    "number of half waves between walls, or of waves round a ring",
 );
 const AMPLITUDE: Key = Key::new("amplitude", "1.0", "largest displacement in the mode");
 

@@ -1,4 +1,4 @@
-//! Maps that are given, not integrated.
+//! Systems that are maps and need no integrator.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::{System, SystemInfo, refused};
 use crate::config::ConfigError;
 use crate::config::section::{Accept, Key, Section};
 
-/// What stands for an integrator where there is nothing to integrate.
+/// The name of the integrator of a system that is a map.
 pub const NOTHING: &str = "none";
 const NONE: &str = "\"none\"";
 
@@ -18,14 +18,14 @@ const P0: Key = Key::new("p0", "0.0", "centre of the loop, momentum");
 
 pub const HENON_MAP: SystemInfo = SystemInfo {
     name: "henon-map",
-    summary: "Hénon's area-preserving map: p −= h q², then a rotation by the angle αh; a map of its own, \
-              with no integrator",
+    summary: "Hénon's area-preserving map: p −= h q², then a rotation by the angle αh; a map, \
+              without integrator",
     keys: &[
         Key::new("angle", "1.33", "α; Hénon's map is the step h = 1"),
         Key::new(
             "contraction",
             "1.0",
-            "b; areas shrink by b^h: below 1 the map is dissipative",
+            "b; areas are multiplied by b^h: below 1 the map is dissipative",
         ),
         Key::new("q0", "0.0", "centre of the loop, position"),
         P0,
@@ -41,8 +41,8 @@ pub const HENON_MAP: SystemInfo = SystemInfo {
 
 pub const STANDARD_MAP: SystemInfo = SystemInfo {
     name: "standard-map",
-    summary: "the standard map on the cylinder, p += K h sin q, then q += h p mod 2π; a map of its own, \
-              with no integrator",
+    summary: "the standard map on the cylinder, p += K h sin q, then q += h p mod 2π; a map, \
+              without integrator",
     keys: &[
         Key::new(
             "strength",

@@ -1,4 +1,4 @@
-//! `initial`: a kind of state by name, or a state from a file.
+//! `initial`: a named kind of initial state, or a state from a file.
 
 use std::path::Path;
 
@@ -7,9 +7,9 @@ use super::super::state_file::read_state;
 use crate::config::ConfigError;
 use crate::config::section::{Key, Section};
 
-/// What `initial` says.
+/// The value of `initial`.
 pub enum Initial {
-    /// One of the names.
+    /// One of the accepted names.
     Named(&'static str),
     /// Positions and momenta from a file.
     State(Vec<f64>, Vec<f64>),
@@ -39,13 +39,13 @@ pub fn initial(
             };
             let (Some(inner), Some(file)) = (inner, named) else {
                 let help = "write { file = \"state.npy\" }";
-                return Err(section.error("initial", "no file named", help));
+                return Err(section.error("initial", "`file` is missing", help));
             };
             let file = folder.join(file);
             let (q, p) = read_state(&file, dof)
                 .map_err(|error| section.error("initial", error.message, error.remedy))?;
-            // What was resolved is read again from a run folder, where the path as written leads elsewhere. A
-            // path that is no text cannot be said in TOML and stays as it was written.
+            // The resolved configuration may be read from a run folder, so it needs an absolute path. One that is
+            // not Unicode cannot be written in TOML and stays unchanged.
             let absolute = std::path::absolute(&file).ok();
             if let Some(absolute) = absolute.as_deref().and_then(Path::to_str) {
                 inner.record("file", absolute);
@@ -54,11 +54,11 @@ pub fn initial(
             Ok(Initial::State(q, p))
         }
         _ => {
-            let names = names.join("\" or \"");
+            let names = names.join("\", \"");
             Err(section.error(
                 "initial",
-                format!("neither \"{names}\" nor a file"),
-                "write a name in quotes, or { file = \"state.npy\" }",
+                "not a name or a file",
+                format!("must be \"{names}\" or {{ file = \"state.npy\" }}"),
             ))
         }
     }

@@ -88,7 +88,11 @@ pub const HARMONIC_OSCILLATOR: SystemInfo = SystemInfo {
     summary: "independent oscillators, H = Σ (p² + ω² q²)/2",
     keys: &[
         Key::new("dof", "1", "number of oscillators"),
-        Key::new("omega", "1.0", "angular frequency, one for all or a list"),
+        Key::new(
+            "omega",
+            "1.0",
+            "angular frequencies: one number for all, or a list",
+        ),
         Q0,
         P0,
     ],
@@ -114,7 +118,7 @@ pub const HENON_HEILES: SystemInfo = SystemInfo {
 
 pub const TWO_CELL: SystemInfo = SystemInfo {
     name: "two-cell",
-    summary: "one particle on two cells with linear shapes, in its own field (appendix F)",
+    summary: "one particle in its own field, on two cells with linear shapes (appendix F)",
     keys: &[
         Key::new(
             "length",

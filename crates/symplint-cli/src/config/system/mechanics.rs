@@ -25,7 +25,7 @@ pub const KEPLER: SystemInfo = SystemInfo {
         Key::new(
             "softening",
             "0.0",
-            "ε; with 0 loops must keep away from q = 0",
+            "ε; if it is 0, loops must not pass through q = 0",
         ),
         q0("[3.0, 0.0]"),
         p0("[0.0, 0.6]"),
@@ -41,14 +41,14 @@ pub const KEPLER: SystemInfo = SystemInfo {
 
 pub const DOUBLE_PENDULUM: SystemInfo = SystemInfo {
     name: "double-pendulum",
-    summary: "a pendulum that hangs from a pendulum; angles and canonical momenta, not separable",
+    summary: "the double pendulum in angles and canonical momenta, not separable",
     keys: &[
         Key::new(
             "masses",
             "1.0",
-            "upper and lower mass, one for both or a list",
+            "upper and lower mass: one number for both, or a list",
         ),
-        Key::new("lengths", "1.0", "upper and lower length"),
+        Key::new("lengths", "1.0", "upper and lower length, likewise"),
         Key::new("gravity", "1.0", "g"),
         q0("[1.0, -0.4]"),
         p0("[0.5, 0.2]"),
@@ -80,8 +80,12 @@ pub const CHARGED_PARTICLE: SystemInfo = SystemInfo {
               canonical, p = v + A(q)",
     keys: &[
         Key::new("field", "1.0", "b, the magnetic field at x = 0"),
-        Key::new("gradient", "0.5", "g, how it grows with x"),
-        Key::new("omega", "0.0", "ω of the electric potential; 0 for none"),
+        Key::new("gradient", "0.5", "g, its gradient along x"),
+        Key::new(
+            "omega",
+            "0.0",
+            "ω of the electric potential ω² |q|²/2; 0 for none",
+        ),
         q0("[0.5, 0.0]"),
         p0("[0.3, 0.4]"),
     ],
@@ -98,7 +102,7 @@ pub const CHARGED_PARTICLE: SystemInfo = SystemInfo {
 
 pub const ROTATIONAL_FORCE: SystemInfo = SystemInfo {
     name: "rotational-force",
-    summary: "Hénon–Heiles with a force besides that has no potential, κ (−q₂, q₁)",
+    summary: "Hénon–Heiles with an additional force without potential, κ (−q₂, q₁)",
     keys: &[
         Key::new(
             "strength",
@@ -116,10 +120,10 @@ pub const ROTATIONAL_FORCE: SystemInfo = SystemInfo {
     },
 };
 
-/// The default where nothing separates.
+/// The default integrator of Hamiltonians that are not separable.
 const MIDPOINT: &str = "\"implicit-midpoint\"";
 
-/// One number for both, or two.
+/// One number for both pendula, or two.
 fn both(section: &Section, key: &str) -> Result<[f64; 2], ConfigError> {
     let values = section.numbers(key, 2)?;
     Ok([values[0], values[1]])

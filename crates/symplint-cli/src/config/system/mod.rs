@@ -1,4 +1,4 @@
-//! `[system]`: the Hamiltonian and the state that loops go round.
+//! `[system]`: the Hamiltonian and the initial state, the centre of loops.
 
 mod array;
 mod chain;
@@ -34,11 +34,11 @@ pub struct System {
 pub struct SystemInfo {
     /// Name.
     pub name: &'static str,
-    /// One line.
+    /// One line of documentation.
     pub summary: &'static str,
     /// Its keys besides `name`.
     pub keys: &'static [Key],
-    /// The integrator where none is named, as TOML.
+    /// The default integrator, as TOML.
     pub integrator: &'static str,
     build: fn(&Section, &Path) -> Result<System, ConfigError>,
 }
@@ -78,7 +78,7 @@ pub fn read(
     folder: &Path,
 ) -> Result<(&'static SystemInfo, System, Section), ConfigError> {
     const NAME: Key = Key::optional("name", "\"pendulum\"", "which system");
-    // The name says which keys there are, so it is read before they are judged.
+    // The name determines which keys are accepted, so it is read first.
     let names = || SYSTEMS.iter().map(|info| info.name);
     let bare = Section::new("system", None, vec![NAME])?;
     let written = match node.map(|node| &node.value) {
@@ -90,23 +90,23 @@ pub fn read(
         return Err(bare.error(
             "name",
             "missing",
-            format!("add [system] with name = one of {all}"),
+            format!("add [system] with name = \"…\". Available: {all}"),
         ));
     };
     let Value::Text(name) = &written.value else {
         return Err(bare
             .error(
                 "name",
-                format!("{}, not a text", written.value.kind()),
+                format!("{}, not a string", written.value.kind()),
                 "put it in quotes",
             )
-            .at(&written.place, "must be a text"));
+            .at(&written.place, "must be a string"));
     };
     let Some(info) = SYSTEMS.iter().find(|info| info.name == name) else {
         return Err(bare
             .error(
                 "name",
-                format!("there is no \"{name}\""),
+                format!("unknown system \"{name}\""),
                 suggestion(name, names()),
             )
             .at(&written.place, "unknown"));
@@ -118,11 +118,11 @@ pub fn read(
     Ok((info, system, section))
 }
 
-/// A model's own complaint, at the key that caused it.
+/// The error of a model, at the key that caused it.
 fn refused(section: &Section, key: &str, error: ModelError) -> ConfigError {
     let text = error.to_string();
     match text.split_once("; ") {
         Some((message, remedy)) => section.error(key, message, remedy),
-        None => section.error(key, text, "change this key"),
+        None => section.error(key, text, "change the value of this key"),
     }
 }

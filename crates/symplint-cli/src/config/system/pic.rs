@@ -1,4 +1,4 @@
-//! Particle-in-cell.
+//! Electrostatic particle-in-cell.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -29,10 +29,10 @@ pub const PIC_2D: SystemInfo = SystemInfo {
     build: |section, folder| pic::<2>("pic-2d", section, folder),
 };
 
-/// Filter passes at most: so many leave nothing of the field.
+/// Filter passes at most: after as many, nothing is left of the field.
 const MOST_PASSES: u64 = 1_000_000;
 
-/// The keys; a plane has cells² of them.
+/// The keys; `cells` is the default number of cells along each axis.
 const fn keys(cells: &'static str) -> [Key; 15] {
     [
         Key::new(
@@ -43,45 +43,45 @@ const fn keys(cells: &'static str) -> [Key; 15] {
         Key::new(
             "degree",
             "3",
-            "of the shapes; B-splines of degree 1 and every C⁰ family make forces that jump",
+            "degree of the shapes; the force is discontinuous for b-spline 1 and every lagrange",
         ),
         Key::new(
             "cells",
             cells,
-            "along each axis; on one cell B-splines carry no field",
+            "number of cells along each axis; on one cell B-splines carry no field",
         ),
-        Key::new("length", "50.0", "of each axis"),
+        Key::new("length", "50.0", "length of each axis"),
         Key::new("particles", "2", "number of particles"),
         Key::new(
             "density",
             "1.0",
-            "mean density; the weights are density × length^D / particles",
+            "mean density; each particle has the weight density × length^D / particles",
         ),
         Key::optional(
             "weights",
             "[10.0, 40.0]",
-            "one for each particle, in place of particles and density; momenta are weight × v",
+            "one for each particle, in place of particles and density; p = weight × v",
         ),
-        Key::new("filter", "0", "passes of the binary filter"),
+        Key::new("filter", "0", "number of passes of the binary filter"),
         Key::new(
             "initial",
             "\"two-stream\"",
-            "\"landau\", or { file = \"state.npy\" } with rows x and velocities v (.csv: columns)",
+            "\"two-stream\", \"landau\"; or { file = \"state.npy\" } with rows x and v (.csv: columns)",
         ),
-        Key::new("thermal_velocity", "1.0", "v_th"),
+        Key::new("thermal_velocity", "1.0", "thermal velocity v_th"),
         Key::new(
             "velocities",
             "\"text\"",
             "what v_th means: \"text\", exp(-v²/v_th²), or \"code\", variance v_th²",
         ),
+        Key::new("beam_velocity", "3.0", "v_b of \"two-stream\""),
         Key::new(
-            "beam_velocity",
-            "3.0",
-            "v_b of two-stream; landau has no beams",
+            "amplitude",
+            "0.5",
+            "amplitude of the density or velocity wave",
         ),
-        Key::new("amplitude", "0.5", "A of the density or velocity wave"),
-        Key::new("mode", "1", "wavelengths of it in the box"),
-        Key::new("seed", "42", "of the random initial state"),
+        Key::new("mode", "1", "number of its wavelengths in the box"),
+        Key::new("seed", "42", "seed of the random initial state"),
     ]
 }
 
@@ -101,7 +101,7 @@ fn pic<const D: usize>(
         degree: section.whole("degree", 0)? as usize,
         filter_passes: section.whole_between("filter", 0, MOST_PASSES)? as u32,
     };
-    let at_fault = |error: &ModelError| match error {
+    let key_of = |error: &ModelError| match error {
         ModelError::Degree { .. } | ModelError::ShapeDegree { .. } => "degree",
         ModelError::TooManyCells { .. } | ModelError::TooFewCells { .. } => "cells",
         _ if section.written_place("weights").is_some() => "weights",
@@ -109,7 +109,7 @@ fn pic<const D: usize>(
         ModelError::OutOfRange { .. } => "density",
         _ => "particles",
     };
-    let pic = Pic::<D>::new(config).map_err(|error| refused(section, at_fault(&error), error))?;
+    let pic = Pic::<D>::new(config).map_err(|error| refused(section, key_of(&error), error))?;
     let (q0, p0) = state(&pic, section, folder)?;
     Ok(System {
         name,
@@ -129,7 +129,7 @@ fn weights(section: &Section) -> Result<ParticleWeights, ConfigError> {
         if section.written_place(other).is_some() {
             return Err(section.error(
                 other,
-                "given besides weights, which already say it",
+                "cannot be combined with weights",
                 format!("leave out either weights or {other}"),
             ));
         }

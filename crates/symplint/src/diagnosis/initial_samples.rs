@@ -1,8 +1,9 @@
-//! The samples of a loop, from which step after step departs.
+//! The samples of a loop before the step, kept from one step size to the next.
 
-use super::probe::Subject;
 use crate::error::Error;
-use crate::state::{Ensemble, copy_samples, sample_block};
+use crate::loops::sample_block;
+use crate::rules::Subject;
+use crate::state::{Ensemble, copy_samples};
 
 /// Samples before the step are kept where they take no more than this.
 const KEPT_BYTES: usize = 64 << 20;
@@ -11,7 +12,7 @@ const KEPT_BYTES: usize = 64 << 20;
 ///
 /// Samples are made once where they are kept. Larger ones would double the memory of a sweep: each block of
 /// them is made again just before it is advanced.
-pub(super) struct Departures<'a> {
+pub(super) struct InitialSamples<'a> {
     subject: Subject<'a>,
     ensembles: Option<Ensembles>,
 }
@@ -22,10 +23,10 @@ struct Ensembles {
     after: Ensemble,
 }
 
-impl<'a> Departures<'a> {
+impl<'a> InitialSamples<'a> {
     /// Takes no memory until there is a step.
     pub fn new(subject: Subject<'a>) -> Self {
-        Departures {
+        InitialSamples {
             subject,
             ensembles: None,
         }
@@ -37,7 +38,8 @@ impl<'a> Departures<'a> {
     /// Those of making and of advancing them.
     pub fn advanced(&mut self, samples: usize, h: f64) -> Result<&Ensemble, Error> {
         let Subject {
-            map, phase_loop, ..
+            evaluator,
+            phase_loop,
         } = self.subject;
         let held = (self.ensembles.take()).filter(|held| held.after.samples() == samples);
         let held = match held {
@@ -46,11 +48,11 @@ impl<'a> Departures<'a> {
         };
         let Ensembles { before, after } = self.ensembles.insert(held);
         match before {
-            Some(before) => after.advance_from(map, h, |first, block| {
+            Some(before) => evaluator.advance_from(after, h, |first, block| {
                 copy_samples(before, first, block);
                 Ok(())
             })?,
-            None => after.advance_from(map, h, |first, block| {
+            None => evaluator.advance_from(after, h, |first, block| {
                 sample_block(phase_loop, |k| k as f64 / samples as f64, first, block)
             })?,
         }
@@ -77,9 +79,8 @@ mod tests {
 
     use super::*;
     use crate::loops::{Circle, Loop};
-    use crate::map::PerSample;
+    use crate::map::{EvaluationCount, Evaluator, PerSample};
     use crate::state::Block;
-    use crate::state::Coordinates;
 
     /// Counts the samples that are made.
     struct Counted(Circle, AtomicUsize);
@@ -106,21 +107,21 @@ mod tests {
             }
         });
         let circle = Circle::new(vec![0.1; DOF], vec![0.5; DOF], 1.0).unwrap();
-        let coordinates = Coordinates::plain(DOF);
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(&map, &count).unwrap();
         // The last is too large to be kept, and no multiple of a block.
         for (samples, makings) in [(48, 1), (1024, 1), (15_001, 3)] {
             let counted = Counted(circle.clone(), AtomicUsize::new(0));
             for threads in [1, 2] {
                 counted.1.store(0, Ordering::Relaxed);
-                let mut departures = Departures::new(Subject {
-                    map: &map,
+                let mut initial = InitialSamples::new(Subject {
+                    evaluator: &evaluator,
                     phase_loop: &counted,
-                    coordinates: &coordinates,
                 });
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
                 pool.build().unwrap().install(|| {
                     for h in [0.5, 0.25, 0.5] {
-                        let after = departures.advanced(samples, h).unwrap();
+                        let after = initial.advanced(samples, h).unwrap();
                         let mut anew = Ensemble::sample(&circle, samples).unwrap();
                         anew.advance(&map, h).unwrap();
                         for i in 0..DOF {
@@ -138,18 +139,18 @@ mod tests {
     fn another_number_of_samples_is_another_ensemble() {
         let map = PerSample::new(1, |h, q: &mut [f64], p: &mut [f64]| q[0] += h * p[0]);
         let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
-        let coordinates = Coordinates::plain(1);
-        let mut departures = Departures::new(Subject {
-            map: &map,
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(&map, &count).unwrap();
+        let mut initial = InitialSamples::new(Subject {
+            evaluator: &evaluator,
             phase_loop: &circle,
-            coordinates: &coordinates,
         });
         for samples in [32, 64, 32] {
-            let after = departures.advanced(samples, 0.5).unwrap();
+            let after = initial.advanced(samples, 0.5).unwrap();
             assert_eq!(after.samples(), samples);
         }
         assert!(matches!(
-            departures.advanced(2, 0.5),
+            initial.advanced(2, 0.5),
             Err(Error::TooFewSamples { samples: 2 })
         ));
     }

@@ -1,26 +1,26 @@
-//! Samples that are doubled without making or advancing any of them again.
+//! Samples that are doubled without making or advancing any of them twice.
 
-use super::probe::Subject;
 use crate::error::Error;
+use crate::rules::Subject;
 use crate::state::Ensemble;
 
 /// The samples of a loop before and after one step of size h.
 ///
 /// Sample k of N is sample 2k of 2N: doubling takes the samples in between alone.
-pub(super) struct Nested<'a> {
+pub(super) struct RefinedSamples<'a> {
     subject: Subject<'a>,
     h: f64,
     pub before: Ensemble,
     pub after: Ensemble,
 }
 
-impl<'a> Nested<'a> {
+impl<'a> RefinedSamples<'a> {
     /// The first samples, and what the map makes of them.
     pub fn new(subject: Subject<'a>, samples: usize, h: f64) -> Result<Self, Error> {
         let before = Ensemble::sample(subject.phase_loop, samples)?;
         let mut after = before.clone();
-        after.advance(subject.map, h)?;
-        Ok(Nested {
+        subject.evaluator.advance(&mut after, h)?;
+        Ok(RefinedSamples {
             subject,
             h,
             before,
@@ -35,8 +35,8 @@ impl<'a> Nested<'a> {
         let mut between = (Ensemble::sample_between(self.subject.phase_loop, samples))
             .map_err(Error::of_sample_between)?;
         self.before.interleave(&between);
-        between
-            .advance(self.subject.map, self.h)
+        (self.subject.evaluator)
+            .advance(&mut between, self.h)
             .map_err(Error::of_sample_between)?;
         self.after.interleave(&between);
         Ok(())
@@ -50,7 +50,7 @@ impl<'a> Nested<'a> {
                 self.double()?;
             }
         } else {
-            *self = Nested::new(self.subject, samples, self.h)?;
+            *self = RefinedSamples::new(self.subject, samples, self.h)?;
         }
         Ok(())
     }
@@ -62,8 +62,7 @@ mod tests {
 
     use super::*;
     use crate::loops::Circle;
-    use crate::map::PerSample;
-    use crate::state::Coordinates;
+    use crate::map::{EvaluationCount, Evaluator, PerSample};
 
     #[test]
     fn no_sample_is_advanced_twice_and_none_differs() {
@@ -76,29 +75,41 @@ mod tests {
             }
         });
         let circle = Circle::new(vec![0.1, 0.2, 0.3], vec![0.5; 3], 1.0).unwrap();
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(&map, &count).unwrap();
         let subject = Subject {
-            map: &map,
+            evaluator: &evaluator,
             phase_loop: &circle,
-            coordinates: &Coordinates::plain(3),
         };
-        let mut nested = Nested::new(subject, 48, 0.3).unwrap();
+        let mut refined = RefinedSamples::new(subject, 48, 0.3).unwrap();
         // Through a length whose rows are padded, and then to one that no doubling reaches.
         for samples in [48, 96, 768, 1536, 1000] {
             let before = steps.load(Ordering::Relaxed);
-            let had = nested.before.samples();
-            nested.resize(samples).unwrap();
+            let kept_before = refined.before.samples();
+            refined.resize(samples).unwrap();
             let made = steps.load(Ordering::Relaxed) - before;
-            let kept = if samples > had { had } else { 0 };
-            assert_eq!(made, if samples == had { 0 } else { samples - kept });
+            let kept = if samples > kept_before {
+                kept_before
+            } else {
+                0
+            };
+            assert_eq!(
+                made,
+                if samples == kept_before {
+                    0
+                } else {
+                    samples - kept
+                }
+            );
             let mut anew = Ensemble::sample(&circle, samples).unwrap();
             for i in 0..3 {
-                assert_eq!(nested.before.q().row(i), anew.q().row(i));
-                assert_eq!(nested.before.p().row(i), anew.p().row(i));
+                assert_eq!(refined.before.q().row(i), anew.q().row(i));
+                assert_eq!(refined.before.p().row(i), anew.p().row(i));
             }
             anew.advance(&map, 0.3).unwrap();
             for i in 0..3 {
-                assert_eq!(nested.after.q().row(i), anew.q().row(i));
-                assert_eq!(nested.after.p().row(i), anew.p().row(i));
+                assert_eq!(refined.after.q().row(i), anew.q().row(i));
+                assert_eq!(refined.after.p().row(i), anew.p().row(i));
             }
         }
     }
@@ -111,14 +122,15 @@ mod tests {
             }
         });
         let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(&map, &count).unwrap();
         let subject = Subject {
-            map: &map,
+            evaluator: &evaluator,
             phase_loop: &circle,
-            coordinates: &Coordinates::plain(1),
         };
-        let mut nested = Nested::new(subject, 6, 0.3).unwrap();
+        let mut refined = RefinedSamples::new(subject, 6, 0.3).unwrap();
         // q = 1 is at a quarter of the loop: sample 3 of 12.
-        let error = nested.double().expect_err("it fails");
+        let error = refined.double().expect_err("it fails");
         assert!(
             matches!(error, Error::NotFinite { sample: 3, .. }),
             "{error}"

@@ -1,7 +1,7 @@
-//! Numbers and names as verdicts say them.
+//! Numbers and names as sentences write them.
 
 /// A step size as people read it: `2^-3`, or with six decimals; very small and large ones with four digits.
-pub(crate) fn size(h: f64) -> String {
+pub fn size(h: f64) -> String {
     let exponent = h.abs().log2();
     if exponent.fract() == 0.0 && h.abs() != 1.0 {
         let sign = if h < 0.0 { "-" } else { "" };
@@ -14,8 +14,8 @@ pub(crate) fn size(h: f64) -> String {
 }
 
 /// Two digits, and no exponent where none is needed.
-pub(crate) fn short(value: f64) -> String {
-    match value {
+pub(super) fn short(value: f64) -> String {
+    match value.abs() {
         0.0 => "0".into(),
         0.01..1000.0 => format!("{value:.2}"),
         _ => format!("{value:.1e}"),
@@ -23,7 +23,7 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 /// What a loop is called.
-pub(super) fn name(index: usize) -> String {
+pub(super) fn loop_name(index: usize) -> String {
     match index {
         0 => "the given loop".into(),
         k => format!("random loop {k}"),
@@ -31,7 +31,7 @@ pub(super) fn name(index: usize) -> String {
 }
 
 /// A sentence begins with a capital letter.
-pub(crate) fn capitalised(text: &str) -> String {
+pub(super) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| {
         first.to_uppercase().chain(letters).collect()
@@ -39,7 +39,7 @@ pub(crate) fn capitalised(text: &str) -> String {
 }
 
 /// The coordinates that jump: the other one is left out where its jump is a thousandth.
-pub(super) fn jump(jump_q: f64, jump_p: f64) -> &'static str {
+pub(super) fn jumping(jump_q: f64, jump_p: f64) -> &'static str {
     let (q, p) = (jump_q.abs(), jump_p.abs());
     if q > 1e3 * p {
         "q"

@@ -1,11 +1,13 @@
-//! One measured point of a sweep, as reports carry it.
+//! Flat records of what was measured, as tables and reports show them.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::probe::{Measured, Probe};
+use super::StepEvidence;
+use crate::breaks::Break;
+use crate::rules::RuleKind;
 
 /// Which sweep a point belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sweep {
     /// Over the step size h.
@@ -19,18 +21,19 @@ pub enum Sweep {
 /// `initial` and `advanced` are loop integrals; defects and errors are relative to |`initial`|.
 /// What a rule does not give is `None`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Point {
     /// The sweep.
     pub sweep: Sweep,
     /// Which loop: 0 is the given one, the others are random.
     #[serde(rename = "loop")]
     pub loop_index: usize,
-    /// Step size h.
+    /// Step size h; NaN (in reports `null`) where nobody stated it.
     pub step_size: f64,
     /// Samples N_s; by the piecewise rule, the states that make up the integral.
     pub samples: usize,
-    /// Name of the rule.
-    pub rule: &'static str,
+    /// The rule.
+    pub rule: RuleKind,
     /// I(0).
     pub initial: f64,
     /// I(h); of a broken loop the absolutely continuous part, as far as the rule gives it.
@@ -56,32 +59,46 @@ pub struct Point {
     /// exponent s of H^s, about ½ at jumps and 3/2 at kinks. Where the coefficients fall to round-off it is a
     /// lower bound.
     pub regularity: Option<f64>,
-    /// Single states that make up this point: those that the map had to advance, the search for breaks
-    /// aside.
+    /// States that the map advanced for this point.
     pub evaluations: usize,
 }
 
 impl Point {
-    pub(super) fn new(sweep: Sweep, probe: &Probe<'_>, h: f64, measured: &Measured) -> Self {
-        let defect = &measured.defect;
+    /// The record of a step of a loop.
+    pub(crate) fn new(sweep: Sweep, loop_index: usize, step: &StepEvidence) -> Self {
+        let breaks = (step.jumping.map(|jumping| jumping.confirmed))
+            .or(step.closing.map(|closing| closing.breaks));
         Point {
             sweep,
-            loop_index: probe.index,
-            step_size: h,
-            samples: measured.samples,
-            rule: probe.rule_name(),
-            initial: probe.initial.value,
-            advanced: measured.integral.value,
-            signed_defect: defect.signed,
-            defect: defect.magnitude(),
-            quadrature_error: defect.quadrature_error,
-            roundoff: defect.roundoff,
-            omitted_cells: measured.integral.omitted.as_ref().map(Vec::len),
-            jumps: measured.closing.map(|closing| closing.breaks),
-            chord: measured.closing.map(|closing| closing.chord),
-            closed_defect: (measured.closing).map(|closing| closing.closed.magnitude()),
-            regularity: measured.regularity,
-            evaluations: measured.evaluations,
+            loop_index,
+            step_size: step.step_size.unwrap_or(f64::NAN),
+            samples: step.samples,
+            rule: step.rule,
+            initial: step.initial,
+            advanced: step.advanced,
+            signed_defect: step.defect.signed,
+            defect: step.defect.magnitude(),
+            quadrature_error: step.defect.quadrature_error,
+            roundoff: step.defect.roundoff,
+            omitted_cells: step.omitted_cells,
+            jumps: breaks,
+            chord: step.closing.map(|closing| closing.chord),
+            closed_defect: step.closing.map(|closing| closing.closed.magnitude()),
+            regularity: step.regularity,
+            evaluations: step.evaluations,
         }
     }
+}
+
+/// A break, and the advanced loop that has it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BreakAt {
+    /// Which loop: 0 is the given one, the others are random.
+    #[serde(rename = "loop")]
+    pub loop_index: usize,
+    /// Step size h; `None` where nobody stated it.
+    pub step_size: Option<f64>,
+    /// Where it is and how far the coordinates jump.
+    #[serde(flatten)]
+    pub found: Break,
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::LoopEvidence;
+use crate::evidence::LoopEvidence;
 
 /// A power law |quantity| ~ against^slope over a range.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,24 +31,13 @@ impl Fit {
         let whole = self.slope.round();
         ((self.slope - whole).abs() <= 0.15).then_some(whole)
     }
-
-    /// In words: `falling as h^3`.
-    pub(crate) fn law(&self) -> String {
-        match self.whole() {
-            Some(order) => format!("falling as h^{order}"),
-            None => format!(
-                "falling about as h^{:.1} in the range that was tried",
-                self.slope
-            ),
-        }
-    }
 }
 
 /// Points of a fit at most: those of the smallest steps, where the leading terms rule.
 const MOST_POINTS: usize = 6;
 
 /// Points of a fit at least.
-const FEWEST_POINTS: usize = 3;
+pub(super) const FEWEST_POINTS: usize = 3;
 
 /// The largest step of a fit over the smallest, at least.
 const NARROWEST: f64 = 3.9;
@@ -76,11 +65,11 @@ type Datum = (f64, f64, f64);
 /// The law is E = h^k (a + b h + c h²), signed: a sign change of E, which bends the curve of |E|,
 /// is part of it. With three points, or where no such law passes through them, the mean slope. `None`
 /// with fewer than three points, over less than a factor of four, or where the slopes disagree.
-pub(crate) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
+pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     let mut data: Vec<Datum> = (evidence.steps.iter())
-        .map(|step| {
+        .filter_map(|step| {
             let defect = &step.defect;
-            (step.step_size.abs(), defect.signed, defect.uncertainty())
+            Some((step.step_size?.abs(), defect.signed, defect.uncertainty()))
         })
         .collect();
     data.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -212,26 +201,24 @@ fn polynomial(x: &[f64], y: &[f64], errors: &[f64], terms: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evidence::{LoopKind, StepEvidence};
     use crate::rules::Defect;
-    use crate::verdict::StepEvidence;
 
     fn evidence(law: impl Fn(f64) -> f64, noise: f64) -> LoopEvidence {
-        let mut evidence = LoopEvidence::new(0, 64);
+        let mut evidence = LoopEvidence::new(0, LoopKind::Given);
         evidence.steps = (1..=10)
             .map(|m| {
                 let h = 0.5f64.powi(m);
                 // A noise that is the same in every run.
                 let wobble = noise * (f64::from(m) * 2.7).sin();
                 StepEvidence {
-                    step_size: h,
+                    step_size: Some(h),
                     defect: Defect {
                         signed: law(h) + wobble,
                         quadrature_error: Some(noise),
                         roundoff: 0.0,
                     },
-                    found: None,
-                    closing: None,
-                    cells_apart: 0.0,
+                    ..StepEvidence::default()
                 }
             })
             .collect();
