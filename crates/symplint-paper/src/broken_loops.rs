@@ -140,7 +140,6 @@ fn figure(particles: usize, rows: &[Row]) -> Figure {
                 .collect()
         };
         let all: Vec<Series> = vec![
-            series("cut-off rule", of(|row| row.cutoff_rule), Style::Points, 1),
             series(
                 "between breaks",
                 of(|row| row.continuous),
@@ -153,6 +152,7 @@ fn figure(particles: usize, rows: &[Row]) -> Figure {
                 Style::LineAndPoints,
                 2,
             ),
+            series("cut-off rule", of(|row| row.cutoff_rule), Style::Points, 1),
             uncertainty(of(|row| row.uncertainty)),
         ];
         Panel {
@@ -163,7 +163,7 @@ fn figure(particles: usize, rows: &[Row]) -> Figure {
             equal_aspect: false,
         }
     };
-    Figure::new(vec![panel(0), panel(1)], 2)
+    Figure::new(vec![panel(0), panel(1)], 2).with_shared_legend()
 }
 
 fn claims(rows: &[Row], more: &[Row]) -> Vec<Claim> {

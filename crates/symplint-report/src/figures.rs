@@ -93,13 +93,13 @@ fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
     };
     let (given, random) = (of_loop(|index| index == 0), of_loop(|index| index > 0));
     let mut all = Vec::new();
+    let colors = [GIVEN, GIVEN_CLOSED];
+    all.extend(defects("given loop", &given, Style::LineAndPoints, colors));
     if !random.is_empty() {
-        // Below the others, whose markers do not hide them.
+        // Above the others, whose lines still show.
         let colors = [RANDOM, RANDOM_CLOSED];
         all.extend(defects("random loops", &random, Style::Points, colors));
     }
-    let colors = [GIVEN, GIVEN_CLOSED];
-    all.extend(defects("given loop", &given, Style::LineAndPoints, colors));
     if let Some(order) = diagnosis.verdict.order {
         let points: Vec<(f64, f64)> = (given.iter())
             .map(|point| (point.step_size, point.defect))
@@ -314,9 +314,7 @@ mod tests {
             q[0] += h * p[0];
         });
         let circle = Circle::new(vec![0.1], vec![0.3], 1.0).unwrap();
-        let diagnosis = Diagnostic::halving(-1, -4)
-            .run(&step, &circle, &|_| {})
-            .unwrap();
+        let diagnosis = Diagnostic::halving(-1, -4).run(&step, &circle).unwrap();
         let figure = step_sizes("|q|", &diagnosis);
         assert!(defects_of(&figure, "given loop, between breaks").all(|defect| defect > 1e-4));
         assert!(defects_of(&figure, "given loop, breaks closed").all(|defect| defect < 1e-12));
@@ -331,9 +329,7 @@ mod tests {
             p[0] -= h * q[0];
         });
         let circle = Circle::new(vec![1.0], vec![0.0], 0.5).unwrap();
-        let diagnosis = Diagnostic::halving(-1, -3)
-            .run(&spring, &circle, &|_| {})
-            .unwrap();
+        let diagnosis = Diagnostic::halving(-1, -3).run(&spring, &circle).unwrap();
         let figure = step_sizes("spring", &diagnosis);
         assert!(defects_of(&figure, "given loop").all(|defect| defect < 1e-13));
         let labels = figure.panels[0].series.iter().map(|series| &series.label);

@@ -11,12 +11,14 @@ use super::run_output::RunOutput;
 use crate::cli::{ReproduceArgs, What};
 use crate::config::{ItemSettings, suggestion};
 use crate::output::{Progress, say};
+use crate::provenance;
 
 /// Reproduces items of the paper.
 pub fn reproduce(arguments: &ReproduceArgs) -> Result<ExitCode, Failure> {
     if arguments.list {
         return list(What::Figures);
     }
+    let started = provenance::start();
     let items = chosen(&arguments.ids)?;
     let set = &arguments.settings.set;
     if !set.is_empty() && items.len() != 1 {
@@ -39,7 +41,7 @@ pub fn reproduce(arguments: &ReproduceArgs) -> Result<ExitCode, Failure> {
     folder.write_config(&output.config)?;
     let progress = Progress::new("items", arguments.quiet || arguments.json);
     progress.plan(runs.len());
-    let claims = symplint_paper::reproduce(&runs, folder, &|event| progress.item(event));
+    let claims = symplint_paper::reproduce(&runs, folder, &started, &|event| progress.item(event));
     progress.finish();
     let claims = claims.map_err(|error| match (error, &settings[..]) {
         // Only the settings of a single item can be wrong: several items run with their defaults.
