@@ -8,6 +8,8 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
+mod budget;
+mod judge;
 mod provenance;
 mod refusals;
 mod run_folder;
@@ -568,7 +570,14 @@ fn runs_without_end_are_refused() {
         }
     }
     // The key to blame is the one that was set, and numbers stay readable.
-    let output = symplint(&["reproduce", "fig8", "--set", "step_size=1e-300", "--out", out]);
+    let output = symplint(&[
+        "reproduce",
+        "fig8",
+        "--set",
+        "step_size=1e-300",
+        "--out",
+        out,
+    ]);
     let error = text(&output.stderr);
     assert!(error.contains("fig8.step_size"), "{error}");
     assert!(!error.contains("00000"), "{error}");

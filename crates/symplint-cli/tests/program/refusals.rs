@@ -155,7 +155,11 @@ fn rules_that_no_trace_can_use_are_refused() {
     for rule in ["piecewise", "streaming"] {
         let set = format!("diagnostic.rule={rule}");
         let named = format!("diagnostic.rule is \"{rule}\"");
-        let expected = [named.as_str(), "a trace does not accept", "diagnostic.rule=pseudospectral"];
+        let expected = [
+            named.as_str(),
+            "a trace does not accept",
+            "diagnostic.rule=pseudospectral",
+        ];
         refused_by("trace", PENDULUM, &[&set], &expected);
     }
 }
