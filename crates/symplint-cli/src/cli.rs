@@ -22,9 +22,8 @@ const AFTER: &str = "Examples:
   symplint init pendulum > pendulum.toml          a commented configuration to start from
   symplint check pendulum.toml                    is it symplectic?
   symplint check pendulum.toml --set integrator.name=rk2 --out run
-  symplint loop --dof 3 --radius 0.5 -o before.npz
-                                                  initial states for another code
-  symplint measure before.npz after.npz           what its step did to them
+  symplint loop --dof 3 --radius 0.5              initial states for another code
+  symplint measure loop.npz after.npz             what its step did to them
   symplint reproduce fig2                         a figure of the paper
 
 Exit status of `check`, `measure` and `judge`: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
@@ -230,9 +229,6 @@ pub struct LoopArgs {
     /// Replace another loop in that file; a file that is not a loop is never replaced
     #[arg(long)]
     pub force: bool,
-    /// The loop without a configuration.
-    #[command(flatten)]
-    pub shape: LoopShape,
     /// Changes of the configuration.
     #[command(flatten)]
     pub settings: Settings,
@@ -245,6 +241,9 @@ pub struct LoopArgs {
     /// Number of threads; all cores if left out. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
+    /// The loop without a configuration.
+    #[command(flatten)]
+    pub shape: LoopShape,
 }
 
 /// A loop without a configuration.

@@ -15,6 +15,7 @@
 //! | [`run_folder`] | the folder of a run: reports, points and samples as files |
 //! | [`loop_file`] | loops in files, for and from other codes |
 //! | [`number`] | step sizes as people write them |
+//! | [`wrap`] | paragraphs wrapped to a width |
 
 pub mod figure;
 pub mod figures;
@@ -25,3 +26,4 @@ pub mod provenance;
 pub mod report;
 pub mod run_folder;
 pub mod table;
+pub mod wrap;

@@ -221,9 +221,9 @@ pub enum Error {
 pub(crate) const ON_THE_LOOP: &str =
     "the loop, between samples (sample the loop at this s and take one step)";
 
-/// A place of [`Error::OnTheWay`]: a state of the loop, or one near it.
-pub(crate) const BESIDE_THE_LOOP: &str =
-    "the loop (at its state there, or displaced from it to measure derivatives)";
+/// A place of [`Error::OnTheWay`]: a state near the loop.
+pub(crate) const DISPLACED_FROM_THE_LOOP: &str =
+    "the loop (displaced from its state there to measure derivatives)";
 
 /// A place of [`Error::OnTheWay`]: a state that the loop does not have.
 pub(crate) const ON_A_SEGMENT: &str = "a segment that closes a break of the loop (0 is the one side of the break, \

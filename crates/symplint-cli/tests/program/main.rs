@@ -549,7 +549,9 @@ fn checks_beyond_the_paper_are_no_claims_of_it() {
 
 #[test]
 fn runs_without_end_are_refused() {
-    let output = symplint(&["reproduce", "fig8", "--set", "until=1e300"]);
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let output = symplint(&["reproduce", "fig8", "--set", "until=1e300", "--out", out]);
     assert_eq!(output.status.code(), Some(2));
     let error = text(&output.stderr);
     for expected in ["fig8.until", "too many", "at most"] {
@@ -566,7 +568,7 @@ fn runs_without_end_are_refused() {
         }
     }
     // The key to blame is the one that was set, and numbers stay readable.
-    let output = symplint(&["reproduce", "fig8", "--set", "step_size=1e-300"]);
+    let output = symplint(&["reproduce", "fig8", "--set", "step_size=1e-300", "--out", out]);
     let error = text(&output.stderr);
     assert!(error.contains("fig8.step_size"), "{error}");
     assert!(!error.contains("00000"), "{error}");

@@ -6,7 +6,21 @@ use crate::jacobian::JacobianTest;
 use crate::map::Evaluator;
 
 /// The budget where none is given: enough for fine resolution of every system of the models.
-pub(super) const DEFAULT_BUDGET: usize = 1_000_000;
+const DEFAULT_BUDGET: usize = 1_000_000;
+
+/// The budget where none is given. Where the number of samples is given, it allows the sweeps that are asked for.
+pub(super) fn default_budget(diagnostic: &Diagnostic) -> usize {
+    let measurements = diagnostic.step_sizes.len() + diagnostic.loops;
+    let of_steps = match diagnostic.samples {
+        SampleCount::Fixed(samples) => samples.saturating_mul(2 * measurements),
+        SampleCount::Auto => 0,
+    };
+    let of_sweep = (diagnostic.sample_sweep.iter()).flat_map(|sweep| &sweep.counts);
+    let of_sweep = of_sweep.fold(0, |sum: usize, &count| sum.saturating_add(count));
+    of_steps
+        .saturating_add(of_sweep)
+        .saturating_add(DEFAULT_BUDGET)
+}
 
 /// The smallest budget that a diagnosis can do something with.
 pub(super) const LEAST_BUDGET: usize = 200;
@@ -24,6 +38,10 @@ const FINE_SAMPLES_OF_MANY: usize = 64;
 
 /// The part of the budget that the first samples of all loops and step sizes take.
 const FIRST_PART: usize = 3;
+
+/// The part of the budget that samples of one loop may take, where their number is given; fewer are taken if it
+/// is more.
+const FIXED_PART: usize = 4;
 
 /// What is planned before anything is measured.
 pub(super) struct Plan {
@@ -54,9 +72,9 @@ const MOST_JACOBIAN: usize = 1 << 19;
 /// Evaluations that the Jacobian may take in any number of degrees of freedom: some pairs at two points.
 const FEWEST_JACOBIAN: usize = 400;
 
-/// The tolerance of the piecewise rule in a tight budget: integrals to nine digits and more for half of the
+/// The tolerance of the piecewise rule in a tight budget: integrals to more than eight digits for fewer
 /// evaluations.
-const TIGHT_TOLERANCE: f64 = 1e-9;
+const TIGHT_TOLERANCE: f64 = 1e-8;
 
 impl Plan {
     /// The plan for a diagnosis in so many degrees of freedom.
@@ -68,7 +86,8 @@ impl Plan {
         let tight = budget < TIGHT;
         Plan {
             first_samples: match diagnostic.samples {
-                SampleCount::Fixed(samples) => samples,
+                SampleCount::Fixed(samples) if samples <= budget / FIXED_PART => samples,
+                SampleCount::Fixed(samples) => power_below(samples).min(share.max(FEWEST_SAMPLES)),
                 SampleCount::Auto => share.clamp(FEWEST_SAMPLES, fine),
             },
             purity_samples: PURITY_SAMPLES[usize::from(!tight && fits(dof, SMALL))],

@@ -28,7 +28,7 @@ impl JacobianTest {
             true => richardson::FIRST_STATES + CONSTANTS.trials * directions,
             false => richardson::FIRST_STATES * directions,
         };
-        self.points * (noise::FIRST_STATES + of_derivatives)
+        self.points * (1 + noise::STATES + of_derivatives)
     }
 
     /// The best test that makes `budget` evaluations at most, and no better one than by default: first two points,

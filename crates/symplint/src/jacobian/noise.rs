@@ -24,45 +24,18 @@ const SPACINGS: [f64; 4] = [1.434e-5, 2.371e-4, 3.883e-3, 2.0e-2];
 /// Spacings of a noise stencil.
 pub(super) const LEVELS: usize = SPACINGS.len();
 
-/// States of a noise stencil with the smallest spacing, that at the centre first.
-pub(super) const FIRST_STATES: usize = 1 + NODES.len();
-
-/// States of each further spacing.
-pub(super) const FURTHER_STATES: usize = NODES.len();
-
-/// States of a noise stencil with all spacings.
-pub(super) const STATES: usize = 1 + NODES.len() * SPACINGS.len();
+/// States at each spacing; there is one more at the centre.
+pub(super) const STATES: usize = NODES.len();
 
 /// Noise is counted this many times what the differences show: they show its standard deviation.
 const SAFETY: f64 = 4.0;
 
-/// How far along the direction the states of a noise stencil with one of the spacings are; the centre comes with
-/// the smallest.
-pub(super) fn offsets(level: usize) -> impl Iterator<Item = f64> {
-    let centre = (level == 0).then_some(0.0);
-    let around = NODES.into_iter().map(move |node| node * SPACINGS[level]);
-    centre.into_iter().chain(around)
-}
-
-/// Whether neighbours differ at the largest of the spacings that there are, so that its noise counts.
-pub(super) fn is_resolved(differences: &[f64]) -> bool {
-    differences.len() > NODES.len()
-        && equal_neighbours(&row(&differences[differences.len() - NODES.len()..])) <= MOST_EQUAL
-}
-
 /// Neighbours of a row that may be equal.
 const MOST_EQUAL: usize = 2;
 
-fn equal_neighbours(row: &[f64; ROW]) -> usize {
-    row.windows(2).filter(|pair| pair[0] == pair[1]).count()
-}
-
-/// The differences at one spacing, with that at the centre in between.
-fn row(around: &[f64]) -> [f64; ROW] {
-    let mut row = [0.0; ROW];
-    row[..SIDE].copy_from_slice(&around[..SIDE]);
-    row[SIDE + 1..].copy_from_slice(&around[SIDE..]);
-    row
+/// How far along the direction the states at a spacing are.
+pub(super) fn offsets(level: usize) -> impl Iterator<Item = f64> {
+    NODES.into_iter().map(move |node| node * SPACINGS[level])
 }
 
 /// Sixth differences, in a form that gives independent values of variance 1 the variance 1.
@@ -89,27 +62,22 @@ impl SixthDifferences {
         SixthDifferences { weights }
     }
 
-    /// The noise of one coordinate from its differences to the centre, in units of its size and in the
-    /// order of [`offsets`], of as many spacings as there are.
-    ///
-    /// The smallest spacing counts at which neighbours differ: it is least misled by a steep map, and a
-    /// smaller one sees the stairs of single precision only now and then. Where every spacing has
-    /// equal neighbours, the largest noise counts. A coordinate that does not respond at all is noise as large
-    /// as the loop: a symplectic map has none, so it must be coarser than the differences.
-    pub fn noise(&self, differences: &[f64]) -> f64 {
-        if differences.iter().all(|&difference| difference == 0.0) {
-            return 1.0;
+    /// Adds the differences of a coordinate to its value at the centre, in units of its size, at one spacing; the
+    /// smallest spacing first.
+    pub fn add(&self, noise: &mut Noise, differences: &[f64]) {
+        if noise.resolved {
+            return;
         }
-        let mut largest: f64 = 0.0;
-        for around in differences[1..].chunks_exact(NODES.len()) {
-            let row = row(around);
-            let noise = SAFETY * self.root_mean_square(&row);
-            if equal_neighbours(&row) <= MOST_EQUAL {
-                return noise;
-            }
-            largest = largest.max(noise);
-        }
-        largest
+        let mut row = [0.0; ROW];
+        row[..SIDE].copy_from_slice(&differences[..SIDE]);
+        row[SIDE + 1..].copy_from_slice(&differences[SIDE..]);
+        let shown = SAFETY * self.root_mean_square(&row);
+        let equal = row.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        noise.resolved = equal <= MOST_EQUAL;
+        noise.value = match noise.resolved {
+            true => shown,
+            false => noise.value.max(shown),
+        };
     }
 
     fn root_mean_square(&self, row: &[f64; ROW]) -> f64 {
@@ -121,6 +89,29 @@ impl SixthDifferences {
                 .powi(2)
         });
         (squares.sum::<f64>() / WINDOWS as f64).sqrt()
+    }
+}
+
+/// The noise of one coordinate at one point.
+///
+/// The smallest spacing counts at which neighbours differ: it is least misled by a steep map, and a
+/// smaller one sees the stairs of single precision only now and then. Where every spacing has
+/// equal neighbours, the largest noise counts.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Noise {
+    value: f64,
+    /// Whether a spacing was found at which neighbours differ, so that larger ones are not needed.
+    pub resolved: bool,
+}
+
+impl Noise {
+    /// In units of the coordinate's size. A coordinate that does not respond at all is noise as large
+    /// as the loop: a symplectic map has none, so it must be coarser than the differences.
+    pub fn value(self) -> f64 {
+        match self.resolved || self.value > 0.0 {
+            true => self.value,
+            false => 1.0,
+        }
     }
 }
 
@@ -141,10 +132,12 @@ mod tests {
     use super::*;
 
     fn shown(f: impl Fn(f64) -> f64) -> f64 {
-        let all = (0..LEVELS).flat_map(offsets);
-        let differences: Vec<f64> = all.map(|t| f(t) - f(0.0)).collect();
-        assert_eq!(differences.len(), STATES);
-        SixthDifferences::new().noise(&differences)
+        let mut noise = Noise::default();
+        for level in 0..LEVELS {
+            let differences: Vec<f64> = offsets(level).map(|t| f(t) - f(0.0)).collect();
+            SixthDifferences::new().add(&mut noise, &differences);
+        }
+        noise.value()
     }
 
     #[test]

@@ -13,7 +13,6 @@ use std::ops::Range;
 
 use super::constants::CONSTANTS;
 use super::derivative::Derivative;
-use crate::signal::nearest;
 
 const LEVELS: usize = CONSTANTS.levels;
 const DEEPEST: usize = CONSTANTS.deepest;
@@ -43,21 +42,6 @@ pub(super) fn displacements(levels: Range<usize>) -> impl Iterator<Item = f64> {
 pub(super) fn finer_levels_help(derivative: &Derivative, noise: f64) -> bool {
     let of_interest = CONSTANTS.least_defect_of_differences * derivative.largest();
     derivative.largest_error() > of_interest.max(CONSTANTS.gain * noise / distance(FINER.start))
-}
-
-/// What is known of one coordinate round a point.
-pub(super) struct Neighbourhood {
-    /// Values at +t, −t for each level in turn, as many as there are.
-    pub values: [f64; STATES],
-    /// Levels that there are.
-    pub levels: usize,
-    pub centre: f64,
-    /// Period of the coordinate, 0 where there is none.
-    pub period: f64,
-    /// Unit in which values are counted.
-    pub size: f64,
-    /// Noise of a value, in that unit.
-    pub noise: f64,
 }
 
 type Table = [[f64; DEEPEST + 1]; LEVELS];
@@ -93,19 +77,18 @@ struct Entry {
 }
 
 impl Tables {
-    fn new(of: &Neighbourhood) -> Self {
-        let of_level = |level: usize| {
-            let ahead = nearest(of.values[2 * level] - of.centre, of.period);
-            let behind = nearest(of.centre - of.values[2 * level + 1], of.period);
-            let scale = 2.0 * distance(level) * of.size;
-            [(ahead + behind) / scale, (ahead - behind) / scale]
+    fn new(levels: usize, differences: &[f64; STATES], noise: f64) -> Self {
+        let part = |sign: f64| {
+            (0..levels).map(move |level| {
+                let (ahead, behind) = (differences[2 * level], differences[2 * level + 1]);
+                (ahead + sign * behind) / (2.0 * distance(level))
+            })
         };
-        let parts: Vec<[f64; 2]> = (0..of.levels).map(of_level).collect();
         Tables {
-            odd: extrapolate(parts.iter().map(|[odd, _]| *odd), 2),
-            even: extrapolate(parts.iter().map(|[_, even]| *even), 1),
-            levels: of.levels,
-            noise: of.noise,
+            odd: extrapolate(part(-1.0), 2),
+            even: extrapolate(part(1.0), 1),
+            levels,
+            noise,
         }
     }
 
@@ -129,20 +112,25 @@ impl Tables {
     }
 }
 
-/// The derivative from what is known of every coordinate at so many levels.
+/// The derivative from so many levels: for every coordinate the differences to its value at the centre, in the
+/// order of [`displacements`], and the noise of a value.
 ///
 /// One entry of the table serves all coordinates: if each chose its own, chance would pick
 /// neighbours that agree by accident.
 pub(super) fn derivative(
     coordinates: usize,
     levels: usize,
-    neighbourhood: impl Fn(usize) -> Neighbourhood,
+    differences: impl Fn(usize) -> ([f64; STATES], f64),
 ) -> Derivative {
     let entries =
         || (1..levels).flat_map(|level| (1..=level.min(DEEPEST)).map(move |depth| (level, depth)));
+    let tables = |c: usize| {
+        let (differences, noise) = differences(c);
+        Tables::new(levels, &differences, noise)
+    };
     let mut worst = [[0.0_f64; DEEPEST + 1]; LEVELS];
     for c in 0..coordinates {
-        let tables = Tables::new(&neighbourhood(c));
+        let tables = tables(c);
         for (level, depth) in entries() {
             let entry = tables.entry(level, depth);
             let error = entry.truncation + entry.noise;
@@ -159,7 +147,7 @@ pub(super) fn derivative(
     };
     let (mut truncation, mut noise) = (0.0_f64, 0.0_f64);
     for c in 0..coordinates {
-        let entry = Tables::new(&neighbourhood(c)).entry(level, depth);
+        let entry = tables(c).entry(level, depth);
         truncation = truncation.max(entry.truncation);
         noise = noise.max(entry.noise);
         found.value.push(entry.value);
@@ -184,18 +172,11 @@ mod tests {
     }
 
     fn with_levels(f: &impl Fn(f64) -> f64, levels: usize, noise: f64) -> Derivative {
-        let mut values = [0.0; STATES];
-        for (value, t) in values.iter_mut().zip(displacements(0..levels)) {
-            *value = f(t);
+        let mut differences = [0.0; STATES];
+        for (difference, t) in differences.iter_mut().zip(displacements(0..levels)) {
+            *difference = f(t) - f(0.0);
         }
-        derivative(1, levels, |_| Neighbourhood {
-            values,
-            levels,
-            centre: f(0.0),
-            period: 0.0,
-            size: 1.0,
-            noise,
-        })
+        derivative(1, levels, |_| (differences, noise))
     }
 
     #[test]

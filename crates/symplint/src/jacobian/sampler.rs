@@ -6,11 +6,12 @@ use rayon::prelude::*;
 
 use super::constants::CONSTANTS;
 use super::derivative::Derivative;
+use super::directions;
 use super::evidence::{JacobianMethod, TangentRejection};
 use super::frame::Frame;
-use super::richardson::{self, FINER, FIRST, Neighbourhood, finer_levels_help};
-use super::{directions, noise};
-use crate::error::{BESIDE_THE_LOOP, Error, ON_THE_LOOP};
+use super::noise::{self, Noise};
+use super::richardson::{self, FINER, FIRST, finer_levels_help};
+use crate::error::{DISPLACED_FROM_THE_LOOP, Error, ON_THE_LOOP};
 use crate::loops::Loop;
 use crate::map::Evaluator;
 use crate::signal::nearest;
@@ -137,42 +138,48 @@ impl<'a> Sampler<'a> {
         (CONSTANTS.batch_values / (states * self.coordinates())).max(1)
     }
 
-    /// The noise of every coordinate at every point, along a direction. Larger spacings are added at points where
-    /// a coordinate needs them.
+    /// The states of all points after the step, and the noise of every coordinate there, along a direction. Larger
+    /// spacings are added at points where a coordinate needs them.
     fn measure_noise(&mut self, direction: &[f64]) -> Result<(), Error> {
         let sixth_differences = noise::SixthDifferences::new();
+        let mut found = vec![vec![Noise::default(); self.coordinates()]; self.s.len()];
         let points: Vec<usize> = (0..self.s.len()).collect();
-        let mut shown = vec![Vec::with_capacity(points.len()); self.coordinates()];
-        for batch in points.chunks(self.in_a_batch(noise::STATES)) {
-            let mut stencils = Stencils::default();
+        for batch in points.chunks(self.in_a_batch(1 + noise::STATES)) {
             let mut unresolved = batch.to_vec();
             for level in 0..noise::LEVELS {
-                if level > 0 {
-                    unresolved.retain(|&point| {
-                        let resolved = (0..self.coordinates())
-                            .all(|c| noise::is_resolved(&stencils.differences(self, point, c)));
-                        !resolved && self.draw(noise::FURTHER_STATES)
-                    });
-                }
-                if unresolved.is_empty() {
-                    break;
-                }
+                let centre = (level == 0).then_some(0.0);
+                let offsets: Vec<f64> = centre.into_iter().chain(noise::offsets(level)).collect();
                 let at = |&point: &usize| TangentVector { point, direction };
                 let vectors: Vec<TangentVector<'_>> = unresolved.iter().map(at).collect();
-                let offsets: Vec<f64> = noise::offsets(level).collect();
                 let states = self.displaced(&vectors, &offsets)?;
-                stencils.levels.push((unresolved.clone(), states));
-            }
-            for &point in batch {
-                self.after.push(stencils.centre(point));
-                for (c, shown) in shown.iter_mut().enumerate() {
-                    shown.push(sixth_differences.noise(&stencils.differences(self, point, c)));
+                let stencil = |k: usize, c: usize| {
+                    &coordinate(&states, c)[k * offsets.len()..(k + 1) * offsets.len()]
+                };
+                for (k, &point) in unresolved.iter().enumerate() {
+                    if level == 0 {
+                        let centre = (0..self.coordinates()).map(|c| stencil(k, c)[0]);
+                        self.after.push(centre.collect());
+                    }
+                    for (c, noise) in found[point].iter_mut().enumerate() {
+                        let difference = |&value: &f64| self.difference(point, c, value);
+                        let around = &stencil(k, c)[offsets.len() - noise::STATES..];
+                        let differences: Vec<f64> = around.iter().map(difference).collect();
+                        sixth_differences.add(noise, &differences);
+                    }
+                }
+                unresolved.retain(|&point| {
+                    let resolved = found[point].iter().all(|noise| noise.resolved);
+                    level + 1 < noise::LEVELS && !resolved && self.draw(noise::STATES)
+                });
+                if unresolved.is_empty() {
+                    break;
                 }
             }
         }
         self.noise = vec![vec![0.0; self.coordinates()]; points.len()];
-        for (c, shown) in shown.iter().enumerate() {
-            for (point, noise) in noise::at_each_place(shown).into_iter().enumerate() {
+        for c in 0..self.coordinates() {
+            let shown: Vec<f64> = found.iter().map(|of_point| of_point[c].value()).collect();
+            for (point, noise) in noise::at_each_place(&shown).into_iter().enumerate() {
                 let before = coordinate(&self.before, c)[point].abs();
                 let magnitude = before.max(self.after[point][c].abs());
                 let rounding = 2.0 * f64::EPSILON * magnitude / self.frame.size[c];
@@ -203,8 +210,13 @@ impl<'a> Sampler<'a> {
             }
             Ok(())
         };
-        (self.evaluator.advance_from(&mut states, self.h, fill))
-            .map_err(|error| error.on_the_way(|k| (self.s[columns[k].0.point], BESIDE_THE_LOOP)))?;
+        let curve = |by: f64| match by {
+            0.0 => ON_THE_LOOP,
+            _ => DISPLACED_FROM_THE_LOOP,
+        };
+        (self.evaluator.advance_from(&mut states, self.h, fill)).map_err(|error| {
+            error.on_the_way(|k| (self.s[columns[k].0.point], curve(columns[k].1)))
+        })?;
         Ok(states)
     }
 
@@ -246,65 +258,30 @@ impl<'a> Sampler<'a> {
         Ok(found)
     }
 
-    /// The derivative at a point from the differences to states of the first levels, and of the finer ones if they
-    /// are there: which ensemble, and which of its stencils.
+    /// The derivative at a point from states at the first levels, and at the finer ones if they are there: which
+    /// ensemble, and which of its stencils.
     fn extrapolated(&self, point: usize, states: &[(&Ensemble, usize)]) -> Derivative {
-        let levels = [FIRST, FINER];
-        let levels: &[Range<usize>] = &levels[..states.len()];
-        let count = levels.iter().map(|levels| levels.len()).sum();
+        let levels: Vec<Range<usize>> = [FIRST, FINER].into_iter().take(states.len()).collect();
+        let count = levels.iter().map(Range::len).sum();
         richardson::derivative(self.coordinates(), count, |c| {
-            let mut values = [0.0; richardson::STATES];
-            for (levels, (states, stencil)) in levels.iter().zip(states) {
-                let (first, count) = (2 * stencil * levels.len(), 2 * levels.len());
-                values[2 * levels.start..2 * levels.end]
-                    .copy_from_slice(&coordinate(states, c)[first..first + count]);
+            let stencils = levels
+                .iter()
+                .zip(states)
+                .flat_map(|(levels, (states, stencil))| {
+                    let width = 2 * levels.len();
+                    &coordinate(states, c)[stencil * width..(stencil + 1) * width]
+                });
+            let mut differences = [0.0; richardson::STATES];
+            for (difference, value) in differences.iter_mut().zip(stencils) {
+                *difference = self.difference(point, c, *value);
             }
-            Neighbourhood {
-                values,
-                levels: count,
-                centre: self.after[point][c],
-                period: self.frame.period[c],
-                size: self.frame.size[c],
-                noise: self.noise[point][c],
-            }
+            (differences, self.noise[point][c])
         })
     }
-}
 
-/// Noise stencils of some points: for each spacing the points that have it, and their states.
-#[derive(Default)]
-struct Stencils {
-    levels: Vec<(Vec<usize>, Ensemble)>,
-}
-
-impl Stencils {
-    /// The state of a point after the step.
-    fn centre(&self, point: usize) -> Vec<f64> {
-        let (points, states) = &self.levels[0];
-        let column = noise::FIRST_STATES * (point - points[0]);
-        (0..2 * states.dof())
-            .map(|c| coordinate(states, c)[column])
-            .collect()
-    }
-
-    /// Differences of a coordinate to the state of the point, in the order of [`noise::offsets`].
-    fn differences(&self, sampler: &Sampler<'_>, point: usize, c: usize) -> Vec<f64> {
-        let mut differences: Vec<f64> = Vec::with_capacity(noise::STATES);
-        let mut centre = 0.0;
-        for (level, (points, states)) in self.levels.iter().enumerate() {
-            let Ok(k) = points.binary_search(&point) else {
-                break;
-            };
-            let count = noise::offsets(level).count();
-            let values = &coordinate(states, c)[k * count..(k + 1) * count];
-            if level == 0 {
-                centre = values[0];
-            }
-            let (period, size) = (sampler.frame.period[c], sampler.frame.size[c]);
-            let difference = |value: &f64| nearest(value - centre, period) / size;
-            differences.extend(values.iter().map(difference));
-        }
-        differences
+    /// How far a coordinate is from that of a point after the step.
+    pub fn difference(&self, point: usize, c: usize, value: f64) -> f64 {
+        nearest(value - self.after[point][c], self.frame.period[c]) / self.frame.size[c]
     }
 }
 

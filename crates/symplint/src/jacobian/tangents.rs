@@ -12,8 +12,8 @@ use super::constants::CONSTANTS;
 use super::derivative::Derivative;
 use super::evidence::TangentRejection;
 use super::sampler::{Sampler, TangentVector, row_mut};
-use crate::error::{BESIDE_THE_LOOP, Error};
-use crate::signal::{nearest, unit};
+use crate::error::{Error, ON_THE_LOOP};
+use crate::signal::unit;
 use crate::state::{Block, Ensemble, coordinate};
 
 const TRIALS: usize = CONSTANTS.trials;
@@ -81,7 +81,7 @@ impl Sampler<'_> {
         };
         (self.evaluator)
             .advance_tangents(&mut states, &mut tangents, self.h, fill)
-            .map_err(|error| error.on_the_way(|k| (self.s[columns[k].0.point], BESIDE_THE_LOOP)))?;
+            .map_err(|error| error.on_the_way(|k| (self.s[columns[k].0.point], ON_THE_LOOP)))?;
         Ok((states, tangents))
     }
 
@@ -93,9 +93,9 @@ impl Sampler<'_> {
         column: usize,
     ) -> Option<TangentRejection> {
         (0..self.coordinates()).find_map(|c| {
-            let (size, period) = (self.frame.size[c], self.frame.period[c]);
-            let state = coordinate(states, c)[column];
-            let difference = nearest(state - self.after[point][c], period).abs() / size;
+            let difference = self
+                .difference(point, c, coordinate(states, c)[column])
+                .abs();
             (difference > self.noise[point][c]).then_some(TangentRejection::WrongState {
                 s: self.s[point],
                 difference,

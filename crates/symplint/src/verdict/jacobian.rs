@@ -36,6 +36,8 @@ pub enum JacobianVerdict {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "why")]
 pub enum Inconclusive {
+    /// The budget of evaluations left no point to measure at.
+    NoPoints,
     /// Half the points or more have no derivative: jumps or kinks are everywhere.
     NoDerivative {
         /// Points without a derivative.
@@ -112,6 +114,9 @@ pub struct JacobianFinding {
 /// The answer of a Jacobian test alone.
 pub fn judge_jacobian(evidence: &JacobianEvidence) -> JacobianVerdict {
     let undecided = |reason| JacobianVerdict::Undecided { reason };
+    if evidence.points.is_empty() {
+        return undecided(Inconclusive::NoPoints);
+    }
     let no_derivative = undecided(Inconclusive::NoDerivative {
         points: evidence.not_differentiable,
         of: evidence.points.len(),
@@ -265,6 +270,10 @@ impl fmt::Display for JacobianVerdict {
 impl fmt::Display for Inconclusive {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Inconclusive::NoPoints => f.write_str(
+                "the budget left no evaluations for differences; correct the tangent map or give a larger \
+                 budget",
+            ),
             Inconclusive::NoDerivative { points, of } => write!(
                 f,
                 "the map has no derivative at {points} of {of} points; take another loop"
@@ -432,6 +441,7 @@ mod tests {
             JacobianVerdict::SymplecticAlmostEverywhere { .. } => "symplectic",
             JacobianVerdict::NotSymplectic { .. } => "not symplectic",
             JacobianVerdict::Undecided { reason } => match reason {
+                Inconclusive::NoPoints => "no points",
                 Inconclusive::NoDerivative { .. } => "no derivative",
                 Inconclusive::LittleDeformation { .. } => "little deformation",
                 Inconclusive::WeakBound { .. } => "weak bound",
@@ -481,6 +491,11 @@ mod tests {
             ..without(4)
         };
         cases.push(("no derivative", nowhere));
+        let no_points = JacobianEvidence {
+            points: Vec::new(),
+            ..evidence()
+        };
+        cases.push(("no points", no_points));
         for (expected, deformation) in [("symplectic", 0.201), ("little deformation", 0.199)] {
             let of_deformation = JacobianEvidence {
                 deformation,
