@@ -28,6 +28,7 @@ pub const ITEM: Item = Item {
         (1, MOST_PARTICLES),
         "number of particles in the figure",
     )],
+    check: None,
     run,
 };
 

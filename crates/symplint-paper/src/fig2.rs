@@ -24,6 +24,7 @@ pub const ITEM: Item = Item {
         Key::whole("steps", 1000, 1, "number of steps"),
         Key::whole("samples", 2048, 3, "samples of each loop"),
     ],
+    check: None,
     run,
 };
 

@@ -2,14 +2,14 @@
 
 use std::process::ExitCode;
 
-use symplint_paper::{ITEMS, Item, PaperError, Settings, Value, claims_summary};
+use symplint_paper::{ITEMS, Item, Settings, Value, claims_summary};
 use symplint_report::report::to_json;
 
 use super::Failure;
 use super::list::list;
 use super::run_output::RunOutput;
 use crate::cli::{ReproduceArgs, What};
-use crate::config::{ItemSettings, suggestion};
+use crate::config::{item_settings, suggestion};
 use crate::output::{Progress, say};
 use crate::provenance;
 
@@ -27,11 +27,8 @@ pub fn reproduce(arguments: &ReproduceArgs) -> Result<ExitCode, Failure> {
             remedy: "name the item, for example: symplint reproduce fig2 --set samples=4096".into(),
         });
     }
-    let settings = (items.iter())
-        .map(|item| ItemSettings::read(item, set))
-        .collect::<Result<Vec<_>, _>>()?;
-    let runs = (items.into_iter().zip(&settings))
-        .map(|(item, settings)| Ok((item, settings.resolved()?)))
+    let runs = (items.into_iter())
+        .map(|item| Ok((item, item_settings(item, set)?)))
         .collect::<Result<Vec<_>, Failure>>()?;
     let config = (runs.iter())
         .map(|(item, settings)| (item.id.to_owned(), table(settings).into()))
@@ -43,11 +40,7 @@ pub fn reproduce(arguments: &ReproduceArgs) -> Result<ExitCode, Failure> {
     progress.plan(runs.len());
     let claims = symplint_paper::reproduce(&runs, folder, &started, &|event| progress.item(event));
     progress.finish();
-    let claims = claims.map_err(|error| match (error, &settings[..]) {
-        // Only the settings of a single item can be wrong: several items run with their defaults.
-        (PaperError::Setting(error), [settings]) => settings.refused(&error).into(),
-        (error, _) => Failure::from(error),
-    })?;
+    let claims = claims?;
     if arguments.json {
         say(to_json(&claims))?;
     } else {
