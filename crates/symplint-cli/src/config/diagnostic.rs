@@ -76,7 +76,7 @@ pub const KEYS: &[Key] = &[
     Key::new(
         "jacobian",
         "true",
-        "whether the Jacobian of one step is checked besides the loops",
+        "whether the Jacobian of one step is checked, too",
     ),
     Key::new(
         "localise",
