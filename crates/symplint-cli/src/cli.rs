@@ -22,9 +22,8 @@ const AFTER: &str = "Examples:
   symplint init pendulum > pendulum.toml          a commented configuration to start from
   symplint check pendulum.toml                    is it symplectic?
   symplint check pendulum.toml --set integrator.name=rk2 --out run
-  symplint loop --dof 3 --radius 0.5 -o before.npz
-                                                  initial states for another code
-  symplint measure before.npz after.npz           what its step did to them
+  symplint loop --dof 3 --radius 0.5              initial states for another code
+  symplint measure loop.npz after.npz             what its step did to them
   symplint reproduce fig2                         a figure of the paper
 
 Exit status of `check`, `measure` and `judge`: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
@@ -119,7 +118,7 @@ pub struct CheckArgs {
     /// The configuration; `symplint init SYSTEM` prints one to start from
     pub config: PathBuf,
     /// Also take N steps of the largest size, and see whether the defect accumulates or returns
-    #[arg(long, value_name = "N", value_parser = whole)]
+    #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub steps: Option<usize>,
     /// Changes of the configuration.
     #[command(flatten)]
@@ -202,7 +201,7 @@ pub struct ReproduceArgs {
     #[arg(long)]
     pub quiet: bool,
     /// Number of threads; all cores if left out. Results do not depend on it
-    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     pub threads: Option<usize>,
 }
 
@@ -218,7 +217,7 @@ pub struct LoopArgs {
     /// The configuration of the loop; its integrator is not used
     pub config: Option<PathBuf>,
     /// Samples of the loop; if left out diagnostic.samples, or 256 where that is "auto"
-    #[arg(long, value_name = "N", value_parser = whole)]
+    #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub samples: Option<usize>,
     /// File to write: .npz holds q and p, and period and weight if there are any; .npy is a pair of files,
     /// loop_q.npy and loop_p.npy; .csv has columns q_0, q_1, …, p_0, p_1, …
@@ -230,9 +229,6 @@ pub struct LoopArgs {
     /// Replace another loop in that file; a file that is not a loop is never replaced
     #[arg(long)]
     pub force: bool,
-    /// The loop without a configuration.
-    #[command(flatten)]
-    pub shape: LoopShape,
     /// Changes of the configuration.
     #[command(flatten)]
     pub settings: Settings,
@@ -243,8 +239,11 @@ pub struct LoopArgs {
     #[arg(long)]
     pub quiet: bool,
     /// Number of threads; all cores if left out. Results do not depend on it
-    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     pub threads: Option<usize>,
+    /// The loop without a configuration.
+    #[command(flatten)]
+    pub shape: LoopShape,
 }
 
 /// A loop without a configuration.
@@ -252,7 +251,7 @@ pub struct LoopArgs {
 #[command(next_help_heading = "Loop without a configuration")]
 pub struct LoopShape {
     /// Degrees of freedom; may be left out if a list of one number for each is given
-    #[arg(long, value_name = "D", value_parser = at_least_one)]
+    #[arg(long, value_name = "D", value_parser = at_least_one, allow_negative_numbers = true)]
     pub dof: Option<usize>,
     /// Centre of the loop, positions: one number, or one for each degree of freedom [default: 0]
     #[arg(long, value_name = "Q", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
@@ -282,7 +281,7 @@ pub struct LoopShape {
     #[arg(long)]
     pub phases: Option<Phases>,
     /// Seed of random phases and of fourier loops [default: 1]
-    #[arg(long, value_name = "N", value_parser = whole)]
+    #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub seed: Option<usize>,
     /// Period of the positions, 0 for none: one number, or one for each degree of freedom
     #[arg(long, value_name = "L", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
@@ -335,7 +334,7 @@ pub struct Run {
     #[arg(long)]
     pub quiet: bool,
     /// Number of threads; all cores if left out. Results do not depend on it
-    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     pub threads: Option<usize>,
 }
 

@@ -623,7 +623,7 @@ fn bad_options_are_refused() {
         (&["before.npz", "a.npz", "--h", "0"], "step size is 0"),
         (
             &["before.npz", "a.npz", "--h", "large"],
-            "--h says \"large\"",
+            "invalid value 'large' for '--h <H>'",
         ),
         (
             &["before.npz", "a.npz", "--period=-1"],
@@ -635,7 +635,7 @@ fn bad_options_are_refused() {
         ),
         (
             &["before.npz", "a.npz", "--set", "loop.radius=2"],
-            "--set changes a configuration",
+            "unexpected argument '--set'",
         ),
         (&["before_q.npy", "before_p.npy"], "none after it"),
         (&["before.npz", "missing.npz"], "cannot read missing.npz"),

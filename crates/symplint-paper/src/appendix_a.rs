@@ -19,6 +19,7 @@ pub const ITEM: Item = Item {
         Key::whole("from", 1 << 4, 3, "fewest samples, made odd"),
         Key::whole("to", 1 << 16, 3, "most samples, made odd"),
     ],
+    check: None,
     run,
 };
 

@@ -22,6 +22,7 @@ pub const ITEM: Item = Item {
         Key::whole("to", 1 << 20, 3, "most samples, made odd"),
         Key::positive("cutoff", 40.0, "λ_q = λ_p"),
     ],
+    check: None,
     run,
 };
 

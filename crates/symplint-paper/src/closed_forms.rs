@@ -37,6 +37,7 @@ pub const ITEM: Item = Item {
             "samples for the mollified form",
         ),
     ],
+    check: None,
     run,
 };
 

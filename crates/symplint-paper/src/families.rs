@@ -19,6 +19,7 @@ pub const ITEM: Item = Item {
         Key::whole_between("particles", 2, (1, MOST_PARTICLES), "number of particles"),
         SEED,
     ],
+    check: None,
     run,
 };
 

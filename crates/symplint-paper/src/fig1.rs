@@ -24,6 +24,7 @@ pub const ITEM: Item = Item {
         Key::whole("steps", 1000, 120, "steps for the energy"),
         Key::whole("samples", 2048, 3, "samples of the loop"),
     ],
+    check: None,
     run,
 };
 

@@ -24,6 +24,7 @@ pub const ITEM: Item = Item {
         Key::whole("steps", 1000, 1, "number of steps"),
         Key::whole("samples", 2048, 3, "samples of each loop"),
     ],
+    check: None,
     run,
 };
 
@@ -61,8 +62,8 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             x: axis("time t", Scale::Linear),
             y: error_axis(),
             series: vec![
+                series("defect", defects, Style::Line, 0),
                 uncertainty_in_time(&record.points),
-                series("loop integral", defects, Style::Line, 0),
             ],
             equal_aspect: false,
         });

@@ -30,6 +30,7 @@ pub const ITEM: Item = Item {
         Key::number("p0", 0.0, "centre of the loop, momentum"),
         Key::positive("cutoff", 10.0, "λ_q = λ_p of the finite-difference rule"),
     ],
+    check: None,
     run,
 };
 

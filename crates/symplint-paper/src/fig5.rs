@@ -38,6 +38,7 @@ pub const ITEM: Item = Item {
         Key::whole("trace_steps", 200, 1, "steps of the time trace"),
         Key::whole("seed", 1, 0, "of the initial states"),
     ],
+    check: None,
     run,
 };
 

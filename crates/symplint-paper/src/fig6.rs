@@ -30,6 +30,7 @@ pub const ITEM: Item = Item {
         RK2,
         SEED,
     ],
+    check: None,
     run,
 };
 

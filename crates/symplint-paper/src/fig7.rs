@@ -23,6 +23,7 @@ pub const ITEM: Item = Item {
         RK2,
         SEED,
     ],
+    check: None,
     run,
 };
 

@@ -19,6 +19,7 @@ pub const ITEM: Item = Item {
     title: "formulas of sections 3.1, 4.3, 5.3 and appendices C, D, F",
     cost: "1 s",
     keys: &[],
+    check: None,
     run,
 };
 

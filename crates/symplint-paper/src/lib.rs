@@ -44,6 +44,9 @@ pub use settings::{Key, Kind, SettingError, Settings, Value};
 
 use symplint_report::run_folder::RunFolder;
 
+/// Refuses settings that are right by themselves and do not go together.
+pub type Check = fn(&Settings) -> Result<(), SettingError>;
+
 /// One figure, table or set of formulas of the paper.
 pub struct Item {
     /// Its name.
@@ -54,6 +57,8 @@ pub struct Item {
     pub cost: &'static str,
     /// What can be set.
     pub keys: &'static [Key],
+    /// What is to be checked of all settings together, if anything.
+    pub check: Option<Check>,
     /// Measures, draws and judges.
     pub run: fn(&Settings, &RunFolder) -> Result<Vec<Claim>, PaperError>,
 }

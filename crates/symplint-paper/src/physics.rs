@@ -43,6 +43,7 @@ pub const ITEM: Item = Item {
             "number of particles of both beams together",
         ),
     ],
+    check: None,
     run,
 };
 

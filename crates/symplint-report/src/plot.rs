@@ -40,7 +40,7 @@ pub fn series(label: &str, points: Vec<(f64, f64)>, style: Style, color: usize) 
 }
 
 /// The uncertainty of defects, by one name in every figure: quadrature error and round-off together. Where several
-/// curves have a point at one abscissa, it is the largest of theirs, and none where one of them is not known (NaN).
+/// curves have a point at one abscissa, it is the largest that is known (not NaN) there.
 pub fn uncertainty(points: impl IntoIterator<Item = (f64, f64)>) -> Series {
     let mut largest: Vec<(f64, f64)> = Vec::new();
     let mut places = HashMap::new();
@@ -48,12 +48,7 @@ pub fn uncertainty(points: impl IntoIterator<Item = (f64, f64)>) -> Series {
         let place = *places.entry(x.to_bits()).or_insert(largest.len());
         match largest.get_mut(place) {
             None => largest.push((x, size)),
-            Some(known) => {
-                // Not `max`, which would pass over what is not known.
-                if size.is_nan() || size > known.1 {
-                    known.1 = size;
-                }
-            }
+            Some(known) => known.1 = known.1.max(size),
         }
     }
     series("uncertainty", largest, Style::Uncertainty, 0)
@@ -162,17 +157,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_several_uncertainties_the_largest_is_drawn_if_all_are_known() {
-        let points = [
+    fn of_several_uncertainties_the_largest_is_drawn() {
+        let unknown = f64::NAN;
+        let band = uncertainty([
             (1.0, 1e-3),
-            (2.0, 1e-3),
+            (2.0, unknown),
+            (3.0, unknown),
             (1.0, 1e-2),
-            (2.0, f64::NAN),
-            (2.0, 1.0),
-        ];
-        let band = uncertainty(points);
-        assert_eq!(band.points[0], (1.0, 1e-2));
-        assert!(band.points[1].1.is_nan());
-        assert_eq!(band.points.len(), 2);
+            (2.0, 1e-3),
+            (3.0, unknown),
+        ]);
+        assert_eq!(band.points[..2], [(1.0, 1e-2), (2.0, 1e-3)]);
+        assert!(band.points.len() == 3 && band.points[2].1.is_nan());
     }
 }

@@ -3,6 +3,8 @@
 use serde::Serialize;
 use symplint::{Diagnosis, Evaluations, Evidence, Fit, Point, TracePoint, Verdict};
 
+use crate::provenance::Provenance;
+
 /// The schema of the report on a diagnosis.
 const SCHEMA: &str = "symplint/report/2";
 
@@ -17,11 +19,13 @@ pub struct Report<'a, C> {
     points: Vec<Point>,
     fits: &'a [Fit],
     evidence: &'a Evidence,
+    /// Last, and all in one place: everything before it is a result, the same to the last bit in every run.
+    provenance: Provenance,
 }
 
 impl<'a, C: Serialize> Report<'a, C> {
     /// The report on a configuration.
-    pub fn new(config: &'a C, diagnosis: &'a Diagnosis) -> Self {
+    pub fn new(config: &'a C, diagnosis: &'a Diagnosis, provenance: Provenance) -> Self {
         Report {
             schema: SCHEMA,
             symplint: env!("CARGO_PKG_VERSION"),
@@ -31,6 +35,7 @@ impl<'a, C: Serialize> Report<'a, C> {
             points: diagnosis.points(),
             fits: diagnosis.fits(),
             evidence: &diagnosis.evidence,
+            provenance,
         }
     }
 
@@ -93,16 +98,18 @@ pub struct TraceReport<'a, C> {
     symplint: &'static str,
     config: &'a C,
     points: &'a [TracePoint],
+    provenance: Provenance,
 }
 
 impl<'a, C: Serialize> TraceReport<'a, C> {
     /// The report on a trace.
-    pub fn new(config: &'a C, points: &'a [TracePoint]) -> Self {
+    pub fn new(config: &'a C, points: &'a [TracePoint], provenance: Provenance) -> Self {
         TraceReport {
             schema: "symplint/trace/1",
             symplint: env!("CARGO_PKG_VERSION"),
             config,
             points,
+            provenance,
         }
     }
 
@@ -120,6 +127,7 @@ pub fn to_json(value: &impl Serialize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::provenance::Run;
     use symplint::{Circle, Diagnostic, PerSample};
 
     #[test]
@@ -130,7 +138,8 @@ mod tests {
         });
         let circle = Circle::new(vec![0.1], vec![0.2], 1.0).unwrap();
         let diagnosis = Diagnostic::halving(-1, -3).run(&map, &circle).unwrap();
-        let text = Report::new(&(), &diagnosis).to_json();
+        let provenance = Run::start("1.2.3", None).provenance(1);
+        let text = Report::new(&(), &diagnosis, provenance).to_json();
         let evidence = read_evidence(&text).unwrap();
         assert_eq!(evidence, diagnosis.evidence);
         assert_eq!(symplint::judge(&evidence), diagnosis.verdict);

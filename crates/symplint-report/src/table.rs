@@ -1,9 +1,10 @@
 //! Tables as text, and the text of a verdict.
 
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use symplint::{Diagnosis, Point, Sweep, TracePoint, Verdict};
+use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
+use symplint::{Diagnosis, Point, RuleKind, Sweep, TracePoint, Verdict};
 
 use crate::number::power_of_two;
+use crate::wrap::wrapped;
 
 /// Rows of one sweep at most, so that a screen holds the table.
 const MOST_ROWS: usize = 16;
@@ -11,15 +12,16 @@ const MOST_ROWS: usize = 16;
 /// A relative quadrature error above this says nothing of the loop integral.
 const UNRESOLVED: f64 = 1e-6;
 
-/// A table with a header, at most `width` characters wide.
-pub fn plain_table(header: &[&str], rows: Vec<Vec<String>>, width: u16) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_BORDERS_ONLY);
-    table.set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_width(width);
-    table.set_header(header.to_vec());
-    table.add_rows(rows);
-    table.to_string()
+/// Names and what they mean, one entry for each row: the name, and the text beside it in lines of `width`
+/// characters. Without a width each entry stays on one line.
+pub fn definitions(rows: &[(String, String)], width: Option<usize>) -> String {
+    let longest = rows.iter().map(|(name, _)| name.chars().count()).max();
+    let column = longest.unwrap_or(0) + 2;
+    let indent = " ".repeat(column);
+    let entries: Vec<String> = (rows.iter())
+        .map(|(name, text)| wrapped(&format!("{name:column$}"), &indent, text, width))
+        .collect();
+    entries.join("\n")
 }
 
 /// `1 degree of freedom`, `2 degrees of freedom`.
@@ -30,49 +32,64 @@ pub fn degrees_of_freedom(count: usize) -> String {
     )
 }
 
-/// The sweeps of the given loop, under a heading.
+/// The sweeps of the given loop, under a heading: one table for each rule. None is wider than 80 characters.
 pub fn points_table(heading: &str, diagnosis: &Diagnosis) -> String {
     let mut text = format!("{heading}\n");
     let all = diagnosis.points();
-    for sweep in [Sweep::StepSize, Sweep::Samples] {
-        let points: Vec<&Point> = (all.iter())
-            .filter(|point| point.sweep == sweep && point.loop_index == 0)
-            .collect();
-        if !points.is_empty() {
-            text += &sweep_table(&points);
-            text.push('\n');
+    for (sweep, title) in [
+        (Sweep::StepSize, "step sizes"),
+        (Sweep::Samples, "numbers of samples"),
+    ] {
+        let points = (all.iter()).filter(|point| point.sweep == sweep && point.loop_index == 0);
+        let mut rules: Vec<(RuleKind, Vec<&Point>)> = Vec::new();
+        for point in points {
+            match rules.iter_mut().find(|(rule, _)| *rule == point.rule) {
+                Some((_, points)) => points.push(point),
+                None => rules.push((point.rule, vec![point])),
+            }
+        }
+        for (rule, points) in rules {
+            text += &format!("{title}, {rule} rule\n{}\n", sweep_table(&points));
         }
     }
     text
 }
 
-fn sweep_table(points: &[&Point]) -> String {
+/// A table of numbers, under a header that a line separates from them.
+fn number_table(header: Vec<&str>, rows: Vec<Vec<String>>) -> Table {
+    let line = LineStyle::none().fill('─');
     let mut table = Table::new();
-    table.load_style(presets::UTF8_BORDERS_ONLY);
+    table.load_style(TableStyle::new().header_separator(line));
+    table.set_header(header);
+    table.add_rows(rows);
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+fn sweep_table(points: &[&Point]) -> String {
     let omitted = points.iter().any(|point| point.omitted_cells.is_some());
+    let breaks = points.iter().any(|point| point.jumps.is_some());
     let mut header = vec![
         "h",
         "samples",
-        "rule",
         "∮p·dq",
         "defect",
-        "quadrature",
-        "round-off",
+        "quad.\nerror",
+        "round-\noff",
     ];
     if omitted {
-        header.push("omitted");
+        header.push("omitted\ncells");
     }
-    let breaks = points.iter().any(|point| point.jumps.is_some());
     if breaks {
-        header.extend(["breaks", "closed"]);
+        header.extend(["breaks", "closed\ndefect"]);
     }
-    table.set_header(header);
     let every = points.len().div_ceil(MOST_ROWS);
-    for point in points.iter().step_by(every) {
+    let row = |point: &&Point| {
         let mut row = vec![
             step_size(point.step_size),
             point.samples.to_string(),
-            point.rule.to_string(),
             format!("{:.9e}", point.advanced),
             format!("{:+.2e}", point.signed_defect),
             point
@@ -80,35 +97,29 @@ fn sweep_table(points: &[&Point]) -> String {
                 .map_or("?".into(), |error| format!("{error:.0e}")),
             format!("{:.0e}", point.roundoff),
         ];
+        let count = |count: usize| count.to_string();
         if omitted {
-            row.push(
-                point
-                    .omitted_cells
-                    .map_or(String::new(), |cells| cells.to_string()),
-            );
+            row.push(point.omitted_cells.map_or(String::new(), count));
         }
         if breaks {
-            row.push(point.jumps.map_or(String::new(), |count| count.to_string()));
+            row.push(point.jumps.map_or(String::new(), count));
             row.push(
                 point
                     .closed_defect
                     .map_or(String::new(), |defect| format!("{defect:.2e}")),
             );
         }
-        table.add_row(row);
-    }
-    for (index, column) in table.column_iter_mut().enumerate() {
-        if index != 2 {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    with_note(&table, every)
+        row
+    };
+    let rows = points.iter().step_by(every).map(row).collect();
+    with_note(&number_table(header, rows), every)
 }
 
 /// The table, and a line on the points that it skips, if it does.
 fn with_note(table: &Table, every: usize) -> String {
+    let text = table.trim_fmt();
     if every <= 1 {
-        return table.to_string();
+        return text;
     }
     let ending = match (every % 100, every % 10) {
         (11..=13, _) => "th",
@@ -117,28 +128,36 @@ fn with_note(table: &Table, every: usize) -> String {
         (_, 3) => "rd",
         _ => "th",
     };
-    format!("{table}\n(every {every}{ending} point is shown)")
+    format!("{text}\n(every {every}{ending} point is shown)")
 }
 
-/// A step size; a loop from a file may not state it.
+/// A step size in at most six digits; a loop from a file may not state it.
 fn step_size(h: f64) -> String {
     if h.is_nan() {
-        "?".into()
-    } else {
-        power_of_two(h)
+        return "?".into();
     }
+    let text = power_of_two(h);
+    if text.len() <= 8 {
+        return text;
+    }
+    // To six digits, and without trailing zeros.
+    power_of_two(format!("{h:.5e}").parse().unwrap_or(h))
 }
 
-/// What a verdict rests on: its summary, the evidence and the advice, below the headline.
-pub fn reasons(verdict: &Verdict) -> String {
-    let mut text = verdict.summary();
-    for line in verdict.evidence() {
-        text += &format!("\n  · {line}");
-    }
-    for line in verdict.advice() {
-        text += &format!("\n  → {line}");
-    }
-    text
+/// What a verdict rests on: its summary, the evidence and the advice, below the headline. Paragraphs are
+/// wrapped to `width` characters, or stay on one line each.
+pub fn reasons(verdict: &Verdict, width: Option<usize>) -> String {
+    let mut paragraphs = vec![wrapped("", "", &verdict.summary(), width)];
+    let mut list = |bullet: &str, lines: &[String]| {
+        paragraphs.extend(
+            lines
+                .iter()
+                .map(|line| wrapped(bullet, "    ", line, width)),
+        );
+    };
+    list("  · ", &verdict.evidence());
+    list("  → ", &verdict.advice());
+    paragraphs.join("\n")
 }
 
 /// Some moments of a trace and its worst.
@@ -171,12 +190,10 @@ pub fn trace_table(points: &[TracePoint], short: bool) -> String {
     if short {
         return summary;
     }
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_BORDERS_ONLY);
-    table.set_header(["t", "∮p·dq", "defect", "quadrature", "energy error"]);
+    let header = vec!["t", "∮p·dq", "defect", "quad.\nerror", "energy\nerror"];
     let every = points.len().div_ceil(MOST_ROWS).max(1);
-    for point in points.iter().step_by(every) {
-        table.add_row([
+    let row = |point: &TracePoint| {
+        vec![
             format!("{:.4}", point.time),
             format!("{:.9e}", point.integral),
             format!("{:+.2e}", point.signed_defect),
@@ -186,11 +203,10 @@ pub fn trace_table(points: &[TracePoint], short: bool) -> String {
             point
                 .energy_error
                 .map_or(String::new(), |error| format!("{error:+.2e}")),
-        ]);
-    }
-    for column in table.column_iter_mut() {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
+        ]
+    };
+    let rows = points.iter().step_by(every).map(row).collect();
+    let table = number_table(header, rows);
     format!("{}\n{summary}", with_note(&table, every))
 }
 
@@ -211,8 +227,8 @@ mod tests {
             energy: None,
             energy_error: None,
         };
-        // Header, its rule and the borders, and two lines of summary besides the rows.
-        const BESIDES: usize = 6;
+        // Two lines of header, the line below, and two lines of summary.
+        const BESIDES: usize = 5;
         for (points, rows, note) in [
             (16, 16, None),
             (17, 9, Some("every 2nd point")),
@@ -226,5 +242,30 @@ mod tests {
             assert!(text.contains(note.unwrap_or("")), "{text}");
             assert_eq!(text.contains("point is shown"), note.is_some());
         }
+    }
+
+    #[test]
+    fn step_sizes_are_short() {
+        assert_eq!(step_size(0.125), "2^-3");
+        assert_eq!(step_size(0.1), "0.1");
+        assert_eq!(step_size(1.0 / 3.0), "0.333333");
+        assert_eq!(step_size(0.12345678), "0.123457");
+        assert_eq!(step_size(f64::NAN), "?");
+    }
+
+    #[test]
+    fn names_have_their_text_beside_them() {
+        let rows = [
+            ("strang".to_owned(), "two drifts and one kick".to_owned()),
+            ("rk2".to_owned(), "order 2".to_owned()),
+        ];
+        assert_eq!(
+            definitions(&rows, Some(20)),
+            "strang  two drifts\n        and one kick\nrk2     order 2"
+        );
+        assert_eq!(
+            definitions(&rows, None),
+            "strang  two drifts and one kick\nrk2     order 2"
+        );
     }
 }

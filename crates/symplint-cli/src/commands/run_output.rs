@@ -168,21 +168,26 @@ impl EarlierRun {
     /// The run in a folder; none where the folder is new or empty.
     fn in_folder(path: &Path) -> Result<Option<Self>, OccupiedError> {
         match fs::metadata(path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            // Of the second, creating the folder says more.
+            Err(error)
+                if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
+            {
+                return Ok(None);
+            }
             Ok(found) if !found.is_dir() => {
                 let path = path.to_owned();
                 return Err(OccupiedError::NotAFolder { path });
             }
             _ => {}
         }
-        let names = entries(path)?;
+        let mut names = entries(path)?;
+        // A run that was refused leaves an empty folder of figures.
+        if names.iter().any(|name| name == "figures") && is_empty_folder(&path.join("figures")) {
+            names.retain(|name| name != "figures");
+        }
         let Some(first) = names.first() else {
             return Ok(None);
         };
-        // A run that was refused leaves an empty folder of figures.
-        if names == ["figures"] && entries(&path.join("figures"))?.is_empty() {
-            return Ok(None);
-        }
         let foreign = |file: &str| OccupiedError::Foreign {
             folder: path.to_owned(),
             file: file.to_owned(),
@@ -204,6 +209,10 @@ impl EarlierRun {
         let config: toml::Table = text.parse().map_err(|_| edited())?;
         if config_text(command, &config) != text {
             return Err(edited());
+        }
+        // A run that failed at once leaves nothing but its configuration.
+        if names == ["config.toml"] {
+            return Ok(None);
         }
         let report = path.join("report.json");
         if report.exists() {
@@ -261,7 +270,11 @@ fn difference(path: &str, there: &toml::Table, here: &toml::Table) -> Option<Str
                 difference(&dotted, there, here)
             }
             (there, Some(here)) if same(there, here) => None,
-            (there, Some(here)) => Some(format!("{dotted} is {there} there and {here} here")),
+            (there, Some(here)) => Some(format!(
+                "{dotted} is {} there and {} here",
+                short(there),
+                short(here)
+            )),
             (_, None) => Some(format!("it has {dotted}, and this run does not")),
         };
         if found.is_some() {
@@ -281,6 +294,21 @@ fn join(path: &str, key: &str) -> String {
     }
 }
 
+/// A value in a few characters.
+fn short(value: &toml::Value) -> String {
+    const LONGEST: usize = 60;
+    let text = match value {
+        toml::Value::Float(number) if *number != 0.0 && !(1e-4..1e6).contains(&number.abs()) => {
+            format!("{number:e}")
+        }
+        _ => value.to_string(),
+    };
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{} …", &text[..end]),
+        None => text,
+    }
+}
+
 /// Whether two values are the same, also where one number is written in another way.
 fn same(one: &toml::Value, other: &toml::Value) -> bool {
     let number = |value: &toml::Value| match value {
@@ -295,6 +323,10 @@ fn same(one: &toml::Value, other: &toml::Value) -> bool {
         }
         _ => one == other || number(one).is_some_and(|value| Some(value) == number(other)),
     }
+}
+
+fn is_empty_folder(path: &Path) -> bool {
+    fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none())
 }
 
 /// The names in a folder, sorted.

@@ -12,9 +12,11 @@ use super::run_output::RunOutput;
 use crate::cli::TraceArgs;
 use crate::config::{Config, ConfigError};
 use crate::output::{Progress, say};
+use crate::provenance;
 
 /// Follows the loop integral and the energy in time.
 pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
+    let started = provenance::start();
     let run = &arguments.run;
     let config = Config::load(&arguments.config, &arguments.settings.set)?;
     let trace = settings(&config)?;
@@ -23,7 +25,11 @@ pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
     let record = follow(&trace, &config, &progress)?;
     progress.finish();
 
-    let report = TraceReport::new(&config.resolved, &record.points);
+    let report = TraceReport::new(
+        &config.resolved,
+        &record.points,
+        provenance::of(&started, &config.resolved),
+    );
     if let Some(output) = &output {
         let folder = &output.folder;
         folder.write_config(&output.config)?;

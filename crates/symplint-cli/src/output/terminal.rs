@@ -1,16 +1,22 @@
-//! What belongs to the terminal: its width, colours.
+//! The width of the terminal, and colours.
 
 use anstyle::{AnsiColor, Style};
 use symplint::{Verdict, VerdictKind};
 use symplint_report::table::reasons;
+use terminal_size::{Width, terminal_size_of};
 
-/// The width of tables where standard output is no terminal.
-const WIDTH: u16 = 100;
+/// Longer lines are hard to read.
+const WIDEST: usize = 100;
 
-/// Columns of the terminal on standard output.
-pub fn width() -> u16 {
-    let size = terminal_size::terminal_size_of(std::io::stdout());
-    size.map_or(WIDTH, |(terminal_size::Width(columns), _)| columns)
+/// Characters of a line: `COLUMNS` of the environment, or else the width of the terminal, and 100 at most.
+/// None where standard output is not a terminal: paragraphs stay on one line each, for `grep` and the like.
+pub fn width() -> Option<usize> {
+    let columns = std::env::var("COLUMNS")
+        .ok()
+        .and_then(|text| text.parse().ok());
+    let terminal = || terminal_size_of(std::io::stdout()).map(|(Width(width), _)| width.into());
+    let width = columns.filter(|&width| width > 0).or_else(terminal);
+    width.map(|width: usize| width.min(WIDEST))
 }
 
 /// The verdict with its headline in colour, and its reasons unless `short`.
@@ -25,6 +31,6 @@ pub fn verdict_text(verdict: &Verdict, short: bool) -> String {
     if short {
         headline
     } else {
-        format!("{headline}\n{}", reasons(verdict))
+        format!("{headline}\n{}", reasons(verdict, width()))
     }
 }

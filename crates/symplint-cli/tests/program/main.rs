@@ -8,6 +8,11 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
+mod budget;
+mod command_line;
+mod judge;
+mod occupied_folders;
+mod provenance;
 mod refusals;
 mod run_folder;
 
@@ -226,6 +231,34 @@ fn a_run_folder_holds_everything() {
 }
 
 #[test]
+fn keys_of_the_diagnosis_are_followed_and_recorded() {
+    let example = example("pendulum.toml");
+    let run = |setting: &str| {
+        let few = ["--set", "diagnostic.step_sizes=[0.5]", "--set", setting];
+        let set = ["--set", "integrator.name=rk2"];
+        report(&[&["check", &example], &few[..], &set].concat())
+    };
+    let mentions = |report: &Value, word: &str| {
+        let evidence = report["verdict"]["evidence"].as_array().unwrap();
+        evidence
+            .iter()
+            .any(|line| line.as_str().unwrap().contains(word))
+    };
+    let with = run("diagnostic.budget=2^20");
+    assert_eq!(with["config"]["diagnostic"]["budget"], "2^20");
+    assert_eq!(with["config"]["diagnostic"]["jacobian"], true);
+    assert_eq!(with["config"]["diagnostic"]["localise"], true);
+    assert!(
+        mentions(&with, "Jacobian") && mentions(&with, "sectors"),
+        "{with}"
+    );
+    let without = run("diagnostic.jacobian=false");
+    assert!(!mentions(&without, "Jacobian"), "{without}");
+    let without = run("diagnostic.localise=false");
+    assert!(!mentions(&without, "sectors"), "{without}");
+}
+
+#[test]
 fn the_longest_sweep_that_is_not_refused() {
     let settings = [
         "diagnostic.step_sizes={from=1,to='2^-64'}",
@@ -240,23 +273,6 @@ fn the_longest_sweep_that_is_not_refused() {
     let points = report["points"].as_array().unwrap();
     assert_eq!(points.len(), 65);
     assert_eq!(points[64]["step_size"], 2f64.powi(-64));
-}
-
-#[test]
-fn threads_do_not_change_the_report() {
-    let (_folder, path) = configuration(
-        "[system]\nname = \"pendulum-array\"\npendula = 50\n[diagnostic]\nsamples = 300\n",
-    );
-    let path = path.to_str().unwrap();
-    let one = symplint(&["check", path, "--json", "--threads", "1"]).stdout;
-    assert_eq!(
-        symplint(&["check", path, "--json", "--threads", "2"]).stdout,
-        one
-    );
-    assert_eq!(
-        symplint(&["check", path, "--json", "--threads", "3"]).stdout,
-        one
-    );
 }
 
 #[test]
@@ -565,7 +581,9 @@ fn checks_beyond_the_paper_are_no_claims_of_it() {
 
 #[test]
 fn runs_without_end_are_refused() {
-    let output = symplint(&["reproduce", "fig8", "--set", "until=1e300"]);
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let output = symplint(&["reproduce", "fig8", "--set", "until=1e300", "--out", out]);
     assert_eq!(output.status.code(), Some(2));
     let error = text(&output.stderr);
     for expected in ["fig8.until", "too many", "at most"] {
@@ -582,7 +600,14 @@ fn runs_without_end_are_refused() {
         }
     }
     // The key to blame is the one that was set, and numbers stay readable.
-    let output = symplint(&["reproduce", "fig8", "--set", "step_size=1e-300"]);
+    let output = symplint(&[
+        "reproduce",
+        "fig8",
+        "--set",
+        "step_size=1e-300",
+        "--out",
+        out,
+    ]);
     let error = text(&output.stderr);
     assert!(error.contains("fig8.step_size"), "{error}");
     assert!(!error.contains("00000"), "{error}");

@@ -64,8 +64,8 @@ pub const CATALOGUE: &[IntegratorInfo] = &[
         variants: FIRST,
         order: 1,
         symplectic: true,
-        summary: "Lie–Trotter splitting (symplectic Euler): one drift, one kick; momentum-first it is \
-                  staggered leapfrog, with momenta half a step behind positions",
+        summary: "Lie–Trotter splitting (symplectic Euler): one drift, one kick; the momentum-first form is \
+                  the staggered leapfrog, with momenta half a step behind positions",
         reference: "Barham & Burby, section 4.2; HLW, section VI.3",
         makers: both_variants!(splitting_methods::lie_trotter),
     },
@@ -74,8 +74,8 @@ pub const CATALOGUE: &[IntegratorInfo] = &[
         variants: FIRST,
         order: 2,
         symplectic: true,
-        summary: "Strang splitting (Störmer–Verlet, leapfrog); momentum-first it is velocity Verlet, \
-                  the unstaggered leapfrog",
+        summary: "Strang splitting (Störmer–Verlet, leapfrog): half a drift, a kick, half a drift; the \
+                  momentum-first form, with half kicks, is velocity Verlet",
         reference: "Barham & Burby, appendix D; HLW, section II.5",
         makers: both_variants!(splitting_methods::strang),
     },
@@ -234,7 +234,7 @@ pub const CATALOGUE: &[IntegratorInfo] = &[
         variants: FIRST,
         order: 0,
         symplectic: false,
-        summary: "Strang splitting with the step h/√(1 + |force|²), chosen by each state",
+        summary: "Strang splitting with the step h/√(1 + |force|²), which depends on the state",
         reference: "HLW, chapter VIII",
         makers: &[
             Maker::AdaptiveStrang(Variant::PositionFirst),
@@ -246,7 +246,7 @@ pub const CATALOGUE: &[IntegratorInfo] = &[
         variants: &[],
         order: 1,
         symplectic: false,
-        summary: "Symplectic Euler that drifts with momenta kicked the wrong way: a mistake to find",
+        summary: "Symplectic Euler whose drift uses momenta kicked with the wrong sign, a deliberate mistake",
         reference: "none",
         makers: &[Maker::Partitioned(tableaus::wrong_sign_euler)],
     },

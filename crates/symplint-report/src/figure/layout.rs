@@ -23,6 +23,8 @@ const PLOT_HEIGHTS: (f64, f64) = (150.0, 560.0);
 pub(super) const TICK_GAP: f64 = 8.0;
 /// From the tick labels to the axis label.
 pub(super) const LABEL_GAP: f64 = 9.0;
+/// From the frame to the title, clear of a tick label at the upper corner.
+pub(super) const TITLE_GAP: f64 = 9.0;
 /// Free border of a panel.
 pub(super) const EDGE: f64 = 8.0;
 /// Height of a line of text in em.
@@ -135,7 +137,7 @@ fn top(title: &str) -> f64 {
     if title.is_empty() {
         EDGE + 0.5 * TICK_LABEL
     } else {
-        EDGE + LINE * PANEL_TITLE + 4.0
+        EDGE + LINE * PANEL_TITLE + TITLE_GAP
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::font::{CAPITAL, Typeface};
 use super::geometry::{Point, Rect};
-use super::layout::LEGEND;
+use super::layout::{EDGE, LEGEND, PANEL_WIDTH};
 use super::marker;
 use super::palette::{BAND, BAND_SHADE, CONTOUR, GRID, INK, WHITE, color};
 use super::panel::{DASHES, DOT, Placed, Shapes, THICK, THIN};
@@ -25,6 +25,9 @@ const INSET: f64 = 9.0;
 const BETWEEN: f64 = 24.0;
 /// Free room between the box and data.
 const CLEARANCE: f64 = 6.0;
+
+/// Width of a strip below a panel.
+const ROOM: f64 = PANEL_WIDTH - 2.0 * EDGE;
 
 /// What an entry's sample shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,14 +58,18 @@ pub(super) enum Legend {
     Below { strip: Strip },
 }
 
-/// Entries in rows below each other.
+/// Entries in columns, filled row by row.
 #[derive(Debug)]
-pub(super) struct Strip(Vec<Vec<Entry>>);
+pub(super) struct Strip {
+    entries: Vec<Entry>,
+    /// Widths of the columns.
+    widths: Vec<f64>,
+}
 
 impl Legend {
     /// Finds the place for the legend of a panel with the given frame.
     pub fn place(panel: &Panel, shapes: &[Shapes], frame: Rect, face: &Typeface) -> Legend {
-        let entries = entries(panel, shapes, frame.width(), face);
+        let entries = entries(panel, shapes, ROOM, face);
         if entries.is_empty() {
             return Legend::Nothing;
         }
@@ -74,7 +81,7 @@ impl Legend {
         match free {
             Some(place) => Legend::Inside { place, entries },
             None => Legend::Below {
-                strip: Strip::in_rows(entries, frame.width()),
+                strip: Strip::in_columns(entries, ROOM),
             },
         }
     }
@@ -87,8 +94,8 @@ impl Legend {
         }
     }
 
-    /// Draws the legend; `below` is where a strip starts.
-    pub fn draw(&self, scene: &mut Scene, frame: Rect, below: f64) {
+    /// Draws the legend; a strip starts at `below`, in the middle of the panel from `left` on.
+    pub fn draw(&self, scene: &mut Scene, left: f64, below: f64) {
         match self {
             Legend::Nothing => {}
             Legend::Inside { place, entries } => {
@@ -98,15 +105,10 @@ impl Legend {
                 scene.line(outline, 1.0, GRID);
                 for (k, entry) in entries.iter().enumerate() {
                     let middle = place.top + PADDING + ROW * (k as f64 + 0.5);
-                    draw_row(
-                        scene,
-                        std::slice::from_ref(entry),
-                        place.left + PADDING,
-                        middle,
-                    );
+                    draw_entry(scene, entry, (place.left + PADDING, middle));
                 }
             }
-            Legend::Below { strip } => strip.draw(scene, (frame.left, frame.right), below),
+            Legend::Below { strip } => strip.draw(scene, (left, left + PANEL_WIDTH), below),
         }
     }
 }
@@ -124,32 +126,55 @@ impl Strip {
         }
         // What marks zeros comes last, wherever the first of them are.
         all.sort_by_key(|entry| entry.sample == Sample::Zero);
-        Strip::in_rows(all, room)
+        Strip::in_columns(all, room)
     }
 
-    fn in_rows(entries: Vec<Entry>, room: f64) -> Strip {
-        let mut rows: Vec<Vec<Entry>> = Vec::new();
-        for entry in entries {
-            match rows.last_mut() {
-                Some(row) if row_width(row) + BETWEEN + entry.width <= room => row.push(entry),
-                _ => rows.push(vec![entry]),
+    /// Columns as even as they can be in as few rows as fit.
+    fn in_columns(entries: Vec<Entry>, room: f64) -> Strip {
+        let count = entries.len();
+        for rows in 1..=count {
+            let columns = count.div_ceil(rows);
+            let widths: Vec<f64> = (0..columns)
+                .map(|column| {
+                    let entries = entries.iter().skip(column).step_by(columns);
+                    entries.map(|entry| entry.width).fold(0.0, f64::max)
+                })
+                .collect();
+            if rows == count || total(&widths) <= room {
+                return Strip { entries, widths };
             }
         }
-        Strip(rows)
+        Strip {
+            entries,
+            widths: Vec::new(),
+        }
+    }
+
+    fn rows(&self) -> std::slice::Chunks<'_, Entry> {
+        self.entries.chunks(self.widths.len().max(1))
     }
 
     /// Height on the page.
     pub fn height(&self) -> f64 {
-        ROW * self.0.len() as f64 + PADDING
+        ROW * self.rows().len() as f64 + PADDING
     }
 
     /// Draws the strip from `top` on, in the middle between left and right.
     pub fn draw(&self, scene: &mut Scene, (left, right): (f64, f64), top: f64) {
-        for (k, row) in self.0.iter().enumerate() {
-            let left = left + 0.5 * (right - left - row_width(row));
-            draw_row(scene, row, left, top + ROW * (k as f64 + 0.5));
+        let start = left + 0.5 * (right - left - total(&self.widths));
+        for (k, row) in self.rows().enumerate() {
+            let mut left = start;
+            for (entry, width) in row.iter().zip(&self.widths) {
+                draw_entry(scene, entry, (left, top + ROW * (k as f64 + 0.5)));
+                left += width + BETWEEN;
+            }
         }
     }
+}
+
+/// The width of columns beside each other.
+fn total(widths: &[f64]) -> f64 {
+    widths.iter().sum::<f64>() + BETWEEN * widths.len().saturating_sub(1) as f64
 }
 
 /// The entries of a panel, each at most `room` wide.
@@ -239,28 +264,19 @@ fn covered(place: Rect, shapes: &[Shapes]) -> usize {
         .sum()
 }
 
-fn row_width(row: &[Entry]) -> f64 {
-    let entries: f64 = row.iter().map(|entry| entry.width).sum();
-    entries + BETWEEN * row.len().saturating_sub(1) as f64
-}
-
-fn draw_row(scene: &mut Scene, row: &[Entry], left: f64, middle: f64) {
-    let mut left = left;
-    for entry in row {
-        draw_sample(scene, entry.sample, (left, middle));
-        scene.text(Text {
-            text: entry.text.clone(),
-            at: (
-                left + SAMPLE + SAMPLE_GAP,
-                middle + 0.5 * CAPITAL * entry.size,
-            ),
-            align: Align::Start,
-            size: entry.size,
-            upwards: false,
-            color: INK,
-        });
-        left += entry.width + BETWEEN;
-    }
+fn draw_entry(scene: &mut Scene, entry: &Entry, (left, middle): Point) {
+    draw_sample(scene, entry.sample, (left, middle));
+    scene.text(Text {
+        text: entry.text.clone(),
+        at: (
+            left + SAMPLE + SAMPLE_GAP,
+            middle + 0.5 * CAPITAL * entry.size,
+        ),
+        align: Align::Start,
+        size: entry.size,
+        upwards: false,
+        color: INK,
+    });
 }
 
 fn draw_sample(scene: &mut Scene, sample: Sample, (left, middle): Point) {
@@ -349,9 +365,29 @@ mod tests {
     #[test]
     fn no_labels_no_legend_and_long_labels_fit_the_panel() {
         assert!(matches!(place(Vec::new(), ""), Legend::Nothing));
-        let Legend::Below { rows } = place(vec![], &"very long ".repeat(20)) else {
+        let Legend::Below { strip } = place(vec![], &"very long ".repeat(20)) else {
             panic!("too wide for the frame");
         };
-        assert!(row_width(&rows.0[0]) <= FRAME.width() + 0.1);
+        assert!(total(&strip.widths) <= ROOM + 0.1);
+    }
+
+    #[test]
+    fn a_strip_has_even_columns_in_as_few_rows_as_fit() {
+        let entry = |width| Entry {
+            sample: Sample::Zero,
+            text: String::new(),
+            size: LEGEND,
+            width,
+        };
+        let strip = |widths: &[f64], room| {
+            let strip = Strip::in_columns(widths.iter().map(|&w| entry(w)).collect(), room);
+            (strip.rows().len(), strip.widths)
+        };
+        assert_eq!(strip(&[100.0, 60.0], 200.0), (1, vec![100.0, 60.0]));
+        // Three of them would fit into the first row: 2 × 2 is more even.
+        let four = [100.0, 60.0, 50.0, 90.0];
+        assert_eq!(strip(&four, 270.0), (2, vec![100.0, 90.0]));
+        assert_eq!(strip(&four, 10.0).0, 4);
+        assert_eq!(strip(&[], 100.0).0, 0);
     }
 }

@@ -4,7 +4,7 @@ use super::curve;
 use super::font::{CAPITAL, Typeface};
 use super::geometry::{Point, Rect};
 use super::layout::{
-    AXIS_LABEL, EDGE, LABEL_GAP, LINE, PANEL_TITLE, PANEL_WIDTH, TICK_GAP, TICK_LABEL,
+    AXIS_LABEL, EDGE, LABEL_GAP, LINE, PANEL_TITLE, PANEL_WIDTH, TICK_GAP, TICK_LABEL, TITLE_GAP,
 };
 use super::legend::Legend;
 use super::palette::{BAND, BAND_SHADE, CONTOUR, FAINT_GRID, GRID, INK, color};
@@ -212,7 +212,7 @@ impl Placed<'_> {
         self.draw_each(scene, &data, draw_lines);
         self.draw_frame(scene);
         self.draw_each(scene, &data, draw_markers);
-        self.legend.draw(scene, self.frame, self.below);
+        self.legend.draw(scene, self.left, self.below);
         self.draw_tick_labels(scene);
         self.draw_titles(scene, face);
     }
@@ -317,7 +317,7 @@ impl Placed<'_> {
             });
         };
         let room = PANEL_WIDTH - 2.0 * EDGE;
-        let above = frame.top - 4.0 - 0.25 * PANEL_TITLE;
+        let above = frame.top - TITLE_GAP - 0.25 * PANEL_TITLE;
         title(self.title, PANEL_TITLE, room, (centre, above), false);
 
         let ticks = frame.bottom + TICK_GAP + LINE * TICK_LABEL;

@@ -1,12 +1,12 @@
 //! Carrying out the plan: fills the evidence.
 
 use super::initial_samples::InitialSamples;
-use super::plan::{DEFAULT_BUDGET, LEAST_BUDGET, Plan};
+use super::plan::{self, LEAST_BUDGET, Plan};
 use super::probe::{Known, Probe};
 use super::random_loops::{random_loop, winding_loop};
 use super::refined_samples::RefinedSamples;
 use super::resolve::Resolution;
-use super::{Diagnostic, Event, SampleSweep, long_time};
+use super::{Diagnostic, Event, SampleCount, SampleSweep, long_time};
 use crate::error::Error;
 use crate::evidence::{
     BreakAt, Evidence, LoopEvidence, LoopKind, Omission, Point, StepEvidence, Survey, Sweep,
@@ -39,7 +39,7 @@ impl Diagnostic {
         watch: &dyn Fn(Event<'_>),
     ) -> Result<Evidence, Error> {
         let largest = self.largest_step()?;
-        let budget = self.budget.unwrap_or(DEFAULT_BUDGET);
+        let budget = self.budget.unwrap_or_else(|| plan::default_budget(self));
         if budget < LEAST_BUDGET {
             return Err(Error::OutOfRange {
                 what: "budget of evaluations",
@@ -50,7 +50,7 @@ impl Diagnostic {
         let count = EvaluationCount::new(budget);
         let evaluator = Evaluator::new(map, &count)?;
         evaluator.check_dof(phase_loop.dof())?;
-        let plan = Plan::new(self, budget, phase_loop.dof());
+        let plan = Plan::new(self, budget, &evaluator);
         survey::check_purity(&evaluator, phase_loop, largest, plan.purity_samples)?;
         let mut evidence = Evidence::default();
         evidence.evaluations.budget = budget;
@@ -97,6 +97,17 @@ impl Diagnostic {
     }
 }
 
+/// The part of a tight budget that equispaced samples of the given loop may take: what they do not resolve then is
+/// cheaper by pieces.
+const TIGHT_SAMPLES_PART: usize = 16;
+
+/// Samples that the given loop gets in any budget that allows them.
+const FEWEST_TIGHT_SAMPLES: usize = 64;
+
+/// So many times the evaluations of a loop that was not resolved would resolve it, about: two doublings, which gain
+/// two digits where a loop has kinks and more where it is smooth.
+const UNRESOLVED_FACTOR: usize = 3;
+
 /// A diagnosis under way.
 struct Run<'a> {
     diagnostic: &'a Diagnostic,
@@ -129,7 +140,10 @@ impl Run<'_> {
         let further = others.min(2) + (diagnostic.loops - 1).min(1);
         let left = self.left();
         let (most_samples, allowance) = match self.is_tight() {
-            true => (left / (1 + further), left / 2),
+            true => {
+                let most = (left / TIGHT_SAMPLES_PART).max(FEWEST_TIGHT_SAMPLES);
+                (most.min(left / (1 + further)), left / 8 * 7)
+            }
             false => (left, left),
         };
         let mut found = Survey::default();
@@ -177,6 +191,15 @@ impl Run<'_> {
         }
         if omitted > 0 {
             self.omit(Omission::StepSizes { count: omitted }, omitted * cost);
+        }
+        let unresolved = self.is_tight() && self.evidence.loops[0].weak_step().is_some();
+        let wanted = match diagnostic.samples {
+            SampleCount::Fixed(samples) => samples.saturating_sub(probe.samples),
+            SampleCount::Auto if unresolved => UNRESOLVED_FACTOR * cost,
+            SampleCount::Auto => 0,
+        };
+        if wanted > 0 {
+            self.omit(Omission::Samples { loop_index: 0 }, wanted);
         }
         if let Some(sweep) = &diagnostic.sample_sweep {
             self.sweep_samples(&probe, sweep)?;
@@ -283,17 +306,13 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Whether further loops cannot change the verdict of a tight budget any more: the given one breaks, or changes at
-    /// two step sizes.
+    /// Whether further loops cannot change the verdict of a tight budget any more: the given loop breaks, or it and
+    /// a random one change. (A symmetric loop hides terms of lower order: the order needs both.)
     fn is_settled(&self) -> bool {
-        let given = &self.evidence.loops[0];
-        let significant = given
-            .steps
-            .iter()
-            .filter(|step| step.is_significant())
-            .count();
-        let broken = given.steps.iter().any(|step| step.jump.is_some());
-        self.is_tight() && !given.winds && (broken || significant >= 2)
+        let (given, random) = self.evidence.loops.split_at(1);
+        let broken = given[0].steps.iter().any(|step| step.jump.is_some());
+        let shown = given[0].shows_defect() && random.iter().any(LoopEvidence::shows_defect);
+        self.is_tight() && !given[0].winds && (broken || shown)
     }
 
     /// A random loop round the period of a position, where there is one.
@@ -332,11 +351,17 @@ impl Run<'_> {
         known: bool,
     ) -> Result<(), Error> {
         let diagnostic = self.diagnostic;
+        let left = self.left();
         let with = Resolution {
             h: self.largest,
             plan: &self.plan,
-            most_samples: self.left(),
-            allowance: self.left(),
+            most_samples: match self.is_tight() {
+                true => (left / TIGHT_SAMPLES_PART)
+                    .max(FEWEST_TIGHT_SAMPLES)
+                    .min(left),
+                false => left,
+            },
+            allowance: left,
         };
         let probe = diagnostic.resolve(subject, &with, &mut |_| {})?;
         let samples = &mut InitialSamples::new(subject);
@@ -436,8 +461,8 @@ impl Run<'_> {
             evaluator,
             phase_loop,
         } = subject;
-        let (dof, left) = (evaluator.dof(), self.count.left());
-        match JacobianTest::within(left, dof, evaluator.has_tangent()) {
+        let left = self.count.left().min(self.plan.jacobian);
+        match JacobianTest::within(left, evaluator.dof(), evaluator.has_tangent()) {
             None => self.omit(Omission::JacobianBudget, self.plan.jacobian),
             Some(test) => match test.run_with(evaluator, phase_loop, self.largest) {
                 Ok(found) => self.evidence.jacobian = Some(found),

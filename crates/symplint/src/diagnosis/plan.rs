@@ -2,9 +2,25 @@
 
 use super::memory::{SMALL, fits};
 use super::{Diagnostic, SampleCount};
+use crate::jacobian::JacobianTest;
+use crate::map::Evaluator;
 
 /// The budget where none is given: enough for fine resolution of every system of the models.
-pub(super) const DEFAULT_BUDGET: usize = 1_000_000;
+const DEFAULT_BUDGET: usize = 1_000_000;
+
+/// The budget where none is given. Where the number of samples is given, it allows the sweeps that are asked for.
+pub(super) fn default_budget(diagnostic: &Diagnostic) -> usize {
+    let measurements = diagnostic.step_sizes.len() + diagnostic.loops;
+    let of_steps = match diagnostic.samples {
+        SampleCount::Fixed(samples) => samples.saturating_mul(2 * measurements),
+        SampleCount::Auto => 0,
+    };
+    let of_sweep = (diagnostic.sample_sweep.iter()).flat_map(|sweep| &sweep.counts);
+    let of_sweep = of_sweep.fold(0, |sum: usize, &count| sum.saturating_add(count));
+    of_steps
+        .saturating_add(of_sweep)
+        .saturating_add(DEFAULT_BUDGET)
+}
 
 /// The smallest budget that a diagnosis can do something with.
 pub(super) const LEAST_BUDGET: usize = 200;
@@ -23,13 +39,17 @@ const FINE_SAMPLES_OF_MANY: usize = 64;
 /// The part of the budget that the first samples of all loops and step sizes take.
 const FIRST_PART: usize = 3;
 
+/// The part of the budget that samples of one loop may take, where their number is given; fewer are taken if it
+/// is more.
+const FIXED_PART: usize = 4;
+
 /// What is planned before anything is measured.
 pub(super) struct Plan {
     /// Samples from which doubling begins.
     pub first_samples: usize,
     /// States that are advanced again, to see whether the map has a memory.
     pub purity_samples: usize,
-    /// Evaluations that are kept for the Jacobian.
+    /// Evaluations that are kept for the Jacobian, which may take no more.
     pub jacobian: usize,
     /// What interpolants of the piecewise rule may be off, at least.
     pub tolerance: f64,
@@ -42,28 +62,41 @@ const TIGHT: usize = 20_000;
 /// matters; a tight budget, or states so large that few fit into memory, have four.
 const PURITY_SAMPLES: [usize; 2] = [4, 16];
 
-/// The part of a tight budget that the Jacobian may take, and its cost in an ample one.
+/// The part of a budget that the Jacobian may take at most.
 const JACOBIAN_PART: usize = 5;
 
-/// The tolerance of the piecewise rule in a tight budget: integrals to nine digits and more for half of the
+/// Coordinates that the map advances for the Jacobian at most: in many degrees of freedom fewer tangent vectors
+/// have to do.
+const MOST_JACOBIAN: usize = 1 << 19;
+
+/// Evaluations that the Jacobian may take in any number of degrees of freedom: some pairs at two points.
+const FEWEST_JACOBIAN: usize = 400;
+
+/// The tolerance of the piecewise rule in a tight budget: integrals to more than eight digits for fewer
 /// evaluations.
-const TIGHT_TOLERANCE: f64 = 1e-9;
+const TIGHT_TOLERANCE: f64 = 1e-8;
 
 impl Plan {
     /// The plan for a diagnosis in so many degrees of freedom.
-    pub fn new(diagnostic: &Diagnostic, budget: usize, dof: usize) -> Self {
+    pub fn new(diagnostic: &Diagnostic, budget: usize, evaluator: &Evaluator<'_>) -> Self {
+        let dof = evaluator.dof();
         let measurements = diagnostic.step_sizes.len() + diagnostic.loops;
         let share = power_below(budget / (FIRST_PART * measurements.max(1)));
         let fine = power_below(FINE_SAMPLES / dof.max(1)).max(FINE_SAMPLES_OF_MANY);
         let tight = budget < TIGHT;
         Plan {
             first_samples: match diagnostic.samples {
-                SampleCount::Fixed(samples) => samples,
+                SampleCount::Fixed(samples) if samples <= budget / FIXED_PART => samples,
+                SampleCount::Fixed(samples) => power_below(samples).min(share.max(FEWEST_SAMPLES)),
                 SampleCount::Auto => share.clamp(FEWEST_SAMPLES, fine),
             },
             purity_samples: PURITY_SAMPLES[usize::from(!tight && fits(dof, SMALL))],
             jacobian: match diagnostic.jacobian {
-                true => budget / JACOBIAN_PART,
+                true => {
+                    let all = JacobianTest::default().evaluations(dof, evaluator.has_tangent());
+                    let most = (MOST_JACOBIAN / dof.max(1)).max(FEWEST_JACOBIAN);
+                    all.min(most).min(budget / JACOBIAN_PART)
+                }
                 false => 0,
             },
             tolerance: if tight { TIGHT_TOLERANCE } else { 0.0 },

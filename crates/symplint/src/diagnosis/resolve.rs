@@ -62,10 +62,6 @@ impl Diagnostic {
         look: &mut dyn FnMut(&Ensemble),
     ) -> Result<Probe<'a>, Error> {
         let dof = subject.dof();
-        let fixed = match self.samples {
-            SampleCount::Fixed(samples) => Some(samples),
-            SampleCount::Auto => None,
-        };
         let first = with.plan.first_samples;
         match self.rule {
             Rule::Auto if self.must_stream(dof) => {
@@ -82,9 +78,9 @@ impl Diagnostic {
                 self.measured(Probe::new(subject, rule, first)?, with, look)
             }
             _ => {
-                let (fewest, most) = match fixed {
-                    Some(samples) => (samples, samples),
-                    None => {
+                let (fewest, most) = match self.samples {
+                    SampleCount::Fixed(_) => (first, first),
+                    SampleCount::Auto => {
                         let most = range_of_samples(dof).min(power_below(with.most_samples));
                         (first, most.max(first))
                     }
@@ -257,8 +253,8 @@ impl Diagnostic {
         from: usize,
     ) -> Result<(Probe<'a>, Option<f64>), Error> {
         let mut nothing_to_see = |_: &Ensemble| {};
-        if let SampleCount::Fixed(samples) = self.samples {
-            let probe = Probe::new(subject, rule, samples)?;
+        if let SampleCount::Fixed(_) = self.samples {
+            let probe = Probe::new(subject, rule, with.plan.first_samples)?;
             return Ok((self.measured(probe, with, &mut nothing_to_see)?, None));
         }
         let most = most_streamed(subject.dof(), from);

@@ -52,17 +52,22 @@ impl Diagnostic {
             (_, Rule::Auto) => (Rule::Streaming(self.streaming), found.samples),
             (_, rule) => (rule, found.samples),
         };
-        Ok(Localisation {
+        let mut localisation = Localisation {
             loop_index: found.index,
             step_size: h,
             substeps: match subject.evaluator.substeps() {
                 1 => Vec::new(),
                 _ => substeps::defects(subject, rule, samples, h)?,
             },
-            sectors: match broken || found.winds {
-                true => Vec::new(),
-                false => sectors::sectors(subject, &piecewise, h)?,
-            },
-        })
+            sectors: Vec::new(),
+        };
+        // Within broken loops there are breaks as well, and a loop that winds bounds no disc.
+        if !broken
+            && !found.winds
+            && subject.evaluator.count().left() >= sectors::FEWEST_EVALUATIONS
+        {
+            localisation.sectors = sectors::sectors(subject, &piecewise, h)?;
+        }
+        Ok(localisation)
     }
 }

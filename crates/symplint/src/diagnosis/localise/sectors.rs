@@ -18,6 +18,10 @@ const SECTORS: usize = 8;
 /// A boundary has three sides, and pieces end at its corners.
 const SIDES: usize = 3;
 
+/// Evaluations that all sectors take at least, where their boundaries are smooth: a first look and 15 states for each
+/// side, checks included.
+pub(super) const FEWEST_EVALUATIONS: usize = 2 * SECTORS * (12 + 15 * SIDES);
+
 /// From the centre along a radius to the loop, along the loop, and back to the centre.
 struct Boundary<'a> {
     phase_loop: &'a dyn Loop,
