@@ -4,12 +4,12 @@
 //! differentiable if and only if ω(DΦ u, DΦ v) = ω(u, v) for all tangent vectors u and v. It
 //! localises better than a loop integral, which is an average, and does not see jumps.
 //!
-//! Tangent vectors ([`directions`]) are counted in units of the loop ([`frame`]). States displaced along
-//! them are advanced in large batches ([`sampler`]), and their differences are extrapolated to
-//! derivatives with errors ([`richardson`]) that take the noise of the map into account ([`noise`]). A map that
-//! has a tangent map gives derivatives to round-off ([`tangents`]), once it is found to be that of the map
-//! ([`tangent_check`]). In many degrees of freedom tangent vectors are random, and a defect is traced to
-//! the two degrees of freedom that carry it ([`bisection`]).
+//! Tangent vectors (`directions`) are counted in units of the loop (`frame`). States displaced along
+//! them are advanced in large batches (`sampler`), and their differences are extrapolated to
+//! derivatives with errors (`richardson`) that take the noise of the map into account (`noise`). A map that
+//! has a tangent map gives derivatives to round-off (`tangents`), once it is found to be that of the map
+//! (`tangent_check`). In many degrees of freedom tangent vectors are random, and a defect is traced to
+//! the two degrees of freedom that carry it (`bisection`).
 
 mod bisection;
 mod columns;
