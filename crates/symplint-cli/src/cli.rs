@@ -118,7 +118,7 @@ pub struct CheckArgs {
     /// The configuration; `symplint init SYSTEM` prints one to start from
     pub config: PathBuf,
     /// Also take N steps of the largest size, and see whether the defect accumulates or returns
-    #[arg(long, value_name = "N", value_parser = whole)]
+    #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub steps: Option<usize>,
     /// Changes of the configuration.
     #[command(flatten)]
@@ -201,7 +201,7 @@ pub struct ReproduceArgs {
     #[arg(long)]
     pub quiet: bool,
     /// Number of threads; all cores if left out. Results do not depend on it
-    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     pub threads: Option<usize>,
 }
 
@@ -217,7 +217,7 @@ pub struct LoopArgs {
     /// The configuration of the loop; its integrator is not used
     pub config: Option<PathBuf>,
     /// Samples of the loop; if left out diagnostic.samples, or 256 where that is "auto"
-    #[arg(long, value_name = "N", value_parser = whole)]
+    #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub samples: Option<usize>,
     /// File to write: .npz holds q and p, and period and weight if there are any; .npy is a pair of files,
     /// loop_q.npy and loop_p.npy; .csv has columns q_0, q_1, …, p_0, p_1, …
@@ -239,7 +239,7 @@ pub struct LoopArgs {
     #[arg(long)]
     pub quiet: bool,
     /// Number of threads; all cores if left out. Results do not depend on it
-    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     pub threads: Option<usize>,
     /// The loop without a configuration.
     #[command(flatten)]
@@ -251,7 +251,7 @@ pub struct LoopArgs {
 #[command(next_help_heading = "Loop without a configuration")]
 pub struct LoopShape {
     /// Degrees of freedom; may be left out if a list of one number for each is given
-    #[arg(long, value_name = "D", value_parser = at_least_one)]
+    #[arg(long, value_name = "D", value_parser = at_least_one, allow_negative_numbers = true)]
     pub dof: Option<usize>,
     /// Centre of the loop, positions: one number, or one for each degree of freedom [default: 0]
     #[arg(long, value_name = "Q", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
@@ -281,7 +281,7 @@ pub struct LoopShape {
     #[arg(long)]
     pub phases: Option<Phases>,
     /// Seed of random phases and of fourier loops [default: 1]
-    #[arg(long, value_name = "N", value_parser = whole)]
+    #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub seed: Option<usize>,
     /// Period of the positions, 0 for none: one number, or one for each degree of freedom
     #[arg(long, value_name = "L", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
@@ -334,7 +334,7 @@ pub struct Run {
     #[arg(long)]
     pub quiet: bool,
     /// Number of threads; all cores if left out. Results do not depend on it
-    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     pub threads: Option<usize>,
 }
 

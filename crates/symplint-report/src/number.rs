@@ -9,6 +9,9 @@ fn exponent(value: f64) -> Option<f64> {
 
 /// `2^-3` for 0.125; other numbers as they are.
 pub fn power_of_two(value: f64) -> String {
+    if value < 0.0 {
+        return format!("-{}", power_of_two(-value));
+    }
     match exponent(value) {
         Some(exponent) => format!("2^{exponent}"),
         None if (1e-4..1e6).contains(&value) => format!("{value}"),
@@ -40,6 +43,8 @@ mod tests {
     fn powers_and_others() {
         assert_eq!(power_of_two(0.125), "2^-3");
         assert_eq!(power_of_two(1024.0), "2^10");
+        assert_eq!(power_of_two(-0.5), "-2^-1");
+        assert_eq!(power_of_two(-0.1), "-0.1");
         assert_eq!(power_of_two(0.1), "0.1");
         assert_eq!(power_of_two(1.0), "1");
         assert_eq!(power_of_two(0.0), "0e0");

@@ -228,7 +228,7 @@ mod tests {
             energy_error: None,
         };
         // Two lines of header, the line below, and two lines of summary.
-        const BESIDES: usize = 5;
+        const OTHER_LINES: usize = 5;
         for (points, rows, note) in [
             (16, 16, None),
             (17, 9, Some("every 2nd point")),
@@ -238,7 +238,7 @@ mod tests {
             let points: Vec<TracePoint> = (0..points).map(point).collect();
             let text = trace_table(&points, false);
             let noted = usize::from(note.is_some());
-            assert_eq!(text.lines().count(), rows + BESIDES + noted, "{text}");
+            assert_eq!(text.lines().count(), rows + OTHER_LINES + noted, "{text}");
             assert!(text.contains(note.unwrap_or("")), "{text}");
             assert_eq!(text.contains("point is shown"), note.is_some());
         }

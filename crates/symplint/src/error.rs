@@ -14,7 +14,7 @@ pub enum Error {
         /// Values given.
         got: usize,
     },
-    /// A period or weight that means nothing.
+    /// A period or weight that is not valid.
     #[error("{what} of degree of freedom {dof} is {value}; {remedy}")]
     BadCoordinate {
         /// Period or weight.

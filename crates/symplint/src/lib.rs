@@ -16,7 +16,7 @@
 //! Each noun is a type: [`Loop`] ([`Circle`], [`FourierLoop`], [`SampledLoop`]), [`Ensemble`],
 //! [`TimeAdvance`] for maps ([`PerSample`] wraps a function of one state), [`LoopIntegral`] by a
 //! [`Rule`], [`Defect`], and [`Diagnostic`] for the whole line with its [`Verdict`]. [`Trace`] follows
-//! a loop in time, and [`JacobianTest`] gives a second opinion without loop integrals.
+//! a loop in time, and [`JacobianTest`] checks the Jacobian without loop integrals.
 //!
 //! ```
 //! use symplint::{Circle, Diagnostic, PerSample, VerdictKind};

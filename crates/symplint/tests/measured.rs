@@ -185,7 +185,7 @@ fn a_step_in_single_precision_is_not_called_wrong() {
         p[0] -= h * f64::from((q[0] as f32).sin());
         q[0] += 0.5 * h * p[0];
     }
-    // Whether or not the files own up to it.
+    // Whether or not the files state it.
     for (step, samples) in [64, 256, 1024, 4096, 32768]
         .into_iter()
         .flat_map(|samples| [(in_single as Step, samples), (force_in_single, samples)])

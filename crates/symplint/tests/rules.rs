@@ -257,7 +257,7 @@ fn finite_differences_converge_at_first_order_and_leave_out_the_jumps() {
             last / error
         );
         last = error;
-        // The cell that is left out is not seen by the halved rule: an estimate, not a bound.
+        // The cell that is left out is missing from the halved rule, too: an estimate, not a bound.
         assert!(error.abs() < 4.0 * integral.quadrature_error.unwrap());
     }
 }

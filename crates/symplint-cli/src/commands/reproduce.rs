@@ -58,6 +58,9 @@ fn table(settings: &Settings) -> toml::Table {
     (settings.values())
         .map(|(key, value)| {
             let value = match value {
+                Value::Number(number) if number.fract() == 0.0 && number.abs() < 1e15 => {
+                    (*number as i64).into()
+                }
                 Value::Number(number) => (*number).into(),
                 Value::Word(word) => word.clone().into(),
             };

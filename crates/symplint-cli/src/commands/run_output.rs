@@ -169,7 +169,9 @@ impl EarlierRun {
     fn in_folder(path: &Path) -> Result<Option<Self>, OccupiedError> {
         match fs::metadata(path) {
             // Of the second, creating the folder says more.
-            Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+            Err(error)
+                if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
+            {
                 return Ok(None);
             }
             Ok(found) if !found.is_dir() => {

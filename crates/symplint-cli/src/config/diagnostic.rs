@@ -76,7 +76,7 @@ pub const KEYS: &[Key] = &[
     Key::new(
         "jacobian",
         "true",
-        "whether the Jacobian of one step is checked besides the loops",
+        "whether the Jacobian of one step is checked, too",
     ),
     Key::new(
         "localise",
@@ -188,9 +188,19 @@ fn step_sizes(section: &Section) -> Result<Vec<f64>, ConfigError> {
             "the list is empty",
             "give one step size or more",
         )),
-        Value::List(list) => (list.iter())
-            .map(|item| read_number(path, item, Accept::Positive))
-            .collect(),
+        Value::List(list) => {
+            let mut sizes: Vec<f64> = Vec::new();
+            for item in list {
+                let size = read_number(path, item, Accept::Positive)?;
+                if sizes.contains(&size) {
+                    let text = format!("{path} has {size} twice");
+                    return Err(ConfigError::new(text, "give each step size once")
+                        .at(&item.place, "repeated"));
+                }
+                sizes.push(size);
+            }
+            Ok(sizes)
+        }
         Value::Table(_) => {
             let range = section
                 .subsection("step_sizes", &FROM_TO)?

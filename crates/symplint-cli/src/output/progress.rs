@@ -4,13 +4,13 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use symplint::Event;
 use symplint_report::number::power_of_two;
 
-/// A progress bar that may be silent.
+/// A progress bar that may be hidden.
 pub struct Progress {
     bar: ProgressBar,
 }
 
 impl Progress {
-    /// A bar that counts `unit`s; nothing is drawn if `silent` or standard error is no terminal.
+    /// A bar that counts `unit`s; hidden if `silent` or if standard error is not a terminal.
     pub fn new(unit: &str, silent: bool) -> Self {
         let target = if silent {
             ProgressDrawTarget::hidden()
@@ -27,17 +27,17 @@ impl Progress {
         Progress { bar }
     }
 
-    /// So many more to come.
+    /// Adds steps to the total.
     pub fn plan(&self, more: usize) {
         self.bar.inc_length(more as u64);
     }
 
-    /// One is done.
+    /// Counts a finished step.
     pub fn step(&self) {
         self.bar.inc(1);
     }
 
-    /// What is at work.
+    /// Shows a message.
     fn say(&self, message: &str) {
         self.bar.set_message(message.to_owned());
         self.bar.tick();
@@ -63,7 +63,7 @@ impl Progress {
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }

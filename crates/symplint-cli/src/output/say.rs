@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use crate::commands::Failure;
 
-/// Prints a text and ends the line. A reader that has gone away is no failure.
+/// Prints a text and a line break. A closed pipe is not an error.
 pub fn say(text: impl std::fmt::Display) -> Result<(), Failure> {
     let mut out = anstream::stdout().lock();
     match writeln!(out, "{text}").and_then(|()| out.flush()) {

@@ -8,6 +8,10 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
+mod budget;
+mod command_line;
+mod judge;
+mod occupied_folders;
 mod provenance;
 mod refusals;
 mod run_folder;
@@ -224,6 +228,34 @@ fn a_run_folder_holds_everything() {
         let of_table: f64 = fields[6].parse().unwrap();
         assert!((of_report - of_table).abs() < 1e-15 * of_table.abs());
     }
+}
+
+#[test]
+fn keys_of_the_diagnosis_are_followed_and_recorded() {
+    let example = example("pendulum.toml");
+    let run = |setting: &str| {
+        let few = ["--set", "diagnostic.step_sizes=[0.5]", "--set", setting];
+        let set = ["--set", "integrator.name=rk2"];
+        report(&[&["check", &example], &few[..], &set].concat())
+    };
+    let mentions = |report: &Value, word: &str| {
+        let evidence = report["verdict"]["evidence"].as_array().unwrap();
+        evidence
+            .iter()
+            .any(|line| line.as_str().unwrap().contains(word))
+    };
+    let with = run("diagnostic.budget=2^20");
+    assert_eq!(with["config"]["diagnostic"]["budget"], "2^20");
+    assert_eq!(with["config"]["diagnostic"]["jacobian"], true);
+    assert_eq!(with["config"]["diagnostic"]["localise"], true);
+    assert!(
+        mentions(&with, "Jacobian") && mentions(&with, "sectors"),
+        "{with}"
+    );
+    let without = run("diagnostic.jacobian=false");
+    assert!(!mentions(&without, "Jacobian"), "{without}");
+    let without = run("diagnostic.localise=false");
+    assert!(!mentions(&without, "sectors"), "{without}");
 }
 
 #[test]
@@ -568,7 +600,14 @@ fn runs_without_end_are_refused() {
         }
     }
     // The key to blame is the one that was set, and numbers stay readable.
-    let output = symplint(&["reproduce", "fig8", "--set", "step_size=1e-300", "--out", out]);
+    let output = symplint(&[
+        "reproduce",
+        "fig8",
+        "--set",
+        "step_size=1e-300",
+        "--out",
+        out,
+    ]);
     let error = text(&output.stderr);
     assert!(error.contains("fig8.step_size"), "{error}");
     assert!(!error.contains("00000"), "{error}");

@@ -74,6 +74,50 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     refused(PENDULUM, &["diagnostic.samples=64.5"], &["whole number"]);
     refused(
         PENDULUM,
+        &["diagnostic.samples=atuo"],
+        &["unknown value \"atuo\"", "write \"auto\" or a whole number"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.budget=199"],
+        &["diagnostic.budget is 199", "at least 200"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.jacobian=maybe"],
+        &["diagnostic.jacobian is a string", "true or false"],
+    );
+    // Under its former name.
+    refused(
+        PENDULUM,
+        &["diagnostic.stages=false"],
+        &["no key \"stages\"", "did you mean \"localise\""],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.step_sizes=[0.5, '2^-1']"],
+        &["step_sizes has 0.5 twice", "once"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.step_sizes={from=0.1,to=0.5}"],
+        &["`from` is 0.1, smaller than `to`", "the larger one"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.sample_sweep={from=64,to=32,step_size=0.1}"],
+        &["`from` is 64, larger than `to`"],
+    );
+    refused(
+        PENDULUM,
+        &[
+            "integrator.name=verlet",
+            "integrator.variant=position-first",
+        ],
+        &["another name for \"strang\"", "leave variant out"],
+    );
+    refused(
+        PENDULUM,
         &["diagnostic.seed=10000000000000000"],
         &["diagnostic.seed is 1", "at most 9000000000000000"],
     );
@@ -155,7 +199,11 @@ fn rules_that_no_trace_can_use_are_refused() {
     for rule in ["piecewise", "streaming"] {
         let set = format!("diagnostic.rule={rule}");
         let named = format!("diagnostic.rule is \"{rule}\"");
-        let expected = [named.as_str(), "a trace does not accept", "diagnostic.rule=pseudospectral"];
+        let expected = [
+            named.as_str(),
+            "a trace does not accept",
+            "diagnostic.rule=pseudospectral",
+        ];
         refused_by("trace", PENDULUM, &[&set], &expected);
     }
 }
@@ -458,16 +506,16 @@ fn places_that_cannot_be_written_are_refused_before_the_run() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "").unwrap();
-    let below = file.join("run");
-    let output = symplint(&[
-        "check",
-        &example("pendulum.toml"),
-        "--out",
-        below.to_str().unwrap(),
-    ]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("cannot write"));
-    assert!(output.stdout.is_empty());
+    for (out, says) in [
+        (file.join("run"), "cannot write"),
+        (file, "is a file, not a folder"),
+    ] {
+        let pendulum = example("pendulum.toml");
+        let output = symplint(&["check", &pendulum, "--out", out.to_str().unwrap()]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(text(&output.stderr).contains(says));
+        assert!(output.stdout.is_empty());
+    }
 }
 
 #[test]

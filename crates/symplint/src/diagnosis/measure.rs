@@ -274,7 +274,9 @@ impl Run<'_> {
             if self.is_settled() {
                 break;
             }
-            if self.left() < self.plan.first_samples {
+            // A loop that cannot be resolved as the given one was is no evidence.
+            let least = if self.is_tight() { given.cost } else { 0 };
+            if self.left() < least.max(self.plan.first_samples) {
                 let omitted = count + 1 - index;
                 self.omit(
                     Omission::RandomLoops { count: omitted },
@@ -299,7 +301,8 @@ impl Run<'_> {
             }
         }
         let winds = self.evidence.loops[0].winds;
-        if count > 0 && !winds && !self.is_settled() && self.left() >= self.plan.first_samples {
+        let affordable = self.left() >= given.cost.max(self.plan.first_samples);
+        if count > 0 && !winds && !self.is_settled() && affordable {
             self.winding_loop(subject)?;
         }
         self.evidence.evaluations.random_loops = self.count.made() - start;

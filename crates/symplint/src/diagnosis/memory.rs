@@ -4,7 +4,7 @@
 /// make two of them.
 pub(super) const MOST_BYTES: usize = 512 << 20;
 
-/// Samples of the smallest ensembles that a diagnosis makes besides the one that it measures with.
+/// Samples of the smallest ensembles that a diagnosis makes, apart from those that it measures with.
 pub(super) const SMALL: usize = 64;
 
 /// Whether an ensemble of so many samples may be made without being asked for.

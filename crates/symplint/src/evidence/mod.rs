@@ -38,7 +38,7 @@ pub struct Evidence {
     /// The breaks that were found: all of the given loop at the largest step size, by the piecewise
     /// rule; else the largest one of each advanced loop.
     pub breaks: Vec<BreakAt>,
-    /// What is known of the map besides loop integrals.
+    /// What is known of the map apart from loop integrals.
     pub survey: Survey,
     /// Defects of the substeps of the map and of parts of a loop.
     pub localisation: Option<Localisation>,

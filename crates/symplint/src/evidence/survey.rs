@@ -1,4 +1,4 @@
-//! What is known of the map besides loop integrals.
+//! What is known of the map apart from loop integrals.
 
 use serde::{Deserialize, Serialize};
 

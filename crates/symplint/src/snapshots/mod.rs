@@ -2,8 +2,8 @@
 //!
 //! A map can be evaluated between the samples, data cannot. So where the samples are smooth the
 //! pseudospectral rule with its nested error estimate is used, and where they jump ([`jumps`])
-//! a finite-difference rule that leaves the jumps out ([`pieces`]) and owns up to not knowing where in
-//! its cell a break lies. No cut-off is compared with the size of a coordinate: a shift of the origin
+//! a finite-difference rule that leaves the jumps out ([`pieces`]); its error covers that the position of a break
+//! within its cell is not known. No cut-off is compared with the size of a coordinate: a shift of the origin
 //! changes nothing.
 
 mod compare;

@@ -1,4 +1,4 @@
-//! What is learnt of a map besides loop integrals, from a few samples.
+//! What a few samples show of a map, apart from loop integrals.
 
 mod deformation;
 mod precision;

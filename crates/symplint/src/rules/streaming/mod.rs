@@ -23,7 +23,7 @@ use window::{Source, Window};
 /// The streaming rule: a centred difference of order 2m along the loop, in the memory of a few dozen states.
 ///
 /// On smooth loops it is as good as the pseudospectral rule from twice the samples, or four times as
-/// many: a mode that turns by θ from sample to sample is off by about θ^{2m} (m!)²/(2m+1)! of itself.
+/// many: a mode that turns by θ from sample to sample has a relative error of about θ^{2m} (m!)²/(2m+1)!.
 ///
 /// ```
 /// use symplint::{Circle, PerSample, Streaming};
