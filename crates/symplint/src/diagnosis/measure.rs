@@ -144,7 +144,7 @@ impl Run<'_> {
                 let most = (left / TIGHT_SAMPLES_PART).max(FEWEST_TIGHT_SAMPLES);
                 (most.min(left / (1 + further)), left / 8 * 7)
             }
-            false => (left, left),
+            false => (self.share(), left),
         };
         let mut found = Survey::default();
         let mut looked = false;
@@ -211,6 +211,14 @@ impl Run<'_> {
     /// Whether the first samples of all loops and step sizes are a large part of the budget.
     fn is_tight(&self) -> bool {
         self.plan.tolerance > 0.0
+    }
+
+    /// Samples of one loop in an ample budget: so many that the given loop and a random one at all step sizes, and
+    /// the other random ones at the largest, can have as many.
+    fn share(&self) -> usize {
+        let diagnostic = self.diagnostic;
+        let measurements = 2 * diagnostic.step_sizes.len() + diagnostic.loops + 1;
+        (self.count.budget() / measurements).min(self.left())
     }
 
     /// The step sizes that the budget allows, in the order in which they were given: all, or the largest ones, so
@@ -362,7 +370,7 @@ impl Run<'_> {
                 true => (left / TIGHT_SAMPLES_PART)
                     .max(FEWEST_TIGHT_SAMPLES)
                     .min(left),
-                false => left,
+                false => self.share(),
             },
             allowance: left,
         };
