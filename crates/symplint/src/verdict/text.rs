@@ -88,7 +88,7 @@ impl Display for Finding {
             Finding::NotClosed { jump } => write!(
                 f,
                 "Degree of freedom {} already jumps before the step, by {} in q and {} in p near s = {:.6}: the \
-                 loop is not closed.",
+                 samples form no closed loop.",
                 jump.dof,
                 short(jump.jump_q),
                 short(jump.jump_p),
