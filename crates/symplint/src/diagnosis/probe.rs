@@ -114,8 +114,7 @@ impl<'a> Probe<'a> {
         let unmoved = EvaluationCount::unlimited();
         let rest = Evaluator::new(&rest, &unmoved)?;
         let pieces = rule.integrate_beside(&rest, subject.phase_loop, 1.0, Some(before))?;
-        let mut initial = pieces.continuous;
-        own_up(&mut initial, before, subject.coordinates, false)?;
+        let initial = pieces.continuous;
         Ok(Probe {
             index,
             subject,
@@ -257,32 +256,23 @@ impl<'a> Probe<'a> {
             coordinates,
         } = self.subject;
         let pieces = rule.integrate_beside(evaluator, phase_loop, h, Some(seen))?;
-        let closed = pieces.closed();
+        let mut closed = pieces.closed();
         let (samples, evaluations) = (pieces.nodes(), pieces.evaluations + seen.samples());
         let PiecewiseIntegral {
             continuous: mut integral,
             mut breaks,
-            place_error,
             ..
         } = pieces;
         breaks.retain(|found| is_substantial(found, seen));
         if breaks.is_empty()
             && let Some(found) = self.find_break(seen, h)?
         {
-            integral.quadrature_error = None;
+            (integral.quadrature_error, closed.quadrature_error) = (None, None);
             breaks.push(found);
         }
-        // What the samples doubt besides holds for the closed integral, too; the places of breaks do not.
-        let mut closed = closed;
-        let own_error = integral.quadrature_error;
-        let regularity = own_up(&mut integral, seen, coordinates, !breaks.is_empty())?;
-        closed.quadrature_error = match integral.quadrature_error {
-            Some(error) if Some(error) == own_error => Some((error - place_error).max(0.0)),
-            other => other,
-        };
         Ok(Measured {
             defect: Defect::between(&self.initial, &integral)?,
-            regularity,
+            regularity: integral.regularity,
             closing: Some(Closing {
                 breaks: breaks.len(),
                 chord: pieces.closing.iter().sum(),
@@ -305,28 +295,6 @@ impl Measured {
         breaks.reduce(|a, b| if size(&b) > size(&a) { b } else { a })
     }
 }
-
-/// The regularity that samples show, and, where it is that of narrow spikes, their doubt in the `integral` by
-/// pieces: where the loop has features that are narrower than the distance of the samples, another one
-/// may lie between two of them, and no piece has met it. Of many breaks the coefficients look alike, but
-/// those are known.
-fn own_up(
-    integral: &mut LoopIntegral,
-    seen: &Ensemble,
-    coordinates: &Coordinates,
-    broken: bool,
-) -> Result<Option<f64>, Error> {
-    let of_samples = LoopIntegral::in_coordinates(seen, &Rule::Pseudospectral, coordinates)?;
-    if !broken && of_samples.regularity.is_some_and(|s| s < OF_SPIKES) {
-        let distance = (of_samples.value - integral.value).abs();
-        let errors = integral.quadrature_error.zip(of_samples.quadrature_error);
-        integral.quadrature_error = errors.map(|(own, other)| own.max(distance + other));
-    }
-    Ok(of_samples.regularity)
-}
-
-/// The Fourier coefficients of a spike do not fall, s = −½; those of a jump fall by s = ½.
-const OF_SPIKES: f64 = 0.25;
 
 fn is_substantial(found: &Break, ensemble: &Ensemble) -> bool {
     let range = |row: &[f64]| {

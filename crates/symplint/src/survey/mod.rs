@@ -4,6 +4,6 @@ mod deformation;
 mod precision;
 mod purity;
 
-pub(crate) use deformation::{Extent, deformation, motion, winds};
+pub(crate) use deformation::{deformation, motion, winds};
 pub(crate) use precision::own_up;
 pub(crate) use purity::check;
