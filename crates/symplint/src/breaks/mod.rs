@@ -9,10 +9,14 @@ mod bracket;
 mod follow;
 mod limits;
 mod residual;
+mod search;
 
 pub(crate) use bracket::{Bracket, End, Progress, scatter};
 pub(crate) use limits::LOOKS;
-pub(crate) use residual::{Coordinate, GROUP, REACH, Residuals, Suspect, Window, most_outstanding};
+pub(crate) use residual::{
+    Coordinate, GROUP, REACH, Residuals, Suspect, Window, most_outstanding, rounding,
+};
+pub(crate) use search::{Jump, Roughness, find_jumps};
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -24,8 +28,7 @@ use crate::signal::{Extent, unwrap_row};
 use crate::state::Coordinates;
 use crate::state::Ensemble;
 
-/// A place where an advanced loop is discontinuous, in the degree of freedom
-/// that led to it.
+/// A point at which an advanced loop is discontinuous, in the degree of freedom that led to it, or that jumps most.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Break {
     /// Where: the loop parameter in [0, 1).

@@ -4,7 +4,8 @@
 //! missing between two smooth functions. With cells twice as wide it grows 32-fold where the coordinate is smooth,
 //! twofold at a kink, and not at all at a jump.
 
-use super::limits::{MOST_SUSPECTS, OUTSTANDING, ROUNDING, STAYS_IN_WIDE_CELLS};
+use super::limits::{MOST_SUSPECTS, OUTSTANDING, ROUNDINGS, STAYS_IN_WIDE_CELLS};
+use crate::signal::UNIT_ROUNDOFF;
 
 /// Which coordinate of a degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,14 +59,8 @@ pub(crate) struct Residuals {
     cell: usize,
     /// The largest from every second sample.
     largest_wide: f64,
-    /// Sum of the least residuals of cells four apart: those that a jump leaves alone.
-    least: f64,
-    /// Number of those.
-    count: usize,
+    noise: Noise,
 }
-
-/// The expected least of four absolute values of a standard normal distribution, ∫ erfc(x/√2)⁴ dx.
-const LEAST_OF_FOUR: f64 = 0.262;
 
 impl Residuals {
     /// Takes in `count` samples of a group, of which the first is sample `next` of the loop.
@@ -86,20 +81,8 @@ impl Residuals {
         }
         self.largest_wide = self.largest_wide.max(most(&wide));
         if count == GROUP {
-            for k in 0..GROUP / 4 {
-                let of_two = |a: f64, b: f64| if a < b { a } else { b };
-                self.least += of_two(
-                    of_two(narrow[k], narrow[k + 4]),
-                    of_two(narrow[k + 8], narrow[k + 12]),
-                );
-            }
-            self.count += GROUP / 4;
+            self.noise.add(&narrow);
         }
-    }
-
-    /// Standard deviation of the noise of residuals, as far as there is noise.
-    fn noise(&self) -> f64 {
-        self.least / (LEAST_OF_FOUR * self.count.max(1) as f64)
     }
 
     /// The cell that looks discontinuous, if one does, after one revolution of `samples` samples, none of which is
@@ -116,18 +99,78 @@ impl Residuals {
             coordinate,
             cell: self.cell % samples,
             size: self.largest,
-            noise: self.noise(),
+            noise: self.noise.deviation(),
         };
-        let suspicious = self.largest > ROUNDING * magnitude
+        let suspicious = self.largest > rounding(UNIT_ROUNDOFF, magnitude)
             && self.largest > STAYS_IN_WIDE_CELLS * self.largest_wide
             && suspect.stands_out(self.largest);
         suspicious.then_some(suspect)
     }
 }
 
+/// The noise of residuals, from groups of neighbours.
+///
+/// A jump spoils the residuals of five cells. So of cells four apart the least counts, as far as it is expected of
+/// normally distributed noise.
+#[derive(Clone, Copy, Debug, Default)]
+struct Noise {
+    /// Sum of those least residuals.
+    sum: f64,
+    /// Number of them.
+    count: usize,
+}
+
+/// The expected least of four absolute values of a standard normal distribution, ∫ erfc(x/√2)⁴ dx.
+const LEAST_OF_FOUR: f64 = 0.262;
+
+impl Noise {
+    fn add(&mut self, residuals: &[f64; GROUP]) {
+        let least = |a: f64, b: f64| if a < b { a } else { b };
+        for k in 0..GROUP / 4 {
+            let of = |j: usize| residuals[k + 4 * j];
+            self.sum += least(least(of(0), of(1)), least(of(2), of(3)));
+        }
+        self.count += GROUP / 4;
+    }
+
+    /// Its standard deviation.
+    fn deviation(&self) -> f64 {
+        self.sum / (LEAST_OF_FOUR * self.count.max(1) as f64)
+    }
+}
+
+/// The noise of some absolute residuals.
+pub(super) fn noise(residuals: &[f64]) -> f64 {
+    let mut noise = Noise::default();
+    residuals
+        .as_chunks()
+        .0
+        .iter()
+        .for_each(|group| noise.add(group));
+    noise.deviation()
+}
+
+/// Residuals no larger than this are rounding of values below `magnitude`, each by a part `unit_roundoff` of it.
+pub(crate) fn rounding(unit_roundoff: f64, magnitude: f64) -> f64 {
+    ROUNDINGS * unit_roundoff * magnitude
+}
+
+/// Increments on either side that predict that of a cell.
+pub(super) const NEIGHBOURS: usize = 2;
+
 /// The step from x_2 to x_3 that the values of polynomials up to the fourth degree do not explain.
-pub(super) fn residual(x: [f64; 6]) -> f64 {
+fn residual(x: [f64; 6]) -> f64 {
     (10.0 * (x[3] - x[2]) - 5.0 * (x[4] - x[1]) + (x[5] - x[0])) / 6.0
+}
+
+/// The residual of the cell that consists of `width` cells from `first` on, from increments round the loop.
+pub(super) fn of_cell(increments: &[f64], first: usize, width: usize) -> f64 {
+    let n = increments.len();
+    let wide = |cell: usize| -> f64 {
+        let start = first + (cell + 2 * n - NEIGHBOURS) * width;
+        (start..start + width).map(|k| increments[k % n]).sum()
+    };
+    wide(2) - 4.0 / 6.0 * (wide(1) + wide(3)) + 1.0 / 6.0 * (wide(0) + wide(4))
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use crate::rules::Defect;
 use crate::rules::Streaming;
 use crate::rules::{LoopIntegral, Rule};
 use crate::rules::{Piecewise, PiecewiseIntegral};
+use crate::signal::Extent;
 use crate::state::Block;
 use crate::state::Coordinates;
 use crate::state::Ensemble;
@@ -297,12 +298,8 @@ impl Measured {
 }
 
 fn is_substantial(found: &Break, ensemble: &Ensemble) -> bool {
-    let range = |row: &[f64]| {
-        let low = row.iter().copied().fold(f64::INFINITY, f64::min);
-        row.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low
-    };
-    let (q, p) = (ensemble.q().row(found.dof), ensemble.p().row(found.dof));
-    found.is_substantial([range(q), range(p)])
+    let ranges = [ensemble.q(), ensemble.p()].map(|x| Extent::of(x.row(found.dof)).length());
+    found.is_substantial(ranges)
 }
 
 /// Whether the cell of a break is among those that make up the integral.

@@ -1,7 +1,7 @@
 //! Loops that another code advanced: all that is known of them is their samples.
 //!
 //! A map can be evaluated between the samples, data cannot. So where the samples are smooth the
-//! pseudospectral rule with its nested error estimate is used, and where they jump ([`jumps`])
+//! pseudospectral rule with its nested error estimate is used, and where they jump ([`find_jumps`](crate::breaks::find_jumps))
 //! a finite-difference rule that leaves the jumps out ([`pieces`]) and owns up to not knowing where in
 //! its cell a break lies. No cut-off is compared with the size of a coordinate: a shift of the origin
 //! changes nothing.
@@ -9,7 +9,6 @@
 mod compare;
 mod conclude;
 mod increments;
-mod jumps;
 mod pieces;
 
 use rayon::prelude::*;
