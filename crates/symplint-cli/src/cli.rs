@@ -26,7 +26,7 @@ const AFTER: &str = "Examples:
   symplint measure loop.npz after.npz             what its step did to them
   symplint reproduce fig2                         a figure of the paper
 
-Exit status of `check` and `measure`: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
+Exit status of `check`, `measure` and `judge`: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
 failed run; 3 undecided.";
 
 const EXIT_STATUS: &str = "Exit status: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
@@ -57,6 +57,12 @@ pub enum Command {
     /// prove that a loop is broken, but they are evidence for it.
     #[command(after_help = EXIT_STATUS)]
     Measure(MeasureArgs),
+    /// Reach the verdict again, from the evidence in a report.
+    ///
+    /// Nothing is measured: the verdict follows from the key `evidence` of a report that `check --out`,
+    /// `measure --out` or `--json` wrote.
+    #[command(after_help = EXIT_STATUS)]
+    Judge(JudgeArgs),
     /// Follow the loop integral and the energy in time.
     ///
     /// Takes trace.steps steps of size trace.step_size. The energy is that of the orbit from the centre of the
@@ -88,7 +94,7 @@ impl Command {
             Command::Measure(arguments) => arguments.run.threads,
             Command::Trace(arguments) => arguments.run.threads,
             Command::Reproduce(arguments) => arguments.threads,
-            Command::List { .. } | Command::Init { .. } => None,
+            Command::Judge(_) | Command::List { .. } | Command::Init { .. } => None,
         }
     }
 }
@@ -120,6 +126,20 @@ pub struct CheckArgs {
     /// Output and threads.
     #[command(flatten)]
     pub run: Run,
+}
+
+/// Arguments of `judge`.
+#[derive(Args)]
+pub struct JudgeArgs {
+    /// The report: report.json, the run folder that holds it, or - for standard input
+    #[arg(value_name = "REPORT")]
+    pub report: PathBuf,
+    /// Print the verdict as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Print only the headline of the verdict
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// Arguments of `trace`.

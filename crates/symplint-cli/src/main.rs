@@ -4,6 +4,7 @@ mod cli;
 mod commands;
 mod config;
 mod output;
+mod provenance;
 
 use std::process::ExitCode;
 
@@ -38,6 +39,7 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
         Command::Check(arguments) => commands::check(arguments),
         Command::Loop(arguments) => commands::write_loop(arguments),
         Command::Measure(arguments) => commands::measure(arguments),
+        Command::Judge(arguments) => commands::judge(arguments),
         Command::Trace(arguments) => commands::trace(arguments),
         Command::Reproduce(arguments) => commands::reproduce(arguments),
         Command::List { what } => commands::list(*what),

@@ -260,7 +260,7 @@ fn every_format_gives_the_same_numbers() {
     assert!(first.starts_with("step-size,0,,64,"), "{points}");
 }
 
-/// Snapshots of a trace are loops of it, with their parameter besides.
+/// Snapshots of a trace are loops of it, with their parameter, too.
 #[test]
 fn snapshots_of_a_trace_can_be_measured() {
     let folder = TempDir::new().unwrap();

@@ -3,7 +3,7 @@
     python3 crates/symplint-models/benches/instructions.py
 
 Needs valgrind. A kernel runs twice and six times; a quarter of the difference is one run, without
-what it takes to start. Counts have three digits: fewer than what changes by chance.
+what it takes to start. Counts have three digits: fewer than what varies from run to run.
 """
 
 import json

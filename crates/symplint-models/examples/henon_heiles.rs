@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let model = Model::Separable(Arc::new(HenonHeiles));
     for info in CATALOGUE.iter().filter(|info| info.is_for(&model)) {
         let step = build(info.name, None, Arc::new(HenonHeiles))?;
-        let verdict = diagnostic.run(&*step, &circles, &|_| {})?.verdict;
+        let verdict = diagnostic.run(&*step, &circles)?.verdict;
         let detail = match (verdict.digits, verdict.order) {
             (Some(digits), _) => format!("to {digits} digits"),
             (_, Some(order)) => format!("defect of order h^{order}"),

@@ -67,7 +67,7 @@ pub trait Separable: Send + Sync {
     fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]);
 
     /// Which positions are periodic, and what makes momenta canonical. By default nothing is
-    /// periodic and p is canonical as it is.
+    /// periodic and p is canonical without a weight.
     fn coordinates(&self) -> Coordinates {
         Coordinates::plain(self.dof())
     }
@@ -110,7 +110,7 @@ pub trait DriftKick: Send + Sync {
     }
 
     /// Which positions are periodic, and what makes momenta canonical. By default nothing is
-    /// periodic and p is canonical as it is.
+    /// periodic and p is canonical without a weight.
     fn coordinates(&self) -> Coordinates {
         Coordinates::plain(self.dof())
     }
@@ -170,7 +170,7 @@ pub trait Hamiltonian: Send + Sync {
     fn add_force(&self, tau: f64, q: Rows<'_>, p: Rows<'_>, out: &mut RowsMut<'_>);
 
     /// Which positions are periodic, and what makes momenta canonical. By default nothing is
-    /// periodic and p is canonical as it is.
+    /// periodic and p is canonical without a weight.
     fn coordinates(&self) -> Coordinates {
         Coordinates::plain(self.dof())
     }

@@ -18,7 +18,7 @@ pub enum Model {
     Forced(Arc<dyn DriftKick>),
     /// A charge in a magnetic field: what `General` has, and Boris.
     Charged(ChargedParticle),
-    /// A map that is given as it is, with nothing to integrate.
+    /// A map that is given directly, with nothing to integrate.
     Map(Arc<dyn TimeAdvance>),
 }
 

@@ -18,7 +18,7 @@ pub struct PeriodicGrid {
     cells_per_length: f64,
     /// Positions below this are reduced by products.
     near: f64,
-    /// Within this of the middle of a cell, fractions have no doubt in which cell they are.
+    /// Within this of the middle of a cell, fractions lie in one cell for certain.
     certain: f64,
 }
 

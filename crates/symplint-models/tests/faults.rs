@@ -28,9 +28,7 @@ fn strang<S: DriftKick>(variant: Variant, system: S) -> Splitting<S> {
 fn verdict(map: &dyn TimeAdvance) -> (VerdictKind, Option<f64>) {
     let dof = map.dof();
     let circle = Circle::new(vec![0.1; dof], vec![0.25; dof], 0.2).unwrap();
-    let diagnosis = Diagnostic::halving(0, -6)
-        .run(map, &circle, &|_| {})
-        .unwrap();
+    let diagnosis = Diagnostic::halving(0, -6).run(map, &circle).unwrap();
     (diagnosis.verdict.kind, diagnosis.verdict.order)
 }
 
@@ -90,10 +88,7 @@ fn single_precision_keeps_24_bits_and_the_verdict_its_digits() {
     assert!((1e-10..1e-7).contains(&difference), "{difference:e}");
     // Rounding is too fine a staircase to be seen: a symplectic map remains so to 7 digits or 8.
     let circle = Circle::new(vec![0.1; 2], vec![0.25; 2], 0.2).unwrap();
-    let verdict = Diagnostic::default()
-        .run(&map, &circle, &|_| {})
-        .unwrap()
-        .verdict;
+    let verdict = Diagnostic::default().run(&map, &circle).unwrap().verdict;
     assert_eq!(verdict.kind, VerdictKind::Symplectic);
     let digits = verdict.digits.unwrap();
     assert!((6.5..9.0).contains(&digits), "{digits}");

@@ -102,7 +102,7 @@ fn verdicts_on_stages_that_are_not_solved() {
         };
         let tableau = tableaus::implicit_midpoint();
         let map = ImplicitRungeKutta::new(tableau, HenonHeiles, solver).unwrap();
-        let diagnosis = Diagnostic::halving(0, -6).run(&map, &circle, &|_| {});
+        let diagnosis = Diagnostic::halving(0, -6).run(&map, &circle);
         diagnosis.unwrap().verdict
     };
     let loose = Stop::Converged {

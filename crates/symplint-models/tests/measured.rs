@@ -77,7 +77,7 @@ fn the_cut_off_rule_is_wrong_here_and_the_samples_say_so() {
     for exponent in 4..=17 {
         let samples = 1 << exponent;
         let diagnosis = measured(&*map, &circle, 0.1, samples, 0.0);
-        let point = &diagnosis.points[0];
+        let point = &diagnosis.points()[0];
         if let Some(error) = point.quadrature_error {
             let off = (point.signed_defect - CONTINUOUS).abs();
             assert!(
@@ -106,7 +106,7 @@ fn the_origin_does_not_matter_there() {
     let (map, circle) = two_particles(1);
     let here = measured(&*map, &circle, 0.1, 4096, 0.0);
     let there = measured(&*map, &circle, 0.1, 4096, 1e3);
-    let (a, b) = (&here.points[0], &there.points[0]);
+    let (a, b) = (&here.points()[0], &there.points()[0]);
     assert_eq!((a.jumps, a.omitted_cells), (b.jumps, b.omitted_cells));
     assert!((a.signed_defect - b.signed_defect).abs() < 1e-10);
     assert_eq!(here.verdict.kind, there.verdict.kind);
@@ -199,7 +199,7 @@ fn small_jumps_are_within_the_error() {
         let truth = Defect::between(&initial, &exact.continuous).unwrap();
         for exponent in 5..=15 {
             let found = measured(&*map, &circle, h, 1 << exponent, 0.0);
-            let point = &found.points[0];
+            let point = &found.points()[0];
             let off = (point.signed_defect - truth.signed).abs();
             if let Some(error) = point.quadrature_error {
                 assert!(

@@ -192,7 +192,7 @@ fn traces_of_the_pendulum() {
     };
     let run = |q0, p0| {
         let circle = Circle::new(vec![q0], vec![p0], 1.0).unwrap();
-        trace.run(&*map, &circle, None, &|_| {}).unwrap().points
+        trace.run(&*map, &circle, None).unwrap().points
     };
     // Round-off for ever.
     let stable = run(PI, 0.5);

@@ -247,7 +247,7 @@ fn the_jacobian_test_agrees_with_the_catalogue() {
             let verdict = (JacobianTest::default()
                 .run(&*map, &phase_loop, 0.5)
                 .unwrap())
-            .verdict;
+            .verdict();
             let symplectic = matches!(verdict, JacobianVerdict::SymplecticAlmostEverywhere { .. });
             let not = matches!(verdict, JacobianVerdict::NotSymplectic { .. });
             assert_eq!(

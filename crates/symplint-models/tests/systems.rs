@@ -313,9 +313,7 @@ fn the_standard_map_is_symplectic_euler_on_a_cylinder() {
 fn verdicts_on_given_maps() {
     let verdict = |map: &dyn TimeAdvance, q0: f64, radius: f64| {
         let circle = Circle::new(vec![q0], vec![0.1], radius).unwrap();
-        let diagnosis = Diagnostic::halving(0, -5)
-            .run(map, &circle, &|_| {})
-            .unwrap();
+        let diagnosis = Diagnostic::halving(0, -5).run(map, &circle).unwrap();
         (diagnosis.verdict.kind, diagnosis.verdict.order)
     };
     let standard = StandardMap::new(0.97).unwrap();

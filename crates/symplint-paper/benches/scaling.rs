@@ -214,9 +214,8 @@ fn draw(studies: &[(&Study, Vec<Point>)]) -> Figure {
             equal_aspect: false,
         }
     };
-    Figure {
-        title: None,
-        panels: vec![
+    Figure::new(
+        vec![
             panel(
                 "time; dashed: N, N log N",
                 "time / s",
@@ -230,8 +229,8 @@ fn draw(studies: &[(&Study, Vec<Point>)]) -> Figure {
                 false,
             ),
         ],
-        columns: 2,
-    }
+        2,
+    )
 }
 
 /// Processor time of one run, on one thread: what else runs on the machine does not count.

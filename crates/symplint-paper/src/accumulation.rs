@@ -4,14 +4,12 @@
 //! 2h² a step, which the integral without the jumps misses: n steps miss O(n²h²), not O(nh²).
 
 use serde::Serialize;
-use symplint::{
-    Circle, Cutoffs, Diagnostic, Rule, RuleChoice, SampleCount, TimeAdvance, Trace, TracePoint,
-};
+use symplint::{Circle, Cutoffs, Diagnostic, Rule, SampleCount, TimeAdvance, Trace, TracePoint};
+use symplint_report::run_folder::RunFolder;
 
 use super::PaperError;
 use super::claim::{Claim, Judgement};
 use super::sweep::{halvings, power_law, trend_text};
-use symplint_report::run_folder::RunFolder;
 
 /// A splitting with its name.
 pub type Named = (String, Box<dyn TimeAdvance>);
@@ -97,7 +95,7 @@ fn steps(
         steps: (TIME / step_size).round() as usize,
         snapshots: vec![],
     };
-    let record = trace.run(map, circle, None, &|_| {})?;
+    let record = trace.run(map, circle, None)?;
     let row = |point: &TracePoint| Row {
         integrator: name.to_owned(),
         step_size,
@@ -116,16 +114,16 @@ pub fn break_line(
     c: f64,
 ) -> Result<Claim, PaperError> {
     let diagnostic = Diagnostic {
-        rule: RuleChoice::Fixed(Rule::FiniteDifference(Cutoffs::none())),
+        rule: Rule::FiniteDifference(Cutoffs::none()),
         samples: SampleCount::Fixed(1023),
         step_sizes: halvings(0, -6),
         loops: 1,
         ..Diagnostic::default()
     };
-    let diagnosis = diagnostic.run(&**map, circle, &|_| {})?;
+    let diagnosis = diagnostic.run(&**map, circle)?;
     // One break at most for each step size, in the order of these.
-    let found = diagnosis.breaks.len();
-    let off = (diagnosis.breaks.iter().zip(&diagnostic.step_sizes))
+    let found = diagnosis.evidence.breaks.len();
+    let off = (diagnosis.evidence.breaks.iter().zip(&diagnostic.step_sizes))
         .map(|(found, h)| {
             let (q, p) = (found.found.s * std::f64::consts::TAU).sin_cos();
             (q + c * h * p).abs()

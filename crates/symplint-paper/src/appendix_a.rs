@@ -2,15 +2,14 @@
 
 use serde::Serialize;
 use symplint::{Ensemble, LoopIntegral, Rule};
-
-use super::Item;
-use super::PaperError;
-use super::claim::{Claim, Judgement, Origin};
-use super::settings::{Key, Settings};
-use super::sweep::{doublings, power_law, trend_text};
 use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, reference_slope, series};
 use symplint_report::run_folder::RunFolder;
+
+use super::claim::{Claim, Judgement, Origin};
+use super::settings::{Key, Settings};
+use super::sweep::{doublings, power_law, trend_text};
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "appendix-a",
@@ -20,6 +19,7 @@ pub const ITEM: Item = Item {
         Key::whole("from", 1 << 4, 3, "fewest samples, made odd"),
         Key::whole("to", 1 << 16, 3, "most samples, made odd"),
     ],
+    check: None,
     run,
 };
 
@@ -121,17 +121,16 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         drawn.push(reference_slope(&curve, -(degree as f64), "N"));
     }
     folder.write_csv("appendix_a.csv", &rows)?;
-    Figure {
-        title: None,
-        panels: vec![Panel {
+    Figure::new(
+        vec![Panel {
             title: "pseudospectral rule, loops in Hʳ".into(),
             x: axis("samples Nₛ", Scale::Log2),
             y: axis("relative error of ∮ p dq", Scale::Log10),
             series: drawn,
             equal_aspect: false,
         }],
-        columns: 1,
-    }
+        1,
+    )
     .save(&folder.figures(), "appendix_a")?;
     Ok(claims)
 }

@@ -4,15 +4,14 @@ use std::f64::consts::{PI, TAU};
 
 use serde::Serialize;
 use symplint::{Cutoff, Cutoffs, Ensemble, LoopIntegral, Rule};
-
-use super::Item;
-use super::PaperError;
-use super::claim::{Claim, Judgement, Origin};
-use super::settings::{Key, Settings};
-use super::sweep::{doublings, power_law, trend_text};
 use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, reference_slope, series};
 use symplint_report::run_folder::RunFolder;
+
+use super::claim::{Claim, Judgement, Origin};
+use super::settings::{Key, Settings};
+use super::sweep::{doublings, power_law, trend_text};
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "appendix-b",
@@ -23,6 +22,7 @@ pub const ITEM: Item = Item {
         Key::whole("to", 1 << 20, 3, "most samples, made odd"),
         Key::positive("cutoff", 40.0, "λ_q = λ_p"),
     ],
+    check: None,
     run,
 };
 
@@ -84,9 +84,8 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         .collect();
     let rate = power_law(&errors);
     let below = rows.iter().all(|row| row.error <= row.bound);
-    Figure {
-        title: None,
-        panels: vec![Panel {
+    Figure::new(
+        vec![Panel {
             title: "finite-difference rule, jumps left out".into(),
             x: axis("samples Nₛ", Scale::Log2),
             y: axis("error of ∮ p dq", Scale::Log10),
@@ -97,8 +96,8 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             ],
             equal_aspect: false,
         }],
-        columns: 1,
-    }
+        1,
+    )
     .save(&folder.figures(), "appendix_b")?;
     let [detected, q_kept, p_kept] = detection(settings.number("cutoff"))?;
     Ok(vec![

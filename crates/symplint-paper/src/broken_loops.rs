@@ -9,15 +9,14 @@ use serde::Serialize;
 use symplint::{Circle, Cutoffs, Defect, Ensemble, LoopIntegral, Piecewise, Rule, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
+use symplint_report::figure::{Figure, Panel, Series, Style};
+use symplint_report::plot::{error_axis, series, step_axis, uncertainty};
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
 use super::sweep::{halvings, step_of};
-use symplint_report::figure::{Figure, Panel, Scale, Series, Style};
-use symplint_report::plot::{axis, series};
-use symplint_report::run_folder::RunFolder;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "broken-loops",
@@ -29,6 +28,7 @@ pub const ITEM: Item = Item {
         (1, MOST_PARTICLES),
         "number of particles in the figure",
     )],
+    check: None,
     run,
 };
 
@@ -141,8 +141,6 @@ fn figure(particles: usize, rows: &[Row]) -> Figure {
                 .collect()
         };
         let all: Vec<Series> = vec![
-            series("uncertainty", of(|row| row.uncertainty), Style::Floor, 0),
-            series("cut-off rule", of(|row| row.cutoff_rule), Style::Points, 1),
             series(
                 "between breaks",
                 of(|row| row.continuous),
@@ -155,20 +153,18 @@ fn figure(particles: usize, rows: &[Row]) -> Figure {
                 Style::LineAndPoints,
                 2,
             ),
+            series("cut-off rule", of(|row| row.cutoff_rule), Style::Points, 1),
+            uncertainty(of(|row| row.uncertainty)),
         ];
         Panel {
             title: format!("{integrator}, linear splines, Nₚ = {particles}"),
-            x: axis("step size h", Scale::Log2),
-            y: axis("relative loop defect |E|", Scale::Log10),
+            x: step_axis(),
+            y: error_axis(),
             series: all,
             equal_aspect: false,
         }
     };
-    Figure {
-        title: None,
-        panels: vec![panel(0), panel(1)],
-        columns: 2,
-    }
+    Figure::new(vec![panel(0), panel(1)], 2).with_shared_legend()
 }
 
 fn claims(rows: &[Row], more: &[Row]) -> Vec<Claim> {

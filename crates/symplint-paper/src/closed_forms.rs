@@ -7,16 +7,15 @@ use serde::Serialize;
 use symplint::{Circle, Cutoff, Cutoffs, Rule};
 use symplint_models::Separable;
 use symplint_models::systems::AbsoluteValue;
+use symplint_report::figure::{Figure, Panel, Scale, Style};
+use symplint_report::plot::{axis, series};
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
 use super::accumulation::{Named, accumulated, break_line};
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
 use super::sweep::{Study, step_of, worst};
-use symplint_report::figure::{Figure, Panel, Scale, Style};
-use symplint_report::plot::{axis, series};
-use symplint_report::run_folder::RunFolder;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "closed-forms",
@@ -38,6 +37,7 @@ pub const ITEM: Item = Item {
             "samples for the mollified form",
         ),
     ],
+    check: None,
     run,
 };
 
@@ -192,17 +192,16 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     });
     folder.write_csv("closed_forms.csv", &rows)?;
     folder.write_csv("closed_forms_mollified.csv", &mollified)?;
-    Figure {
-        title: None,
-        panels: vec![Panel {
+    Figure::new(
+        vec![Panel {
             title: "H = p²/2 + |q|: measured (points) and closed forms (lines)".into(),
             x: axis("step size h", Scale::Linear),
             y: axis("∮ p dq without the jumps", Scale::Linear),
             series: curves,
             equal_aspect: false,
         }],
-        columns: 1,
-    }
+        1,
+    )
     .save(&folder.figures(), "closed_forms")?;
     Ok(claims)
 }

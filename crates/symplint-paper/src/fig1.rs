@@ -6,15 +6,14 @@ use std::sync::Arc;
 use symplint::{Circle, Orbit, Rows, Rule, Trace};
 use symplint_models::systems::{Pendulum, PendulumPotential};
 use symplint_models::{Hamiltonian, Separable};
-
-use super::Item;
-use super::PaperError;
-use super::claim::{Claim, Judgement, Origin};
-use super::settings::{Key, Settings};
-use super::sweep::{power_law, step_of, trend_text};
 use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, portrait, series};
 use symplint_report::run_folder::RunFolder;
+
+use super::claim::{Claim, Judgement, Origin};
+use super::settings::{Key, Settings};
+use super::sweep::{power_law, step_of, trend_text};
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig1",
@@ -25,6 +24,7 @@ pub const ITEM: Item = Item {
         Key::whole("steps", 1000, 120, "steps for the energy"),
         Key::whole("samples", 2048, 3, "samples of the loop"),
     ],
+    check: None,
     run,
 };
 
@@ -54,7 +54,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         p: &[0.0],
         energy: &energy,
     };
-    let record = trace.run(&*map, &circle, Some(orbit), &|_| {})?;
+    let record = trace.run(&*map, &circle, Some(orbit))?;
     folder.write_csv("fig1_energy.csv", &record.points)?;
 
     let mut loops = Vec::new();
@@ -74,14 +74,13 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         series: vec![series("", errors.clone(), Style::Line, 0)],
         equal_aspect: false,
     };
-    Figure {
-        title: None,
-        panels: vec![
+    Figure::new(
+        vec![
             portrait("loop round (π, ½)", &loops, Some(&energy)),
             energy_panel,
         ],
-        columns: 2,
-    }
+        2,
+    )
     .save(&folder.figures(), "fig1")?;
 
     // h, h/2, h/4, h/8 over the same time; O(h^p) is about small steps.
@@ -94,7 +93,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             snapshots: vec![],
             ..trace.clone()
         };
-        let record = finer.run(&*map, &circle, Some(orbit), &|_| {})?;
+        let record = finer.run(&*map, &circle, Some(orbit))?;
         let errors = || record.points.iter().filter_map(|point| point.energy_error);
         let (low, high) = errors().fold((0.0f64, 0.0f64), |(l, h), e| (l.min(e), h.max(e)));
         bands.push((finer.step_size, high - low));

@@ -6,16 +6,14 @@ use std::sync::Arc;
 use symplint::{Circle, Rule, Trace};
 use symplint_models::Separable;
 use symplint_models::systems::{Pendulum, PendulumPotential};
+use symplint_report::figure::{Figure, Panel, Scale, Style};
+use symplint_report::plot::{axis, error_axis, series, uncertainty_in_time};
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
 use super::sweep::step_of;
-use symplint_report::figure::{Figure, Panel, Scale, Style};
-use symplint_report::plot::error_axis;
-use symplint_report::plot::{axis, series};
-use symplint_report::run_folder::RunFolder;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig2",
@@ -26,6 +24,7 @@ pub const ITEM: Item = Item {
         Key::whole("steps", 1000, 1, "number of steps"),
         Key::whole("samples", 2048, 3, "samples of each loop"),
     ],
+    check: None,
     run,
 };
 
@@ -49,7 +48,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         ("x_point", "loop round (0, 0)", (0.0, 0.0)),
     ] {
         let circle = Circle::new(vec![centre.0], vec![centre.1], 1.0)?;
-        let record = trace.run(&*map, &circle, None, &|_| {})?;
+        let record = trace.run(&*map, &circle, None)?;
         folder.write_csv(&format!("fig2_{name}.csv"), &record.points)?;
         let lost = record.points.iter().find(|point| point.defect > LOST);
         onset.push(lost.map(|point| point.time));
@@ -62,16 +61,14 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             title: title.into(),
             x: axis("time t", Scale::Linear),
             y: error_axis(),
-            series: vec![series("", defects, Style::Line, 0)],
+            series: vec![
+                series("defect", defects, Style::Line, 0),
+                uncertainty_in_time(&record.points),
+            ],
             equal_aspect: false,
         });
     }
-    Figure {
-        title: None,
-        panels,
-        columns: 2,
-    }
-    .save(&folder.figures(), "fig2")?;
+    Figure::new(panels, 2).save(&folder.figures(), "fig2")?;
 
     let describe = |time: Option<f64>| match time {
         None => "never".to_owned(),

@@ -1,17 +1,15 @@
 //! Figure 3: the interpolated pendulum against the number of samples.
 
 use symplint::Cutoffs;
+use symplint_report::figure::{Figure, Panel, Scale};
+use symplint_report::plot::{axis, error_axis, reference_slope};
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
 use super::claim::{Claim, Judgement, Origin};
 use super::interpolated::{CASES, circle_round, sweep_case};
 use super::settings::{Key, Settings};
 use super::sweep::{Record, doublings, power_law, trend_text};
-use symplint_report::figure::{Figure, Panel, Scale};
-use symplint_report::plot::error_axis;
-use symplint_report::plot::{axis, reference_slope};
-use symplint_report::run_folder::RunFolder;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig3",
@@ -24,6 +22,7 @@ pub const ITEM: Item = Item {
         Key::number("p0", 0.0, "centre of the loop, momentum"),
         Key::positive("cutoff", 10.0, "λ_q = λ_p of the finite-difference rule"),
     ],
+    check: None,
     run,
 };
 
@@ -49,7 +48,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             let strang = drawn[0].points.clone();
             drawn.push(reference_slope(&strang, -order, "Nₛ"));
         }
-        drawn.extend(swept.floor);
+        drawn.push(swept.uncertainty);
         panels.push(Panel {
             title: case.title.into(),
             x: axis("samples Nₛ", Scale::Log2),
@@ -58,12 +57,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             equal_aspect: false,
         });
     }
-    Figure {
-        title: None,
-        panels,
-        columns: 2,
-    }
-    .save(&folder.figures(), "fig3")?;
+    Figure::new(panels, 2).save(&folder.figures(), "fig3")?;
     folder.write_csv("fig3.csv", &records)?;
     Ok(claims(&records))
 }
@@ -149,7 +143,7 @@ fn samples_needed(records: &[Record]) -> Claim {
     let needed: Vec<Option<usize>> = (CASES.iter())
         .map(|case| {
             (curve(records, case.title, "Strang", case.rule_name()).iter())
-                .find(|r| r.floor() < ROUND_OFF)
+                .find(|r| r.uncertainty() < ROUND_OFF)
                 .map(|r| r.samples)
         })
         .collect();

@@ -1,20 +1,18 @@
 //! Figure 4: the interpolated pendulum against the step size.
 
 use symplint::{Cutoffs, Rule};
+use symplint_report::figure::{Figure, Panel};
+use symplint_report::number::{raised_power_of_two, short_power};
+use symplint_report::plot::{error_axis, reference_slope, step_axis};
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
 use super::claim::{Claim, Judgement, Origin};
 use super::interpolated::{CASES, Case, circle_round, pendulum, sweep_case};
 use super::settings::{Key, Settings};
 use super::sweep::{
     Record, Study, chosen_halvings, fitted_order, halvings, halvings_to, order_text, step_of, worst,
 };
-use symplint_report::figure::{Figure, Panel};
-use symplint_report::number::{raised_power_of_two, short_power};
-use symplint_report::plot::reference_slope;
-use symplint_report::plot::{error_axis, step_axis};
-use symplint_report::run_folder::RunFolder;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig4",
@@ -32,6 +30,7 @@ pub const ITEM: Item = Item {
         Key::number("p0", 0.0, "centre of the loop, momentum"),
         Key::positive("cutoff", 10.0, "λ_q = λ_p of the finite-difference rule"),
     ],
+    check: None,
     run,
 };
 
@@ -69,7 +68,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             if case.broken { 2.0 } else { 4.0 },
             "h",
         ));
-        drawn.extend(swept.floor);
+        drawn.push(swept.uncertainty);
         panels.push(Panel {
             title: format!(
                 "{} (Nₛ = {})",
@@ -82,12 +81,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             equal_aspect: false,
         });
     }
-    Figure {
-        title: None,
-        panels,
-        columns: 2,
-    }
-    .save(&folder.figures(), "fig4")?;
+    Figure::new(panels, 2).save(&folder.figures(), "fig4")?;
     folder.write_csv("fig4.csv", &records)?;
     let mut claims = claims(&records, p0);
     claims.push(expected_slope()?);
@@ -100,7 +94,7 @@ fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
     for case in CASES.iter().filter(|case| !case.broken) {
         let strang = curve(case, "Strang");
         let largest = worst(strang.iter().copied());
-        let floor = strang.iter().map(|r| r.floor()).fold(0.0, f64::max);
+        let bound = strang.iter().map(|r| r.uncertainty()).fold(0.0, f64::max);
         claims.push(Claim {
             item: "fig4",
             origin: Origin::Paper,
@@ -109,11 +103,11 @@ fn claims(records: &[Record], p0: f64) -> Vec<Claim> {
                 "{}: Strang conserves the loop integral at every step size",
                 case.title
             ),
-            measured: format!("no defect above {largest:.1e}, floor below {floor:.1e}"),
-            judgement: if floor > 1e-6 {
+            measured: format!("no defect above {largest:.1e}, uncertainty below {bound:.1e}"),
+            judgement: if bound > 1e-6 {
                 Judgement::Unresolved
             } else {
-                Judgement::of(strang.iter().all(|r| r.defect() <= r.floor()))
+                Judgement::of(strang.iter().all(|r| r.defect() <= r.uncertainty()))
             },
         });
         // The paper's loop; round another centre the order is 3.
@@ -178,7 +172,10 @@ fn quadrature_below_trends(records: &[Record]) -> Claim {
     let mut paper = true;
     for case in CASES.iter().filter(|case| !case.broken) {
         let rk2 = curve(records, case, "RK2");
-        let clear: Vec<_> = rk2.iter().take_while(|r| r.defect() > r.floor()).collect();
+        let clear: Vec<_> = rk2
+            .iter()
+            .take_while(|r| r.defect() > r.uncertainty())
+            .collect();
         let samples = if case.degree == 2 {
             PAPER_ROUGH
         } else {
@@ -210,16 +207,19 @@ fn quadrature_below_trends(records: &[Record]) -> Claim {
 fn linear_resolution(records: &[Record]) -> [Claim; 2] {
     let strang = curve(records, &CASES[1], "Strang");
     let paper = strang.first().is_some_and(|r| r.samples == PAPER_ROUGH);
-    let floor = strang.iter().map(|r| r.floor()).fold(0.0, f64::max);
-    let digits = -floor.log10();
+    let bound = strang.iter().map(|r| r.uncertainty()).fold(0.0, f64::max);
+    let digits = -bound.log10();
     // What is left of a defect without the quadrature error must exceed that.
-    let trusted = (strang.iter().take_while(|r| r.defect() > 2.0 * r.floor())).last();
+    let trusted = (strang
+        .iter()
+        .take_while(|r| r.defect() > 2.0 * r.uncertainty()))
+    .last();
     let reaches = strang.last().is_some_and(|r| r.step_size < 2f64.powi(-8));
     [
         claim(
             "piecewise linear: O(1/N_s) with 2^20 samples suggests about six digits",
-            format!("quadrature error estimated at {floor:.1e}, {digits:.1} digits"),
-            Judgement::of(digits >= 5.5).if_resolved(paper && floor.is_finite()),
+            format!("quadrature error estimated at {bound:.1e}, {digits:.1} digits"),
+            Judgement::of(digits >= 5.5).if_resolved(paper && bound.is_finite()),
         ),
         claim(
             "piecewise linear: the error in symplecticity exceeds that of the quadrature for h above about 2^-6",
@@ -228,7 +228,7 @@ fn linear_resolution(records: &[Record]) -> [Claim; 2] {
                     "down to h = {}, where the defect is {:.1e} and the quadrature error {:.1e}",
                     short_power(r.step_size),
                     r.defect(),
-                    r.floor()
+                    r.uncertainty()
                 ),
                 None => "at no step size".into(),
             },

@@ -5,19 +5,19 @@ use std::sync::Arc;
 use symplint::{Circle, Fit, Rule, Trace};
 use symplint_models::Separable;
 use symplint_models::systems::PendulumArray;
+use symplint_report::figure::{Figure, Panel, Scale, Style};
+use symplint_report::plot::{
+    axis, error_axis, reference_slope, series, step_axis, uncertainty_in_time,
+};
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
 use super::claim::{Claim, Judgement, Origin};
-use super::floor::floor;
 use super::settings::{Key, Settings};
 use super::sweep::{
     Record, Study, chosen_halvings, fitted_order, halvings_to, order_text, step_of, worst,
 };
-use symplint_report::figure::{Figure, Panel, Scale, Style};
-use symplint_report::plot::{axis, reference_slope, series};
-use symplint_report::plot::{error_axis, step_axis};
-use symplint_report::run_folder::RunFolder;
+use super::uncertainty::uncertainty;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig5",
@@ -38,6 +38,7 @@ pub const ITEM: Item = Item {
         Key::whole("trace_steps", 200, 1, "steps of the time trace"),
         Key::whole("seed", 1, 0, "of the initial states"),
     ],
+    check: None,
     run,
 };
 
@@ -62,7 +63,6 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     let time_panel = trace(settings, folder, seed)?;
     let (system, circle) = array(pendula, seed)?;
     let mut records: Vec<Record> = Vec::new();
-    let mut floors = Vec::new();
     let mut drawn = Vec::new();
     for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
         let map = step_of(name, variant, &system)?;
@@ -74,9 +74,6 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             rule: Rule::Pseudospectral,
         };
         let points = study.over_steps(samples, &steps)?;
-        if index == 0 {
-            floors.push(floor(&points, Record::over_step));
-        }
         let curve = points.iter().map(Record::over_step).collect();
         drawn.push(series(label, curve, Style::LineAndPoints, index));
         records.extend(points);
@@ -88,7 +85,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         let points = drawn[index].points.clone();
         drawn.push(reference_slope(&points, order, "h"));
     }
-    drawn.extend(floors);
+    drawn.push(uncertainty(&records, Record::over_step));
     let step_panel = Panel {
         title: format!("{pendula} pendula, one step"),
         x: step_axis(),
@@ -96,12 +93,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         series: drawn,
         equal_aspect: false,
     };
-    Figure {
-        title: None,
-        panels: vec![time_panel, step_panel],
-        columns: 2,
-    }
-    .save(&folder.figures(), "fig5")?;
+    Figure::new(vec![time_panel, step_panel], 2).save(&folder.figures(), "fig5")?;
     folder.write_csv("fig5_steps.csv", &records)?;
 
     let strang = worst(
@@ -150,10 +142,10 @@ fn trace(settings: &Settings, folder: &RunFolder, seed: u64) -> Result<Panel, Pa
         steps: settings.count("trace_steps"),
         snapshots: vec![],
     };
-    let mut drawn = Vec::new();
+    let (mut drawn, mut all) = (Vec::new(), Vec::new());
     for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
         let map = step_of(name, variant, &system)?;
-        let record = trace.run(&*map, &circle, None, &|_| {})?;
+        let record = trace.run(&*map, &circle, None)?;
         folder.write_csv(&format!("fig5_time_{name}_{variant}.csv"), &record.points)?;
         let points = record
             .points
@@ -161,7 +153,9 @@ fn trace(settings: &Settings, folder: &RunFolder, seed: u64) -> Result<Panel, Pa
             .map(|point| (point.time, point.defect))
             .collect();
         drawn.push(series(label, points, Style::Line, index));
+        all.extend(record.points);
     }
+    drawn.push(uncertainty_in_time(&all));
     Ok(Panel {
         title: format!("{pendula} pendula, h = {}", trace.step_size),
         x: axis("time t", Scale::Linear),

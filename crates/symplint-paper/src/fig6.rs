@@ -1,14 +1,14 @@
 //! Figure 6: particle-in-cell against the number of samples.
 
-use super::Item;
-use super::PaperError;
+use symplint_report::run_folder::RunFolder;
+
 use super::claim::Claim;
 use super::pic::{DEGREES, LAMBDA, MOST_PARTICLES, Over, RK2, SEED, STRANG, Setup};
 use super::pic_panels::{measure_panels, plain_panels};
 use super::settings::{Key, Settings};
 use super::sweep::doublings;
+use super::{Item, PaperError};
 use super::{fig6_claims, particle_scaling};
-use symplint_report::run_folder::RunFolder;
 
 pub const ITEM: Item = Item {
     id: "fig6",
@@ -30,6 +30,7 @@ pub const ITEM: Item = Item {
         RK2,
         SEED,
     ],
+    check: None,
     run,
 };
 

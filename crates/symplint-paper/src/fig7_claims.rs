@@ -1,10 +1,11 @@
 //! What section 5.2 says of figure 7.
 
+use symplint_report::number::short_power;
+
 use super::claim::{Claim, Judgement};
 use super::pic::{Case, Curves, PLASMAS, Setup};
 use super::sweep::{Record, fitted_order, order_text, worst};
 use super::true_defect::{self, Known};
-use symplint_report::number::short_power;
 
 /// What the paper says it says of so many samples of so many particles.
 const SAMPLES: usize = 1 << 15;
@@ -154,7 +155,10 @@ fn reduction(name: &str, strang: [&[Record]; 2]) -> Claim {
 
 fn trend(case: &str, rk2: &[Record]) -> Claim {
     let fit = fitted_order(rk2);
-    let clear = rk2.iter().filter(|r| r.defect() > 50.0 * r.floor()).count();
+    let clear = rk2
+        .iter()
+        .filter(|r| r.defect() > 50.0 * r.uncertainty())
+        .count();
     claim(
         format!("{case}: RK2 clearly follows a convergence trend"),
         format!("its defect goes as {}", order_text(fit.as_ref())),
@@ -166,9 +170,9 @@ fn trend(case: &str, rk2: &[Record]) -> Claim {
     )
 }
 
-/// Linear splines: the points of both integrators that stand clear of their floors, where known.
+/// Linear splines: the points of both integrators that exceed their uncertainty clearly, where it is known.
 fn clear_pairs(curves: &Curves) -> Vec<(&Record, &Record)> {
-    let clear = |r: &Record| r.defect() > 3.0 * r.floor();
+    let clear = |r: &Record| r.defect() > 3.0 * r.uncertainty();
     (PLASMAS.into_iter())
         .flat_map(|plasma| {
             let case = Case {
@@ -189,11 +193,11 @@ fn breaks(curves: &Curves) -> Claim {
     let pairs = clear_pairs(curves);
     let text = match (pairs.iter()).max_by(|a, b| a.0.defect().total_cmp(&b.0.defect())) {
         Some((strang, _)) => format!(
-            "defect of Strang {:.1e} at h = {}, quadrature error {:.1e}; above three times its floor at {} \
+            "defect of Strang {:.1e} at h = {}, quadrature error {:.1e}; above three times its uncertainty at {} \
              pairs of plasma and step size",
             strang.defect(),
             short_power(strang.step_size),
-            strang.floor(),
+            strang.uncertainty(),
             pairs.len()
         ),
         None => "no defect stands clear of the quadrature error".into(),
@@ -219,7 +223,7 @@ fn indistinguishable(curves: &Curves) -> Claim {
             0 => "no defect stands clear of the quadrature error".into(),
             count => format!(
                 "defect of Strang over that of RK2 between {low:.2} and {high:.2} at the {count} pairs of plasma \
-                 and step size where both stand clear of the floor"
+                 and step size where both exceed three times their uncertainty"
             ),
         },
         Judgement::of(low > 0.5 && high < 2.0).if_resolved(pairs.len() >= FEWEST),

@@ -8,17 +8,16 @@ use serde::Serialize;
 use symplint::{Ensemble, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, ShapeFamily, TwoStream};
+use symplint_report::figure::{Figure, Panel, Scale, Style};
+use symplint_report::plot::{axis, series};
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
 use super::claim::Claim;
 use super::drift::{BLOCKS, DRIFT, Drift};
 use super::pic::{DEGREES, MOST_PARTICLES, SEED, STRANG};
 use super::settings::{Key, SettingError, Settings};
 use super::sweep::step_of;
-use symplint_report::figure::{Figure, Panel, Scale, Style};
-use symplint_report::plot::{axis, series};
-use symplint_report::run_folder::RunFolder;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig8",
@@ -37,6 +36,7 @@ pub const ITEM: Item = Item {
         STRANG,
         SEED,
     ],
+    check: Some(check),
     run,
 };
 
@@ -64,8 +64,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     let particles = settings.count("particles");
     let cells = settings.count("cells");
     let h = settings.number("step_size");
-    let until = settings.number("until");
-    let steps = steps_until(until, h, particles + cells)?;
+    let steps = chosen_steps(settings)?;
     let seed = settings.whole("seed");
     let variant = settings.choice("strang");
     // What the paper says it says of its own run, or a finer one.
@@ -122,12 +121,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             equal_aspect: false,
         });
     }
-    Figure {
-        title: None,
-        panels,
-        columns: 1,
-    }
-    .save(&folder.figures(), "fig8")?;
+    Figure::new(panels, 3).save(&folder.figures(), "fig8")?;
     let all: Vec<Moment> = runs.into_iter().flatten().collect();
     folder.write_csv("fig8.csv", &all)?;
     Ok(claims)
@@ -136,8 +130,18 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
 /// Updates of a particle or a cell at most: some two hundred times the paper's run, hours.
 const MOST_UPDATES: f64 = 1e11;
 
+fn check(settings: &Settings) -> Result<(), SettingError> {
+    chosen_steps(settings).map(|_| ())
+}
+
+fn chosen_steps(settings: &Settings) -> Result<usize, SettingError> {
+    let updates_per_step = settings.count("particles") + settings.count("cells");
+    let (until, h) = (settings.number("until"), settings.number("step_size"));
+    steps_until(until, h, updates_per_step)
+}
+
 /// The number of steps, if it is one that ends.
-fn steps_until(until: f64, h: f64, updates_per_step: usize) -> Result<usize, PaperError> {
+fn steps_until(until: f64, h: f64, updates_per_step: usize) -> Result<usize, SettingError> {
     let steps = (until / h).round().max(1.0);
     let most = (MOST_UPDATES / updates_per_step as f64).floor();
     // Not `steps > most`: a quotient that overflows is none either.
@@ -176,8 +180,7 @@ fn steps_until(until: f64, h: f64, updates_per_step: usize) -> Result<usize, Pap
             steps,
             step_size: h,
             remedy: format!("at most {most:.1e} steps with so many particles and cells: {remedy}"),
-        }
-        .into());
+        });
     }
     Ok(steps as usize)
 }

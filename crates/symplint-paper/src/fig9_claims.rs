@@ -88,9 +88,9 @@ fn errors_text(errors: Option<[Known; 3]>) -> String {
 }
 
 /// The smallest and the largest of what is left of a defect after the most passes, over the step sizes where
-/// both defects stand clear of their floors; none with fewer than three.
+/// both defects exceed their uncertainty clearly; none with fewer than three.
 fn left_over(steps: &Curves, degree: usize) -> Option<(f64, f64)> {
-    let clear = |r: &Record| r.defect() > 3.0 * r.floor();
+    let clear = |r: &Record| r.defect() > 3.0 * r.uncertainty();
     let ratios: Vec<f64> = (strang(steps, degree, PASSES[0]).iter())
         .zip(strang(steps, degree, PASSES[2]))
         .filter(|(plain, filtered)| clear(plain) && clear(filtered))
@@ -106,13 +106,13 @@ fn linear(steps: &Curves) -> Claim {
     let (text, judgement) = match left {
         Some((low, high)) => (
             format!(
-                "; {low:.2} to {high:.2} of it is left after four passes at every step size where both stand clear of \
-                 the floor"
+                "; {low:.2} to {high:.2} of it is left after four passes at every step size where both exceed \
+                 three times their uncertainty"
             ),
             Judgement::with_correction(low > 1.0 - ALMOST_NONE, low > 0.1),
         ),
         None => (
-            "; too few of them stand clear of the floor".into(),
+            "; too few of them exceed three times their uncertainty".into(),
             Judgement::Unresolved,
         ),
     };
@@ -165,7 +165,7 @@ fn analogous(quadratic: Option<[Known; 3]>, cubic: Option<[Known; 3]>) -> Claim 
 fn faster(counts: &Curves, degree: usize, name: &str) -> Claim {
     let curves = PASSES.map(|passes| -> Vec<(f64, f64)> {
         (strang(counts, degree, passes).iter())
-            .map(|r| (r.samples as f64, r.floor()))
+            .map(|r| (r.samples as f64, r.uncertainty()))
             .collect()
     });
     let rates = [0, 1, 2].map(|k| power_law(&curves[k]));

@@ -8,18 +8,18 @@ use symplint_models::bspline;
 use symplint_models::integrators::{Tableau, TableauPair, tableaus};
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_models::systems::TwoCell;
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::Settings;
-use symplint_report::run_folder::RunFolder;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "formulas",
     title: "formulas of sections 3.1, 4.3, 5.3 and appendices C, D, F",
     cost: "1 s",
     keys: &[],
+    check: None,
     run,
 };
 

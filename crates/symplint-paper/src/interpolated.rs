@@ -6,12 +6,12 @@ use std::sync::Arc;
 use symplint::{Circle, Cutoffs, Rule};
 use symplint_models::Separable;
 use symplint_models::systems::InterpolatedPendulum;
-
-use super::PaperError;
-use super::floor::floor;
-use super::sweep::{Record, Study, step_of};
 use symplint_report::figure::{Series, Style};
 use symplint_report::plot::series;
+
+use super::PaperError;
+use super::sweep::{Record, Study, step_of};
+use super::uncertainty::uncertainty;
 
 /// One panel of figures 3 and 4.
 pub struct Case {
@@ -84,8 +84,8 @@ pub fn circle_round(p0: f64) -> Result<Circle, PaperError> {
 pub struct Swept {
     /// One curve for each of [`INTEGRATORS`], by the paper's rule.
     pub curves: Vec<Series>,
-    /// The floor of the first.
-    pub floor: Option<Series>,
+    /// The uncertainty of both.
+    pub uncertainty: Series,
     /// The points by both rules.
     pub records: Vec<Record>,
 }
@@ -99,11 +99,7 @@ pub fn sweep_case(
     at: fn(&Record) -> (f64, f64),
 ) -> Result<Swept, PaperError> {
     let system = pendulum(case.degree)?;
-    let mut swept = Swept {
-        curves: Vec::new(),
-        floor: None,
-        records: Vec::new(),
-    };
+    let (mut curves, mut drawn, mut records) = (Vec::new(), Vec::new(), Vec::new());
     for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
         let map = step_of(name, variant, &system)?;
         for rule in [Rule::Pseudospectral, Rule::FiniteDifference(cutoffs)] {
@@ -114,17 +110,17 @@ pub fn sweep_case(
                 phase_loop: circle,
                 rule,
             })?;
-            if rule.name() == case.rule_name() {
-                if index == 0 {
-                    swept.floor = Some(floor(&points, at));
-                }
+            if rule.kind().name() == case.rule_name() {
                 let curve = points.iter().map(at).collect();
-                swept
-                    .curves
-                    .push(series(label, curve, Style::LineAndPoints, index));
+                curves.push(series(label, curve, Style::LineAndPoints, index));
+                drawn.extend(points.iter().cloned());
             }
-            swept.records.extend(points);
+            records.extend(points);
         }
     }
-    Ok(swept)
+    Ok(Swept {
+        curves,
+        uncertainty: uncertainty(&drawn, at),
+        records,
+    })
 }

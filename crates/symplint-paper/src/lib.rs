@@ -25,7 +25,6 @@ mod fig7_claims;
 mod fig8;
 mod fig9;
 mod fig9_claims;
-mod floor;
 mod formulas;
 mod interpolated;
 mod particle_scaling;
@@ -36,6 +35,7 @@ mod reproduce;
 mod settings;
 mod sweep;
 mod true_defect;
+mod uncertainty;
 
 pub use claim::{Claim, Judgement, Origin, claims_markdown, claims_summary};
 pub use error::PaperError;
@@ -43,6 +43,9 @@ pub use reproduce::{Progress, reproduce};
 pub use settings::{Key, Kind, SettingError, Settings, Value};
 
 use symplint_report::run_folder::RunFolder;
+
+/// Refuses settings that are right by themselves and do not go together.
+pub type Check = fn(&Settings) -> Result<(), SettingError>;
 
 /// One figure, table or set of formulas of the paper.
 pub struct Item {
@@ -54,6 +57,8 @@ pub struct Item {
     pub cost: &'static str,
     /// What can be set.
     pub keys: &'static [Key],
+    /// What is to be checked of all settings together, if anything.
+    pub check: Option<Check>,
     /// Measures, draws and judges.
     pub run: fn(&Settings, &RunFolder) -> Result<Vec<Claim>, PaperError>,
 }

@@ -1,12 +1,12 @@
 //! Section 5.2: how the error of the finite-difference rule grows with the particles.
 
 use serde::Serialize;
+use symplint_report::run_folder::RunFolder;
 
 use super::PaperError;
 use super::claim::{Claim, Judgement};
 use super::pic::{Case, Over, PLASMAS, Setup};
 use super::sweep::{doublings, line_text, power_law_line};
-use symplint_report::run_folder::RunFolder;
 
 /// Numbers of particles; so few that λ = 1000 finds all their jumps with the samples below.
 const PARTICLES: [usize; 4] = [2, 4, 8, 16];

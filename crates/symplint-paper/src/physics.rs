@@ -9,16 +9,15 @@ use serde::Serialize;
 use symplint::Ensemble;
 use symplint_models::Separable;
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
+use symplint_report::figure::{Figure, Panel, Scale, Style};
+use symplint_report::plot::{axis, series};
+use symplint_report::run_folder::RunFolder;
 
-use super::Item;
-use super::PaperError;
 use super::claim::{Claim, Judgement, Origin};
 use super::pic::MOST_PARTICLES;
 use super::settings::{Key, Settings};
 use super::sweep::{least_squares, step_of};
-use symplint_report::figure::{Figure, Panel, Scale, Style};
-use symplint_report::plot::{axis, series};
-use symplint_report::run_folder::RunFolder;
+use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "physics",
@@ -44,6 +43,7 @@ pub const ITEM: Item = Item {
             "number of particles of both beams together",
         ),
     ],
+    check: None,
     run,
 };
 
@@ -279,12 +279,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             equal_aspect: false,
         });
     }
-    Figure {
-        title: None,
-        panels,
-        columns: 3,
-    }
-    .save(&folder.figures(), "physics")?;
+    Figure::new(panels, 3).save(&folder.figures(), "physics")?;
     folder.write_csv("physics.csv", &rows)?;
     Ok(claims)
 }

@@ -1,12 +1,12 @@
 //! The panels of figures 6, 7 and 9: each a plasma with splines of one degree.
 
+use symplint_report::figure::{Axis, Figure, Panel, Scale, Style};
+use symplint_report::plot::{axis, error_axis, reference_slope, series, step_axis};
+
 use super::PaperError;
-use super::floor::floor;
 use super::pic::{Case, Curves, INTEGRATORS, Over, PLASMAS, Setup};
 use super::sweep::Record;
-use symplint_report::figure::{Axis, Figure, Panel, Scale, Style};
-use symplint_report::plot::{axis, reference_slope, series};
-use symplint_report::plot::{error_axis, step_axis};
+use super::uncertainty::uncertainty;
 
 /// A panel: curves of both integrators for each case in it.
 pub struct PanelOf {
@@ -40,7 +40,7 @@ pub fn plain_panels(
         .collect()
 }
 
-/// Measures all panels and draws them, two in a row.
+/// Measures all panels and draws them, two in a row, with one legend.
 pub fn measure_panels(
     setup: &Setup,
     panels: &[PanelOf],
@@ -56,26 +56,8 @@ pub fn measure_panels(
         }
         drawn.push(draw(panel, &curves, over));
     }
-    explain_once(&mut drawn);
-    let figure = Figure {
-        title: None,
-        panels: drawn,
-        columns: 2,
-    };
+    let figure = Figure::new(drawn, 2).with_shared_legend();
     Ok((curves, figure))
-}
-
-/// Takes from the legends what the legend of an earlier panel says already.
-fn explain_once(panels: &mut [Panel]) {
-    let mut said = Vec::new();
-    for series in panels.iter_mut().flat_map(|panel| &mut panel.series) {
-        let entry = (series.label.clone(), series.style, series.color);
-        if said.contains(&entry) {
-            series.label.clear();
-        } else {
-            said.push(entry);
-        }
-    }
 }
 
 /// The points of linear splines at which jumps stay in the sum, so that nobody knows how far off it is: where
@@ -118,16 +100,15 @@ fn draw(panel: &PanelOf, curves: &Curves, over: &Over) -> Panel {
             ));
         }
     }
-    // With several cases there is no room for more lines.
-    if let [case] = panel.cases[..] {
-        if let Some((slope, integrator)) = panel.reference {
-            all.push(reference_slope(&points(case, integrator), slope, variable));
-        }
-        all.push(floor(curves.of(case, "Strang"), at));
+    if let ([case], Some((slope, integrator))) = (&panel.cases[..], panel.reference) {
+        all.push(reference_slope(&points(*case, integrator), slope, variable));
     }
+    let records = (panel.cases.iter())
+        .flat_map(|&case| INTEGRATORS.map(|integrator| curves.of(case, integrator)));
+    all.push(uncertainty(records.flatten(), at));
     let unknown = unknown(panel, curves, at);
     if !unknown.is_empty() {
-        let label = "jumps in the sum, no floor";
+        let label = "uncertainty unknown: jumps in the sum";
         all.push(series(label, unknown, Style::Points, BLACK_CROSS));
     }
     Panel {

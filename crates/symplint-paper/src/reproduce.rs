@@ -1,6 +1,7 @@
 //! Running items beside each other, and the tables of their claims.
 
 use rayon::prelude::*;
+use symplint_report::provenance::Run;
 use symplint_report::run_folder::RunFolder;
 
 use crate::{Claim, Item, PaperError, Settings, claims_markdown};
@@ -15,6 +16,7 @@ pub enum Progress {
 }
 
 /// Reproduces items with their settings: figures and data, `claims.json` and `claims.md` go into the folder.
+/// The second ends with the provenance of `run`.
 ///
 /// `progress` is called from several threads.
 ///
@@ -23,6 +25,7 @@ pub enum Progress {
 pub fn reproduce(
     items: &[(&'static Item, Settings)],
     folder: &RunFolder,
+    run: &Run,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Vec<Claim>, PaperError> {
     // Beside each other: drawing and writing of one fill the gaps of another.
@@ -36,6 +39,18 @@ pub fn reproduce(
         .collect::<Result<_, PaperError>>()?;
     let claims = claims.concat();
     folder.write_json("claims.json", &claims)?;
-    folder.write_text("claims.md", &claims_markdown(&claims))?;
+    let mut provenance = run.provenance(rayon::current_num_threads());
+    for (item, settings) in items {
+        if item.keys.iter().any(|key| key.name == "seed") {
+            let seed = settings.whole("seed");
+            provenance.seeds.insert(format!("{}.seed", item.id), seed);
+        }
+    }
+    let text = format!(
+        "{}\n# Provenance\n\n{}",
+        claims_markdown(&claims),
+        provenance.markdown()
+    );
+    folder.write_text("claims.md", &text)?;
     Ok(claims)
 }

@@ -4,16 +4,16 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use symplint::{
-    Defect, Diagnostic, Fit, Loop, LoopEvidence, Point, Rule, RuleChoice, SampleCount, SampleSweep,
-    StepEvidence, Sweep, TimeAdvance, judge,
+    Defect, Diagnostic, Evidence, Fit, Loop, LoopEvidence, LoopKind, Point, Rule, SampleCount,
+    SampleSweep, StepEvidence, Sweep, TimeAdvance, judge,
 };
 use symplint_models::integrators::catalogue::build;
 use symplint_models::{ModelError, Separable};
+use symplint_report::number::short_power;
 
 use super::PaperError;
 use super::settings::{Key, Settings};
 use super::true_defect::Known;
-use symplint_report::number::short_power;
 
 /// A point with what distinguishes its curve.
 #[derive(Clone, Debug, Serialize)]
@@ -53,8 +53,8 @@ impl Record {
         self.signed_defect.abs()
     }
 
-    /// Quadrature error and round-off together: the floor below which |E| means nothing.
-    pub fn floor(&self) -> f64 {
+    /// Quadrature error and round-off together; NaN where the first is not known.
+    pub fn uncertainty(&self) -> f64 {
         self.quadrature_error.unwrap_or(f64::NAN) + self.roundoff
     }
 
@@ -135,17 +135,19 @@ impl Study<'_> {
             Sweep::StepSize
         };
         let diagnostic = Diagnostic {
-            rule: RuleChoice::Fixed(self.rule),
+            rule: self.rule,
             samples: SampleCount::Fixed(samples),
             step_sizes: step_sizes.to_vec(),
             sample_sweep,
             loops: 1,
             jacobian: false,
+            // The paper says how many samples and step sizes there are.
+            budget: Some(usize::MAX),
             ..Diagnostic::default()
         };
-        let diagnosis = diagnostic.run(self.map, self.phase_loop, &|_| {})?;
+        let diagnosis = diagnostic.run(self.map, self.phase_loop)?;
         let points = diagnosis
-            .points
+            .points()
             .into_iter()
             .filter(|point| point.sweep == wanted);
         Ok(points.map(|point| self.record(&point)).collect())
@@ -155,7 +157,7 @@ impl Study<'_> {
         Record {
             case: self.case.to_owned(),
             integrator: self.integrator.to_owned(),
-            rule: point.rule,
+            rule: point.rule.name(),
             step_size: point.step_size,
             samples: point.samples,
             initial: point.initial,
@@ -201,26 +203,23 @@ pub fn worst<'a>(records: impl IntoIterator<Item = &'a Record>) -> f64 {
     (records.into_iter().map(Record::defect)).fold(0.0, f64::max)
 }
 
-/// The power of h that the defects of one curve follow at its smallest steps above the floor, by the fit of
+/// The power of h that the defects of one curve follow at its smallest steps above the uncertainty, by the fit of
 /// the diagnostic itself; `None` where they show none.
 pub fn fitted_order<'a>(records: impl IntoIterator<Item = &'a Record>) -> Option<Fit> {
-    let mut evidence = LoopEvidence::new(0, 0);
+    let mut found = LoopEvidence::new(0, LoopKind::Given);
     for record in records {
-        evidence.samples = record.samples;
-        evidence.steps.push(StepEvidence {
-            step_size: record.step_size,
-            defect: Defect {
-                signed: record.signed_defect,
-                quadrature_error: record.quadrature_error,
-                roundoff: record.roundoff,
-            },
-            found: None,
-            closing: None,
-            cells_apart: 0.0,
-        });
+        let mut step = StepEvidence::default();
+        step.step_size = Some(record.step_size);
+        step.defect = Defect {
+            signed: record.signed_defect,
+            quadrature_error: record.quadrature_error,
+            roundoff: record.roundoff,
+        };
+        found.steps.push(step);
     }
-    // Only the fit is wanted: how much the loop is deformed matters to the verdict alone.
-    judge(&[evidence], f64::INFINITY).1.into_iter().next()
+    let mut evidence = Evidence::default();
+    evidence.loops.push(found);
+    judge(&evidence).fits.into_iter().next()
 }
 
 /// A fitted order in words.

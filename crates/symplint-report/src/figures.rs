@@ -4,7 +4,10 @@ use symplint::{Diagnosis, Ensemble, Loop, Observable, Point, Sweep, TimeAdvance,
 
 use crate::figure::{Axis, Figure, Panel, Scale, Series, Style};
 use crate::number::raised_power_of_two;
-use crate::plot::{axis, error_axis, portrait, reference_slope, series, step_axis};
+use crate::plot::{
+    axis, error_axis, portrait, reference_slope, series, step_axis, uncertainty,
+    uncertainty_in_time,
+};
 
 /// The figures of a diagnosis of `map` by `phase_loop` with their names, and a line on the one that was left
 /// out, if any was. The loop is drawn after a step of size `h`.
@@ -17,7 +20,7 @@ pub fn check_figures(
 ) -> (Vec<(&'static str, Figure)>, Option<String>) {
     let mut figures = vec![("step_sizes", step_sizes(title, diagnosis))];
     if diagnosis
-        .points
+        .points()
         .iter()
         .any(|point| point.sweep == Sweep::Samples)
     {
@@ -33,65 +36,84 @@ pub fn check_figures(
     (figures, note)
 }
 
+/// Series indices: what is closed has a colour of its own.
+const GIVEN: usize = 0;
+const RANDOM: usize = 1;
+const GIVEN_CLOSED: usize = 2;
+const RANDOM_CLOSED: usize = 3;
+
 fn single(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Figure {
-    Figure {
-        title: None,
-        panels: vec![Panel {
+    Figure::new(
+        vec![Panel {
             title: title.into(),
             x,
             y,
             series,
             equal_aspect: false,
         }],
-        columns: 1,
-    }
-}
-
-/// Quadrature error and round-off: what lies below cannot be told from zero.
-fn floor(points: &[&Point], x: impl Fn(&Point) -> f64) -> Series {
-    let floor = points.iter().map(|point| {
-        let quadrature = point.quadrature_error.unwrap_or(f64::NAN);
-        (x(point), quadrature + point.roundoff)
-    });
-    series(
-        "quadrature error + round-off",
-        floor.collect(),
-        Style::Floor,
-        0,
+        1,
     )
 }
 
+/// The uncertainty of some points; none where it is not known.
+fn uncertainty_of(points: &[&Point], x: impl Fn(&Point) -> f64) -> Series {
+    let known = points.iter().map(|point| {
+        let quadrature = point.quadrature_error.unwrap_or(f64::NAN);
+        (x(point), quadrature + point.roundoff)
+    });
+    uncertainty(known)
+}
+
+/// The defects of some loops against step sizes. Those of a broken loop are of two integrals: of the pieces between
+/// its breaks, and with the breaks closed, which alone tells a symplectic map from others.
+fn defects(name: &str, points: &[&Point], style: Style, colors: [usize; 2]) -> Vec<Series> {
+    let curve = |of: fn(&Point) -> Option<f64>| -> Vec<(f64, f64)> {
+        let at = |point: &&Point| Some((point.step_size, of(point)?));
+        points.iter().filter_map(at).collect()
+    };
+    let all = curve(|point| Some(point.defect));
+    let is_broken = |point: &&Point| point.jumps.is_some_and(|count| count > 0);
+    if !points.iter().any(is_broken) {
+        return vec![series(name, all, style, colors[0])];
+    }
+    let closed = curve(|point| point.closed_defect);
+    let label = |part: &str| format!("{name}, {part}");
+    vec![
+        series(&label("between breaks"), all, style, colors[0]),
+        series(&label("breaks closed"), closed, style, colors[1]),
+    ]
+}
+
 fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
+    let points = diagnosis.points();
     let of_loop = |wanted: fn(usize) -> bool| -> Vec<&Point> {
-        (diagnosis.points.iter())
+        (points.iter())
             .filter(|point| point.sweep == Sweep::StepSize && wanted(point.loop_index))
             .collect()
     };
-    let at = |point: &Point| (point.step_size, point.defect);
-    let given = of_loop(|index| index == 0);
-    let random = of_loop(|index| index > 0);
-    let mut all = vec![
-        floor(&given, |point| point.step_size),
-        series(
-            "given loop",
-            given.iter().map(|point| at(point)).collect(),
-            Style::LineAndPoints,
-            0,
-        ),
-    ];
+    let (given, random) = (of_loop(|index| index == 0), of_loop(|index| index > 0));
+    let mut all = Vec::new();
+    let colors = [GIVEN, GIVEN_CLOSED];
+    all.extend(defects("given loop", &given, Style::LineAndPoints, colors));
     if !random.is_empty() {
-        let points = random.iter().map(|point| at(point)).collect();
-        all.push(series("random loops", points, Style::Points, 1));
+        // Above the others, whose lines still show.
+        let colors = [RANDOM, RANDOM_CLOSED];
+        all.extend(defects("random loops", &random, Style::Points, colors));
     }
     if let Some(order) = diagnosis.verdict.order {
-        let points: Vec<(f64, f64)> = given.iter().map(|point| at(point)).collect();
+        let points: Vec<(f64, f64)> = (given.iter())
+            .map(|point| (point.step_size, point.defect))
+            .collect();
         all.push(reference_slope(&points, order, "h"));
     }
-    single(title, step_axis(), error_axis(), all)
+    all.push(uncertainty_of(&given, |point| point.step_size));
+    let found = diagnosis.verdict.headline();
+    single(&found, step_axis(), error_axis(), all).with_title(title)
 }
 
 fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
-    let points: Vec<&Point> = (diagnosis.points.iter())
+    let all = diagnosis.points();
+    let points: Vec<&Point> = (all.iter())
         .filter(|point| point.sweep == Sweep::Samples)
         .collect();
     let x = axis("samples Nₛ", Scale::Log2);
@@ -101,8 +123,8 @@ fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
         .map(|point| (count(point), point.defect))
         .collect();
     let all = vec![
-        floor(&points, count),
-        series("given loop", defects, Style::LineAndPoints, 0),
+        series("given loop", defects, Style::LineAndPoints, GIVEN),
+        uncertainty_of(&points, count),
     ];
     single(title, x, error_axis(), all)
 }
@@ -171,9 +193,8 @@ fn two_loops(
         };
         axis(&label, Scale::Linear)
     };
-    Figure {
-        title: None,
-        panels: vec![Panel {
+    Figure::new(
+        vec![Panel {
             title: title.into(),
             x: coordinate("q"),
             y: coordinate("p"),
@@ -183,8 +204,8 @@ fn two_loops(
             ],
             equal_aspect: true,
         }],
-        columns: 1,
-    }
+        1,
+    )
 }
 
 /// The digits of a number as an index.
@@ -208,13 +229,17 @@ pub fn measure_figures(
 ) -> Vec<(&'static str, Figure)> {
     let mut figures = Vec::new();
     if diagnosis
-        .points
+        .points()
         .iter()
         .any(|point| point.step_size.is_finite())
     {
         figures.push(("step_sizes", step_sizes(title, diagnosis)));
     }
-    let dof = diagnosis.breaks.first().map_or(0, |at| at.found.dof);
+    let dof = diagnosis
+        .evidence
+        .breaks
+        .first()
+        .map_or(0, |at| at.found.dof);
     figures.push(("loop", two_loops(title, before, after, dof, h)));
     figures
 }
@@ -233,12 +258,9 @@ pub fn trace_figures(
         .iter()
         .map(|point| (point.time, point.defect))
         .collect();
-    let floor = (record.points.iter())
-        .map(|point| (point.time, point.quadrature_error.unwrap_or(f64::NAN)))
-        .collect();
     let integral = vec![
-        series("quadrature error", floor, Style::Floor, 0),
-        series("loop integral", defects, Style::Line, 0),
+        series("defect", defects, Style::Line, 0),
+        uncertainty_in_time(&record.points),
     ];
     let energy_errors = (record.points.iter())
         .map(|point| (point.time, point.energy_error.unwrap_or(f64::NAN)))
@@ -264,14 +286,53 @@ pub fn trace_figures(
             })
             .collect();
         let panel = portrait(title, &loops, energy);
-        figures.push((
-            "loops",
-            Figure {
-                title: None,
-                panels: vec![panel],
-                columns: 1,
-            },
-        ));
+        figures.push(("loops", Figure::new(vec![panel], 1)));
     }
     figures
+}
+
+#[cfg(test)]
+mod tests {
+    use symplint::{Circle, Diagnostic, PerSample};
+
+    use super::*;
+
+    /// The defects of one series.
+    fn defects_of<'a>(figure: &'a Figure, label: &str) -> impl Iterator<Item = f64> + 'a {
+        let series = &figure.panels[0].series;
+        let found = series.iter().find(|series| series.label == label);
+        let found = found.unwrap_or_else(|| panic!("there is no {label}: {series:?}"));
+        assert!(!found.points.is_empty());
+        found.points.iter().map(|point| point.1)
+    }
+
+    #[test]
+    fn a_broken_loop_is_drawn_with_its_breaks_open_and_closed() {
+        // A kick by the force of |q|, and a drift: symplectic on both sides of its jump.
+        let step = PerSample::new(1, |h, q, p| {
+            p[0] -= h * q[0].signum();
+            q[0] += h * p[0];
+        });
+        let circle = Circle::new(vec![0.1], vec![0.3], 1.0).unwrap();
+        let diagnosis = Diagnostic::halving(-1, -4).run(&step, &circle).unwrap();
+        let figure = step_sizes("|q|", &diagnosis);
+        assert!(defects_of(&figure, "given loop, between breaks").all(|defect| defect > 1e-4));
+        assert!(defects_of(&figure, "given loop, breaks closed").all(|defect| defect < 1e-12));
+        assert!(defects_of(&figure, "random loops, breaks closed").all(|defect| defect < 1e-12));
+        assert_eq!(figure.panels[0].title, diagnosis.verdict.headline());
+    }
+
+    #[test]
+    fn a_whole_loop_has_one_defect() {
+        let spring = PerSample::new(1, |h, q, p| {
+            q[0] += h * p[0];
+            p[0] -= h * q[0];
+        });
+        let circle = Circle::new(vec![1.0], vec![0.0], 0.5).unwrap();
+        let diagnosis = Diagnostic::halving(-1, -3).run(&spring, &circle).unwrap();
+        let figure = step_sizes("spring", &diagnosis);
+        assert!(defects_of(&figure, "given loop").all(|defect| defect < 1e-13));
+        let labels = figure.panels[0].series.iter().map(|series| &series.label);
+        assert_eq!(labels.filter(|label| label.contains("closed")).count(), 0);
+    }
 }

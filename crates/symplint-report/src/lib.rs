@@ -11,6 +11,7 @@
 //! | [`figures`] | the figures of a diagnosis, of a trace and of loops from files |
 //! | [`table`] | tables of points and of the steps of a trace, and the text of a verdict |
 //! | [`report`] | reports as JSON |
+//! | [`provenance`] | where a report comes from: program, processor, date, seeds, files |
 //! | [`run_folder`] | the folder of a run: reports, points and samples as files |
 //! | [`loop_file`] | loops in files, for and from other codes |
 //! | [`number`] | step sizes as people write them |
@@ -21,6 +22,7 @@ pub mod figures;
 pub mod loop_file;
 pub mod number;
 pub mod plot;
+pub mod provenance;
 pub mod report;
 pub mod run_folder;
 pub mod table;

@@ -1,7 +1,9 @@
 //! Parts of figures: axes, series, reference slopes, phase portraits.
 
+use std::collections::HashMap;
+
 use contour::ContourBuilder;
-use symplint::{Block, Observable, RowsMut};
+use symplint::{Block, Observable, RowsMut, TracePoint};
 
 use crate::figure::{Axis, Panel, Scale, Series, Style, superscript};
 
@@ -35,6 +37,29 @@ pub fn series(label: &str, points: Vec<(f64, f64)>, style: Style, color: usize) 
         style,
         color,
     }
+}
+
+/// The uncertainty of defects, by one name in every figure: quadrature error and round-off together. Where several
+/// curves have a point at one abscissa, it is the largest that is known (not NaN) there.
+pub fn uncertainty(points: impl IntoIterator<Item = (f64, f64)>) -> Series {
+    let mut largest: Vec<(f64, f64)> = Vec::new();
+    let mut places = HashMap::new();
+    for (x, size) in points {
+        let place = *places.entry(x.to_bits()).or_insert(largest.len());
+        match largest.get_mut(place) {
+            None => largest.push((x, size)),
+            Some(known) => known.1 = known.1.max(size),
+        }
+    }
+    series("uncertainty", largest, Style::Uncertainty, 0)
+}
+
+/// The uncertainty of the points of traces, against time.
+pub fn uncertainty_in_time<'a>(points: impl IntoIterator<Item = &'a TracePoint>) -> Series {
+    uncertainty(points.into_iter().map(|point| {
+        let quadrature = point.quadrature_error.unwrap_or(f64::NAN);
+        (point.time, quadrature + point.roundoff)
+    }))
 }
 
 /// A dashed line of slope `order` that runs just below those of the defects `points` that lie well above
@@ -125,4 +150,24 @@ fn contours(x: (f64, f64), y: (f64, f64), energy: Observable<'_>) -> Vec<Series>
             series("", points, Style::Thin, 0)
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_several_uncertainties_the_largest_is_drawn() {
+        let unknown = f64::NAN;
+        let band = uncertainty([
+            (1.0, 1e-3),
+            (2.0, unknown),
+            (3.0, unknown),
+            (1.0, 1e-2),
+            (2.0, 1e-3),
+            (3.0, unknown),
+        ]);
+        assert_eq!(band.points[..2], [(1.0, 1e-2), (2.0, 1e-3)]);
+        assert!(band.points.len() == 3 && band.points[2].1.is_nan());
+    }
 }

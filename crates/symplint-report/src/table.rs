@@ -1,7 +1,7 @@
 //! Tables as text, and the text of a verdict.
 
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
-use symplint::{Diagnosis, Point, Sweep, TracePoint, Verdict};
+use symplint::{Diagnosis, Point, RuleKind, Sweep, TracePoint, Verdict};
 
 use crate::number::power_of_two;
 use crate::wrap::wrapped;
@@ -35,13 +35,13 @@ pub fn degrees_of_freedom(count: usize) -> String {
 /// The sweeps of the given loop, under a heading: one table for each rule. None is wider than 80 characters.
 pub fn points_table(heading: &str, diagnosis: &Diagnosis) -> String {
     let mut text = format!("{heading}\n");
+    let all = diagnosis.points();
     for (sweep, title) in [
         (Sweep::StepSize, "step sizes"),
         (Sweep::Samples, "numbers of samples"),
     ] {
-        let points =
-            (diagnosis.points.iter()).filter(|point| point.sweep == sweep && point.loop_index == 0);
-        let mut rules: Vec<(&str, Vec<&Point>)> = Vec::new();
+        let points = (all.iter()).filter(|point| point.sweep == sweep && point.loop_index == 0);
+        let mut rules: Vec<(RuleKind, Vec<&Point>)> = Vec::new();
         for point in points {
             match rules.iter_mut().find(|(rule, _)| *rule == point.rule) {
                 Some((_, points)) => points.push(point),
@@ -147,7 +147,7 @@ fn step_size(h: f64) -> String {
 /// What a verdict rests on: its summary, the evidence and the advice, below the headline. Paragraphs are
 /// wrapped to `width` characters, or stay on one line each.
 pub fn reasons(verdict: &Verdict, width: Option<usize>) -> String {
-    let mut paragraphs = vec![wrapped("", "", &verdict.summary, width)];
+    let mut paragraphs = vec![wrapped("", "", &verdict.summary(), width)];
     let mut list = |bullet: &str, lines: &[String]| {
         paragraphs.extend(
             lines
@@ -155,8 +155,8 @@ pub fn reasons(verdict: &Verdict, width: Option<usize>) -> String {
                 .map(|line| wrapped(bullet, "    ", line, width)),
         );
     };
-    list("  · ", &verdict.evidence);
-    list("  → ", &verdict.advice);
+    list("  · ", &verdict.evidence());
+    list("  → ", &verdict.advice());
     paragraphs.join("\n")
 }
 
@@ -223,11 +223,12 @@ mod tests {
             signed_defect: 0.0,
             defect: 0.0,
             quadrature_error: None,
+            roundoff: 0.0,
             energy: None,
             energy_error: None,
         };
         // Two lines of header, the line below, and two lines of summary.
-        const BESIDES: usize = 5;
+        const OTHER_LINES: usize = 5;
         for (points, rows, note) in [
             (16, 16, None),
             (17, 9, Some("every 2nd point")),
@@ -237,7 +238,7 @@ mod tests {
             let points: Vec<TracePoint> = (0..points).map(point).collect();
             let text = trace_table(&points, false);
             let noted = usize::from(note.is_some());
-            assert_eq!(text.lines().count(), rows + BESIDES + noted, "{text}");
+            assert_eq!(text.lines().count(), rows + OTHER_LINES + noted, "{text}");
             assert!(text.contains(note.unwrap_or("")), "{text}");
             assert_eq!(text.contains("point is shown"), note.is_some());
         }

@@ -11,7 +11,7 @@ fn main() -> Result<(), symplint::Error> {
     });
     // A circle of radius 1 round (q, p) = (2, ½), sent through steps of 2^-1, 2^-2, …, 2^-8.
     let circle = Circle::new(vec![2.0], vec![0.5], 1.0)?;
-    let diagnosis = Diagnostic::halving(-1, -8).run(&map, &circle, &|_| {})?;
+    let diagnosis = Diagnostic::halving(-1, -8).run(&map, &circle)?;
     println!("{}", diagnosis.verdict);
     Ok(())
 }

@@ -14,7 +14,7 @@ pub enum Error {
         /// Values given.
         got: usize,
     },
-    /// A period or weight that means nothing.
+    /// A period or weight that is not valid.
     #[error("{what} of degree of freedom {dof} is {value}; {remedy}")]
     BadCoordinate {
         /// Period or weight.
@@ -111,6 +111,15 @@ pub enum Error {
         place: &'static str,
         /// What happened; its sample is that of a batch, and of no meaning elsewhere.
         source: Box<Error>,
+    },
+    /// A rule that evaluates the map between the samples, asked to integrate samples alone.
+    #[error(
+        "the {rule} rule evaluates the map and cannot integrate samples alone; use the pseudospectral or the \
+         finite-difference rule"
+    )]
+    NeedsMap {
+        /// The rule's name.
+        rule: &'static str,
     },
     /// A loop integral beyond the range of double precision.
     #[error(
@@ -212,9 +221,9 @@ pub enum Error {
 pub(crate) const ON_THE_LOOP: &str =
     "the loop, between samples (sample the loop at this s and take one step)";
 
-/// A place of [`Error::OnTheWay`]: a state of the loop, or one near it.
-pub(crate) const BESIDE_THE_LOOP: &str =
-    "the loop (at its state there, or displaced from it to measure derivatives)";
+/// A place of [`Error::OnTheWay`]: a state near the loop.
+pub(crate) const DISPLACED_FROM_THE_LOOP: &str =
+    "the loop (displaced from its state there to measure derivatives)";
 
 /// A place of [`Error::OnTheWay`]: a state that the loop does not have.
 pub(crate) const ON_A_SEGMENT: &str = "a segment that closes a break of the loop (0 is the one side of the break, \

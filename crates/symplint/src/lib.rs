@@ -16,7 +16,7 @@
 //! Each noun is a type: [`Loop`] ([`Circle`], [`FourierLoop`], [`SampledLoop`]), [`Ensemble`],
 //! [`TimeAdvance`] for maps ([`PerSample`] wraps a function of one state), [`LoopIntegral`] by a
 //! [`Rule`], [`Defect`], and [`Diagnostic`] for the whole line with its [`Verdict`]. [`Trace`] follows
-//! a loop in time, and [`JacobianTest`] gives a second opinion without loop integrals.
+//! a loop in time, and [`JacobianTest`] checks the Jacobian without loop integrals.
 //!
 //! ```
 //! use symplint::{Circle, Diagnostic, PerSample, VerdictKind};
@@ -29,7 +29,7 @@
 //!     p[0] += h * force(q_half);
 //! });
 //! let circle = Circle::new(vec![1.0], vec![0.5], 1.0)?;
-//! let verdict = Diagnostic::default().run(&map, &circle, &|_| {})?.verdict;
+//! let verdict = Diagnostic::default().run(&map, &circle)?.verdict;
 //! assert_eq!(verdict.kind, VerdictKind::NotSymplectic);
 //! assert_eq!(verdict.order, Some(3.0));
 //! # Ok::<(), symplint::Error>(())
@@ -43,38 +43,34 @@
 //!   current Rayon pool.
 //! * Bad input and maps that fail give an [`Error`] with the numbers in it, never a panic.
 
-mod breaks;
+pub mod breaks;
 mod diagnosis;
 mod error;
-mod jacobian;
-mod loops;
-mod map;
-mod rules;
-mod signal;
-mod snapshots;
-mod state;
+pub mod evidence;
+pub mod jacobian;
+pub mod loops;
+pub mod map;
+pub mod rules;
+pub mod signal;
+pub mod snapshots;
+pub mod state;
 mod survey;
-mod trace;
-mod verdict;
+pub mod trace;
+pub mod verdict;
 
 pub use breaks::{Break, find_break};
-pub use diagnosis::{
-    BreakAt, Diagnosis, Diagnostic, Event, Growth, Localisation, LongTime, Point, RuleChoice,
-    SampleCount, SampleSweep, Sector, Stage, Sweep,
-};
+pub use diagnosis::{Diagnostic, Event, SampleCount, SampleSweep};
 pub use error::Error;
-pub use jacobian::{
-    Agreement, Doubt, JacobianMethod, JacobianPoint, JacobianReport, JacobianTest, JacobianVerdict,
-    SecondOpinion, TangentDefect, TangentDoubt,
-};
+pub use evidence::*;
+pub use jacobian::*;
 pub use loops::{Circle, FourierLoop, Loop, SampledLoop};
 pub use map::{PerSample, StepFailure, TangentMap, TimeAdvance};
 pub use rules::{
     Closure, Cutoff, Cutoffs, Defect, LoopIntegral, OmittedCell, Piecewise, PiecewiseIntegral,
-    Rule, Streaming, StreamingIntegral, logarithmic_defect,
+    Rule, RuleKind, Streaming, StreamingIntegral, logarithmic_defect,
 };
 pub use signal::unwrap_row;
-pub use snapshots::{Snapshot, measure};
+pub use snapshots::{Snapshot, measure_snapshots};
 pub use state::{Block, Coordinates, Ensemble, Rows, RowsMut, scratch};
 pub use trace::{Observable, Orbit, Trace, TracePoint, TraceRecord};
-pub use verdict::{Closing, Fit, LoopEvidence, StepEvidence, Verdict, VerdictKind, judge};
+pub use verdict::*;

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::rules::Defect;
 use crate::rules::{LoopIntegral, Rule};
 use crate::state::Ensemble;
@@ -36,7 +36,7 @@ pub struct Orbit<'a> {
 /// });
 /// let trace = Trace { rule: Rule::Pseudospectral, samples: 64, step_size: 0.1, steps: 100, snapshots: vec![] };
 /// let circle = Circle::new(vec![1.0], vec![0.0], 0.5)?;
-/// let record = trace.run(&spring, &circle, None, &|_| {})?;
+/// let record = trace.run(&spring, &circle, None)?;
 /// assert!(record.points.iter().all(|point| point.defect < 1e-13));
 /// # Ok::<(), symplint::Error>(())
 /// ```
@@ -69,6 +69,8 @@ pub struct TracePoint {
     pub defect: f64,
     /// Estimate of the quadrature error of both integrals, relative to |I(0)|.
     pub quadrature_error: Option<f64>,
+    /// Estimate of the round-off in the defect, relative to |I(0)|.
+    pub roundoff: f64,
     /// Energy of the orbit, if one is followed.
     pub energy: Option<f64>,
     /// (H(t) − H(0)) / |H(0)|, or H(t) − H(0) where H(0) is 0.
@@ -87,14 +89,37 @@ pub struct TraceRecord {
 impl Trace {
     /// Advances the loop step by step, on the threads of the current Rayon pool.
     ///
-    /// `watch` is told of each point.
-    ///
     /// # Errors
     /// If map, loop and orbit do not fit, the step size is zero or not finite, the loop
     /// encloses no area, or the map fails or returns states that are not finite.
     pub fn run(
         &self,
         map: &dyn TimeAdvance,
+        phase_loop: &dyn Loop,
+        orbit: Option<Orbit<'_>>,
+    ) -> Result<TraceRecord, Error> {
+        self.run_watched(map, phase_loop, orbit, &|_| {})
+    }
+
+    /// The same; `watch` is told of each point.
+    ///
+    /// # Errors
+    /// Those of [`run`](Self::run).
+    pub fn run_watched(
+        &self,
+        map: &dyn TimeAdvance,
+        phase_loop: &dyn Loop,
+        orbit: Option<Orbit<'_>>,
+        watch: &dyn Fn(&TracePoint),
+    ) -> Result<TraceRecord, Error> {
+        let count = EvaluationCount::unlimited();
+        self.run_with(&Evaluator::new(map, &count)?, phase_loop, orbit, watch)
+    }
+
+    /// The same with the evaluations counted by `evaluator`.
+    pub(crate) fn run_with(
+        &self,
+        evaluator: &Evaluator<'_>,
         phase_loop: &dyn Loop,
         orbit: Option<Orbit<'_>>,
         watch: &dyn Fn(&TracePoint),
@@ -106,24 +131,24 @@ impl Trace {
                 remedy: "give a finite step size that is not zero",
             });
         }
-        let coordinates = map.coordinates();
+        let coordinates = evaluator.coordinates();
         let mut follower = orbit
-            .map(|orbit| Follower::new(orbit, map.dof()))
+            .map(|orbit| Follower::new(orbit, evaluator.dof()))
             .transpose()?;
         let mut ensemble = Ensemble::sample(phase_loop, self.samples)?;
-        let initial = LoopIntegral::in_coordinates(&ensemble, &self.rule, &coordinates)?;
+        let initial = LoopIntegral::in_coordinates(&ensemble, &self.rule, coordinates)?;
         let mut record = TraceRecord {
             points: Vec::new(),
             snapshots: Vec::new(),
         };
         for step in 0..=self.steps {
             if step > 0 {
-                ensemble.advance(map, self.step_size)?;
+                evaluator.advance(&mut ensemble, self.step_size)?;
                 if let Some(follower) = &mut follower {
-                    follower.state.advance(map, self.step_size)?;
+                    evaluator.advance(&mut follower.state, self.step_size)?;
                 }
             }
-            let integral = LoopIntegral::in_coordinates(&ensemble, &self.rule, &coordinates)?;
+            let integral = LoopIntegral::in_coordinates(&ensemble, &self.rule, coordinates)?;
             let defect = Defect::between(&initial, &integral)?;
             let energy = follower.as_ref().map(Follower::energy);
             let point = TracePoint {
@@ -133,6 +158,7 @@ impl Trace {
                 signed_defect: defect.signed,
                 defect: defect.magnitude(),
                 quadrature_error: defect.quadrature_error,
+                roundoff: defect.roundoff,
                 energy: energy.map(|(value, _)| value),
                 energy_error: energy.map(|(_, error)| error),
             };

@@ -4,7 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use symplint::{
-    Block, Circle, Diagnostic, RuleChoice, SampleCount, StepFailure, TimeAdvance, VerdictKind,
+    Block, Circle, Diagnostic, Rule, SampleCount, StepFailure, Streaming, TimeAdvance, VerdictKind,
 };
 
 /// The system's allocator, with a count of what is in use and of the most that ever was.
@@ -13,7 +13,7 @@ struct Counting;
 static IN_USE: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 
-// SAFETY: every call goes to the system's allocator as it is.
+// SAFETY: every call goes to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         let in_use = IN_USE.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
@@ -76,7 +76,10 @@ fn a_diagnosis_takes_a_few_dozen_states() {
     let map = Springs(DOF);
     let circle = Circle::new(vec![0.0; DOF], vec![0.5; DOF], 1.0).unwrap();
     // Random loops are larger themselves: amplitudes of three modes.
-    for (rule, loops, most) in [(RuleChoice::Streaming, 1, 40), (RuleChoice::Auto, 2, 50)] {
+    for (rule, loops, most) in [
+        (Rule::Streaming(Streaming::default()), 1, 40),
+        (Rule::Auto, 2, 50),
+    ] {
         let diagnostic = Diagnostic {
             rule,
             samples: SampleCount::Fixed(64),
@@ -84,7 +87,7 @@ fn a_diagnosis_takes_a_few_dozen_states() {
             ..Diagnostic::halving(-1, -1)
         };
         PEAK.store(IN_USE.load(Ordering::Relaxed), Ordering::Relaxed);
-        let diagnosis = diagnostic.run(&map, &circle, &|_| {}).unwrap();
+        let diagnosis = diagnostic.run(&map, &circle).unwrap();
         let states = PEAK.load(Ordering::Relaxed) as f64 / STATE as f64;
         println!("{loops} loops take {states:.1} states");
         assert!(
@@ -92,9 +95,14 @@ fn a_diagnosis_takes_a_few_dozen_states() {
             "{loops} loops take {states:.1} states"
         );
         assert_eq!(diagnosis.verdict.kind, VerdictKind::Symplectic);
-        assert!(diagnosis.points.iter().all(|p| p.rule == "streaming"));
-        assert!(diagnosis.jacobian.is_none());
-        let said = diagnosis.verdict.evidence.join(" ");
+        assert!(
+            diagnosis
+                .points()
+                .iter()
+                .all(|p| p.rule.name() == "streaming")
+        );
+        assert!(diagnosis.evidence.jacobian.is_none());
+        let said = diagnosis.verdict.evidence().join(" ");
         assert!(said.contains("Jacobian test was left out"), "{said}");
     }
 }

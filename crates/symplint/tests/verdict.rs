@@ -1,12 +1,13 @@
-//! Verdicts on evidence that says little.
+//! Verdicts on evidence that is written by hand.
 
-use symplint::{Circle, Diagnostic, PerSample, VerdictKind, judge};
+use symplint::{Circle, Diagnostic, Evidence, PerSample, VerdictKind, judge};
 
 #[test]
-fn nothing_decides_nothing() {
-    let (verdict, fits) = judge(&[], 1.0);
+fn without_a_loop_nothing_is_decided() {
+    let verdict = judge(&Evidence::default());
     assert_eq!(verdict.kind, VerdictKind::Undecided);
-    assert!(fits.is_empty());
+    assert!(verdict.fits.is_empty());
+    assert!(verdict.summary().contains("No loop"), "{verdict}");
 }
 
 /// Its jumps and its defect are the same at every h.
@@ -18,7 +19,7 @@ fn a_broken_loop_whose_defect_has_no_trend_has_no_order() {
         p[0] *= 0.9;
     });
     let circle = Circle::new(vec![0.1], vec![0.2], 1.0).unwrap();
-    let diagnosis = (Diagnostic::halving(-4, -8).run(&map, &circle, &|_| {})).unwrap();
+    let diagnosis = (Diagnostic::halving(-4, -8).run(&map, &circle)).unwrap();
     assert_eq!(diagnosis.verdict.kind, VerdictKind::BrokenLoops);
-    assert_eq!(diagnosis.verdict.order, None, "{:?}", diagnosis.fits);
+    assert_eq!(diagnosis.verdict.order, None, "{:?}", diagnosis.fits());
 }

@@ -13,11 +13,13 @@ use super::run_output::RunOutput;
 use crate::cli::CheckArgs;
 use crate::config::Config;
 use crate::output::{Progress, say, verdict_text};
+use crate::provenance;
 
 /// Diagnoses a configuration.
 ///
 /// `--steps` stands for the key diagnostic.steps.
 pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
+    let started = provenance::start();
     let run = &arguments.run;
     let mut settings = arguments.settings.set.clone();
     settings.extend(
@@ -32,7 +34,7 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
     let progress = Progress::new("points", run.quiet || run.json);
     let outcome = config
         .diagnostic
-        .run(&*config.map, &*config.phase_loop, &|event| {
+        .run_watched(&*config.map, &*config.phase_loop, &|event| {
             if let Some(log) = &log {
                 log.diagnosis(event);
             }
@@ -48,7 +50,11 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
         log.finish()?;
     }
 
-    let report = Report::new(&config.resolved, &diagnosis);
+    let report = Report::new(
+        &config.resolved,
+        &diagnosis,
+        provenance::of(&started, &config.resolved),
+    );
     if let Some(output) = &output {
         output.folder.write_json("report.json", &report)?;
         let title = format!("{}, {}", config.system.name, config.integrator);

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use miette::Diagnostic;
-
 use symplint_paper::PaperError;
 use symplint_report::figure::FigureError;
 use symplint_report::loop_file::LoopFileError;
+use symplint_report::report::ReportError;
 use symplint_report::run_folder::WriteError;
 
 use super::earlier_run::OccupiedError;
@@ -64,6 +64,23 @@ pub enum Failure {
         message: String,
         /// The remedy.
         remedy: String,
+    },
+    /// A file that cannot be read.
+    #[error("cannot read {}: {reason}", path.display())]
+    #[diagnostic(help("give the report.json of a run folder"))]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The error of the operating system.
+        reason: String,
+    },
+    /// A report without evidence.
+    #[error("cannot judge {}: {error}", path.display())]
+    Report {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        error: ReportError,
     },
     /// The thread pool.
     #[error("cannot start the threads: {reason}")]

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use symplint::{Coordinates, Snapshot, measure as compare};
 use symplint_report::figures::measure_figures;
 use symplint_report::loop_file::{LoopFile, is_partner};
+use symplint_report::provenance::Provenance;
 use symplint_report::report::Report;
 use symplint_report::table::{degrees_of_freedom, points_table};
 
@@ -15,9 +16,11 @@ use super::per_dof::{per_dof, spread};
 use super::run_output::RunOutput;
 use crate::cli::MeasureArgs;
 use crate::output::{say, verdict_text};
+use crate::provenance;
 
 /// Compares a loop before and after a step of another code.
 pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
+    let started = provenance::start();
     let run = &arguments.run;
     let names = loops_of(&arguments.before, &arguments.after);
     if names.len() < 2 {
@@ -32,6 +35,7 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
     for file in &files[1..] {
         file.check_same_loop(&files[0])?;
     }
+    let hashes = (files.iter().map(LoopFile::hashes)).collect::<Result<Vec<_>, _>>()?;
     set_step_sizes(&mut files[1..], &arguments.step_sizes)?;
     let dof = files[0].states.dof();
     let (period, weight) = (&arguments.period, &arguments.weight);
@@ -66,12 +70,19 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
     let title = names[0]
         .file_stem()
         .map_or("".into(), |stem| stem.to_string_lossy());
-    let report = Report::new(&resolved, &diagnosis);
+    let report = Report::new(
+        &resolved,
+        &diagnosis,
+        Provenance {
+            files: hashes.concat(),
+            ..provenance::of(&started, &resolved)
+        },
+    );
     if let Some(output) = &output {
         let folder = &output.folder;
         folder.write_config(&output.config)?;
         folder.write_json("report.json", &report)?;
-        folder.write_csv("points.csv", &diagnosis.points)?;
+        folder.write_csv("points.csv", &diagnosis.points())?;
         let size = |snapshot: &Snapshot| snapshot.step_size.unwrap_or(0.0).abs();
         let largest = (after.iter()).reduce(|a, b| if size(b) > size(a) { b } else { a });
         if let Some(largest) = largest {

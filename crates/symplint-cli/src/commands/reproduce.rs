@@ -2,21 +2,23 @@
 
 use std::process::ExitCode;
 
-use symplint_paper::{ITEMS, Item, PaperError, Settings, Value, claims_summary};
+use symplint_paper::{ITEMS, Item, Settings, Value, claims_summary};
 use symplint_report::report::to_json;
 
 use super::Failure;
 use super::list::list;
 use super::run_output::RunOutput;
 use crate::cli::{ReproduceArgs, What};
-use crate::config::{ItemSettings, suggestion};
+use crate::config::{item_settings, suggestion};
 use crate::output::{Progress, say};
+use crate::provenance;
 
 /// Reproduces items of the paper.
 pub fn reproduce(arguments: &ReproduceArgs) -> Result<ExitCode, Failure> {
     if arguments.list {
         return list(What::Figures);
     }
+    let started = provenance::start();
     let items = chosen(&arguments.ids)?;
     let set = &arguments.settings.set;
     if !set.is_empty() && items.len() != 1 {
@@ -25,11 +27,8 @@ pub fn reproduce(arguments: &ReproduceArgs) -> Result<ExitCode, Failure> {
             remedy: "name the item, for example: symplint reproduce fig2 --set samples=4096".into(),
         });
     }
-    let settings = (items.iter())
-        .map(|item| ItemSettings::read(item, set))
-        .collect::<Result<Vec<_>, _>>()?;
-    let runs = (items.into_iter().zip(&settings))
-        .map(|(item, settings)| Ok((item, settings.resolved()?)))
+    let runs = (items.into_iter())
+        .map(|item| Ok((item, item_settings(item, set)?)))
         .collect::<Result<Vec<_>, Failure>>()?;
     let config = (runs.iter())
         .map(|(item, settings)| (item.id.to_owned(), table(settings).into()))
@@ -40,13 +39,9 @@ pub fn reproduce(arguments: &ReproduceArgs) -> Result<ExitCode, Failure> {
     folder.write_config(&output.config)?;
     let progress = Progress::new("items", arguments.quiet || arguments.json);
     progress.plan(runs.len());
-    let claims = symplint_paper::reproduce(&runs, folder, &|event| progress.item(event));
+    let claims = symplint_paper::reproduce(&runs, folder, &started, &|event| progress.item(event));
     progress.finish();
-    let claims = claims.map_err(|error| match (error, &settings[..]) {
-        // Only the settings of a single item can be wrong: several items run with their defaults.
-        (PaperError::Setting(error), [settings]) => settings.refused(&error).into(),
-        (error, _) => Failure::from(error),
-    })?;
+    let claims = claims?;
     if arguments.json {
         say(to_json(&claims))?;
     } else {

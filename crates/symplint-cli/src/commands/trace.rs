@@ -2,9 +2,7 @@
 
 use std::process::ExitCode;
 
-use symplint::{
-    Observable, Orbit, Piecewise, Rows, Rule, RuleChoice, Streaming, Trace, TraceRecord,
-};
+use symplint::{Observable, Orbit, Rows, Rule, Trace, TraceRecord};
 use symplint_report::figures::trace_figures;
 use symplint_report::report::TraceReport;
 use symplint_report::table::trace_table;
@@ -15,9 +13,11 @@ use super::run_output::RunOutput;
 use crate::cli::TraceArgs;
 use crate::config::{Config, ConfigError};
 use crate::output::{Progress, say};
+use crate::provenance;
 
 /// Follows the loop integral and the energy in time.
 pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
+    let started = provenance::start();
     let run = &arguments.run;
     let config = Config::load(&arguments.config, &arguments.settings.set)?;
     let trace = settings(&config)?;
@@ -26,7 +26,11 @@ pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
     let record = follow(&trace, &config, &progress)?;
     progress.finish();
 
-    let report = TraceReport::new(&config.resolved, &record.points);
+    let report = TraceReport::new(
+        &config.resolved,
+        &record.points,
+        provenance::of(&started, &config.resolved),
+    );
     if let Some(output) = &output {
         let folder = &output.folder;
         folder.write_config(&output.config)?;
@@ -56,12 +60,11 @@ pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
 }
 
 /// The rule of a trace. It follows a fixed ensemble, so the rules that make further samples do not apply.
-fn rule(choice: RuleChoice) -> Result<Rule, ConfigError> {
-    let name = match choice {
-        RuleChoice::Auto => return Ok(Rule::Pseudospectral),
-        RuleChoice::Fixed(rule) => return Ok(rule),
-        RuleChoice::Piecewise => Piecewise::NAME,
-        RuleChoice::Streaming => Streaming::NAME,
+fn rule(rule: Rule) -> Result<Rule, ConfigError> {
+    let name = match rule {
+        Rule::Auto => return Ok(Rule::Pseudospectral),
+        Rule::Pseudospectral | Rule::FiniteDifference(_) => return Ok(rule),
+        other => other.kind().name(),
     };
     Err(ConfigError::new(
         format!("diagnostic.rule is \"{name}\", which a trace does not accept"),
@@ -109,5 +112,5 @@ fn follow(trace: &Trace, config: &Config, progress: &Progress) -> Result<TraceRe
     });
     progress.plan(trace.steps + 1);
     let watch = |_: &symplint::TracePoint| progress.step();
-    Ok(trace.run(&*config.map, &*config.phase_loop, orbit, &watch)?)
+    Ok(trace.run_watched(&*config.map, &*config.phase_loop, orbit, &watch)?)
 }

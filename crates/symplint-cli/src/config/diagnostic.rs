@@ -1,8 +1,7 @@
 //! `[diagnostic]`: what `check` measures.
 
 use symplint::{
-    Closure, Cutoff, Cutoffs, Diagnostic, Piecewise, Rule, RuleChoice, SampleCount, SampleSweep,
-    Streaming,
+    Closure, Cutoff, Cutoffs, Diagnostic, Piecewise, Rule, SampleCount, SampleSweep, Streaming,
 };
 
 use super::document::{Node, Value};
@@ -77,7 +76,7 @@ pub const KEYS: &[Key] = &[
     Key::new(
         "jacobian",
         "true",
-        "whether the Jacobian of one step is also checked",
+        "whether the Jacobian of one step is checked, too",
     ),
     Key::new(
         "localise",
@@ -120,16 +119,9 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         "auto",
         "pseudospectral",
         "finite-difference",
-        Piecewise::NAME,
-        Streaming::NAME,
+        "piecewise",
+        "streaming",
     ];
-    let rule = match section.choice("rule", &rules)? {
-        "auto" => RuleChoice::Auto,
-        "pseudospectral" => RuleChoice::Fixed(Rule::Pseudospectral),
-        "finite-difference" => RuleChoice::Fixed(Rule::FiniteDifference(cutoffs)),
-        Piecewise::NAME => RuleChoice::Piecewise,
-        _ => RuleChoice::Streaming,
-    };
     let piecewise = Piecewise {
         tolerance: section.number("tolerance", Accept::Positive)?,
         closure: match section.choice("closure", &["substeps", "chords"])? {
@@ -138,12 +130,19 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         },
         ..Piecewise::default()
     };
-    // Checked and recorded; a `Diagnostic` has no limit that it could set.
-    section.whole_or_auto("budget", LEAST_BUDGET, MOST_WHOLE)?;
+    let streaming = streaming(&section)?;
+    let rule = match section.choice("rule", &rules)? {
+        "auto" => Rule::Auto,
+        "pseudospectral" => Rule::Pseudospectral,
+        "finite-difference" => Rule::FiniteDifference(cutoffs),
+        "piecewise" => Rule::Piecewise(piecewise),
+        _ => Rule::Streaming(streaming),
+    };
+    let budget = section.whole_or_auto("budget", LEAST_BUDGET, MOST_WHOLE)?;
     let diagnostic = Diagnostic {
         rule,
         piecewise,
-        streaming: streaming(&section)?,
+        streaming,
         samples: match section.whole_or_auto("samples", 3, MOST_SAMPLES)? {
             None => SampleCount::Auto,
             Some(count) => SampleCount::Fixed(count as usize),
@@ -153,7 +152,8 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         loops: section.whole_between("loops", 1, MOST_LOOPS)? as usize,
         seed: section.whole("seed", 0)?,
         jacobian: section.flag("jacobian")?,
-        stages: section.flag("localise")?,
+        localise: section.flag("localise")?,
+        budget: budget.map(|budget| budget as usize),
         long_time: section.whole_between("steps", 0, MOST_STEPS)? as usize,
     };
     Ok((diagnostic, section))

@@ -18,7 +18,7 @@ use std::path::Path;
 use symplint::{Diagnostic, Loop, TimeAdvance};
 
 pub use error::ConfigError;
-pub use item_settings::ItemSettings;
+pub use item_settings::item_settings;
 pub use number::parse as parse_number;
 pub use section::suggestion;
 pub use system::{SYSTEMS, System};

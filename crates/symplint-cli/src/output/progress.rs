@@ -2,7 +2,6 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use symplint::Event;
-
 use symplint_report::number::power_of_two;
 
 /// A progress bar that may be hidden.

@@ -8,8 +8,11 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
+mod budget;
 mod command_line;
+mod judge;
 mod occupied_folders;
+mod provenance;
 mod refusals;
 mod run_folder;
 
@@ -270,23 +273,6 @@ fn the_longest_sweep_that_is_not_refused() {
     let points = report["points"].as_array().unwrap();
     assert_eq!(points.len(), 65);
     assert_eq!(points[64]["step_size"], 2f64.powi(-64));
-}
-
-#[test]
-fn threads_do_not_change_the_report() {
-    let (_folder, path) = configuration(
-        "[system]\nname = \"pendulum-array\"\npendula = 50\n[diagnostic]\nsamples = 300\n",
-    );
-    let path = path.to_str().unwrap();
-    let one = symplint(&["check", path, "--json", "--threads", "1"]).stdout;
-    assert_eq!(
-        symplint(&["check", path, "--json", "--threads", "2"]).stdout,
-        one
-    );
-    assert_eq!(
-        symplint(&["check", path, "--json", "--threads", "3"]).stdout,
-        one
-    );
 }
 
 #[test]

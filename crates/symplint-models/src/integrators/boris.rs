@@ -12,7 +12,7 @@ use crate::systems::ChargedParticle;
 ///
 /// Order 2, symmetric. It conserves volumes in phase space, and without an electric field the
 /// speed, to round-off. It is not symplectic: not in a magnetic field that varies in space, nor in a
-/// uniform one with an electric field besides, though it is conjugate to a symplectic map there. In
+/// uniform one with an electric field as well, though it is conjugate to a symplectic map there. In
 /// a uniform field alone it is the implicit midpoint rule, and symplectic. (H. Qin et al., "Why is Boris algorithm so good?", Phys. Plasmas 20
 /// (2013) 084503.)
 #[derive(Clone, Copy, Debug, PartialEq)]

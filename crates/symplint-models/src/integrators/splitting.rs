@@ -173,7 +173,7 @@ fn merged(substeps: impl Iterator<Item = Substep>) -> Vec<Substep> {
 /// A splitting method applied to a system: the flows one after the other, in place.
 ///
 /// Symplectic if the force is the gradient of a potential and continuous: every flow is. It needs
-/// no memory besides the states.
+/// no memory other than the states.
 ///
 /// ```
 /// use symplint::TimeAdvance;

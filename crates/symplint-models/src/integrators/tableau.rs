@@ -241,7 +241,7 @@ impl TableauPair {
         coupled_residual(&self.position, &self.momentum)
     }
 
-    /// The worst residual of b_i = b̂_i, needed besides unless the Hamiltonian is separable; i = j.
+    /// The worst residual of b_i = b̂_i, also needed unless the Hamiltonian is separable; i = j.
     pub fn weights_residual(&self) -> Residual {
         Residual::worst(self.stages(), |i, j| {
             if i == j {

@@ -10,9 +10,9 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use bytemuck::cast_slice_mut;
 use multiversion::multiversion;
-use pulp::bytemuck::cast_slice_mut;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 
 use super::scratch::with_complex_buffer;

@@ -1,7 +1,7 @@
 //! Complex working memory for Fourier transforms.
 
-use pulp::bytemuck::cast_slice_mut;
-use rustfft::num_complex::Complex64;
+use bytemuck::cast_slice_mut;
+use num_complex::Complex64;
 use symplint::scratch::with_buffer;
 
 /// Lends `work` a buffer of `len` complex values with unspecified contents. Calls may nest.

@@ -161,7 +161,7 @@ impl Hamiltonian for DoublePendulum {
 }
 
 /// The lines of [`Hamiltonian`] differentiated one by one. Turning both angles alike leaves the kinetic
-/// energy as it is, so it changes with dΔ only.
+/// energy unchanged, so it changes with dΔ only.
 impl HamiltonianTangent for DoublePendulum {
     fn add_velocity_tangent(
         &self,

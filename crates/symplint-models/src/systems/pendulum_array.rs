@@ -125,7 +125,7 @@ dispatched! {
         p: &mut RowsMut<'_>,
     ) -> bool {
         let ([before, after], last) = (drifts, q.count() - 1);
-        // Pendulum 0 needs the last one drifted, and is needed by it as it is until the end.
+        // Pendulum 0 needs the last one drifted, and is needed by it unchanged until the end.
         for i in [last, 0, 1] {
             drift_row(before, i, p.as_rows(), q);
         }

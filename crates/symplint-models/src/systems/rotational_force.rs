@@ -7,7 +7,7 @@ use crate::error::ModelError;
 use crate::hamiltonian::{DriftKick, Separable};
 use crate::tangent::DriftKickTangent;
 
-/// The Hénon–Heiles system with a force besides that turns: q̇ = p, ṗ = −∇V + κ (−q_2, q_1).
+/// The Hénon–Heiles system with a further, rotational force: q̇ = p, ṗ = −∇V + κ (−q_2, q_1).
 ///
 /// The turning part has the curl 2κ and no potential, so there is no energy, and a kick by it maps
 /// dq ∧ dp to something else: dp_1 ∧ dq_1 + dp_2 ∧ dq_2 gains 2κτ dq_1 ∧ dq_2. Splitting methods

@@ -1,7 +1,7 @@
 //! The Jacobian test of the library's own maps: by tangent map and by differences.
 
 use symplint::{
-    Block, Circle, Coordinates, JacobianMethod, JacobianReport, JacobianTest, JacobianVerdict,
+    Block, Circle, Coordinates, JacobianEvidence, JacobianMethod, JacobianTest, JacobianVerdict,
     StepFailure, TimeAdvance,
 };
 
@@ -22,7 +22,7 @@ impl<M: TimeAdvance> TimeAdvance for Bare<M> {
     }
 }
 
-fn report(subject: &Subject, map: &dyn TimeAdvance) -> JacobianReport {
+fn report(subject: &Subject, map: &dyn TimeAdvance) -> JacobianEvidence {
     let (q, p) = subject.at.clone();
     let circle = Circle::new(q, p, 0.1).unwrap().with_random_phases(3);
     JacobianTest::default().run(map, &circle, 0.5).unwrap()
@@ -51,8 +51,8 @@ fn tangent_maps_are_confirmed_and_say_the_same_with_more_digits() {
                 let growth = (1.0 + exact.deformation).powi(2);
                 assert!(fine < 4e-14 * growth, "{name}: {fine:e} of {growth:e}");
                 assert!(fine < 0.1 * coarse, "{name}: {fine:e} and {coarse:e}");
-                let wrong = matches!(exact.verdict, JacobianVerdict::NotSymplectic { .. });
-                assert!(!wrong, "{name}: {}", exact.verdict);
+                let wrong = matches!(exact.verdict(), JacobianVerdict::NotSymplectic { .. });
+                assert!(!wrong, "{name}: {}", exact.verdict());
             }
         }
     }

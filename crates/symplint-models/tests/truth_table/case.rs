@@ -3,7 +3,10 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
-use symplint::{Circle, Diagnostic, FourierLoop, Loop, TimeAdvance, Verdict, VerdictKind};
+use symplint::{
+    Circle, Diagnosis, Diagnostic, Evidence, FourierLoop, Loop, TimeAdvance, Verdict, VerdictKind,
+    judge,
+};
 use symplint_models::Model;
 use symplint_models::integrators::catalogue::build;
 
@@ -207,7 +210,7 @@ impl Case {
                 Order::Unstated => true,
             },
             (Truth::Broken { closed }, VerdictKind::BrokenLoops) => {
-                let says = |text: &str| verdict.summary.contains(text);
+                let says = |text: &str| verdict.summary().contains(text);
                 match closed {
                     None => true,
                     Some(true) => says("closed its loop integrals are conserved"),
@@ -225,8 +228,8 @@ pub fn check(theme: &str, cases: &[Case]) {
     for case in cases {
         let started = std::time::Instant::now();
         let phase_loop = &*case.on.phase_loop;
-        let verdict = match case.diagnostic.run(&*case.map, phase_loop, &|_| {}) {
-            Ok(diagnosis) => diagnosis.verdict,
+        let verdict = match case.diagnostic.run(&*case.map, phase_loop) {
+            Ok(diagnosis) => judged_again(diagnosis),
             Err(error) => {
                 let title = case.title();
                 writeln!(
@@ -349,4 +352,12 @@ pub fn not_symplectic(classical: Truth) -> Vec<(&'static str, Truth, &'static st
             "conserves H; differs from the midpoint rule at h³, by no Hamiltonian field",
         ),
     ]
+}
+
+/// The verdict, after it was reached again from the evidence as a report carries it.
+fn judged_again(diagnosis: Diagnosis) -> Verdict {
+    let text = serde_json::to_string(&diagnosis.evidence).unwrap();
+    let evidence: Evidence = serde_json::from_str(&text).unwrap();
+    assert_eq!(judge(&evidence), diagnosis.verdict);
+    diagnosis.verdict
 }

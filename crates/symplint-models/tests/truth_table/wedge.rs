@@ -12,7 +12,7 @@ use crate::case::{
 
 const TORN: &str = "the force jumps at q = 0; a break is born in a kick, as a segment along p that \
                     carries no p dq, and what follows is symplectic";
-const TORN_AND_MORE: &str = "the force jumps at q = 0, and the method is not symplectic besides";
+const TORN_AND_MORE: &str = "the force jumps at q = 0, and the method is not symplectic either";
 
 pub fn cases() -> Vec<Case> {
     let model: Model = Arc::new(AbsoluteValue::new(0.0).unwrap()).into();

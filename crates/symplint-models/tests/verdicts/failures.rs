@@ -24,7 +24,7 @@ fn states_that_are_not_finite_are_named() {
             .build()
             .unwrap();
         let phase_loop = circle(&[0.0; 2], &[0.0; 2], 1.0);
-        let error = pool.install(|| diagnostic.run(&map, &phase_loop, &|_| {}).unwrap_err());
+        let error = pool.install(|| diagnostic.run(&map, &phase_loop).unwrap_err());
         // sin 2πk/1000 first exceeds 0.95 at k = 200 (0.9511); h = 1/8 is the first below 0.2.
         assert!(
             matches!(
@@ -58,7 +58,7 @@ fn failures_of_the_map_are_named() {
         }
     }
     let error = Diagnostic::default()
-        .run(&Stubborn, &circle(&[0.0], &[0.0], 1.0), &|_| {})
+        .run(&Stubborn, &circle(&[0.0], &[0.0], 1.0))
         .unwrap_err();
     // sin 2πk/4096 < −1/2 first at k = 2390, in the third block.
     assert!(
@@ -75,12 +75,12 @@ fn overflow_is_an_error_and_no_verdict() {
         p[0] *= 1e200;
     });
     let error = Diagnostic::default()
-        .run(&map, &circle(&[0.0], &[0.0], 1.0), &|_| {})
+        .run(&map, &circle(&[0.0], &[0.0], 1.0))
         .unwrap_err();
     assert!(matches!(error, Error::Overflow { dof: 0, .. }), "{error:?}");
     let loops = circle(&[0.0], &[0.0], 1e160);
     let map = PerSample::new(1, |_, _: &mut [f64], _: &mut [f64]| {});
-    assert!(Diagnostic::default().run(&map, &loops, &|_| {}).is_err());
+    assert!(Diagnostic::default().run(&map, &loops).is_err());
 }
 
 #[test]

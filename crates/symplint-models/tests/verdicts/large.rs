@@ -20,7 +20,7 @@ fn threads_do_not_change_a_bit() {
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| diagnose(&Diagnostic::halving(-1, -4), &*map, &phase_loop).points)
+        pool.install(|| diagnose(&Diagnostic::halving(-1, -4), &*map, &phase_loop).points())
     };
     let one = run(1);
     for threads in [2, 3, 5] {

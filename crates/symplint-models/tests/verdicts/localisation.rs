@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use symplint::{Diagnostic, Stage, TimeAdvance};
+use symplint::{Diagnostic, SubstepDefect, TimeAdvance};
 use symplint_models::integrators::catalogue::build;
 use symplint_models::maps::Damped;
 use symplint_models::systems::{AbsoluteValue, Pendulum, RotationalForce};
@@ -10,13 +10,16 @@ use symplint_models::{Model, Separable};
 
 use crate::{circle, diagnose};
 
-fn stages(map: &dyn TimeAdvance, dof: usize) -> Vec<Stage> {
+fn stages(map: &dyn TimeAdvance, dof: usize) -> Vec<SubstepDefect> {
     let (q0, p0) = (vec![0.2; dof], vec![0.1; dof]);
     let found = diagnose(&Diagnostic::halving(-1, -4), map, &circle(&q0, &p0, 1.0));
-    found.localisation.map_or(Vec::new(), |found| found.stages)
+    found
+        .evidence
+        .localisation
+        .map_or(Vec::new(), |found| found.substeps)
 }
 
-fn is_conserved(stage: &Stage) -> bool {
+fn is_conserved(stage: &SubstepDefect) -> bool {
     stage.change.abs() < 1e-12 && stage.uncertainty.unwrap() < 1e-10
 }
 

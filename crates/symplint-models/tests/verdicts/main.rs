@@ -12,7 +12,7 @@ mod wrapping;
 use symplint::{Circle, Diagnosis, Diagnostic, Loop, PerSample, TimeAdvance, VerdictKind};
 
 fn diagnose(diagnostic: &Diagnostic, map: &dyn TimeAdvance, phase_loop: &dyn Loop) -> Diagnosis {
-    diagnostic.run(map, phase_loop, &|_| {}).unwrap()
+    diagnostic.run(map, phase_loop).unwrap()
 }
 
 fn circle(q0: &[f64], p0: &[f64], radius: f64) -> Circle {

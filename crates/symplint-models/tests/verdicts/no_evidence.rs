@@ -53,7 +53,10 @@ fn samples_that_jump_over_the_grid_do_not_decide() {
     let map = build("strang", None, Arc::new(pic) as Arc<dyn Separable>).unwrap();
     let verdict = diagnose(&Diagnostic::default(), &*map, &circle(&x, &v, 1.0)).verdict;
     assert_eq!(verdict.kind, VerdictKind::Undecided, "{verdict:?}");
-    assert!(verdict.summary.contains("do not see the grid"), "{verdict}");
+    assert!(
+        verdict.summary().contains("do not see the grid"),
+        "{verdict}"
+    );
 }
 
 #[test]
@@ -77,7 +80,7 @@ fn narrow_features_of_small_systems_are_seen() {
     .verdict;
     assert!(
         verdict
-            .evidence
+            .evidence()
             .iter()
             .any(|line| line.contains("narrower than 1/4096"))
     );
@@ -100,7 +103,7 @@ fn orders_need_enough_step_sizes() {
         assert_eq!(verdict.kind, VerdictKind::NotSymplectic, "{step_sizes:?}");
         assert!(
             !verdict
-                .advice
+                .advice()
                 .iter()
                 .any(|line| line.contains("wrong sign")),
             "{step_sizes:?}"

@@ -59,11 +59,19 @@ fn a_map_that_rounds_what_it_returns_is_told_so() {
         ("single precision", rounded(single), "about 1e-7"),
     ] {
         let said = |line: &String| line.contains("rounds what it returns") && line.contains(to);
-        assert!(verdict.evidence.iter().any(said), "{name}: {verdict:?}");
-        let advised = verdict.advice.iter().any(|line| line.contains("17 digits"));
+        assert!(verdict.evidence().iter().any(said), "{name}: {verdict:?}");
+        let advised = verdict
+            .advice()
+            .iter()
+            .any(|line| line.contains("17 digits"));
         assert!(advised, "{name}: {verdict:?}");
         assert_ne!(verdict.kind, VerdictKind::NotSymplectic, "{name}");
     }
     let verdict = rounded(|p| p);
-    assert!(!verdict.evidence.iter().any(|line| line.contains("rounds")));
+    assert!(
+        !verdict
+            .evidence()
+            .iter()
+            .any(|line| line.contains("rounds"))
+    );
 }

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use symplint::{Cutoffs, Diagnostic, PerSample, Rule, RuleChoice, SampleCount, VerdictKind};
+use symplint::{
+    Cutoffs, Diagnostic, PerSample, Piecewise, Rule, SampleCount, Streaming, VerdictKind,
+};
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::build;
 use symplint_models::systems::{AbsoluteValue, InterpolatedPendulum, Pendulum};
@@ -16,10 +18,10 @@ fn the_wedge_breaks_loops_that_cross_it() {
         for variant in ["position-first", "momentum-first"] {
             let map = build(name, Some(variant), Arc::clone(&wedge)).unwrap();
             for rule in [
-                RuleChoice::Auto,
-                RuleChoice::Fixed(Rule::Pseudospectral),
-                RuleChoice::Fixed(Rule::FiniteDifference(Cutoffs::relative(1000.0))),
-                RuleChoice::Streaming,
+                Rule::Auto,
+                Rule::Pseudospectral,
+                Rule::FiniteDifference(Cutoffs::relative(1000.0)),
+                Rule::Streaming(Streaming::default()),
             ] {
                 let diagnostic = Diagnostic {
                     rule,
@@ -31,7 +33,7 @@ fn the_wedge_breaks_loops_that_cross_it() {
                     VerdictKind::BrokenLoops,
                     "{name}, {variant}"
                 );
-                assert!(!across.breaks.is_empty());
+                assert!(!across.evidence.breaks.is_empty());
             }
         }
     }
@@ -48,7 +50,7 @@ fn finite_differences_alone_do_not_decide_a_smooth_case() {
     // λ = 3 leaves out smooth cells, and what is left looks like a large defect.
     for lambda in [3.0, 10.0, 1000.0] {
         let diagnostic = Diagnostic {
-            rule: RuleChoice::Fixed(Rule::FiniteDifference(Cutoffs::relative(lambda))),
+            rule: Rule::FiniteDifference(Cutoffs::relative(lambda)),
             samples: SampleCount::Fixed(4096),
             ..Diagnostic::default()
         };
@@ -66,7 +68,7 @@ fn cutoffs_on_a_steep_loop_do_not_make_a_verdict() {
     for (epsilon, lambda, p0) in [(1e-6, 10.0, 0.0), (1e-4, 1000.0, 0.5), (1e-3, 30.0, 0.5)] {
         let system: Arc<dyn Separable> = Arc::new(AbsoluteValue::new(epsilon).unwrap());
         let diagnostic = Diagnostic {
-            rule: RuleChoice::Fixed(Rule::FiniteDifference(Cutoffs::relative(lambda))),
+            rule: Rule::FiniteDifference(Cutoffs::relative(lambda)),
             ..Diagnostic::default()
         };
         for variant in ["position-first", "momentum-first"] {
@@ -89,7 +91,7 @@ fn pieces_do_not_step_over_what_samples_see() {
             p[0] += h * ((-((q[0] - 0.31) / width).powi(2)).exp() - q[0]);
         });
         let diagnostic = Diagnostic {
-            rule: RuleChoice::Piecewise,
+            rule: Rule::Piecewise(Piecewise::default()),
             ..Diagnostic::default()
         };
         let found = diagnose(&diagnostic, &map, &circle(&[0.4], &[0.7], 1.0));
@@ -112,7 +114,7 @@ fn regularity_follows_the_degree_of_the_splines() {
             ..Diagnostic::halving(-1, -3)
         };
         let found = diagnose(&diagnostic, &*map, &circle(&[3.0], &[0.2], 1.0));
-        for point in &found.points {
+        for point in &found.points() {
             let expected = degree as f64 - 0.5;
             let regularity = point.regularity.expect("thousands of samples");
             assert!(

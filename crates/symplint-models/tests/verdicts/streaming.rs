@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use symplint::{
-    Block, Diagnostic, PerSample, RuleChoice, SampleCount, StepFailure, TimeAdvance, VerdictKind,
+    Block, Diagnostic, PerSample, Rule, SampleCount, StepFailure, Streaming, TimeAdvance,
+    VerdictKind,
 };
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::build;
@@ -13,7 +14,7 @@ use crate::{circle, diagnose};
 
 fn streaming() -> Diagnostic {
     Diagnostic {
-        rule: RuleChoice::Streaming,
+        rule: Rule::Streaming(Streaming::default()),
         ..Diagnostic::halving(-1, -7)
     }
 }
@@ -37,12 +38,12 @@ fn smooth_systems_get_the_verdicts_of_the_truth_table() {
         ] {
             let map = build(name, variant, Arc::clone(&system)).unwrap();
             let diagnosis = diagnose(&streaming(), &*map, &phase_loop);
-            let verdict = diagnosis.verdict;
+            let verdict = &diagnosis.verdict;
             assert!(
                 diagnosis
-                    .points
+                    .points()
                     .iter()
-                    .all(|point| point.rule == "streaming")
+                    .all(|point| point.rule.name() == "streaming")
             );
             if order.is_some() {
                 assert_eq!(
@@ -120,8 +121,8 @@ fn samples_that_would_not_fit_are_streamed() {
     };
     for (samples, rule) in [(512, "pseudospectral"), (1024, "streaming")] {
         let diagnosis = diagnose(&at_one_step(SampleCount::Fixed(samples)), &map, &phase_loop);
-        assert_eq!(diagnosis.points[0].rule, rule);
-        assert_eq!(diagnosis.points[0].samples, samples);
+        assert_eq!(diagnosis.points()[0].rule.name(), rule);
+        assert_eq!(diagnosis.points()[0].samples, samples);
         assert_eq!(diagnosis.verdict.kind, VerdictKind::Symplectic);
     }
 }
@@ -136,7 +137,7 @@ fn what_memory_leaves_unresolved_is_streamed() {
         force: |i, q: f64| -(q - 0.9 * (i as f64).sin()).abs(),
     };
     let diagnosis = diagnose(&at_one_step(SampleCount::Auto), &map, &phase_loop);
-    let point = &diagnosis.points[0];
-    assert_eq!((point.rule, point.samples), ("streaming", 1 << 16));
+    let point = &diagnosis.points()[0];
+    assert_eq!((point.rule.name(), point.samples), ("streaming", 1 << 16));
     assert_eq!(diagnosis.verdict.kind, VerdictKind::Symplectic);
 }

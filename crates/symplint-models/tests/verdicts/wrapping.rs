@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use symplint::{
-    Block, Coordinates, Diagnostic, RuleChoice, SampleCount, StepFailure, TimeAdvance, VerdictKind,
+    Block, Coordinates, Diagnostic, Rule, SampleCount, StepFailure, Streaming, TimeAdvance,
+    VerdictKind,
 };
 
 use symplint_models::discrete::StandardMap;
@@ -41,7 +42,7 @@ fn wrapped_positions_need_their_period() {
     let silent = Wrapping {
         coordinates: Coordinates::plain(1),
     };
-    for rule in [RuleChoice::Auto, RuleChoice::Streaming] {
+    for rule in [Rule::Auto, Rule::Streaming(Streaming::default())] {
         let diagnostic = Diagnostic {
             rule,
             ..Diagnostic::default()
@@ -50,7 +51,7 @@ fn wrapped_positions_need_their_period() {
         assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
         let verdict = diagnose(&diagnostic, &silent, &phase_loop).verdict;
         assert_eq!(verdict.kind, VerdictKind::BrokenLoops);
-        assert!(verdict.advice.iter().any(|line| line.contains("period")));
+        assert!(verdict.advice().iter().any(|line| line.contains("period")));
     }
 }
 
@@ -155,7 +156,7 @@ fn a_torque_on_the_cylinder_is_symplectic_but_not_exact() {
         assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
         // The flux has no part in the digits.
         assert!(verdict.digits > Some(13.0), "{verdict:?}");
-        let says = |words: &str| verdict.evidence.iter().any(|line| line.contains(words));
+        let says = |words: &str| verdict.evidence().iter().any(|line| line.contains(words));
         assert!(says("not exact") && !says("is exact"), "{verdict:?}");
     };
     says(0.1, &Around);
@@ -174,12 +175,12 @@ fn the_standard_map_is_exact() {
     );
     let verdict = &found.verdict;
     assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
-    let exact = (verdict.evidence.iter()).any(|line| line.contains("the map is exact"));
+    let exact = (verdict.evidence().iter()).any(|line| line.contains("the map is exact"));
     assert!(exact, "{verdict:?}");
     // ∮ p dq round the cylinder is 2π times a mean momentum, and not an area.
     let winding = found
-        .points
-        .iter()
+        .points()
+        .into_iter()
         .find(|point| point.loop_index == 8)
         .unwrap();
     assert!(winding.initial.abs() > 2.0, "{winding:?}");

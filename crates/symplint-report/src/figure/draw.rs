@@ -1,14 +1,14 @@
 //! From a figure to a picture: the grid of panels.
 
-use super::Figure;
 use super::font::Typeface;
 use super::geometry::Rect;
-use super::layout::{EDGE, FIGURE_TITLE, LINE, PANEL_WIDTH, Sizes, sizes};
-use super::legend::Legend;
+use super::layout::{EDGE, FIGURE_TITLE, LINE, Margins, PANEL_WIDTH, Sizes, sizes};
+use super::legend::{Legend, Strip};
 use super::palette::{INK, WHITE};
 use super::panel::{Placed, shapes};
 use super::scale::Ruler;
 use super::scene::{Align, Scene, Text};
+use super::{Figure, Panel};
 
 /// Between panels.
 const COLUMN_GAP: f64 = 18.0;
@@ -25,12 +25,24 @@ pub(super) fn scene(figure: &Figure, face: &Typeface) -> Scene {
     } else {
         EDGE + LINE * FIGURE_TITLE
     };
+    let titles = titles(figure);
+    let mut rows = Rows {
+        figure,
+        titles: &titles,
+        face,
+        dashed: Vec::new(),
+    };
     let mut panels = Vec::new();
-    for row in aligned(figure, columns, face).chunks(columns) {
-        let placed = place_row(figure, &panels, row, top, face);
-        top += placed.1 + ROW_GAP;
-        panels.extend(placed.0);
+    for row in aligned(figure, &titles, columns, face).chunks(columns) {
+        let (placed, height) = rows.place(panels.len(), row, top);
+        top += height + ROW_GAP;
+        panels.extend(placed);
     }
+    let shared = figure.shared_legend.then(|| {
+        let strip = Strip::of(&panels, width - 2.0 * EDGE, face);
+        (top, strip)
+    });
+    top += (shared.as_ref()).map_or(0.0, |(_, strip)| strip.height() + ROW_GAP);
     let height = (top - ROW_GAP).max(1.0).ceil();
 
     let mut scene = Scene {
@@ -57,84 +69,128 @@ pub(super) fn scene(figure: &Figure, face: &Typeface) -> Scene {
     for panel in panels {
         panel.draw(&mut scene, face);
     }
+    if let Some((top, strip)) = shared {
+        strip.draw(&mut scene, (0.0, width), top);
+    }
     scene
 }
 
-/// The sizes of all panels, with the frames of a column starting below each other.
-fn aligned(figure: &Figure, columns: usize, face: &Typeface) -> Vec<Sizes> {
-    let alone: Vec<Sizes> = figure
-        .panels
-        .iter()
-        .map(|panel| sizes(panel, face, 0.0))
+/// The titles of the panels, lettered where there are several: `(a) linear`.
+fn titles(figure: &Figure) -> Vec<String> {
+    let several = figure.panels.len() > 1;
+    let title = |(k, panel): (usize, &Panel)| match several {
+        true => format!("({}) {}", letters(k), panel.title)
+            .trim_end()
+            .to_owned(),
+        false => panel.title.clone(),
+    };
+    figure.panels.iter().enumerate().map(title).collect()
+}
+
+/// a, b, …, z, aa, ab, ….
+fn letters(k: usize) -> String {
+    let last = char::from(b'a' + (k % 26) as u8);
+    match k / 26 {
+        0 => last.to_string(),
+        more => letters(more - 1) + &last.to_string(),
+    }
+}
+
+/// The sizes of all panels, with the frames of a column below each other.
+fn aligned(figure: &Figure, titles: &[String], columns: usize, face: &Typeface) -> Vec<Sizes> {
+    let panels = || figure.panels.iter().zip(titles).enumerate();
+    let alone: Vec<Sizes> = panels()
+        .map(|(_, (panel, title))| sizes(panel, title, face, (0.0, 0.0)))
         .collect();
-    let widest = |column: usize| {
-        alone
-            .iter()
-            .zip(&figure.panels)
+    let widest = |column: usize| -> Margins {
+        (alone.iter().zip(&figure.panels))
             .skip(column)
             .step_by(columns)
             // Frames narrowed by equal aspect stand in the middle of their panel.
             .filter(|(_, panel)| !panel.equal_aspect)
-            .map(|(sizes, _)| sizes.left)
-            .fold(0.0, f64::max)
+            .fold((0.0, 0.0), |(left, right), (sizes, _)| {
+                (left.max(sizes.left), right.max(sizes.right))
+            })
     };
-    figure
-        .panels
-        .iter()
-        .enumerate()
-        .map(|(k, panel)| sizes(panel, face, widest(k % columns)))
+    panels()
+        .map(|(k, (panel, title))| sizes(panel, title, face, widest(k % columns)))
         .collect()
 }
 
-/// Places the next row of panels at `top`; also its height.
-fn place_row<'a>(
+/// Places the panels row by row.
+struct Rows<'a> {
     figure: &'a Figure,
-    before: &[Placed],
-    row: &[Sizes],
-    top: f64,
-    face: &Typeface,
-) -> (Vec<Placed<'a>>, f64) {
-    let above = row.iter().map(|sizes| sizes.top).fold(0.0, f64::max);
-    let mut height = 0.0_f64;
-    let mut placed = Vec::new();
-    for (column, (sizes, panel)) in row.iter().zip(&figure.panels[before.len()..]).enumerate() {
-        let left = column as f64 * (PANEL_WIDTH + COLUMN_GAP);
-        // Whole units make the frame and its ticks sharp.
-        let (frame_left, frame_top) = ((left + sizes.left).round(), (top + above).round());
-        let frame = Rect {
-            left: frame_left,
-            top: frame_top,
-            right: frame_left + sizes.width.floor(),
-            bottom: frame_top + sizes.height.floor(),
-        };
-        let x = Ruler {
-            scale: panel.x.scale,
-            span: sizes.x,
-            start: frame.left,
-            end: frame.right,
-        };
-        let y = Ruler {
-            scale: panel.y.scale,
-            span: sizes.y,
-            start: frame.bottom,
-            end: frame.top,
-        };
-        let shapes = shapes(panel, frame, &x, &y);
-        let legend = Legend::place(panel, &shapes, frame, face);
-        let below = frame.bottom + sizes.bottom;
-        height = height.max(below + legend.height_below() - top);
-        placed.push(Placed {
-            panel,
-            left,
-            frame,
-            x,
-            y,
-            x_ticks: sizes.x_ticks.clone(),
-            y_ticks: sizes.y_ticks.clone(),
-            shapes,
-            legend,
-            below,
-        });
+    titles: &'a [String],
+    face: &'a Typeface,
+    /// Labels of dashed series that one legend names.
+    dashed: Vec<&'a str>,
+}
+
+impl<'a> Rows<'a> {
+    /// Places the next row, from panel `first` on, at `top`; also its height.
+    fn place(&mut self, first: usize, row: &[Sizes], top: f64) -> (Vec<Placed<'a>>, f64) {
+        let figure = self.figure;
+        let above = row.iter().map(|sizes| sizes.top).fold(0.0, f64::max);
+        let mut height = 0.0_f64;
+        let mut placed = Vec::new();
+        let panels = figure.panels.iter().zip(self.titles).skip(first);
+        for (column, (sizes, (panel, title))) in row.iter().zip(panels).enumerate() {
+            let left = column as f64 * (PANEL_WIDTH + COLUMN_GAP);
+            // Whole units make the frame and its ticks sharp.
+            let (frame_left, frame_top) = ((left + sizes.left).round(), (top + above).round());
+            let frame = Rect {
+                left: frame_left,
+                top: frame_top,
+                right: frame_left + sizes.width.floor(),
+                bottom: frame_top + sizes.height.floor(),
+            };
+            let x = Ruler {
+                scale: panel.x.scale,
+                span: sizes.x,
+                start: frame.left,
+                end: frame.right,
+            };
+            let y = Ruler {
+                scale: panel.y.scale,
+                span: sizes.y,
+                start: frame.bottom,
+                end: frame.top,
+            };
+            if !figure.shared_legend {
+                self.dashed.clear();
+            }
+            let shapes = shapes(panel, frame, &x, &y, &mut self.dashed);
+            let legend = if figure.shared_legend {
+                Legend::Nothing
+            } else {
+                Legend::place(panel, &shapes, frame, self.face)
+            };
+            let below = frame.bottom + sizes.bottom;
+            height = height.max(below + legend.height_below() - top);
+            placed.push(Placed {
+                panel,
+                title,
+                left,
+                frame,
+                x,
+                y,
+                x_ticks: sizes.x_ticks.clone(),
+                y_ticks: sizes.y_ticks.clone(),
+                shapes,
+                legend,
+                below,
+            });
+        }
+        (placed, height)
     }
-    (placed, height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::letters;
+
+    #[test]
+    fn letters_go_on_after_z() {
+        assert_eq!([0, 25, 26, 52].map(letters), ["a", "z", "aa", "ba"]);
+    }
 }

@@ -23,6 +23,8 @@ const PLOT_HEIGHTS: (f64, f64) = (150.0, 560.0);
 pub(super) const TICK_GAP: f64 = 8.0;
 /// From the tick labels to the axis label.
 pub(super) const LABEL_GAP: f64 = 9.0;
+/// From the frame to the title, clear of a tick label at the upper corner.
+pub(super) const TITLE_GAP: f64 = 9.0;
 /// Free border of a panel.
 pub(super) const EDGE: f64 = 8.0;
 /// Height of a line of text in em.
@@ -33,6 +35,8 @@ pub(super) const LINE: f64 = 1.2;
 pub(super) struct Sizes {
     /// From the panel's border to the frame.
     pub left: f64,
+    /// From the frame to the panel's border.
+    pub right: f64,
     pub top: f64,
     /// From the frame to the panel's border, without a legend below the panel.
     pub bottom: f64,
@@ -45,10 +49,13 @@ pub(super) struct Sizes {
     pub y_ticks: Ticks,
 }
 
-/// The sizes of a panel whose frame starts at least `least_left` from its border.
-pub(super) fn sizes(panel: &Panel, face: &Typeface, least_left: f64) -> Sizes {
+/// Margins left and right of the frame of a panel.
+pub(super) type Margins = (f64, f64);
+
+/// The sizes of a panel whose margins are at least as wide as `least`.
+pub(super) fn sizes(panel: &Panel, title: &str, face: &Typeface, least: Margins) -> Sizes {
     let spans = range::spans(panel);
-    let (mut left, mut right) = (least_left, EDGE);
+    let (mut left, mut right) = (least.0, least.1.max(EDGE));
     // Labels decide the margins, margins the room for labels: the second round settles it, and
     // margins only grow, so a label of the last round always fits.
     let mut rounds = 0;
@@ -91,7 +98,8 @@ pub(super) fn sizes(panel: &Panel, face: &Typeface, least_left: f64) -> Sizes {
         if rounds == 4 || (needed_left <= left && needed_right <= right) {
             return Sizes {
                 left: left + 0.5 * (room - width),
-                top: top(panel),
+                right,
+                top: top(title),
                 bottom: TICK_GAP + LINE * TICK_LABEL + label_height(&panel.x) + EDGE,
                 width,
                 height,
@@ -125,11 +133,11 @@ fn frame(panel: &Panel, (x, y): (Span, Span), room: f64) -> (f64, f64, Span, Spa
     )
 }
 
-fn top(panel: &Panel) -> f64 {
-    if panel.title.is_empty() {
+fn top(title: &str) -> f64 {
+    if title.is_empty() {
         EDGE + 0.5 * TICK_LABEL
     } else {
-        EDGE + LINE * PANEL_TITLE + 4.0
+        EDGE + LINE * PANEL_TITLE + TITLE_GAP
     }
 }
 
@@ -158,7 +166,7 @@ mod tests {
                 0,
             )]);
             panel.equal_aspect = true;
-            let sizes = sizes(&panel, &face, 0.0);
+            let sizes = sizes(&panel, "", &face, (0.0, 0.0));
             let x_unit = sizes.width / sizes.x.length();
             let y_unit = sizes.height / sizes.y.length();
             assert!((x_unit / y_unit - 1.0).abs() < 1e-2, "{a} {b}");

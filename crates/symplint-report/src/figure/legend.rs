@@ -1,14 +1,14 @@
 //! Legends that hide no data.
 //!
-//! The legend goes to the first place inside the frame that no line, marker or zero touches;
-//! if there is none, into a strip below the panel.
+//! The legend of a panel goes to the first place inside the frame that no line, marker or zero touches;
+//! if there is none, into a strip below the panel. One legend for all panels is a strip below them.
 
 use super::font::{CAPITAL, Typeface};
 use super::geometry::{Point, Rect};
-use super::layout::LEGEND;
+use super::layout::{EDGE, LEGEND, PANEL_WIDTH};
 use super::marker;
-use super::palette::{CONTOUR, FLOOR, FLOOR_SHADE, GRID, INK, WHITE, color};
-use super::panel::{DASHES, DOT, Shapes, THICK, THIN};
+use super::palette::{BAND, BAND_SHADE, CONTOUR, GRID, INK, WHITE, color};
+use super::panel::{DASHES, DOT, Placed, Shapes, THICK, THIN};
 use super::scene::{Align, Scene, Text};
 use super::{Panel, Style, curve};
 
@@ -26,6 +26,9 @@ const BETWEEN: f64 = 24.0;
 /// Free room between the box and data.
 const CLEARANCE: f64 = 6.0;
 
+/// Width of a strip below a panel.
+const ROOM: f64 = PANEL_WIDTH - 2.0 * EDGE;
+
 /// What an entry's sample shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Sample {
@@ -39,8 +42,8 @@ enum Sample {
     Zero,
 }
 
-#[derive(Debug, Clone)]
-struct Entry {
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Entry {
     sample: Sample,
     text: String,
     size: f64,
@@ -51,18 +54,22 @@ struct Entry {
 #[derive(Debug)]
 pub(super) enum Legend {
     Nothing,
-    Inside { place: Rect, rows: Rows },
-    Below { rows: Rows },
+    Inside { place: Rect, entries: Vec<Entry> },
+    Below { strip: Strip },
 }
 
-/// Entries in rows.
+/// Entries in columns, filled row by row.
 #[derive(Debug)]
-pub(super) struct Rows(Vec<Vec<Entry>>);
+pub(super) struct Strip {
+    entries: Vec<Entry>,
+    /// Widths of the columns.
+    widths: Vec<f64>,
+}
 
 impl Legend {
     /// Finds the place for the legend of a panel with the given frame.
     pub fn place(panel: &Panel, shapes: &[Shapes], frame: Rect, face: &Typeface) -> Legend {
-        let entries = entries(panel, shapes, frame, face);
+        let entries = entries(panel, shapes, ROOM, face);
         if entries.is_empty() {
             return Legend::Nothing;
         }
@@ -72,12 +79,9 @@ impl Legend {
             .into_iter()
             .find(|place| covered(*place, shapes) == 0);
         match free {
-            Some(place) => Legend::Inside {
-                place,
-                rows: Rows(entries.into_iter().map(|entry| vec![entry]).collect()),
-            },
+            Some(place) => Legend::Inside { place, entries },
             None => Legend::Below {
-                rows: in_rows(entries, frame.width()),
+                strip: Strip::in_columns(entries, ROOM),
             },
         }
     }
@@ -85,37 +89,97 @@ impl Legend {
     /// Height that the legend needs below the panel.
     pub fn height_below(&self) -> f64 {
         match self {
-            Legend::Below { rows } => ROW * rows.0.len() as f64 + PADDING,
+            Legend::Below { strip } => strip.height(),
             Legend::Nothing | Legend::Inside { .. } => 0.0,
         }
     }
 
-    /// Draws the legend; `below` is where a strip starts.
-    pub fn draw(&self, scene: &mut Scene, frame: Rect, below: f64) {
+    /// Draws the legend; a strip starts at `below`, in the middle of the panel from `left` on.
+    pub fn draw(&self, scene: &mut Scene, left: f64, below: f64) {
         match self {
             Legend::Nothing => {}
-            Legend::Inside { place, rows } => {
+            Legend::Inside { place, entries } => {
                 scene.rect(*place, WHITE);
                 let mut outline = place.corners().to_vec();
                 outline.push((place.left, place.top));
                 scene.line(outline, 1.0, GRID);
-                for (k, row) in rows.0.iter().enumerate() {
+                for (k, entry) in entries.iter().enumerate() {
                     let middle = place.top + PADDING + ROW * (k as f64 + 0.5);
-                    draw_row(scene, row, place.left + PADDING, middle);
+                    draw_entry(scene, entry, (place.left + PADDING, middle));
                 }
             }
-            Legend::Below { rows } => {
-                for (k, row) in rows.0.iter().enumerate() {
-                    let left = frame.left + 0.5 * (frame.width() - row_width(row));
-                    draw_row(scene, row, left, below + ROW * (k as f64 + 0.5));
+            Legend::Below { strip } => strip.draw(scene, (left, left + PANEL_WIDTH), below),
+        }
+    }
+}
+
+impl Strip {
+    /// The entries of all panels, each once, in rows at most `room` wide.
+    pub fn of(panels: &[Placed<'_>], room: f64, face: &Typeface) -> Strip {
+        let mut all: Vec<Entry> = Vec::new();
+        for panel in panels {
+            for entry in entries(panel.panel, &panel.shapes, room, face) {
+                if !all.contains(&entry) {
+                    all.push(entry);
                 }
+            }
+        }
+        // What marks zeros comes last, wherever the first of them are.
+        all.sort_by_key(|entry| entry.sample == Sample::Zero);
+        Strip::in_columns(all, room)
+    }
+
+    /// Columns as even as they can be in as few rows as fit.
+    fn in_columns(entries: Vec<Entry>, room: f64) -> Strip {
+        let count = entries.len();
+        for rows in 1..=count {
+            let columns = count.div_ceil(rows);
+            let widths: Vec<f64> = (0..columns)
+                .map(|column| {
+                    let entries = entries.iter().skip(column).step_by(columns);
+                    entries.map(|entry| entry.width).fold(0.0, f64::max)
+                })
+                .collect();
+            if rows == count || total(&widths) <= room {
+                return Strip { entries, widths };
+            }
+        }
+        Strip {
+            entries,
+            widths: Vec::new(),
+        }
+    }
+
+    fn rows(&self) -> std::slice::Chunks<'_, Entry> {
+        self.entries.chunks(self.widths.len().max(1))
+    }
+
+    /// Height on the page.
+    pub fn height(&self) -> f64 {
+        ROW * self.rows().len() as f64 + PADDING
+    }
+
+    /// Draws the strip from `top` on, in the middle between left and right.
+    pub fn draw(&self, scene: &mut Scene, (left, right): (f64, f64), top: f64) {
+        let start = left + 0.5 * (right - left - total(&self.widths));
+        for (k, row) in self.rows().enumerate() {
+            let mut left = start;
+            for (entry, width) in row.iter().zip(&self.widths) {
+                draw_entry(scene, entry, (left, top + ROW * (k as f64 + 0.5)));
+                left += width + BETWEEN;
             }
         }
     }
 }
 
-fn entries(panel: &Panel, shapes: &[Shapes], frame: Rect, face: &Typeface) -> Vec<Entry> {
-    let room = frame.width() - SAMPLE - SAMPLE_GAP;
+/// The width of columns beside each other.
+fn total(widths: &[f64]) -> f64 {
+    widths.iter().sum::<f64>() + BETWEEN * widths.len().saturating_sub(1) as f64
+}
+
+/// The entries of a panel, each at most `room` wide.
+fn entries(panel: &Panel, shapes: &[Shapes], room: f64, face: &Typeface) -> Vec<Entry> {
+    let room = room - SAMPLE - SAMPLE_GAP;
     let entry = |sample, label: &str| {
         let (text, size) = face.fit(label, LEGEND, room);
         let width = SAMPLE + SAMPLE_GAP + face.width(&text, size);
@@ -200,39 +264,19 @@ fn covered(place: Rect, shapes: &[Shapes]) -> usize {
         .sum()
 }
 
-fn in_rows(entries: Vec<Entry>, room: f64) -> Rows {
-    let mut rows: Vec<Vec<Entry>> = Vec::new();
-    for entry in entries {
-        match rows.last_mut() {
-            Some(row) if row_width(row) + BETWEEN + entry.width <= room => row.push(entry),
-            _ => rows.push(vec![entry]),
-        }
-    }
-    Rows(rows)
-}
-
-fn row_width(row: &[Entry]) -> f64 {
-    let entries: f64 = row.iter().map(|entry| entry.width).sum();
-    entries + BETWEEN * row.len().saturating_sub(1) as f64
-}
-
-fn draw_row(scene: &mut Scene, row: &[Entry], left: f64, middle: f64) {
-    let mut left = left;
-    for entry in row {
-        draw_sample(scene, entry.sample, (left, middle));
-        scene.text(Text {
-            text: entry.text.clone(),
-            at: (
-                left + SAMPLE + SAMPLE_GAP,
-                middle + 0.5 * CAPITAL * entry.size,
-            ),
-            align: Align::Start,
-            size: entry.size,
-            upwards: false,
-            color: INK,
-        });
-        left += entry.width + BETWEEN;
-    }
+fn draw_entry(scene: &mut Scene, entry: &Entry, (left, middle): Point) {
+    draw_sample(scene, entry.sample, (left, middle));
+    scene.text(Text {
+        text: entry.text.clone(),
+        at: (
+            left + SAMPLE + SAMPLE_GAP,
+            middle + 0.5 * CAPITAL * entry.size,
+        ),
+        align: Align::Start,
+        size: entry.size,
+        upwards: false,
+        color: INK,
+    });
 }
 
 fn draw_sample(scene: &mut Scene, sample: Sample, (left, middle): Point) {
@@ -261,15 +305,15 @@ fn draw_sample(scene: &mut Scene, sample: Sample, (left, middle): Point) {
                     scene.line(dash, THIN, color(index));
                 }
             }
-            Style::Floor => {
+            Style::Uncertainty => {
                 let shade = Rect {
                     left,
                     top: middle,
                     right: left + SAMPLE,
                     bottom: middle + 0.3 * ROW,
                 };
-                scene.rect(shade, FLOOR_SHADE);
-                scene.line(line, THIN, FLOOR);
+                scene.rect(shade, BAND_SHADE);
+                scene.line(line, THIN, BAND);
             }
             Style::Thin => scene.line(line, 1.0, CONTOUR),
         },
@@ -321,9 +365,29 @@ mod tests {
     #[test]
     fn no_labels_no_legend_and_long_labels_fit_the_panel() {
         assert!(matches!(place(Vec::new(), ""), Legend::Nothing));
-        let Legend::Below { rows } = place(vec![], &"very long ".repeat(20)) else {
+        let Legend::Below { strip } = place(vec![], &"very long ".repeat(20)) else {
             panic!("too wide for the frame");
         };
-        assert!(row_width(&rows.0[0]) <= FRAME.width() + 0.1);
+        assert!(total(&strip.widths) <= ROOM + 0.1);
+    }
+
+    #[test]
+    fn a_strip_has_even_columns_in_as_few_rows_as_fit() {
+        let entry = |width| Entry {
+            sample: Sample::Zero,
+            text: String::new(),
+            size: LEGEND,
+            width,
+        };
+        let strip = |widths: &[f64], room| {
+            let strip = Strip::in_columns(widths.iter().map(|&w| entry(w)).collect(), room);
+            (strip.rows().len(), strip.widths)
+        };
+        assert_eq!(strip(&[100.0, 60.0], 200.0), (1, vec![100.0, 60.0]));
+        // Three of them would fit into the first row: 2 × 2 is more even.
+        let four = [100.0, 60.0, 50.0, 90.0];
+        assert_eq!(strip(&four, 270.0), (2, vec![100.0, 90.0]));
+        assert_eq!(strip(&four, 10.0).0, 4);
+        assert_eq!(strip(&[], 100.0).0, 0);
     }
 }

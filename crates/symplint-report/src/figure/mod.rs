@@ -43,10 +43,38 @@ pub use number::superscript;
 pub struct Figure {
     /// Text above all panels.
     pub title: Option<String>,
-    /// The panels, in reading order.
+    /// The panels, in reading order. Several are lettered: (a), (b), ….
     pub panels: Vec<Panel>,
     /// Panels beside each other in one row; 0 counts as 1.
     pub columns: usize,
+    /// Whether one legend below all panels names the series of all of them, each once.
+    pub shared_legend: bool,
+}
+
+impl Figure {
+    /// A figure of some panels, so many beside each other, with a legend in each.
+    pub fn new(panels: Vec<Panel>, columns: usize) -> Self {
+        Figure {
+            title: None,
+            panels,
+            columns,
+            shared_legend: false,
+        }
+    }
+
+    /// The same with a title above all panels.
+    pub fn with_title(self, title: impl Into<String>) -> Self {
+        let title = Some(title.into());
+        Figure { title, ..self }
+    }
+
+    /// The same with one legend for all panels.
+    pub fn with_shared_legend(self) -> Self {
+        Figure {
+            shared_legend: true,
+            ..self
+        }
+    }
 }
 
 /// One pair of axes with its series.
@@ -98,8 +126,8 @@ pub enum Style {
     LineAndPoints,
     /// A thin dashed line, for reference slopes.
     Dashed,
-    /// A thin grey line, shaded down to the axis: what lies there cannot be told from round-off.
-    Floor,
+    /// A thin grey line, shaded down to the axis: what lies there cannot be told from zero.
+    Uncertainty,
     /// A line from the last point back to the first as well.
     Closed,
     /// A light grey background line without legend entry, such as an energy contour.

@@ -15,10 +15,10 @@ pub(super) const GRID: Color = (226, 226, 226);
 pub(super) const FAINT_GRID: Color = (241, 241, 241);
 /// Background contours.
 pub(super) const CONTOUR: Color = (196, 196, 196);
-/// The line of a floor.
-pub(super) const FLOOR: Color = (128, 128, 128);
-/// The area below a floor.
-pub(super) const FLOOR_SHADE: Color = (240, 240, 240);
+/// The upper edge of the uncertainty.
+pub(super) const BAND: Color = (128, 128, 128);
+/// The area below it.
+pub(super) const BAND_SHADE: Color = (240, 240, 240);
 
 const SERIES: [Color; 7] = [
     (0, 114, 178),   // blue

@@ -4,10 +4,10 @@ use super::curve;
 use super::font::{CAPITAL, Typeface};
 use super::geometry::{Point, Rect};
 use super::layout::{
-    AXIS_LABEL, EDGE, LABEL_GAP, LINE, PANEL_TITLE, PANEL_WIDTH, TICK_GAP, TICK_LABEL,
+    AXIS_LABEL, EDGE, LABEL_GAP, LINE, PANEL_TITLE, PANEL_WIDTH, TICK_GAP, TICK_LABEL, TITLE_GAP,
 };
 use super::legend::Legend;
-use super::palette::{CONTOUR, FAINT_GRID, FLOOR, FLOOR_SHADE, GRID, INK, color};
+use super::palette::{BAND, BAND_SHADE, CONTOUR, FAINT_GRID, GRID, INK, color};
 use super::scale::Ruler;
 use super::scene::{Align, Scene, Text};
 use super::ticks::Ticks;
@@ -18,8 +18,8 @@ pub(super) const THICK: f64 = 2.2;
 pub(super) const THIN: f64 = 1.5;
 /// Lengths of a dash and of the gap after it, for the first, second, … dashed series.
 pub(super) const DASHES: [(f64, f64); 4] = [(7.0, 5.0), (2.5, 3.5), (14.0, 5.0), (4.5, 8.0)];
-/// A floor that ends this close to the frame, as a part of its width, is drawn up to it.
-const FLOOR_REACH: f64 = 0.08;
+/// An uncertainty that ends this close to the frame, as a part of its width, is drawn up to it.
+const BAND_REACH: f64 = 0.08;
 /// More markers than this become dots.
 const MOST_MARKERS: usize = 250;
 pub(super) const DOT: f64 = 1.7;
@@ -48,6 +48,8 @@ pub(super) struct Shapes {
 /// A panel with its place on the page.
 pub(super) struct Placed<'a> {
     pub panel: &'a Panel,
+    /// The title, with the letter of the panel if it has one.
+    pub title: &'a str,
     /// Left border of the panel.
     pub left: f64,
     pub frame: Rect,
@@ -63,9 +65,16 @@ pub(super) struct Placed<'a> {
 }
 
 /// What of each series is visible in the frame.
-pub(super) fn shapes(panel: &Panel, frame: Rect, x: &Ruler, y: &Ruler) -> Vec<Shapes> {
+///
+/// `dashed` holds the labels of the dashed series so far: those of one name are dashed alike.
+pub(super) fn shapes<'a>(
+    panel: &'a Panel,
+    frame: Rect,
+    x: &Ruler,
+    y: &Ruler,
+    dashed: &mut Vec<&'a str>,
+) -> Vec<Shapes> {
     let mut stacked = Vec::new();
-    let mut dashed = 0;
     panel
         .series
         .iter()
@@ -78,8 +87,11 @@ pub(super) fn shapes(panel: &Panel, frame: Rect, x: &Ruler, y: &Ruler) -> Vec<Sh
             places.sort_by(|a, b| a.0.total_cmp(&b.0));
             shapes.zeros = stack(curve::spaced(&places, 2.0 * marker::RADIUS), &mut stacked);
             if series.style == Style::Dashed {
-                shapes.dash = dashed % DASHES.len();
-                dashed += 1;
+                let known = dashed.iter().position(|label| *label == series.label);
+                shapes.dash = known.unwrap_or(dashed.len()) % DASHES.len();
+                if known.is_none() {
+                    dashed.push(&series.label);
+                }
             }
             shapes
         })
@@ -104,13 +116,13 @@ fn series_shapes(series: &Series, frame: Rect, x: &Ruler, y: &Ruler) -> Shapes {
             let alone: Vec<Vec<Point>> = runs.iter().filter(|r| r.len() == 1).cloned().collect();
             shapes.dots = curve::sparse_cloud(inside(&alone, frame), MOST_DOTS);
         }
-        Style::Dashed | Style::Floor | Style::Thin => {}
+        Style::Dashed | Style::Uncertainty | Style::Thin => {}
     }
     if has_line {
         if series.style == Style::Closed {
             close(&mut runs, series.points.len());
         }
-        if series.style == Style::Floor {
+        if series.style == Style::Uncertainty {
             reach_frame(&mut runs, frame);
         }
         shapes.lines = runs
@@ -145,9 +157,9 @@ fn close(runs: &mut [Vec<Point>], points: usize) {
     }
 }
 
-/// Continues a floor level to the frame across the free room beside the data.
+/// Continues the uncertainty level to the frame across the free room beside the data.
 fn reach_frame(runs: &mut [Vec<Point>], frame: Rect) {
-    let reach = FLOOR_REACH * frame.width();
+    let reach = BAND_REACH * frame.width();
     for run in runs {
         let (Some(&first), Some(&last)) = (run.first(), run.last()) else {
             continue;
@@ -187,10 +199,10 @@ fn stack(places: Vec<Point>, stacked: &mut Vec<Point>) -> Vec<Point> {
 impl Placed<'_> {
     /// Draws the panel, lowest layers first.
     pub fn draw(&self, scene: &mut Scene, face: &Typeface) {
-        self.draw_each(scene, &[Style::Floor], draw_shade);
+        self.draw_each(scene, &[Style::Uncertainty], draw_shade);
         self.draw_grid(scene);
         self.draw_each(scene, &[Style::Thin], draw_lines);
-        self.draw_each(scene, &[Style::Floor, Style::Dashed], draw_lines);
+        self.draw_each(scene, &[Style::Uncertainty, Style::Dashed], draw_lines);
         let data = [
             Style::Line,
             Style::Closed,
@@ -200,7 +212,7 @@ impl Placed<'_> {
         self.draw_each(scene, &data, draw_lines);
         self.draw_frame(scene);
         self.draw_each(scene, &data, draw_markers);
-        self.legend.draw(scene, self.frame, self.below);
+        self.legend.draw(scene, self.left, self.below);
         self.draw_tick_labels(scene);
         self.draw_titles(scene, face);
     }
@@ -305,8 +317,8 @@ impl Placed<'_> {
             });
         };
         let room = PANEL_WIDTH - 2.0 * EDGE;
-        let above = frame.top - 4.0 - 0.25 * PANEL_TITLE;
-        title(&self.panel.title, PANEL_TITLE, room, (centre, above), false);
+        let above = frame.top - TITLE_GAP - 0.25 * PANEL_TITLE;
+        title(self.title, PANEL_TITLE, room, (centre, above), false);
 
         let ticks = frame.bottom + TICK_GAP + LINE * TICK_LABEL;
         let under = ticks + LABEL_GAP + 0.8 * AXIS_LABEL;
@@ -344,7 +356,7 @@ fn draw_shade(scene: &mut Scene, _: &Series, shapes: &Shapes, frame: Rect) {
         };
         let mut area = line.clone();
         area.extend([(last.0, frame.bottom), (first.0, frame.bottom)]);
-        scene.area(area, FLOOR_SHADE);
+        scene.area(area, BAND_SHADE);
     }
 }
 
@@ -356,7 +368,7 @@ fn draw_lines(scene: &mut Scene, series: &Series, shapes: &Shapes, _: Rect) {
                     scene.line(dash, THIN, color(series.color));
                 }
             }
-            Style::Floor => scene.line(line.clone(), THIN, FLOOR),
+            Style::Uncertainty => scene.line(line.clone(), THIN, BAND),
             Style::Thin => scene.line(line.clone(), 1.0, CONTOUR),
             _ => scene.line(line.clone(), THICK, color(series.color)),
         }

@@ -21,7 +21,10 @@ pub(super) fn spans(panel: &Panel) -> (Span, Span) {
 /// The values of exactly zero that a logarithmic y axis cannot show, as places on the x axis.
 pub(super) fn zeros<'a>(series: &'a Series, panel: &'a Panel) -> impl Iterator<Item = f64> + 'a {
     let shown = panel.y.scale.is_log()
-        && !matches!(series.style, Style::Dashed | Style::Floor | Style::Thin);
+        && !matches!(
+            series.style,
+            Style::Dashed | Style::Uncertainty | Style::Thin
+        );
     series
         .points
         .iter()

@@ -35,11 +35,7 @@ pub(super) fn panel(series: Vec<Series>) -> Panel {
 }
 
 fn figure(panels: Vec<Panel>) -> Figure {
-    Figure {
-        title: None,
-        panels,
-        columns: 2,
-    }
+    Figure::new(panels, 2)
 }
 
 /// A folder of this test alone, removed at its end.
@@ -72,7 +68,7 @@ fn troubled(y: Scale) -> Panel {
         Style::Points,
         Style::LineAndPoints,
         Style::Dashed,
-        Style::Floor,
+        Style::Uncertainty,
         Style::Closed,
         Style::Thin,
     ];
@@ -128,7 +124,7 @@ fn extreme_values_stay_inside_the_page() {
         for range in [None, Some((1.0, 1.0 + 1e-6))] {
             let mut panel = panel(vec![
                 series("a", points.clone(), Style::LineAndPoints, 3),
-                series("b", points.clone(), Style::Floor, 0),
+                series("b", points.clone(), Style::Uncertainty, 0),
             ]);
             panel.x.scale = scale;
             panel.y.scale = scale;
@@ -224,11 +220,8 @@ fn texts_stay_on_the_page_and_off_each_other() {
     )]);
     wide.title = "a title that is much too long for one panel of this width ".repeat(3);
     wide.y.label = "a label that is much too long for the height of this panel".to_string();
-    let figure = Figure {
-        title: Some("all scales".to_string()),
-        panels: vec![troubled(Scale::Log10), troubled(Scale::Linear), wide],
-        columns: 2,
-    };
+    let figure = figure(vec![troubled(Scale::Log10), troubled(Scale::Linear), wide])
+        .with_title("all scales");
     let scene = draw::scene(&figure, &face);
     let boxes = text_boxes(&scene, &face);
     assert!(boxes.len() > 40);

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 
 use symplint::{Ensemble, Snapshot};
 
+use crate::provenance::HashedFile;
+
 pub use array::{Accept, Array};
 pub use error::LoopFileError;
 pub use pair::is_partner;
@@ -80,7 +82,7 @@ impl LoopFile {
         }
     }
 
-    /// The files that [`write`](Self::write) makes.
+    /// The files that hold it: two where it is a pair.
     ///
     /// # Errors
     /// If the name says no format.
@@ -92,6 +94,20 @@ impl LoopFile {
             }
             Format::Npz | Format::Csv => vec![self.path.clone()],
         })
+    }
+
+    /// The hashes of its files.
+    ///
+    /// # Errors
+    /// If one cannot be read.
+    pub fn hashes(&self) -> Result<Vec<HashedFile>, LoopFileError> {
+        let hash = |path: PathBuf| {
+            HashedFile::read(&path).map_err(|error| LoopFileError::Read {
+                path,
+                reason: error.to_string(),
+            })
+        };
+        self.paths()?.into_iter().map(hash).collect()
     }
 
     /// Whether the file that it is written to has room for period, weight and step size.

@@ -4,9 +4,9 @@ use super::suspects::{Coordinate, OUTSTANDING, Suspect};
 use super::{Break, fourth_difference};
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::Evaluator;
+
 use crate::signal::unwrap_row;
-use crate::state::Ensemble;
 
 /// Cells into which a stretch is cut at each turn.
 const CELLS: usize = 24;
@@ -19,23 +19,23 @@ const STAYS: f64 = 0.5;
 
 /// Evaluates the map on ever shorter stretches round the largest fourth difference.
 ///
-/// Positions are unwrapped with `period`. Returns the break if the difference has not shrunk when the stretch is as short as double
+/// Positions are unwrapped. Returns the break if the difference has not shrunk when the stretch is as short as double
 /// precision can resolve, `None` if it fades: the loop is steep but continuous there.
 pub(super) fn follow(
-    map: &dyn TimeAdvance,
+    evaluator: &Evaluator<'_>,
     phase_loop: &dyn Loop,
     h: f64,
     suspect: &Suspect,
     samples: usize,
-    period: f64,
 ) -> Result<Option<Break>, Error> {
+    let period = evaluator.coordinates().period(suspect.dof);
     let spacing = 1.0 / samples as f64;
     let mut start = suspect.first as f64 * spacing;
     let mut length = 4.0 * spacing;
     loop {
         let cell = length / CELLS as f64;
         let s: Vec<f64> = (0..=CELLS).map(|k| start + k as f64 * cell).collect();
-        let mut states = Ensemble::image(map, phase_loop, h, &s)?;
+        let mut states = evaluator.image(phase_loop, h, &s)?;
         // A wrap is no jump.
         unwrap_row(states.block().q.row_mut(suspect.dof), period);
         let row = match suspect.coordinate {

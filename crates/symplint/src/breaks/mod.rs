@@ -9,17 +9,17 @@ mod suspects;
 
 pub(crate) use suspects::{Coordinate, Roughness, Suspect, most_outstanding};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::state::Coordinates;
 use crate::state::Ensemble;
 
 /// A place where an advanced loop is discontinuous, in the degree of freedom
 /// that led to it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Break {
     /// Where: the loop parameter in [0, 1).
     pub s: f64,
@@ -61,24 +61,24 @@ pub fn find_break(
     advanced: &Ensemble,
     coordinates: &Coordinates,
 ) -> Result<Option<Break>, Error> {
+    let count = EvaluationCount::unlimited();
+    let evaluator = Evaluator::new(map, &count)?;
+    Error::check_length("coordinates", phase_loop.dof(), coordinates.dof())?;
+    find_break_with(&evaluator, phase_loop, h, advanced)
+}
+
+/// The same with the evaluations counted by `evaluator`, in the coordinates of its map.
+pub(crate) fn find_break_with(
+    evaluator: &Evaluator<'_>,
+    phase_loop: &dyn Loop,
+    h: f64,
+    advanced: &Ensemble,
+) -> Result<Option<Break>, Error> {
     let dof = phase_loop.dof();
-    if map.dof() != dof {
-        return Err(Error::DofMismatch {
-            map: map.dof(),
-            phase_loop: dof,
-        });
-    }
+    evaluator.check_dof(dof)?;
     Error::check_length("rows of the advanced samples", dof, advanced.dof())?;
-    Error::check_length("coordinates", dof, coordinates.dof())?;
-    let suspects = suspects::suspects(advanced, coordinates);
-    follow_up(
-        map,
-        phase_loop,
-        h,
-        &suspects,
-        advanced.samples(),
-        coordinates,
-    )
+    let suspects = suspects::suspects(advanced, evaluator.coordinates());
+    follow_up(evaluator, phase_loop, h, &suspects, advanced.samples())
 }
 
 /// The first of `suspects`, seen by so many samples, that is a break.
@@ -86,16 +86,14 @@ pub fn find_break(
 /// # Errors
 /// Those of the map where it is evaluated between the samples.
 pub(crate) fn follow_up(
-    map: &dyn TimeAdvance,
+    evaluator: &Evaluator<'_>,
     phase_loop: &dyn Loop,
     h: f64,
     suspects: &[Suspect],
     samples: usize,
-    coordinates: &Coordinates,
 ) -> Result<Option<Break>, Error> {
     for suspect in suspects {
-        let period = coordinates.period(suspect.dof);
-        let found = follow::follow(map, phase_loop, h, suspect, samples, period)?;
+        let found = follow::follow(evaluator, phase_loop, h, suspect, samples)?;
         if found.is_some() {
             return Ok(found);
         }

@@ -1,27 +1,19 @@
-//! Choosing the rule and the number of samples.
+//! Choosing the rule and the number of samples of a loop.
 
-use super::doubling::Doubling;
-use super::nested::Nested;
-use super::probe::{Method, Probe, Subject};
-use super::{Diagnostic, RuleChoice, SampleCount};
+use super::convergence::Convergence;
+use super::initial_samples::InitialSamples;
+use super::memory::{MOST_BYTES, SMALL, fits};
+use super::plan::{Plan, power_below};
+use super::probe::Probe;
+use super::refined_samples::RefinedSamples;
+use super::{Diagnostic, SampleCount};
 use crate::error::Error;
-use crate::rules::Piecewise;
-use crate::rules::{Cutoffs, Rule};
-use crate::verdict::WEAKEST_BOUND;
+use crate::evidence::WEAKEST_BOUND;
+use crate::rules::{Advanced, Cutoffs, Piecewise, Rule, Streaming, Subject};
+use crate::state::Ensemble;
 
-/// Where automatic doubling begins in one degree of freedom: what is narrower than a cell of the loop is
-/// not seen, and samples of small systems cost nothing.
-const FEWEST: usize = 1 << 12;
-
-/// Where it begins in many.
-const FEWEST_OF_MANY: usize = 64;
-
-/// Where it ends at the latest.
-pub(super) const MOST: usize = 1 << 16;
-
-/// Memory of the largest ensemble that is chosen without being asked for; samples before and after a step
-/// make two of them.
-pub(super) const MOST_BYTES: usize = 512 << 20;
+/// The most samples of automatic doubling.
+const MOST_SAMPLES: usize = 1 << 16;
 
 /// Sobolev exponents of loops with kinks: more than the ½ of a jump, which is looked for in its own way, and
 /// so few that no analytic loop has them.
@@ -30,130 +22,290 @@ const LEAST_KINKED: f64 = 1.0;
 /// The other end of the range.
 const MOST_KINKED: f64 = 4.5;
 
-/// Exponents from N and 2N samples that differ by less are one.
+/// Exponents from N and 2N samples that differ by less are taken for one.
 const AGREEMENT: f64 = 0.1;
 
 /// An expected error this many times the wanted one is reason to leave equispaced samples early.
-const HOPELESS: f64 = 10.0;
+const FAR_FROM_WANTED: f64 = 10.0;
 
 /// Coordinates that the piecewise rule may have the map advance for one loop integral, where nobody
 /// asked for that rule.
 const MOST_TRIED: usize = 1 << 25;
 
+/// Fewer evaluations than this are not worth beginning pieces with: a first look and one break.
+const FEWEST_TRIED: usize = 150;
+
+/// Coordinates that the map may be made to advance for one loop integral of the streaming rule, where nobody asked
+/// for the number of samples: a thousand samples in a million degrees of freedom.
+const MOST_STREAMED: usize = 1 << 30;
+
+/// The λ of the paper's figures.
+const CUTOFF: f64 = 1000.0;
+
+/// What one loop is resolved with: the step, the plan, the most samples, and how many evaluations it may take in
+/// all.
+pub(super) struct Resolution<'p> {
+    pub h: f64,
+    pub plan: &'p Plan,
+    pub most_samples: usize,
+    pub allowance: usize,
+}
+
 impl Diagnostic {
-    /// The probe of a loop by the wanted rule and samples, judged at step size `h`.
+    /// The probe of a loop by the wanted rule and samples, judged at the step size of `with`, and what that step did.
+    ///
+    /// `look` is shown the samples after the step.
     pub(super) fn resolve<'a>(
         &self,
-        index: usize,
         subject: Subject<'a>,
-        h: f64,
+        with: &Resolution<'_>,
+        look: &mut dyn FnMut(&Ensemble),
     ) -> Result<Probe<'a>, Error> {
-        let (rule, auto) = match self.rule {
-            RuleChoice::Auto if !self.must_stream(subject.phase_loop.dof()) => {
-                (Rule::Pseudospectral, true)
+        let dof = subject.dof();
+        let first = with.plan.first_samples;
+        match self.rule {
+            Rule::Auto if self.must_stream(dof) => {
+                let rule = Rule::Streaming(self.streaming());
+                Ok(self.streamed(subject, rule, with, first)?.0)
             }
-            RuleChoice::Fixed(rule) => (rule, false),
-            RuleChoice::Piecewise => {
-                let seen = fewest_samples(subject.phase_loop.dof());
-                return Probe::new(index, subject, Method::Piecewise(self.piecewise, seen));
+            Rule::Streaming(_) => Ok(self.streamed(subject, self.rule, with, first)?.0),
+            Rule::Piecewise(piecewise) => {
+                let rule = Rule::Piecewise(Piecewise {
+                    tolerance: piecewise.tolerance.max(with.plan.tolerance),
+                    most_evaluations: piecewise.most_evaluations.min(with.allowance),
+                    ..piecewise
+                });
+                self.measured(Probe::new(subject, rule, first)?, with, look)
             }
-            RuleChoice::Streaming | RuleChoice::Auto => {
-                let fewest = fewest_samples(subject.phase_loop.dof());
-                return Ok(self.streamed(index, subject, h, fewest)?.0);
+            _ => {
+                let (fewest, most) = match self.samples {
+                    SampleCount::Fixed(_) => (first, first),
+                    SampleCount::Auto => {
+                        let most = range_of_samples(dof).min(power_below(with.most_samples));
+                        (first, most.max(first))
+                    }
+                };
+                let auto = self.rule == Rule::Auto;
+                if !auto && 2 * fewest > most {
+                    return self.measured(Probe::new(subject, self.rule, fewest)?, with, look);
+                }
+                let mut refined = RefinedSamples::new(subject, fewest, with.h)?;
+                let probe = self.doubled(subject, with, &mut refined, most);
+                look(&refined.after);
+                probe
             }
-        };
-        let (fewest, most) = match self.samples {
-            SampleCount::Fixed(count) => (count, count),
-            SampleCount::Auto => range_of_samples(subject.phase_loop.dof()),
-        };
-        if !auto && 2 * fewest > most {
-            return Probe::new(index, subject, Method::Samples(rule, fewest));
         }
-        let mut nested = Nested::new(subject, fewest, h)?;
-        let mut doubling = Doubling::new();
+    }
+
+    /// The probe with its step measured.
+    fn measured<'a>(
+        &self,
+        probe: Probe<'a>,
+        with: &Resolution<'_>,
+        look: &mut dyn FnMut(&Ensemble),
+    ) -> Result<Probe<'a>, Error> {
+        let known = probe.measure(&mut InitialSamples::new(probe.subject), with.h, look)?;
+        Ok(probe.knowing(known.h, known.advanced, known.evaluations))
+    }
+
+    /// Doubles samples until the quadrature error is down at round-off or stays, or another rule does better.
+    fn doubled<'a>(
+        &self,
+        subject: Subject<'a>,
+        with: &Resolution<'_>,
+        refined: &mut RefinedSamples<'_>,
+        most: usize,
+    ) -> Result<Probe<'a>, Error> {
+        let h = with.h;
+        let auto = self.rule == Rule::Auto;
+        let count = subject.evaluator.count();
+        // The first samples were just advanced.
+        let start = count.made() - refined.after.samples();
+        let spent = || count.made() - start;
+        let mut convergence = Convergence::new();
         let mut last_regularity = None;
-        let mut pieces = None;
+        let mut pieces: Option<(Probe<'a>, f64)> = None;
         loop {
-            let probe = Probe::of_samples(index, subject, rule, &nested.before)?;
-            let measured = probe.measure_samples(&nested.after, h)?;
-            if !measured.breaks.is_empty() {
+            let probe = Probe::of_samples(subject, self.rule, &refined.before)?;
+            let advanced = probe.measure_samples(&refined.after, h)?;
+            if !advanced.breaks.is_empty() {
                 return match auto {
-                    true => self.broken(probe, &nested, most, h),
-                    false => Ok(probe.knowing(h, measured)),
+                    true => self.broken(probe, advanced, refined, with, spent()),
+                    false => Ok(probe.knowing(h, advanced, spent())),
                 };
             }
-            let standing = doubling.proceed(&measured);
+            let standing = convergence.proceed(&advanced);
             let error = standing.error;
-            let all = 2 * nested.before.samples() > most;
-            let regularity = measured.integral.regularity;
+            let all = 2 * refined.before.samples() > most;
+            let regularity = advanced.integral.regularity;
             let kinked = settled(last_regularity, regularity);
             // The pseudospectral error falls as N^(1 − 2s) on a loop in H^s.
-            let fall = nested.before.samples() as f64 / most as f64;
+            let fall = refined.before.samples() as f64 / most as f64;
             let expected = kinked.map_or(0.0, |s| error * fall.powf(2.0 * s - 1.0));
-            let probe = probe.knowing(h, measured);
+            let probe = probe.knowing(h, advanced, spent());
             if standing.is_done() || all {
                 // Where twice the samples gain nothing there is noise, and no rule does better.
-                if !auto || standing.enough || standing.stalled {
+                if !auto || standing.enough || standing.stalled || error <= with.plan.tolerance {
                     return Ok(probe);
                 }
-                let pieces = match pieces {
-                    Some(pieces) => pieces,
-                    None => self.tried(&probe, &nested, h)?,
+                if pieces.is_none() {
+                    pieces = self.tried(subject, refined, with, start)?;
+                }
+                return match pieces {
+                    Some((pieces, of_pieces)) if of_pieces < error => Ok(pieces),
+                    _ => self.beyond_memory(probe, with, error),
                 };
-                if pieces.measure(h)?.defect.uncertainty() < error {
-                    return Ok(pieces);
-                }
-                return self.beyond_memory(probe, h, error);
             }
-            if auto && pieces.is_none() && expected > HOPELESS * standing.wanted {
-                let tried = self.tried(&probe, &nested, h)?;
-                if tried.measure(h)?.defect.uncertainty() < expected {
-                    return Ok(tried);
+            if auto && pieces.is_none() && expected > FAR_FROM_WANTED * standing.wanted {
+                pieces = self.tried(subject, refined, with, start)?;
+                match pieces {
+                    Some((pieces, of_pieces)) if of_pieces < expected => return Ok(pieces),
+                    tried => pieces = tried,
                 }
-                pieces = Some(tried);
             }
             last_regularity = regularity;
-            nested.double()?;
+            refined.double()?;
         }
     }
 
     /// The piecewise rule within the means of automatic choices.
-    pub(super) fn affordable(&self, dof: usize) -> Piecewise {
-        let most = MOST_TRIED / dof.max(1);
+    pub(super) fn affordable(&self, dof: usize, plan: &Plan, allowance: usize) -> Piecewise {
+        let most = (MOST_TRIED / dof.max(1)).min(allowance);
+        let piecewise = match self.rule {
+            Rule::Piecewise(piecewise) => piecewise,
+            _ => self.piecewise,
+        };
         Piecewise {
-            most_evaluations: self.piecewise.most_evaluations.min(most),
-            ..self.piecewise
+            tolerance: piecewise.tolerance.max(plan.tolerance),
+            most_evaluations: piecewise.most_evaluations.min(most),
+            ..piecewise
         }
     }
 
-    /// The piecewise rule within these means, and what it makes of a step.
+    /// What the piecewise rule makes of a step within these means, and the uncertainty that it leaves; `None` where
+    /// too few evaluations are left.
     fn tried<'a>(
         &self,
-        probe: &Probe<'a>,
-        nested: &Nested<'_>,
-        h: f64,
-    ) -> Result<Probe<'a>, Error> {
-        let rule = self.affordable(probe.subject.phase_loop.dof());
-        let pieces = Probe::of_pieces(probe.index, probe.subject, rule, &nested.before)?;
-        let measured = pieces.measure_pieces(&rule, &nested.after, h)?;
-        Ok(pieces.knowing(h, measured))
+        subject: Subject<'a>,
+        refined: &RefinedSamples<'_>,
+        with: &Resolution<'_>,
+        start: usize,
+    ) -> Result<Option<(Probe<'a>, f64)>, Error> {
+        let count = subject.evaluator.count();
+        let spent = count.made() - start;
+        let left = with.allowance.saturating_sub(spent);
+        if left < FEWEST_TRIED {
+            return Ok(None);
+        }
+        let rule = Rule::Piecewise(self.affordable(subject.dof(), with.plan, left));
+        let pieces = Probe::of_samples(subject, rule, &refined.before)?;
+        let advanced = pieces.measure_samples(&refined.after, with.h)?;
+        let uncertainty = advanced.defect.uncertainty();
+        let spent = count.made() - start;
+        Ok(Some((pieces.knowing(with.h, advanced, spent), uncertainty)))
     }
 
     /// The piecewise rule for a broken loop; finite differences, which need all the samples they can get, where
-    /// there are more breaks than it can follow.
+    /// there are more breaks than it can follow; what the samples showed where no evaluations are left.
     fn broken<'a>(
         &self,
         probe: Probe<'a>,
-        nested: &Nested<'_>,
-        most: usize,
-        h: f64,
+        advanced: Advanced,
+        refined: &RefinedSamples<'_>,
+        with: &Resolution<'_>,
+        spent: usize,
     ) -> Result<Probe<'a>, Error> {
-        let pieces = self.tried(&probe, nested, h)?;
-        if pieces.measure(h)?.defect.uncertainty() <= WEAKEST_BOUND {
+        let subject = probe.subject;
+        let start = subject.evaluator.count().made() - spent;
+        let known = probe.knowing(with.h, advanced, spent);
+        let Some((pieces, uncertainty)) = self.tried(subject, refined, with, start)? else {
+            return Ok(known);
+        };
+        if uncertainty <= WEAKEST_BOUND {
+            return Ok(pieces);
+        }
+        let most = range_of_samples(subject.dof());
+        let left = with
+            .allowance
+            .saturating_sub(subject.evaluator.count().made() - start);
+        if most > left {
             return Ok(pieces);
         }
         let rule = Rule::FiniteDifference(Cutoffs::relative(CUTOFF));
-        Probe::new(probe.index, probe.subject, Method::Samples(rule, most))
+        Probe::new(subject, rule, most)
+    }
+
+    /// Whether the ensembles that are wanted are too large for the rules that keep samples.
+    pub(super) fn must_stream(&self, dof: usize) -> bool {
+        match self.samples {
+            SampleCount::Fixed(samples) => !fits(dof, samples),
+            SampleCount::Auto => !fits(dof, SMALL),
+        }
+    }
+
+    /// The streaming rule, samples doubled from `from` where their number is not given; and the quadrature
+    /// error that it leaves, where that was measured.
+    fn streamed<'a>(
+        &self,
+        subject: Subject<'a>,
+        rule: Rule,
+        with: &Resolution<'_>,
+        from: usize,
+    ) -> Result<(Probe<'a>, Option<f64>), Error> {
+        let mut nothing_to_see = |_: &Ensemble| {};
+        if let SampleCount::Fixed(_) = self.samples {
+            let probe = Probe::new(subject, rule, with.plan.first_samples)?;
+            return Ok((self.measured(probe, with, &mut nothing_to_see)?, None));
+        }
+        let most = most_streamed(subject.dof(), from);
+        let count = subject.evaluator.count();
+        let start = count.made();
+        let (mut samples, mut convergence) = (from, Convergence::new());
+        loop {
+            let probe = Probe::new(subject, rule, samples)?;
+            let probe = self.measured(probe, with, &mut nothing_to_see)?;
+            let known = probe.known(with.h).expect("it was just measured");
+            let standing = convergence.proceed(&known.advanced);
+            let spent = count.made() - start;
+            // A break is one with any number of samples.
+            let broken = !known.advanced.breaks.is_empty();
+            let all = 2 * samples > most || spent + 2 * samples > with.allowance;
+            if standing.is_done() || broken || all {
+                return Ok((probe, Some(standing.error)));
+            }
+            samples *= 2;
+        }
+    }
+
+    /// The stencil of the streaming rule.
+    fn streaming(&self) -> Streaming {
+        match self.rule {
+            Rule::Streaming(streaming) => streaming,
+            _ => self.streaming,
+        }
+    }
+
+    /// The streaming rule from more samples than fit into memory, if it leaves less than the `error` of a
+    /// probe from all that do.
+    fn beyond_memory<'a>(
+        &self,
+        probe: Probe<'a>,
+        with: &Resolution<'_>,
+        error: f64,
+    ) -> Result<Probe<'a>, Error> {
+        let more = 2 * probe.samples;
+        let dof = probe.subject.dof();
+        let possible = self.samples == SampleCount::Auto
+            && !fits(dof, more)
+            && more <= most_streamed(dof, more)
+            && more <= with.allowance;
+        if !possible {
+            return Ok(probe);
+        }
+        let rule = Rule::Streaming(self.streaming());
+        let (streamed, left) = self.streamed(probe.subject, rule, with, more)?;
+        let better = left.is_some_and(|left| left < error);
+        Ok(if better { streamed } else { probe })
     }
 }
 
@@ -165,22 +317,12 @@ fn settled(before: Option<f64>, now: Option<f64>) -> Option<f64> {
     (agree && (LEAST_KINKED..=MOST_KINKED).contains(&now)).then_some(now)
 }
 
-/// The λ of the paper's figures.
-const CUTOFF: f64 = 1000.0;
-
-/// Samples where automatic doubling begins.
-pub(super) fn fewest_samples(dof: usize) -> usize {
-    range_of_samples(dof).0
+/// The most samples in memory, a power of two, for so many degrees of freedom.
+fn range_of_samples(dof: usize) -> usize {
+    power_below(MOST_BYTES / (16 * dof.max(1))).clamp(SMALL, MOST_SAMPLES)
 }
 
-/// The fewest and the most samples, powers of two, for so many degrees of freedom.
-fn range_of_samples(dof: usize) -> (usize, usize) {
-    let fewest = power_below(FEWEST / dof.max(1)).max(FEWEST_OF_MANY);
-    let most = power_below(MOST_BYTES / (16 * dof.max(1))).clamp(fewest, MOST);
-    (fewest, most)
-}
-
-/// The largest power of two that is not above `count`; 0 if that is 0.
-pub(super) fn power_below(count: usize) -> usize {
-    count.checked_ilog2().map_or(0, |exponent| 1 << exponent)
+/// The most samples of the streaming rule, a power of two, for so many degrees of freedom.
+fn most_streamed(dof: usize, fewest: usize) -> usize {
+    power_below(MOST_STREAMED / dof.max(1)).clamp(fewest.min(MOST_SAMPLES), MOST_SAMPLES)
 }

@@ -1,4 +1,4 @@
-//! Tangent vectors: all unit vectors, or seeded random pairs.
+//! Tangent vectors: all unit vectors, or seeded random ones. No component is beyond ±1.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -15,26 +15,46 @@ pub(super) fn units(dof: usize) -> Vec<Vec<f64>> {
     (0..2 * dof).map(unit).collect()
 }
 
-/// The direction in which the noise of a map is looked for: it moves every coordinate.
-pub(super) fn of_noise(dof: usize, seed: u64) -> Vec<f64> {
-    random(2 * dof, &mut generator(seed, u64::MAX))
+/// Tangent vectors at a point that move every coordinate, each pair of them with ω(u, v) of the order of the
+/// product of their norms: the second of each two is conjugate to the first, v = J u, or half of it is, so that
+/// forms between different degrees of freedom show.
+pub(super) fn random(dof: usize, seed: u64, point: usize, count: usize) -> Vec<Vec<f64>> {
+    let mut generator = generator(seed, point as u64);
+    let mut directions: Vec<Vec<f64>> = Vec::with_capacity(count);
+    for k in 0..count {
+        let mut direction = components(2 * dof, &mut generator);
+        if k % 2 == 1 {
+            let (q, p) = directions[k - 1].split_at(dof);
+            let conjugate = p.iter().map(|p| -p).chain(q.iter().copied());
+            let part = if k % 4 == 1 { 0.5 } else { 1.0 };
+            for (x, conjugate) in direction.iter_mut().zip(conjugate) {
+                *x = (1.0 - part) * *x + part * conjugate;
+            }
+        }
+        directions.push(direction);
+    }
+    directions
 }
 
-/// A pair of tangent vectors that move every coordinate, with ω(u, v) of the order of the product of
-/// their norms. Every second pair is conjugate, v = J u; in the others half of v is independent of u, so
-/// that forms between different degrees of freedom show.
-pub(super) fn pair(dof: usize, seed: u64, place: usize, pair: usize) -> Vec<Vec<f64>> {
-    let mut generator = generator(seed, ((place as u64) << 32) ^ pair as u64);
-    let u = random(2 * dof, &mut generator);
-    let (q, p) = u.split_at(dof);
-    let mut v: Vec<f64> = p.iter().map(|p| -p).chain(q.iter().copied()).collect();
-    if pair % 2 == 1 {
-        let other = random(2 * dof, &mut generator);
-        for (v, other) in v.iter_mut().zip(other) {
-            *v = 0.5 * (*v + other);
-        }
+/// A tangent vector that moves every coordinate, or coefficients none of which vanish.
+pub(super) fn dense(len: usize, seed: u64) -> Vec<f64> {
+    components(len, &mut generator(seed, u64::MAX))
+}
+
+/// Σ a u, with the coefficients scaled so that its largest component is 1.
+pub(super) fn combined(coefficients: &mut [f64], directions: &[Vec<f64>]) -> Vec<f64> {
+    let component = |c: usize, coefficients: &[f64]| -> f64 {
+        let terms = coefficients.iter().zip(directions);
+        terms.map(|(a, direction)| a * direction[c]).sum()
+    };
+    let coordinates = 0..directions[0].len();
+    let largest = (coordinates.clone())
+        .map(|c| component(c, coefficients).abs())
+        .fold(0.0, f64::max);
+    for a in coefficients.iter_mut() {
+        *a /= largest;
     }
-    vec![u, v]
+    coordinates.map(|c| component(c, coefficients)).collect()
 }
 
 fn generator(seed: u64, stream: u64) -> ChaCha8Rng {
@@ -43,16 +63,11 @@ fn generator(seed: u64, stream: u64) -> ChaCha8Rng {
     generator
 }
 
-/// Components between ½ and 1 in size, of either sign.
-fn random(len: usize, generator: &mut ChaCha8Rng) -> Vec<f64> {
-    (0..len)
-        .map(|_| {
-            let x = 2.0 * unit(generator) - 1.0;
-            if x < 0.0 {
-                0.5 * x - 0.5
-            } else {
-                0.5 * x + 0.5
-            }
-        })
-        .collect()
+/// Numbers between ½ and 1 in size, of either sign.
+fn components(len: usize, generator: &mut ChaCha8Rng) -> Vec<f64> {
+    let component = |_| {
+        let x = 2.0 * unit(generator) - 1.0;
+        0.5 * x + 0.5f64.copysign(x)
+    };
+    (0..len).map(component).collect()
 }

@@ -2,8 +2,8 @@
 
 use std::iter::repeat_n;
 
-use super::richardson::Derivative;
-use super::tangents::SAFETY;
+use super::constants::CONSTANTS;
+use super::derivative::Derivative;
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::signal::{CompensatedSum, UNIT_ROUNDOFF, unwrap_row};
@@ -33,9 +33,8 @@ impl Frame {
     /// From samples of the loop. A coordinate at rest counts as large as the largest of its kind: the
     /// map must be symplectic in directions, too, in which the loop does not go.
     pub fn new(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<Self, Error> {
-        const SAMPLES: usize = 64;
         let dof = phase_loop.dof();
-        let samples = Ensemble::sample(phase_loop, SAMPLES)?;
+        let samples = Ensemble::sample(phase_loop, CONSTANTS.samples)?;
         let of_positions = (0..dof).map(|i| coordinates.period(i));
         let period: Vec<f64> = of_positions.chain(repeat_n(0.0, dof)).collect();
         let mut size = Vec::with_capacity(2 * dof);
@@ -96,7 +95,7 @@ impl Frame {
         let (value, terms) = self.change((u, &of_u.value), (v, &of_v.value));
         let of_trials = (of_u.trials.iter().zip(&of_v.trials))
             .map(|(a, b)| self.change((u, a), (v, b)).0)
-            .map(|of_trial| SAFETY * (of_trial - value).abs());
+            .map(|of_trial| CONSTANTS.safety * (of_trial - value).abs());
         let error = of_trials.reduce(f64::max).unwrap_or_else(|| {
             let each = self.area.iter().enumerate().flat_map(|(i, area)| {
                 let other = self.dof() + i;

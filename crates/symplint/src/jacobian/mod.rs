@@ -1,46 +1,48 @@
-//! The Jacobian test: does the derivative of a map keep the symplectic form?
+//! The Jacobian test: does the derivative of a map conserve the symplectic form?
 //!
-//! A second opinion beside loop integrals, and independent of them: a map is symplectic where it is
+//! It is independent of loop integrals: a map is symplectic where it is
 //! differentiable if and only if ω(DΦ u, DΦ v) = ω(u, v) for all tangent vectors u and v. It
-//! localises better than a loop integral, which is an average, and cannot see jumps.
+//! localises better than a loop integral, which is an average, and does not see jumps.
 //!
-//! Tangent vectors ([`directions`]) are counted in units of the loop ([`frame`]); states displaced along
-//! them are advanced in large blocks ([`lab`]); their differences are extrapolated to
-//! derivatives with error bars ([`richardson`]) that know of the noise of the map ([`noise`]). A map that
+//! Tangent vectors ([`directions`]) are counted in units of the loop ([`frame`]). States displaced along
+//! them are advanced in large batches ([`sampler`]), and their differences are extrapolated to
+//! derivatives with errors ([`richardson`]) that take the noise of the map into account ([`noise`]). A map that
 //! has a tangent map gives derivatives to round-off ([`tangents`]), once it is found to be that of the map
-//! ([`tangent_check`]). For many degrees of freedom random pairs are tried, and a defect is followed to
-//! the two that carry it ([`locate`]).
+//! ([`tangent_check`]). In many degrees of freedom tangent vectors are random, and a defect is traced to
+//! the two degrees of freedom that carry it ([`bisection`]).
 
-mod compare;
+mod bisection;
+mod constants;
+mod cost;
+mod derivative;
 mod directions;
+mod evidence;
 mod frame;
-mod lab;
-mod locate;
-mod method;
 mod noise;
-mod report;
 mod richardson;
+mod sampler;
 mod tangent_check;
 mod tangents;
 
-pub use compare::{Agreement, SecondOpinion};
-pub use method::{JacobianMethod, TangentDoubt};
-pub use report::{Doubt, JacobianPoint, JacobianReport, JacobianVerdict, TangentDefect};
+pub use evidence::{
+    JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect, TangentRejection,
+};
+
+use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
+use bisection::locate;
+use derivative::Derivative;
 use frame::{Estimate, Frame};
-use lab::{Lab, Task};
-use locate::locate;
-use report::worst;
-use richardson::Derivative;
+use sampler::{Sampler, TangentVector};
 
 /// Tests at points of a loop whether the derivative of a map keeps the symplectic form.
 ///
 /// Derivatives are differences, extrapolated, so any map can be tested, to about 11 digits. A map that
 /// has a [`TangentMap`](crate::TangentMap) gives them to round-off; a tangent map that differs from the
-/// differences is not used, and the [report](JacobianReport::method) says so. Momenta count with the weights
+/// differences is not used, and the [evidence](JacobianEvidence::method) says so. Momenta count with the weights
 /// of [`Coordinates`](crate::Coordinates), positions modulo their periods. States are displaced from
 /// the loop by up to an eighth of its size in every coordinate: the map must be defined there.
 ///
@@ -54,9 +56,9 @@ use richardson::Derivative;
 ///     p[0] -= h * q_half;
 /// });
 /// let circle = Circle::new(vec![0.0], vec![0.0], 1.0)?;
-/// let report = JacobianTest::default().run(&map, &circle, 0.5)?;
-/// let JacobianVerdict::NotSymplectic { worst } = report.verdict else {
-///     panic!("{}", report.verdict);
+/// let evidence = JacobianTest::default().run(&map, &circle, 0.5)?;
+/// let JacobianVerdict::NotSymplectic { worst } = evidence.verdict() else {
+///     panic!("{}", evidence.verdict());
 /// };
 /// assert!((worst.signed - 0.5f64.powi(4) / 4.0).abs() < worst.uncertainty);
 /// assert!(worst.uncertainty < 1e-12);
@@ -68,28 +70,35 @@ pub struct JacobianTest {
     pub points: usize,
     /// Degrees of freedom up to which all pairs of unit vectors are tried.
     pub full_up_to: usize,
-    /// Random pairs of tangent vectors at each point, 1 or more, beyond that.
-    pub pairs: usize,
+    /// Random tangent vectors at each point, 2 or more, beyond that; all pairs of them are tried.
+    pub directions: usize,
+    /// Evaluations at most. What is made beside [`evaluations`](Self::evaluations) where a map needs it
+    /// stays within them, or is left out.
+    pub budget: usize,
     /// Seed of the random tangent vectors.
     pub seed: u64,
 }
 
 impl Default for JacobianTest {
-    /// 8 points; in full up to 8 degrees of freedom, 16 random pairs beyond.
+    /// 8 points; in full up to 8 degrees of freedom, 4 random tangent vectors beyond; no limit.
     fn default() -> Self {
         JacobianTest {
             points: 8,
             full_up_to: 8,
-            pairs: 16,
+            directions: 4,
+            budget: usize::MAX,
             seed: 1,
         }
     }
 }
 
-/// What one task says of the form.
+/// What the tangent vectors at one point showed.
 struct Outcome {
+    s: f64,
+    /// Of every two of them, in the order of [`pairs`].
     defects: Vec<TangentDefect>,
-    converged: bool,
+    /// Whether derivatives converged and their form is within the range of double precision.
+    usable: bool,
     deformation: f64,
 }
 
@@ -97,97 +106,140 @@ impl JacobianTest {
     /// Tests one step of size `h` at points of `phase_loop`, on the threads of the current Rayon
     /// pool; the result does not depend on their number.
     ///
-    /// A point costs 49 states and 18 for each of its 2d unit vectors, or 36 for each random pair. With a
-    /// tangent map it costs 74 states, and 7 with their tangent vectors for each unit vector, or 14 for each pair.
-    ///
     /// # Errors
     /// If map and loop do not fit, the loop does not move positions or momenta at all, the step size is
-    /// zero or not finite, there are no points or no pairs, or the map fails or returns states that are
-    /// not finite, at the loop or displaced from it: [`Error::OnTheWay`] says from which s.
+    /// zero or not finite, there are no points, fewer than two tangent vectors or a smaller budget than the
+    /// [`evaluations`](Self::evaluations), or the map fails or returns states that are not finite, on the loop or
+    /// displaced from it: [`Error::OnTheWay`] says from which s.
     pub fn run(
         &self,
         map: &dyn TimeAdvance,
         phase_loop: &dyn Loop,
         h: f64,
-    ) -> Result<JacobianReport, Error> {
-        self.check(map, phase_loop, h)?;
-        let dof = map.dof();
-        let full = dof <= self.full_up_to;
-        let mut lab = Lab::new(map, phase_loop, h, places(self.points), self.seed)?;
-        let task = |(place, pair): (usize, usize)| Task {
-            place,
-            directions: if full {
-                directions::units(dof)
-            } else {
-                directions::pair(dof, self.seed, place, pair)
-            },
-        };
-        let pairs = if full { 1 } else { self.pairs };
-        let directions = if full { 2 * dof } else { 2 };
-        let count = lab.tasks_in_a_batch(directions);
-        let mut keys = (0..self.points).flat_map(|place| (0..pairs).map(move |k| (place, k)));
-        let mut outcomes: Vec<Vec<Outcome>> = (0..self.points).map(|_| Vec::new()).collect();
-        loop {
-            let tasks: Vec<Task> = keys.by_ref().take(count).map(task).collect();
-            if tasks.is_empty() {
-                break;
-            }
-            let derivatives = lab.derivatives(&tasks)?;
-            for (task, derivatives) in tasks.iter().zip(&derivatives) {
-                let s = lab.places[task.place];
-                outcomes[task.place].push(outcome(&lab.frame, s, task, derivatives, full));
-            }
+    ) -> Result<JacobianEvidence, Error> {
+        let count = EvaluationCount::unlimited();
+        self.run_with(&Evaluator::new(map, &count)?, phase_loop, h)
+    }
+
+    /// The same with the evaluations counted by `evaluator`.
+    pub(crate) fn run_with(
+        &self,
+        evaluator: &Evaluator<'_>,
+        phase_loop: &dyn Loop,
+        h: f64,
+    ) -> Result<JacobianEvidence, Error> {
+        evaluator.check_dof(phase_loop.dof())?;
+        let dof = evaluator.dof();
+        let planned = self.evaluations(dof, evaluator.has_tangent());
+        self.check(h, planned)?;
+        let (s, spare) = (parameters(self.points), self.budget - planned);
+        let mut sampler = Sampler::new(evaluator, phase_loop, h, s, self.seed, spare)?;
+        let mut outcomes = self.outcomes(&mut sampler)?;
+        if sampler.rejected.is_some() {
+            sampler.fall_back(self.count(dof), self.budget);
+            outcomes = self.outcomes(&mut sampler)?;
         }
-        let points: Vec<JacobianPoint> = (outcomes.iter().zip(&lab.places))
-            .map(|(outcomes, &s)| summed_up(lab.method, s, outcomes))
-            .collect();
-        let mut found = worst(lab.method, points.iter().filter_map(|point| point.worst));
+        let method = sampler.method();
+        let points: Vec<JacobianPoint> =
+            (outcomes.iter().map(|outcome| outcome.point(method))).collect();
+        let mut worst = TangentDefect::worst(method, points.iter().filter_map(|p| p.worst));
         let mut bound = (points.iter().filter_map(|point| point.bound)).reduce(f64::max);
-        if let Some(dense) = found.filter(|found| !full && found.is_beyond_doubt(lab.method)) {
-            let located = self.located(&mut lab, &outcomes, dense)?;
+        let full = self.is_full(dof);
+        if let Some(dense) = worst.filter(|found| !full && found.is_significant(method)) {
+            let located = self.located(&mut sampler, &outcomes, dense)?;
             bound = bound.map(|bound| bound.max(located.bound()));
-            found = Some(located);
+            worst = Some(located);
         }
-        let deformations = outcomes.iter().flatten().map(|outcome| outcome.deformation);
-        let report = JacobianReport {
+        let usable = outcomes.iter().filter(|outcome| outcome.usable);
+        Ok(JacobianEvidence {
             step_size: h,
-            method: lab.method,
-            // Judged below, from the rest.
-            verdict: JacobianVerdict::CannotTell {
-                doubt: Doubt::NotDifferentiable {
-                    points: self.points,
-                    of: self.points,
-                },
-            },
+            method,
             not_differentiable: points.iter().filter(|p| p.worst.is_none()).count(),
             full,
-            worst: found,
+            worst,
             bound,
-            deformation: deformations.fold(0.0, f64::max),
-            noise: lab.largest_noise(),
-            evaluations: lab.evaluations,
+            deformation: usable.fold(0.0, |most, outcome| most.max(outcome.deformation)),
+            noise: sampler.largest_noise(),
+            evaluations: sampler.made(),
             points,
-        };
-        Ok(report.judged())
+        })
+    }
+
+    /// What the tangent vectors show at each point; as far as the tangent map is not rejected.
+    fn outcomes(&self, sampler: &mut Sampler<'_>) -> Result<Vec<Outcome>, Error> {
+        let (dof, count) = (sampler.frame.dof(), sampler.s.len());
+        let at_a_time = sampler.in_a_batch(self.count(dof) * sampler.cost());
+        let mut outcomes = Vec::with_capacity(count);
+        let mut compared = false;
+        while outcomes.len() < count {
+            let first = outcomes.len();
+            // A tangent map that is wrong is wrong everywhere, as a rule: one point shows it, and leaves the rest of
+            // the budget to differences.
+            let at_once = match sampler.uses_tangents && first == 0 {
+                true => 1,
+                false => at_a_time,
+            };
+            let points = first..(first + at_once).min(count);
+            let directions: Vec<Vec<Vec<f64>>> = points
+                .clone()
+                .map(|point| self.directions(dof, point))
+                .collect();
+            let vectors = points
+                .clone()
+                .zip(&directions)
+                .flat_map(|(point, directions)| {
+                    let at = move |direction| TangentVector { point, direction };
+                    directions.iter().map(Vec::as_slice).map(at)
+                });
+            let derivatives = sampler.derivatives(&vectors.collect::<Vec<_>>())?;
+            let of_points: Vec<&[Derivative]> = derivatives.chunks_exact(self.count(dof)).collect();
+            if sampler.uses_tangents {
+                compared |= sampler.check_tangents(first, &directions, &of_points, self.seed)?;
+                if sampler.rejected.is_some() {
+                    return Ok(outcomes);
+                }
+            }
+            let full = self.is_full(dof);
+            outcomes.extend((points.zip(&directions).zip(&of_points)).map(
+                |((point, directions), derivatives)| {
+                    outcome(
+                        &sampler.frame,
+                        sampler.s[point],
+                        directions,
+                        derivatives,
+                        full,
+                    )
+                },
+            ));
+        }
+        if sampler.uses_tangents && !compared {
+            sampler.rejected = Some(TangentRejection::Unchecked);
+        }
+        Ok(outcomes)
     }
 
     /// The defect of a random pair in the two degrees of freedom that carry most of it: in their norms
     /// it is larger, as a rule, than in that of vectors that move everything.
     fn located(
         &self,
-        lab: &mut Lab<'_>,
-        outcomes: &[Vec<Outcome>],
+        sampler: &mut Sampler<'_>,
+        outcomes: &[Outcome],
         dense: TangentDefect,
     ) -> Result<TangentDefect, Error> {
-        let is_it = |outcome: &Outcome| outcome.defects.contains(&dense);
-        let at = (outcomes.iter().enumerate())
-            .find_map(|(place, pairs)| Some((place, pairs.iter().position(is_it)?)));
-        let Some((place, pair)) = at else {
+        let found = outcomes.iter().enumerate().find_map(|(point, outcome)| {
+            let pair = outcome.defects.iter().position(|&defect| defect == dense)?;
+            Some((point, pair))
+        });
+        let directions = |point| self.directions(sampler.frame.dof(), point);
+        let found = found.and_then(|(point, pair)| {
+            let directions = directions(point);
+            let (i, j) = pairs(directions.len()).nth(pair)?;
+            Some((point, [directions[i].clone(), directions[j].clone()]))
+        });
+        let Some((point, [u, v])) = found else {
             return Ok(dense);
         };
-        let vectors = directions::pair(lab.frame.dof(), self.seed, place, pair);
-        let found = locate(lab, place, [&vectors[0], &vectors[1]])?;
-        Ok(found.map_or(dense, |found| {
+        Ok(locate(sampler, point, [&u, &v])?.map_or(dense, |found| {
             let located = TangentDefect {
                 signed: found.defect.value,
                 uncertainty: found.defect.error,
@@ -198,42 +250,68 @@ impl JacobianTest {
                 dofs: located.dofs,
                 ..dense
             };
-            worst(lab.method, [located, spread_evenly].into_iter()).unwrap_or(dense)
+            let candidates = [located, spread_evenly].into_iter();
+            TangentDefect::worst(sampler.method(), candidates).unwrap_or(dense)
         }))
     }
 
-    fn check(&self, map: &dyn TimeAdvance, phase_loop: &dyn Loop, h: f64) -> Result<(), Error> {
-        if map.dof() != phase_loop.dof() {
-            return Err(Error::DofMismatch {
-                map: map.dof(),
-                phase_loop: phase_loop.dof(),
-            });
-        }
+    fn check(&self, h: f64, planned: usize) -> Result<(), Error> {
+        let range = |what, value, remedy| {
+            Err(Error::OutOfRange {
+                what,
+                value,
+                remedy,
+            })
+        };
         if !h.is_finite() || h == 0.0 {
-            return Err(Error::OutOfRange {
-                what: "step size",
-                value: h,
-                remedy: "give a finite step size that is not zero",
-            });
+            return range("step size", h, "give a finite step size that is not zero");
         }
-        for (what, count) in [
-            ("number of points of the Jacobian test", self.points),
-            ("number of random pairs of the Jacobian test", self.pairs),
-        ] {
-            if count == 0 {
-                return Err(Error::OutOfRange {
-                    what,
-                    value: 0.0,
-                    remedy: "give one or more",
-                });
-            }
+        if self.points == 0 {
+            return range(
+                "number of points of the Jacobian test",
+                0.0,
+                "give one or more",
+            );
+        }
+        if self.directions < 2 {
+            return range(
+                "number of random tangent vectors of the Jacobian test",
+                self.directions as f64,
+                "give two or more",
+            );
+        }
+        if planned > self.budget {
+            return range(
+                "budget of the Jacobian test",
+                self.budget as f64,
+                "give at least the evaluations that the test makes, or take JacobianTest::within",
+            );
         }
         Ok(())
     }
+
+    fn is_full(&self, dof: usize) -> bool {
+        dof <= self.full_up_to
+    }
+
+    /// Tangent vectors at each point.
+    fn count(&self, dof: usize) -> usize {
+        match self.is_full(dof) {
+            true => 2 * dof,
+            false => self.directions,
+        }
+    }
+
+    fn directions(&self, dof: usize, point: usize) -> Vec<Vec<f64>> {
+        match self.is_full(dof) {
+            true => directions::units(dof),
+            false => directions::random(dof, self.seed, point, self.directions),
+        }
+    }
 }
 
-/// Loop parameters that the golden ratio spreads: no two, nor their mirror images, meet.
-fn places(count: usize) -> Vec<f64> {
+/// Loop parameters that the golden ratio spreads: no two of them, nor their mirror images, coincide.
+fn parameters(count: usize) -> Vec<f64> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     const START: f64 = 0.137;
     (0..count)
@@ -241,39 +319,52 @@ fn places(count: usize) -> Vec<f64> {
         .collect()
 }
 
-fn outcome(frame: &Frame, s: f64, task: &Task, derivatives: &[Derivative], full: bool) -> Outcome {
-    let along: Vec<(&[f64], &Derivative)> = (task.directions.iter().map(Vec::as_slice))
-        .zip(derivatives)
-        .collect();
-    let mut defects = Vec::with_capacity(along.len() * (along.len() - 1) / 2);
-    for (i, &u) in along.iter().enumerate() {
-        for (j, &v) in along.iter().enumerate().skip(i + 1) {
-            let Estimate { value, error } = frame.change_of_form(u, v);
-            let norm = frame.norm(u.0) * frame.norm(v.0);
-            defects.push(TangentDefect {
-                s,
-                signed: value / norm,
-                uncertainty: error / norm,
-                dofs: full.then(|| (frame.dof_of(i), frame.dof_of(j))),
-            });
+/// Every two of so many.
+fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..count).flat_map(move |i| (i + 1..count).map(move |j| (i, j)))
+}
+
+fn outcome(
+    frame: &Frame,
+    s: f64,
+    directions: &[Vec<f64>],
+    derivatives: &[Derivative],
+    full: bool,
+) -> Outcome {
+    let defect = |(i, j): (usize, usize)| {
+        let (u, v) = (&directions[i], &directions[j]);
+        let Estimate { value, error } =
+            frame.change_of_form((u, &derivatives[i]), (v, &derivatives[j]));
+        let norm = frame.norm(u) * frame.norm(v);
+        TangentDefect {
+            s,
+            signed: value / norm,
+            uncertainty: error / norm,
+            dofs: full.then(|| (frame.dof_of(i), frame.dof_of(j))),
         }
-    }
-    let changes = (along.iter()).flat_map(|(u, of_u)| u.iter().zip(&of_u.value));
+    };
+    let all: Vec<(usize, usize)> = pairs(directions.len()).collect();
+    let defects: Vec<TangentDefect> = all.into_par_iter().map(defect).collect();
+    let changes = (directions.iter().zip(derivatives)).flat_map(|(u, of_u)| {
+        let components = u.iter().zip(&of_u.value);
+        components.map(|(u, of_u)| (of_u - u).abs())
+    });
     Outcome {
+        s,
+        usable: derivatives.iter().all(|derivative| derivative.converged)
+            && defects.iter().all(|defect| defect.bound().is_finite()),
+        deformation: changes.fold(0.0, f64::max),
         defects,
-        converged: derivatives.iter().all(|derivative| derivative.converged),
-        deformation: changes.fold(0.0, |most: f64, (u, of_u)| most.max((of_u - u).abs())),
     }
 }
 
-fn summed_up(method: JacobianMethod, s: f64, outcomes: &[Outcome]) -> JacobianPoint {
-    let differentiable = outcomes.iter().all(|outcome| outcome.converged);
-    let defects = || outcomes.iter().flat_map(|outcome| outcome.defects.iter());
-    JacobianPoint {
-        s,
-        worst: worst(method, defects().copied()).filter(|_| differentiable),
-        bound: (defects().map(TangentDefect::bound))
-            .reduce(f64::max)
-            .filter(|_| differentiable),
+impl Outcome {
+    fn point(&self, method: JacobianMethod) -> JacobianPoint {
+        let defects = || self.defects.iter().copied().filter(|_| self.usable);
+        JacobianPoint {
+            s: self.s,
+            worst: TangentDefect::worst(method, defects()),
+            bound: defects().map(|defect| defect.bound()).reduce(f64::max),
+        }
     }
 }

@@ -21,16 +21,21 @@ const WINDOWS: usize = ROW - 6;
 /// Spacings, in units of the direction; the largest reaches as far as the differences.
 const SPACINGS: [f64; 4] = [1.434e-5, 2.371e-4, 3.883e-3, 2.0e-2];
 
-/// States of a noise stencil, that at the centre first.
-pub(super) const STATES: usize = 1 + NODES.len() * SPACINGS.len();
+/// Spacings of a noise stencil.
+pub(super) const LEVELS: usize = SPACINGS.len();
+
+/// States at each spacing; there is one more at the centre.
+pub(super) const STATES: usize = NODES.len();
 
 /// Noise is counted this many times what the differences show: they show its standard deviation.
 const SAFETY: f64 = 4.0;
 
-/// How far along the direction the states of a noise stencil are.
-pub(super) fn offsets() -> impl Iterator<Item = f64> {
-    let around = |spacing: f64| NODES.into_iter().map(move |node| node * spacing);
-    std::iter::once(0.0).chain(SPACINGS.into_iter().flat_map(around))
+/// Neighbours of a row that may be equal.
+const MOST_EQUAL: usize = 2;
+
+/// How far along the direction the states at a spacing are.
+pub(super) fn offsets(level: usize) -> impl Iterator<Item = f64> {
+    NODES.into_iter().map(move |node| node * SPACINGS[level])
 }
 
 /// Sixth differences, in a form that gives independent values of variance 1 the variance 1.
@@ -57,31 +62,22 @@ impl SixthDifferences {
         SixthDifferences { weights }
     }
 
-    /// The noise of one coordinate from its differences to the centre, in units of its size and in the
-    /// order of [`offsets`].
-    ///
-    /// The smallest spacing counts at which neighbours differ: it is least misled by a steep map, and a
-    /// smaller one sees the stairs of single precision only now and then. Where every spacing has
-    /// equal neighbours, the largest noise counts. A coordinate that does not respond at all is noise as large
-    /// as the loop: a symplectic map has none, so it must be coarser than the differences.
-    pub fn noise(&self, differences: &[f64]) -> f64 {
-        const MOST_EQUAL: usize = 2;
-        if differences.iter().all(|&difference| difference == 0.0) {
-            return 1.0;
+    /// Adds the differences of a coordinate to its value at the centre, in units of its size, at one spacing; the
+    /// smallest spacing first.
+    pub fn add(&self, noise: &mut Noise, differences: &[f64]) {
+        if noise.resolved {
+            return;
         }
-        let mut largest: f64 = 0.0;
-        for around in differences[1..].chunks_exact(NODES.len()) {
-            let mut row = [0.0; ROW];
-            row[..SIDE].copy_from_slice(&around[..SIDE]);
-            row[SIDE + 1..].copy_from_slice(&around[SIDE..]);
-            let noise = SAFETY * self.root_mean_square(&row);
-            let equal = row.windows(2).filter(|pair| pair[0] == pair[1]).count();
-            if equal <= MOST_EQUAL {
-                return noise;
-            }
-            largest = largest.max(noise);
-        }
-        largest
+        let mut row = [0.0; ROW];
+        row[..SIDE].copy_from_slice(&differences[..SIDE]);
+        row[SIDE + 1..].copy_from_slice(&differences[SIDE..]);
+        let shown = SAFETY * self.root_mean_square(&row);
+        let equal = row.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        noise.resolved = equal <= MOST_EQUAL;
+        noise.value = match noise.resolved {
+            true => shown,
+            false => noise.value.max(shown),
+        };
     }
 
     fn root_mean_square(&self, row: &[f64; ROW]) -> f64 {
@@ -93,6 +89,29 @@ impl SixthDifferences {
                 .powi(2)
         });
         (squares.sum::<f64>() / WINDOWS as f64).sqrt()
+    }
+}
+
+/// The noise of one coordinate at one point.
+///
+/// The smallest spacing counts at which neighbours differ: it is least misled by a steep map, and a
+/// smaller one sees the stairs of single precision only now and then. Where every spacing has
+/// equal neighbours, the largest noise counts.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Noise {
+    value: f64,
+    /// Whether a spacing was found at which neighbours differ, so that larger ones are not needed.
+    pub resolved: bool,
+}
+
+impl Noise {
+    /// In units of the coordinate's size. A coordinate that does not respond at all is noise as large
+    /// as the loop: a symplectic map has none, so it must be coarser than the differences.
+    pub fn value(self) -> f64 {
+        match self.resolved || self.value > 0.0 {
+            true => self.value,
+            false => 1.0,
+        }
     }
 }
 
@@ -113,9 +132,12 @@ mod tests {
     use super::*;
 
     fn shown(f: impl Fn(f64) -> f64) -> f64 {
-        let differences: Vec<f64> = offsets().map(|t| f(t) - f(0.0)).collect();
-        assert_eq!(differences.len(), STATES);
-        SixthDifferences::new().noise(&differences)
+        let mut noise = Noise::default();
+        for level in 0..LEVELS {
+            let differences: Vec<f64> = offsets(level).map(|t| f(t) - f(0.0)).collect();
+            SixthDifferences::new().add(&mut noise, &differences);
+        }
+        noise.value()
     }
 
     #[test]

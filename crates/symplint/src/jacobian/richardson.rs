@@ -9,64 +9,51 @@
 //! * the noise of the map over the distance;
 //! * the distance to the entry of the smallest differences, which are nearest to the definition.
 
-use crate::signal::nearest;
+use std::ops::Range;
 
-/// Distances t = 2^-3, 2^-5, …, 2^-19: from what a smooth map needs down to what is left between
-/// the many breaks of a map of many degrees of freedom.
-pub(super) const LEVELS: usize = 9;
+use super::constants::CONSTANTS;
+use super::derivative::Derivative;
+
+const LEVELS: usize = CONSTANTS.levels;
+const DEEPEST: usize = CONSTANTS.deepest;
 
 /// States at ±t for every distance.
 pub(super) const STATES: usize = 2 * LEVELS;
 
-/// Powers of t² that are removed at most.
-const DEEPEST: usize = 4;
+/// The distances that every derivative has, and those that are added where they help.
+pub(super) const FIRST: Range<usize> = 0..CONSTANTS.first_levels;
+pub(super) const FINER: Range<usize> = CONSTANTS.first_levels..LEVELS;
 
-/// Distances shrink by this factor from level to level.
-const RATIO: f64 = 4.0;
-
-/// What a derivative may miss of convergence, relative to its largest component, and still be one.
-pub(super) const UNRESOLVED: f64 = 1e-6;
+/// States of the first distances.
+pub(super) const FIRST_STATES: usize = 2 * FIRST.end;
 
 /// The distance at a level, in units of the direction.
-pub(super) fn distance(level: usize) -> f64 {
-    0.125 * RATIO.powi(-(level as i32))
+fn distance(level: usize) -> f64 {
+    CONSTANTS.first_distance * CONSTANTS.ratio.powi(-(level as i32))
 }
 
-/// The derivative of all coordinates along a direction, in units of the frame.
-pub(super) struct Derivative {
-    pub value: Vec<f64>,
-    /// Truncation and noise of differences, round-off of a tangent map.
-    pub error: Vec<f64>,
-    /// Whether the table converged: if not, the map is not differentiable on the scale of the distances. Of a
-    /// tangent map, whether the last digit of the state decides nothing.
-    pub converged: bool,
-    /// The same derivative from other trials of a tangent map; differences have none.
-    pub trials: Vec<Vec<f64>>,
+/// Where the states at some levels are: +t, −t for each in turn.
+pub(super) fn displacements(levels: Range<usize>) -> impl Iterator<Item = f64> {
+    levels.map(distance).flat_map(|t| [t, -t])
 }
 
-/// What is known of one coordinate round a point.
-pub(super) struct Neighbourhood {
-    /// Values at +t, −t for each level in turn.
-    pub values: [f64; STATES],
-    pub centre: f64,
-    /// Period of the coordinate, 0 where there is none.
-    pub period: f64,
-    /// Unit in which values are counted.
-    pub size: f64,
-    /// Noise of a value, in that unit.
-    pub noise: f64,
+/// Whether finer levels can improve a derivative from the first ones: where its error is of interest, and noise
+/// over the finer distances is not as large.
+pub(super) fn finer_levels_help(derivative: &Derivative, noise: f64) -> bool {
+    let of_interest = CONSTANTS.least_defect_of_differences * derivative.largest();
+    derivative.largest_error() > of_interest.max(CONSTANTS.gain * noise / distance(FINER.start))
 }
 
 type Table = [[f64; DEEPEST + 1]; LEVELS];
 
 /// Removes the powers t^first, t^(first + 2), … from a sequence over the levels.
-fn extrapolate(sequence: [f64; LEVELS], first: i32) -> Table {
+fn extrapolate(sequence: impl Iterator<Item = f64>, first: i32) -> Table {
     let mut table = [[0.0; DEEPEST + 1]; LEVELS];
-    for level in 0..LEVELS {
-        table[level][0] = sequence[level];
+    for (level, value) in sequence.enumerate() {
+        table[level][0] = value;
         for depth in 1..=level.min(DEEPEST) {
             let (fine, coarse) = (table[level][depth - 1], table[level - 1][depth - 1]);
-            let factor = RATIO.powi(first + 2 * (depth as i32 - 1));
+            let factor = CONSTANTS.ratio.powi(first + 2 * (depth as i32 - 1));
             table[level][depth] = fine + (fine - coarse) / (factor - 1.0);
         }
     }
@@ -78,6 +65,7 @@ fn extrapolate(sequence: [f64; LEVELS], first: i32) -> Table {
 struct Tables {
     odd: Table,
     even: Table,
+    levels: usize,
     noise: f64,
 }
 
@@ -89,18 +77,18 @@ struct Entry {
 }
 
 impl Tables {
-    fn new(of: &Neighbourhood) -> Self {
-        let of_level = |level: usize| {
-            let ahead = nearest(of.values[2 * level] - of.centre, of.period);
-            let behind = nearest(of.centre - of.values[2 * level + 1], of.period);
-            let scale = 2.0 * distance(level) * of.size;
-            [(ahead + behind) / scale, (ahead - behind) / scale]
+    fn new(levels: usize, differences: &[f64; STATES], noise: f64) -> Self {
+        let part = |sign: f64| {
+            (0..levels).map(move |level| {
+                let (ahead, behind) = (differences[2 * level], differences[2 * level + 1]);
+                (ahead + sign * behind) / (2.0 * distance(level))
+            })
         };
-        let parts: [[f64; 2]; LEVELS] = std::array::from_fn(of_level);
         Tables {
-            odd: extrapolate(parts.map(|[odd, _]| odd), 2),
-            even: extrapolate(parts.map(|[_, even]| even), 1),
-            noise: of.noise,
+            odd: extrapolate(part(-1.0), 2),
+            even: extrapolate(part(1.0), 1),
+            levels,
+            noise,
         }
     }
 
@@ -111,31 +99,38 @@ impl Tables {
         Entry {
             value,
             truncation: step.max(other) + self.even[level][depth].abs(),
-            // The coefficients of the extrapolation enlarge the noise by less than 2.
-            noise: 2.0 * self.noise / distance(level),
+            noise: CONSTANTS.gain * self.noise / distance(level),
         }
     }
 
     fn entry(&self, level: usize, depth: usize) -> Entry {
         let mut entry = self.plain_entry(level, depth);
-        let finest = self.plain_entry(LEVELS - 1, 1);
+        let finest = self.plain_entry(self.levels - 1, 1);
         let apart = (entry.value - finest.value).abs() - finest.truncation - finest.noise;
         entry.truncation += apart.max(0.0);
         entry
     }
 }
 
-/// The derivative from what is known of every coordinate.
+/// The derivative from so many levels: for every coordinate the differences to its value at the centre, in the
+/// order of [`displacements`], and the noise of a value.
 ///
 /// One entry of the table serves all coordinates: if each chose its own, chance would pick
 /// neighbours that agree by accident.
 pub(super) fn derivative(
     coordinates: usize,
-    neighbourhood: impl Fn(usize) -> Neighbourhood,
+    levels: usize,
+    differences: impl Fn(usize) -> ([f64; STATES], f64),
 ) -> Derivative {
+    let entries =
+        || (1..levels).flat_map(|level| (1..=level.min(DEEPEST)).map(move |depth| (level, depth)));
+    let tables = |c: usize| {
+        let (differences, noise) = differences(c);
+        Tables::new(levels, &differences, noise)
+    };
     let mut worst = [[0.0_f64; DEEPEST + 1]; LEVELS];
     for c in 0..coordinates {
-        let tables = Tables::new(&neighbourhood(c));
+        let tables = tables(c);
         for (level, depth) in entries() {
             let entry = tables.entry(level, depth);
             let error = entry.truncation + entry.noise;
@@ -143,50 +138,45 @@ pub(super) fn derivative(
         }
     }
     let chosen = entries().min_by(|a, b| worst[a.0][a.1].total_cmp(&worst[b.0][b.1]));
-    let (level, depth) = chosen.unwrap_or((LEVELS - 1, 1));
-    let mut value = Vec::with_capacity(coordinates);
-    let mut error = Vec::with_capacity(coordinates);
-    let (mut truncation, mut noise, mut largest) = (0.0_f64, 0.0_f64, 1.0_f64);
+    let (level, depth) = chosen.unwrap_or((levels - 1, 1));
+    let mut found = Derivative {
+        value: Vec::with_capacity(coordinates),
+        error: Vec::with_capacity(coordinates),
+        converged: false,
+        trials: Vec::new(),
+    };
+    let (mut truncation, mut noise) = (0.0_f64, 0.0_f64);
     for c in 0..coordinates {
-        let entry = Tables::new(&neighbourhood(c)).entry(level, depth);
+        let entry = tables(c).entry(level, depth);
         truncation = truncation.max(entry.truncation);
         noise = noise.max(entry.noise);
-        largest = largest.max(entry.value.abs());
-        value.push(entry.value);
-        error.push(entry.truncation + entry.noise);
+        found.value.push(entry.value);
+        found.error.push(entry.truncation + entry.noise);
     }
-    // Truncation up to the noise of the next distance, four times as large, is a matter of choice; and there
-    // noise shows in what looks like truncation, too, by the even part a few times.
-    let converged = truncation <= (UNRESOLVED * largest).max(4.0 * RATIO * noise);
-    Derivative {
-        value,
-        error,
-        converged,
-        trials: Vec::new(),
-    }
-}
-
-fn entries() -> impl Iterator<Item = (usize, usize)> {
-    (1..LEVELS).flat_map(|level| (1..=level.min(DEEPEST)).map(move |depth| (level, depth)))
+    let of_noise = CONSTANTS.noise_in_truncation * noise;
+    found.converged = truncation <= of_noise.max(CONSTANTS.unresolved * found.largest());
+    found
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// From the first levels, and the finer ones where they help.
     fn of(f: impl Fn(f64) -> f64, noise: f64) -> Derivative {
-        let mut values = [0.0; STATES];
-        for level in 0..LEVELS {
-            values[2 * level] = f(distance(level));
-            values[2 * level + 1] = f(-distance(level));
+        let first = with_levels(&f, FIRST.end, noise);
+        match finer_levels_help(&first, noise) {
+            true => with_levels(&f, LEVELS, noise),
+            false => first,
         }
-        derivative(1, |_| Neighbourhood {
-            values,
-            centre: f(0.0),
-            period: 0.0,
-            size: 1.0,
-            noise,
-        })
+    }
+
+    fn with_levels(f: &impl Fn(f64) -> f64, levels: usize, noise: f64) -> Derivative {
+        let mut differences = [0.0; STATES];
+        for (difference, t) in differences.iter_mut().zip(displacements(0..levels)) {
+            *difference = f(t) - f(0.0);
+        }
+        derivative(1, levels, |_| (differences, noise))
     }
 
     #[test]

@@ -1,69 +1,67 @@
 //! Whether a tangent map belongs to its map.
 //!
-//! A mistake in a derivative would be a wrong verdict to 14 digits, so no tangent map is taken on trust: at
-//! every point one tangent vector that moves all coordinates must come out as by differences.
+//! A mistake in a derivative would be a wrong verdict to 14 digits, so no tangent map is trusted unchecked: at
+//! every point differences along one tangent vector, a combination of all those that are used, must
+//! agree with it.
 
-use super::lab::{Lab, Task};
-use super::method::TangentDoubt;
-use super::tangents::TRIALS;
+use super::constants::CONSTANTS;
+use super::derivative::Derivative;
+use super::directions;
+use super::evidence::TangentRejection;
+use super::sampler::{Sampler, TangentVector};
 use crate::error::Error;
-use crate::map::TangentMap;
-use crate::signal::nearest;
-use crate::state::coordinate;
 
-/// A difference this many times what the error bars explain is none of theirs.
-const BEYOND: f64 = 3.0;
-
-impl Lab<'_> {
-    /// What speaks against the tangent map of the map, if anything does.
+impl Sampler<'_> {
+    /// Compares derivatives by the tangent map with differences, at points that follow `first`: `directions` and
+    /// `derivatives` point by point. Rejects the tangent map where they disagree, and says whether any could be
+    /// compared.
     ///
     /// Points at which differences do not converge do not count: a kink that is nearer than they reach
-    /// leaves the derivative as it is.
-    pub(super) fn doubt(
+    /// leaves the derivative unchanged.
+    pub(super) fn check_tangents(
         &mut self,
-        tangent: &dyn TangentMap,
-        direction: &[f64],
-    ) -> Result<Option<TangentDoubt>, Error> {
-        let task = |place| Task {
-            place,
-            directions: vec![direction.to_vec()],
-        };
-        let places = 0..self.places.len();
+        first: usize,
+        directions: &[Vec<Vec<f64>>],
+        derivatives: &[&[Derivative]],
+        seed: u64,
+    ) -> Result<bool, Error> {
+        let combined: Vec<(Vec<f64>, Vec<f64>)> = (directions.iter())
+            .map(|of_point| {
+                let mut coefficients = directions::dense(of_point.len(), seed);
+                let direction = directions::combined(&mut coefficients, of_point);
+                (coefficients, direction)
+            })
+            .collect();
+        let vectors: Vec<TangentVector<'_>> = (combined.iter().enumerate())
+            .map(|(k, (_, direction))| TangentVector {
+                point: first + k,
+                direction,
+            })
+            .collect();
+        let differences = self.differences(&vectors)?;
         let mut compared = false;
-        for first in places.clone().step_by(self.tasks_in_a_batch(1)) {
-            let batch = first..(first + self.tasks_in_a_batch(1)).min(places.end);
-            let tasks: Vec<Task> = batch.clone().map(task).collect();
-            let images = self.tangent_images(tangent, &tasks)?;
-            let differences = self.differences(&tasks)?;
-            for (k, (place, by_differences)) in batch.zip(&differences).enumerate() {
-                let s = self.places[place];
-                for (c, after) in self.after[place].iter().enumerate() {
-                    let (size, period) = (self.frame.size[c], self.frame.period[c]);
-                    let state = coordinate(&images.states, c)[k * TRIALS];
-                    let off = nearest(state - after, period).abs() / size;
-                    if off > self.noise[place][c] {
-                        return Ok(Some(TangentDoubt::OtherState { s, off }));
-                    }
-                }
-                let by_tangent = self.tangent_derivative(&images, k * TRIALS);
-                let by_differences = &by_differences[0];
-                if !(by_tangent.converged && by_differences.converged) {
-                    continue;
-                }
-                compared = true;
-                for c in 0..by_tangent.value.len() {
-                    let off = (by_tangent.value[c] - by_differences.value[c]).abs();
-                    let uncertainty = by_tangent.error[c] + by_differences.error[c];
-                    if off > BEYOND * uncertainty {
-                        return Ok(Some(TangentDoubt::OtherDerivative {
-                            s,
-                            off,
-                            uncertainty,
-                        }));
-                    }
-                }
+        for (k, by_differences) in differences.iter().enumerate() {
+            let terms: Vec<(f64, &Derivative)> = (combined[k].0.iter().copied())
+                .zip(derivatives[k])
+                .collect();
+            let by_tangents = Derivative::combined(&terms);
+            if !(by_tangents.converged && by_differences.converged) {
+                continue;
             }
+            compared = true;
+            let wrong = (0..self.coordinates()).find_map(|c| {
+                let difference = (by_tangents.value[c] - by_differences.value[c]).abs();
+                let uncertainty = by_tangents.error[c] + by_differences.error[c];
+                (difference > CONSTANTS.disagreement * uncertainty).then_some(
+                    TangentRejection::WrongDerivative {
+                        s: self.s[first + k],
+                        difference,
+                        uncertainty,
+                    },
+                )
+            });
+            self.rejected = self.rejected.or(wrong);
         }
-        Ok((!compared).then_some(TangentDoubt::Unchecked))
+        Ok(compared)
     }
 }

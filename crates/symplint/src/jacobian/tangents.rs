@@ -8,31 +8,20 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rayon::prelude::*;
 
-use super::lab::{Lab, Task};
-use super::richardson::{Derivative, UNRESOLVED};
-use crate::error::{BESIDE_THE_LOOP, Error};
-use crate::map::TangentMap;
+use super::constants::CONSTANTS;
+use super::derivative::Derivative;
+use super::evidence::TangentRejection;
+use super::sampler::{Sampler, TangentVector, row_mut};
+use crate::error::{Error, ON_THE_LOOP};
 use crate::signal::unit;
-use crate::state::Block;
-use crate::state::Ensemble;
-use crate::state::coordinate;
+use crate::state::{Block, Ensemble, coordinate};
 
-/// Times that each tangent vector is advanced; the first time as it is.
-pub(super) const TRIALS: usize = 7;
-
-/// Round-off is counted this many times the largest that the trials show.
-pub(super) const SAFETY: f64 = 4.0;
-
-/// A column of the two ensembles.
-struct Trial<'d> {
-    place: usize,
-    direction: &'d [f64],
-    trial: usize,
-}
+const TRIALS: usize = CONSTANTS.trials;
 
 /// What a trial multiplies the tangent vector by: not by powers of two, which round alike.
 fn factor(trial: usize) -> f64 {
-    1.0 + 0.618_033_988_749_894_9 * trial as f64
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    1.0 + GOLDEN * trial as f64
 }
 
 /// For each trial the relative changes of the coordinates of the state: none in the first, and then in
@@ -41,7 +30,8 @@ fn nudges(coordinates: usize) -> Vec<Vec<f64>> {
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut nudges = vec![vec![0.0; coordinates]];
     while nudges.len() < TRIALS {
-        let mut nudge = || 2.0 * f64::EPSILON * (2.0 * unit(&mut random) - 1.0);
+        let size = CONSTANTS.nudge * f64::EPSILON;
+        let mut nudge = || size * (2.0 * unit(&mut random) - 1.0);
         let ahead: Vec<f64> = (0..coordinates).map(|_| nudge()).collect();
         let back = ahead.iter().map(|nudge| -nudge).collect();
         nudges.extend([ahead, back]);
@@ -49,122 +39,93 @@ fn nudges(coordinates: usize) -> Vec<Vec<f64>> {
     nudges
 }
 
-/// States and tangent vectors after the step, one column for each trial.
-pub(super) struct Images {
-    pub states: Ensemble,
-    tangents: Ensemble,
-}
-
-impl Lab<'_> {
-    /// Advances every trial of every direction of the tasks, in this order.
-    pub(super) fn tangent_images(
-        &mut self,
-        map: &dyn TangentMap,
-        tasks: &[Task],
-    ) -> Result<Images, Error> {
-        let trials: Vec<Trial<'_>> = (tasks.iter())
-            .flat_map(|task| task.directions.iter().map(|d| (task.place, d)))
-            .flat_map(|(place, direction)| {
-                (0..TRIALS).map(move |trial| Trial {
-                    place,
-                    direction,
-                    trial,
-                })
-            })
-            .collect();
-        let dof = self.frame.dof();
-        Ensemble::check_size(dof, 2 * trials.len())?;
-        let mut states = Ensemble::zeros(dof, trials.len());
-        let mut tangents = Ensemble::zeros(dof, trials.len());
-        let nudges = nudges(2 * dof);
-        let width = Ensemble::block_width(dof);
-        let blocks = states.blocks().into_par_iter().zip(tangents.blocks());
-        let each = blocks.zip(trials.par_chunks(width)).enumerate();
-        let results: Vec<Result<(), Error>> = each
-            .map(|(b, ((mut states, mut tangents), trials))| {
-                self.fill(&mut states, &mut tangents, trials, &nudges);
-                let advanced = map.advance_tangents(self.h, &mut states, &mut tangents);
-                advanced.map_err(|failure| Error::StepFailed {
-                    sample: b * width + failure.sample,
-                    step_size: self.h,
-                    reason: failure.reason,
-                })
-            })
-            .collect();
-        // The first error in the order of the blocks, on any number of threads.
-        let done: Result<(), Error> = results.into_iter().collect();
-        done.and_then(|()| states.check_finite(Some(self.h)))
-            .map_err(|error| {
-                error.on_the_way(|k| (self.places[trials[k].place], BESIDE_THE_LOOP))
-            })?;
-        self.evaluations += trials.len();
-        Ok(Images { states, tangents })
-    }
-
-    /// Writes the states and tangent vectors of some trials.
-    fn fill(
-        &self,
-        states: &mut Block<'_>,
-        tangents: &mut Block<'_>,
-        trials: &[Trial<'_>],
-        nudges: &[Vec<f64>],
-    ) {
-        let dof = self.frame.dof();
-        for (c, size) in self.frame.size.iter().enumerate() {
-            let from = coordinate(&self.before, c);
-            let (state, tangent) = if c < dof {
-                (states.q.row_mut(c), tangents.q.row_mut(c))
-            } else {
-                (states.p.row_mut(c - dof), tangents.p.row_mut(c - dof))
-            };
-            for ((state, tangent), of) in state.iter_mut().zip(tangent).zip(trials) {
-                *state = from[of.place] * (1.0 + nudges[of.trial][c]);
-                *tangent = factor(of.trial) * (of.direction[c] * size);
-            }
-        }
-    }
-
-    /// The derivatives of the step along the directions of each task, by the tangent map.
+impl Sampler<'_> {
+    /// The derivatives of the step along tangent vectors, by the tangent map; and whether it advances states as
+    /// the map does.
     pub(super) fn tangent_derivatives(
         &mut self,
-        map: &dyn TangentMap,
-        tasks: &[Task],
-    ) -> Result<Vec<Vec<Derivative>>, Error> {
-        let images = self.tangent_images(map, tasks)?;
-        let starts = Task::starts(tasks, TRIALS);
-        let of_task = |(task, &start): (&Task, &usize)| {
-            let of_direction = |k: usize| self.tangent_derivative(&images, start + k * TRIALS);
-            (0..task.directions.len()).map(of_direction).collect()
+        vectors: &[TangentVector<'_>],
+    ) -> Result<Vec<Derivative>, Error> {
+        let mut found = Vec::with_capacity(vectors.len());
+        for batch in vectors.chunks(self.in_a_batch(2 * TRIALS)) {
+            let (states, tangents) = self.tangent_images(batch)?;
+            for (k, vector) in batch.iter().enumerate() {
+                let wrong = self.wrong_state(vector.point, &states, k * TRIALS);
+                self.rejected = self.rejected.or(wrong);
+            }
+            let of = |k: usize| self.tangent_derivative(&tangents, k * TRIALS);
+            found.par_extend((0..batch.len()).into_par_iter().map(of));
+        }
+        Ok(found)
+    }
+
+    /// Advances every trial of every vector, in this order.
+    fn tangent_images(&self, vectors: &[TangentVector<'_>]) -> Result<(Ensemble, Ensemble), Error> {
+        let (dof, count) = (self.frame.dof(), TRIALS * vectors.len());
+        Ensemble::check_size(dof, 2 * count)?;
+        let mut states = Ensemble::zeros(dof, count);
+        let mut tangents = Ensemble::zeros(dof, count);
+        let of_vector = |&vector| (0..TRIALS).map(move |trial| (vector, trial));
+        let columns: Vec<(TangentVector<'_>, usize)> = vectors.iter().flat_map(of_vector).collect();
+        let nudges = nudges(2 * dof);
+        let fill = |first: usize, states: &mut Block<'_>, tangents: &mut Block<'_>| {
+            let columns = &columns[first..first + states.len()];
+            for (c, size) in self.frame.size.iter().enumerate() {
+                let from = coordinate(&self.before, c);
+                let rows = row_mut(states, c).iter_mut().zip(row_mut(tangents, c));
+                for ((state, tangent), &(at, trial)) in rows.zip(columns) {
+                    *state = from[at.point] * (1.0 + nudges[trial][c]);
+                    *tangent = factor(trial) * (at.direction[c] * size);
+                }
+            }
         };
-        Ok(tasks.par_iter().zip(&starts).map(of_task).collect())
+        (self.evaluator)
+            .advance_tangents(&mut states, &mut tangents, self.h, fill)
+            .map_err(|error| error.on_the_way(|k| (self.s[columns[k].0.point], ON_THE_LOOP)))?;
+        Ok((states, tangents))
+    }
+
+    /// How the state in a column differs from what the map makes of the point, if it does.
+    fn wrong_state(
+        &self,
+        point: usize,
+        states: &Ensemble,
+        column: usize,
+    ) -> Option<TangentRejection> {
+        (0..self.coordinates()).find_map(|c| {
+            let difference = self
+                .difference(point, c, coordinate(states, c)[column])
+                .abs();
+            (difference > self.noise[point][c]).then_some(TangentRejection::WrongState {
+                s: self.s[point],
+                difference,
+            })
+        })
     }
 
     /// The derivative from the trials that begin in column `first`.
-    pub(super) fn tangent_derivative(&self, images: &Images, first: usize) -> Derivative {
-        let coordinates = 2 * self.frame.dof();
+    fn tangent_derivative(&self, tangents: &Ensemble, first: usize) -> Derivative {
         let of_trial = |trial: usize| -> Vec<f64> {
             let scale = |c: usize| factor(trial) * self.frame.size[c];
-            let component = |c: usize| coordinate(&images.tangents, c)[first + trial] / scale(c);
-            (0..coordinates).map(component).collect()
+            let component = |c: usize| coordinate(tangents, c)[first + trial] / scale(c);
+            (0..self.coordinates()).map(component).collect()
         };
-        let value = of_trial(0);
-        let trials: Vec<Vec<f64>> = (1..TRIALS).map(of_trial).collect();
-        let largest = value.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
-        let error: Vec<f64> = (value.iter().enumerate())
-            .map(|(c, own)| {
-                let shown = trials.iter().map(|trial| (trial[c] - own).abs());
-                // Few trials may by chance be rounded in the same way.
-                SAFETY * shown.fold(0.0, f64::max) + f64::EPSILON * largest
-            })
-            .collect();
-        let finite = (trials.iter().flatten().chain(&value)).all(|x| x.is_finite());
+        let mut found = Derivative {
+            value: of_trial(0),
+            error: Vec::new(),
+            converged: false,
+            trials: (1..TRIALS).map(of_trial).collect(),
+        };
+        let largest = found.largest();
+        let error = |(c, own): (usize, &f64)| {
+            let shown = found.trials.iter().map(|trial| (trial[c] - own).abs());
+            CONSTANTS.safety * shown.fold(0.0, f64::max) + f64::EPSILON * largest
+        };
+        found.error = found.value.iter().enumerate().map(error).collect();
+        let mut numbers = found.trials.iter().flatten().chain(&found.value);
         // What the last digit of the state decides is a jump of the derivative.
-        let converged = finite && error.iter().all(|error| *error <= UNRESOLVED * largest);
-        Derivative {
-            value,
-            error,
-            converged,
-            trials,
-        }
+        found.converged = numbers.all(|x| x.is_finite())
+            && found.largest_error() <= CONSTANTS.unresolved * largest;
+        found
     }
 }

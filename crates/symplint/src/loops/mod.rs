@@ -3,11 +3,13 @@
 mod circle;
 mod fourier;
 mod sampled;
+mod sampling;
 mod turn;
 
 pub use circle::Circle;
 pub use fourier::FourierLoop;
 pub use sampled::SampledLoop;
+pub(crate) use sampling::sample_block;
 
 use crate::state::Block;
 

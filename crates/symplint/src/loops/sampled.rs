@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex64;
 
 use super::Loop;
 use super::turn::sin_cos_turn;
@@ -31,7 +31,7 @@ struct Interpolant {
     /// What the coordinate gains in one turn: winding × period.
     gain: f64,
     /// Mean and Fourier coefficients of the periodic part, k = 0 … N/2.
-    spectrum: Vec<Complex<f64>>,
+    spectrum: Vec<Complex64>,
 }
 
 impl SampledLoop {
@@ -49,17 +49,15 @@ impl SampledLoop {
             return Err(Error::TooFewSamples { samples });
         }
         ensemble.check_finite(None)?;
-        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(samples);
-        let mut work = transform.make_input_vec();
+        let transform = FftPlanner::new().plan_fft_forward(samples);
         let mut rows = Vec::with_capacity(2 * dof);
-        let mut interpolant = |row: &[f64], gain: f64| {
-            for (k, (work, &value)) in work.iter_mut().zip(row).enumerate() {
-                *work = value - gain * (k as f64 / samples as f64);
-            }
-            let mut spectrum = transform.make_output_vec();
-            transform
-                .process(&mut work, &mut spectrum)
-                .expect("buffers come from the plan");
+        let interpolant = |row: &[f64], gain: f64| {
+            let periodic = |(k, x): (usize, &f64)| x - gain * (k as f64 / samples as f64);
+            let mut spectrum: Vec<Complex64> = (row.iter().enumerate())
+                .map(|sample| periodic(sample).into())
+                .collect();
+            transform.process(&mut spectrum);
+            spectrum.truncate(samples / 2 + 1);
             for coefficient in &mut spectrum {
                 *coefficient /= samples as f64;
             }

@@ -1,8 +1,10 @@
 //! Time-advance maps Φ_h: what is tested.
 
+mod evaluator;
 mod per_sample;
 mod tangent;
 
+pub(crate) use evaluator::{EvaluationCount, Evaluator};
 pub use per_sample::PerSample;
 pub use tangent::TangentMap;
 

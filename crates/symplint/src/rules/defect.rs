@@ -1,12 +1,14 @@
 //! How far a loop integral moved: the figure of merit.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::Error;
 use crate::rules::LoopIntegral;
 
 /// The relative change of a loop integral over one step, with its uncertainty.
 ///
 /// All numbers are relative to the absolute value of the initial loop integral.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Defect {
     /// (I(h) − I(0)) / |I(0)|.
     pub signed: f64,

@@ -1,12 +1,14 @@
 //! The paper's finite-difference rule with cut-offs (section 2.3, appendix B).
 
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::RowIntegral;
 use crate::error::Error;
-use crate::signal::{CompensatedSum, UNIT_ROUNDOFF, unwrap_row};
+use crate::signal::{CompensatedSum, UNIT_ROUNDOFF, largest, unwrap_row, wraps};
 use crate::state::Coordinates;
 use crate::state::Ensemble;
+use crate::state::scratch::with_buffer;
 
 /// The slope above which a cell counts as a jump and is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,99 +78,267 @@ pub struct OmittedCell {
     pub cell: usize,
 }
 
-/// One degree of freedom of a loop, positions unwrapped.
-struct Row<'a> {
-    q: &'a [f64],
-    p: &'a [f64],
-    /// What q gains in one turn.
-    gain: f64,
-}
-
-impl Row<'_> {
-    /// (Δq, Δp) from sample k to sample k + step, round the loop.
-    fn increment(&self, k: usize, step: usize) -> (f64, f64) {
-        let n = self.q.len();
-        let next = k + step;
-        let (to, gain) = if next < n {
-            (next, 0.0)
-        } else {
-            (next - n, self.gain)
-        };
-        (self.q[to] + gain - self.q[k], self.p[to] - self.p[k])
-    }
-}
-
-/// The largest absolute value.
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
-}
-
 /// An increment this part of the one over twice the distance has not halved: a jump.
 const STAYS: f64 = 0.75;
 
 /// A jump is this many times the mean increment, or more.
 const STEEP: f64 = 20.0;
 
-fn integrate(row: &Row<'_>, cutoffs: &Cutoffs) -> RowIntegral {
-    let n = row.q.len();
-    let (max_q, max_p) = (largest(row.q), largest(row.p));
-    let (limit_q, limit_p) = (cutoffs.q.slope(max_q), cutoffs.p.slope(max_p));
-    let retained = |(dq, dp): (f64, f64), cells: f64| {
-        dq.abs() * cells <= limit_q && dp.abs() * cells <= limit_p
-    };
-    let (mut q_variation, mut p_variation) = (0.0, 0.0);
-    for k in 0..n {
-        let (dq, dp) = row.increment(k, 1);
-        q_variation += dq.abs();
-        p_variation += dp.abs();
-    }
-    let jumps = |increment: f64, wide: f64, variation: f64| {
-        increment.abs() > STAYS * wide.abs() && increment.abs() > STEEP * variation / n as f64
-    };
+/// Pairs of neighbouring cells that are summed side by side: one in each lane of the widest vector register.
+const PAIRS: usize = 8;
 
-    let (mut value, mut coarse) = (CompensatedSum::default(), CompensatedSum::default());
-    let (mut scale, mut doubtful) = (0.0, 0.0);
-    let (mut q_squared, mut p_squared) = (0.0, 0.0);
-    let mut omitted = Vec::new();
-    for k in 0..n {
-        let (dq, dp) = row.increment(k, 1);
-        let term = row.p[k] * dq;
-        // The cell of twice the width that holds this one.
-        let wide = row.increment(k - k % 2, 2);
-        let q_jumps = jumps(dq, wide.0, q_variation);
-        if retained((dq, dp), n as f64) {
-            value.add(term);
-            scale += term.abs();
-            q_squared += dq * dq;
-            p_squared += dp * dp;
+/// Cells of so many pairs.
+const CELLS: usize = 2 * PAIRS;
+
+/// The samples of so many cells, both ends included.
+type Span = [f64; CELLS + 1];
+
+/// One coordinate round the loop.
+struct ClosedRow<'a> {
+    row: &'a [f64],
+    /// What it gains in one turn: sample N is sample 0 and this.
+    gain: f64,
+    /// The largest absolute value.
+    largest: f64,
+    /// Cells with a larger slope are left out.
+    most: f64,
+    /// Jumps are larger than this.
+    steep: f64,
+}
+
+impl<'a> ClosedRow<'a> {
+    fn new(row: &'a [f64], gain: f64, cutoff: Cutoff) -> Self {
+        let largest = largest(row);
+        ClosedRow {
+            row,
+            gain,
+            largest,
+            most: cutoff.slope(largest),
+            steep: STEEP * variation(row, gain) / row.len() as f64,
+        }
+    }
+
+    /// Sample k, round the loop.
+    fn at(&self, k: usize) -> f64 {
+        match k.checked_sub(self.row.len()) {
+            None => self.row[k],
+            Some(k) => self.row[k] + self.gain,
+        }
+    }
+
+    /// The samples from `start` to the end of the last pair; beyond, the coordinate stands still.
+    fn last_span(&self, start: usize) -> Span {
+        let end = self.row.len() & !1;
+        let mut span = [self.at(end); CELLS + 1];
+        span[..end - start].copy_from_slice(&self.row[start..end]);
+        span
+    }
+
+    /// Whether an increment has not halved from the pair of cells to one of them.
+    #[inline(always)]
+    fn jumps(&self, increment: f64, over_pair: f64) -> bool {
+        (increment.abs() > STAYS * over_pair.abs()) & (increment.abs() > self.steep)
+    }
+}
+
+/// Σ |x_{k+1} − x_k| round the loop.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn variation(row: &[f64], gain: f64) -> f64 {
+    let mut sums = [0.0; PAIRS];
+    let (groups, rest) = row[..row.len() - 1].as_chunks::<PAIRS>();
+    let (next_groups, next_rest) = row[1..].as_chunks::<PAIRS>();
+    for (group, next) in groups.iter().zip(next_groups) {
+        for lane in 0..PAIRS {
+            sums[lane] += (next[lane] - group[lane]).abs();
+        }
+    }
+    let rest = rest.iter().zip(next_rest).map(|(x, next)| (next - x).abs());
+    let closing = (row[0] + gain - row[row.len() - 1]).abs();
+    sums.iter().sum::<f64>() + rest.sum::<f64>() + closing
+}
+
+/// Sums of which none grows less exact with the number of terms.
+#[derive(Default)]
+struct CompensatedLanes {
+    sums: [f64; PAIRS],
+    lost: [f64; PAIRS],
+}
+
+impl CompensatedLanes {
+    /// Knuth's sum, without a comparison.
+    #[inline(always)]
+    fn add(&mut self, lane: usize, term: f64) {
+        let before = self.sums[lane];
+        let sum = before + term;
+        let added = sum - before;
+        self.lost[lane] += (before - (sum - added)) + (term - added);
+        self.sums[lane] = sum;
+    }
+
+    fn total(&self) -> f64 {
+        let mut total = CompensatedSum::default();
+        self.sums
+            .iter()
+            .chain(&self.lost)
+            .for_each(|part| total.add(*part));
+        total.total()
+    }
+}
+
+/// What is summed over the cells of a loop.
+#[derive(Default)]
+struct Sums {
+    /// Σ p Δq over the cells, and over the pairs, that are retained.
+    value: CompensatedLanes,
+    coarse: CompensatedLanes,
+    /// Over the cells that are retained: Σ |p Δq|, Σ Δq² and Σ Δp².
+    scale: [f64; PAIRS],
+    q_squared: [f64; PAIRS],
+    p_squared: [f64; PAIRS],
+    omitted: Vec<usize>,
+    /// Of the cells that were left out without a jump, or retained with one.
+    doubtful: f64,
+}
+
+impl Sums {
+    /// Adds a cell that is retained.
+    #[inline(always)]
+    fn add(&mut self, lane: usize, p: f64, dq: f64, dp: f64) {
+        let term = p * dq;
+        self.value.add(lane, term);
+        self.scale[lane] += term.abs();
+        self.q_squared[lane] += dq * dq;
+        self.p_squared[lane] += dp * dp;
+    }
+}
+
+/// The loop of one degree of freedom.
+struct Row<'a> {
+    q: ClosedRow<'a>,
+    p: ClosedRow<'a>,
+}
+
+impl Row<'_> {
+    /// Whether no slope is above its cut-off, of which there are so many increments round the loop.
+    #[inline(always)]
+    fn retains(&self, dq: f64, dp: f64, increments: f64) -> bool {
+        (dq.abs() * increments <= self.q.most) & (dp.abs() * increments <= self.p.most)
+    }
+
+    /// Adds the cells and pairs of a span.
+    #[inline(always)]
+    fn add(&self, start: usize, q: &Span, p: &Span, sums: &mut Sums) {
+        let cells = self.q.row.len() as f64;
+        let mut special = [0; PAIRS];
+        for lane in 0..PAIRS {
+            let [q_0, q_1, q_2] = [q[2 * lane], q[2 * lane + 1], q[2 * lane + 2]];
+            let [p_0, p_1, p_2] = [p[2 * lane], p[2 * lane + 1], p[2 * lane + 2]];
+            let over_pair = q_2 - q_0;
+            let retained = self.retains(over_pair, p_2 - p_0, 0.5 * cells);
+            let dq = if retained { over_pair } else { 0.0 };
+            sums.coarse.add(lane, p_0 * dq);
+            for (p, dq, dp) in [(p_0, q_1 - q_0, p_1 - p_0), (p_1, q_2 - q_1, p_2 - p_1)] {
+                let retained = self.retains(dq, dp, cells);
+                special[lane] |= u64::from(!retained | self.q.jumps(dq, over_pair));
+                let [dq, dp] = if retained { [dq, dp] } else { [0.0; 2] };
+                sums.add(lane, p, dq, dp);
+            }
+        }
+        if special.iter().fold(0, |any, special| any | special) != 0 {
+            self.add_special(start, q, p, sums);
+        }
+    }
+
+    /// What cells of a span are left out, or retained with a jump.
+    #[cold]
+    fn add_special(&self, start: usize, q: &Span, p: &Span, sums: &mut Sums) {
+        for k in 0..CELLS {
+            let pair = k - k % 2;
+            self.add_if_special(
+                start + k,
+                [p[k], p[k + 1]],
+                [q[k + 1] - q[k], p[k + 1] - p[k]],
+                [q[pair + 2] - q[pair], p[pair + 2] - p[pair]],
+                sums,
+            );
+        }
+    }
+
+    fn add_if_special(
+        &self,
+        cell: usize,
+        p: [f64; 2],
+        [dq, dp]: [f64; 2],
+        over_pair: [f64; 2],
+        sums: &mut Sums,
+    ) {
+        let q_jumps = self.q.jumps(dq, over_pair[0]);
+        if self.retains(dq, dp, self.q.row.len() as f64) {
             if q_jumps {
-                doubtful += term.abs();
+                sums.doubtful += (p[0] * dq).abs();
             }
         } else {
-            omitted.push(k);
-            if !q_jumps && !jumps(dp, wide.1, p_variation) {
+            sums.omitted.push(cell);
+            if !q_jumps && !self.p.jumps(dp, over_pair[1]) {
                 // Steep but smooth: its part of the integral is missing.
-                let larger_p = row.p[k].abs().max((row.p[k] + dp).abs());
-                doubtful += larger_p * dq.abs();
+                sums.doubtful += p[0].abs().max(p[1].abs()) * dq.abs();
             }
         }
-        if k % 2 == 0 && k + 1 < n && retained(wide, n as f64 / 2.0) {
-            coarse.add(row.p[k] * wide.0);
-        }
     }
-    if n % 2 == 1 {
-        let last = row.increment(n - 1, 1);
-        if retained(last, n as f64) {
-            coarse.add(row.p[n - 1] * last.0);
+
+    /// The last cell of an odd number, which is in no pair: in the coarse sum it stands for itself.
+    fn add_last(&self, sums: &mut Sums) {
+        let cell = self.q.row.len() - 1;
+        let [q, p] = [&self.q, &self.p].map(|x| [0, 1, 2].map(|k| x.at(cell + k)));
+        let (dq, dp) = (q[1] - q[0], p[1] - p[0]);
+        if self.retains(dq, dp, self.q.row.len() as f64) {
+            sums.add(0, p[0], dq, dp);
+            sums.coarse.add(0, p[0] * dq);
         }
+        let over_pair = [q[2] - q[0], p[2] - p[0]];
+        self.add_if_special(cell, [p[0], p[1]], [dq, dp], over_pair, sums);
     }
-    let stored = UNIT_ROUNDOFF * (max_q * p_squared.sqrt() + max_p * q_squared.sqrt());
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn sums(row: &Row) -> Sums {
+    let mut sums = Sums::default();
+    let samples = row.q.row.len();
+    let mut start = 0;
+    while let (Some(q), Some(p)) = (
+        row.q.row[start..].first_chunk(),
+        row.p.row[start..].first_chunk(),
+    ) {
+        row.add(start, q, p, &mut sums);
+        start += CELLS;
+    }
+    if start < samples & !1 {
+        let (q, p) = (row.q.last_span(start), row.p.last_span(start));
+        row.add(start, &q, &p, &mut sums);
+    }
+    if !samples.is_multiple_of(2) {
+        row.add_last(&mut sums);
+    }
+    sums
+}
+
+fn integrate(q: &[f64], gain: f64, p: &[f64], cutoffs: &Cutoffs) -> RowIntegral {
+    let row = Row {
+        q: ClosedRow::new(q, gain, cutoffs.q),
+        p: ClosedRow::new(p, 0.0, cutoffs.p),
+    };
+    let sums = sums(&row);
+    let [scale, q_squared, p_squared] =
+        [sums.scale, sums.q_squared, sums.p_squared].map(|lanes| lanes.iter().sum::<f64>());
+    let (value, coarse) = (sums.value.total(), sums.coarse.total());
+    let stored =
+        UNIT_ROUNDOFF * (row.q.largest * p_squared.sqrt() + row.p.largest * q_squared.sqrt());
     RowIntegral {
-        value: value.total(),
-        quadrature_error: (n >= 6).then(|| (value.total() - coarse.total()).abs() + doubtful),
+        value,
+        quadrature_error: (q.len() >= 6).then(|| (value - coarse).abs() + sums.doubtful),
         roundoff: stored + 2.0 * UNIT_ROUNDOFF * scale,
         scale,
-        omitted,
+        omitted: sums.omitted,
         regularity: None,
     }
 }
@@ -182,21 +352,15 @@ pub(super) fn rows(
     (0..ensemble.dof())
         .into_par_iter()
         .map(|i| {
-            let period = coordinates.period(i);
-            let mut unwrapped;
-            let (q, winding) = if period > 0.0 {
-                unwrapped = q.row(i).to_vec();
-                let winding = unwrap_row(&mut unwrapped, period);
-                (unwrapped.as_slice(), winding)
-            } else {
-                (q.row(i), 0)
-            };
-            let row = Row {
-                q,
-                p: p.row(i),
-                gain: winding as f64 * period,
-            };
-            integrate(&row, cutoffs)
+            let (q, p, period) = (q.row(i), p.row(i), coordinates.period(i));
+            if !wraps(q, period) {
+                return integrate(q, 0.0, p, cutoffs);
+            }
+            with_buffer(q.len(), |unwrapped| {
+                unwrapped.copy_from_slice(q);
+                let winding = unwrap_row(unwrapped, period);
+                integrate(unwrapped, winding as f64 * period, p, cutoffs)
+            })
         })
         .collect()
 }

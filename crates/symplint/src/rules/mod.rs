@@ -1,24 +1,37 @@
-//! Loop integrals ∮ p·dq of an ensemble, by one of the rules.
+//! Loop integrals ∮ p·dq by one of the rules.
+//!
+//! A rule is a folder, a variant of [`Rule`], and a line in [`Rule::integrator`].
 
+mod advanced;
 mod defect;
 mod finite_difference;
 mod piecewise;
 mod pseudospectral;
+mod sampled;
 mod streaming;
 
+pub(crate) use advanced::{Advanced, Closed, LoopIntegrator, Samples, Subject};
 pub use defect::{Defect, logarithmic_defect};
 pub use finite_difference::{Cutoff, Cutoffs, OmittedCell};
+pub(crate) use piecewise::Identity;
 pub use piecewise::{Closure, Piecewise, PiecewiseIntegral};
 pub use streaming::{Streaming, StreamingIntegral};
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::Error;
 use crate::signal::CompensatedSum;
-use crate::state::Coordinates;
-use crate::state::Ensemble;
+use crate::state::{Coordinates, Ensemble};
 
-/// How ∮ p·dq is computed from equispaced samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How ∮ p·dq is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Rule {
+    /// Chosen by what the advanced loop of the largest step size is like: pseudospectral where it is smooth
+    /// enough to reach round-off that way; piecewise where it is broken, or has kinks; streaming where
+    /// ensembles would take more than 512 MiB. Of samples alone, pseudospectral.
+    #[default]
+    Auto,
     /// Differentiates q by Fourier transform: Barham & Burby, section 2.3, appendix A.
     ///
     /// Converges as fast as the loop is smooth. On a loop with jumps it does not converge to
@@ -27,14 +40,71 @@ pub enum Rule {
     /// Sums p_k (q_{k+1} − q_k) over the cells that the cut-offs retain: section 2.3,
     /// appendix B. First order in the number of samples.
     FiniteDifference(Cutoffs),
+    /// Adaptive, for maps that can be evaluated anywhere on the loop: finds and closes every break.
+    Piecewise(Piecewise),
+    /// From samples that are made, advanced and used in their order: a few dozen states in memory.
+    Streaming(Streaming),
+}
+
+/// The name of a rule in configurations and reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum RuleKind {
+    /// Not chosen yet.
+    #[default]
+    Auto,
+    /// [`Rule::Pseudospectral`].
+    Pseudospectral,
+    /// [`Rule::FiniteDifference`].
+    FiniteDifference,
+    /// [`Rule::Piecewise`].
+    Piecewise,
+    /// [`Rule::Streaming`].
+    Streaming,
+    /// Trapezoids between the jumps of a loop that is known by its samples only.
+    JumpDetecting,
+}
+
+impl RuleKind {
+    /// As configurations and reports write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            RuleKind::Auto => "auto",
+            RuleKind::Pseudospectral => "pseudospectral",
+            RuleKind::FiniteDifference => "finite-difference",
+            RuleKind::Piecewise => "piecewise",
+            RuleKind::Streaming => "streaming",
+            RuleKind::JumpDetecting => "jump-detecting",
+        }
+    }
+}
+
+impl std::fmt::Display for RuleKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
 }
 
 impl Rule {
-    /// The rule's name in configurations and reports.
-    pub fn name(&self) -> &'static str {
+    /// Its kind, which has its name.
+    pub fn kind(&self) -> RuleKind {
         match self {
-            Rule::Pseudospectral => "pseudospectral",
-            Rule::FiniteDifference(_) => "finite-difference",
+            Rule::Auto => RuleKind::Auto,
+            Rule::Pseudospectral => RuleKind::Pseudospectral,
+            Rule::FiniteDifference(_) => RuleKind::FiniteDifference,
+            Rule::Piecewise(_) => RuleKind::Piecewise,
+            Rule::Streaming(_) => RuleKind::Streaming,
+        }
+    }
+
+    /// What integrates loops by this rule; [`Rule::Auto`] stands for the pseudospectral rule.
+    pub(crate) fn integrator(&self) -> Box<dyn LoopIntegrator> {
+        match *self {
+            Rule::Auto | Rule::Pseudospectral => Box::new(sampled::Pseudospectral),
+            Rule::FiniteDifference(cutoffs) => Box::new(sampled::FiniteDifference(cutoffs)),
+            Rule::Piecewise(piecewise) => Box::new(piecewise),
+            Rule::Streaming(streaming) => Box::new(streaming),
         }
     }
 }
@@ -82,7 +152,7 @@ impl LoopIntegral {
     /// pseudospectral rule depend on the processor: transforms and sums use the instructions that it has.
     ///
     /// # Errors
-    /// If there are fewer than 3 samples, `coordinates` has other degrees of freedom than
+    /// If the rule needs the map and not only samples, there are fewer than 3 samples, `coordinates` has other degrees of freedom than
     /// the ensemble, a cut-off is not positive, or the integral overflows.
     pub fn in_coordinates(
         ensemble: &Ensemble,
@@ -96,10 +166,15 @@ impl LoopIntegral {
             });
         }
         let rows = match rule {
-            Rule::Pseudospectral => pseudospectral::rows(ensemble, coordinates),
+            Rule::Auto | Rule::Pseudospectral => pseudospectral::rows(ensemble, coordinates),
             Rule::FiniteDifference(cutoffs) => {
                 cutoffs.check()?;
                 finite_difference::rows(ensemble, coordinates, cutoffs)
+            }
+            Rule::Piecewise(_) | Rule::Streaming(_) => {
+                return Err(Error::NeedsMap {
+                    rule: rule.kind().name(),
+                });
             }
         };
         for (dof, row) in rows.iter().enumerate() {
@@ -121,10 +196,7 @@ impl LoopIntegral {
             quadrature_error: Some(0.0),
             roundoff: 0.0,
             scale: 0.0,
-            omitted: match rule {
-                Rule::Pseudospectral => None,
-                Rule::FiniteDifference(_) => Some(Vec::new()),
-            },
+            omitted: matches!(rule, Rule::FiniteDifference(_)).then(Vec::new),
             regularity: None,
         };
         let mut value = CompensatedSum::default();

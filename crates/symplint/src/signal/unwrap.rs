@@ -1,5 +1,7 @@
 //! Undoing the wrap of periodic positions.
 
+use multiversion::multiversion;
+
 /// Adds whole periods to the samples of one position so that neighbours differ by at most half a
 /// period, in place; returns the winding, the periods gained in one turn of the loop.
 ///
@@ -28,11 +30,51 @@ pub fn unwrap_row(row: &mut [f64], period: f64) -> i64 {
     turns as i64
 }
 
+/// Whether neighbouring samples of a position, round the loop, lie about half a period apart or more
+/// somewhere. Where they do not, [`unwrap_row`] would change nothing. A period of 0 means
+/// not periodic.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+pub(crate) fn wraps(row: &[f64], period: f64) -> bool {
+    if period == 0.0 {
+        return false;
+    }
+    // A little less than half, for the rounding of the division there.
+    let limit = 0.499 * period;
+    let closing = row[0] - row[row.len() - 1];
+    row.iter()
+        .zip(&row[1..])
+        .fold(closing.abs() > limit, |wraps, (a, b)| {
+            wraps | ((b - a).abs() > limit)
+        })
+}
+
 /// `difference` less whole periods, as near to 0 as can be.
 pub(crate) fn nearest(difference: f64, period: f64) -> f64 {
     if period > 0.0 {
         difference - period * (difference / period).round()
     } else {
         difference
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_that_do_not_wrap_are_those_that_unwrapping_leaves_alone() {
+        let period = 3.0;
+        for n in 3..40 {
+            for step in [0.1, 1.4, 1.496, 1.5, 1.6, 2.9] {
+                let mut row: Vec<f64> = (0..n).map(|k| (step * k as f64) % period).collect();
+                row[n - 1] = row[0];
+                let before = row.clone();
+                let wrapped = wraps(&row, period);
+                let winding = unwrap_row(&mut row, period);
+                assert!(wrapped || (row == before && winding == 0), "{n}, {step}");
+            }
+        }
+        assert!(!wraps(&[0.0, 1e9, -1e9], 0.0));
+        assert!(wraps(&[0.0, 0.4, 0.8], 1.0), "the closing cell counts");
     }
 }

@@ -8,15 +8,13 @@ use super::jumps::{Jump, Roughness, find_jumps};
 use super::pieces::{Curve, Pieces, stored_roundoff};
 use crate::breaks::Break;
 use crate::error::Error;
+use crate::evidence::{FEWEST_SAMPLES, Wrap};
 use crate::rules::Defect;
-use crate::rules::{LoopIntegral, OmittedCell, Rule};
+use crate::rules::{LoopIntegral, OmittedCell, Rule, RuleKind};
 use crate::signal::{CompensatedSum, UNIT_ROUNDOFF};
 use crate::state::Coordinates;
 use crate::state::Ensemble;
 use crate::survey::motion;
-
-/// Fewer samples than this do not show whether a loop is smooth.
-pub(super) const FEWEST: usize = 32;
 
 /// A jump of this part of a coordinate's whole range is a wrap in a periodic box.
 const WRAP: f64 = 0.98;
@@ -30,13 +28,6 @@ pub(super) struct Initial<'a> {
     pub broken: Option<Break>,
     pub wrapped: Option<Wrap>,
     windings: Vec<f64>,
-}
-
-/// A position that jumps by its whole range, as one in a periodic box does.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Wrap {
-    pub dof: usize,
-    pub period: f64,
 }
 
 /// What the jumps of one loop do to its integral.
@@ -55,7 +46,7 @@ pub(super) struct Broken {
 /// An advanced loop.
 pub(super) struct Compared {
     pub step_size: Option<f64>,
-    pub rule: &'static str,
+    pub rule: RuleKind,
     pub integral: LoopIntegral,
     pub defect: Defect,
     /// If there are jumps.
@@ -220,7 +211,7 @@ fn smooth(
     }
     let unresolved = (rows.iter().flat_map(|row| &row.roughness)).any(|rough| rough.unresolved);
     integral.quadrature_error = (integral.quadrature_error)
-        .filter(|_| !unresolved && states.samples() >= FEWEST)
+        .filter(|_| !unresolved && states.samples() >= FEWEST_SAMPLES)
         .map(|error| error + weighted(&Row::hidden));
     Ok(integral)
 }
@@ -249,7 +240,7 @@ impl<'a> Initial<'a> {
             let integral = smooth(after, &rows, self.coordinates)?;
             Compared {
                 step_size: after.step_size,
-                rule: Rule::Pseudospectral.name(),
+                rule: RuleKind::Pseudospectral,
                 defect: Defect::between(&self.integral, &integral)?,
                 integral,
                 broken: None,
@@ -328,7 +319,7 @@ impl<'a> Initial<'a> {
                 .map(move |cell| OmittedCell { dof, cell })
         };
         let omitted: Vec<OmittedCell> = rows.iter().enumerate().flat_map(cells).collect();
-        let known = !unresolved && samples >= FEWEST;
+        let known = !unresolved && samples >= FEWEST_SAMPLES;
         let integral = LoopIntegral {
             value: value.total(),
             contributions,
@@ -345,7 +336,7 @@ impl<'a> Initial<'a> {
         };
         Ok(Compared {
             step_size: after.step_size,
-            rule: "jump-detecting",
+            rule: RuleKind::JumpDetecting,
             defect: Defect::between(&self.integral, &integral)?,
             broken: Some(Broken {
                 confirmed: found.len(),

@@ -2,22 +2,25 @@
 //!
 //! A map can be evaluated between the samples, data cannot. So where the samples are smooth the
 //! pseudospectral rule with its nested error estimate is used, and where they jump ([`jumps`])
-//! a finite-difference rule that leaves the jumps out ([`pieces`]) and owns up to not knowing where in
-//! its cell a break lies. No cut-off is compared with the size of a coordinate: a shift of the origin
+//! a finite-difference rule that leaves the jumps out ([`pieces`]); its error covers that the position of a break
+//! within its cell is not known. No cut-off is compared with the size of a coordinate: a shift of the origin
 //! changes nothing.
 
 mod compare;
-mod conclude;
 mod increments;
 mod jumps;
+mod order;
 mod pieces;
 
 use rayon::prelude::*;
 
-use crate::diagnosis::{BreakAt, Diagnosis, Point, Sweep};
+use crate::breaks::Break;
 use crate::error::Error;
-use crate::state::Coordinates;
-use crate::state::Ensemble;
+use crate::evidence::{
+    BreakAt, Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, Origin, StepEvidence,
+};
+use crate::rules::RuleKind;
+use crate::state::{Coordinates, Ensemble};
 use compare::{Compared, Initial};
 
 /// All samples of a loop at one time, as another code stored them.
@@ -62,45 +65,20 @@ impl Snapshot {
 }
 
 /// Compares a loop before a step with the same loop after one or several steps of different sizes, each
-/// taken from `before`, and judges.
+/// taken from `before`.
 ///
-/// In the result, a point has the rule `pseudospectral` where the samples are smooth. Where they
-/// jump it has `jump-detecting`: `advanced` is then the absolutely continuous part,
-/// `omitted_cells` the cells that jump, `jumps` those of them that stay jumps from every fourth to
-/// every sample, and `chord` what straight chords across the breaks add. `step_size` is NaN (in reports
-/// `null`) where it is not known. A `quadrature_error` of `None` says that the samples are too few
-/// to know the integral.
-///
-/// A jump in data is evidence, not proof: a flank much steeper than the distance of two samples looks the
-/// same. Momenta are multiplied by the weights of `coordinates`, positions unwrapped by its periods.
+/// Where the samples are smooth the rule is pseudospectral. Where they jump it is [`RuleKind::JumpDetecting`]: the
+/// advanced integral is then the absolutely continuous part.
 ///
 /// # Errors
 /// If the loops differ in samples or degrees of freedom, a state is not finite, there are fewer than 3
 /// samples or no loop after the step, a step size is zero, not finite or stated twice, or the loop before
 /// the step encloses no area.
-///
-/// ```
-/// use symplint::{Circle, Coordinates, Ensemble, Snapshot, VerdictKind, measure};
-///
-/// // Another code's step: here a shear, which is symplectic.
-/// let circle = Circle::new(vec![0.0], vec![0.0], 1.0)?;
-/// let before = Ensemble::sample(&circle, 256)?;
-/// let mut after = before.clone();
-/// for k in 0..after.samples() {
-///     let p = after.p().row(0)[k];
-///     after.block().q.row_mut(0)[k] += 0.5 * p * p;
-/// }
-///
-/// let after = Snapshot::new(after).after_step(0.5);
-/// let diagnosis = measure(&Snapshot::new(before), &[after], &Coordinates::plain(1))?;
-/// assert_eq!(diagnosis.verdict.kind, VerdictKind::Symplectic);
-/// # Ok::<(), symplint::Error>(())
-/// ```
-pub fn measure(
+pub fn measure_snapshots(
     before: &Snapshot,
     after: &[Snapshot],
     coordinates: &Coordinates,
-) -> Result<Diagnosis, Error> {
+) -> Result<Evidence, Error> {
     check(before, after, coordinates)?;
     let initial = Initial::new(before, coordinates)?;
     // All of them, so that the error is that of the first snapshot on any number of threads.
@@ -109,29 +87,58 @@ pub fn measure(
         .collect();
     let compared: Vec<Compared> = compared.into_iter().collect::<Result<_, Error>>()?;
     let samples = before.states.samples();
-    let points = compared
-        .iter()
-        .map(|step| point(&initial, step, samples))
+    let mut given = LoopEvidence::new(0, LoopKind::Given);
+    given.rule = RuleKind::Pseudospectral;
+    given.samples = samples;
+    given.broken_before = initial.broken;
+    given.wrap_before = initial.wrapped;
+    given.shuffled = order::shuffled(&before.states, coordinates);
+    given.steps = (compared.iter())
+        .map(|step| evidence(&initial, step, samples))
         .collect();
-    let (verdict, fits) = conclude::conclude(&initial, &compared, samples);
-    Ok(Diagnosis {
-        localisation: None,
-        verdict,
-        points,
-        fits,
+    Ok(Evidence {
+        origin: Origin::Samples,
         breaks: compared.iter().flat_map(breaks_at).collect(),
-        long_time: None,
-        jacobian: None,
+        loops: vec![given],
+        ..Evidence::default()
     })
 }
 
 fn breaks_at(step: &Compared) -> impl Iterator<Item = BreakAt> + '_ {
     step.breaks.iter().map(|&found| BreakAt {
         loop_index: 0,
-        // Not a number where nobody said it: null in reports.
-        step_size: step.step_size.unwrap_or(f64::NAN),
+        step_size: step.step_size,
         found,
     })
+}
+
+fn evidence(initial: &Initial<'_>, step: &Compared, samples: usize) -> StepEvidence {
+    let size = |found: &Break| found.jump_q.abs() + found.jump_p.abs();
+    StepEvidence {
+        step_size: step.step_size,
+        samples,
+        rule: step.rule,
+        initial: initial.integral.value,
+        advanced: step.integral.value,
+        defect: step.defect,
+        jump: (step.breaks.iter().copied()).reduce(|a, b| if size(&b) > size(&a) { b } else { a }),
+        closing: step.broken.map(|broken| Closing {
+            breaks: broken.confirmed,
+            chord: broken.chord,
+            closed: broken.closed_defect,
+        }),
+        jumping: step.broken.map(|broken| JumpingCells {
+            cells: broken.cells,
+            confirmed: broken.confirmed,
+            largest: step.largest_jump,
+        }),
+        wrap: step.wrapped,
+        omitted_cells: step.integral.omitted.as_ref().map(Vec::len),
+        cells_apart: 0.0,
+        regularity: step.integral.regularity,
+        deformation: Some(step.deformation).filter(|value| value.is_finite()),
+        evaluations: samples,
+    }
 }
 
 fn check(before: &Snapshot, after: &[Snapshot], coordinates: &Coordinates) -> Result<(), Error> {
@@ -185,27 +192,4 @@ fn check(before: &Snapshot, after: &[Snapshot], coordinates: &Coordinates) -> Re
         seen.push(h);
     }
     Ok(())
-}
-
-fn point(initial: &Initial<'_>, step: &Compared, samples: usize) -> Point {
-    let defect = &step.defect;
-    Point {
-        sweep: Sweep::StepSize,
-        loop_index: 0,
-        step_size: step.step_size.unwrap_or(f64::NAN),
-        samples,
-        rule: step.rule,
-        initial: initial.integral.value,
-        advanced: step.integral.value,
-        signed_defect: defect.signed,
-        defect: defect.magnitude(),
-        quadrature_error: defect.quadrature_error,
-        roundoff: defect.roundoff,
-        omitted_cells: step.integral.omitted.as_ref().map(Vec::len),
-        jumps: step.broken.map(|broken| broken.confirmed),
-        chord: step.broken.map(|broken| broken.chord),
-        closed_defect: step.broken.map(|broken| broken.closed_defect.signed.abs()),
-        regularity: step.integral.regularity,
-        evaluations: samples,
-    }
 }

@@ -18,7 +18,7 @@ pub struct Coordinates {
 }
 
 impl Coordinates {
-    /// Nothing periodic, every momentum canonical as it is.
+    /// Nothing periodic, every momentum canonical without a weight.
     pub fn plain(dof: usize) -> Self {
         Coordinates {
             dof,

@@ -1,10 +1,6 @@
 //! All samples at one time.
 
-use rayon::prelude::*;
-
-use crate::error::{Error, ON_THE_LOOP};
-use crate::loops::Loop;
-use crate::map::{StepFailure, TimeAdvance};
+use crate::error::Error;
 use crate::state::Block;
 use crate::state::{Rows, RowsMut};
 
@@ -99,67 +95,6 @@ impl Ensemble {
         (BLOCK_VALUES / (2 * dof.max(1)) / 32 * 32).clamp(32, 1024)
     }
 
-    /// The samples γ(k/N_s), k = 0 … N_s − 1, of a loop.
-    ///
-    /// # Errors
-    /// If `samples` is less than 3, the ensemble is beyond all memory, or the loop is not finite
-    /// somewhere.
-    pub fn sample(phase_loop: &dyn Loop, samples: usize) -> Result<Self, Error> {
-        if samples < 3 {
-            return Err(Error::TooFewSamples { samples });
-        }
-        Self::sample_at(phase_loop, 0, samples, |k| k as f64 / samples as f64)
-    }
-
-    /// The samples γ((k + ½)/N_s), k = 0 … N_s − 1: what is missing for twice as many.
-    ///
-    /// # Errors
-    /// Those of [`sample`](Self::sample).
-    pub(crate) fn sample_between(phase_loop: &dyn Loop, samples: usize) -> Result<Self, Error> {
-        let twice = 2 * samples;
-        Self::sample_at(phase_loop, 0, samples, |k| {
-            (2 * k + 1) as f64 / twice as f64
-        })
-    }
-
-    /// Shows the same samples in ensembles of a few, in their order: for what a glance at each is enough.
-    ///
-    /// # Errors
-    /// The same, and those of `visit`.
-    pub(crate) fn in_parts(
-        phase_loop: &dyn Loop,
-        samples: usize,
-        mut visit: impl FnMut(Ensemble) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        /// Memory of a part, unless a block of a few samples needs more.
-        const BYTES: usize = 64 << 20;
-        let count = (BYTES / (16 * phase_loop.dof().max(1))).clamp(8, samples);
-        for first in (0..samples).step_by(count) {
-            let count = count.min(samples - first);
-            let at = |k: usize| k as f64 / samples as f64;
-            visit(Self::sample_at(phase_loop, first, count, at)?)?;
-        }
-        Ok(())
-    }
-
-    /// The states γ(`at`(k)) of `count` samples k from `first` on.
-    fn sample_at(
-        phase_loop: &dyn Loop,
-        first: usize,
-        count: usize,
-        at: impl Fn(usize) -> f64 + Sync,
-    ) -> Result<Self, Error> {
-        Self::check_size(phase_loop.dof(), count)?;
-        let mut ensemble = Self::zeros(phase_loop.dof(), count);
-        let width = Self::block_width(ensemble.dof);
-        let each = |(b, mut block): (usize, Block<'_>)| {
-            sample_block(phase_loop, &at, first + b * width, &mut block)
-        };
-        let blocks = ensemble.blocks().into_par_iter().enumerate();
-        first_error(blocks.map(each).collect())?;
-        Ok(ensemble)
-    }
-
     /// Puts sample k of `between` after sample k of this ensemble, for every k: twice the samples,
     /// and none of them made again.
     pub(crate) fn interleave(&mut self, between: &Ensemble) {
@@ -185,23 +120,6 @@ impl Ensemble {
         (self.samples, self.stride) = (2 * samples, stride);
     }
 
-    /// What one step of `map` makes of the loop at the parameters `s`, as many or few as wanted.
-    ///
-    /// # Errors
-    /// Those of [`advance`](Self::advance).
-    pub(crate) fn image(
-        map: &dyn TimeAdvance,
-        phase_loop: &dyn Loop,
-        h: f64,
-        s: &[f64],
-    ) -> Result<Self, Error> {
-        let mut states = Self::zeros(phase_loop.dof(), s.len());
-        phase_loop.sample(s, &mut states.block());
-        (states.advance(map, h))
-            .map_err(|error| error.on_the_way(|sample| (s[sample], ON_THE_LOOP)))?;
-        Ok(states)
-    }
-
     /// Refuses what no machine holds, before the allocation fails.
     pub(crate) fn check_size(dof: usize, samples: usize) -> Result<(), Error> {
         let values = row_stride(samples).checked_mul(2);
@@ -222,70 +140,6 @@ impl Ensemble {
         Ok(())
     }
 
-    /// Advances every sample by one step of size `h`, in place, over the threads of the
-    /// current Rayon pool.
-    ///
-    /// # Errors
-    /// If map and ensemble differ in their degrees of freedom, the map fails, or it returns a state
-    /// that is not finite. The error is that of the first block of samples that has one,
-    /// on any number of threads; the ensemble is then half advanced and of no use.
-    pub fn advance(&mut self, map: &dyn TimeAdvance, h: f64) -> Result<(), Error> {
-        self.advance_from(map, h, |_, _| Ok(()))
-    }
-
-    /// Advances every sample by one substep of a step of size `h`, as [`advance`](Self::advance)
-    /// does by the whole step.
-    ///
-    /// # Errors
-    /// The same.
-    pub fn advance_substep(
-        &mut self,
-        map: &dyn TimeAdvance,
-        substep: usize,
-        h: f64,
-    ) -> Result<(), Error> {
-        let step = |block: &mut Block<'_>| {
-            map.advance_substep(substep, h, block)?;
-            Ok(block.all_finite())
-        };
-        self.each_block(map, |first, block| advance_block(step, h, first, block))
-    }
-
-    /// The same from the states that `depart` puts into each block, which begins with the sample named: they
-    /// are advanced while a cache has them.
-    ///
-    /// # Errors
-    /// Those of `depart` and of [`advance`](Self::advance).
-    pub(crate) fn advance_from(
-        &mut self,
-        map: &dyn TimeAdvance,
-        h: f64,
-        depart: impl Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync,
-    ) -> Result<(), Error> {
-        self.each_block(map, |first, block| {
-            depart(first, block)?;
-            advance_block(|block| map.advance_and_look(h, block), h, first, block)
-        })
-    }
-
-    /// Calls `work` with each block and its first sample.
-    fn each_block(
-        &mut self,
-        map: &dyn TimeAdvance,
-        work: impl Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync,
-    ) -> Result<(), Error> {
-        if map.dof() != self.dof {
-            return Err(Error::DofMismatch {
-                map: map.dof(),
-                phase_loop: self.dof,
-            });
-        }
-        let width = Self::block_width(self.dof);
-        let each = |(b, mut block): (usize, Block<'_>)| work(b * width, &mut block);
-        let blocks = self.blocks().into_par_iter().enumerate();
-        first_error(blocks.map(each).collect())
-    }
-
     /// Checks that every state is finite.
     ///
     /// `step_size` is that of the step that made the states, if one did.
@@ -300,24 +154,6 @@ impl Ensemble {
     }
 }
 
-/// Writes the samples γ(k/N_s), k = `first`, `first` + 1, …, of a loop into a block.
-///
-/// # Errors
-/// If the loop is not finite somewhere.
-pub(crate) fn sample_block(
-    phase_loop: &dyn Loop,
-    at: impl Fn(usize) -> f64,
-    first: usize,
-    block: &mut Block<'_>,
-) -> Result<(), Error> {
-    let s: Vec<f64> = (0..block.len()).map(|k| at(first + k)).collect();
-    phase_loop.sample(&s, block);
-    match first_not_finite(block.q.as_rows(), block.p.as_rows()) {
-        None => Ok(()),
-        Some(found) => Err(found.into_error(first, None)),
-    }
-}
-
 /// Copies into a block the samples of an ensemble from `first` on.
 pub(crate) fn copy_samples(ensemble: &Ensemble, first: usize, block: &mut Block<'_>) {
     let samples = first..first + block.len();
@@ -327,38 +163,13 @@ pub(crate) fn copy_samples(ensemble: &Ensemble, first: usize, block: &mut Block<
     }
 }
 
-/// Advances a block that begins with sample `first` by a step of size `h`, which says whether all states
-/// are finite afterwards.
-///
-/// # Errors
-/// If the step fails or returns a state that is not finite.
-pub(crate) fn advance_block(
-    step: impl Fn(&mut Block<'_>) -> Result<bool, StepFailure>,
-    h: f64,
-    first: usize,
-    block: &mut Block<'_>,
-) -> Result<(), Error> {
-    let finite = step(block).map_err(|failure| Error::StepFailed {
-        sample: first + failure.sample,
-        step_size: h,
-        reason: failure.reason,
-    })?;
-    let not_finite = (!finite)
-        .then(|| first_not_finite(block.q.as_rows(), block.p.as_rows()))
-        .flatten();
-    match not_finite {
-        None => Ok(()),
-        Some(found) => Err(found.into_error(first, Some(h))),
-    }
-}
-
 /// The first error in the order of the blocks, so that it does not depend on the threads.
 pub(crate) fn first_error(results: Vec<Result<(), Error>>) -> Result<(), Error> {
     results.into_iter().collect()
 }
 
 /// A state of a block that is not finite.
-struct NotFinite {
+pub(crate) struct NotFinite {
     coordinate: &'static str,
     dof: usize,
     sample: usize,
@@ -366,7 +177,7 @@ struct NotFinite {
 }
 
 impl NotFinite {
-    fn into_error(self, first_sample: usize, step_size: Option<f64>) -> Error {
+    pub fn into_error(self, first_sample: usize, step_size: Option<f64>) -> Error {
         Error::NotFinite {
             coordinate: self.coordinate,
             dof: self.dof,
@@ -381,7 +192,7 @@ impl NotFinite {
     }
 }
 
-fn first_not_finite(q: Rows<'_>, p: Rows<'_>) -> Option<NotFinite> {
+pub(crate) fn first_not_finite(q: Rows<'_>, p: Rows<'_>) -> Option<NotFinite> {
     if q.all_finite() && p.all_finite() {
         return None;
     }

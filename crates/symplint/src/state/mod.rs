@@ -10,5 +10,4 @@ pub use block::Block;
 pub use coordinates::Coordinates;
 pub use ensemble::Ensemble;
 pub(crate) use ensemble::*;
-pub(crate) use rows::prefetch;
 pub use rows::{Rows, RowsMut};

@@ -3,8 +3,7 @@
 //! An [`Ensemble`](crate::Ensemble) keeps one long contiguous row of samples for
 //! each degree of freedom; a block of it is a set of equally long pieces of those
 //! rows. [`Rows`] and [`RowsMut`] are that set. This is the only file with
-//! `unsafe`: safe Rust cannot hand out disjoint column ranges of one table, nor ask the memory for what is
-//! read later.
+//! `unsafe`: safe Rust cannot hand out disjoint column ranges of one table.
 
 use std::marker::PhantomData;
 
@@ -36,21 +35,6 @@ unsafe impl Sync for Rows<'_> {}
 unsafe impl Send for RowsMut<'_> {}
 // SAFETY: as above; a shared `RowsMut` only gives shared slices.
 unsafe impl Sync for RowsMut<'_> {}
-
-/// Asks the memory for the cache line of a value that is soon read. A hint: no result depends on it.
-#[inline(always)]
-#[cfg_attr(
-    not(target_arch = "x86_64"),
-    allow(unused_variables, reason = "no hint there in stable Rust")
-)]
-pub(crate) fn prefetch(value: &f64) {
-    #[cfg(target_arch = "x86_64")]
-    // SAFETY: every processor of this architecture has the instruction; it changes nothing that a program sees.
-    unsafe {
-        use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
-        _mm_prefetch::<_MM_HINT_T1>(std::ptr::from_ref(value).cast());
-    }
-}
 
 /// Checks that `count` rows of `len` values, `stride` apart, fit into `available` values.
 fn assert_fits(available: usize, count: usize, stride: usize, len: usize) {

@@ -2,7 +2,6 @@
 
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
 use crate::state::Coordinates;
 use crate::state::Ensemble;
 
@@ -36,30 +35,35 @@ pub(crate) fn winds(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<
     Ok(winding.any(|turns| turns != 0.0))
 }
 
-/// How much one step deforms the loop, relative to its size: the largest motion of a coordinate against
+/// How much one step deforms a loop, relative to its size: the largest motion of a coordinate against
 /// the mean motion, over half the coordinate's range on the loop, from a few samples.
 ///
 /// A translation deforms nothing, and no defect can come of it.
-pub(crate) fn deformation(
-    map: &dyn TimeAdvance,
-    phase_loop: &dyn Loop,
-    h: f64,
-) -> Result<f64, Error> {
-    const SAMPLES: usize = 32;
-    let coordinates = map.coordinates();
-    let dof = phase_loop.dof();
-    let mut motions = vec![[Motion::default(); 2]; dof];
-    Ensemble::in_parts(phase_loop, SAMPLES, |before| {
-        let mut after = before.clone();
-        after.advance(map, h)?;
-        for (i, [of_q, of_p]) in motions.iter_mut().enumerate() {
+pub(super) struct Deformation {
+    motions: Vec<[Motion; 2]>,
+}
+
+impl Deformation {
+    /// No samples yet.
+    pub fn new(dof: usize) -> Self {
+        Deformation {
+            motions: vec![[Motion::default(); 2]; dof],
+        }
+    }
+
+    /// Takes in samples before and after the step.
+    pub fn add(&mut self, before: &Ensemble, after: &Ensemble, coordinates: &Coordinates) {
+        for (i, [of_q, of_p]) in self.motions.iter_mut().enumerate() {
             of_q.add(before.q().row(i), after.q().row(i), coordinates.period(i));
             of_p.add(before.p().row(i), after.p().row(i), 0.0);
         }
-        Ok(())
-    })?;
-    let of_all = motions.iter().flatten().map(Motion::relative);
-    Ok(of_all.fold(0.0, f64::max))
+    }
+
+    /// The deformation, if it is a number.
+    pub fn value(&self) -> Option<f64> {
+        let of_all = self.motions.iter().flatten().map(Motion::relative);
+        Some(of_all.fold(0.0, f64::max)).filter(|value| value.is_finite())
+    }
 }
 
 /// Largest distance between the motions of two samples, over the range of the coordinate; motions are

@@ -1,16 +1,14 @@
 //! Whether a map returns states of few digits: what it stores in single precision, rounds, or reads from print.
 //!
-//! Such a map is symplectic to its rounding at best, and nobody would think of that from a verdict of few digits.
+//! Such a map is symplectic to its rounding at best, which a verdict of few digits does not explain.
 
-use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::evidence::{OutputFormat, OutputPrecision};
 use crate::state::Ensemble;
-use crate::verdict::{Verdict, VerdictKind};
 
-/// Decimal digits that nobody rounds to by chance: of 64 doubles, not one has so few.
+/// Decimal digits that doubles do not have by accident: of 64 random ones, none has so few.
 const FEW: usize = 10;
 
-/// Different values that it takes to tell.
+/// Different values that are needed to tell.
 const ENOUGH: u32 = 16;
 
 /// The digits of all values of a coordinate so far.
@@ -48,18 +46,18 @@ impl Digits {
         self.seen |= 1 << (value.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58);
     }
 
-    /// In words, and how far apart neighbouring values are, if they are few.
-    fn few(&self) -> Option<(String, f64)> {
+    /// The format, and how far apart neighbouring values are, if their digits are few.
+    fn few(&self) -> Option<(OutputFormat, f64)> {
         if self.seen.count_ones() < ENOUGH {
             return None;
         }
         if self.decimal <= FEW {
-            let unit = 10f64.powi(self.largest.log10().floor() as i32 + 1 - self.decimal as i32);
-            let text = format!("has no more than {} decimal digits", self.decimal);
-            return Some((text, unit));
+            let digits = self.decimal;
+            let unit = 10f64.powi(self.largest.log10().floor() as i32 + 1 - digits as i32);
+            return Some((OutputFormat::Decimal { digits }, unit));
         }
-        let text = "is a number of single precision";
-        (self.single).then(|| (text.into(), self.largest * f64::from(f32::EPSILON)))
+        let unit = self.largest * f64::from(f32::EPSILON);
+        self.single.then_some((OutputFormat::Single, unit))
     }
 }
 
@@ -71,18 +69,22 @@ fn has_digits(value: f64, digits: usize) -> bool {
     (rounded - value).abs() <= 2.0 * f64::EPSILON * value.abs()
 }
 
-/// Adds to the verdict that the map rounds what it returns, if it does and no coordinate of the loop is like
-/// that: few digits before the step may make few after it.
-///
-/// A map that fails at one of the samples looked at, which need not be those of the verdict, is not accused.
-pub(crate) fn own_up(map: &dyn TimeAdvance, phase_loop: &dyn Loop, h: f64, verdict: &mut Verdict) {
-    const SAMPLES: usize = 64;
-    let dof = phase_loop.dof();
-    let mut digits = vec![[Digits::default(); 4]; dof];
-    let looked = Ensemble::in_parts(phase_loop, SAMPLES, |before| {
-        let mut after = before.clone();
-        after.advance(map, h)?;
-        for (i, digits) in digits.iter_mut().enumerate() {
+/// The digits of the coordinates of a few samples before and after a step.
+pub(super) struct Precision {
+    digits: Vec<[Digits; 4]>,
+}
+
+impl Precision {
+    /// No samples yet.
+    pub fn new(dof: usize) -> Self {
+        Precision {
+            digits: vec![[Digits::default(); 4]; dof],
+        }
+    }
+
+    /// Takes in samples before and after the step.
+    pub fn add(&mut self, before: &Ensemble, after: &Ensemble) {
+        for (i, digits) in self.digits.iter_mut().enumerate() {
             let rows = [
                 before.q().row(i),
                 before.p().row(i),
@@ -93,27 +95,27 @@ pub(crate) fn own_up(map: &dyn TimeAdvance, phase_loop: &dyn Loop, h: f64, verdi
                 row.iter().for_each(|&value| digits.add(value));
             }
         }
-        Ok(())
-    });
-    let few_before = |digits: &[Digits; 4]| digits[..2].iter().any(|digits| digits.few().is_some());
-    if looked.is_err() || digits.iter().any(few_before) {
-        return;
     }
-    let found = digits.iter().enumerate().find_map(|(i, digits)| {
-        let of = |c: usize| Some((["q", "p"][c], i, digits[2 + c].few()?));
-        of(1).or_else(|| of(0))
-    });
-    if let Some((name, dof, (what, unit))) = found {
-        verdict.evidence.push(format!(
-            "After the step {name} of degree of freedom {dof} {what}, at every sample: the map rounds what it \
-             returns, to about {unit:.0e}. Its states are no better than that, whatever their average, the loop \
-             integral, is good to."
-        ));
-        if verdict.kind != VerdictKind::NotSymplectic {
-            verdict.advice.push(
-                "Return states in double precision, unrounded (17 digits, if they are printed), to learn more."
-                    .into(),
-            );
+
+    /// How coarsely the map rounds what it returns, if it does and no coordinate of the loop is like that: few
+    /// digits before the step may make few after it.
+    pub fn value(&self) -> Option<OutputPrecision> {
+        let few_before =
+            |digits: &[Digits; 4]| digits[..2].iter().any(|digits| digits.few().is_some());
+        if self.digits.iter().any(few_before) {
+            return None;
         }
+        self.digits.iter().enumerate().find_map(|(dof, digits)| {
+            let of = |c: usize| {
+                let (format, unit) = digits[2 + c].few()?;
+                Some(OutputPrecision {
+                    coordinate: ['q', 'p'][c],
+                    dof,
+                    format,
+                    unit,
+                })
+            };
+            of(1).or_else(|| of(0))
+        })
     }
 }

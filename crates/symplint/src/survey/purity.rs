@@ -1,17 +1,10 @@
 //! Whether a map is a map: the same state must come of the same state, whatever was advanced before
 //! or beside it.
 
-use crate::diagnosis::{SMALL, fits};
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::Evaluator;
 use crate::state::Ensemble;
-
-/// Samples that are tried.
-const SAMPLES: usize = 16;
-
-/// Samples that are tried where those would take much memory.
-const SAMPLES_OF_MANY: usize = 4;
 
 /// Differences below this many roundings are another order of the same arithmetic: vector instructions and
 /// their remainders need not agree to the last bit.
@@ -22,18 +15,19 @@ const ROUNDINGS: f64 = 256.0;
 /// # Errors
 /// [`Error::Memory`] where a sample comes out differently, and those of a map that fails where it did not
 /// before. One that fails at once is left to the measurement.
-pub(crate) fn check(map: &dyn TimeAdvance, phase_loop: &dyn Loop, h: f64) -> Result<(), Error> {
-    let samples = match fits(phase_loop.dof(), SMALL) {
-        true => SAMPLES,
-        false => SAMPLES_OF_MANY,
-    };
+pub(crate) fn check_purity(
+    evaluator: &Evaluator<'_>,
+    phase_loop: &dyn Loop,
+    h: f64,
+    samples: usize,
+) -> Result<(), Error> {
     // Off any symmetry of the loop.
     let s: Vec<f64> = (0..samples)
         .map(|k| (k as f64 + 0.31) / samples as f64)
         .collect();
     let reversed: Vec<f64> = s.iter().rev().copied().collect();
     let twice = [s[0], s[0], s[1], s[0]];
-    let Ok(forward) = Ensemble::image(map, phase_loop, h, &s) else {
+    let Ok(forward) = evaluator.image(phase_loop, h, &s) else {
         return Ok(());
     };
     let differs = |circumstance: &'static str, states: &Ensemble, from: usize, sample: usize| {
@@ -48,16 +42,16 @@ pub(crate) fn check(map: &dyn TimeAdvance, phase_loop: &dyn Loop, h: f64) -> Res
             }),
         }
     };
-    let backward = Ensemble::image(map, phase_loop, h, &reversed)?;
+    let backward = evaluator.image(phase_loop, h, &reversed)?;
     for k in 0..samples {
         differs("in reverse order", &backward, samples - 1 - k, k)?;
     }
-    let repeated = Ensemble::image(map, phase_loop, h, &twice)?;
+    let repeated = evaluator.image(phase_loop, h, &twice)?;
     for k in [0, 1, 3] {
         differs("when it is repeated", &repeated, k, 0)?;
     }
     for k in 0..samples {
-        let alone = Ensemble::image(map, phase_loop, h, &s[k..=k])?;
+        let alone = evaluator.image(phase_loop, h, &s[k..=k])?;
         differs("alone, outside a block", &alone, 0, k)?;
     }
     Ok(())
@@ -81,12 +75,19 @@ fn difference(a: &Ensemble, i: usize, b: &Ensemble, j: usize) -> Option<(usize, 
 mod tests {
     use super::*;
     use crate::loops::Circle;
-    use crate::map::{PerSample, StepFailure};
+    use crate::map::{EvaluationCount, PerSample, StepFailure, TimeAdvance};
     use crate::state::Block;
     use std::sync::atomic::{AtomicU64, Ordering};
 
     fn verdict(map: &dyn TimeAdvance) -> Result<(), Error> {
-        check(map, &Circle::new(vec![0.3], vec![0.5], 1.0).unwrap(), 0.25)
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(map, &count)?;
+        check_purity(
+            &evaluator,
+            &Circle::new(vec![0.3], vec![0.5], 1.0).unwrap(),
+            0.25,
+            16,
+        )
     }
 
     #[test]

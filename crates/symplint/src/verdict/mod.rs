@@ -1,25 +1,27 @@
-//! The verdict: what the defects say, and when they say nothing.
+//! The verdict: what the evidence says, and when it says nothing.
 //!
-//! A symplectic map conserves the loop integral of every closed loop exactly, at every step
-//! size. So one defect beyond all doubt is proof that a map is not symplectic, and so is one
-//! break; the absence of both, however, only bounds the defect for the loops and steps
-//! that were tried.
+//! [`judge`] is the only place where anything is concluded. It calls no map.
 
-mod fit;
+mod diagnosis;
+mod finding;
+mod jacobian;
 mod judge;
-mod words;
+mod long_time;
+mod number;
+mod order;
+mod text;
+mod thresholds;
 
-pub use fit::Fit;
-pub(crate) use fit::fit_order;
+pub use diagnosis::{Diagnosis, measure};
+pub use finding::{Advice, Change, Finding, Step, StepRange};
+pub use jacobian::*;
 pub use judge::judge;
-pub(crate) use judge::{LEAST_DEFORMATION, SMALL, TREND};
-pub(crate) use words::{capitalised, short, size};
+pub use long_time::Growth;
+pub use number::size as step_size_text;
+pub use order::Fit;
 
-use serde::Serialize;
-
-use crate::breaks::Break;
-use crate::error::Error;
-use crate::rules::Defect;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 
 /// The four answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -29,7 +31,7 @@ pub enum VerdictKind {
     Symplectic,
     /// The map is discontinuous: it breaks loops.
     BrokenLoops,
-    /// The loop integral changes beyond all doubt.
+    /// The loop integral changes significantly.
     NotSymplectic,
     /// The numbers do not decide.
     Undecided,
@@ -46,8 +48,9 @@ impl std::fmt::Display for VerdictKind {
     }
 }
 
-/// A verdict with the numbers that led to it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// A verdict with the findings that led to it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Verdict {
     /// The answer.
     pub kind: VerdictKind,
@@ -55,12 +58,15 @@ pub struct Verdict {
     pub digits: Option<f64>,
     /// k of defect ~ h^k, where the defects have a trend that is a whole number within its uncertainty or 0.15.
     pub order: Option<f64>,
-    /// One sentence.
-    pub summary: String,
-    /// The numbers behind it.
-    pub evidence: Vec<String>,
+    /// Whether the loop integrals are conserved once breaks are closed, where loops are broken and that is
+    /// known.
+    pub conserved_once_closed: Option<bool>,
+    /// The findings; the first decides.
+    pub findings: Vec<Finding>,
     /// What to do next.
-    pub advice: Vec<String>,
+    pub advice: Vec<Advice>,
+    /// Power laws of the defects, loop by loop.
+    pub fits: Vec<Fit>,
 }
 
 impl Verdict {
@@ -70,132 +76,67 @@ impl Verdict {
         if let Some(digits) = self.digits {
             text += &format!(" to {digits} digits");
         }
+        if self.conserved_once_closed == Some(true) {
+            text += " (conserved once breaks are closed)";
+        }
         if let Some(order) = self.order {
             text += &format!(", defect of order h^{order}");
         }
         text
     }
+
+    /// The deciding finding as a sentence.
+    pub fn summary(&self) -> String {
+        (self.findings.first()).map_or_else(String::new, Finding::to_string)
+    }
+
+    /// The other findings as sentences.
+    pub fn evidence(&self) -> Vec<String> {
+        self.findings
+            .iter()
+            .skip(1)
+            .map(Finding::to_string)
+            .collect()
+    }
+
+    /// The advice as sentences.
+    pub fn advice(&self) -> Vec<String> {
+        self.advice.iter().map(Advice::to_string).collect()
+    }
 }
 
 impl std::fmt::Display for Verdict {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}: {}", self.headline(), self.summary)
+        write!(f, "{}: {}", self.headline(), self.summary())
     }
 }
 
-/// What one loop showed.
-#[derive(Clone, Debug)]
-pub struct LoopEvidence {
-    /// 0 is the given loop, the others are random.
-    pub index: usize,
-    /// Equispaced samples that were looked at: what is narrower than their distance was not seen.
-    pub samples: usize,
-    /// Whether the integrals are those of the piecewise rule.
-    pub piecewise: bool,
-    /// Whether it winds round the period of a position: it cannot be contracted, and a symplectic map may
-    /// change its integral (by the flux, of a map that is not exact).
-    pub winds: bool,
-    /// Step by step.
-    pub steps: Vec<StepEvidence>,
-    /// Why there are none.
-    pub failure: Option<Error>,
+/// A finding with its sentence, as reports carry it.
+#[derive(Serialize)]
+struct Told<'a> {
+    #[serde(flatten)]
+    finding: &'a Finding,
+    text: String,
 }
 
-/// What one step of one loop showed.
-#[derive(Clone, Copy, Debug)]
-pub struct StepEvidence {
-    /// Step size h.
-    pub step_size: f64,
-    /// Change of the loop integral.
-    pub defect: Defect,
-    /// A break of the advanced loop, the largest that is known.
-    pub found: Option<Break>,
-    /// What closing the breaks gives, where all of them are known.
-    pub closing: Option<Closing>,
-    /// Cells of the map's grid, or half periods of a position, between neighbouring samples at most; 0 for a
-    /// map with neither.
-    pub cells_apart: f64,
-}
-
-/// A loop whose breaks are closed.
-#[derive(Clone, Copy, Debug)]
-pub struct Closing {
-    /// Breaks.
-    pub breaks: usize,
-    /// What the closing segments contribute to the loop integral.
-    pub chord: f64,
-    /// Change of the closed loop integral.
-    pub closed: Defect,
-}
-
-/// A defect this many times its uncertainty is beyond doubt.
-pub(crate) const BEYOND_DOUBT: f64 = 10.0;
-
-/// A defect this many times its uncertainty is not explained by it.
-pub(crate) const UNEXPLAINED: f64 = 3.0;
-
-/// Samples further apart than this many cells of the map's grid, or half periods, do not see them: what
-/// they show is not the map.
-pub(crate) const MOST_CELLS_APART: f64 = 0.5;
-
-/// A bound on the defect above this is too weak to call a map symplectic.
-pub(crate) const WEAKEST_BOUND: f64 = 1e-6;
-
-impl LoopEvidence {
-    /// No steps yet.
-    pub fn new(index: usize, samples: usize) -> Self {
-        LoopEvidence {
-            index,
-            samples,
-            piecewise: false,
-            winds: false,
-            steps: Vec::new(),
-            failure: None,
-        }
-    }
-
-    /// A random loop on which the map failed.
-    pub fn failed(index: usize, failure: Error) -> Self {
-        LoopEvidence {
-            failure: Some(failure),
-            ..Self::new(index, 0)
-        }
-    }
-
-    /// Whether it bounds the defect well enough to testify for a map.
-    fn testifies(&self) -> bool {
-        !self.steps.is_empty() && self.weak_step().is_none()
-    }
-
-    /// Whether a step broke the loop or changed its integral beyond doubt.
-    pub fn shows_defect(&self) -> bool {
-        (self.steps.iter()).any(|step| step.found.is_some() || step.is_beyond_doubt())
-    }
-
-    /// A step that bounds the defect too weakly to call a map symplectic.
-    pub(crate) fn weak_step(&self) -> Option<&StepEvidence> {
-        // Not `bound > …`: a bound that is no number is no bound.
-        (self.steps.iter()).find(|step| !matches!(step.bound(), 0.0..=WEAKEST_BOUND))
-    }
-}
-
-impl StepEvidence {
-    /// Whether the samples miss the grid of the map.
-    fn misses_the_grid(&self) -> bool {
-        self.cells_apart > MOST_CELLS_APART
-    }
-
-    pub(crate) fn is_beyond_doubt(&self) -> bool {
-        !self.misses_the_grid()
-            && self.defect.magnitude() > BEYOND_DOUBT * self.defect.uncertainty()
-    }
-
-    pub(crate) fn is_unexplained(&self) -> bool {
-        self.defect.magnitude() > UNEXPLAINED * self.defect.uncertainty()
-    }
-
-    /// The largest defect that the step may have.
-    pub(crate) fn bound(&self) -> f64 {
-        self.defect.magnitude() + self.defect.uncertainty()
+impl Serialize for Verdict {
+    /// Findings with their numbers and sentences; `summary`, `evidence` and `advice` as sentences alone.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let findings: Vec<Told<'_>> = (self.findings.iter())
+            .map(|finding| Told {
+                finding,
+                text: finding.to_string(),
+            })
+            .collect();
+        let mut fields = serializer.serialize_struct("Verdict", 8)?;
+        fields.serialize_field("kind", &self.kind)?;
+        fields.serialize_field("digits", &self.digits)?;
+        fields.serialize_field("order", &self.order)?;
+        fields.serialize_field("conserved_once_closed", &self.conserved_once_closed)?;
+        fields.serialize_field("summary", &self.summary())?;
+        fields.serialize_field("findings", &findings)?;
+        fields.serialize_field("evidence", &self.evidence())?;
+        fields.serialize_field("advice", &self.advice())?;
+        fields.end()
     }
 }

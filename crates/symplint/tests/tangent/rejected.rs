@@ -1,8 +1,8 @@
 //! Tangent maps that do not belong to their map.
 
 use symplint::{
-    Block, Error, JacobianMethod, JacobianTest, JacobianVerdict, StepFailure, TangentDoubt,
-    TangentMap, TimeAdvance,
+    Block, Error, JacobianMethod, JacobianTest, JacobianVerdict, StepFailure, TangentMap,
+    TangentRejection, TimeAdvance,
 };
 
 use crate::given::Given;
@@ -28,8 +28,8 @@ fn pendulum(mistake: impl Fn([f64; 2]) -> f64 + Send + Sync) -> impl TimeAdvance
 fn a_wrong_tangent_map_is_found_out_and_not_used() {
     let right = run(&pendulum(|_| 0.0), 0.5);
     assert_eq!(right.method, JacobianMethod::TangentMap);
-    let JacobianVerdict::SymplecticAlmostEverywhere { digits } = right.verdict else {
-        panic!("{}", right.verdict);
+    let JacobianVerdict::SymplecticAlmostEverywhere { digits } = right.verdict() else {
+        panic!("{}", right.verdict());
     };
     assert!(digits >= 14.0, "{digits}");
 
@@ -44,14 +44,17 @@ fn a_wrong_tangent_map_is_found_out_and_not_used() {
     for (k, mistake) in mistakes.into_iter().enumerate() {
         let wrong = run(&pendulum(mistake), 0.5);
         let JacobianMethod::CentralDifferences {
-            rejected: Some(TangentDoubt::OtherDerivative { off, .. }),
+            rejected:
+                Some(TangentRejection::WrongDerivative {
+                    difference: off, ..
+                }),
         } = wrong.method
         else {
             panic!("mistake {k}: {}", wrong.method);
         };
         assert!(off > 1e-10 && off < 0.2, "mistake {k}: {off:e}");
-        let JacobianVerdict::SymplecticAlmostEverywhere { digits } = wrong.verdict else {
-            panic!("mistake {k}: {}", wrong.verdict);
+        let JacobianVerdict::SymplecticAlmostEverywhere { digits } = wrong.verdict() else {
+            panic!("mistake {k}: {}", wrong.verdict());
         };
         assert!((10.0..13.0).contains(&digits), "mistake {k}: {digits}");
     }
@@ -71,11 +74,11 @@ fn a_wrong_tangent_map_makes_no_map_symplectic() {
     };
     let report = run(&map, 0.5);
     assert!(matches!(
-        report.verdict,
+        report.verdict(),
         JacobianVerdict::NotSymplectic { .. }
     ));
     let text = report.method.to_string();
-    assert!(text.contains("not its derivative"), "{text}");
+    assert!(text.contains("not the derivative of the map"), "{text}");
 }
 
 #[test]
@@ -91,7 +94,7 @@ fn a_tangent_map_that_moves_states_otherwise_is_not_used() {
         JacobianMethod::TangentMap => None,
     };
     assert!(
-        matches!(rejected, Some(TangentDoubt::OtherState { off, .. }) if (0.9e-9..1.1e-9).contains(&off)),
+        matches!(rejected, Some(TangentRejection::WrongState { difference: off, .. }) if (0.9e-9..1.1e-9).contains(&off)),
         "{rejected:?}"
     );
     // Whole periods are no other state.
@@ -127,7 +130,7 @@ fn a_tangent_map_that_cannot_be_checked_is_not_used() {
         report.method
     );
     assert!(!matches!(
-        report.verdict,
+        report.verdict(),
         JacobianVerdict::NotSymplectic { .. }
     ));
 }

@@ -36,7 +36,7 @@ pub struct SystemInfo {
     pub name: &'static str,
     /// One line of documentation.
     pub summary: &'static str,
-    /// Its keys, without `name`.
+    /// Its keys other than `name`.
     pub keys: &'static [Key],
     /// The default integrator, as TOML.
     pub integrator: &'static str,

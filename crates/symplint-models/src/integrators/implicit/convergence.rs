@@ -5,7 +5,7 @@ const SOLVED: f64 = -1.0;
 
 /// The progress of an iteration on every sample of a block.
 ///
-/// A solved sample stays as it is while others go on, so that its result is the same in any block.
+/// A solved sample stays unchanged while others go on, so that its result is the same in any block.
 pub(super) struct Convergence<'a> {
     /// Size of a sample's state.
     sizes: &'a mut [f64],

@@ -1,114 +1,73 @@
 //! Where a defect comes from: which substep of the map, which part of the loop.
 
 mod sectors;
-mod stages;
+mod substeps;
 
-pub use sectors::Sector;
-pub use stages::Stage;
-
-use serde::Serialize;
-
-use super::probe::{Method, Subject};
-use super::random_loop::{random_loop, winding_loop};
-use super::streamed::fits;
-use super::{Diagnostic, RuleChoice};
+use super::Diagnostic;
+use super::memory::fits;
+use super::plan::Plan;
+use super::random_loops::{random_loop, winding_loop};
 use crate::error::Error;
-use crate::rules::Rule;
-use crate::verdict::{LoopEvidence, Verdict, VerdictKind, size};
-
-/// Where the defect of one loop comes from.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Localisation {
-    /// Which loop: 0 is the given one, the others are random.
-    #[serde(rename = "loop")]
-    pub loop_index: usize,
-    /// Step size h.
-    pub step_size: f64,
-    /// What each substep changes, the first first; empty for a map that is one whole.
-    pub stages: Vec<Stage>,
-    /// What each part of the loop contributes; empty for broken loops, and for those that cannot be
-    /// contracted.
-    pub sectors: Vec<Sector>,
-}
+use crate::evidence::{Localisation, LoopEvidence, LoopKind};
+use crate::rules::{Rule, RuleKind, Subject};
 
 impl Diagnostic {
-    /// Looks where the defect of a verdict comes from, on the first loop that shows it, and adds what
-    /// it finds to the evidence. `None` where there is no defect, or nobody asked.
-    pub(super) fn localise(
+    /// Looks where the defect of one loop comes from; of broken loops the substep alone.
+    ///
+    /// # Errors
+    /// Those of the map between substeps and within the loop, where it need not be defined.
+    pub(super) fn locate(
         &self,
         subject: Subject<'_>,
-        loops: &[LoopEvidence],
-        verdict: &mut Verdict,
-        h: f64,
-    ) -> Option<Localisation> {
-        let broken = verdict.kind == VerdictKind::BrokenLoops;
-        if !self.stages || !(broken || verdict.kind == VerdictKind::NotSymplectic) {
-            return None;
-        }
-        // The integral of a loop that winds may change; that it breaks may not.
-        let evidence =
-            (loops.iter()).find(|found| found.shows_defect() && (broken || !found.winds))?;
-        match self.locate(subject, evidence, broken, h) {
-            Ok(found) => {
-                verdict
-                    .evidence
-                    .extend(stages::line(&found.stages, &size(h)));
-                verdict
-                    .evidence
-                    .extend(sectors::line(&found.sectors, &size(h)));
-                Some(found)
-            }
-            // Inside the loop, or between substeps, the map need not be defined.
-            Err(error) => {
-                let line = format!("Where the defect comes from could not be found: {error}.");
-                verdict.evidence.push(line);
-                None
-            }
-        }
-    }
-
-    fn locate(
-        &self,
-        subject: Subject<'_>,
-        evidence: &LoopEvidence,
+        found: &LoopEvidence,
         broken: bool,
         h: f64,
+        plan: &Plan,
     ) -> Result<Localisation, Error> {
         let random;
-        let subject = if evidence.index == 0 {
-            subject
-        } else {
-            let seed = self.seed.wrapping_add(evidence.index as u64);
-            random = match evidence.winds {
-                true => winding_loop(subject.phase_loop, subject.coordinates, seed)?,
-                false => None,
-            }
-            .map_or_else(|| random_loop(subject.phase_loop, seed), Ok)?;
-            Subject {
-                phase_loop: &random,
-                ..subject
+        let seed = self.seed.wrapping_add(found.index as u64);
+        let subject = match found.kind {
+            LoopKind::Given => subject,
+            LoopKind::Random | LoopKind::Winding => {
+                let winding = match found.kind {
+                    LoopKind::Winding => {
+                        winding_loop(subject.phase_loop, subject.coordinates(), seed)?
+                    }
+                    _ => None,
+                };
+                random = winding.map_or_else(|| random_loop(subject.phase_loop, seed), Ok)?;
+                Subject {
+                    phase_loop: &random,
+                    ..subject
+                }
             }
         };
-        let (samples, rule) = (evidence.samples, self.affordable(subject.map.dof()));
-        let method = match self.rule {
-            _ if evidence.piecewise => Method::Piecewise(rule, samples),
-            RuleChoice::Fixed(rule) => Method::Samples(rule, samples),
-            RuleChoice::Auto if fits(subject.map.dof(), samples) => {
-                Method::Samples(Rule::Pseudospectral, samples)
+        let left = subject.evaluator.count().left();
+        let piecewise = self.affordable(subject.dof(), plan, left / 2);
+        let (rule, samples) = match (found.rule, self.rule) {
+            (RuleKind::Piecewise, _) => (Rule::Piecewise(piecewise), found.samples),
+            (_, Rule::Auto) if fits(subject.dof(), found.samples) => {
+                (Rule::Pseudospectral, found.samples)
             }
-            _ => Method::Streaming(self.streaming, samples),
+            (_, Rule::Auto) => (Rule::Streaming(self.streaming), found.samples),
+            (_, rule) => (rule, found.samples),
         };
-        Ok(Localisation {
-            loop_index: evidence.index,
+        let mut localisation = Localisation {
+            loop_index: found.index,
             step_size: h,
-            stages: match subject.map.substeps() {
+            substeps: match subject.evaluator.substeps() {
                 1 => Vec::new(),
-                _ => stages::stages(subject, method, h)?,
+                _ => substeps::defects(subject, rule, samples, h)?,
             },
-            sectors: match broken || evidence.winds {
-                true => Vec::new(),
-                false => sectors::sectors(subject, &rule, h)?,
-            },
-        })
+            sectors: Vec::new(),
+        };
+        // Within broken loops there are breaks as well, and a loop that winds bounds no disc.
+        if !broken
+            && !found.winds
+            && subject.evaluator.count().left() >= sectors::FEWEST_EVALUATIONS
+        {
+            localisation.sectors = sectors::sectors(subject, &piecewise, h)?;
+        }
+        Ok(localisation)
     }
 }

@@ -4,33 +4,23 @@
 //! smaller discs whose loop integrals add up to that of the loop, before the step and after: along the
 //! radii they cancel. So do their changes.
 
-use serde::Serialize;
-
-use super::super::probe::{Identity, Subject};
 use crate::error::Error;
+use crate::evidence::Sector;
 use crate::loops::Loop;
-use crate::rules::Piecewise;
+use crate::map::{EvaluationCount, Evaluator};
+use crate::rules::{Identity, Piecewise, Subject};
 use crate::state::Block;
 use crate::state::Ensemble;
-
-/// What one sector of the disc contributes to the defect of its loop.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Sector {
-    /// The loop parameter where it begins.
-    pub from: f64,
-    /// And where it ends.
-    pub to: f64,
-    /// Signed change of its loop integral, relative to that of the whole loop.
-    pub change: f64,
-    /// How far off `change` may be; `None` where that is not known.
-    pub uncertainty: Option<f64>,
-}
 
 /// Sectors of a loop.
 const SECTORS: usize = 8;
 
 /// A boundary has three sides, and pieces end at its corners.
 const SIDES: usize = 3;
+
+/// Evaluations that all sectors take at least, where their boundaries are smooth: a first look and 15 states for each
+/// side, checks included.
+pub(super) const FEWEST_EVALUATIONS: usize = 2 * SECTORS * (12 + 15 * SIDES);
 
 /// From the centre along a radius to the loop, along the loop, and back to the centre.
 struct Boundary<'a> {
@@ -77,7 +67,9 @@ pub(super) fn sectors(
         most_evaluations: rule.most_evaluations / (2 * SECTORS),
         ..*rule
     };
-    let rest = Identity(subject.coordinates);
+    let rest = Identity(subject.coordinates());
+    let unmoved = EvaluationCount::unlimited();
+    let rest = Evaluator::new(&rest, &unmoved)?;
     let edge = |k: usize| k as f64 / SECTORS as f64;
     let mut whole = 0.0;
     let mut sectors = Vec::with_capacity(SECTORS);
@@ -88,8 +80,10 @@ pub(super) fn sectors(
             from: edge(k),
             to: edge(k + 1),
         };
-        let before = rule.integrate(&rest, &boundary, h)?.continuous;
-        let after = rule.integrate(subject.map, &boundary, h)?.closed();
+        let before = rule.integrate_beside(&rest, &boundary, h, None)?.continuous;
+        let after = rule
+            .integrate_beside(subject.evaluator, &boundary, h, None)?
+            .closed();
         whole += before.value;
         let errors = before.quadrature_error.zip(after.quadrature_error);
         sectors.push(Sector {
@@ -101,7 +95,9 @@ pub(super) fn sectors(
     }
     for sector in &mut sectors {
         sector.change /= whole.abs();
-        sector.uncertainty = sector.uncertainty.map(|doubt| doubt / whole.abs());
+        sector.uncertainty = sector
+            .uncertainty
+            .map(|uncertainty| uncertainty / whole.abs());
     }
     Ok(sectors)
 }
@@ -116,37 +112,11 @@ fn centre(phase_loop: &dyn Loop) -> Result<[Vec<f64>; 2], Error> {
     }))
 }
 
-/// A share that is worth a look.
-const MUCH: f64 = 0.4;
-
-/// Where the defect is, in a sentence.
-pub(super) fn line(sectors: &[Sector], h: &str) -> Option<String> {
-    let largest = (sectors.iter())
-        .max_by(|a, b| a.change.abs().total_cmp(&b.change.abs()))
-        .filter(|sector| sector.uncertainty.is_some_and(|u| sector.change.abs() > u))?;
-    let all: f64 = sectors.iter().map(|sector| sector.change.abs()).sum();
-    let share = largest.change.abs() / all;
-    let (count, percent) = (sectors.len(), (100.0 * share).round());
-    Some(if share >= MUCH {
-        format!(
-            "Of {count} sectors of the disc within the loop, that from s = {} to {} changes most at h = {h}: by \
-             {:+.2e}, {percent}% of what all of them change, whatever its sign.",
-            largest.from, largest.to, largest.change
-        )
-    } else {
-        format!(
-            "The defect at h = {h} is spread over the disc within the loop: of what {count} sectors change, \
-             whatever its sign, none makes more than {percent}%."
-        )
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::loops::Circle;
     use crate::map::PerSample;
-    use crate::state::Coordinates;
 
     #[test]
     fn sectors_add_up_and_find_where_areas_change() {
@@ -160,10 +130,11 @@ mod tests {
             );
         });
         let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(&map, &count).unwrap();
         let subject = Subject {
-            map: &map,
+            evaluator: &evaluator,
             phase_loop: &circle,
-            coordinates: &Coordinates::plain(1),
         };
         let h = 0.3;
         let found = sectors(subject, &Piecewise::default(), h).unwrap();
@@ -176,10 +147,5 @@ mod tests {
             .max_by(|a, b| a.change.abs().total_cmp(&b.change.abs()))
             .unwrap();
         assert_eq!((most.from, most.to), (0.125, 0.25));
-        assert!(
-            line(&found, "0.3")
-                .unwrap()
-                .contains("from s = 0.125 to 0.25")
-        );
     }
 }

@@ -23,7 +23,7 @@ const BORN: f64 = 1e-4;
 
 /// Closes every break of the loop, and those of the closing segments.
 pub(super) fn close(queue: &mut Queue<'_>, closure: Closure) -> Result<Vec<Chord>, Error> {
-    let substeps = queue.curves.map.substeps();
+    let substeps = queue.curves.evaluator.substeps();
     let mut chords = Vec::new();
     let mut closed = 0;
     for substep in 0..substeps {

@@ -4,12 +4,12 @@ use rayon::prelude::*;
 
 use crate::error::{Error, ON_A_SEGMENT, ON_THE_LOOP};
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::Evaluator;
 use crate::state::Ensemble;
 
 /// One step of a map, and the curves that are sent through it.
 pub(super) struct Curves<'a> {
-    pub map: &'a dyn TimeAdvance,
+    pub evaluator: &'a Evaluator<'a>,
     pub h: f64,
     pub phase_loop: &'a dyn Loop,
     /// Segments that close breaks; curve 0 is the loop, curve k is `segments[k − 1]`.
@@ -89,11 +89,11 @@ impl Curves<'_> {
         };
         let at = |error: Error| error.on_the_way(place);
         states.check_finite(None).map_err(at)?;
-        for k in substep..self.map.substeps() {
+        for k in substep..self.evaluator.substeps() {
             if keep {
                 inputs.push(states.clone());
             }
-            (states.advance_substep(self.map, k, self.h)).map_err(at)?;
+            (self.evaluator.advance_substep(&mut states, k, self.h)).map_err(at)?;
         }
         Ok(Images {
             after: states,

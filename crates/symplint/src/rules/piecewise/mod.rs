@@ -15,6 +15,7 @@ mod chance;
 mod closure;
 mod curves;
 mod fit;
+mod integrator;
 mod lobatto;
 mod noise;
 mod path;
@@ -28,7 +29,7 @@ mod twins;
 use crate::breaks::Break;
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::rules::LoopIntegral;
 use crate::signal::nearest;
 use crate::signal::{CompensatedSum, UNIT_ROUNDOFF};
@@ -37,6 +38,7 @@ use chance::doubt_of_chance;
 use closure::{Chord, close};
 use curves::Curves;
 use fit::POINTS;
+pub(crate) use integrator::Identity;
 use piece::{Piece, Smooth};
 use places::doubt_of_places;
 use queue::Queue;
@@ -147,8 +149,13 @@ impl PiecewiseIntegral {
 }
 
 impl Piecewise {
-    /// The rule's name in configurations and reports.
-    pub const NAME: &'static str = "piecewise";
+    /// The same without a limit of evaluations: for the loop before the step, which costs none.
+    fn unlimited(&self) -> Self {
+        Piecewise {
+            most_evaluations: Piecewise::default().most_evaluations,
+            ..*self
+        }
+    }
 
     /// Integrates the loop that `map` makes of `phase_loop` in one step of size `h`.
     ///
@@ -163,32 +170,33 @@ impl Piecewise {
         phase_loop: &dyn Loop,
         h: f64,
     ) -> Result<PiecewiseIntegral, Error> {
-        self.integrate_beside(map, phase_loop, h, None)
+        let count = EvaluationCount::unlimited();
+        self.integrate_beside(&Evaluator::new(map, &count)?, phase_loop, h, None)
     }
 
     /// The same with what is `seen` besides: equispaced samples of the advanced loop. Every piece has to
     /// agree with them, so that nothing as wide as their distance is missed.
     pub(crate) fn integrate_beside(
         &self,
-        map: &dyn TimeAdvance,
+        evaluator: &Evaluator<'_>,
         phase_loop: &dyn Loop,
         h: f64,
         seen: Option<&Ensemble>,
     ) -> Result<PiecewiseIntegral, Error> {
-        self.check(map, phase_loop)?;
-        let coordinates = map.coordinates();
+        self.check(evaluator, phase_loop)?;
+        let coordinates = evaluator.coordinates();
         let curves = Curves {
-            map,
+            evaluator,
             h,
             phase_loop,
             segments: Vec::new(),
         };
-        let sketch = Ensemble::image(map, phase_loop, h, &sketch_points())?;
-        let scales = Scales::new(&sketch, &coordinates, self.tolerance);
-        let edges = self.first_edges(&map.known_breaks(phase_loop, h));
+        let sketch = evaluator.image(phase_loop, h, &sketch_points())?;
+        let scales = Scales::new(&sketch, coordinates, self.tolerance);
+        let edges = self.first_edges(&evaluator.known_breaks(phase_loop, h));
         let pieces = edges.windows(2).map(|ends| Piece::new(0, ends[0], ends[1]));
         let pieces: Vec<Piece> = pieces.collect();
-        let mut queue = Queue::new(curves, &coordinates, scales, self.most_evaluations, seen);
+        let mut queue = Queue::new(curves, coordinates, scales, self.most_evaluations, seen);
         queue.evaluations += SKETCH;
         queue.begin(SKETCH + pieces.len() * POINTS);
         queue.run(0, pieces)?;
@@ -211,14 +219,8 @@ impl Piecewise {
         edges
     }
 
-    fn check(&self, map: &dyn TimeAdvance, phase_loop: &dyn Loop) -> Result<(), Error> {
-        if map.dof() != phase_loop.dof() {
-            return Err(Error::DofMismatch {
-                map: map.dof(),
-                phase_loop: phase_loop.dof(),
-            });
-        }
-        Error::check_length("coordinates of the map", map.dof(), map.coordinates().dof())?;
+    fn check(&self, evaluator: &Evaluator<'_>, phase_loop: &dyn Loop) -> Result<(), Error> {
+        evaluator.check_dof(phase_loop.dof())?;
         if !(self.tolerance.is_finite() && self.tolerance > 0.0) {
             return Err(Error::OutOfRange {
                 what: "tolerance of the piecewise rule",

@@ -125,7 +125,7 @@ impl<'a> Queue<'a> {
 
     /// How many tasks go into one batch.
     fn batch(&self, tasks: &[Task], substep: usize) -> usize {
-        let copies = self.curves.map.substeps() - substep + 1;
+        let copies = self.curves.evaluator.substeps() - substep + 1;
         let state = 16 * self.curves.dof() * copies;
         let most = (BATCH_BYTES / state).max(1);
         let mut states = 0;
@@ -181,7 +181,7 @@ impl<'a> Queue<'a> {
 
     /// Grants what comes next, if it may be made.
     fn admit(&mut self, outcome: &Outcome) -> bool {
-        let segment = if self.curves.map.substeps() > 1 {
+        let segment = if self.curves.evaluator.substeps() > 1 {
             POINTS
         } else {
             0

@@ -12,8 +12,8 @@ mod window;
 use crate::breaks::{Break, Suspect, follow_up, most_outstanding};
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
-use crate::rules::LoopIntegral;
+use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
+use crate::rules::{Advanced, Defect, LoopIntegral, LoopIntegrator, RuleKind, Samples, Subject};
 use crate::signal::CompensatedSum;
 use crate::state::Coordinates;
 use row::{Row, WIDEST};
@@ -23,7 +23,7 @@ use window::{Source, Window};
 /// The streaming rule: a centred difference of order 2m along the loop, in the memory of a few dozen states.
 ///
 /// On smooth loops it is as good as the pseudospectral rule from twice the samples, or four times as
-/// many: a mode that turns by θ from sample to sample is off by about θ^{2m} (m!)²/(2m+1)! of itself.
+/// many: a mode that turns by θ from sample to sample has a relative error of about θ^{2m} (m!)²/(2m+1)!.
 ///
 /// ```
 /// use symplint::{Circle, PerSample, Streaming};
@@ -73,9 +73,6 @@ pub struct StreamingIntegral {
 }
 
 impl Streaming {
-    /// The rule's name in configurations and reports.
-    pub const NAME: &'static str = "streaming";
-
     /// The fewest neighbours on either side.
     pub const NARROWEST: usize = 8;
 
@@ -98,21 +95,28 @@ impl Streaming {
         h: f64,
         samples: usize,
     ) -> Result<StreamingIntegral, Error> {
-        if map.dof() != phase_loop.dof() {
-            return Err(Error::DofMismatch {
-                map: map.dof(),
-                phase_loop: phase_loop.dof(),
-            });
-        }
-        let coordinates = map.coordinates();
+        let count = EvaluationCount::unlimited();
+        self.integrate_with(&Evaluator::new(map, &count)?, phase_loop, h, samples)
+    }
+
+    /// The same with the evaluations counted by `evaluator`.
+    pub(crate) fn integrate_with(
+        &self,
+        evaluator: &Evaluator<'_>,
+        phase_loop: &dyn Loop,
+        h: f64,
+        samples: usize,
+    ) -> Result<StreamingIntegral, Error> {
+        evaluator.check_dof(phase_loop.dof())?;
+        let coordinates = evaluator.coordinates();
         let source = Source {
             phase_loop,
             samples,
-            step: Some((map, h)),
+            step: Some((evaluator, h)),
         };
-        let turn = self.turn(&source, &coordinates)?;
+        let turn = self.turn(&source, coordinates)?;
         // Between the samples only as many states are needed: the window is gone.
-        let found = follow_up(map, phase_loop, h, &turn.suspects, samples, &coordinates)?;
+        let found = follow_up(evaluator, phase_loop, h, &turn.suspects, samples)?;
         let is_substantial = |found: &Break| {
             let of_found = turn.suspects.iter().zip(&turn.ranges);
             let mut ranges = of_found.filter(|(suspect, _)| suspect.dof == found.dof);
@@ -195,6 +199,43 @@ impl Streaming {
             });
         }
         Ok(())
+    }
+}
+
+impl LoopIntegrator for Streaming {
+    fn kind(&self) -> RuleKind {
+        RuleKind::Streaming
+    }
+
+    fn keeps_samples(&self) -> bool {
+        false
+    }
+
+    fn before(&self, subject: &Subject<'_>, samples: Samples<'_>) -> Result<LoopIntegral, Error> {
+        self.initial(subject.phase_loop, subject.coordinates(), samples.count())
+    }
+
+    fn after(
+        &self,
+        subject: &Subject<'_>,
+        h: f64,
+        samples: Samples<'_>,
+        initial: &LoopIntegral,
+    ) -> Result<Advanced, Error> {
+        let Subject {
+            evaluator,
+            phase_loop,
+        } = *subject;
+        let found = self.integrate_with(evaluator, phase_loop, h, samples.count())?;
+        Ok(Advanced {
+            defect: Defect::between(initial, &found.integral)?,
+            regularity: None,
+            integral: found.integral,
+            breaks: found.found.into_iter().collect(),
+            closed: None,
+            samples: samples.count(),
+            cells_apart: found.cells_apart,
+        })
     }
 }
 

@@ -4,10 +4,11 @@ use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::TimeAdvance;
+use crate::loops::sample_block;
+use crate::map::Evaluator;
 use crate::state::Block;
 use crate::state::RowsMut;
-use crate::state::{Ensemble, advance_block, first_error, sample_block};
+use crate::state::{Ensemble, first_error};
 
 /// Samples that are summed at once. A window holds whole groups, so that no sum depends on the windows.
 pub(super) const GROUP: usize = 16;
@@ -31,7 +32,7 @@ pub(super) struct Source<'a> {
     /// Samples of one turn.
     pub samples: usize,
     /// The map and the step size.
-    pub step: Option<(&'a dyn TimeAdvance, f64)>,
+    pub step: Option<(&'a Evaluator<'a>, f64)>,
 }
 
 /// Consecutive samples: `history` of them, then the new ones.
@@ -93,18 +94,17 @@ impl Window {
             .zip(p.column_blocks(width))
             .map(|(q, p)| Block::new(q, p))
             .collect();
-        let each = |(b, mut block): (usize, Block<'_>)| {
-            let first = first + b * width;
+        let fill = |first: usize, block: &mut Block<'_>| {
             let at = |k: usize| k as f64 / source.samples as f64;
-            sample_block(source.phase_loop, at, first, &mut block)?;
-            match source.step {
-                None => Ok(()),
-                Some((map, h)) => {
-                    advance_block(|block| map.advance_and_look(h, block), h, first, &mut block)
-                }
-            }
+            sample_block(source.phase_loop, at, first, block)
         };
-        first_error(blocks.into_par_iter().enumerate().map(each).collect())
+        match source.step {
+            Some((evaluator, h)) => evaluator.advance_blocks(blocks, width, first, h, fill),
+            None => {
+                let each = |(b, mut block): (usize, Block<'_>)| fill(first + b * width, &mut block);
+                first_error(blocks.into_par_iter().enumerate().map(each).collect())
+            }
+        }
     }
 
     /// Shows each degree of freedom, with what is kept for it, its history and `count` new samples of q and p; they

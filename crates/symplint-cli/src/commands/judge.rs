@@ -1,0 +1,46 @@
+//! `symplint judge REPORT.json`.
+
+use std::io::Read;
+use std::path::Path;
+use std::process::ExitCode;
+
+use symplint::judge as judge_evidence;
+use symplint_report::report::{read_evidence, to_json};
+
+use super::Failure;
+use super::check::exit_status;
+use crate::cli::JudgeArgs;
+use crate::output::{say, verdict_text};
+
+/// Reaches the verdict again, from the evidence in a report.
+pub fn judge(arguments: &JudgeArgs) -> Result<ExitCode, Failure> {
+    let path = match arguments.report.is_dir() {
+        true => arguments.report.join("report.json"),
+        false => arguments.report.clone(),
+    };
+    let text = read(&path).map_err(|error| Failure::Read {
+        path: path.clone(),
+        reason: error.to_string(),
+    })?;
+    let evidence = read_evidence(&text).map_err(|error| Failure::Report {
+        path: path.clone(),
+        error,
+    })?;
+    let verdict = judge_evidence(&evidence);
+    if arguments.json {
+        say(to_json(&verdict))?;
+    } else {
+        say(verdict_text(&verdict, arguments.quiet))?;
+    }
+    Ok(exit_status(verdict.kind))
+}
+
+/// The text of a file; of standard input if it is `-`.
+fn read(path: &Path) -> std::io::Result<String> {
+    if path == Path::new("-") {
+        let mut text = String::new();
+        std::io::stdin().read_to_string(&mut text)?;
+        return Ok(text);
+    }
+    std::fs::read_to_string(path)
+}

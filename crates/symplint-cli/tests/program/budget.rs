@@ -1,0 +1,98 @@
+//! What a diagnosis costs, and what it says when that is limited.
+
+use serde_json::Value;
+
+use super::{example, report};
+
+fn with_budget(system: &str, integrator: &str, budget: usize, settings: &[&str]) -> Value {
+    let (path, budget) = (example(&format!("{system}.toml")), budget.to_string());
+    let integrator = format!("integrator.name={integrator}");
+    let budget = format!("diagnostic.budget={budget}");
+    let mut arguments = vec!["check", &path, "--set", &budget, "--set", &integrator];
+    for setting in settings {
+        arguments.extend(["--set", setting]);
+    }
+    report(&arguments)
+}
+
+fn made(report: &Value) -> usize {
+    let made = report["evaluations"]["made"].as_u64().unwrap();
+    let of_parts = [
+        "purity",
+        "given_loop",
+        "random_loops",
+        "jacobian",
+        "localisation",
+        "long_time",
+    ];
+    let parts = of_parts.map(|part| report["evaluations"][part].as_u64().unwrap());
+    assert_eq!(made, parts.iter().sum::<u64>(), "{}", report["evaluations"]);
+    made as usize
+}
+
+#[test]
+fn five_hundred_evaluations_are_enough_for_smooth_maps() {
+    for system in ["pendulum", "henon-heiles", "fput"] {
+        for (integrator, kind) in [
+            ("strang", "symplectic"),
+            ("rk2", "not-symplectic"),
+            ("rk4", "not-symplectic"),
+        ] {
+            let report = with_budget(system, integrator, 500, &[]);
+            let verdict = &report["verdict"];
+            assert_eq!(verdict["kind"], kind, "{system}, {integrator}: {verdict}");
+            assert!(
+                made(&report) <= 500,
+                "{system}, {integrator}: {}",
+                made(&report)
+            );
+        }
+    }
+}
+
+#[test]
+fn broken_loops_are_found_and_closed_on_a_budget() {
+    let cases = [
+        ("absolute-value", 1_500, &[][..]),
+        ("pic-1d", 10_000, &["system.degree=1"][..]),
+    ];
+    for (system, budget, settings) in cases {
+        let report = with_budget(system, "strang", budget, settings);
+        let verdict = &report["verdict"];
+        assert_eq!(verdict["kind"], "broken-loops", "{system}: {verdict}");
+        assert_eq!(
+            verdict["conserved_once_closed"], true,
+            "{system}: {verdict}"
+        );
+        assert!(made(&report) <= budget, "{system}: {}", made(&report));
+    }
+}
+
+#[test]
+fn cubic_particles_are_symplectic_to_eight_digits_on_a_budget() {
+    let report = with_budget("pic-1d", "strang", 6_000, &["system.degree=3"]);
+    let verdict = &report["verdict"];
+    assert_eq!(verdict["kind"], "symplectic", "{verdict}");
+    assert!(verdict["digits"].as_f64().unwrap() >= 8.0, "{verdict}");
+    assert!(made(&report) <= 6_000, "{}", made(&report));
+}
+
+#[test]
+fn one_loop_and_one_step_size_fit_into_two_hundred() {
+    let settings = ["diagnostic.loops=1", "diagnostic.step_sizes=[0.5]"];
+    for (integrator, kind) in [("strang", "symplectic"), ("rk2", "not-symplectic")] {
+        let report = with_budget("pendulum", integrator, 200, &settings);
+        assert_eq!(report["verdict"]["kind"], kind, "{}", report["verdict"]);
+        assert!(made(&report) <= 200, "{}", made(&report));
+    }
+}
+
+#[test]
+fn too_small_a_budget_is_undecided_and_says_how_many_evaluations_more_would_tell() {
+    let report = with_budget("pic-1d", "strang", 400, &["system.degree=2"]);
+    let verdict = &report["verdict"];
+    assert_eq!(verdict["kind"], "undecided", "{verdict}");
+    let advice = verdict["advice"][0].as_str().unwrap();
+    assert!(advice.contains("evaluations more would tell"), "{advice}");
+    assert!(made(&report) <= 400, "{}", made(&report));
+}

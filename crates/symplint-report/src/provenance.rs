@@ -1,0 +1,242 @@
+//! Where a report comes from: the program, the machine's processor, when the run was, its seeds and files.
+//!
+//! Nothing of it is a result. Reports keep it apart from what was measured, which is the same to the last bit
+//! wherever and whenever it is measured.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+use serde::Serialize;
+
+/// A run of a program, from its start on.
+#[derive(Clone, Debug)]
+pub struct Run {
+    version: String,
+    commit: Option<String>,
+    date: SystemTime,
+    clock: Instant,
+}
+
+impl Run {
+    /// A run that starts now, of a program of this version and, where that is known, this commit.
+    pub fn start(version: &str, commit: Option<&str>) -> Self {
+        Run {
+            version: version.to_owned(),
+            commit: commit.map(str::to_owned),
+            date: SystemTime::now(),
+            clock: Instant::now(),
+        }
+    }
+
+    /// The provenance of what this run, on so many threads, has found until now.
+    pub fn provenance(&self, threads: usize) -> Provenance {
+        let since = self.date.duration_since(UNIX_EPOCH).unwrap_or_default();
+        Provenance {
+            version: self.version.clone(),
+            commit: self.commit.clone(),
+            date: utc(since.as_secs()),
+            seconds: self.clock.elapsed().as_secs_f64(),
+            threads,
+            processor: processor(),
+            seeds: BTreeMap::new(),
+            files: Vec::new(),
+        }
+    }
+}
+
+/// Where a report comes from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Provenance {
+    /// Version of the program.
+    pub version: String,
+    /// Its commit, where it was built from a repository.
+    pub commit: Option<String>,
+    /// When the run started, in universal time.
+    pub date: String,
+    /// How long it took.
+    pub seconds: f64,
+    /// Threads.
+    pub threads: usize,
+    /// The processor, as it calls itself if the system says that, and its architecture.
+    pub processor: String,
+    /// Seeds of random numbers, by the names of the settings.
+    pub seeds: BTreeMap<String, u64>,
+    /// The files that were read and measured.
+    pub files: Vec<HashedFile>,
+}
+
+/// A file by its contents.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct HashedFile {
+    /// Its name, without the folder that it lies in.
+    pub name: String,
+    /// SHA-256 of its contents, in hexadecimal digits.
+    pub sha256: String,
+}
+
+impl HashedFile {
+    /// Reads a file to its end.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn read(path: &Path) -> io::Result<Self> {
+        let mut file = File::open(path)?;
+        let mut hash = hmac_sha256::Hash::new();
+        let mut buffer = vec![0; 1 << 16];
+        loop {
+            match file.read(&mut buffer)? {
+                0 => break,
+                count => hash.update(&buffer[..count]),
+            }
+        }
+        let name = path.file_name().unwrap_or_default();
+        Ok(HashedFile {
+            name: name.to_string_lossy().into_owned(),
+            sha256: hexadecimal(&hash.finalize()),
+        })
+    }
+}
+
+impl Provenance {
+    /// A table in Markdown.
+    pub fn markdown(&self) -> String {
+        let mut text = "| | |\n|---|---|\n".to_owned();
+        let mut row = |name: &str, value: &str| {
+            let _ = writeln!(text, "| {name} | {} |", value.replace('|', "\\|"));
+        };
+        row("version", &self.version);
+        row("commit", self.commit.as_deref().unwrap_or("not known"));
+        row("date", &self.date);
+        row("time taken", &format!("{:.1} s", self.seconds));
+        row("threads", &self.threads.to_string());
+        row("processor", &self.processor);
+        for (name, seed) in &self.seeds {
+            row(name, &seed.to_string());
+        }
+        for file in &self.files {
+            row(&file.name, &format!("SHA-256 {}", file.sha256));
+        }
+        text
+    }
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+/// The name of the processor, where the system tells it, with the architecture that the program was built for.
+fn processor() -> String {
+    let architecture = std::env::consts::ARCH;
+    // Linux.
+    let described = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    match model_name(&described) {
+        Some(name) => format!("{name} ({architecture})"),
+        None => architecture.to_owned(),
+    }
+}
+
+fn model_name(described: &str) -> Option<&str> {
+    let line = described
+        .lines()
+        .find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim()).filter(|name| !name.is_empty())
+}
+
+/// The date and time so many seconds after the beginning of 1970, in universal time: `2026-03-01T12:00:00Z`.
+fn utc(seconds: u64) -> String {
+    let (days, second) = (seconds / 86_400, seconds % 86_400);
+    // H. Hinnant, "chrono-compatible low-level date algorithms": years begin in March, so that the day that leap
+    // years have more is their last.
+    let days = days + 719_468;
+    let (era, day) = (days / 146_097, days % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let (month, next) = if month < 10 {
+        (month + 3, 0)
+    } else {
+        (month - 9, 1)
+    };
+    let year = 400 * era + year + next;
+    let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
+    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_of_the_calendar() {
+        // By `date -u -d @SECONDS`.
+        for (seconds, date) in [
+            (0, "1970-01-01T00:00:00Z"),
+            (951_782_399, "2000-02-28T23:59:59Z"),
+            (951_782_400, "2000-02-29T00:00:00Z"),
+            (951_868_800, "2000-03-01T00:00:00Z"),
+            (1_709_164_800, "2024-02-29T00:00:00Z"),
+            (1_767_225_599, "2025-12-31T23:59:59Z"),
+            (1_767_225_600, "2026-01-01T00:00:00Z"),
+            (4_107_542_400, "2100-03-01T00:00:00Z"),
+        ] {
+            assert_eq!(utc(seconds), date);
+        }
+    }
+
+    #[test]
+    fn hashes_of_the_standard() {
+        // FIPS 180-2, appendix B, and the empty text.
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("before.csv");
+        for (contents, sha256) in [
+            (
+                "",
+                "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855",
+            ),
+            (
+                "abc",
+                "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad",
+            ),
+            (
+                &"a".repeat(1_000_000),
+                "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0",
+            ),
+        ] {
+            std::fs::write(&path, contents).unwrap();
+            let file = HashedFile::read(&path).unwrap();
+            assert_eq!((&*file.name, &*file.sha256), ("before.csv", sha256));
+        }
+    }
+
+    #[test]
+    fn processors_as_linux_describes_them() {
+        let text = "processor\t: 0\nmodel name\t: Some CPU @ 2.00GHz\nmodel name\t: another\n";
+        assert_eq!(model_name(text), Some("Some CPU @ 2.00GHz"));
+        assert_eq!(model_name("Processor: ARM"), None);
+    }
+
+    #[test]
+    fn a_run_knows_its_version_and_when_it_was() {
+        let run = Run::start("1.2.3", Some("abcdef"));
+        let mut found = run.provenance(2);
+        found.seeds.insert("loop.seed".into(), 7);
+        assert!(found.seconds >= 0.0 && found.date.starts_with("20"));
+        let table = found.markdown();
+        for row in [
+            "| version | 1.2.3 |",
+            "| commit | abcdef |",
+            "| threads | 2 |",
+            "| loop.seed | 7 |",
+        ] {
+            assert!(table.contains(row), "{row}: {table}");
+        }
+    }
+}

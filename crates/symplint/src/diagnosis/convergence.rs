@@ -1,0 +1,68 @@
+//! When twice the samples are not worth it.
+
+use crate::evidence::MOST_CELLS_APART;
+use crate::rules::Advanced;
+
+/// A quadrature error of this size is as good as round-off.
+const ENOUGH: f64 = 1e-14;
+
+/// Twice the samples that gain less than this factor are limited by noise: smooth loops gain far more,
+/// kinked ones 4 or more, jumps 2, noise of the states √2.
+const STALLED: f64 = 1.7;
+
+/// Above this an error that does not fall is not yet noise: the loop is steep somewhere.
+const NOISE: f64 = 1e-5;
+
+/// Quadrature errors as the samples are doubled.
+pub(super) struct Convergence {
+    last_error: f64,
+    stalls: usize,
+}
+
+/// How far the quadrature has converged.
+pub(super) struct Standing {
+    /// The quadrature error, relative to the initial integral; infinite where it is not known.
+    pub error: f64,
+    /// The error that is wanted.
+    pub wanted: f64,
+    /// Whether it is reached.
+    pub enough: bool,
+    /// Whether there is noise, which more samples do not reduce.
+    pub stalled: bool,
+    /// Whether samples as many as these resolve the grid of the map.
+    pub resolves_grid: bool,
+}
+
+impl Convergence {
+    pub fn new() -> Self {
+        Convergence {
+            last_error: f64::INFINITY,
+            stalls: 0,
+        }
+    }
+
+    /// Takes in what the samples, twice as many as the last ones, show.
+    pub fn proceed(&mut self, advanced: &Advanced) -> Standing {
+        let error = advanced.defect.quadrature_error.unwrap_or(f64::INFINITY);
+        self.stalls = match error < NOISE && error * STALLED > self.last_error {
+            true => self.stalls + 1,
+            false => 0,
+        };
+        self.last_error = error;
+        let wanted = ENOUGH.max(4.0 * advanced.defect.roundoff);
+        Standing {
+            error,
+            wanted,
+            enough: error <= wanted,
+            stalled: self.stalls >= 2,
+            resolves_grid: advanced.cells_apart <= MOST_CELLS_APART,
+        }
+    }
+}
+
+impl Standing {
+    /// Whether no more samples are needed, or none help.
+    pub fn is_done(&self) -> bool {
+        self.resolves_grid && (self.enough || self.stalled)
+    }
+}

@@ -1,0 +1,77 @@
+//! Which substep of a composition changes or breaks a loop.
+
+use crate::diagnosis::initial_samples::InitialSamples;
+use crate::diagnosis::probe::Probe;
+use crate::error::Error;
+use crate::evidence::SubstepDefect;
+use crate::rules::{Defect, Rule, Subject};
+
+/// Breaks nearer than this part of the loop are one: a later substep moves states, and no parameter. Twice
+/// the cell that a break is located to, with room for the rounding of its ends.
+const SAME_PLACE: f64 = 5e-14;
+
+/// Whether two places of the loop are one; it ends where it begins.
+fn same_place(a: f64, b: f64) -> bool {
+    let distance = (a - b).abs();
+    distance.min(1.0 - distance) <= SAME_PLACE
+}
+
+/// Integrates the loop after every substep.
+pub(super) fn defects(
+    subject: Subject<'_>,
+    rule: Rule,
+    samples: usize,
+    h: f64,
+) -> Result<Vec<SubstepDefect>, Error> {
+    let mut before: Option<Defect> = None;
+    let mut broken_at: Vec<f64> = Vec::new();
+    (0..subject.evaluator.substeps())
+        .map(|substep| {
+            let prefix = subject.evaluator.prefix(substep + 1);
+            let subject = Subject {
+                evaluator: &prefix,
+                ..subject
+            };
+            let name = subject.evaluator.substep_name(substep);
+            let probe = Probe::new(subject, rule, samples)?;
+            let known = probe.measure(&mut InitialSamples::new(subject), h, &mut |_| {})?;
+            let measured = known.advanced;
+            let defect = measured
+                .closed
+                .map_or(measured.defect, |closed| closed.defect);
+            let places: Vec<f64> = measured.breaks.iter().map(|found| found.s).collect();
+            let is_new = |s: &&f64| !broken_at.iter().any(|old| same_place(**s, *old));
+            let (breaks, new_breaks) = (places.len(), places.iter().filter(is_new).count());
+            broken_at = places;
+            let since = before.map_or(0.0, |before| before.signed);
+            let uncertainty_before = before.map_or(0.0, |before| before.uncertainty());
+            before = Some(defect);
+            // A broken loop has no integral, unless its breaks are closed.
+            let open = breaks > 0 && measured.closed.is_none();
+            let uncertainty = match open {
+                true => f64::INFINITY,
+                false => uncertainty_before + defect.uncertainty(),
+            };
+            Ok(SubstepDefect {
+                substep,
+                name,
+                change: defect.signed - since,
+                uncertainty: uncertainty.is_finite().then_some(uncertainty),
+                breaks,
+                new_breaks,
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_loop_ends_where_it_begins() {
+        assert!(same_place(0.3, 0.3 + 2e-14) && !same_place(0.3, 0.3 + 1e-12));
+        assert!(same_place(0.0, 1.0 - 1e-14) && same_place(1.0 - 1e-14, 0.0));
+        assert!(!same_place(0.0, 0.5));
+    }
+}

@@ -1,0 +1,517 @@
+//! Carrying out the plan: fills the evidence.
+
+use super::initial_samples::InitialSamples;
+use super::plan::{self, LEAST_BUDGET, Plan};
+use super::probe::{Known, Probe};
+use super::random_loops::{random_loop, winding_loop};
+use super::refined_samples::RefinedSamples;
+use super::resolve::Resolution;
+use super::{Diagnostic, Event, SampleCount, SampleSweep, long_time};
+use crate::error::Error;
+use crate::evidence::{
+    BreakAt, Evidence, LoopEvidence, LoopKind, Omission, Point, StepEvidence, Survey, Sweep,
+};
+use crate::jacobian::JacobianTest;
+use crate::loops::Loop;
+use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
+use crate::rules::{Rule, RuleKind, Subject};
+use crate::state::Ensemble;
+use crate::survey;
+
+impl Diagnostic {
+    /// Measures, and concludes nothing.
+    ///
+    /// `watch` is told of each point as it is measured. Where the number of samples is looked for, or
+    /// swept over, samples before and after a step are kept and doubled: no evaluation is made twice, but for a few
+    /// that show whether the map has a memory. In a sweep over step sizes one ensemble is in memory, and the
+    /// samples before the step too where they take 64 MiB at most; larger ones are made anew for each step size,
+    /// block by block. By the streaming rule it is a few dozen states; what needs larger ensembles (the Jacobian,
+    /// many steps) is then left out where they take more than 512 MiB.
+    ///
+    /// # Errors
+    /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, the map gives
+    /// different states for the same one, the loop encloses no area, or the map fails on the given loop or
+    /// returns states that are not finite.
+    pub fn measure(
+        &self,
+        map: &dyn TimeAdvance,
+        phase_loop: &dyn Loop,
+        watch: &dyn Fn(Event<'_>),
+    ) -> Result<Evidence, Error> {
+        let largest = self.largest_step()?;
+        let budget = self.budget.unwrap_or_else(|| plan::default_budget(self));
+        if budget < LEAST_BUDGET {
+            return Err(Error::OutOfRange {
+                what: "budget of evaluations",
+                value: budget as f64,
+                remedy: "give 200 or more",
+            });
+        }
+        let count = EvaluationCount::new(budget);
+        let evaluator = Evaluator::new(map, &count)?;
+        evaluator.check_dof(phase_loop.dof())?;
+        let plan = Plan::new(self, budget, &evaluator);
+        survey::check_purity(&evaluator, phase_loop, largest, plan.purity_samples)?;
+        let mut evidence = Evidence::default();
+        evidence.evaluations.budget = budget;
+        evidence.evaluations.purity = count.made();
+        let mut run = Run {
+            diagnostic: self,
+            watch,
+            count: &count,
+            plan,
+            largest,
+            evidence,
+        };
+        let subject = Subject {
+            evaluator: &evaluator,
+            phase_loop,
+        };
+        let given = run.given_loop(subject)?;
+        run.random_loops(subject, &given)?;
+        run.long_time(&given)?;
+        run.jacobian(subject, &given);
+        run.localise(subject, &given);
+        run.evidence.evaluations.made = count.made();
+        Ok(run.evidence)
+    }
+
+    /// The step size of the largest size, after checking them all.
+    fn largest_step(&self) -> Result<f64, Error> {
+        let of_samples = self.sample_sweep.as_ref().map(|sweep| sweep.step_size);
+        for &h in self.step_sizes.iter().chain(&of_samples) {
+            if !h.is_finite() || h == 0.0 {
+                return Err(Error::OutOfRange {
+                    what: "step size",
+                    value: h,
+                    remedy: "give finite step sizes that are not zero",
+                });
+            }
+        }
+        let largest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        (self.step_sizes.iter().copied().reduce(largest)).ok_or(Error::OutOfRange {
+            what: "number of step sizes",
+            value: 0.0,
+            remedy: "give one or more",
+        })
+    }
+}
+
+/// The part of a tight budget that equispaced samples of the given loop may take: what they do not resolve then is
+/// cheaper by pieces.
+const TIGHT_SAMPLES_PART: usize = 16;
+
+/// Samples that the given loop gets in any budget that allows them.
+const FEWEST_TIGHT_SAMPLES: usize = 64;
+
+/// So many times the evaluations of a loop that was not resolved would resolve it, about: two doublings, which gain
+/// two digits where a loop has kinks and more where it is smooth.
+const UNRESOLVED_FACTOR: usize = 3;
+
+/// A diagnosis under way.
+struct Run<'a> {
+    diagnostic: &'a Diagnostic,
+    watch: &'a dyn Fn(Event<'_>),
+    count: &'a EvaluationCount,
+    plan: Plan,
+    largest: f64,
+    evidence: Evidence,
+}
+
+/// The given loop, ready to be advanced again, and what one of its steps costs.
+struct Given<'a> {
+    probe: Probe<'a>,
+    cost: usize,
+}
+
+impl Run<'_> {
+    /// Evaluations left for loops: what the Jacobian will take is kept.
+    fn left(&self) -> usize {
+        self.count.left().saturating_sub(self.plan.jacobian)
+    }
+
+    /// The given loop at all step sizes that the budget allows, the largest first of all, and the sweep over
+    /// samples.
+    fn given_loop<'s>(&mut self, subject: Subject<'s>) -> Result<Given<'s>, Error> {
+        let start = self.count.made();
+        let diagnostic = self.diagnostic;
+        let others = diagnostic.step_sizes.len() - 1;
+        // Two more step sizes, and a random loop, should be possible with as many samples.
+        let further = others.min(2) + (diagnostic.loops - 1).min(1);
+        let left = self.left();
+        let (most_samples, allowance) = match self.is_tight() {
+            true => {
+                let most = (left / TIGHT_SAMPLES_PART).max(FEWEST_TIGHT_SAMPLES);
+                (most.min(left / (1 + further)), left / 8 * 7)
+            }
+            false => (left, left),
+        };
+        let mut found = Survey::default();
+        let mut looked = false;
+        let mut look = |after: &Ensemble| {
+            looked = true;
+            found = survey::of_samples(subject, after);
+        };
+        let with = Resolution {
+            h: self.largest,
+            plan: &self.plan,
+            most_samples,
+            allowance,
+        };
+        let probe = diagnostic.resolve(subject, &with, &mut look)?;
+        let samples = &mut InitialSamples::new(subject);
+        let known = probe.measure(samples, self.largest, &mut look)?;
+        let cost = known.evaluations.max(1);
+        if !looked {
+            found = survey::of_few_samples(subject, self.largest)?;
+        }
+        self.evidence.survey = found;
+
+        let mut given = LoopEvidence::new(0, LoopKind::Given);
+        given.rule = probe.rule.kind();
+        if given.rule == RuleKind::Auto {
+            given.rule = RuleKind::Pseudospectral;
+        }
+        given.samples = probe.samples;
+        given.winds = survey::winds(subject.phase_loop, subject.coordinates())?;
+        self.evidence.loops.push(given);
+        let affordable = self.affordable_steps(cost);
+        (self.watch)(Event::Planned(affordable.len()));
+        let mut omitted = diagnostic.step_sizes.len() - affordable.len();
+        for h in affordable {
+            let known = match h == self.largest {
+                true => known.clone(),
+                false if self.left() < self.plan.first_samples => {
+                    omitted += 1;
+                    continue;
+                }
+                false => probe.measure(samples, h, &mut |_| {})?,
+            };
+            self.record(0, Sweep::StepSize, &probe, &known);
+        }
+        if omitted > 0 {
+            self.omit(Omission::StepSizes { count: omitted }, omitted * cost);
+        }
+        let unresolved = self.is_tight() && self.evidence.loops[0].weak_step().is_some();
+        let wanted = match diagnostic.samples {
+            SampleCount::Fixed(samples) => samples.saturating_sub(probe.samples),
+            SampleCount::Auto if unresolved => UNRESOLVED_FACTOR * cost,
+            SampleCount::Auto => 0,
+        };
+        if wanted > 0 {
+            self.omit(Omission::Samples { loop_index: 0 }, wanted);
+        }
+        if let Some(sweep) = &diagnostic.sample_sweep {
+            self.sweep_samples(&probe, sweep)?;
+        }
+        self.evidence.evaluations.given_loop = self.count.made() - start;
+        Ok(Given { probe, cost })
+    }
+
+    /// Whether the first samples of all loops and step sizes are a large part of the budget.
+    fn is_tight(&self) -> bool {
+        self.plan.tolerance > 0.0
+    }
+
+    /// The step sizes that the budget allows, in the order in which they were given: all, or the largest ones, so
+    /// that something is left for random loops.
+    fn affordable_steps(&self, cost: usize) -> Vec<f64> {
+        let sizes = &self.diagnostic.step_sizes;
+        let units = self.left() / cost;
+        let random = self.diagnostic.loops - 1;
+        let further = (units / 2).max(units.saturating_sub(random));
+        let mut order: Vec<usize> = (0..sizes.len()).collect();
+        order.sort_by(|&a, &b| sizes[b].abs().total_cmp(&sizes[a].abs()));
+        order.truncate(1 + further);
+        order.sort_unstable();
+        order.into_iter().map(|k| sizes[k]).collect()
+    }
+
+    fn sweep_samples(&mut self, probe: &Probe<'_>, sweep: &SampleSweep) -> Result<(), Error> {
+        (self.watch)(Event::Planned(sweep.counts.len()));
+        let (h, subject) = (sweep.step_size, probe.subject);
+        let mut refined: Option<RefinedSamples<'_>> = None;
+        for &samples in &sweep.counts {
+            let before = self.count.made();
+            let (of_samples, advanced) = if probe.keeps_samples() {
+                let refined = match &mut refined {
+                    None => refined.insert(RefinedSamples::new(subject, samples, h)?),
+                    Some(refined) => {
+                        refined.resize(samples)?;
+                        refined
+                    }
+                };
+                let rule = match probe.rule {
+                    Rule::Piecewise(_) => Rule::Pseudospectral,
+                    rule => rule,
+                };
+                let of_samples = Probe::of_samples(subject, rule, &refined.before)?;
+                let advanced = of_samples.measure_samples(&refined.after, h)?;
+                (of_samples, advanced)
+            } else {
+                let of_samples = Probe::new(subject, probe.rule, samples)?;
+                let known =
+                    of_samples.measure(&mut InitialSamples::new(subject), h, &mut |_| {})?;
+                (of_samples, known.advanced)
+            };
+            let known = Known {
+                h,
+                advanced,
+                evaluations: self.count.made() - before,
+            };
+            self.record(0, Sweep::Samples, &of_samples, &known);
+        }
+        Ok(())
+    }
+
+    /// Random loops at the largest step size, and a loop that winds round a period; the first that shows a defect
+    /// at all step sizes.
+    fn random_loops(&mut self, subject: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
+        let start = self.count.made();
+        let diagnostic = self.diagnostic;
+        let count = diagnostic.loops - 1;
+        for index in 1..=count {
+            if self.is_settled() {
+                break;
+            }
+            if self.left() < self.plan.first_samples {
+                let omitted = count + 1 - index;
+                self.omit(
+                    Omission::RandomLoops { count: omitted },
+                    omitted * given.cost,
+                );
+                break;
+            }
+            let seed = diagnostic.seed.wrapping_add(index as u64);
+            let random = random_loop(subject.phase_loop, seed)?;
+            let subject = Subject {
+                phase_loop: &random,
+                ..subject
+            };
+            // The order is that of a full sweep, and a symmetric loop hides terms of lower
+            // order: the given loop and one random one are worth it.
+            let known = (self.evidence.loops[1..].iter()).any(LoopEvidence::shows_defect);
+            match self.random_loop(index, LoopKind::Random, subject, known) {
+                Ok(()) => {}
+                // A loop that nobody asked for may leave the map's domain.
+                Err(error) if of_the_map(&error) => self.failed(index, &error),
+                Err(error) => return Err(error),
+            }
+        }
+        let winds = self.evidence.loops[0].winds;
+        if count > 0 && !winds && !self.is_settled() && self.left() >= self.plan.first_samples {
+            self.winding_loop(subject)?;
+        }
+        self.evidence.evaluations.random_loops = self.count.made() - start;
+        Ok(())
+    }
+
+    /// Whether further loops cannot change the verdict of a tight budget any more: the given loop breaks, or it and
+    /// a random one change. (A symmetric loop hides terms of lower order: the order needs both.)
+    fn is_settled(&self) -> bool {
+        let (given, random) = self.evidence.loops.split_at(1);
+        let broken = given[0].steps.iter().any(|step| step.jump.is_some());
+        let shown = given[0].shows_defect() && random.iter().any(LoopEvidence::shows_defect);
+        self.is_tight() && !given[0].winds && (broken || shown)
+    }
+
+    /// A random loop round the period of a position, where there is one.
+    fn winding_loop(&mut self, subject: Subject<'_>) -> Result<(), Error> {
+        let (index, seed) = (
+            self.diagnostic.loops,
+            self.diagnostic
+                .seed
+                .wrapping_add(self.diagnostic.loops as u64),
+        );
+        let found = winding_loop(subject.phase_loop, subject.coordinates(), seed)?;
+        let Some(winding) = found else {
+            return Ok(());
+        };
+        let subject = Subject {
+            phase_loop: &winding,
+            ..subject
+        };
+        match self.random_loop(index, LoopKind::Winding, subject, true) {
+            Err(error @ (Error::NoArea { .. } | Error::LostInRounding { .. })) => {
+                let _ = error;
+                Ok(())
+            }
+            // Nobody asked for it.
+            Err(error) if of_the_map(&error) => Ok(()),
+            other => other,
+        }
+    }
+
+    /// A random loop at the largest step size; at all if it shows a defect and none did before.
+    fn random_loop(
+        &mut self,
+        index: usize,
+        kind: LoopKind,
+        subject: Subject<'_>,
+        known: bool,
+    ) -> Result<(), Error> {
+        let diagnostic = self.diagnostic;
+        let left = self.left();
+        let with = Resolution {
+            h: self.largest,
+            plan: &self.plan,
+            most_samples: match self.is_tight() {
+                true => (left / TIGHT_SAMPLES_PART)
+                    .max(FEWEST_TIGHT_SAMPLES)
+                    .min(left),
+                false => left,
+            },
+            allowance: left,
+        };
+        let probe = diagnostic.resolve(subject, &with, &mut |_| {})?;
+        let samples = &mut InitialSamples::new(subject);
+        let first = probe.measure(samples, self.largest, &mut |_| {})?;
+        (self.watch)(Event::Planned(1));
+        let mut found = LoopEvidence::new(index, kind);
+        found.rule = match probe.rule.kind() {
+            RuleKind::Auto => RuleKind::Pseudospectral,
+            kind => kind,
+        };
+        found.samples = probe.samples;
+        found.winds = survey::winds(subject.phase_loop, subject.coordinates())?;
+        self.evidence.loops.push(found);
+        self.record(index, Sweep::StepSize, &probe, &first);
+        let shows = (self.evidence.loops.last()).is_some_and(LoopEvidence::shows_defect);
+        if !shows || known {
+            return Ok(());
+        }
+        let others: Vec<f64> = (diagnostic.step_sizes.iter().copied())
+            .filter(|&h| h != self.largest)
+            .collect();
+        (self.watch)(Event::Planned(others.len()));
+        for h in others {
+            if self.left() < first.evaluations {
+                break;
+            }
+            let measured = probe.measure(samples, h, &mut |_| {})?;
+            self.record(index, Sweep::StepSize, &probe, &measured);
+        }
+        Ok(())
+    }
+
+    /// A loop on which the map failed.
+    fn failed(&mut self, index: usize, error: &Error) {
+        // It may have been recorded at some step sizes before the map failed at another.
+        self.evidence.loops.retain(|found| found.index != index);
+        let mut found = LoopEvidence::new(index, LoopKind::Random);
+        found.failure = Some(error.to_string());
+        self.evidence.loops.push(found);
+    }
+
+    /// Tells of what was measured, and keeps it.
+    fn record(&mut self, loop_index: usize, sweep: Sweep, probe: &Probe<'_>, known: &Known) {
+        let step: StepEvidence = probe.evidence(known);
+        (self.watch)(Event::Measured(&Point::new(sweep, loop_index, &step)));
+        let all = loop_index == 0 && known.h == self.largest && sweep == Sweep::StepSize;
+        let breaks = match all {
+            true => known.advanced.breaks.clone(),
+            false => step.jump.into_iter().collect(),
+        };
+        self.evidence
+            .breaks
+            .extend(breaks.into_iter().map(|found| BreakAt {
+                loop_index,
+                step_size: Some(known.h),
+                found,
+            }));
+        match sweep {
+            Sweep::Samples => self.evidence.sample_sweep.push(step),
+            Sweep::StepSize => {
+                let found = self.evidence.loops.last_mut();
+                found.expect("the loop was recorded").steps.push(step);
+            }
+        }
+    }
+
+    /// Notes what the budget does not allow, and about how many evaluations it would take.
+    fn omit(&mut self, omission: Omission, wanted: usize) {
+        self.evidence.omissions.push(omission);
+        self.evidence.evaluations.wanted += wanted;
+    }
+
+    fn long_time(&mut self, given: &Given<'_>) -> Result<(), Error> {
+        let steps = self.diagnostic.long_time;
+        if steps == 0 {
+            return Ok(());
+        }
+        let start = self.count.made();
+        match long_time::follow(&given.probe, self.largest, steps, self.left())? {
+            Ok(found) => self.evidence.long_time = Some(found),
+            Err((omission, wanted)) => self.omit(omission, wanted),
+        }
+        self.evidence.evaluations.long_time = self.count.made() - start;
+        Ok(())
+    }
+
+    fn jacobian(&mut self, subject: Subject<'_>, given: &Given<'_>) {
+        if !self.diagnostic.jacobian {
+            return;
+        }
+        if given.probe.is_beyond_memory() {
+            self.evidence.omissions.push(Omission::JacobianMemory);
+            return;
+        }
+        let start = self.count.made();
+        let Subject {
+            evaluator,
+            phase_loop,
+        } = subject;
+        let left = self.count.left().min(self.plan.jacobian);
+        match JacobianTest::within(left, evaluator.dof(), evaluator.has_tangent()) {
+            None => self.omit(Omission::JacobianBudget, self.plan.jacobian),
+            Some(test) => match test.run_with(evaluator, phase_loop, self.largest) {
+                Ok(found) => self.evidence.jacobian = Some(found),
+                // It displaces states off the loop, where the map need not be defined.
+                Err(error) => self.evidence.omissions.push(Omission::JacobianFailed {
+                    reason: error.to_string(),
+                }),
+            },
+        }
+        self.evidence.evaluations.jacobian = self.count.made() - start;
+    }
+
+    /// Looks where a defect comes from, on the first loop that shows it.
+    fn localise(&mut self, subject: Subject<'_>, given: &Given<'_>) {
+        if !self.diagnostic.localise || given.probe.is_beyond_memory() {
+            return;
+        }
+        let broken = (self.evidence.loops.iter())
+            .any(|found| found.steps.iter().any(|step| step.jump.is_some()));
+        // The integral of a loop that winds may change; that it breaks may not.
+        let Some(found) = (self.evidence.loops.iter())
+            .find(|found| found.shows_defect() && (broken || !found.winds))
+        else {
+            return;
+        };
+        let start = self.count.made();
+        let most = subject.evaluator.substeps().saturating_mul(given.cost);
+        if self.count.left() < most {
+            self.omit(Omission::LocalisationBudget, most);
+            return;
+        }
+        let found = self
+            .diagnostic
+            .locate(subject, found, broken, self.largest, &self.plan);
+        match found {
+            Ok(found) => self.evidence.localisation = Some(found),
+            // Inside the loop, or between substeps, the map need not be defined.
+            Err(error) => self.evidence.omissions.push(Omission::LocalisationFailed {
+                reason: error.to_string(),
+            }),
+        }
+        self.evidence.evaluations.localisation = self.count.made() - start;
+    }
+}
+
+/// Whether an error is one of the map on a loop, and not of what was asked for.
+fn of_the_map(error: &Error) -> bool {
+    matches!(
+        error,
+        Error::NotFinite { .. } | Error::StepFailed { .. } | Error::OnTheWay { .. }
+    )
+}

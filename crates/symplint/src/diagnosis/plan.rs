@@ -1,0 +1,110 @@
+//! How a budget of evaluations is spent.
+
+use super::memory::{SMALL, fits};
+use super::{Diagnostic, SampleCount};
+use crate::jacobian::JacobianTest;
+use crate::map::Evaluator;
+
+/// The budget where none is given: enough for fine resolution of every system of the models.
+const DEFAULT_BUDGET: usize = 1_000_000;
+
+/// The budget where none is given. Where the number of samples is given, it allows the sweeps that are asked for.
+pub(super) fn default_budget(diagnostic: &Diagnostic) -> usize {
+    let measurements = diagnostic.step_sizes.len() + diagnostic.loops;
+    let of_steps = match diagnostic.samples {
+        SampleCount::Fixed(samples) => samples.saturating_mul(2 * measurements),
+        SampleCount::Auto => 0,
+    };
+    let of_sweep = (diagnostic.sample_sweep.iter()).flat_map(|sweep| &sweep.counts);
+    let of_sweep = of_sweep.fold(0, |sum: usize, &count| sum.saturating_add(count));
+    of_steps
+        .saturating_add(of_sweep)
+        .saturating_add(DEFAULT_BUDGET)
+}
+
+/// The smallest budget that a diagnosis can do something with.
+pub(super) const LEAST_BUDGET: usize = 200;
+
+/// The fewest samples that can tell: a smooth loop of a few Fourier modes is resolved to some digits, and
+/// jumps show.
+const FEWEST_SAMPLES: usize = 32;
+
+/// Where doubling begins at the latest in one degree of freedom: samples of small systems cost nothing, and
+/// features narrower than a cell of the loop are not resolved.
+const FINE_SAMPLES: usize = 1 << 12;
+
+/// The same in many degrees of freedom.
+const FINE_SAMPLES_OF_MANY: usize = 64;
+
+/// The part of the budget that the first samples of all loops and step sizes take.
+const FIRST_PART: usize = 3;
+
+/// The part of the budget that samples of one loop may take, where their number is given; fewer are taken if it
+/// is more.
+const FIXED_PART: usize = 4;
+
+/// What is planned before anything is measured.
+pub(super) struct Plan {
+    /// Samples from which doubling begins.
+    pub first_samples: usize,
+    /// States that are advanced again, to see whether the map has a memory.
+    pub purity_samples: usize,
+    /// Evaluations that are kept for the Jacobian, which may take no more.
+    pub jacobian: usize,
+    /// What interpolants of the piecewise rule may be off, at least.
+    pub tolerance: f64,
+}
+
+/// Budgets below this are tight: every evaluation is counted on.
+const TIGHT: usize = 20_000;
+
+/// Samples that are tried for a memory of the map: eight find a state that samples share, or an order that
+/// matters; a tight budget, or states so large that few fit into memory, have four.
+const PURITY_SAMPLES: [usize; 2] = [4, 16];
+
+/// The part of a budget that the Jacobian may take at most.
+const JACOBIAN_PART: usize = 5;
+
+/// Coordinates that the map advances for the Jacobian at most: in many degrees of freedom fewer tangent vectors
+/// have to do.
+const MOST_JACOBIAN: usize = 1 << 19;
+
+/// Evaluations that the Jacobian may take in any number of degrees of freedom: some pairs at two points.
+const FEWEST_JACOBIAN: usize = 400;
+
+/// The tolerance of the piecewise rule in a tight budget: integrals to more than eight digits for fewer
+/// evaluations.
+const TIGHT_TOLERANCE: f64 = 1e-8;
+
+impl Plan {
+    /// The plan for a diagnosis in so many degrees of freedom.
+    pub fn new(diagnostic: &Diagnostic, budget: usize, evaluator: &Evaluator<'_>) -> Self {
+        let dof = evaluator.dof();
+        let measurements = diagnostic.step_sizes.len() + diagnostic.loops;
+        let share = power_below(budget / (FIRST_PART * measurements.max(1)));
+        let fine = power_below(FINE_SAMPLES / dof.max(1)).max(FINE_SAMPLES_OF_MANY);
+        let tight = budget < TIGHT;
+        Plan {
+            first_samples: match diagnostic.samples {
+                SampleCount::Fixed(samples) if samples <= budget / FIXED_PART => samples,
+                SampleCount::Fixed(samples) => power_below(samples).min(share.max(FEWEST_SAMPLES)),
+                SampleCount::Auto => share.clamp(FEWEST_SAMPLES, fine),
+            },
+            purity_samples: PURITY_SAMPLES[usize::from(!tight && fits(dof, SMALL))],
+            jacobian: match diagnostic.jacobian {
+                true => {
+                    let all = JacobianTest::default().evaluations(dof, evaluator.has_tangent());
+                    let most = (MOST_JACOBIAN / dof.max(1)).max(FEWEST_JACOBIAN);
+                    all.min(most).min(budget / JACOBIAN_PART)
+                }
+                false => 0,
+            },
+            tolerance: if tight { TIGHT_TOLERANCE } else { 0.0 },
+        }
+    }
+}
+
+/// The largest power of two that is not above `count`; 0 if that is 0.
+pub(super) fn power_below(count: usize) -> usize {
+    count.checked_ilog2().map_or(0, |exponent| 1 << exponent)
+}

@@ -1,0 +1,49 @@
+//! Where a defect comes from: which substep of the map, which part of the loop.
+
+use serde::{Deserialize, Serialize};
+
+/// Where the defect of one loop comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Localisation {
+    /// Which loop: 0 is the given one.
+    #[serde(rename = "loop")]
+    pub loop_index: usize,
+    /// Step size h.
+    pub step_size: f64,
+    /// What each substep changes, the first one first; empty for a map without substeps.
+    pub substeps: Vec<SubstepDefect>,
+    /// What each part of the loop contributes; empty for broken loops, and for those that cannot be
+    /// contracted.
+    pub sectors: Vec<Sector>,
+}
+
+/// What one substep of the map does to the loop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SubstepDefect {
+    /// Which substep, 0 for the first.
+    pub substep: usize,
+    /// Its name.
+    pub name: String,
+    /// Signed change of the loop integral, with its breaks closed, relative to that before the step.
+    pub change: f64,
+    /// How far off `change` may be; `None` where that is not known.
+    pub uncertainty: Option<f64>,
+    /// Breaks of the loop after this substep.
+    pub breaks: usize,
+    /// Those of them that were not there before it.
+    pub new_breaks: usize,
+}
+
+/// What one sector of the disc within a loop contributes to the defect of the loop.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sector {
+    /// The loop parameter where it begins.
+    pub from: f64,
+    /// And where it ends.
+    pub to: f64,
+    /// Signed change of its loop integral, relative to that of the whole loop.
+    pub change: f64,
+    /// How far off `change` may be; `None` where that is not known.
+    pub uncertainty: Option<f64>,
+}

@@ -1,0 +1,25 @@
+//! The defect in many steps.
+
+use serde::{Deserialize, Serialize};
+
+/// The given loop after many steps of the largest size.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct LongTime {
+    /// Step size h.
+    pub step_size: f64,
+    /// Steps that were asked for.
+    pub asked: usize,
+    /// Steps that the samples resolve; from there on the loop is folded too finely for them.
+    pub steps: usize,
+    /// Samples of the loop.
+    pub samples: usize,
+    /// Largest |E| of all these steps.
+    pub largest: f64,
+    /// Largest |E| of the first quarter of the steps.
+    pub early: f64,
+    /// Largest |E| of the last quarter.
+    pub late: f64,
+    /// Smallest |E| of the second half.
+    pub least: f64,
+}

@@ -1,0 +1,220 @@
+//! Everything that was measured, and nothing that was concluded.
+//!
+//! A diagnosis fills one [`Evidence`], [`judge`](crate::verdict::judge) reads it. It is serialisable: a verdict
+//! can be reached again from a file.
+
+mod localisation;
+mod long_time;
+mod point;
+mod step;
+mod survey;
+
+pub use localisation::{Localisation, Sector, SubstepDefect};
+pub use long_time::LongTime;
+pub use point::{BreakAt, Point, Sweep};
+pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
+pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
+pub use survey::{OutputFormat, OutputPrecision, Survey};
+
+use serde::{Deserialize, Serialize};
+
+use crate::breaks::Break;
+use crate::jacobian::JacobianEvidence;
+use crate::rules::RuleKind;
+
+/// Fewer samples than this do not show whether a loop is smooth.
+pub(crate) const FEWEST_SAMPLES: usize = 32;
+
+/// All that was measured of one map, or of loops that another code advanced.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Evidence {
+    /// Where the advanced states come from.
+    pub origin: Origin,
+    /// The loops, the given one first.
+    pub loops: Vec<LoopEvidence>,
+    /// The given loop with different numbers of samples, where such a sweep was asked for.
+    pub sample_sweep: Vec<StepEvidence>,
+    /// The breaks that were found: all of the given loop at the largest step size, by the piecewise
+    /// rule; else the largest one of each advanced loop.
+    pub breaks: Vec<BreakAt>,
+    /// What is known of the map apart from loop integrals.
+    pub survey: Survey,
+    /// Defects of the substeps of the map and of parts of a loop.
+    pub localisation: Option<Localisation>,
+    /// The given loop after many steps.
+    pub long_time: Option<LongTime>,
+    /// The Jacobian of the largest step at points of the given loop.
+    pub jacobian: Option<JacobianEvidence>,
+    /// What was asked for and not measured.
+    pub omissions: Vec<Omission>,
+    /// Evaluations of the map.
+    pub evaluations: Evaluations,
+}
+
+/// Where advanced states come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Origin {
+    /// A map, which can be evaluated anywhere.
+    #[default]
+    Map,
+    /// Files or arrays: the states of the samples and no others.
+    Samples,
+}
+
+/// Which loop.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LoopKind {
+    /// The loop that the user gave.
+    #[default]
+    Given,
+    /// A random loop of its size round its centre.
+    Random,
+    /// A random loop that winds round the period of a position.
+    Winding,
+}
+
+/// What one loop showed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct LoopEvidence {
+    /// 0 is the given loop.
+    pub index: usize,
+    /// Which loop it is.
+    pub kind: LoopKind,
+    /// The rule that integrated it.
+    pub rule: RuleKind,
+    /// Equispaced samples: features narrower than their distance are not resolved.
+    pub samples: usize,
+    /// Whether a position gains whole periods round the loop: the loop cannot be contracted then, and a
+    /// symplectic map may change its integral (by the flux, of a map that is not exact).
+    pub winds: bool,
+    /// A break of the loop before any step: it is no closed loop, or not unwrapped.
+    pub broken_before: Option<Break>,
+    /// A position that jumps by its whole range before any step.
+    pub wrap_before: Option<Wrap>,
+    /// Mean distance of neighbouring samples over that of samples sorted along the loop, for loops of another
+    /// code: 1 for rows in order.
+    pub shuffled: Option<f64>,
+    /// Step by step.
+    pub steps: Vec<StepEvidence>,
+    /// Why there are none: the error of the map.
+    pub failure: Option<String>,
+}
+
+/// Something that was asked for and not measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "what")]
+#[non_exhaustive]
+pub enum Omission {
+    /// Step sizes of the given loop: the budget was spent.
+    StepSizes {
+        /// How many.
+        count: usize,
+    },
+    /// Random loops: the budget was spent.
+    RandomLoops {
+        /// How many.
+        count: usize,
+    },
+    /// Samples that a loop would need to be resolved: the budget was spent.
+    Samples {
+        /// Which loop.
+        #[serde(rename = "loop")]
+        loop_index: usize,
+    },
+    /// The Jacobian: the budget was spent.
+    JacobianBudget,
+    /// The Jacobian: its states would not fit into memory.
+    JacobianMemory,
+    /// The Jacobian: the map failed near the loop.
+    JacobianFailed {
+        /// The error of the map.
+        reason: String,
+    },
+    /// Where a defect comes from: the map failed between substeps or within the loop.
+    LocalisationFailed {
+        /// The error of the map.
+        reason: String,
+    },
+    /// Where a defect comes from: the budget was spent.
+    LocalisationBudget,
+    /// Many steps: this many samples would have to stay in memory.
+    LongTimeMemory {
+        /// Samples.
+        samples: usize,
+    },
+    /// Many steps: the budget was spent.
+    LongTimeBudget,
+}
+
+/// Evaluations of the map: states advanced by one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Evaluations {
+    /// Made in all.
+    pub made: usize,
+    /// Allowed.
+    pub budget: usize,
+    /// Taken from a journal and not made again.
+    pub replayed: usize,
+    /// More that would be needed for what was left out for want of budget, as far as it can be told.
+    pub wanted: usize,
+    /// Made to check that the map has no memory.
+    pub purity: usize,
+    /// Made on the given loop.
+    pub given_loop: usize,
+    /// Made on random loops.
+    pub random_loops: usize,
+    /// Made for the Jacobian.
+    pub jacobian: usize,
+    /// Made to find which substep and which part of a loop has a defect.
+    pub localisation: usize,
+    /// Made in many steps of the given loop.
+    pub long_time: usize,
+}
+
+impl Evidence {
+    /// All points, flat, as tables and reports show them: the sweep over step sizes loop by loop, the sweep over
+    /// samples after the given loop.
+    pub fn points(&self) -> Vec<Point> {
+        let mut points = Vec::new();
+        for of_loop in &self.loops {
+            let of_steps = of_loop.steps.iter();
+            points.extend(of_steps.map(|step| Point::new(Sweep::StepSize, of_loop.index, step)));
+            if of_loop.index == 0 {
+                let of_samples = self.sample_sweep.iter();
+                points.extend(of_samples.map(|step| Point::new(Sweep::Samples, 0, step)));
+            }
+        }
+        points
+    }
+}
+
+impl LoopEvidence {
+    /// A loop on which nothing was measured yet.
+    pub fn new(index: usize, kind: LoopKind) -> Self {
+        LoopEvidence {
+            index,
+            kind,
+            ..LoopEvidence::default()
+        }
+    }
+
+    /// Whether a step broke the loop or changed its integral significantly.
+    pub fn shows_defect(&self) -> bool {
+        (self.steps.iter()).any(|step| step.jump.is_some() || step.is_significant())
+    }
+
+    /// A step that bounds the defect too weakly to call a map symplectic.
+    pub fn weak_step(&self) -> Option<&StepEvidence> {
+        (self.steps.iter()).find(|step| !step.is_bounded())
+    }
+
+    /// Whether every step bounds the defect well enough to count for a map.
+    pub fn is_bounded(&self) -> bool {
+        !self.steps.is_empty() && self.weak_step().is_none()
+    }
+}

@@ -1,0 +1,119 @@
+//! What one step of one loop showed.
+
+use serde::{Deserialize, Serialize};
+
+use crate::breaks::Break;
+use crate::rules::{Defect, RuleKind};
+
+/// The loop integral before and after one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct StepEvidence {
+    /// Step size h; `None` where nobody stated it.
+    pub step_size: Option<f64>,
+    /// Samples N_s; by the piecewise rule, the states that make up the integral.
+    pub samples: usize,
+    /// The rule.
+    pub rule: RuleKind,
+    /// I(0).
+    pub initial: f64,
+    /// I(h); of a broken loop the absolutely continuous part, as far as the rule gives it.
+    pub advanced: f64,
+    /// Change of the loop integral.
+    pub defect: Defect,
+    /// The largest break of the advanced loop that is known.
+    pub jump: Option<Break>,
+    /// What closing the breaks gives, where all of them are known.
+    pub closing: Option<Closing>,
+    /// Cells that jump, for samples that cannot be looked at in between.
+    pub jumping: Option<JumpingCells>,
+    /// A position that jumps by its whole range, as one in a periodic box does.
+    pub wrap: Option<Wrap>,
+    /// Cells that the finite-difference rule left out of the advanced loop, over all degrees of freedom.
+    pub omitted_cells: Option<usize>,
+    /// Cells of the map's grid, or half periods of a position, between neighbouring samples at most; 0 for a
+    /// map with neither.
+    pub cells_apart: f64,
+    /// Sobolev exponent of the advanced loop: about ½ at jumps and 3/2 at kinks.
+    pub regularity: Option<f64>,
+    /// How much the step deforms the loop, relative to its size.
+    pub deformation: Option<f64>,
+    /// States that the map advanced for this point.
+    pub evaluations: usize,
+}
+
+/// A loop whose breaks are closed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Closing {
+    /// Breaks.
+    pub breaks: usize,
+    /// What the closing segments contribute to the loop integral.
+    pub chord: f64,
+    /// Change of the closed loop integral.
+    pub closed: Defect,
+}
+
+/// Cells of a sampled loop in which a coordinate jumps, as far as samples can tell.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JumpingCells {
+    /// Cells that look like jumps.
+    pub cells: usize,
+    /// Those of them that keep their size from every fourth to every sample.
+    pub confirmed: usize,
+    /// The largest confirmed jump, as a part of the range of its coordinate; 0 if none is confirmed.
+    pub largest: f64,
+}
+
+/// A position that jumps by its whole range.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Wrap {
+    /// Degree of freedom.
+    pub dof: usize,
+    /// The range, which a period would have to be.
+    pub period: f64,
+}
+
+/// A defect this many times its uncertainty is significant.
+///
+/// Conventional. Uncertainties are estimates of systematic errors, not standard deviations: in the truth table
+/// true errors exceed them by a factor of three at most.
+pub(crate) const SIGNIFICANT: f64 = 10.0;
+
+/// A defect this many times its uncertainty is not explained by it. Conventional, as above.
+pub(crate) const UNEXPLAINED: f64 = 3.0;
+
+/// Samples further apart than this many cells of the map's grid, or half periods, do not resolve them: what
+/// they show is not the map. Nyquist's limit: two samples to a cell.
+pub(crate) const MOST_CELLS_APART: f64 = 0.5;
+
+/// A bound on the defect above this is too weak to call a map symplectic. Conventional: single precision
+/// gives bounds of 1e-7 and should pass.
+pub(crate) const WEAKEST_BOUND: f64 = 1e-6;
+
+impl StepEvidence {
+    /// Whether the samples are too far apart to resolve the grid of the map, or a period.
+    pub fn misses_the_grid(&self) -> bool {
+        self.cells_apart > MOST_CELLS_APART
+    }
+
+    /// Whether the defect is significant.
+    pub fn is_significant(&self) -> bool {
+        !self.misses_the_grid() && self.defect.magnitude() > SIGNIFICANT * self.defect.uncertainty()
+    }
+
+    /// Whether the defect is more than its uncertainty explains.
+    pub fn is_unexplained(&self) -> bool {
+        self.defect.magnitude() > UNEXPLAINED * self.defect.uncertainty()
+    }
+
+    /// The largest defect that the step may have.
+    pub fn bound(&self) -> f64 {
+        self.defect.magnitude() + self.defect.uncertainty()
+    }
+
+    /// Whether it bounds the defect well enough to call a map symplectic.
+    pub fn is_bounded(&self) -> bool {
+        // Not `bound > …`: a bound that is not a number is no bound.
+        matches!(self.bound(), 0.0..=WEAKEST_BOUND)
+    }
+}

@@ -1,0 +1,147 @@
+//! What a Jacobian test measured.
+
+use serde::{Deserialize, Serialize};
+
+use super::constants::CONSTANTS;
+
+/// By which method a Jacobian test computes derivatives.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum JacobianMethod {
+    /// The map's own [`TangentMap`](crate::TangentMap), exact up to round-off, and found to agree with
+    /// central differences.
+    TangentMap,
+    /// Central differences, extrapolated.
+    CentralDifferences {
+        /// Why the tangent map is not used, where the map has one.
+        rejected: Option<TangentRejection>,
+    },
+}
+
+/// Why the tangent map of a map is not used.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "why")]
+pub enum TangentRejection {
+    /// It is not the derivative of the map: differences disagree.
+    WrongDerivative {
+        /// The loop parameter of the point.
+        s: f64,
+        /// The largest difference of a component, in units of the loop.
+        difference: f64,
+        /// What the uncertainty of both explains of it.
+        uncertainty: f64,
+    },
+    /// It does not advance states as the map does.
+    WrongState {
+        /// The loop parameter of the point.
+        s: f64,
+        /// The largest difference of a coordinate, in units of the loop.
+        difference: f64,
+    },
+    /// Differences converge at no point, so that there is nothing to compare with.
+    Unchecked,
+}
+
+impl JacobianMethod {
+    /// The smallest defect that derivatives of this method attribute to the map. Smaller ones can be noise of
+    /// the map that differences enlarge, or the residual of stages that are solved to round-off, which no
+    /// trial of a tangent map shows.
+    pub(crate) fn least_defect(self) -> f64 {
+        match self {
+            JacobianMethod::TangentMap => CONSTANTS.least_defect_of_tangents,
+            JacobianMethod::CentralDifferences { .. } => CONSTANTS.least_defect_of_differences,
+        }
+    }
+}
+
+/// The change of the symplectic form on two tangent vectors,
+/// (ω(DΦ u, DΦ v) − ω(u, v)) / (‖u‖ ‖v‖), with ‖u‖² = Σ |w_i| r_qi r_pi (x_i² + y_i²) for
+/// u = Σ x_i r_qi ∂/∂q_i + y_i r_pi ∂/∂p_i.
+///
+/// Here r is half the range of a coordinate on the loop and w_i the weight of p_i. So the number does
+/// not depend on units, and of a map of one degree of freedom it is det DΦ − 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TangentDefect {
+    /// The loop parameter of the point, in [0, 1).
+    pub s: f64,
+    /// The change with its sign.
+    pub signed: f64,
+    /// Half the width of the interval in which the true one lies, by the estimates: truncation of the
+    /// differences, noise of the map and round-off; round-off alone with a tangent map.
+    pub uncertainty: f64,
+    /// The degrees of freedom of u and of v; `None` where u and v move all of them.
+    pub dofs: Option<(usize, usize)>,
+}
+
+impl TangentDefect {
+    /// Its size.
+    pub fn magnitude(&self) -> f64 {
+        self.signed.abs()
+    }
+
+    /// The largest change that there may be.
+    pub(super) fn bound(&self) -> f64 {
+        self.magnitude() + self.uncertainty
+    }
+
+    /// Whether it is larger than noise makes it, by derivatives of this method. It rules which of several
+    /// defects is kept, and which one is traced to its degrees of freedom.
+    pub(super) fn is_significant(&self, method: JacobianMethod) -> bool {
+        self.magnitude() > (method.least_defect()).max(CONSTANTS.significant * self.uncertainty)
+    }
+
+    /// The largest of the significant ones, or else of all; the first of equals.
+    pub(super) fn worst(
+        method: JacobianMethod,
+        defects: impl Iterator<Item = TangentDefect>,
+    ) -> Option<TangentDefect> {
+        let rank = |defect: &TangentDefect| (defect.is_significant(method), defect.magnitude());
+        defects.reduce(|best, next| {
+            if rank(&next) > rank(&best) {
+                next
+            } else {
+                best
+            }
+        })
+    }
+}
+
+/// What was found at one point of the loop.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JacobianPoint {
+    /// The loop parameter, in [0, 1).
+    pub s: f64,
+    /// The largest defect of a pair of tangent vectors, of the significant ones if there is one; `None`
+    /// where the map is not differentiable.
+    pub worst: Option<TangentDefect>,
+    /// What no pair that was tried exceeds, its uncertainty included; `None` likewise.
+    pub bound: Option<f64>,
+}
+
+/// What a [`JacobianTest`](crate::JacobianTest) measured. All numbers are finite.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JacobianEvidence {
+    /// Step size h.
+    pub step_size: f64,
+    /// How derivatives were computed.
+    pub method: JacobianMethod,
+    /// Point by point.
+    pub points: Vec<JacobianPoint>,
+    /// Points at which the map has no derivative, on the scale of the differences, or of the last digit of
+    /// the state with a tangent map.
+    pub not_differentiable: usize,
+    /// Whether all pairs of unit vectors were tried, and not only random ones.
+    pub full: bool,
+    /// The largest defect of all points, of the significant ones if there is one; with the degrees of freedom
+    /// that carry it, if it is significant.
+    pub worst: Option<TangentDefect>,
+    /// What no pair that was tried exceeds, its uncertainty included; `None` without a point.
+    pub bound: Option<f64>,
+    /// Largest change of a component of a tangent vector whose components are at most 1, where the map is
+    /// differentiable.
+    pub deformation: f64,
+    /// Noise of the map: of one coordinate, relative to its size on the loop.
+    pub noise: f64,
+    /// Evaluations made, with a tangent vector or without.
+    pub evaluations: usize,
+}

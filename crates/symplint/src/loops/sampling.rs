@@ -1,0 +1,88 @@
+//! Ensembles of the samples of a loop.
+
+use rayon::prelude::*;
+
+use super::Loop;
+use crate::error::Error;
+use crate::state::{Block, Ensemble, first_error, first_not_finite};
+
+impl Ensemble {
+    /// The samples γ(k/N_s), k = 0 … N_s − 1, of a loop.
+    ///
+    /// # Errors
+    /// If `samples` is less than 3, the ensemble is beyond all memory, or the loop is not finite
+    /// somewhere.
+    pub fn sample(phase_loop: &dyn Loop, samples: usize) -> Result<Self, Error> {
+        if samples < 3 {
+            return Err(Error::TooFewSamples { samples });
+        }
+        Self::sample_at(phase_loop, 0, samples, |k| k as f64 / samples as f64)
+    }
+
+    /// The samples γ((k + ½)/N_s), k = 0 … N_s − 1: what is missing for twice as many.
+    ///
+    /// # Errors
+    /// Those of [`sample`](Self::sample).
+    pub(crate) fn sample_between(phase_loop: &dyn Loop, samples: usize) -> Result<Self, Error> {
+        let twice = 2 * samples;
+        Self::sample_at(phase_loop, 0, samples, |k| {
+            (2 * k + 1) as f64 / twice as f64
+        })
+    }
+
+    /// Shows the same samples in ensembles of a few, in their order: for what a glance at each is enough.
+    ///
+    /// # Errors
+    /// The same, and those of `visit`.
+    pub(crate) fn in_parts(
+        phase_loop: &dyn Loop,
+        samples: usize,
+        mut visit: impl FnMut(Ensemble) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        /// Memory of a part, unless a block of a few samples needs more.
+        const BYTES: usize = 64 << 20;
+        let count = (BYTES / (16 * phase_loop.dof().max(1))).clamp(8, samples);
+        for first in (0..samples).step_by(count) {
+            let count = count.min(samples - first);
+            let at = |k: usize| k as f64 / samples as f64;
+            visit(Self::sample_at(phase_loop, first, count, at)?)?;
+        }
+        Ok(())
+    }
+
+    /// The states γ(`at`(k)) of `count` samples k from `first` on.
+    fn sample_at(
+        phase_loop: &dyn Loop,
+        first: usize,
+        count: usize,
+        at: impl Fn(usize) -> f64 + Sync,
+    ) -> Result<Self, Error> {
+        Self::check_size(phase_loop.dof(), count)?;
+        let mut ensemble = Self::zeros(phase_loop.dof(), count);
+        let width = Self::block_width(ensemble.dof());
+        let each = |(b, mut block): (usize, Block<'_>)| {
+            sample_block(phase_loop, &at, first + b * width, &mut block)
+        };
+        let blocks = ensemble.blocks().into_par_iter().enumerate();
+        first_error(blocks.map(each).collect())?;
+        Ok(ensemble)
+    }
+}
+
+/// Writes the samples γ(k/N_s), k = `first`, `first` + 1, …, of a loop into a block.
+///
+/// # Errors
+/// If the loop is not finite somewhere.
+pub(crate) fn sample_block(
+    phase_loop: &dyn Loop,
+    at: impl Fn(usize) -> f64,
+    first: usize,
+    block: &mut Block<'_>,
+) -> Result<(), Error> {
+    let s: Vec<f64> = (0..block.len()).map(|k| at(first + k)).collect();
+    phase_loop.sample(&s, block);
+    match first_not_finite(block.q.as_rows(), block.p.as_rows()) {
+        None => Ok(()),
+        Some(found) => Err(found.into_error(first, None)),
+    }
+}

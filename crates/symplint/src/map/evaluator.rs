@@ -1,0 +1,305 @@
+//! The one place where maps are called.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::{StepFailure, TangentMap, TimeAdvance};
+use crate::error::{Error, ON_THE_LOOP};
+use crate::loops::Loop;
+use crate::state::{Block, Coordinates, Ensemble, first_error, first_not_finite};
+
+/// Calls a map for the diagnostic: spreads samples over threads, checks that states are finite, names the
+/// sample and the step size of a failure, and counts evaluations.
+///
+/// One evaluation is one state advanced by one step, or by the last substeps of one.
+pub(crate) struct Evaluator<'a> {
+    map: &'a dyn TimeAdvance,
+    coordinates: Coordinates,
+    /// Substeps that make up the step; fewer than the map has for [`prefix`](Self::prefix).
+    substeps: usize,
+    count: &'a EvaluationCount,
+}
+
+/// Evaluations made so far, and how many may be made.
+///
+/// The budget does not stop a call: whoever plans asks for [`left`](Self::left) first.
+#[derive(Debug)]
+pub(crate) struct EvaluationCount {
+    made: AtomicUsize,
+    budget: usize,
+}
+
+impl EvaluationCount {
+    /// None made, so many allowed.
+    pub fn new(budget: usize) -> Self {
+        EvaluationCount {
+            made: AtomicUsize::new(0),
+            budget,
+        }
+    }
+
+    /// No limit.
+    pub fn unlimited() -> Self {
+        Self::new(usize::MAX)
+    }
+
+    /// Evaluations made.
+    pub fn made(&self) -> usize {
+        self.made.load(Ordering::Relaxed)
+    }
+
+    /// Evaluations that may still be made.
+    pub fn left(&self) -> usize {
+        self.budget.saturating_sub(self.made())
+    }
+
+    fn add(&self, evaluations: usize) {
+        self.made.fetch_add(evaluations, Ordering::Relaxed);
+    }
+}
+
+impl<'a> Evaluator<'a> {
+    /// Calls `map`, and adds to `count`.
+    ///
+    /// # Errors
+    /// If the coordinates of the map have other degrees of freedom than the map.
+    pub fn new(map: &'a dyn TimeAdvance, count: &'a EvaluationCount) -> Result<Self, Error> {
+        let coordinates = map.coordinates();
+        Error::check_length("coordinates of the map", map.dof(), coordinates.dof())?;
+        Ok(Evaluator {
+            map,
+            coordinates,
+            substeps: map.substeps(),
+            count,
+        })
+    }
+
+    /// The first `substeps` substeps as a map of their own.
+    pub fn prefix(&self, substeps: usize) -> Evaluator<'a> {
+        Evaluator {
+            map: self.map,
+            coordinates: self.coordinates.clone(),
+            substeps,
+            count: self.count,
+        }
+    }
+
+    /// Degrees of freedom.
+    pub fn dof(&self) -> usize {
+        self.map.dof()
+    }
+
+    /// Periods, weights and grid of the map.
+    pub fn coordinates(&self) -> &Coordinates {
+        &self.coordinates
+    }
+
+    /// Number of substeps.
+    pub fn substeps(&self) -> usize {
+        self.substeps
+    }
+
+    /// Name of a substep.
+    pub fn substep_name(&self, substep: usize) -> String {
+        self.map.substep_name(substep)
+    }
+
+    /// Breaks that the map can tell beforehand.
+    pub fn known_breaks(&self, phase_loop: &dyn Loop, h: f64) -> Vec<f64> {
+        self.map.known_breaks(phase_loop, h)
+    }
+
+    /// The tangent map, if the map has one. It is called by [`advance_tangents`](Self::advance_tangents).
+    pub fn has_tangent(&self) -> bool {
+        self.map.tangent().is_some()
+    }
+
+    /// The count that evaluations are added to.
+    pub fn count(&self) -> &'a EvaluationCount {
+        self.count
+    }
+
+    /// Checks that map and loop live in one phase space.
+    ///
+    /// # Errors
+    /// If they do not.
+    pub fn check_dof(&self, dof: usize) -> Result<(), Error> {
+        if self.dof() == dof {
+            Ok(())
+        } else {
+            Err(Error::DofMismatch {
+                map: self.dof(),
+                phase_loop: dof,
+            })
+        }
+    }
+
+    /// Advances every sample by one step of size `h`, in place.
+    ///
+    /// # Errors
+    /// If map and ensemble differ in their degrees of freedom, the map fails, or it returns a state that is
+    /// not finite. The error is that of the first block of samples that has one, on any number of threads;
+    /// the ensemble is then half advanced and of no use.
+    pub fn advance(&self, states: &mut Ensemble, h: f64) -> Result<(), Error> {
+        self.advance_from(states, h, |_, _| Ok(()))
+    }
+
+    /// The same from the states that `fill` writes into each block, which begins with the sample named: they
+    /// are advanced while they are in the cache.
+    ///
+    /// # Errors
+    /// Those of `fill` and of [`advance`](Self::advance).
+    pub fn advance_from(
+        &self,
+        states: &mut Ensemble,
+        h: f64,
+        fill: impl Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync,
+    ) -> Result<(), Error> {
+        self.check_dof(states.dof())?;
+        let width = Ensemble::block_width(states.dof());
+        self.advance_blocks(states.blocks(), width, 0, h, fill)
+    }
+
+    /// The same for blocks of `width` samples each, of which the first begins with sample `first`.
+    ///
+    /// # Errors
+    /// Those of `fill` and of [`advance`](Self::advance).
+    pub fn advance_blocks(
+        &self,
+        blocks: Vec<Block<'_>>,
+        width: usize,
+        first: usize,
+        h: f64,
+        fill: impl Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync,
+    ) -> Result<(), Error> {
+        self.count.add(blocks.iter().map(Block::len).sum());
+        let each = |(b, mut block): (usize, Block<'_>)| {
+            let first = first + b * width;
+            fill(first, &mut block)?;
+            let finite = if self.substeps == self.map.substeps() {
+                self.map.advance_and_look(h, &mut block)
+            } else {
+                (0..self.substeps)
+                    .try_for_each(|k| self.map.advance_substep(k, h, &mut block))
+                    .map(|()| block.all_finite())
+            };
+            checked(finite, h, first, &block)
+        };
+        first_error(blocks.into_par_iter().enumerate().map(each).collect())
+    }
+
+    /// Advances every sample by one substep of a step of size `h`. The last substep counts as an evaluation.
+    ///
+    /// # Errors
+    /// Those of [`advance`](Self::advance).
+    pub fn advance_substep(
+        &self,
+        states: &mut Ensemble,
+        substep: usize,
+        h: f64,
+    ) -> Result<(), Error> {
+        self.check_dof(states.dof())?;
+        if substep + 1 == self.substeps {
+            self.count.add(states.samples());
+        }
+        let width = Ensemble::block_width(states.dof());
+        let each = |(b, mut block): (usize, Block<'_>)| {
+            let advanced = self.map.advance_substep(substep, h, &mut block);
+            let finite = advanced.map(|()| block.all_finite());
+            checked(finite, h, b * width, &block)
+        };
+        let blocks = states.blocks().into_par_iter().enumerate();
+        first_error(blocks.map(each).collect())
+    }
+
+    /// Advances states and, with each, a tangent vector, as the tangent map of the map does; `fill` writes both
+    /// blocks, which begin with the sample named.
+    ///
+    /// # Errors
+    /// Those of [`advance`](Self::advance).
+    ///
+    /// # Panics
+    /// If the map has no tangent map, or the ensembles differ in shape.
+    pub fn advance_tangents(
+        &self,
+        states: &mut Ensemble,
+        tangents: &mut Ensemble,
+        h: f64,
+        fill: impl Fn(usize, &mut Block<'_>, &mut Block<'_>) + Sync,
+    ) -> Result<(), Error> {
+        let tangent: &dyn TangentMap = self.map.tangent().expect("the map has a tangent map");
+        assert_eq!(states.samples(), tangents.samples());
+        self.check_dof(states.dof())?;
+        self.count.add(states.samples());
+        let width = Ensemble::block_width(states.dof());
+        let pairs = states.blocks().into_par_iter().zip(tangents.blocks());
+        let each = |(b, (mut states, mut tangents)): (usize, (Block<'_>, Block<'_>))| {
+            let first = b * width;
+            fill(first, &mut states, &mut tangents);
+            let advanced = tangent.advance_tangents(h, &mut states, &mut tangents);
+            checked(advanced.map(|()| states.all_finite()), h, first, &states)
+        };
+        first_error(pairs.enumerate().map(each).collect())
+    }
+
+    /// What one step makes of the loop at the parameters `s`, as many or few as wanted.
+    ///
+    /// # Errors
+    /// Those of [`advance`](Self::advance).
+    pub fn image(&self, phase_loop: &dyn Loop, h: f64, s: &[f64]) -> Result<Ensemble, Error> {
+        let mut states = Ensemble::zeros(phase_loop.dof(), s.len());
+        phase_loop.sample(s, &mut states.block());
+        (self.advance(&mut states, h))
+            .map_err(|error| error.on_the_way(|sample| (s[sample], ON_THE_LOOP)))?;
+        Ok(states)
+    }
+}
+
+/// What came of advancing a block that begins with sample `first`.
+fn checked(
+    finite: Result<bool, StepFailure>,
+    h: f64,
+    first: usize,
+    block: &Block<'_>,
+) -> Result<(), Error> {
+    let finite = finite.map_err(|failure| Error::StepFailed {
+        sample: first + failure.sample,
+        step_size: h,
+        reason: failure.reason,
+    })?;
+    let not_finite = (!finite)
+        .then(|| first_not_finite(block.q.as_rows(), block.p.as_rows()))
+        .flatten();
+    match not_finite {
+        None => Ok(()),
+        Some(found) => Err(found.into_error(first, Some(h))),
+    }
+}
+
+impl Ensemble {
+    /// Advances every sample by one step of size `h`, in place, over the threads of the
+    /// current Rayon pool.
+    ///
+    /// # Errors
+    /// If map and ensemble differ in their degrees of freedom, the map fails, or it returns a state
+    /// that is not finite. The error is that of the first block of samples that has one,
+    /// on any number of threads; the ensemble is then half advanced and of no use.
+    pub fn advance(&mut self, map: &dyn TimeAdvance, h: f64) -> Result<(), Error> {
+        Evaluator::new(map, &EvaluationCount::unlimited())?.advance(self, h)
+    }
+
+    /// Advances every sample by one substep of a step of size `h`, as [`advance`](Self::advance)
+    /// does by the whole step.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn advance_substep(
+        &mut self,
+        map: &dyn TimeAdvance,
+        substep: usize,
+        h: f64,
+    ) -> Result<(), Error> {
+        Evaluator::new(map, &EvaluationCount::unlimited())?.advance_substep(self, substep, h)
+    }
+}

@@ -1,0 +1,121 @@
+//! What every rule does: integrate a loop before and after a step.
+
+use super::{Defect, LoopIntegral, RuleKind};
+use crate::breaks::Break;
+use crate::error::Error;
+use crate::loops::Loop;
+use crate::map::Evaluator;
+use crate::state::{Coordinates, Ensemble};
+
+/// What is under test: a map and a loop to send through it.
+#[derive(Clone, Copy)]
+pub(crate) struct Subject<'a> {
+    pub evaluator: &'a Evaluator<'a>,
+    pub phase_loop: &'a dyn Loop,
+}
+
+impl<'a> Subject<'a> {
+    /// Degrees of freedom of the loop.
+    pub fn dof(&self) -> usize {
+        self.phase_loop.dof()
+    }
+
+    /// Periods, weights and grid of the map.
+    pub fn coordinates(&self) -> &'a Coordinates {
+        self.evaluator.coordinates()
+    }
+}
+
+/// Equispaced samples of a loop.
+#[derive(Clone, Copy)]
+pub(crate) enum Samples<'a> {
+    /// In memory.
+    Kept(&'a Ensemble),
+    /// Only their number: a rule that does not keep samples makes them.
+    Count(usize),
+}
+
+impl<'a> Samples<'a> {
+    /// How many they are.
+    pub fn count(self) -> usize {
+        match self {
+            Samples::Kept(ensemble) => ensemble.samples(),
+            Samples::Count(count) => count,
+        }
+    }
+
+    /// The states.
+    ///
+    /// # Panics
+    /// If they are not in memory, which rules that keep samples ask for.
+    pub fn kept(self) -> &'a Ensemble {
+        match self {
+            Samples::Kept(ensemble) => ensemble,
+            Samples::Count(_) => panic!("a rule that keeps samples is given samples"),
+        }
+    }
+}
+
+/// One rule at work.
+pub(crate) trait LoopIntegrator {
+    /// Which rule it is.
+    fn kind(&self) -> RuleKind;
+
+    /// Whether it is given samples in memory.
+    fn keeps_samples(&self) -> bool {
+        true
+    }
+
+    /// The loop integral before the step.
+    ///
+    /// # Errors
+    /// Those of the rule.
+    fn before(&self, subject: &Subject<'_>, samples: Samples<'_>) -> Result<LoopIntegral, Error>;
+
+    /// What a step of size `h` did to the loop, of which these are the samples after it.
+    ///
+    /// # Errors
+    /// Those of the rule and of the map.
+    fn after(
+        &self,
+        subject: &Subject<'_>,
+        h: f64,
+        samples: Samples<'_>,
+        initial: &LoopIntegral,
+    ) -> Result<Advanced, Error>;
+}
+
+/// What one step did to a loop.
+#[derive(Clone)]
+pub(crate) struct Advanced {
+    pub integral: LoopIntegral,
+    pub defect: Defect,
+    /// All that the rule finds, or the one that samples led to.
+    pub breaks: Vec<Break>,
+    /// What closing all breaks gives, where all are known.
+    pub closed: Option<Closed>,
+    /// States that make up the integral.
+    pub samples: usize,
+    /// Sobolev exponent of the advanced loop, where samples tell.
+    pub regularity: Option<f64>,
+    /// Grid cells, or half periods, from one sample to the next at most.
+    pub cells_apart: f64,
+}
+
+/// A loop whose breaks are closed.
+#[derive(Clone, Copy)]
+pub(crate) struct Closed {
+    pub breaks: usize,
+    /// What the closing segments contribute to the loop integral.
+    pub chord: f64,
+    pub defect: Defect,
+}
+
+impl Advanced {
+    /// The largest break, by the size of its jump.
+    pub fn largest_break(&self) -> Option<Break> {
+        let size = |found: &Break| found.jump_q.hypot(found.jump_p);
+        let breaks = self.breaks.iter().copied();
+        breaks.reduce(|a, b| if size(&b) > size(&a) { b } else { a })
+    }
+}

@@ -1,0 +1,157 @@
+//! The rules that integrate equispaced samples: pseudospectral and finite differences.
+
+use super::{
+    Advanced, Cutoffs, Defect, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject,
+};
+use crate::breaks::{Break, find_break_with};
+use crate::error::Error;
+use crate::state::{Coordinates, Ensemble};
+
+/// [`Rule::Pseudospectral`].
+pub(super) struct Pseudospectral;
+
+/// [`Rule::FiniteDifference`].
+pub(super) struct FiniteDifference(pub Cutoffs);
+
+impl LoopIntegrator for Pseudospectral {
+    fn kind(&self) -> RuleKind {
+        RuleKind::Pseudospectral
+    }
+
+    fn before(&self, subject: &Subject<'_>, samples: Samples<'_>) -> Result<LoopIntegral, Error> {
+        let rule = Rule::Pseudospectral;
+        LoopIntegral::in_coordinates(samples.kept(), &rule, subject.coordinates())
+    }
+
+    fn after(
+        &self,
+        subject: &Subject<'_>,
+        h: f64,
+        samples: Samples<'_>,
+        initial: &LoopIntegral,
+    ) -> Result<Advanced, Error> {
+        let after = samples.kept();
+        let found = substantial_break(subject, h, after)?;
+        let integral = self.before(subject, Samples::Kept(after))?;
+        advanced(subject, after, initial, integral, found)
+    }
+}
+
+impl LoopIntegrator for FiniteDifference {
+    fn kind(&self) -> RuleKind {
+        RuleKind::FiniteDifference
+    }
+
+    fn before(&self, subject: &Subject<'_>, samples: Samples<'_>) -> Result<LoopIntegral, Error> {
+        let rule = Rule::FiniteDifference(self.0);
+        LoopIntegral::in_coordinates(samples.kept(), &rule, subject.coordinates())
+    }
+
+    fn after(
+        &self,
+        subject: &Subject<'_>,
+        h: f64,
+        samples: Samples<'_>,
+        initial: &LoopIntegral,
+    ) -> Result<Advanced, Error> {
+        let after = samples.kept();
+        let found = substantial_break(subject, h, after)?;
+        let mut integral = self.before(subject, Samples::Kept(after))?;
+        integral.quadrature_error = match found {
+            // The rule took a jump for a part of the loop: its error is not known.
+            Some(found) if retains(&integral, &found, after.samples()) => None,
+            Some(_) => integral.quadrature_error,
+            None => cross_checked(subject, after, &integral)?,
+        };
+        advanced(subject, after, initial, integral, found)
+    }
+}
+
+fn advanced(
+    subject: &Subject<'_>,
+    after: &Ensemble,
+    initial: &LoopIntegral,
+    integral: LoopIntegral,
+    found: Option<Break>,
+) -> Result<Advanced, Error> {
+    Ok(Advanced {
+        defect: Defect::between(initial, &integral)?,
+        regularity: integral.regularity,
+        integral,
+        breaks: found.into_iter().collect(),
+        closed: None,
+        samples: after.samples(),
+        cells_apart: cells_apart(after, subject.coordinates()),
+    })
+}
+
+/// The quadrature error of a finite-difference integral of a loop without breaks, not less than its
+/// distance from the pseudospectral one: cut-offs can leave out steep but smooth cells.
+fn cross_checked(
+    subject: &Subject<'_>,
+    after: &Ensemble,
+    integral: &LoopIntegral,
+) -> Result<Option<f64>, Error> {
+    let other = Pseudospectral.before(subject, Samples::Kept(after))?;
+    let distance = (other.value - integral.value).abs();
+    let errors = integral.quadrature_error.zip(other.quadrature_error);
+    Ok(errors.map(|(own, of_other)| own.max(distance + of_other)))
+}
+
+/// A break of more than rounding, if advanced samples lead to one.
+pub(super) fn substantial_break(
+    subject: &Subject<'_>,
+    h: f64,
+    after: &Ensemble,
+) -> Result<Option<Break>, Error> {
+    let found = find_break_with(subject.evaluator, subject.phase_loop, h, after)?;
+    Ok(found.filter(|found| is_substantial(found, after)))
+}
+
+/// Whether a break is more than rounding beside the ranges of its degree of freedom.
+pub(super) fn is_substantial(found: &Break, ensemble: &Ensemble) -> bool {
+    let range = |row: &[f64]| {
+        let low = row.iter().copied().fold(f64::INFINITY, f64::min);
+        row.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low
+    };
+    let (q, p) = (ensemble.q().row(found.dof), ensemble.p().row(found.dof));
+    found.is_substantial([range(q), range(p)])
+}
+
+/// Whether the cell of a break is among those that make up the integral.
+fn retains(integral: &LoopIntegral, found: &Break, samples: usize) -> bool {
+    /// A break this near to a sample, in cells, may be in the cell on either side.
+    const EDGE: f64 = 1e-6;
+    let position = found.s * samples as f64;
+    integral.omitted.as_ref().is_none_or(|omitted| {
+        !omitted.iter().any(|cell| {
+            let from = cell.cell as f64;
+            cell.dof == found.dof && (from - EDGE..=from + 1.0 + EDGE).contains(&position)
+        })
+    })
+}
+
+/// Grid cells between neighbouring samples at most, or half periods, if they are more; 0 where there is
+/// neither. Positions that are half a period apart could be unwrapped either way.
+pub(super) fn cells_apart(ensemble: &Ensemble, coordinates: &Coordinates) -> f64 {
+    let furthest = |dof: usize| {
+        let (row, period) = (ensemble.q().row(dof), coordinates.period(dof));
+        let spacing = match (coordinates.grid_spacing(), 0.5 * period) {
+            (0.0, 0.0) => return 0.0,
+            (0.0, other) | (other, 0.0) => other,
+            (grid, half) => grid.min(half),
+        };
+        let distance = |a: f64, b: f64| {
+            let direct = (b - a).abs();
+            if period > 0.0 {
+                direct.min((direct - period).abs())
+            } else {
+                direct
+            }
+        };
+        let closing = distance(row[row.len() - 1], row[0]);
+        let steps = row.windows(2).map(|pair| distance(pair[0], pair[1]));
+        steps.fold(closing, f64::max) / spacing
+    };
+    (0..ensemble.dof()).map(furthest).fold(0.0, f64::max)
+}

@@ -1,0 +1,410 @@
+//! What a verdict rests on: findings with their numbers, and advice.
+
+use serde::Serialize;
+
+use super::jacobian::JacobianFinding;
+use super::long_time::Growth;
+use super::order::Fit;
+use crate::breaks::Break;
+use crate::evidence::{LongTime, Omission, OutputPrecision, Sector, SubstepDefect};
+
+/// Which advanced loop a finding speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Step {
+    /// The one after a step of this size.
+    Size(f64),
+    /// The only one, after a step of unknown size.
+    Only,
+    /// One of several, counted from 1, after a step of unknown size.
+    Number(usize),
+}
+
+/// A change of a loop integral with its uncertainty, relative to the integral before the step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Change {
+    /// Signed.
+    pub signed: f64,
+    /// Quadrature error and round-off; `None` where the quadrature error is not known.
+    pub uncertainty: Option<f64>,
+}
+
+/// The range of step sizes of a sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepRange {
+    /// Nobody stated them.
+    Unknown,
+    /// One.
+    One(f64),
+    /// From the smallest to the largest.
+    Between(f64, f64),
+}
+
+/// One statement about the evidence. Its sentence is its `Display`.
+///
+/// The first finding of a verdict decides it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+#[non_exhaustive]
+pub enum Finding {
+    /// There is no evidence.
+    NothingMeasured,
+    /// A position jumps by its whole range, before the step or after it: its period is not stated.
+    Wrapped {
+        /// Degree of freedom.
+        dof: usize,
+        /// The range.
+        period: f64,
+        /// `None` before the step.
+        step: Option<Step>,
+    },
+    /// The loop before the step jumps: it is not closed.
+    NotClosed {
+        /// The jump.
+        jump: Break,
+    },
+    /// The map is discontinuous: an advanced loop jumps.
+    Discontinuous {
+        /// The largest jump of the loop that shows it.
+        jump: Break,
+        /// Whether the closed integrals are conserved, where that is known.
+        conserved: Option<bool>,
+    },
+    /// Loops that are known by their samples only jump between neighbouring samples.
+    JumpingSamples {
+        /// Loops that jump.
+        loops: usize,
+        /// Loops in all.
+        of: usize,
+        /// Confirmed jumps of the loop that has most of them.
+        jumps: usize,
+        /// Which loop that is.
+        step: Step,
+        /// Samples of each loop.
+        samples: usize,
+    },
+    /// The map changes a loop integral.
+    Changes {
+        /// |E|.
+        defect: f64,
+        /// The step.
+        step: Step,
+        /// How it falls with h, where that is known.
+        law: Option<Fit>,
+    },
+    /// No defect was found.
+    Conserved {
+        /// No defect exceeds this.
+        bound: f64,
+        /// Step sizes of the given loop.
+        range: StepRange,
+        /// Random loops that bound the defect as well.
+        random: usize,
+        /// Whether the given loop counts: a loop that winds does not.
+        given: bool,
+    },
+    /// The largest step hardly deforms the loop: no method would show a defect.
+    LittleDeformation {
+        /// Relative to the size of the loop.
+        deformation: f64,
+    },
+    /// The samples do not resolve the grid of the map.
+    MissesGrid {
+        /// Which loop.
+        loop_index: usize,
+        /// Cells, or half periods, between neighbouring samples.
+        cells_apart: f64,
+        /// The step.
+        step: Step,
+    },
+    /// Jumps too small to be told from the output precision of the map.
+    SmallJumps {
+        /// As a part of the range of the coordinate.
+        size: f64,
+        /// The step.
+        step: Step,
+    },
+    /// Cells that look like jumps, at too few samples to tell.
+    TooFewForJumps {
+        /// Cells.
+        cells: usize,
+        /// The step.
+        step: Step,
+        /// Samples.
+        samples: usize,
+    },
+    /// The quadrature error of a sampled loop is not known.
+    UnknownIntegral {
+        /// Samples.
+        samples: usize,
+        /// The step.
+        step: Step,
+        /// Whether there are too few samples to tell at all.
+        too_few: bool,
+    },
+    /// Rows look shuffled: sorted along the loop, neighbours are much nearer to each other.
+    Shuffled {
+        /// Mean distance of neighbouring samples over that of sorted ones.
+        ratio: f64,
+    },
+    /// A defect between what its uncertainty explains and what is significant.
+    Unexplained {
+        /// |E|.
+        defect: f64,
+        /// Its uncertainty.
+        uncertainty: f64,
+        /// The step.
+        step: Step,
+    },
+    /// Every loop winds round a period.
+    AllLoopsWind,
+    /// The map fails on every random loop.
+    RandomLoopsFail,
+    /// The quadrature bounds the defect too weakly.
+    WeakBound {
+        /// The bound.
+        bound: f64,
+        /// The step.
+        step: Step,
+        /// Whether round-off makes most of it.
+        roundoff: bool,
+    },
+    /// Loops are conserved, but the Jacobian is not symplectic.
+    JacobianRefutes,
+
+    /// Where the largest jump is.
+    Jump {
+        /// Which loop.
+        loop_index: usize,
+        /// The step.
+        step: Step,
+        /// Breaks of that loop, where all are known.
+        breaks: Option<usize>,
+        /// The largest jump.
+        jump: Break,
+        /// Whether only samples are known.
+        sampled: bool,
+    },
+    /// How many loops are broken.
+    BrokenCount {
+        /// Broken ones.
+        broken: usize,
+        /// Advanced loops.
+        of: usize,
+    },
+    /// What a sampled loop does with and without chords across its jumps.
+    SampledBreaks {
+        /// The step.
+        step: Step,
+        /// Cells that look like jumps.
+        cells: usize,
+        /// Confirmed ones.
+        confirmed: usize,
+        /// Without the jumping cells.
+        open: Change,
+        /// With chords across them.
+        closed: Change,
+    },
+    /// A law of the defect in h.
+    Law {
+        /// The fit.
+        fit: Fit,
+        /// Whether the loop is broken: the law is that of the absolutely continuous part.
+        between_breaks: bool,
+    },
+    /// All loop integrals are conserved once breaks are closed.
+    ClosedConserved {
+        /// No closed defect exceeds this.
+        bound: f64,
+        /// The loop with the largest.
+        loop_index: usize,
+        /// The step.
+        step: Step,
+    },
+    /// A closed loop integral changes.
+    ClosedChanges {
+        /// By how much.
+        change: Change,
+        /// Which loop.
+        loop_index: usize,
+        /// The step.
+        step: Step,
+    },
+    /// Samples cannot prove a jump.
+    SamplesAreNoProof {
+        /// Samples.
+        samples: usize,
+    },
+    /// The largest significant defect.
+    Significant {
+        /// By how much.
+        change: Change,
+        /// Which loop.
+        loop_index: usize,
+        /// The step.
+        step: Step,
+    },
+    /// How large the defects of a loop may be.
+    Bound {
+        /// Which loop.
+        loop_index: usize,
+        /// Samples; `None` by the piecewise rule.
+        samples: Option<usize>,
+        /// The bound; `None` where nothing is known.
+        bound: Option<f64>,
+        /// |E| as measured.
+        measured: f64,
+        /// Its uncertainty.
+        uncertainty: Option<f64>,
+        /// The step.
+        step: Step,
+    },
+    /// The map failed on a loop.
+    LoopFailed {
+        /// Which loop.
+        loop_index: usize,
+        /// Its error.
+        reason: String,
+    },
+    /// A loop that winds changes: the map is not exact.
+    NotExact {
+        /// Which loop.
+        loop_index: usize,
+        /// By how much.
+        change: Change,
+        /// The step.
+        step: Step,
+    },
+    /// A loop that winds is conserved: the map is exact.
+    Exact {
+        /// Which loop.
+        loop_index: usize,
+    },
+    /// Features narrower than the distance of samples are not resolved.
+    Resolution {
+        /// Samples of the given loop.
+        samples: usize,
+    },
+    /// How much the largest step deforms the given loop.
+    Deformation {
+        /// Relative to its size.
+        deformation: f64,
+    },
+    /// The decay of the Fourier coefficients of the advanced loop.
+    Regularity {
+        /// Sobolev exponent.
+        exponent: f64,
+        /// The step.
+        step: Step,
+    },
+    /// The map rounds what it returns.
+    Precision(OutputPrecision),
+    /// What becomes of the defect in many steps.
+    ManySteps {
+        /// What was measured.
+        steps: LongTime,
+        /// What follows.
+        growth: Growth,
+    },
+    /// What the substeps of the map do to the loop.
+    Substeps {
+        /// All of them.
+        substeps: Vec<SubstepDefect>,
+        /// The step.
+        step: Step,
+    },
+    /// Which part of the disc within the loop carries the defect.
+    Sectors {
+        /// All of them.
+        sectors: Vec<Sector>,
+        /// The step.
+        step: Step,
+    },
+    /// What the Jacobian of a step says beside the loops.
+    Jacobian {
+        /// What it says.
+        finding: JacobianFinding,
+    },
+    /// Something was left out.
+    Omitted {
+        /// What.
+        omission: Omission,
+    },
+    /// What the verdict cost.
+    Evaluations {
+        /// Made.
+        made: usize,
+        /// Allowed.
+        budget: usize,
+    },
+}
+
+/// What to do next. Its sentence is its `Display`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+#[non_exhaustive]
+pub enum Advice {
+    /// Measure a loop.
+    MeasureLoop,
+    /// State the period of a position.
+    StatePeriod,
+    /// State the period of positions, if they live in a periodic box.
+    PeriodIfPeriodic,
+    /// Give the samples in their order.
+    OrderOfSamples,
+    /// Take more samples of a loop for another code.
+    MoreSamplesOfFile,
+    /// Use a smoother interpolation.
+    SmootherForce,
+    /// Tighten the tolerance of a solver inside the map.
+    TightenSolver,
+    /// Give more step sizes to learn the order.
+    MoreStepSizes {
+        /// Step sizes measured.
+        given: usize,
+    },
+    /// The step sizes that were given show no order.
+    NoOrder {
+        /// Step sizes measured.
+        given: usize,
+        /// Whether the defects of the smaller ones drown in their uncertainty.
+        drowned: bool,
+    },
+    /// Say the step sizes of the files.
+    StateStepSizes,
+    /// The defect does not fall with h.
+    DefectDoesNotFall,
+    /// Take larger steps.
+    LargerSteps {
+        /// The deformation of the largest one.
+        deformation: f64,
+    },
+    /// Check that the files differ.
+    CheckCopies,
+    /// Two samples or more in each cell.
+    SamplesInCells,
+    /// More samples and larger steps.
+    MoreSamplesAndLargerSteps,
+    /// Add loops that can be contracted.
+    ContractibleLoops,
+    /// Take a smaller loop that stays in the domain of the map.
+    SmallerLoopInDomain,
+    /// Take more samples, or a smaller loop.
+    MoreSamplesOrSmallerLoop,
+    /// Take a larger loop: round-off makes the bound weak.
+    LargerLoop,
+    /// Return more digits.
+    MoreDigits,
+    /// Take other loops: the Jacobian shows a defect that these hide.
+    OtherLoops,
+    /// One loop is one probe.
+    MoreLoops,
+    /// The same, for loops of another code.
+    MoreLoopsOfFile,
+    /// Raise the budget.
+    MoreEvaluations {
+        /// By this many evaluations, about.
+        wanted: usize,
+    },
+}

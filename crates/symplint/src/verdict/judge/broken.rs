@@ -1,0 +1,181 @@
+//! Loops that are not closed before the step, and loops that a step breaks.
+
+use super::{Case, Decision, change};
+use crate::evidence::{LoopEvidence, StepEvidence, WEAKEST_BOUND};
+use crate::verdict::VerdictKind;
+use crate::verdict::finding::{Advice, Finding, Step};
+use crate::verdict::order::Fit;
+use crate::verdict::thresholds::{LEAST_SAMPLED_JUMP, SHUFFLED, TREND};
+
+/// The worst of the loops whose breaks are closed.
+struct Closed {
+    finding: Finding,
+    conserved: bool,
+}
+
+impl Case<'_> {
+    /// The loop before the step is not closed, or a loop is cut where a periodic box ends.
+    pub(super) fn no_closed_loop(&self) -> Option<Decision> {
+        let given = self.loops.first()?;
+        let wrapped = |dof, period, step| {
+            let because = Finding::Wrapped { dof, period, step };
+            let mut decision = Decision::new(VerdictKind::Undecided, because);
+            decision.findings = self.bounds();
+            decision.advice.push(Advice::StatePeriod);
+            decision
+        };
+        if let Some(wrap) = given.wrap_before {
+            return Some(wrapped(wrap.dof, wrap.period, None));
+        }
+        if let Some(ratio) = given.shuffled.filter(|&ratio| ratio > SHUFFLED) {
+            let mut decision = Decision::new(VerdictKind::Undecided, Finding::Shuffled { ratio });
+            decision.findings = self.bounds();
+            decision.advice.push(Advice::OrderOfSamples);
+            return Some(decision);
+        }
+        if let Some(jump) = given.broken_before {
+            let mut decision = Decision::new(VerdictKind::Undecided, Finding::NotClosed { jump });
+            decision.findings = self.bounds();
+            decision.advice = vec![Advice::OrderOfSamples, Advice::MoreSamplesOfFile];
+            return Some(decision);
+        }
+        self.steps().find_map(|(found, step)| {
+            let wrap = step.wrap?;
+            Some(wrapped(wrap.dof, wrap.period, Some(self.name(found, step))))
+        })
+    }
+
+    pub(super) fn broken(&self) -> Option<Decision> {
+        match self.is_sampled() {
+            true => self.broken_samples(),
+            false => self.broken_by_map(),
+        }
+    }
+
+    fn broken_by_map(&self) -> Option<Decision> {
+        let (found, step, jump) =
+            (self.steps()).find_map(|(found, step)| Some((found, step, step.jump?)))?;
+        let closed = self.closed();
+        let conserved = closed.as_ref().map(|closed| closed.conserved);
+        let because = Finding::Discontinuous { jump, conserved };
+        let mut decision = Decision::new(VerdictKind::BrokenLoops, because);
+        decision.conserved_once_closed = conserved;
+        decision.findings.push(Finding::Jump {
+            loop_index: found.index,
+            step: self.name(found, step),
+            breaks: step.closing.map(|closing| closing.breaks),
+            jump,
+            sampled: false,
+        });
+        decision.findings.push(Finding::BrokenCount {
+            broken: self.steps().filter(|(_, step)| step.jump.is_some()).count(),
+            of: self.steps().count(),
+        });
+        let fit = self.fits.iter().find(|fit| fit.loop_index == 0);
+        decision.order = fit.filter(|fit| fit.slope > TREND).and_then(Fit::whole);
+        decision.findings.extend(fit.map(|fit| Finding::Law {
+            fit: fit.clone(),
+            between_breaks: true,
+        }));
+        decision
+            .findings
+            .extend(closed.map(|closed| closed.finding));
+        decision.advice = vec![
+            Advice::SmootherForce,
+            Advice::PeriodIfPeriodic,
+            Advice::TightenSolver,
+        ];
+        Some(decision)
+    }
+
+    /// What the loops do whose breaks are closed; `None` where that is not known.
+    fn closed(&self) -> Option<Closed> {
+        let closed = self.steps().filter_map(|(found, step)| {
+            let defect = step.closing.filter(|_| !found.winds)?.closed;
+            Some((found, step, defect))
+        });
+        let (found, step, defect) =
+            closed.max_by(|a, b| a.2.magnitude().total_cmp(&b.2.magnitude()))?;
+        let (loop_index, name) = (found.index, self.name(found, step));
+        if defect.magnitude() > crate::evidence::SIGNIFICANT * defect.uncertainty() {
+            return Some(Closed {
+                finding: Finding::ClosedChanges {
+                    change: change(&defect),
+                    loop_index,
+                    step: name,
+                },
+                conserved: false,
+            });
+        }
+        let bound = defect.magnitude() + defect.uncertainty();
+        (bound <= WEAKEST_BOUND).then_some(Closed {
+            finding: Finding::ClosedConserved {
+                bound,
+                loop_index,
+                step: name,
+            },
+            conserved: true,
+        })
+    }
+
+    /// Loops that jump between neighbouring samples by more than single precision would.
+    fn broken_samples(&self) -> Option<Decision> {
+        let jumping = || {
+            self.steps().filter_map(|(found, step)| {
+                let jumps = step.jumping.filter(|j| j.largest > LEAST_SAMPLED_JUMP)?;
+                Some((found, step, jumps))
+            })
+        };
+        let (found, step, jumps) = jumping().max_by_key(|(_, _, jumps)| jumps.confirmed)?;
+        let name = self.name(found, step);
+        let samples = found.samples;
+        let because = Finding::JumpingSamples {
+            loops: jumping().count(),
+            of: self.steps().count(),
+            jumps: jumps.confirmed,
+            step: name,
+            samples,
+        };
+        let mut decision = Decision::new(VerdictKind::BrokenLoops, because);
+        decision
+            .findings
+            .extend(step.jump.map(|jump| Finding::Jump {
+                loop_index: found.index,
+                step: name,
+                breaks: Some(jumps.confirmed),
+                jump,
+                sampled: true,
+            }));
+        decision
+            .findings
+            .extend(jumping().filter_map(|(found, step, _)| self.sampled_breaks(found, step)));
+        decision
+            .findings
+            .extend(self.fits.first().map(|fit| Finding::Law {
+                fit: fit.clone(),
+                between_breaks: true,
+            }));
+        decision
+            .findings
+            .push(Finding::SamplesAreNoProof { samples });
+        decision.advice = vec![
+            Advice::PeriodIfPeriodic,
+            Advice::MoreSamplesOfFile,
+            Advice::SmootherForce,
+            Advice::TightenSolver,
+        ];
+        Some(decision)
+    }
+
+    fn sampled_breaks(&self, found: &LoopEvidence, step: &StepEvidence) -> Option<Finding> {
+        let (jumps, closing) = (step.jumping?, step.closing?);
+        let name: Step = self.name(found, step);
+        Some(Finding::SampledBreaks {
+            step: name,
+            cells: jumps.cells,
+            confirmed: jumps.confirmed,
+            open: change(&step.defect),
+            closed: change(&closing.closed),
+        })
+    }
+}

@@ -1,0 +1,109 @@
+//! No defect: how large it may be.
+
+use super::{Case, Decision, change, range};
+use crate::evidence::{LoopEvidence, StepEvidence};
+use crate::rules::RuleKind;
+use crate::verdict::VerdictKind;
+use crate::verdict::finding::{Advice, Finding};
+
+impl Case<'_> {
+    pub(super) fn symplectic(&self) -> Decision {
+        // A random loop that winds says whether the map is exact, no more.
+        let (given, others) = self.loops.split_at(1);
+        let random: Vec<&LoopEvidence> = (others.iter())
+            .filter(|found| !found.winds && found.is_bounded())
+            .collect();
+        let counted = given.iter().filter(|found| found.is_bounded());
+        let bound = (counted.chain(random.iter().copied()))
+            .flat_map(|found| &found.steps)
+            .map(StepEvidence::bound)
+            .fold(f64::EPSILON, f64::max);
+        let because = Finding::Conserved {
+            bound,
+            range: range(&given[0]),
+            random: random.len(),
+            given: given[0].is_bounded(),
+        };
+        let mut decision = Decision::new(VerdictKind::Symplectic, because);
+        decision.digits = Some((-bound.log10() * 10.0).floor() / 10.0);
+        decision.findings = self.bounds();
+        decision.advice.extend(match self.is_sampled() {
+            true => Some(Advice::MoreLoopsOfFile),
+            false => (!self.has_random_loops()).then_some(Advice::MoreLoops),
+        });
+        let rounded = self.evidence.survey.output_precision.is_some();
+        decision
+            .advice
+            .extend(rounded.then_some(Advice::MoreDigits));
+        decision
+    }
+
+    /// How large the defects may be: of every sampled loop; else of the given loop and of the worst random one.
+    pub(super) fn bounds(&self) -> Vec<Finding> {
+        let mut findings = match self.is_sampled() {
+            true => self.bounds_of_samples(),
+            false => self.bounds_of_loops(),
+        };
+        let samples = self.loops.first().map_or(0, |given| given.samples);
+        findings.push(Finding::Resolution { samples });
+        let deformation = self.deformation();
+        findings.extend(deformation.map(|deformation| Finding::Deformation { deformation }));
+        findings
+    }
+
+    fn bounds_of_samples(&self) -> Vec<Finding> {
+        (self.steps())
+            .map(|(found, step)| self.bound(found, step))
+            .collect()
+    }
+
+    fn bound(&self, found: &LoopEvidence, step: &StepEvidence) -> Finding {
+        let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+        Finding::Bound {
+            loop_index: found.index,
+            samples: (found.rule != RuleKind::Piecewise).then_some(found.samples),
+            bound: finite(step.bound()),
+            measured: step.defect.magnitude(),
+            uncertainty: finite(step.defect.uncertainty()),
+            step: self.name(found, step),
+        }
+    }
+
+    fn bounds_of_loops(&self) -> Vec<Finding> {
+        let worst_step = |found: &LoopEvidence| {
+            let worst = (found.steps.iter()).max_by(|a, b| a.bound().total_cmp(&b.bound()))?;
+            Some(self.bound(found, worst))
+        };
+        let (given, random) = self.loops.split_at(1);
+        let bound = |found: &LoopEvidence| {
+            let bounds = found.steps.iter().map(StepEvidence::bound);
+            bounds.fold(0.0, f64::max)
+        };
+        let worst = (random.iter().filter(|found| !found.steps.is_empty()))
+            .max_by(|a, b| bound(a).total_cmp(&bound(b)));
+        let mut findings: Vec<Finding> =
+            (given.iter().chain(worst)).filter_map(worst_step).collect();
+        let failed = (self.loops.iter()).find_map(|found| {
+            Some(Finding::LoopFailed {
+                loop_index: found.index,
+                reason: found.failure.clone()?,
+            })
+        });
+        findings.extend(failed);
+        let flux = (self.steps()).find(|(found, step)| found.winds && step.is_significant());
+        findings.extend(flux.map(|(found, step)| Finding::NotExact {
+            loop_index: found.index,
+            change: change(&step.defect),
+            step: self.name(found, step),
+        }));
+        let conserved =
+            |found: &&LoopEvidence| !found.steps.iter().any(StepEvidence::is_unexplained);
+        let exact = (random.iter())
+            .filter(|found| found.winds && found.is_bounded())
+            .find(conserved);
+        findings.extend(exact.map(|found| Finding::Exact {
+            loop_index: found.index,
+        }));
+        findings
+    }
+}

@@ -1,0 +1,141 @@
+//! Reasons for which the numbers do not decide.
+
+use super::{Case, Decision};
+use crate::evidence::{LoopEvidence, LoopKind, StepEvidence};
+use crate::verdict::VerdictKind;
+use crate::verdict::finding::{Advice, Finding};
+
+impl Case<'_> {
+    fn because(&self, because: Finding, advice: Vec<Advice>) -> Decision {
+        let mut decision = Decision::new(VerdictKind::Undecided, because);
+        decision.findings = self.bounds();
+        decision.advice = advice;
+        // Where the budget is what is missing, the rest of the advice comes after it.
+        if let Some(more) = self.wants_evaluations() {
+            decision.advice.insert(0, more);
+        }
+        decision
+    }
+
+    pub(super) fn undecided(&self) -> Option<Decision> {
+        if let Some(deformation) = self.deforms_little() {
+            let because = Finding::LittleDeformation { deformation };
+            let copies = self.is_sampled() && deformation == 0.0;
+            let advice = match copies {
+                true => Advice::CheckCopies,
+                false => Advice::LargerSteps { deformation },
+            };
+            let mut decision = self.because(because, Vec::new());
+            decision.advice = vec![advice];
+            return Some(decision);
+        }
+        if let Some((found, step)) = self.worst(StepEvidence::misses_the_grid) {
+            return Some(self.because(
+                Finding::MissesGrid {
+                    loop_index: found.index,
+                    cells_apart: step.cells_apart,
+                    step: self.name(found, step),
+                },
+                vec![Advice::SamplesInCells],
+            ));
+        }
+        if self.is_sampled()
+            && let Some(decision) = self.undecided_samples()
+        {
+            return Some(decision);
+        }
+        if let Some((found, step)) = self.worst(StepEvidence::is_unexplained) {
+            return Some(self.because(
+                Finding::Unexplained {
+                    defect: step.defect.magnitude(),
+                    uncertainty: step.defect.uncertainty(),
+                    step: self.name(found, step),
+                },
+                vec![Advice::MoreSamplesAndLargerSteps],
+            ));
+        }
+        let all_wind = self.loops.iter().all(|found| found.winds);
+        if all_wind && self.steps().any(|(_, step)| step.is_unexplained()) {
+            return Some(self.because(Finding::AllLoopsWind, vec![Advice::ContractibleLoops]));
+        }
+        (self.weak_bound()).or_else(|| self.refuted())
+    }
+
+    /// What only loops of another code can lack.
+    fn undecided_samples(&self) -> Option<Decision> {
+        let jumping = (self.steps()).find_map(|(found, step)| Some((found, step, step.jumping?)));
+        if let Some((found, step, jumps)) = jumping {
+            let name = self.name(found, step);
+            return Some(if jumps.largest > 0.0 {
+                let because = Finding::SmallJumps {
+                    size: jumps.largest,
+                    step: name,
+                };
+                self.because(because, vec![Advice::MoreDigits, Advice::TightenSolver])
+            } else {
+                let because = Finding::TooFewForJumps {
+                    cells: jumps.cells,
+                    step: name,
+                    samples: found.samples,
+                };
+                self.because(because, vec![Advice::MoreSamplesOfFile])
+            });
+        }
+        let unknown = |step: &StepEvidence| step.defect.quadrature_error.is_none();
+        let (found, step) = self.steps().find(|(_, step)| unknown(step))?;
+        let because = Finding::UnknownIntegral {
+            samples: found.samples,
+            step: self.name(found, step),
+            too_few: found.samples < crate::evidence::FEWEST_SAMPLES,
+        };
+        Some(self.because(
+            because,
+            vec![Advice::MoreSamplesOfFile, Advice::PeriodIfPeriodic],
+        ))
+    }
+
+    /// The given loop, or all random loops, bound the defect too weakly.
+    fn weak_bound(&self) -> Option<Decision> {
+        let (given, others) = self.loops.split_first()?;
+        let random: Vec<&LoopEvidence> = others.iter().collect();
+        let weak = |found: &LoopEvidence, step: &StepEvidence| {
+            let roundoff = step.defect.roundoff > 0.5 * step.defect.uncertainty();
+            let because = Finding::WeakBound {
+                bound: step.bound(),
+                step: self.name(found, step),
+                roundoff,
+            };
+            let advice = match (roundoff, self.is_sampled()) {
+                (true, _) => Advice::LargerLoop,
+                (false, true) => Advice::MoreSamplesOfFile,
+                (false, false) => Advice::MoreSamplesOrSmallerLoop,
+            };
+            self.because(because, vec![advice])
+        };
+        // Random loops that the samples do not resolve do not count, but one must.
+        if !random.is_empty() && !random.iter().any(|found| found.is_bounded()) {
+            let step = (random.iter()).find_map(|found| Some((*found, found.weak_step()?)));
+            return Some(match step {
+                Some((found, step)) => weak(found, step),
+                None => self.because(Finding::RandomLoopsFail, vec![Advice::SmallerLoopInDomain]),
+            });
+        }
+        let judged = !given.winds || random.is_empty();
+        let step = given.weak_step().filter(|_| judged)?;
+        Some(weak(given, step))
+    }
+
+    /// The loops are conserved, and the Jacobian is not symplectic.
+    fn refuted(&self) -> Option<Decision> {
+        self.jacobian_refutes().then(|| {
+            let mut decision = self.because(Finding::JacobianRefutes, Vec::new());
+            decision.advice = vec![Advice::OtherLoops];
+            decision
+        })
+    }
+
+    /// Whether any random loop was tried that can be contracted.
+    pub(super) fn has_random_loops(&self) -> bool {
+        self.loops.iter().any(|found| found.kind != LoopKind::Given)
+    }
+}

@@ -1,0 +1,54 @@
+//! Many steps: does a defect stay bounded, or does it grow?
+//!
+//! A method that is conjugate to a symplectic one, Φ = χ⁻¹ ∘ Ψ ∘ χ, changes loop integrals in every
+//! step, but n steps change them no more than one: Φⁿ = χ⁻¹ ∘ Ψⁿ ∘ χ. Its defect varies and returns. That
+//! of other methods adds up (HLW, chapter VI.8, on conjugate symplecticity).
+
+use serde::Serialize;
+
+use crate::evidence::LongTime;
+
+/// What becomes of a defect in many steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Growth {
+    /// No step shows a defect of 1e-11 or more.
+    None,
+    /// It stays of one size and returns: the method may be conjugate to a symplectic one.
+    Bounded,
+    /// It adds up.
+    Grows,
+    /// The steps that the samples resolve do not tell.
+    Undecided,
+}
+
+/// Steps below which nothing is said: four in each quarter.
+const FEWEST: usize = 16;
+
+/// Defects below this are round-off that adds up.
+const NO_DEFECT: f64 = 1e-11;
+
+/// A defect that adds up linearly is four times as large in the last quarter as in the first; this much is
+/// taken for growth.
+const GROWN: f64 = 2.5;
+
+/// A defect that stays of one size varies by less than this from the first to the last quarter.
+const STAYED: f64 = 1.8;
+
+/// A bounded defect returns to this part of its largest value.
+const RETURNS: f64 = 0.5;
+
+/// Judges the defects of many steps.
+pub(super) fn growth(found: &LongTime) -> Growth {
+    if found.steps < FEWEST {
+        Growth::Undecided
+    } else if found.largest < NO_DEFECT {
+        Growth::None
+    } else if found.late > GROWN * found.early {
+        Growth::Grows
+    } else if found.late < STAYED * found.early && found.least < RETURNS * found.largest {
+        Growth::Bounded
+    } else {
+        Growth::Undecided
+    }
+}

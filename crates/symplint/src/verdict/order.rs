@@ -1,0 +1,267 @@
+//! The order of a defect.
+
+use serde::Serialize;
+
+use crate::evidence::LoopEvidence;
+
+/// A power law |quantity| ~ against^slope over a range.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fit {
+    /// What was fitted.
+    pub quantity: &'static str,
+    /// Against what.
+    pub against: &'static str,
+    /// Which loop.
+    #[serde(rename = "loop")]
+    pub loop_index: usize,
+    /// Exponent.
+    pub slope: f64,
+    /// How far off the exponent may be.
+    pub uncertainty: f64,
+    /// Smallest abscissa used.
+    pub from: f64,
+    /// Largest abscissa used.
+    pub to: f64,
+}
+
+impl Fit {
+    /// The order that the slope stands for: the whole number within 0.15. `None` for other slopes, which
+    /// are those of a range that is not asymptotic yet.
+    pub fn whole(&self) -> Option<f64> {
+        let whole = self.slope.round();
+        ((self.slope - whole).abs() <= 0.15).then_some(whole)
+    }
+}
+
+/// Points of a fit at most: those of the smallest steps, where the leading terms rule.
+const MOST_POINTS: usize = 6;
+
+/// Points of a fit at least.
+pub(super) const FEWEST_POINTS: usize = 3;
+
+/// The largest step of a fit over the smallest, at least.
+const NARROWEST: f64 = 3.9;
+
+/// An exponent less certain than this is none.
+const UNCERTAIN: f64 = 1.0;
+
+/// A defect must exceed its uncertainty by this factor for the range to begin there.
+const CLEAR: f64 = 50.0;
+
+/// A law may miss a point by this part of its scale: terms that were left out.
+const TOLERANCE: f64 = 0.02;
+
+/// Orders of methods that one can meet.
+const HIGHEST_ORDER: f64 = 14.0;
+
+/// Resolution of exponents.
+const STEP: f64 = 0.01;
+
+/// One point of the fit: h > 0, the signed defect, its uncertainty.
+type Datum = (f64, f64, f64);
+
+/// Fits the defect's power of h at the smallest steps where it is clear of its uncertainty.
+///
+/// The law is E = h^k (a + b h + c h²), signed: a sign change of E, which bends the curve of |E|,
+/// is part of it. With three points, or where no such law passes through them, the mean slope. `None`
+/// with fewer than three points, over less than a factor of four, or where the slopes disagree.
+pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
+    let mut data: Vec<Datum> = (evidence.steps.iter())
+        .filter_map(|step| {
+            let defect = &step.defect;
+            Some((step.step_size?.abs(), defect.signed, defect.uncertainty()))
+        })
+        .collect();
+    data.sort_by(|a, b| a.0.total_cmp(&b.0));
+    data.dedup_by(|a, b| a.0 == b.0);
+    let first = data.iter().position(|d| d.1.abs() > CLEAR * d.2)?;
+    let data = &data[first..data.len().min(first + MOST_POINTS)];
+    if data.len() < FEWEST_POINTS || data[data.len() - 1].0 < NARROWEST * data[0].0 {
+        return None;
+    }
+    let (slope, uncertainty) = polynomial_law(data).unwrap_or_else(|| plain_law(data));
+    if uncertainty > UNCERTAIN {
+        return None;
+    }
+    Some(Fit {
+        quantity: "defect",
+        against: "step_size",
+        loop_index: evidence.index,
+        slope,
+        uncertainty,
+        from: data[0].0,
+        to: data[data.len() - 1].0,
+    })
+}
+
+/// The exponent k of h^k (a + b h + c h²), and how far it can be off: a whole number if one fits,
+/// as it does for every smooth map.
+fn polynomial_law(data: &[Datum]) -> Option<(f64, f64)> {
+    if data.len() < 4 {
+        return None;
+    }
+    // Terms of higher order pass for a lower one with a vanishing leading term: the highest exponent
+    // that fits is the true one.
+    let fits = |&k: &f64| misfit(data, k) <= 1.0;
+    let highest = exponents(0.0, HIGHEST_ORDER).rev().find(fits)?;
+    let whole = Some((highest + STEP / 2.0).floor()).filter(fits);
+    let slope = whole.or_else(|| {
+        exponents(highest - 0.5, highest)
+            .min_by(|&a, &b| misfit(data, a).total_cmp(&misfit(data, b)))
+    })?;
+    Some((slope, (highest - slope).max(0.0)))
+}
+
+/// The mean slope of log |E| over log h, and half the spread of the local slopes.
+fn plain_law(data: &[Datum]) -> (f64, f64) {
+    let slope = |a: &Datum, b: &Datum| (b.1 / a.1).abs().ln() / (b.0 / a.0).ln();
+    if data
+        .windows(2)
+        .any(|pair| pair[0].1.signum() != pair[1].1.signum())
+    {
+        return (f64::NAN, f64::INFINITY);
+    }
+    let (low, high) = (data.windows(2).map(|pair| slope(&pair[0], &pair[1])))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| {
+            (l.min(s), h.max(s))
+        });
+    (slope(&data[0], &data[data.len() - 1]), (high - low) / 2.0)
+}
+
+fn exponents(from: f64, to: f64) -> impl DoubleEndedIterator<Item = f64> {
+    (0..=((to - from) / STEP).round() as usize).map(move |n| from + n as f64 * STEP)
+}
+
+/// How badly E/h^k is a polynomial of h of degree 2 (less with fewer points): the largest residual over
+/// what it may be, 1 or less where the law holds.
+fn misfit(data: &[Datum], exponent: f64) -> f64 {
+    // In units of the largest step, so that nothing overflows.
+    let unit = data[data.len() - 1].0;
+    let x: Vec<f64> = data.iter().map(|d| d.0 / unit).collect();
+    let reduced: Vec<f64> = data
+        .iter()
+        .zip(&x)
+        .map(|(d, x)| d.1 / x.powf(exponent))
+        .collect();
+    let noise: Vec<f64> = data
+        .iter()
+        .zip(&x)
+        .map(|(d, x)| d.2 / x.powf(exponent))
+        .collect();
+    let allowed: Vec<f64> = (noise.iter().enumerate())
+        .map(|(i, n)| TOLERANCE * nearby(&reduced, i) + 3.0 * n)
+        .collect();
+    // One point more than the terms and the exponent together.
+    let terms = (data.len() - 2).min(3);
+    let fitted = polynomial(&x, &reduced, &allowed, terms);
+    (reduced.iter().zip(&fitted).zip(&allowed))
+        .map(|((r, f), a)| (r - f).abs() / a)
+        .fold(0.0, f64::max)
+}
+
+/// Median size of the three values round `i`: their scale, even where one is near a sign change.
+fn nearby(values: &[f64], i: usize) -> f64 {
+    let from = i.saturating_sub(1).min(values.len().saturating_sub(3));
+    let mut sizes: Vec<f64> = (values.iter().skip(from).take(3))
+        .map(|v| v.abs())
+        .collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes[sizes.len() / 2]
+}
+
+/// Weighted least squares by orthogonal polynomials: the fitted values at `x`.
+fn polynomial(x: &[f64], y: &[f64], errors: &[f64], terms: usize) -> Vec<f64> {
+    let weights: Vec<f64> = errors.iter().map(|e| 1.0 / (e * e)).collect();
+    let dot = |a: &[f64], b: &[f64]| -> f64 {
+        (a.iter().zip(b).zip(&weights))
+            .map(|((a, b), w)| a * b * w)
+            .sum()
+    };
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let mut fitted = vec![0.0; x.len()];
+    for power in 0..terms {
+        let mut column: Vec<f64> = x.iter().map(|x| x.powi(power as i32)).collect();
+        for other in &basis {
+            let share = dot(&column, other) / dot(other, other);
+            column
+                .iter_mut()
+                .zip(other)
+                .for_each(|(c, o)| *c -= share * o);
+        }
+        let share = dot(y, &column) / dot(&column, &column);
+        fitted
+            .iter_mut()
+            .zip(&column)
+            .for_each(|(f, c)| *f += share * c);
+        basis.push(column);
+    }
+    fitted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evidence::{LoopKind, StepEvidence};
+    use crate::rules::Defect;
+
+    fn evidence(law: impl Fn(f64) -> f64, noise: f64) -> LoopEvidence {
+        let mut evidence = LoopEvidence::new(0, LoopKind::Given);
+        evidence.steps = (1..=10)
+            .map(|m| {
+                let h = 0.5f64.powi(m);
+                // A noise that is the same in every run.
+                let wobble = noise * (f64::from(m) * 2.7).sin();
+                StepEvidence {
+                    step_size: Some(h),
+                    defect: Defect {
+                        signed: law(h) + wobble,
+                        quadrature_error: Some(noise),
+                        roundoff: 0.0,
+                    },
+                    ..StepEvidence::default()
+                }
+            })
+            .collect();
+        evidence
+    }
+
+    fn order(law: impl Fn(f64) -> f64) -> f64 {
+        let fit = fit_order(&evidence(law, 2e-16)).expect("a law");
+        fit.whole().expect("a whole one")
+    }
+
+    #[test]
+    fn pure_powers() {
+        for k in 0..=8 {
+            assert_eq!(order(|h| 0.3 * h.powi(k)), f64::from(k));
+            assert_eq!(order(|h| -20.0 * h.powi(k)), f64::from(k));
+        }
+    }
+
+    #[test]
+    fn higher_terms_and_sign_changes_do_not_bend_the_order() {
+        assert_eq!(order(|h| h.powi(3) * (1.0 - 30.0 * h)), 3.0);
+        assert_eq!(order(|h| h.powi(3) * (1.0 - 300.0 * h)), 3.0);
+        assert_eq!(order(|h| h.powi(2) * (0.1 + 5.0 * h - 40.0 * h * h)), 2.0);
+        assert_eq!(order(|h| (h.powi(3) * 0.2).sin() + h.powi(4)), 3.0);
+    }
+
+    #[test]
+    fn noise_leaves_the_order_alone() {
+        for noise in [1e-12, 1e-9, 1e-7] {
+            let fit = fit_order(&evidence(|h| 0.1 * h.powi(3), noise)).expect("a law");
+            assert_eq!(fit.whole(), Some(3.0), "noise {noise:e}: {fit:?}");
+        }
+    }
+
+    #[test]
+    fn broken_powers_are_told_as_they_are() {
+        let fit = fit_order(&evidence(|h| h.powf(1.5), 1e-15)).expect("a law");
+        assert!((fit.slope - 1.5).abs() < 0.1, "{fit:?}");
+    }
+
+    #[test]
+    fn noise_alone_has_no_order() {
+        assert_eq!(fit_order(&evidence(|_| 0.0, 1e-14)), None);
+    }
+}

@@ -1,0 +1,685 @@
+//! The sentences of findings and advice: all English of a verdict is here.
+
+use std::fmt::{Display, Formatter, Result};
+
+use super::finding::{Advice, Change, Finding, Step, StepRange};
+use super::long_time::Growth;
+use super::number::{capitalised, jumping, loop_name, short, size};
+use super::order::Fit;
+use crate::breaks::Break;
+use crate::evidence::{
+    LongTime, Omission, OutputFormat, OutputPrecision, SIGNIFICANT, Sector, SubstepDefect,
+};
+
+impl Display for Step {
+    /// `at h = 2^-1`, `after the step`, `in loop 2 after the step`.
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Step::Size(h) => write!(f, "at h = {}", size(*h)),
+            Step::Only => f.write_str("after the step"),
+            Step::Number(number) => write!(f, "in loop {number} after the step"),
+        }
+    }
+}
+
+impl Display for Change {
+    /// `+1.2e-3 ± 4.5e-15`.
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self.uncertainty {
+            Some(uncertainty) => write!(f, "{:+.3e} ± {uncertainty:.1e}", self.signed),
+            None => write!(f, "{:+.3e}, with an unknown quadrature error", self.signed),
+        }
+    }
+}
+
+impl Display for StepRange {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            StepRange::Unknown => f.write_str("; the step size is not stated"),
+            StepRange::One(h) => write!(f, " at h = {}", size(*h)),
+            StepRange::Between(low, high) => {
+                write!(f, " for h from {} to {}", size(*low), size(*high))
+            }
+        }
+    }
+}
+
+/// `falling as h^3`.
+fn law(fit: &Fit) -> String {
+    match fit.whole() {
+        Some(order) => format!("falling as h^{order}"),
+        None => format!(
+            "falling about as h^{:.1} in the range that was tried",
+            fit.slope
+        ),
+    }
+}
+
+/// `, and the bound of a range`, for random loops.
+fn random_loops(count: usize, range: &StepRange) -> String {
+    let high = match range {
+        StepRange::Unknown => String::new(),
+        StepRange::One(h) | StepRange::Between(_, h) => format!(" at h = {}", size(*h)),
+    };
+    match count {
+        0 => String::new(),
+        1 => format!(", nor on a random one{high}"),
+        others => format!(", nor on {others} random ones{high}"),
+    }
+}
+
+fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
+}
+
+impl Display for Finding {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Finding::NothingMeasured => f.write_str("No loop was measured."),
+            Finding::Wrapped { dof, period, step } => {
+                let when = step.map_or("before the step".into(), |step| step.to_string());
+                write!(
+                    f,
+                    "q of degree of freedom {dof} jumps by its whole range of {} {when}, as a position in a \
+                     periodic box does.",
+                    short(*period)
+                )
+            }
+            Finding::NotClosed { jump } => write!(
+                f,
+                "Degree of freedom {} already jumps before the step, by {} in q and {} in p near s = {:.6}: the \
+                 loop is not closed.",
+                jump.dof,
+                short(jump.jump_q),
+                short(jump.jump_p),
+                jump.s
+            ),
+            Finding::Shuffled { ratio } => write!(
+                f,
+                "Neighbouring samples before the step are {} times as far apart as they are when sorted along \
+                 the loop: the rows do not seem to be in order.",
+                short(*ratio)
+            ),
+            Finding::Discontinuous { jump, conserved } => {
+                let closed = match conserved {
+                    Some(true) => " With the breaks closed its loop integrals are conserved.",
+                    Some(false) => " Its loop integrals change even with the breaks closed.",
+                    None => "",
+                };
+                write!(
+                    f,
+                    "The map is discontinuous, as far as double precision can tell: {} of degree of freedom {} \
+                     jumps at s = {:.12}.{closed}",
+                    jumping(jump.jump_q, jump.jump_p),
+                    jump.dof,
+                    jump.s
+                )
+            }
+            Finding::JumpingSamples {
+                loops,
+                of,
+                jumps,
+                step,
+                samples,
+            } => write!(
+                f,
+                "{loops} of {of} advanced loops jump between neighbouring samples, {jumps} times {step}: the map \
+                 is discontinuous as far as {samples} samples can tell."
+            ),
+            Finding::Changes {
+                defect,
+                step,
+                law: fit,
+            } => {
+                let law = fit.as_ref().map_or(String::new(), |fit| format!(", {}", law(fit)));
+                write!(
+                    f,
+                    "The map changes a loop integral by {defect:.1e} {step}{law}."
+                )
+            }
+            Finding::Conserved {
+                bound,
+                range,
+                random,
+                given,
+            } => match given {
+                true => write!(
+                    f,
+                    "No defect above {bound:.1e} on the given loop{range}{}.",
+                    random_loops(*random, range)
+                ),
+                false => write!(
+                    f,
+                    "No defect above {bound:.1e} on {random} random loop{}{range}; the given one winds round a \
+                     period.",
+                    plural(*random)
+                ),
+            },
+            Finding::LittleDeformation { deformation: 0.0 } => {
+                f.write_str("The step does not move the loop, or only as a whole.")
+            }
+            Finding::LittleDeformation { deformation } => write!(
+                f,
+                "The largest step deforms the loop by only {deformation:.1e} of its size, too little to show a \
+                 defect."
+            ),
+            Finding::MissesGrid {
+                loop_index,
+                cells_apart,
+                step,
+            } => write!(
+                f,
+                "Neighbouring samples of {} are {} cells of the map's grid, or half periods, apart {step}: they \
+                 do not resolve it.",
+                loop_name(*loop_index),
+                short(*cells_apart)
+            ),
+            Finding::SmallJumps { size, step } => write!(
+                f,
+                "Jumps of {} of a coordinate's range {step} may be breaks, or the output precision of single \
+                 precision or of a solver inside the step.",
+                short(*size)
+            ),
+            Finding::TooFewForJumps {
+                cells,
+                step,
+                samples,
+            } => write!(
+                f,
+                "{cells} cells look like jumps {step}, but {samples} samples are too few to tell a jump from a \
+                 steep slope."
+            ),
+            Finding::UnknownIntegral {
+                samples,
+                step,
+                too_few,
+            } => match too_few {
+                true => write!(
+                    f,
+                    "{samples} samples do not show whether a loop is smooth; {} can: its integral is not known.",
+                    crate::evidence::FEWEST_SAMPLES
+                ),
+                false => write!(
+                    f,
+                    "{samples} samples do not resolve the loop {step}: its integral is not known."
+                ),
+            },
+            Finding::Unexplained {
+                defect,
+                uncertainty,
+                step,
+            } => write!(
+                f,
+                "A defect of {defect:.1e} {step} is more than quadrature error and round-off explain \
+                 ({uncertainty:.1e}), but not significant."
+            ),
+            Finding::AllLoopsWind => f.write_str(
+                "Every loop winds round a period: even a symplectic map may change such an integral.",
+            ),
+            Finding::RandomLoopsFail => {
+                f.write_str("The map fails on every random loop of the given one's size.")
+            }
+            Finding::WeakBound { bound, step, .. } => {
+                write!(f, "The defect {step} is only bounded by {bound:.1e}.")
+            }
+            Finding::JacobianRefutes => f.write_str(
+                "The loops are conserved, but the Jacobian of a step is not symplectic.",
+            ),
+            Finding::Jump {
+                loop_index,
+                step,
+                breaks,
+                jump,
+                sampled,
+            } => fmt_jump(f, *loop_index, step, *breaks, jump, *sampled),
+            Finding::BrokenCount { broken, of } => {
+                write!(f, "{broken} of {of} advanced loops are broken.")
+            }
+            Finding::SampledBreaks {
+                step,
+                cells,
+                confirmed,
+                open,
+                closed,
+            } => write!(
+                f,
+                "{}: {cells} cells jump, {confirmed} confirmed. The relative change of the loop integral is \
+                 {open} without them, {closed} with chords across them.",
+                capitalised(&step.to_string())
+            ),
+            Finding::Law {
+                fit,
+                between_breaks,
+            } => {
+                let what = match between_breaks {
+                    true => "what is left between the breaks".to_owned(),
+                    false => loop_name(fit.loop_index),
+                };
+                write!(
+                    f,
+                    "The defect of {what} goes as h^({:.3} ± {:.3}) between h = {} and h = {}.",
+                    fit.slope,
+                    fit.uncertainty,
+                    size(fit.from),
+                    size(fit.to)
+                )
+            }
+            Finding::ClosedConserved {
+                bound,
+                loop_index,
+                step,
+            } => write!(
+                f,
+                "With their breaks closed all loop integrals are conserved to {bound:.1e} (worst case: {}, \
+                 {step}).",
+                loop_name(*loop_index)
+            ),
+            Finding::ClosedChanges {
+                change,
+                loop_index,
+                step,
+            } => write!(
+                f,
+                "With its breaks closed the integral of {} still changes by {change} {step}.",
+                loop_name(*loop_index)
+            ),
+            Finding::SamplesAreNoProof { samples } => write!(
+                f,
+                "Samples do not prove a jump: a slope steeper than 1/{samples} of the loop looks the same."
+            ),
+            Finding::Significant {
+                change,
+                loop_index,
+                step,
+            } => write!(
+                f,
+                "The relative change of the integral of {} {step} is {:+.3e}; quadrature error and round-off are \
+                 below {:.1e}.",
+                loop_name(*loop_index),
+                change.signed,
+                change.uncertainty.unwrap_or(f64::INFINITY)
+            ),
+            Finding::Bound {
+                loop_index,
+                samples,
+                bound,
+                measured,
+                uncertainty,
+                step,
+            } => {
+                let by = samples.map_or("piecewise".into(), |samples| format!("{samples} samples"));
+                let name = capitalised(&loop_name(*loop_index));
+                match (bound, uncertainty) {
+                    (Some(bound), Some(uncertainty)) => write!(
+                        f,
+                        "{name} ({by}) {step}: |E| ≤ {bound:.1e}; measured {} ± {uncertainty:.1e}.",
+                        short(*measured)
+                    ),
+                    _ => write!(f, "{name} ({by}) {step}: E is not known."),
+                }
+            }
+            Finding::LoopFailed { loop_index, reason } => write!(
+                f,
+                "{} was not measured, the map fails on it: {reason}.",
+                capitalised(&loop_name(*loop_index))
+            ),
+            Finding::NotExact {
+                loop_index,
+                change,
+                step,
+            } => write!(
+                f,
+                "{} winds round a period, and its integral changes by {:+.3e} {step}: the map is not exact; no \
+                 Hamiltonian of that period generates it.",
+                capitalised(&loop_name(*loop_index)),
+                change.signed
+            ),
+            Finding::Exact { loop_index } => write!(
+                f,
+                "{} winds round a period, cannot be contracted, and is conserved, too: the map is exact.",
+                capitalised(&loop_name(*loop_index))
+            ),
+            Finding::Resolution { samples } => write!(
+                f,
+                "Features narrower than 1/{samples} of the loop are not resolved."
+            ),
+            Finding::Deformation { deformation } => write!(
+                f,
+                "The largest step deforms the loop by {} of its size.",
+                short(*deformation)
+            ),
+            Finding::Regularity { exponent, step } => write!(
+                f,
+                "{} the Fourier coefficients of the given loop decay as those of a function in H^{exponent:.1}: \
+                 {}, or on slopes that the samples do not resolve.",
+                capitalised(&step.to_string()),
+                roughness(*exponent).unwrap_or("as of a smooth function")
+            ),
+            Finding::Precision(precision) => fmt_precision(f, precision),
+            Finding::ManySteps { steps, growth } => fmt_long_time(f, steps, *growth),
+            Finding::Substeps { substeps, step } => fmt_substeps(f, substeps, step),
+            Finding::Sectors { sectors, step } => fmt_sectors(f, sectors, step),
+            Finding::Jacobian { finding } => finding.fmt(f),
+            Finding::Omitted { omission } => omission.fmt(f),
+            Finding::Evaluations { made, budget } => {
+                write!(f, "Evaluations of the map: {made}, of at most {budget}.")
+            }
+        }
+    }
+}
+
+fn fmt_jump(
+    f: &mut Formatter<'_>,
+    loop_index: usize,
+    step: &Step,
+    breaks: Option<usize>,
+    jump: &Break,
+    sampled: bool,
+) -> Result {
+    if sampled {
+        return write!(
+            f,
+            "The largest jump {step}, in degree of freedom {} near s = {:.6}, is {:.3e} in q and {:.3e} in p, \
+             with every sample as with every second and every fourth.",
+            jump.dof, jump.s, jump.jump_q, jump.jump_p
+        );
+    }
+    let times = breaks.map_or(String::new(), |count| {
+        format!(" in {count} place{}", plural(count))
+    });
+    write!(
+        f,
+        "{} {} breaks{times}; the largest jump, {:.3e} in q and {:.3e} in p of degree of freedom {}, is at \
+         s = {:.15}",
+        capitalised(&step.to_string()),
+        loop_name(loop_index),
+        jump.jump_q,
+        jump.jump_p,
+        jump.dof,
+        jump.s
+    )?;
+    match jump.substep {
+        Some(substep) => write!(f, ", made by substep {} of the map.", substep + 1),
+        None => f.write_str("."),
+    }
+}
+
+fn fmt_precision(f: &mut Formatter<'_>, precision: &OutputPrecision) -> Result {
+    let format = match precision.format {
+        OutputFormat::Decimal { digits } => format!("has no more than {digits} decimal digits"),
+        OutputFormat::Single => "is a number of single precision".into(),
+    };
+    write!(
+        f,
+        "After the step {} of degree of freedom {} {format}, at every sample: the map rounds what it returns, to \
+         about {:.0e}. Its states are no better than that; the loop integral averages over them.",
+        precision.coordinate, precision.dof, precision.unit
+    )
+}
+
+fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Result {
+    let LongTime {
+        asked,
+        steps,
+        samples,
+        early,
+        late,
+        least,
+        ..
+    } = found;
+    match growth {
+        Growth::None => write!(f, "No defect adds up in {steps} steps.")?,
+        Growth::Bounded => write!(
+            f,
+            "In {steps} steps the defect stays bounded, {early:.1e} in the first quarter and {late:.1e} in the \
+             last, and returns to {least:.1e}: as that of a method conjugate to a symplectic one."
+        )?,
+        Growth::Grows => write!(
+            f,
+            "In {steps} steps the defect adds up, from {early:.1e} in the first quarter to {late:.1e} in the \
+             last."
+        )?,
+        Growth::Undecided => write!(
+            f,
+            "In {steps} steps nothing can be said of whether the defect adds up."
+        )?,
+    }
+    if steps < asked {
+        write!(
+            f,
+            " Of the {asked} steps that were asked for, {samples} samples resolve no more: the loop is folded too \
+             finely from there on. Take a smaller loop or more samples."
+        )?;
+    }
+    Ok(())
+}
+
+fn fmt_substeps(f: &mut Formatter<'_>, substeps: &[SubstepDefect], step: &Step) -> Result {
+    let mut found = Vec::new();
+    let mut others = 0.0f64;
+    for substep in substeps {
+        let uncertainty = substep.uncertainty.unwrap_or(f64::INFINITY);
+        let changes = substep.change.abs() > SIGNIFICANT * uncertainty;
+        let breaks = substep.new_breaks > 0;
+        if !(changes || breaks) {
+            others = others.max(substep.change.abs() + uncertainty);
+            continue;
+        }
+        let mut text = format!("substep {} ({})", substep.substep + 1, substep.name);
+        if breaks {
+            text += " breaks the loop";
+        }
+        if changes {
+            let and = if breaks { " and" } else { "" };
+            text += &format!("{and} changes the loop integral by {:+.2e}", substep.change);
+        }
+        found.push(text);
+    }
+    let count = substeps.len();
+    if found.is_empty() {
+        return write!(
+            f,
+            "None of the {count} substeps {step} changes the loop integral significantly."
+        );
+    }
+    let rest = match found.len() == count {
+        true => String::new(),
+        false if others.is_finite() => format!("; the others conserve it to {others:.1e}"),
+        false => "; the changes by the others are not known".into(),
+    };
+    write!(
+        f,
+        "Of the {count} substeps {step}, {}{rest}.",
+        found.join(", ")
+    )
+}
+
+/// A sector that makes this part of all changes is named. Conventional.
+const LARGE_SHARE: f64 = 0.4;
+
+/// The sector that changes most, if that is more than its uncertainty.
+pub(super) fn largest_sector(sectors: &[Sector]) -> Option<&Sector> {
+    (sectors.iter())
+        .max_by(|a, b| a.change.abs().total_cmp(&b.change.abs()))
+        .filter(|sector| sector.uncertainty.is_some_and(|u| sector.change.abs() > u))
+}
+
+fn fmt_sectors(f: &mut Formatter<'_>, sectors: &[Sector], step: &Step) -> Result {
+    let Some(largest) = largest_sector(sectors) else {
+        return write!(
+            f,
+            "No sector of the disc within the loop stands out {step}."
+        );
+    };
+    let all: f64 = sectors.iter().map(|sector| sector.change.abs()).sum();
+    let share = largest.change.abs() / all;
+    let (count, percent) = (sectors.len(), (100.0 * share).round());
+    if share >= LARGE_SHARE {
+        write!(
+            f,
+            "Of {count} sectors of the disc within the loop, that from s = {} to {} changes most {step}: by \
+             {:+.2e}, {percent}% of the sum of all absolute changes.",
+            largest.from, largest.to, largest.change
+        )
+    } else {
+        write!(
+            f,
+            "The defect {step} is spread over the disc within the loop: of {count} sectors none makes more than \
+             {percent}% of the sum of all absolute changes."
+        )
+    }
+}
+
+/// What a Sobolev exponent says of a loop that is not smooth.
+pub(super) fn roughness(exponent: f64) -> Option<&'static str> {
+    match exponent {
+        0.25..1.0 => Some("as at jumps"),
+        1.0..2.0 => Some("as at kinks"),
+        2.0..4.5 => Some("as where a higher derivative jumps"),
+        _ => None,
+    }
+}
+
+impl Display for Omission {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Omission::StepSizes { count } => write!(
+                f,
+                "The budget was spent before {count} step size{} could be tried.",
+                plural(*count)
+            ),
+            Omission::RandomLoops { count } => write!(
+                f,
+                "The budget was spent before {count} random loop{} could be tried.",
+                plural(*count)
+            ),
+            Omission::Samples { loop_index } => write!(
+                f,
+                "The budget was spent before {} was resolved to round-off.",
+                loop_name(*loop_index)
+            ),
+            Omission::JacobianBudget => {
+                f.write_str("The Jacobian was left out: the budget was spent.")
+            }
+            Omission::JacobianMemory => {
+                f.write_str("The Jacobian was left out: its states would not fit into memory.")
+            }
+            Omission::JacobianFailed { reason } => {
+                write!(f, "The Jacobian could not be measured: {reason}.")
+            }
+            Omission::LocalisationFailed { reason } => {
+                write!(
+                    f,
+                    "Where the defect comes from could not be found: {reason}."
+                )
+            }
+            Omission::LocalisationBudget => {
+                f.write_str("Where the defect comes from was not looked for: the budget was spent.")
+            }
+            Omission::LongTimeMemory { samples } => write!(
+                f,
+                "Many steps were left out: {samples} samples would have to stay in memory."
+            ),
+            Omission::LongTimeBudget => {
+                f.write_str("Many steps were left out: the budget was spent.")
+            }
+        }
+    }
+}
+
+impl Display for Advice {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Advice::MeasureLoop => f.write_str("Measure one loop or more."),
+            Advice::StatePeriod => f.write_str("State the period of the position."),
+            Advice::PeriodIfPeriodic => f.write_str(
+                "If q is an angle or a position in a periodic box, keep it unwrapped or state its period.",
+            ),
+            Advice::OrderOfSamples => f.write_str(
+                "Give all samples, in their order along a closed loop, the same before and after the step; state \
+                 the period of wrapped positions.",
+            ),
+            Advice::MoreSamplesOfFile => f.write_str(
+                "Take more samples, four times as many or more: a jump keeps its size, a steep slope fades.",
+            ),
+            Advice::SmootherForce => f.write_str(
+                "Use a smoother interpolation: a force that is continuous where particles cross cells.",
+            ),
+            Advice::TightenSolver => {
+                f.write_str("If a solver inside the map stops at a tolerance, tighten it.")
+            }
+            Advice::MoreStepSizes { given } => write!(
+                f,
+                "Give four or more step sizes, each half of the one before, to learn the order ({given} measured)."
+            ),
+            Advice::NoOrder { given, drowned } => match drowned {
+                true => write!(
+                    f,
+                    "The defects at the smaller of {given} step sizes are not above their uncertainty: give larger \
+                     step sizes to learn the order."
+                ),
+                false => write!(
+                    f,
+                    "The defects at {given} step sizes do not follow one power of h: give smaller step sizes, \
+                     each half of the one before, to learn the order."
+                ),
+            },
+            Advice::StateStepSizes => {
+                f.write_str("State the step sizes to learn the order.")
+            }
+            Advice::DefectDoesNotFall => f.write_str(
+                "The defect does not fall with h: look for a wrong sign, momenta that are not canonical, or a \
+                 missing weight.",
+            ),
+            Advice::LargerSteps { deformation } => {
+                f.write_str(
+                    "Take larger step sizes: the largest one should deform the loop by 0.3 to 1 of its size",
+                )?;
+                match *deformation {
+                    found if found > 1e-6 => {
+                        write!(f, ", about {} times the present one.", short(0.5 / found))
+                    }
+                    _ => f.write_str("."),
+                }
+            }
+            Advice::CheckCopies => f.write_str(
+                "Check that the files after the step are not copies of the one before it.",
+            ),
+            Advice::SamplesInCells => f.write_str(
+                "Take more samples or a smaller loop: two samples or more in each cell that it crosses.",
+            ),
+            Advice::MoreSamplesAndLargerSteps => f.write_str(
+                "Take more samples and larger step sizes: a true defect grows with h, an error does not.",
+            ),
+            Advice::ContractibleLoops => {
+                f.write_str("Add loops that can be contracted: set loops to 8.")
+            }
+            Advice::SmallerLoopInDomain => f.write_str(
+                "Take a smaller loop, well inside the domain of the map, or set loops to 1.",
+            ),
+            Advice::MoreSamplesOrSmallerLoop => f.write_str(
+                "Take more samples or a smaller loop; finite differences are only good to a few digits.",
+            ),
+            Advice::LargerLoop => f.write_str(
+                "Round-off makes most of the bound: take a larger loop, nearer to the origin, and states in double \
+                 precision.",
+            ),
+            Advice::MoreDigits => f.write_str(
+                "Return states in double precision, unrounded (17 digits, if they are printed), to learn more.",
+            ),
+            Advice::OtherLoops => f.write_str(
+                "Take other loops: one that is off the symmetries of the system, and a larger one.",
+            ),
+            Advice::MoreLoops => {
+                f.write_str("One loop is one probe: set loops to 8 to be surer.")
+            }
+            Advice::MoreLoopsOfFile => f.write_str(
+                "One loop is one probe: measure others, too (loop.shape = \"fourier\", another loop.seed).",
+            ),
+            Advice::MoreEvaluations { wanted } => write!(
+                f,
+                "Raise the budget: about {wanted} evaluations more would tell."
+            ),
+        }
+    }
+}

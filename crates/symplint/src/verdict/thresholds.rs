@@ -1,0 +1,26 @@
+//! The numbers that the judge decides by. Those that measuring needs, too, stand in `evidence/step.rs`.
+
+/// A step that deforms the loop by less than this part of its size tests nothing: even a method that is far
+/// from symplectic has a defect below round-off there. Calibrated on the truth table: explicit midpoint and Heun
+/// steps of all its systems show a defect from 0.2 on.
+pub(super) const LEAST_DEFORMATION: f64 = 0.2;
+
+/// A defect below this without a law in h has to be confirmed, at a second step size or by
+/// [`FAR`]: rounding inside a map can be systematic to some units in the last place.
+pub(super) const SMALL: f64 = 1e-10;
+
+/// One defect this many times its uncertainty confirms itself. Conventional: ten times the ratio that is
+/// asked of two step sizes.
+pub(super) const FAR: f64 = 100.0;
+
+/// Slopes of the defect against h below this are no trend: half of the lowest order that a consistent method
+/// can have.
+pub(super) const TREND: f64 = 0.5;
+
+/// Jumps of sampled loops below this part of a coordinate's range may be single precision inside a step, or a
+/// solver that stops at a tolerance: ten units in the last place of single precision.
+pub(super) const LEAST_SAMPLED_JUMP: f64 = 1e-6;
+
+/// Neighbouring rows of a file this many times as far apart as rows sorted along the loop are shuffled: rows in
+/// order have a ratio of 1, shuffled ones of a third of their number.
+pub(super) const SHUFFLED: f64 = 4.0;

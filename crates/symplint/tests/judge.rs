@@ -1,0 +1,391 @@
+//! Each threshold of the judge, with hand-written evidence on both sides of it. No map is called.
+
+use VerdictKind::{BrokenLoops, NotSymplectic, Symplectic, Undecided};
+use symplint::evidence::{
+    Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, Omission, Origin, StepEvidence, Wrap,
+};
+use symplint::verdict::{Finding, Growth, Verdict};
+use symplint::{Break, Defect, LongTime, VerdictKind, judge};
+
+const JUMP: Break = Break {
+    s: 0.25,
+    dof: 0,
+    jump_q: 0.1,
+    jump_p: 0.2,
+    substep: None,
+};
+
+fn defect(signed: f64, uncertainty: f64) -> Defect {
+    let mut defect = Defect::default();
+    defect.signed = signed;
+    defect.quadrature_error = Some(uncertainty);
+    defect
+}
+
+fn step(h: f64, signed: f64, uncertainty: f64) -> StepEvidence {
+    let mut step = StepEvidence::default();
+    step.step_size = Some(h);
+    step.samples = 64;
+    step.initial = 1.0;
+    step.advanced = 1.0 + signed;
+    step.defect = defect(signed, uncertainty);
+    step
+}
+
+fn of_loop(index: usize, kind: LoopKind, steps: Vec<StepEvidence>) -> LoopEvidence {
+    let mut found = LoopEvidence::new(index, kind);
+    found.samples = 64;
+    found.steps = steps;
+    found
+}
+
+/// A map whose given loop has these steps, and whose random loop is conserved.
+fn of_map(steps: Vec<StepEvidence>) -> Evidence {
+    let mut evidence = Evidence::default();
+    evidence.loops = vec![
+        of_loop(0, LoopKind::Given, steps),
+        of_loop(1, LoopKind::Random, vec![step(0.5, 0.0, 1e-15)]),
+    ];
+    evidence.survey.deformation = Some(0.5);
+    evidence
+}
+
+/// Loops of another code.
+fn of_samples(steps: Vec<StepEvidence>) -> Evidence {
+    let mut evidence = Evidence::default();
+    evidence.origin = Origin::Samples;
+    let mut given = of_loop(0, LoopKind::Given, steps);
+    for step in &mut given.steps {
+        step.deformation = Some(0.5);
+    }
+    evidence.loops = vec![given];
+    evidence
+}
+
+fn kind(evidence: &Evidence) -> VerdictKind {
+    judge(evidence).kind
+}
+
+fn decides(evidence: &Evidence) -> Finding {
+    judge(evidence).findings[0].clone()
+}
+
+#[test]
+fn a_defect_counts_from_ten_times_its_uncertainty() {
+    for (ratio, expected) in [
+        (2.9, Symplectic),
+        (3.1, Undecided),
+        (9.9, Undecided),
+        (10.1, NotSymplectic),
+    ] {
+        // Small enough to be conserved to 1e-6 with its uncertainty, and not below 1e-10.
+        let evidence = of_map(vec![step(0.5, ratio * 1e-9, 1e-9)]);
+        assert_eq!(kind(&evidence), expected, "{ratio} times the uncertainty");
+    }
+}
+
+#[test]
+fn a_small_defect_is_confirmed_by_a_second_step_size_or_by_far() {
+    let ratio = |steps: &[(f64, f64)]| -> Vec<StepEvidence> {
+        (steps.iter())
+            .map(|&(h, ratio)| step(h, ratio * 1e-14, 1e-14))
+            .collect()
+    };
+    let cases: [(&[(f64, f64)], VerdictKind); 5] = [
+        (&[(0.5, 99.0)], Undecided),
+        (&[(0.5, 101.0)], NotSymplectic),
+        (&[(0.5, 20.0), (0.25, 9.0)], Undecided),
+        (&[(0.5, 20.0), (0.25, 11.0)], NotSymplectic),
+        (&[(0.5, 9.0), (0.25, 9.0)], Undecided),
+    ];
+    for (steps, expected) in cases {
+        assert_eq!(kind(&of_map(ratio(steps))), expected, "{steps:?}");
+    }
+    // From 1e-10 on it needs no confirmation.
+    assert_eq!(
+        kind(&of_map(vec![step(0.5, 1.01e-10, 1e-11)])),
+        NotSymplectic
+    );
+    assert_eq!(
+        kind(&of_map(vec![step(0.5, 0.99e-10, 0.95e-11)])),
+        Undecided
+    );
+}
+
+#[test]
+fn a_bound_counts_below_one_in_a_million() {
+    for (uncertainty, expected) in [
+        (0.9e-6, Symplectic),
+        (1.1e-6, Undecided),
+        (f64::NAN, Undecided),
+    ] {
+        let evidence = of_map(vec![step(0.5, 0.0, uncertainty)]);
+        assert_eq!(kind(&evidence), expected, "{uncertainty:e}");
+    }
+    let mut unknown = of_map(vec![step(0.5, 0.0, 1e-15)]);
+    unknown.loops[0].steps[0].defect.quadrature_error = None;
+    assert_eq!(kind(&unknown), Undecided);
+}
+
+#[test]
+fn one_random_loop_has_to_be_bounded() {
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
+    evidence
+        .loops
+        .push(of_loop(2, LoopKind::Random, vec![step(0.5, 0.0, 1e-3)]));
+    assert_eq!(
+        kind(&evidence),
+        Symplectic,
+        "the other random loop is bounded"
+    );
+    evidence.loops.remove(1);
+    assert_eq!(kind(&evidence), Undecided);
+    evidence.loops[1].steps.clear();
+    evidence.loops[1].failure = Some("the map failed".into());
+    assert_eq!(decides(&evidence), Finding::RandomLoopsFail);
+}
+
+#[test]
+fn the_largest_step_has_to_deform_the_loop_by_a_fifth() {
+    for (deformation, expected) in [(0.19, Undecided), (0.21, Symplectic)] {
+        let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
+        evidence.survey.deformation = Some(deformation);
+        assert_eq!(kind(&evidence), expected, "{deformation}");
+        let mut evidence = of_samples(vec![step(0.5, 0.0, 1e-15)]);
+        evidence.loops[0].steps[0].deformation = Some(deformation);
+        assert_eq!(kind(&evidence), expected, "{deformation}, samples");
+    }
+    // A significant defect needs no deformation.
+    let mut evidence = of_map(vec![step(0.5, 1e-3, 1e-15)]);
+    evidence.survey.deformation = Some(0.01);
+    assert_eq!(kind(&evidence), NotSymplectic);
+}
+
+#[test]
+fn samples_have_to_be_half_a_cell_apart_or_nearer() {
+    for (cells, signed, expected) in [
+        (0.49, 1e-3, NotSymplectic),
+        (0.51, 1e-3, Undecided),
+        (0.49, 0.0, Symplectic),
+        (0.51, 0.0, Undecided),
+    ] {
+        let mut evidence = of_map(vec![step(0.5, signed, 1e-15)]);
+        evidence.loops[0].steps[0].cells_apart = cells;
+        assert_eq!(kind(&evidence), expected, "{cells} cells, defect {signed}");
+    }
+}
+
+#[test]
+fn a_break_of_any_loop_breaks_and_closing_says_whether_that_is_all() {
+    let closing = |signed: f64, uncertainty: f64| {
+        let mut evidence = of_map(vec![step(0.5, -3.0, 1e-10)]);
+        let step = &mut evidence.loops[0].steps[0];
+        step.jump = Some(JUMP);
+        step.closing = Some(Closing {
+            breaks: 2,
+            chord: 3.0,
+            closed: defect(signed, uncertainty),
+        });
+        judge(&evidence)
+    };
+    for (signed, uncertainty, conserved) in [
+        (0.0, 1e-14, Some(true)),
+        (9e-14, 1e-14, Some(true)),
+        (11e-14, 1e-14, Some(false)),
+        (0.0, 0.9e-6, Some(true)),
+        (0.0, 1.1e-6, None),
+    ] {
+        let verdict = closing(signed, uncertainty);
+        assert_eq!(verdict.kind, BrokenLoops);
+        assert_eq!(
+            verdict.conserved_once_closed, conserved,
+            "{signed:e} ± {uncertainty:e}"
+        );
+        let told = verdict
+            .headline()
+            .contains("conserved once breaks are closed");
+        assert_eq!(told, conserved == Some(true));
+    }
+    let mut random = of_map(vec![step(0.5, 0.0, 1e-15)]);
+    random.loops[1].steps[0].jump = Some(JUMP);
+    assert_eq!(kind(&random), BrokenLoops);
+}
+
+#[test]
+fn loops_that_wind_prove_nothing_but_that_a_map_is_not_exact() {
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
+    let mut winding = of_loop(2, LoopKind::Winding, vec![step(0.5, 0.1, 1e-15)]);
+    winding.winds = true;
+    evidence.loops.push(winding);
+    let verdict = judge(&evidence);
+    assert_eq!(verdict.kind, Symplectic);
+    assert!(
+        verdict
+            .evidence()
+            .iter()
+            .any(|line| line.contains("not exact"))
+    );
+    evidence.loops.drain(..2);
+    assert_eq!(decides(&evidence), Finding::AllLoopsWind);
+}
+
+#[test]
+fn orders_are_those_of_whole_slopes_above_one_half() {
+    let law = |k: f64| -> Verdict {
+        let steps = (1..=8).map(|m| 0.5f64.powi(m));
+        judge(&of_map(
+            steps.map(|h| step(h, 0.3 * h.powf(k), 1e-15)).collect(),
+        ))
+    };
+    for (slope, order) in [
+        (0.4, None),
+        (1.0, Some(1.0)),
+        (2.1, Some(2.0)),
+        (2.5, None),
+        (3.0, Some(3.0)),
+    ] {
+        let verdict = law(slope);
+        assert_eq!(verdict.kind, NotSymplectic);
+        assert_eq!(verdict.order, order, "h^{slope}");
+    }
+}
+
+#[test]
+fn advice_on_the_order_says_what_is_missing() {
+    let advice = |steps: Vec<StepEvidence>| judge(&of_map(steps)).advice().join(" ");
+    let few = vec![step(0.5, 1e-3, 1e-15), step(0.25, 1e-4, 1e-15)];
+    assert!(advice(few).contains("four or more step sizes"));
+    let sizes = || (1..=7).map(|m| 0.5f64.powi(m));
+    let drowned = sizes()
+        .map(|h| step(h, if h == 0.5 { 1e-3 } else { 0.0 }, 1e-5))
+        .collect();
+    assert!(advice(drowned).contains("larger step sizes"));
+    let scattered = sizes().enumerate();
+    let scattered = scattered
+        .map(|(m, h)| step(h, [1e-3, 5e-6, 2e-3][m % 3], 1e-15))
+        .collect();
+    let text = advice(scattered);
+    assert!(text.contains("do not follow one power"), "{text}");
+    let constant = sizes().map(|h| step(h, 1e-3, 1e-15)).collect();
+    assert!(advice(constant).contains("does not fall with h"));
+}
+
+#[test]
+fn jumps_of_samples_count_from_the_size_that_single_precision_cannot_explain() {
+    let jumping = |largest: f64, confirmed: usize| {
+        let mut evidence = of_samples(vec![step(0.5, 0.0, 1e-9)]);
+        let step = &mut evidence.loops[0].steps[0];
+        step.jumping = Some(JumpingCells {
+            cells: 2,
+            confirmed,
+            largest,
+        });
+        step.jump = (confirmed > 0).then_some(JUMP);
+        evidence
+    };
+    assert_eq!(kind(&jumping(1.1e-6, 2)), BrokenLoops);
+    assert!(matches!(
+        decides(&jumping(0.9e-6, 2)),
+        Finding::SmallJumps { .. }
+    ));
+    assert!(matches!(
+        decides(&jumping(0.0, 0)),
+        Finding::TooFewForJumps { cells: 2, .. }
+    ));
+}
+
+#[test]
+fn files_that_hold_no_closed_loop_are_told_why() {
+    let fine = || of_samples(vec![step(0.5, 0.0, 1e-9)]);
+    assert_eq!(kind(&fine()), Symplectic);
+    let mut wrapped = fine();
+    wrapped.loops[0].wrap_before = Some(Wrap {
+        dof: 0,
+        period: 6.28,
+    });
+    assert!(matches!(
+        decides(&wrapped),
+        Finding::Wrapped { step: None, .. }
+    ));
+    let mut wrapped = fine();
+    wrapped.loops[0].steps[0].wrap = Some(Wrap {
+        dof: 0,
+        period: 6.28,
+    });
+    assert!(matches!(
+        decides(&wrapped),
+        Finding::Wrapped { step: Some(_), .. }
+    ));
+    let mut open = fine();
+    open.loops[0].broken_before = Some(JUMP);
+    assert!(matches!(decides(&open), Finding::NotClosed { .. }));
+    for (ratio, shuffled) in [(3.9, false), (4.1, true)] {
+        let mut evidence = fine();
+        evidence.loops[0].shuffled = Some(ratio);
+        let found = matches!(decides(&evidence), Finding::Shuffled { .. });
+        assert_eq!(found, shuffled, "{ratio}");
+    }
+}
+
+#[test]
+fn copies_are_told_from_small_steps() {
+    let mut evidence = of_samples(vec![step(0.5, 0.0, 1e-15)]);
+    evidence.loops[0].steps[0].deformation = Some(0.0);
+    assert!(judge(&evidence).advice()[0].contains("copies"));
+    evidence.loops[0].steps[0].deformation = Some(0.1);
+    let advice = judge(&evidence).advice()[0].clone();
+    assert!(
+        advice.contains("0.3 to 1 of its size") && advice.contains("5.00 times"),
+        "{advice}"
+    );
+}
+
+#[test]
+fn what_many_steps_do_follows_from_four_numbers() {
+    let growth = |asked: usize, steps: usize, early: f64, late: f64, least: f64| {
+        let mut evidence = of_map(vec![step(0.5, 1e-3, 1e-15)]);
+        let json = serde_json::json!({
+            "step_size": 0.5, "asked": asked, "steps": steps, "samples": 64,
+            "largest": early.max(late), "early": early, "late": late, "least": least,
+        });
+        let found: LongTime = serde_json::from_value(json).unwrap();
+        evidence.long_time = Some(found);
+        let verdict = judge(&evidence);
+        let finding = (verdict.findings.iter()).find_map(|finding| match finding {
+            Finding::ManySteps { growth, .. } => Some((*growth, finding.to_string())),
+            _ => None,
+        });
+        finding.unwrap()
+    };
+    assert_eq!(growth(100, 15, 1e-3, 4e-3, 0.0).0, Growth::Undecided);
+    assert_eq!(growth(100, 100, 1e-12, 9e-12, 0.0).0, Growth::None);
+    assert_eq!(growth(100, 100, 1e-3, 2.6e-3, 1e-3).0, Growth::Grows);
+    assert_eq!(growth(100, 100, 1e-3, 1.7e-3, 0.8e-3).0, Growth::Bounded);
+    assert_eq!(growth(100, 100, 1e-3, 1.7e-3, 0.9e-3).0, Growth::Undecided);
+    assert_eq!(growth(100, 100, 1e-3, 1.9e-3, 0.1e-3).0, Growth::Undecided);
+    let (_, text) = growth(1000, 22, 1e-3, 4e-3, 0.0);
+    assert!(text.contains("1000 steps that were asked for"), "{text}");
+}
+
+#[test]
+fn what_the_budget_left_out_is_said_with_what_it_would_take() {
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-3)]);
+    evidence.omissions.push(Omission::Samples { loop_index: 0 });
+    evidence.evaluations.wanted = 640;
+    let verdict = judge(&evidence);
+    assert_eq!(verdict.kind, Undecided);
+    assert!(verdict.advice()[0].contains("640 evaluations more"));
+}
+
+#[test]
+fn evidence_survives_json_to_the_last_bit() {
+    let mut evidence = of_map(vec![
+        step(1.0 / 3.0, 0.1 + 0.2, 1e-15),
+        step(0.25, 1e-300, 5e-324),
+    ]);
+    evidence.loops[0].steps[0].jump = Some(JUMP);
+    let text = serde_json::to_string(&evidence).unwrap();
+    let read: Evidence = serde_json::from_str(&text).unwrap();
+    assert_eq!(read, evidence);
+    assert_eq!(judge(&read), judge(&evidence));
+}
