@@ -103,6 +103,6 @@ fn a_diagnosis_takes_a_few_dozen_states() {
         );
         assert!(diagnosis.evidence.jacobian.is_none());
         let said = diagnosis.verdict.evidence().join(" ");
-        assert!(said.contains("Jacobian test was left out"), "{said}");
+        assert!(said.contains("Jacobian was left out"), "{said}");
     }
 }

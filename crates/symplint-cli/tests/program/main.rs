@@ -115,7 +115,7 @@ fn the_streaming_rule_has_the_verdicts_of_the_others() {
 #[test]
 fn the_report_has_the_fields_of_its_schema() {
     let report = report(&["check", &example("pendulum.toml")]);
-    assert_eq!(report["schema"], "symplint/report/1");
+    assert_eq!(report["schema"], "symplint/report/2");
     let point = &report["points"][0];
     for field in [
         "sweep",
@@ -141,7 +141,12 @@ fn the_report_has_the_fields_of_its_schema() {
     assert_eq!(point["sweep"], "step-size");
     assert_eq!(point["jumps"], Value::Null);
     assert!((point["initial"].as_f64().unwrap() - std::f64::consts::PI).abs() < 1e-14);
-    for field in ["kind", "digits", "order", "summary", "evidence", "advice"] {
+    for field in ["config", "evaluations", "fits", "evidence", "provenance"] {
+        assert!(report.get(field).is_some(), "{field}");
+    }
+    for field in [
+        "kind", "digits", "order", "summary", "findings", "evidence", "advice",
+    ] {
         assert!(report["verdict"].get(field).is_some(), "{field}");
     }
 }
@@ -153,7 +158,10 @@ fn broken_loops_and_undecided_have_their_own_status() {
     let output = symplint(&["check", path, "--quiet"]);
     assert_eq!(
         (output.status.code(), text(&output.stdout).trim()),
-        (Some(1), "broken-loops, defect of order h^2")
+        (
+            Some(1),
+            "broken-loops (conserved once breaks are closed), defect of order h^2"
+        )
     );
     let output = symplint(&[
         "check",

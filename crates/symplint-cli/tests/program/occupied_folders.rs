@@ -134,8 +134,8 @@ fn commands_do_not_share_a_folder() {
 #[test]
 fn a_run_folder_that_was_edited_is_never_written_to() {
     let (folder, path) = configuration(FEW);
-    type Edit = (&'static str, fn(String) -> String);
-    let edits: [Edit; 3] = [
+    type Edit = fn(String) -> String;
+    let edits: [(&str, Edit); 3] = [
         ("config.toml", |text| text + "# A note.\n"),
         ("config.toml", |text| {
             text.replace("radius = 1.0", "radius = 2.0")

@@ -301,7 +301,7 @@ pub fn resolve(
 }
 
 /// The map of the integrator `name`, in its default form unless a `variant` is given, for
-/// `system`. The name may be one of the [aliases](super::aliases). Stages are solved as
+/// `system`. The name may be one of the [`aliases`]. Stages are solved as
 /// [`StageSolver::default`] says.
 ///
 /// ```

@@ -6,6 +6,7 @@
 
 use std::path::Path;
 
+use ::png::{ColorType, Encoder, EncodingError};
 use plotters::backend::BitMapBackend;
 use plotters_backend::{BackendColor, DrawingBackend};
 
@@ -58,16 +59,22 @@ pub(super) fn write(
     }
     let picture = averaged(&large, width, height, enlarged);
 
-    // Tried by hand first: the drawing library hides the operating system's reason.
-    std::fs::File::create(path).map_err(|source| FigureError::Write {
+    let file = encoded(&picture, width as u32, height as u32).map_err(|error| refused(&error))?;
+    std::fs::write(path, file).map_err(|source| FigureError::Write {
         path: path.to_path_buf(),
         source,
-    })?;
-    let size = (width as u32, height as u32);
-    let mut file = BitMapBackend::new(path, size);
-    file.blit_bitmap((0, 0), size, &picture)
-        .map_err(|error| refused(&error))?;
-    file.present().map_err(|error| refused(&error))
+    })
+}
+
+/// The bytes of a PNG file.
+fn encoded(picture: &[u8], width: u32, height: u32) -> Result<Vec<u8>, EncodingError> {
+    let mut file = Vec::new();
+    let mut encoder = Encoder::new(&mut file, width, height);
+    encoder.set_color(ColorType::Rgb);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(picture)?;
+    writer.finish()?;
+    Ok(file)
 }
 
 /// The mean colour of every block of `enlarged` × `enlarged` pixels.

@@ -1,8 +1,8 @@
 //! Breaks: jumps of an advanced loop.
 //!
 //! Samples alone cannot tell a jump from a steep but smooth stretch. A map can be evaluated
-//! at any s, so here every suspicion ([`suspects`]) is followed down to the resolution of double
-//! precision ([`follow`]): what is still a jump there is a break.
+//! at any s, so here every suspicion (`suspects`) is followed down to the resolution of double
+//! precision (`follow`): what is still a jump there is a break.
 
 mod follow;
 mod suspects;

@@ -144,7 +144,7 @@ impl Run<'_> {
                 let most = (left / TIGHT_SAMPLES_PART).max(FEWEST_TIGHT_SAMPLES);
                 (most.min(left / (1 + further)), left / 8 * 7)
             }
-            false => (left, left),
+            false => (self.share(), left),
         };
         let mut found = Survey::default();
         let mut looked = false;
@@ -213,6 +213,14 @@ impl Run<'_> {
         self.plan.tolerance > 0.0
     }
 
+    /// Samples of one loop in an ample budget: so many that the given loop and a random one at all step sizes, and
+    /// the other random ones at the largest, can have as many.
+    fn share(&self) -> usize {
+        let diagnostic = self.diagnostic;
+        let measurements = 2 * diagnostic.step_sizes.len() + diagnostic.loops + 1;
+        (self.count.budget() / measurements).min(self.left())
+    }
+
     /// The step sizes that the budget allows, in the order in which they were given: all, or the largest ones, so
     /// that something is left for random loops.
     fn affordable_steps(&self, cost: usize) -> Vec<f64> {
@@ -274,7 +282,9 @@ impl Run<'_> {
             if self.is_settled() {
                 break;
             }
-            if self.left() < self.plan.first_samples {
+            // A loop that cannot be resolved as the given one was is no evidence.
+            let least = if self.is_tight() { given.cost } else { 0 };
+            if self.left() < least.max(self.plan.first_samples) {
                 let omitted = count + 1 - index;
                 self.omit(
                     Omission::RandomLoops { count: omitted },
@@ -299,7 +309,8 @@ impl Run<'_> {
             }
         }
         let winds = self.evidence.loops[0].winds;
-        if count > 0 && !winds && !self.is_settled() && self.left() >= self.plan.first_samples {
+        let affordable = self.left() >= given.cost.max(self.plan.first_samples);
+        if count > 0 && !winds && !self.is_settled() && affordable {
             self.winding_loop(subject)?;
         }
         self.evidence.evaluations.random_loops = self.count.made() - start;
@@ -359,7 +370,7 @@ impl Run<'_> {
                 true => (left / TIGHT_SAMPLES_PART)
                     .max(FEWEST_TIGHT_SAMPLES)
                     .min(left),
-                false => left,
+                false => self.share(),
             },
             allowance: left,
         };

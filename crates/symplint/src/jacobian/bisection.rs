@@ -3,16 +3,10 @@
 use std::ops::Range;
 
 use super::derivative::Derivative;
+use super::evidence::TangentDefect;
 use super::frame::Estimate;
 use super::sampler::{Sampler, TangentVector};
 use crate::error::Error;
-
-/// Where a defect is, and how large it is there.
-pub(super) struct Located {
-    pub dofs: (usize, usize),
-    /// Relative to the norms of the two tangent vectors.
-    pub defect: Estimate,
-}
 
 /// The components of a tangent vector that belong to some degrees of freedom.
 #[derive(Clone)]
@@ -59,7 +53,7 @@ pub(super) fn locate(
     sampler: &mut Sampler<'_>,
     point: usize,
     vectors: [&[f64]; 2],
-) -> Result<Option<Located>, Error> {
+) -> Result<Option<TangentDefect>, Error> {
     let dof = sampler.frame.dof();
     // All halves of the first round, one of each vector in later ones, and both vectors at the end.
     let directions = 2 * (2 + dof.next_power_of_two().ilog2() as usize);
@@ -99,13 +93,14 @@ pub(super) fn locate(
         return Ok(None);
     }
     let norm = sampler.frame.norm(&pair[0].vector) * sampler.frame.norm(&pair[1].vector);
-    Ok(change(sampler, pair.each_ref()).map(|change| Located {
-        dofs: (pair[0].dofs.start, pair[1].dofs.start),
-        defect: Estimate {
-            value: change.value / norm,
-            error: change.error / norm,
-        },
-    }))
+    Ok(
+        change(sampler, pair.each_ref()).map(|change| TangentDefect {
+            s: sampler.s[point],
+            signed: change.value / norm,
+            uncertainty: change.error / norm,
+            dofs: Some((pair[0].dofs.start, pair[1].dofs.start)),
+        }),
+    )
 }
 
 /// Measures the derivatives that are missing; whether all of them converged.

@@ -41,22 +41,6 @@ pub(super) fn dense(len: usize, seed: u64) -> Vec<f64> {
     components(len, &mut generator(seed, u64::MAX))
 }
 
-/// Σ a u, with the coefficients scaled so that its largest component is 1.
-pub(super) fn combined(coefficients: &mut [f64], directions: &[Vec<f64>]) -> Vec<f64> {
-    let component = |c: usize, coefficients: &[f64]| -> f64 {
-        let terms = coefficients.iter().zip(directions);
-        terms.map(|(a, direction)| a * direction[c]).sum()
-    };
-    let coordinates = 0..directions[0].len();
-    let largest = (coordinates.clone())
-        .map(|c| component(c, coefficients).abs())
-        .fold(0.0, f64::max);
-    for a in coefficients.iter_mut() {
-        *a /= largest;
-    }
-    coordinates.map(|c| component(c, coefficients)).collect()
-}
-
 fn generator(seed: u64, stream: u64) -> ChaCha8Rng {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
     generator.set_stream(stream);

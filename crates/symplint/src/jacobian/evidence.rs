@@ -145,3 +145,34 @@ pub struct JacobianEvidence {
     /// Evaluations made, with a tangent vector or without.
     pub evaluations: usize,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_significant_defect_is_preferred_to_a_larger_one_of_noise() {
+        let defect = |signed, uncertainty| TangentDefect {
+            s: 0.0,
+            signed,
+            uncertainty,
+            dofs: None,
+        };
+        let noise = defect(1e-3, 1e-3);
+        let differences = JacobianMethod::CentralDifferences { rejected: None };
+        let tangents = JacobianMethod::TangentMap;
+        for (method, found, preferred) in [
+            (differences, defect(-1e-6, 0.99e-7), true),
+            (differences, defect(-1e-6, 1.01e-7), false),
+            (differences, defect(1.01e-10, 1e-15), true),
+            (differences, defect(0.99e-10, 1e-15), false),
+            (tangents, defect(1.01e-12, 1e-15), true),
+            (tangents, defect(0.99e-12, 1e-15), false),
+        ] {
+            for defects in [[noise, found], [found, noise]] {
+                let worst = TangentDefect::worst(method, defects.into_iter());
+                assert_eq!(worst, Some(if preferred { found } else { noise }));
+            }
+        }
+    }
+}

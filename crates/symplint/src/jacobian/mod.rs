@@ -4,14 +4,15 @@
 //! differentiable if and only if ω(DΦ u, DΦ v) = ω(u, v) for all tangent vectors u and v. It
 //! localises better than a loop integral, which is an average, and does not see jumps.
 //!
-//! Tangent vectors ([`directions`]) are counted in units of the loop ([`frame`]). States displaced along
-//! them are advanced in large batches ([`sampler`]), and their differences are extrapolated to
-//! derivatives with errors ([`richardson`]) that take the noise of the map into account ([`noise`]). A map that
-//! has a tangent map gives derivatives to round-off ([`tangents`]), once it is found to be that of the map
-//! ([`tangent_check`]). In many degrees of freedom tangent vectors are random, and a defect is traced to
-//! the two degrees of freedom that carry it ([`bisection`]).
+//! Tangent vectors (`directions`) are counted in units of the loop (`frame`). States displaced along
+//! them are advanced in large batches (`sampler`), and their differences are extrapolated to
+//! derivatives with errors (`richardson`) that take the noise of the map into account (`noise`). A map that
+//! has a tangent map gives derivatives to round-off (`tangents`), once it is found to be that of the map
+//! (`tangent_check`). In many degrees of freedom tangent vectors are random, and a defect is traced to
+//! the two degrees of freedom that carry it (`bisection`).
 
 mod bisection;
+mod columns;
 mod constants;
 mod cost;
 mod derivative;
@@ -28,15 +29,12 @@ pub use evidence::{
     JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect, TangentRejection,
 };
 
-use rayon::prelude::*;
-
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use bisection::locate;
-use derivative::Derivative;
-use frame::{Estimate, Frame};
-use sampler::{Sampler, TangentVector};
+use columns::{Columns, Outcome};
+use sampler::Sampler;
 
 /// Tests at points of a loop whether the derivative of a map keeps the symplectic form.
 ///
@@ -92,16 +90,6 @@ impl Default for JacobianTest {
     }
 }
 
-/// What the tangent vectors at one point showed.
-struct Outcome {
-    s: f64,
-    /// Of every two of them, in the order of [`pairs`].
-    defects: Vec<TangentDefect>,
-    /// Whether derivatives converged and their form is within the range of double precision.
-    usable: bool,
-    deformation: f64,
-}
-
 impl JacobianTest {
     /// Tests one step of size `h` at points of `phase_loop`, on the threads of the current Rayon
     /// pool; the result does not depend on their number.
@@ -139,18 +127,30 @@ impl JacobianTest {
             sampler.fall_back(self.count(dof), self.budget);
             outcomes = self.outcomes(&mut sampler)?;
         }
-        let method = sampler.method();
-        let points: Vec<JacobianPoint> =
-            (outcomes.iter().map(|outcome| outcome.point(method))).collect();
+        let (method, full) = (sampler.method(), self.is_full(dof));
+        let points: Vec<JacobianPoint> = outcomes.iter().map(|outcome| outcome.point).collect();
         let mut worst = TangentDefect::worst(method, points.iter().filter_map(|p| p.worst));
-        let mut bound = (points.iter().filter_map(|point| point.bound)).reduce(f64::max);
-        let full = self.is_full(dof);
-        if let Some(dense) = worst.filter(|found| !full && found.is_significant(method)) {
-            let located = self.located(&mut sampler, &outcomes, dense)?;
-            bound = bound.map(|bound| bound.max(located.bound()));
-            worst = Some(located);
+        let mut bound = points.iter().filter_map(|p| p.bound).reduce(f64::max);
+        let significant = worst.filter(|worst| !full && worst.is_significant(method));
+        let point = points
+            .iter()
+            .position(|point| significant.is_some() && point.worst == significant);
+        if let (Some(dense), Some(point)) = (significant, point) {
+            let directions = self.directions(dof, point);
+            let (i, j) = outcomes[point].pair;
+            if let Some(located) = locate(&mut sampler, point, [&directions[i], &directions[j]])? {
+                // In the norms of two degrees of freedom it is larger, unless it is spread evenly over many.
+                let spread = TangentDefect {
+                    dofs: located.dofs,
+                    ..dense
+                };
+                worst = TangentDefect::worst(method, [located, spread].into_iter());
+                bound = bound
+                    .into_iter()
+                    .chain(worst.map(|w| w.bound()))
+                    .reduce(f64::max);
+            }
         }
-        let usable = outcomes.iter().filter(|outcome| outcome.usable);
         Ok(JacobianEvidence {
             step_size: h,
             method,
@@ -158,14 +158,14 @@ impl JacobianTest {
             full,
             worst,
             bound,
-            deformation: usable.fold(0.0, |most, outcome| most.max(outcome.deformation)),
+            deformation: (outcomes.iter().map(|o| o.deformation)).fold(0.0, f64::max),
             noise: sampler.largest_noise(),
             evaluations: sampler.made(),
             points,
         })
     }
 
-    /// What the tangent vectors show at each point; as far as the tangent map is not rejected.
+    /// What the tangent vectors show at each point, unless the tangent map is rejected.
     fn outcomes(&self, sampler: &mut Sampler<'_>) -> Result<Vec<Outcome>, Error> {
         let (dof, count) = (sampler.frame.dof(), sampler.s.len());
         let at_a_time = sampler.in_a_batch(self.count(dof) * sampler.cost());
@@ -175,42 +175,22 @@ impl JacobianTest {
             let first = outcomes.len();
             // A tangent map that is wrong is wrong everywhere, as a rule: one point shows it, and leaves the rest of
             // the budget to differences.
-            let at_once = match sampler.uses_tangents && first == 0 {
+            let last = match sampler.uses_tangents && first == 0 {
                 true => 1,
-                false => at_a_time,
+                false => (first + at_a_time).min(count),
             };
-            let points = first..(first + at_once).min(count);
-            let directions: Vec<Vec<Vec<f64>>> = points
-                .clone()
-                .map(|point| self.directions(dof, point))
+            let mut columns: Vec<Columns> = (first..last)
+                .map(|point| Columns::new(point, self.directions(dof, point)))
                 .collect();
-            let vectors = points
-                .clone()
-                .zip(&directions)
-                .flat_map(|(point, directions)| {
-                    let at = move |direction| TangentVector { point, direction };
-                    directions.iter().map(Vec::as_slice).map(at)
-                });
-            let derivatives = sampler.derivatives(&vectors.collect::<Vec<_>>())?;
-            let of_points: Vec<&[Derivative]> = derivatives.chunks_exact(self.count(dof)).collect();
+            sampler.differentiate(&mut columns)?;
             if sampler.uses_tangents {
-                compared |= sampler.check_tangents(first, &directions, &of_points, self.seed)?;
+                compared |= sampler.check_tangents(&columns, self.seed)?;
                 if sampler.rejected.is_some() {
-                    return Ok(outcomes);
+                    return Ok(Vec::new());
                 }
             }
             let full = self.is_full(dof);
-            outcomes.extend((points.zip(&directions).zip(&of_points)).map(
-                |((point, directions), derivatives)| {
-                    outcome(
-                        &sampler.frame,
-                        sampler.s[point],
-                        directions,
-                        derivatives,
-                        full,
-                    )
-                },
-            ));
+            outcomes.extend(columns.iter().map(|columns| columns.outcome(sampler, full)));
         }
         if sampler.uses_tangents && !compared {
             sampler.rejected = Some(TangentRejection::Unchecked);
@@ -218,74 +198,31 @@ impl JacobianTest {
         Ok(outcomes)
     }
 
-    /// The defect of a random pair in the two degrees of freedom that carry most of it: in their norms
-    /// it is larger, as a rule, than in that of vectors that move everything.
-    fn located(
-        &self,
-        sampler: &mut Sampler<'_>,
-        outcomes: &[Outcome],
-        dense: TangentDefect,
-    ) -> Result<TangentDefect, Error> {
-        let found = outcomes.iter().enumerate().find_map(|(point, outcome)| {
-            let pair = outcome.defects.iter().position(|&defect| defect == dense)?;
-            Some((point, pair))
-        });
-        let directions = |point| self.directions(sampler.frame.dof(), point);
-        let found = found.and_then(|(point, pair)| {
-            let directions = directions(point);
-            let (i, j) = pairs(directions.len()).nth(pair)?;
-            Some((point, [directions[i].clone(), directions[j].clone()]))
-        });
-        let Some((point, [u, v])) = found else {
-            return Ok(dense);
-        };
-        Ok(locate(sampler, point, [&u, &v])?.map_or(dense, |found| {
-            let located = TangentDefect {
-                signed: found.defect.value,
-                uncertainty: found.defect.error,
-                dofs: Some(found.dofs),
-                ..dense
-            };
-            let spread_evenly = TangentDefect {
-                dofs: located.dofs,
-                ..dense
-            };
-            let candidates = [located, spread_evenly].into_iter();
-            TangentDefect::worst(sampler.method(), candidates).unwrap_or(dense)
-        }))
-    }
-
     fn check(&self, h: f64, planned: usize) -> Result<(), Error> {
-        let range = |what, value, remedy| {
-            Err(Error::OutOfRange {
-                what,
-                value,
-                remedy,
-            })
+        let range = |what, value, remedy| Error::OutOfRange {
+            what,
+            value,
+            remedy,
         };
         if !h.is_finite() || h == 0.0 {
-            return range("step size", h, "give a finite step size that is not zero");
+            let remedy = "give a finite step size that is not zero";
+            return Err(range("step size", h, remedy));
         }
         if self.points == 0 {
-            return range(
-                "number of points of the Jacobian test",
-                0.0,
-                "give one or more",
-            );
+            let what = "number of points of the Jacobian test";
+            return Err(range(what, 0.0, "give one or more"));
         }
         if self.directions < 2 {
-            return range(
-                "number of random tangent vectors of the Jacobian test",
-                self.directions as f64,
-                "give two or more",
-            );
+            let what = "number of random tangent vectors of the Jacobian test";
+            return Err(range(what, self.directions as f64, "give two or more"));
         }
         if planned > self.budget {
-            return range(
+            let remedy = "give the evaluations that the test makes, or take JacobianTest::within";
+            return Err(range(
                 "budget of the Jacobian test",
                 self.budget as f64,
-                "give at least the evaluations that the test makes, or take JacobianTest::within",
-            );
+                remedy,
+            ));
         }
         Ok(())
     }
@@ -317,54 +254,4 @@ fn parameters(count: usize) -> Vec<f64> {
     (0..count)
         .map(|k| (START + GOLDEN * k as f64).fract())
         .collect()
-}
-
-/// Every two of so many.
-fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..count).flat_map(move |i| (i + 1..count).map(move |j| (i, j)))
-}
-
-fn outcome(
-    frame: &Frame,
-    s: f64,
-    directions: &[Vec<f64>],
-    derivatives: &[Derivative],
-    full: bool,
-) -> Outcome {
-    let defect = |(i, j): (usize, usize)| {
-        let (u, v) = (&directions[i], &directions[j]);
-        let Estimate { value, error } =
-            frame.change_of_form((u, &derivatives[i]), (v, &derivatives[j]));
-        let norm = frame.norm(u) * frame.norm(v);
-        TangentDefect {
-            s,
-            signed: value / norm,
-            uncertainty: error / norm,
-            dofs: full.then(|| (frame.dof_of(i), frame.dof_of(j))),
-        }
-    };
-    let all: Vec<(usize, usize)> = pairs(directions.len()).collect();
-    let defects: Vec<TangentDefect> = all.into_par_iter().map(defect).collect();
-    let changes = (directions.iter().zip(derivatives)).flat_map(|(u, of_u)| {
-        let components = u.iter().zip(&of_u.value);
-        components.map(|(u, of_u)| (of_u - u).abs())
-    });
-    Outcome {
-        s,
-        usable: derivatives.iter().all(|derivative| derivative.converged)
-            && defects.iter().all(|defect| defect.bound().is_finite()),
-        deformation: changes.fold(0.0, f64::max),
-        defects,
-    }
-}
-
-impl Outcome {
-    fn point(&self, method: JacobianMethod) -> JacobianPoint {
-        let defects = || self.defects.iter().copied().filter(|_| self.usable);
-        JacobianPoint {
-            s: self.s,
-            worst: TangentDefect::worst(method, defects()),
-            bound: defects().map(|defect| defect.bound()).reduce(f64::max),
-        }
-    }
 }

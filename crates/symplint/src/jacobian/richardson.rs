@@ -182,17 +182,19 @@ mod tests {
     #[test]
     fn smooth_functions_have_their_derivative_within_the_error() {
         type Case = (fn(f64) -> f64, f64, f64);
-        let cases: [Case; 5] = [
+        let cases: [Case; 6] = [
             (|t| (1.0 + t).sin(), 1f64.cos(), 1e-11),
             (|t| (2.0 * t).exp(), 2.0, 1e-11),
             (|t| 1.0 / (0.2 + t), -25.0, 1e-8),
             (|t| (30.0 * t + 0.3).cos(), -30.0 * 0.3f64.sin(), 1e-8),
-            // Rounded off over a hundredth: only the smaller distances know its slope.
+            // Rounded over a hundredth: only the smaller distances resolve its slope.
             (
                 |t| (t - 0.004).hypot(0.01),
                 -0.004 / 0.004f64.hypot(0.01),
                 1e-7,
             ),
+            // Twice as steep nearby as the larger distances show, which agree with each other.
+            (|t| t + t * (-(t / 3e-4).powi(2)).exp(), 2.0, 1e-6),
         ];
         for (k, (f, exact, tolerance)) in cases.into_iter().enumerate() {
             let found = of(f, 8.0 * f64::EPSILON);

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::columns::Columns;
 use super::constants::CONSTANTS;
 use super::derivative::Derivative;
 use super::directions;
@@ -218,6 +219,21 @@ impl<'a> Sampler<'a> {
             error.on_the_way(|k| (self.s[columns[k].0.point], curve(columns[k].1)))
         })?;
         Ok(states)
+    }
+
+    /// Measures the derivatives along the tangent vectors of all columns.
+    pub fn differentiate(&mut self, columns: &mut [Columns]) -> Result<(), Error> {
+        let vectors = columns.iter().flat_map(|columns| {
+            let point = columns.point;
+            let directions = columns.directions.iter();
+            directions.map(move |direction| TangentVector { point, direction })
+        });
+        let mut derivatives = self.derivatives(&vectors.collect::<Vec<_>>())?.into_iter();
+        for columns in columns {
+            let count = columns.directions.len();
+            columns.derivatives = derivatives.by_ref().take(count).collect();
+        }
+        Ok(())
     }
 
     /// The derivatives of the step along tangent vectors.

@@ -44,6 +44,11 @@ impl EvaluationCount {
         Self::new(usize::MAX)
     }
 
+    /// Evaluations that may be made in all.
+    pub fn budget(&self) -> usize {
+        self.budget
+    }
+
     /// Evaluations made.
     pub fn made(&self) -> usize {
         self.made.load(Ordering::Relaxed)

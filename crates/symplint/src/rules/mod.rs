@@ -1,6 +1,6 @@
 //! Loop integrals ∮ p·dq by one of the rules.
 //!
-//! A rule is a folder, a variant of [`Rule`], and a line in [`Rule::integrator`].
+//! A rule is a folder, a variant of [`Rule`], and a line in `Rule::integrator`.
 
 mod advanced;
 mod defect;

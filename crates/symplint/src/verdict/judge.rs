@@ -25,6 +25,13 @@ pub fn judge(evidence: &Evidence) -> Verdict {
         fits: &fits,
     };
     let mut decision = case.decide();
+    let rounded = evidence.survey.output_precision.is_some();
+    if rounded
+        && decision.kind != VerdictKind::NotSymplectic
+        && !decision.advice.contains(&Advice::MoreDigits)
+    {
+        decision.advice.push(Advice::MoreDigits);
+    }
     let mut findings = vec![decision.because];
     findings.append(&mut decision.findings);
     findings.extend(case.further_findings(decision.kind, decision.digits));

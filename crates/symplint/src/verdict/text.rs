@@ -156,7 +156,7 @@ impl Display for Finding {
                 ),
             },
             Finding::LittleDeformation { deformation: 0.0 } => {
-                f.write_str("The step does not move the loop, or only as a whole.")
+                f.write_str("The step did not move the loop, or only as a whole.")
             }
             Finding::LittleDeformation { deformation } => write!(
                 f,
@@ -591,7 +591,7 @@ impl Display for Advice {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Advice::MeasureLoop => f.write_str("Measure one loop or more."),
-            Advice::StatePeriod => f.write_str("State the period of the position."),
+            Advice::StatePeriod => f.write_str("State the period of the position, as an array `period` in the file or as an option."),
             Advice::PeriodIfPeriodic => f.write_str(
                 "If q is an angle or a position in a periodic box, keep it unwrapped or state its period.",
             ),

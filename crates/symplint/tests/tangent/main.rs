@@ -104,6 +104,46 @@ fn round_off_that_a_step_enlarges_is_in_the_error_bars() {
 }
 
 #[test]
+fn round_off_of_a_linear_map_is_in_the_error_bars() {
+    // Squeezes by shears, undone one by one: tangent vectors round in the same way from every state.
+    fn shear([q, p]: [f64; 2], a: f64, b: f64) -> [f64; 2] {
+        let p = p + a * q;
+        [q + b * p, p]
+    }
+    fn unshear([q, p]: [f64; 2], a: f64, b: f64) -> [f64; 2] {
+        let q = q - b * p;
+        [q, p - a * q]
+    }
+    let step = |h: f64, mut z: [f64; 2]| {
+        for k in 0..5 {
+            z = shear(z, 2.3 + 0.1 * f64::from(k), 1.7);
+        }
+        for k in (0..5).rev() {
+            z = unshear(z, 2.3 + 0.1 * f64::from(k), 1.7);
+        }
+        shear(z, -h, h)
+    };
+    let map = Given {
+        step,
+        tangent: move |h, z, u| (step(h, z), step(h, u)),
+        period: 0.0,
+    };
+    let random = JacobianTest {
+        points: 200,
+        full_up_to: 0,
+        ..JacobianTest::default()
+    };
+    let report = random.run(&map, &circle(1), 0.5).unwrap();
+    assert_eq!(report.method, JacobianMethod::TangentMap);
+    let mut largest = 0.0_f64;
+    for found in found(&report) {
+        assert!(found.magnitude() <= found.uncertainty, "{found:?}");
+        largest = largest.max(found.magnitude());
+    }
+    assert!(largest > 1e-12, "{largest:e}");
+}
+
+#[test]
 fn the_midpoint_rule_on_a_spring_has_its_determinant() {
     // det DΦ = 1 + h⁴/4, a number without rounding for these h.
     for h in [2.0, 1.0, 0.5, 0.25, -0.5, 0.125] {

@@ -31,10 +31,6 @@ impl Case<'_> {
             true => Some(Advice::MoreLoopsOfFile),
             false => (!self.has_random_loops()).then_some(Advice::MoreLoops),
         });
-        let rounded = self.evidence.survey.output_precision.is_some();
-        decision
-            .advice
-            .extend(rounded.then_some(Advice::MoreDigits));
         decision
     }
 

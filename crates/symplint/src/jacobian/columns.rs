@@ -1,0 +1,109 @@
+//! Columns of the Jacobian at one point: derivatives of the step along tangent vectors.
+
+use rayon::prelude::*;
+
+use super::derivative::Derivative;
+use super::directions;
+use super::evidence::{JacobianPoint, TangentDefect};
+use super::frame::Estimate;
+use super::sampler::Sampler;
+
+/// Tangent vectors at a point, in units of the frame, and the derivatives along them once they are measured.
+pub(super) struct Columns {
+    /// Index of the point.
+    pub point: usize,
+    /// No component beyond ±1.
+    pub directions: Vec<Vec<f64>>,
+    pub derivatives: Vec<Derivative>,
+}
+
+/// What the columns at a point show.
+pub(super) struct Outcome {
+    pub point: JacobianPoint,
+    /// The two tangent vectors that have the worst defect.
+    pub pair: (usize, usize),
+    /// Largest change of a component; 0 where the derivatives did not converge.
+    pub deformation: f64,
+}
+
+impl Columns {
+    /// Not measured yet.
+    pub fn new(point: usize, directions: Vec<Vec<f64>>) -> Self {
+        Columns {
+            point,
+            directions,
+            derivatives: Vec::new(),
+        }
+    }
+
+    /// A combination of all tangent vectors whose largest component is 1, with seeded coefficients that do not
+    /// vanish, and the derivative along it.
+    pub fn combined(&self, seed: u64) -> (Vec<f64>, Derivative) {
+        let coefficients = directions::dense(self.directions.len(), seed);
+        let component = |c: usize| -> f64 {
+            let terms = coefficients.iter().zip(&self.directions);
+            terms.map(|(a, direction)| a * direction[c]).sum()
+        };
+        let direction: Vec<f64> = (0..self.directions[0].len()).map(component).collect();
+        let largest = direction.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let terms = coefficients
+            .iter()
+            .map(|a| a / largest)
+            .zip(&self.derivatives);
+        let derivative = Derivative::combined(&terms.collect::<Vec<_>>());
+        (direction.iter().map(|x| x / largest).collect(), derivative)
+    }
+
+    /// The change of the form on every two of the tangent vectors; they are unit vectors if `full`.
+    pub fn outcome(&self, sampler: &Sampler<'_>, full: bool) -> Outcome {
+        let (frame, s) = (&sampler.frame, sampler.s[self.point]);
+        let count = self.directions.len();
+        let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
+        let pairs: Vec<(usize, usize)> = pairs.collect();
+        let defect = |&(i, j): &(usize, usize)| {
+            let (u, v) = (&self.directions[i], &self.directions[j]);
+            let (of_u, of_v) = (&self.derivatives[i], &self.derivatives[j]);
+            let Estimate { value, error } = frame.change_of_form((u, of_u), (v, of_v));
+            let norm = frame.norm(u) * frame.norm(v);
+            TangentDefect {
+                s,
+                signed: value / norm,
+                uncertainty: error / norm,
+                dofs: full.then(|| (frame.dof_of(i), frame.dof_of(j))),
+            }
+        };
+        let defects: Vec<TangentDefect> = pairs.par_iter().map(defect).collect();
+        let converged = self
+            .derivatives
+            .iter()
+            .all(|derivative| derivative.converged);
+        // Beyond the range of double precision there is no form.
+        if !converged || defects.iter().any(|defect| !defect.bound().is_finite()) {
+            let (worst, bound) = (None, None);
+            return Outcome {
+                point: JacobianPoint { s, worst, bound },
+                pair: (0, 0),
+                deformation: 0.0,
+            };
+        }
+        let worst = TangentDefect::worst(sampler.method(), defects.iter().copied());
+        let of_worst = defects.iter().position(|defect| Some(*defect) == worst);
+        let changes = self
+            .directions
+            .iter()
+            .zip(&self.derivatives)
+            .flat_map(|(u, of_u)| {
+                let components = u.iter().zip(&of_u.value);
+                components.map(|(u, of_u)| (of_u - u).abs())
+            });
+        Outcome {
+            point: JacobianPoint {
+                s,
+                worst,
+                bound: defects.iter().map(TangentDefect::bound).reduce(f64::max),
+            },
+            pair: pairs[of_worst.unwrap_or(0)],
+            deformation: changes.fold(0.0, f64::max),
+        }
+    }
+}
