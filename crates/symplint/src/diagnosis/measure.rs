@@ -213,11 +213,11 @@ impl Run<'_> {
         self.plan.tolerance > 0.0
     }
 
-    /// Samples of one loop in an ample budget: so many that the given loop and a random one at all step sizes, and
-    /// the other random ones at the largest, can have as many.
+    /// Samples of one loop in an ample budget: so many that the given loop at all step sizes, the random loops at the
+    /// largest, and one that winds, can have as many.
     fn share(&self) -> usize {
         let diagnostic = self.diagnostic;
-        let measurements = 2 * diagnostic.step_sizes.len() + diagnostic.loops + 1;
+        let measurements = diagnostic.step_sizes.len() + diagnostic.loops + 1;
         (self.count.budget() / measurements).min(self.left())
     }
 
