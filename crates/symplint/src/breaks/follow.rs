@@ -1,83 +1,179 @@
-//! Following a suspected jump down to the resolution of double precision.
+//! Closing in on a suspected jump, one state at a time.
 
-use super::suspects::{Coordinate, OUTSTANDING, Suspect};
-use super::{Break, fourth_difference};
+use super::Break;
+use super::bracket::{Bracket, End, Progress};
+use super::limits::LOOKS;
+use super::residual::{Coordinate, Suspect};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::Evaluator;
+use crate::signal::{Barycentric, nearest};
+use crate::state::Ensemble;
 
-use crate::signal::unwrap_row;
+/// A point of the advanced loop in one degree of freedom.
+#[derive(Clone, Copy)]
+struct Point {
+    s: f64,
+    /// The coordinate that looks discontinuous, unwrapped and counted so that the jump is upwards.
+    value: f64,
+    q: f64,
+    p: f64,
+}
 
-/// Cells into which a stretch is cut at each turn.
-const CELLS: usize = 24;
+impl Point {
+    /// Those of the samples of an ensemble in the suspected degree of freedom.
+    fn of(suspect: &Suspect, states: &Ensemble, sample: usize, s: f64) -> Self {
+        let q = states.q().row(suspect.dof)[sample];
+        let p = states.p().row(suspect.dof)[sample];
+        let value = match suspect.coordinate {
+            Coordinate::Q => q,
+            Coordinate::P => p,
+        };
+        Point { s, value, q, p }
+    }
+}
 
-/// A stretch of this length in s cannot be cut into cells that doubles tell apart.
-const RESOLUTION: f64 = 2e-13;
-
-/// A jump loses nothing when looked at more closely; a smooth stretch loses much at every turn.
-const STAYS: f64 = 0.5;
-
-/// Evaluates the map on ever shorter stretches round the largest fourth difference.
+/// Evaluates the map on ever shorter stretches round a suspected jump.
 ///
-/// Positions are unwrapped. Returns the break if the difference has not shrunk when the stretch is as short as double
-/// precision can resolve, `None` if it fades: the loop is steep but continuous there.
+/// The six samples round it are taken from `known`, if they are in memory. Returns the break if the two sides are
+/// still apart when no double lies between, `None` if they meet (the loop is steep but continuous there) or the
+/// jump does not stand out of the noise.
 pub(super) fn follow(
     evaluator: &Evaluator<'_>,
     phase_loop: &dyn Loop,
     h: f64,
     suspect: &Suspect,
     samples: usize,
+    known: Option<&Ensemble>,
 ) -> Result<Option<Break>, Error> {
-    let period = evaluator.coordinates().period(suspect.dof);
-    let spacing = 1.0 / samples as f64;
-    let mut start = suspect.first as f64 * spacing;
-    let mut length = 4.0 * spacing;
-    loop {
-        let cell = length / CELLS as f64;
-        let s: Vec<f64> = (0..=CELLS).map(|k| start + k as f64 * cell).collect();
-        let mut states = evaluator.image(phase_loop, h, &s)?;
-        // A wrap is no jump.
-        unwrap_row(states.block().q.row_mut(suspect.dof), period);
-        let row = match suspect.coordinate {
-            Coordinate::Q => states.q(),
-            Coordinate::P => states.p(),
+    let dof = suspect.dof;
+    let period = match suspect.coordinate {
+        Coordinate::Q => evaluator.coordinates().period(dof),
+        Coordinate::P => 0.0,
+    };
+    let image = |s: &[f64]| -> Result<Vec<Point>, Error> {
+        let on_loop: Vec<f64> = s.iter().map(|s| s.rem_euclid(1.0)).collect();
+        let states = evaluator.image(phase_loop, h, &on_loop)?;
+        let points = s.iter().enumerate();
+        Ok((points.map(|(k, &s)| Point::of(suspect, &states, k, s))).collect())
+    };
+    // A cell at the beginning of the loop has neighbours at its end.
+    let first = match suspect.cell {
+        cell if cell < 2 => cell + samples - 2,
+        cell => cell - 2,
+    };
+    let at = |k: usize| k as f64 / samples as f64;
+    let around = first..first + 6;
+    let around = match known {
+        Some(states) => around
+            .map(|k| Point::of(suspect, states, k % samples, at(k)))
+            .collect(),
+        None => image(&around.map(at).collect::<Vec<f64>>())?,
+    };
+    let mut sides = Sides::new(around, period);
+    let [low, high] = [sides.left[0], sides.right[0]];
+    let (expected, _) = sides.step_and_smooth(low.s + 0.5 * (high.s - low.s));
+    let mut bracket = Bracket::new([low.s, high.s], expected);
+    while !bracket.is_narrow() {
+        let middle = bracket.middle();
+        let (step, smooth) = sides.step_and_smooth(middle);
+        let mut point = image(&[middle])?[0];
+        point.value = sides.count(point.value);
+        let end = match point.value < smooth + 0.5 * step {
+            true => End::Low,
+            false => End::High,
+        };
+        sides.add(end, point);
+        if bracket.halve(end, step) == Progress::Continuous {
+            return Ok(None);
         }
-        .row(suspect.dof);
-        let differences = row
-            .windows(5)
-            .map(|x| fourth_difference([x[0], x[1], x[2], x[3], x[4]]).abs());
-        let (at, largest) =
-            differences.enumerate().fold(
-                (0, 0.0),
-                |best, (k, d)| if d > best.1 { (k, d) } else { best },
+    }
+    let ends = [sides.left[0], sides.right[0]];
+    let jump = nearest(ends[1].value - ends[0].value, period).abs();
+    if bracket.is_little(jump) || !suspect.stands_out(jump) {
+        return Ok(None);
+    }
+    let mut beside = ends.map(|point| vec![point.value]);
+    for look in 0..LOOKS.len() {
+        for (side, end) in beside.iter_mut().zip([End::Low, End::High]) {
+            let s: Vec<f64> = bracket.beside(end, look).skip(side.len()).collect();
+            let origin = side[0];
+            let more = image(&s)?.into_iter();
+            side.extend(
+                more.map(|point| origin + nearest(sides.sign * point.value - origin, period)),
             );
-        if largest < STAYS * suspect.difference || largest < OUTSTANDING * suspect.noise {
-            return Ok(None);
         }
-        if length < RESOLUTION && largest < OUTSTANDING * median(row) {
-            // The rounding of the map itself, which a large stretch can make larger than that of the states.
-            return Ok(None);
-        }
-        if length < RESOLUTION {
-            let (q, p) = (states.q().row(suspect.dof), states.p().row(suspect.dof));
+        if bracket.stands_out(jump, [&beside[0], &beside[1]]) {
             return Ok(Some(Break {
-                s: s[at + 2].rem_euclid(1.0),
-                dof: suspect.dof,
-                jump_q: q[at + 4] - q[at],
-                jump_p: p[at + 4] - p[at],
+                s: bracket.high.rem_euclid(1.0),
+                dof,
+                jump_q: nearest(ends[1].q - ends[0].q, evaluator.coordinates().period(dof)),
+                jump_p: ends[1].p - ends[0].p,
                 substep: None,
             }));
         }
-        start = s[at];
-        length = 4.0 * cell;
     }
+    Ok(None)
 }
 
-/// Median of the absolute fourth differences: that of the noise, where there is a jump or two.
-fn median(row: &[f64]) -> f64 {
-    let mut differences: Vec<f64> = (row.windows(5))
-        .map(|x| fourth_difference([x[0], x[1], x[2], x[3], x[4]]).abs())
-        .collect();
-    differences.sort_by(f64::total_cmp);
-    differences[differences.len() / 2]
+/// The three points nearest to a jump on each side of it, the nearest first.
+struct Sides {
+    left: [Point; 3],
+    right: [Point; 3],
+    period: f64,
+    /// 1 where the coordinate jumps upwards, else −1.
+    sign: f64,
+}
+
+impl Sides {
+    /// From six neighbours.
+    fn new(mut points: Vec<Point>, period: f64) -> Self {
+        for k in 1..points.len() {
+            let last = points[k - 1].value;
+            points[k].value = last + nearest(points[k].value - last, period);
+        }
+        let mut sides = Sides {
+            left: [points[2], points[1], points[0]],
+            right: [points[3], points[4], points[5]],
+            period,
+            sign: 1.0,
+        };
+        let middle = points[2].s + 0.5 * (points[3].s - points[2].s);
+        if sides.step_and_smooth(middle).0 < 0.0 {
+            sides.sign = -1.0;
+            for point in sides.left.iter_mut().chain(&mut sides.right) {
+                point.value = -point.value;
+            }
+        }
+        sides
+    }
+
+    /// A value of the coordinate as the points count it.
+    fn count(&self, value: f64) -> f64 {
+        let near = self.left[0].value;
+        near + nearest(self.sign * value - near, self.period)
+    }
+
+    /// Adds a point between the two sides.
+    fn add(&mut self, end: End, point: Point) {
+        let side = match end {
+            End::Low => &mut self.left,
+            End::High => &mut self.right,
+        };
+        *side = [point, side[0], side[1]];
+    }
+
+    /// The polynomial of degree 4 with a step in the gap that goes through all six points: the step, and the value
+    /// that the polynomial takes at `s`.
+    fn step_and_smooth(&self, s: f64) -> (f64, f64) {
+        let points = || self.left.iter().chain(&self.right);
+        let polynomial = Barycentric::at(points().map(|point| point.s - s).collect());
+        let origin = self.left[0].value;
+        let mut values: Vec<f64> = points().map(|point| point.value - origin).collect();
+        // The highest divided difference of the values is that of the step alone.
+        let unit = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        let step = polynomial.divided_difference(&values) / polynomial.divided_difference(&unit);
+        values[3..].iter_mut().for_each(|value| *value -= step);
+        (step, origin + polynomial.evaluate(&values, 0.0))
+    }
 }

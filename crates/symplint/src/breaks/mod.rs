@@ -1,19 +1,25 @@
 //! Breaks: jumps of an advanced loop.
 //!
-//! Samples alone cannot tell a jump from a steep but smooth stretch. A map can be evaluated
-//! at any s, so here every suspicion (`suspects`) is followed down to the resolution of double
-//! precision (`follow`): what is still a jump there is a break.
+//! Samples alone cannot tell a jump from a steep but smooth stretch. Where a map can be evaluated at any s,
+//! every cell in which samples look discontinuous ([`residual`]) is followed ([`follow`]) by bisection
+//! ([`bracket`]) until no double lies between: what is still a jump there is a break.
 
+mod bracket;
 mod follow;
-mod suspects;
+mod limits;
+mod residual;
 
-pub(crate) use suspects::{Coordinate, Roughness, Suspect, most_outstanding};
+pub(crate) use bracket::{Bracket, End, Progress, scatter};
+pub(crate) use limits::LOOKS;
+pub(crate) use residual::{Coordinate, GROUP, REACH, Residuals, Suspect, Window, most_outstanding};
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
+use crate::signal::{Extent, unwrap_row};
 use crate::state::Coordinates;
 use crate::state::Ensemble;
 
@@ -34,14 +40,11 @@ pub struct Break {
     pub substep: Option<usize>,
 }
 
-/// A jump below this part of the range of its coordinate may be the rounding of a map that works with
-/// large numbers inside; it bounds the digits of a verdict, and breaks no loop.
-const LEAST_JUMP: f64 = 1e-11;
-
 impl Break {
     /// Whether it is more than rounding, where q and p of its degree of freedom have these ranges on the loop.
     pub(crate) fn is_substantial(&self, [range_q, range_p]: [f64; 2]) -> bool {
-        self.jump_q.abs() > LEAST_JUMP * range_q || self.jump_p.abs() > LEAST_JUMP * range_p
+        self.jump_q.abs() > limits::LEAST_JUMP * range_q
+            || self.jump_p.abs() > limits::LEAST_JUMP * range_p
     }
 }
 
@@ -77,11 +80,12 @@ pub(crate) fn find_break_with(
     let dof = phase_loop.dof();
     evaluator.check_dof(dof)?;
     Error::check_length("rows of the advanced samples", dof, advanced.dof())?;
-    let suspects = suspects::suspects(advanced, evaluator.coordinates());
-    follow_up(evaluator, phase_loop, h, &suspects, advanced.samples())
+    let suspects = suspects(advanced, evaluator.coordinates());
+    let samples = advanced.samples();
+    follow_up(evaluator, phase_loop, h, &suspects, samples, Some(advanced))
 }
 
-/// The first of `suspects`, seen by so many samples, that is a break.
+/// The first of `suspects` that is a break, where they are cells between so many samples, which may be `known`.
 ///
 /// # Errors
 /// Those of the map where it is evaluated between the samples.
@@ -91,9 +95,10 @@ pub(crate) fn follow_up(
     h: f64,
     suspects: &[Suspect],
     samples: usize,
+    known: Option<&Ensemble>,
 ) -> Result<Option<Break>, Error> {
     for suspect in suspects {
-        let found = follow::follow(evaluator, phase_loop, h, suspect, samples)?;
+        let found = follow::follow(evaluator, phase_loop, h, suspect, samples, known)?;
         if found.is_some() {
             return Ok(found);
         }
@@ -101,9 +106,51 @@ pub(crate) fn follow_up(
     Ok(None)
 }
 
-/// Fourth difference of five equispaced values: removes a cubic, and leaves three times a jump.
-pub(crate) fn fourth_difference(x: [f64; 5]) -> f64 {
-    (x[0] + x[4]) - 4.0 * (x[1] + x[3]) + 6.0 * x[2]
+/// The most suspicious cells of samples in memory, those that stand out most first.
+fn suspects(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<Suspect> {
+    if ensemble.samples() < GROUP {
+        return Vec::new();
+    }
+    let mut found: Vec<Suspect> = (0..ensemble.dof())
+        .into_par_iter()
+        .map_init(Vec::new, |buffer, dof| {
+            let (q, p) = (ensemble.q().row(dof), ensemble.p().row(dof));
+            let rows = [
+                (Coordinate::Q, q, coordinates.period(dof)),
+                (Coordinate::P, p, 0.0),
+            ];
+            rows.map(|(coordinate, row, period)| suspect(buffer, dof, coordinate, row, period))
+        })
+        .flatten_iter()
+        .flatten()
+        .collect();
+    most_outstanding(&mut found);
+    found
+}
+
+fn suspect(
+    buffer: &mut Vec<f64>,
+    dof: usize,
+    coordinate: Coordinate,
+    row: &[f64],
+    period: f64,
+) -> Option<Suspect> {
+    let samples = row.len();
+    buffer.clear();
+    buffer.extend_from_slice(row);
+    let gain = unwrap_row(buffer, period) as f64 * period;
+    // Once more round the loop, so that groups are full and have what comes before them.
+    for k in 0..REACH + GROUP {
+        buffer.push(buffer[k] + gain);
+    }
+    let mut residuals = Residuals::default();
+    for first in (0..samples).step_by(GROUP) {
+        let window: &Window = (buffer[first..first + REACH + GROUP].try_into())
+            .expect("the row goes on for as long as a window");
+        residuals.add(window, first + REACH, GROUP);
+    }
+    let magnitude = Extent::of(buffer).magnitude();
+    residuals.suspect(dof, coordinate, samples, magnitude)
 }
 
 #[cfg(test)]
@@ -130,7 +177,7 @@ mod tests {
     #[test]
     fn a_jump_is_found_to_round_off() {
         let expected = 0.3f64.asin() / std::f64::consts::TAU;
-        for samples in [48, 64, 257, 4096] {
+        for samples in [32, 48, 64, 257, 4096] {
             let found = search(&kick(|x| -x.signum()), samples).expect("the force jumps");
             let other = 0.5 - expected;
             let distance = (found.s - expected).abs().min((found.s - other).abs());

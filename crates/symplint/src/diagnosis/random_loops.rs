@@ -2,9 +2,9 @@
 
 use crate::error::Error;
 use crate::loops::{FourierLoop, Loop};
+use crate::signal::Extent;
 use crate::state::Coordinates;
 use crate::state::Ensemble;
-use crate::survey::Extent;
 
 /// A random loop about as large as `phase_loop` round the same centre.
 pub(super) fn random_loop(phase_loop: &dyn Loop, seed: u64) -> Result<FourierLoop, Error> {

@@ -3,6 +3,8 @@
 //! The sixth difference of a smooth function over a short stretch is below round-off; what is left is
 //! noise (Moré & Wild, "Estimating computational noise", SIAM J. Sci. Comput. 33, 2011).
 
+use crate::signal::noise::{POINTS, SixthDifference};
+
 /// Where the states of a row lie besides the centre, in spacings. They are not equidistant: stairs whose
 /// height divides the spacing would look straight.
 const NODES: [f64; 12] = [
@@ -16,7 +18,7 @@ const SIDE: usize = NODES.len() / 2;
 const ROW: usize = NODES.len() + 1;
 
 /// Sixth differences of a row, each of seven neighbours.
-const WINDOWS: usize = ROW - 6;
+const WINDOWS: usize = ROW + 1 - POINTS;
 
 /// Spacings, in units of the direction; the largest reaches as far as the differences.
 const SPACINGS: [f64; 4] = [1.434e-5, 2.371e-4, 3.883e-3, 2.0e-2];
@@ -38,28 +40,17 @@ pub(super) fn offsets(level: usize) -> impl Iterator<Item = f64> {
     NODES.into_iter().map(move |node| node * SPACINGS[level])
 }
 
-/// Sixth differences, in a form that gives independent values of variance 1 the variance 1.
-pub(super) struct SixthDifferences {
-    weights: [[f64; 7]; WINDOWS],
-}
+/// The sixth differences of a row, one for each seven neighbours.
+pub(super) struct SixthDifferences([SixthDifference; WINDOWS]);
 
 impl SixthDifferences {
     pub fn new() -> Self {
         let mut nodes = [0.0; ROW];
         nodes[..SIDE].copy_from_slice(&NODES[..SIDE]);
         nodes[SIDE + 1..].copy_from_slice(&NODES[SIDE..]);
-        let weights = std::array::from_fn(|first| {
-            let window = &nodes[first..first + 7];
-            // Newton's divided difference: Σ f(x_j) / Π (x_j − x_m).
-            let weight = |j: usize| {
-                let others = (window.iter().enumerate()).filter(|&(m, _)| m != j);
-                1.0 / others.map(|(_, x)| window[j] - x).product::<f64>()
-            };
-            let weights: [f64; 7] = std::array::from_fn(weight);
-            let norm = weights.iter().map(|w| w * w).sum::<f64>().sqrt();
-            weights.map(|w| w / norm)
-        });
-        SixthDifferences { weights }
+        SixthDifferences(std::array::from_fn(|first| {
+            SixthDifference::at(std::array::from_fn(|k| nodes[first + k]))
+        }))
     }
 
     /// Adds the differences of a coordinate to its value at the centre, in units of its size, at one spacing; the
@@ -81,13 +72,8 @@ impl SixthDifferences {
     }
 
     fn root_mean_square(&self, row: &[f64; ROW]) -> f64 {
-        let squares = row.windows(7).zip(&self.weights).map(|(values, weights)| {
-            let terms = values.iter().zip(weights);
-            terms
-                .map(|(value, weight)| value * weight)
-                .sum::<f64>()
-                .powi(2)
-        });
+        let windows = row.windows(POINTS).zip(&self.0);
+        let squares = windows.map(|(values, difference)| difference.of(values).powi(2));
         (squares.sum::<f64>() / WINDOWS as f64).sqrt()
     }
 }

@@ -5,6 +5,7 @@ use super::{
 };
 use crate::breaks::{Break, find_break_with};
 use crate::error::Error;
+use crate::signal::Extent;
 use crate::state::{Coordinates, Ensemble};
 
 /// [`Rule::Pseudospectral`].
@@ -110,12 +111,8 @@ pub(super) fn substantial_break(
 
 /// Whether a break is more than rounding beside the ranges of its degree of freedom.
 pub(super) fn is_substantial(found: &Break, ensemble: &Ensemble) -> bool {
-    let range = |row: &[f64]| {
-        let low = row.iter().copied().fold(f64::INFINITY, f64::min);
-        row.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low
-    };
-    let (q, p) = (ensemble.q().row(found.dof), ensemble.p().row(found.dof));
-    found.is_substantial([range(q), range(p)])
+    let rows = [ensemble.q().row(found.dof), ensemble.p().row(found.dof)];
+    found.is_substantial(rows.map(|row| Extent::of(row).length()))
 }
 
 /// Whether the cell of a break is among those that make up the integral.

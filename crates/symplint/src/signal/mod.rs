@@ -1,11 +1,16 @@
 //! One-dimensional numerics that several modules need.
 
+mod barycentric;
 mod compensated_sum;
+mod extent;
 mod largest;
+pub(crate) mod noise;
 mod random;
 mod unwrap;
 
+pub(crate) use barycentric::Barycentric;
 pub(crate) use compensated_sum::{CompensatedSum, UNIT_ROUNDOFF};
+pub(crate) use extent::Extent;
 pub(crate) use largest::largest;
 pub(crate) use random::unit;
 pub use unwrap::unwrap_row;

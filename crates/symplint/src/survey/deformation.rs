@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::loops::Loop;
+use crate::signal::Extent;
 use crate::state::Coordinates;
 use crate::state::Ensemble;
 
@@ -97,38 +98,6 @@ impl Motion {
         } else {
             0.0
         }
-    }
-}
-
-/// From the least to the greatest of some numbers.
-#[derive(Clone, Copy)]
-pub(crate) struct Extent {
-    low: f64,
-    high: f64,
-}
-
-impl Default for Extent {
-    /// Of none.
-    fn default() -> Self {
-        Extent {
-            low: f64::INFINITY,
-            high: f64::NEG_INFINITY,
-        }
-    }
-}
-
-impl Extent {
-    pub fn include(&mut self, value: f64) {
-        self.low = self.low.min(value);
-        self.high = self.high.max(value);
-    }
-
-    pub fn length(&self) -> f64 {
-        self.high - self.low
-    }
-
-    pub fn middle(&self) -> f64 {
-        (self.low + self.high) / 2.0
     }
 }
 

@@ -4,7 +4,7 @@ mod deformation;
 mod precision;
 mod purity;
 
-pub(crate) use deformation::{Extent, motion, winds};
+pub(crate) use deformation::{motion, winds};
 pub(crate) use purity::check_purity;
 
 use crate::error::Error;

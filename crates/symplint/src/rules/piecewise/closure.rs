@@ -1,14 +1,14 @@
 //! Closing the breaks.
 
 use super::Closure;
-use super::curves::{At, Segment};
+use super::curves::{Image, Segment};
+use super::limits::BORN;
 use super::piece::Piece;
-use super::queue::Queue;
-use super::scales::period;
+use super::refinement::{Found, Refinement};
+use super::scales::{Scales, period};
 use crate::error::Error;
 use crate::signal::nearest;
-use crate::state::Ensemble;
-use crate::state::coordinate;
+use crate::state::Coordinates;
 
 /// A straight segment between the two sides of a break.
 pub(super) struct Chord {
@@ -18,105 +18,81 @@ pub(super) struct Chord {
     pub gains: Vec<f64>,
 }
 
-/// A difference of two states is a jump if it is this part of what it becomes.
-const BORN: f64 = 1e-4;
-
 /// Closes every break of the loop, and those of the closing segments.
-pub(super) fn close(queue: &mut Queue<'_>, closure: Closure) -> Result<Vec<Chord>, Error> {
-    let substeps = queue.curves.evaluator.substeps();
+pub(super) fn close(
+    refinement: &mut Refinement<'_>,
+    closure: Closure,
+) -> Result<Vec<Chord>, Error> {
+    let substeps = refinement.curves.evaluator.substeps();
     let mut chords = Vec::new();
     let mut closed = 0;
     for substep in 0..substeps {
         // Segments that begin here are from breaks of earlier substeps: all of them are known.
         if substep > 0 {
-            let segments = queue.curves.segments.iter().enumerate();
-            let pieces: Vec<Piece> = segments
+            let segments = refinement.curves.segments.iter().enumerate();
+            let pieces = segments
                 .filter(|(_, segment)| segment.substep == substep)
-                .map(|(k, _)| Piece::new(k + 1, 0.0, 1.0))
-                .collect();
-            queue.run(substep, pieces)?;
+                .map(|(k, segment)| {
+                    let ends = segment.ends.clone().map(Some);
+                    Piece::new(k + 1, [0.0, 1.0], 0, ends)
+                });
+            let pieces = pieces.collect();
+            refinement.run(substep, pieces)?;
         }
-        let first = std::mem::replace(&mut closed, queue.breaks.len());
-        let points: Vec<At> = (queue.breaks[first..].iter())
-            .flat_map(|found| {
-                let curve = found.curve;
-                found.sides.map(|s| At { curve, s })
-            })
-            .collect();
-        if points.is_empty() {
-            continue;
-        }
-        let stages = queue.curves.stages(&points, substep)?;
-        queue.evaluations += points.len();
-        queue.measure_breaks(first, &stages[stages.len() - 1]);
-        for k in 0..points.len() / 2 {
-            let sides = [2 * k, 2 * k + 1];
-            if queue.breaks[first + k].curve == 0 {
-                queue.breaks[first + k].areas =
-                    chord(queue, &stages[stages.len() - 1], sides).areas;
-            }
-            let born = birth(queue, &stages, sides);
+        let (coordinates, scales) = (refinement.coordinates, &refinement.scales);
+        for found in &mut refinement.breaks[closed..] {
+            let last = found.images[0].stages() - 1;
+            let born = birth(found, scales, coordinates);
             if substeps > 1 {
-                queue.breaks[first + k].summary.substep = Some(substep + born.max(1) - 1);
+                found.substep = Some(substep + born.max(1) - 1);
             }
             let birth = match closure {
-                Closure::Chords => stages.len() - 1,
+                Closure::Chords => last,
                 Closure::Substeps => born,
             };
-            if birth + 1 == stages.len() {
-                chords.push(chord(queue, &stages[birth], sides));
+            if birth == last {
+                chords.push(found.chord(scales, coordinates));
             } else {
-                queue.curves.segments.push(Segment {
-                    ends: sides.map(|side| state(&stages[birth], side)),
+                refinement.curves.segments.push(Segment {
+                    ends: found.images.each_ref().map(|image| image.starting_at(birth)),
                     substep: substep + birth,
                 });
             }
         }
+        closed = refinement.breaks.len();
     }
     Ok(chords)
 }
 
-/// The first of `stages` at which the two sides of a break are apart.
-fn birth(queue: &Queue<'_>, stages: &[Ensemble], sides: [usize; 2]) -> usize {
-    let apart: Vec<f64> = stages
-        .iter()
-        .map(|states| size(queue, states, sides))
-        .collect();
-    let most = apart.iter().copied().fold(0.0, f64::max);
-    (apart.iter().position(|&size| size > BORN * most)).unwrap_or(stages.len() - 1)
-}
-
-/// How far two states are apart, in the sizes of the coordinates.
-fn size(queue: &Queue<'_>, states: &Ensemble, [left, right]: [usize; 2]) -> f64 {
-    (0..2 * states.dof())
-        .map(|c| {
-            let row = coordinate(states, c);
-            let apart = nearest(row[right] - row[left], period(queue.coordinates, c));
-            (queue.scales.weight(c) * apart).abs()
+/// The first stage at which the two sides of a break are apart.
+fn birth(found: &Found, scales: &Scales, coordinates: &Coordinates) -> usize {
+    let [low, high] = &found.images;
+    // How far two states are apart, in the sizes of the coordinates.
+    let size = |stage: usize| {
+        let sides = low.stage(stage).iter().zip(high.stage(stage)).enumerate();
+        sides.fold(0.0, |most: f64, (c, (low, high))| {
+            let apart = nearest(high - low, period(coordinates, c));
+            most.max((scales.weight(c) * apart).abs())
         })
-        .fold(0.0, f64::max)
+    };
+    let sizes: Vec<f64> = (0..low.stages()).map(size).collect();
+    let most = sizes.iter().copied().fold(0.0, f64::max);
+    (sizes.iter().position(|&size| size > BORN * most)).unwrap_or(sizes.len() - 1)
 }
 
-fn state(states: &Ensemble, sample: usize) -> Vec<f64> {
-    (0..2 * states.dof())
-        .map(|c| coordinate(states, c)[sample])
-        .collect()
-}
-
-fn chord(queue: &Queue<'_>, states: &Ensemble, [left, right]: [usize; 2]) -> Chord {
-    let gains: Vec<f64> = (0..states.dof())
-        .map(|i| {
-            let q = states.q().row(i);
-            nearest(q[right] - q[left], queue.coordinates.period(i))
-        })
-        .collect();
-    let areas = gains.iter().enumerate().map(|(i, gain)| {
-        let p = states.p().row(i);
-        let mean = 0.5 * (p[left] + p[right]) - queue.scales.p_reference[i];
-        queue.coordinates.weight(i) * mean * gain
-    });
-    Chord {
-        areas: areas.collect(),
-        gains,
+impl Found {
+    /// The straight segment between its sides after the step.
+    pub fn chord(&self, scales: &Scales, coordinates: &Coordinates) -> Chord {
+        let dof = coordinates.dof();
+        let [low, high] = self.images.each_ref().map(Image::after);
+        let gains: Vec<f64> = (0..dof).map(|i| self.jump(i, coordinates)).collect();
+        let areas = gains.iter().enumerate().map(|(i, gain)| {
+            let mean = 0.5 * (low[dof + i] + high[dof + i]) - scales.p_reference[i];
+            coordinates.weight(i) * mean * gain
+        });
+        Chord {
+            areas: areas.collect(),
+            gains,
+        }
     }
 }

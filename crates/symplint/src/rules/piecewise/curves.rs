@@ -1,11 +1,15 @@
 //! Curves of states under the map: the loop, and the segments that close its breaks.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::error::{Error, ON_A_SEGMENT, ON_THE_LOOP};
 use crate::loops::Loop;
 use crate::map::Evaluator;
 use crate::state::Ensemble;
+use crate::state::coordinate;
 
 /// One step of a map, and the curves that are sent through it.
 pub(super) struct Curves<'a> {
@@ -18,8 +22,8 @@ pub(super) struct Curves<'a> {
 
 /// A straight segment of states, t in [0, 1], between substeps of the map.
 pub(super) struct Segment {
-    /// Both ends: positions, then momenta.
-    pub ends: [Vec<f64>; 2],
+    /// Both ends, from where the segment begins on.
+    pub ends: [Image; 2],
     /// The substep that it meets first.
     pub substep: usize,
 }
@@ -32,12 +36,41 @@ pub(super) struct At {
     pub s: f64,
 }
 
-/// What the step makes of points of curves.
-pub(super) struct Images {
-    /// States after the step.
-    pub after: Ensemble,
-    /// States before each substep, as far as they were asked for.
-    pub inputs: Vec<Ensemble>,
+/// What a step makes of a point of a curve: the states before each substep that it meets, and after the last.
+#[derive(Clone)]
+pub(super) struct Image {
+    /// One state after the other: positions, then momenta.
+    states: Arc<[f64]>,
+    /// Coordinates of a state.
+    width: usize,
+    /// Where the first state begins.
+    start: usize,
+}
+
+impl Image {
+    /// Number of states.
+    pub fn stages(&self) -> usize {
+        (self.states.len() - self.start) / self.width.max(1)
+    }
+
+    /// One of them.
+    pub fn stage(&self, k: usize) -> &[f64] {
+        let start = self.start + k * self.width;
+        &self.states[start..start + self.width]
+    }
+
+    /// The state after the step.
+    pub fn after(&self) -> &[f64] {
+        &self.states[self.states.len() - self.width..]
+    }
+
+    /// The same without the states before stage `k`.
+    pub fn starting_at(&self, k: usize) -> Self {
+        Image {
+            start: self.start + k * self.width,
+            ..self.clone()
+        }
+    }
 }
 
 impl Curves<'_> {
@@ -60,15 +93,13 @@ impl Curves<'_> {
                 return;
             }
             for (k, point) in points.iter().enumerate() {
-                let [from, to] = &self.segments[point.curve - 1].ends;
+                let ends = &self.segments[point.curve - 1].ends;
+                let [from, to] = [ends[0].stage(0), ends[1].stage(0)];
                 // It must not turn back and forth, however close the ends are: a break of the force may
                 // lie between them.
                 let blend = |i: usize| {
                     let between = from[i] + (to[i] - from[i]) * point.s;
-                    match point.s {
-                        1.0 => to[i],
-                        _ => between.max(from[i].min(to[i])).min(from[i].max(to[i])),
-                    }
+                    between.max(from[i].min(to[i])).min(from[i].max(to[i]))
                 };
                 for i in 0..self.dof() {
                     block.q.row_mut(i)[k] = blend(i);
@@ -79,10 +110,30 @@ impl Curves<'_> {
         states
     }
 
-    /// Sends `points` of curves that meet `substep` first through the rest of the step.
-    pub fn images(&self, points: &[At], substep: usize, keep: bool) -> Result<Images, Error> {
+    /// Sends `points` of curves that meet `substep` first through the rest of the step, each once; returns their
+    /// images, and how many points there are.
+    pub fn images(&self, points: &[At], substep: usize) -> Result<(Vec<Image>, usize), Error> {
+        let mut different: Vec<At> = Vec::with_capacity(points.len());
+        let mut index_of = HashMap::with_capacity(points.len());
+        let indices: Vec<usize> = (points.iter())
+            .map(|&at| {
+                *(index_of.entry((at.curve, at.s.to_bits()))).or_insert_with(|| {
+                    different.push(at);
+                    different.len() - 1
+                })
+            })
+            .collect();
+        let images = self.images_of_each(&different, substep)?;
+        let evaluations = different.len();
+        Ok((
+            indices.into_iter().map(|k| images[k].clone()).collect(),
+            evaluations,
+        ))
+    }
+
+    fn images_of_each(&self, points: &[At], substep: usize) -> Result<Vec<Image>, Error> {
         let mut states = self.before(points, substep);
-        let mut inputs = Vec::new();
+        let mut stages = Vec::new();
         let place = |sample: usize| match points[sample] {
             At { curve: 0, s } => (s, ON_THE_LOOP),
             At { s, .. } => (s, ON_A_SEGMENT),
@@ -90,21 +141,18 @@ impl Curves<'_> {
         let at = |error: Error| error.on_the_way(place);
         states.check_finite(None).map_err(at)?;
         for k in substep..self.evaluator.substeps() {
-            if keep {
-                inputs.push(states.clone());
-            }
+            stages.push(states.clone());
             (self.evaluator.advance_substep(&mut states, k, self.h)).map_err(at)?;
         }
-        Ok(Images {
-            after: states,
-            inputs,
-        })
-    }
-
-    /// The states at `points` before `substep` and after each substep from there on.
-    pub fn stages(&self, points: &[At], substep: usize) -> Result<Vec<Ensemble>, Error> {
-        let Images { after, mut inputs } = self.images(points, substep, true)?;
-        inputs.push(after);
-        Ok(inputs)
+        stages.push(states);
+        let width = 2 * self.dof();
+        let image = |sample: usize| Image {
+            states: (stages.iter())
+                .flat_map(|states| (0..width).map(move |c| coordinate(states, c)[sample]))
+                .collect(),
+            width,
+            start: 0,
+        };
+        Ok((0..points.len()).into_par_iter().map(image).collect())
     }
 }

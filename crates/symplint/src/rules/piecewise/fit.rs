@@ -1,63 +1,69 @@
 //! The interpolant of a coordinate on a piece, and how far off it may be.
 
+use super::limits::{CHECKS, DEGREES, FULL, OF_A_CHECK, OF_A_JUMP};
 use super::lobatto::{DEGREE, LOBATTO, NODES, Values, derivative, evaluate};
+use crate::signal::Extent;
 
-/// Where an interpolant is held against states that it was not made of.
-pub(super) const CHECKS: [f64; 2] = [-0.618, 0.267];
-
-/// States of a piece that are looked at.
+/// States of a piece that are looked at: nodes, then checks.
 pub(super) const POINTS: usize = NODES + CHECKS.len();
-
-/// A jump on a straight line leaves a point at least 1/`OF_A_JUMP` of it beside the line through the ends.
-const OF_A_JUMP: f64 = 2.5;
 
 /// The interpolant of one coordinate on a piece.
 pub(super) struct Fit {
+    /// Its values at all nodes.
     pub values: Values,
     pub coefficients: Values,
-    /// How far off it may be.
+    /// How far off it may be, judged by its last coefficient as well. One that vanishes by symmetry says nothing, but
+    /// then the checks do.
     pub off: f64,
+    /// Estimate of how far off it is.
+    pub error: f64,
 }
 
 impl Fit {
-    /// Of values at the nodes and the checks; a `short` piece is a straight line.
-    pub fn of(points: &[f64; POINTS], short: bool) -> Self {
-        let values: Values = points[..NODES].try_into().expect("nodes come first");
-        let coefficients = LOBATTO.coefficients(&values);
-        let mut fit = Fit {
-            values,
-            coefficients,
-            off: 0.0,
-        };
-        if short {
-            let line = |x: f64| values[0] + 0.5 * (1.0 + x) * (values[DEGREE] - values[0]);
-            let misses = LOBATTO.nodes.iter().chain(&CHECKS).zip(points);
-            fit.off = (misses.map(|(&x, value)| (line(x) - value).abs()))
-                .fold(0.0, |most: f64, miss| most.max(OF_A_JUMP * miss));
-            return fit;
+    /// Of values at the checks and at the nodes of a level.
+    pub fn of(points: &[f64; POINTS], level: usize) -> Self {
+        let mut values: Values = points[..NODES].try_into().expect("nodes come first");
+        let coefficients = LOBATTO.coefficients(&values, level);
+        let stride = DEGREE / DEGREES[level];
+        for j in (0..NODES).filter(|j| !j.is_multiple_of(stride)) {
+            values[j] = evaluate(&coefficients, LOBATTO.nodes[j]);
         }
-        let last = &coefficients[DEGREE - 2..];
+        let last = coefficients[DEGREES[level]].abs();
         let misses = CHECKS.iter().zip(&points[NODES..]);
         let misfit = misses.map(|(&x, value)| (evaluate(&coefficients, x) - value).abs());
-        fit.off = (last.iter().map(|a| a.abs()))
-            .chain(misfit)
-            .fold(0.0, f64::max);
-        fit
+        let misfit = misfit.fold(0.0, f64::max);
+        Fit {
+            values,
+            coefficients,
+            off: last.max(misfit),
+            error: OF_A_CHECK * misfit,
+        }
+    }
+
+    /// Of values at all points, as a straight line.
+    pub fn straight(points: &[f64; POINTS]) -> Self {
+        let values: Values = points[..NODES].try_into().expect("nodes come first");
+        let line = |x: f64| values[0] + 0.5 * (1.0 + x) * (values[DEGREE] - values[0]);
+        let misses = LOBATTO.nodes.iter().chain(&CHECKS).zip(points);
+        let most = misses.fold(0.0, |most: f64, (&x, value)| {
+            most.max((line(x) - value).abs())
+        });
+        let off = OF_A_JUMP * most;
+        Fit {
+            values,
+            coefficients: LOBATTO.coefficients(&values, FULL),
+            off,
+            error: off,
+        }
     }
 
     pub fn range(&self) -> f64 {
-        let low = self.values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = self
-            .values
-            .iter()
-            .copied()
-            .fold(f64::NEG_INFINITY, f64::max);
-        high - low
+        Extent::of(&self.values).length()
     }
 }
 
 /// Where the interpolant turns round, if it does so once.
-pub(super) fn turn(fit: &Fit) -> Option<f64> {
+pub(super) fn turning_point(fit: &Fit) -> Option<f64> {
     let slopes = derivative(&fit.coefficients);
     let (mut low, mut high) = (-1.0, 1.0);
     let rising = evaluate(&slopes, low) > 0.0;

@@ -2,20 +2,16 @@
 
 use std::sync::LazyLock;
 
-/// Degree of the interpolants.
-pub(super) const DEGREE: usize = 12;
+use super::limits::{DEGREES, FULL, SMOOTH, TERMS};
+
+/// The highest degree of the interpolants.
+pub(super) const DEGREE: usize = DEGREES[FULL];
 
 /// Their nodes, both ends among them.
 pub(super) const NODES: usize = DEGREE + 1;
 
-/// Coefficients from here on are small on a smooth piece; what a break leaves there gives it away.
-pub(super) const SMOOTH: usize = 6;
-
-/// Number of those coefficients.
+/// Number of the coefficients that are small on a smooth piece.
 const TAIL: usize = NODES - SMOOTH;
-
-/// A break is a difference of two smooth functions: a polynomial of at most this many coefficients.
-pub(super) const TERMS: usize = 3;
 
 /// Values at the nodes, or coefficients of the Chebyshev polynomials T_0 … T_12.
 pub(super) type Values = [f64; NODES];
@@ -24,8 +20,9 @@ pub(super) type Values = [f64; NODES];
 pub(super) struct Lobatto {
     /// −cos(πj/12), rising.
     pub nodes: Values,
-    /// Rows: coefficients from values.
-    transform: [Values; NODES],
+    /// For each level, rows: coefficients from values. What is no node of a level, and what is beyond its degree,
+    /// is 0.
+    transforms: [[Values; NODES]; DEGREES.len()],
     /// ∫ P Q' = Σ p_j area_jk q_k for the interpolants of p and q.
     area: [Values; NODES],
     /// A break between nodes i and i + 1.
@@ -49,12 +46,20 @@ impl Lobatto {
             let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
             sign * angle((k * j) % (2 * DEGREE)).cos()
         };
-        let half_at_ends = |j: usize| if j == 0 || j == DEGREE { 0.5 } else { 1.0 };
-        let transform: [Values; NODES] = std::array::from_fn(|k| {
-            std::array::from_fn(|j| {
-                2.0 / DEGREE as f64 * half_at_ends(k) * half_at_ends(j) * polynomial(k, j)
+        let transforms = DEGREES.map(|degree| {
+            let stride = DEGREE / degree;
+            let half_at_ends = |j: usize| if j == 0 || j == degree { 0.5 } else { 1.0 };
+            std::array::from_fn(|k| {
+                std::array::from_fn(|j| {
+                    if k > degree || !j.is_multiple_of(stride) {
+                        return 0.0;
+                    }
+                    let halves = half_at_ends(k) * half_at_ends(j / stride);
+                    2.0 / degree as f64 * halves * polynomial(k, j)
+                })
             })
         });
+        let transform: &[Values; NODES] = &transforms[FULL];
         // ∫ T_j T_k': T_k' is 2k times the sum of T_{k−1}, T_{k−3}, …, with T_0 halved.
         let product = |j: usize, k: usize| {
             let lower = (0..k).rev().step_by(2).map(|m| {
@@ -76,18 +81,18 @@ impl Lobatto {
                 sum
             })
         });
-        let gaps = std::array::from_fn(|i| Gap::new(i, &nodes, &transform));
+        let gaps = std::array::from_fn(|i| Gap::new(i, &nodes, transform));
         Lobatto {
             nodes,
-            transform,
+            transforms,
             area,
             gaps,
         }
     }
 
-    /// Chebyshev coefficients of the interpolant.
-    pub fn coefficients(&self, values: &Values) -> Values {
-        std::array::from_fn(|k| dot(&self.transform[k], values))
+    /// Chebyshev coefficients of the interpolant of the nodes of a level.
+    pub fn coefficients(&self, values: &Values, level: usize) -> Values {
+        std::array::from_fn(|k| dot(&self.transforms[level][k], values))
     }
 
     /// ∫ P dQ over the piece, whatever its length.
@@ -238,11 +243,28 @@ mod tests {
 
     #[test]
     fn interpolants_meet_what_they_interpolate() {
-        let a = LOBATTO.coefficients(&values(|x| (2.0 * x).sin() + x));
-        let slopes = derivative(&a);
+        let f = |x: f64| (2.0 * x).sin() + x;
+        for (level, accuracy) in [0.2, 2e-3, 2e-9].into_iter().enumerate() {
+            let mut at_nodes = values(f);
+            for (j, value) in at_nodes.iter_mut().enumerate() {
+                if j % (DEGREE / DEGREES[level]) != 0 {
+                    *value = f64::NAN;
+                }
+            }
+            // What is no node of the level does not count.
+            let known = at_nodes.map(|v| if v.is_nan() { 1e9 } else { v });
+            let a = LOBATTO.coefficients(&known, level);
+            for step in -10..=10 {
+                let x = f64::from(step) / 10.0;
+                assert!((evaluate(&a, x) - f(x)).abs() < accuracy, "{level} at {x}");
+            }
+            for (x, value) in LOBATTO.nodes.iter().zip(at_nodes) {
+                assert!(value.is_nan() || (evaluate(&a, *x) - value).abs() < 1e-14);
+            }
+        }
+        let slopes = derivative(&LOBATTO.coefficients(&values(f), FULL));
         for step in -10..=10 {
             let x = f64::from(step) / 10.0;
-            assert!((evaluate(&a, x) - (2.0 * x).sin() - x).abs() < 2e-9);
             assert!((evaluate(&slopes, x) - 2.0 * (2.0 * x).cos() - 1.0).abs() < 1e-6);
         }
     }
@@ -271,7 +293,7 @@ mod tests {
             let at = 0.3 * left + 0.7 * right;
             let jump = |x: f64| 0.2 + 0.1 * (x - at);
             let f = |x: f64| x.cos() + if x > at { jump(x) } else { 0.0 };
-            let a = LOBATTO.coefficients(&values(f));
+            let a = LOBATTO.coefficients(&values(f), FULL);
             let best = (0..DEGREE)
                 .max_by(|&i, &j| {
                     let explained = |i: usize| LOBATTO.gaps[i].explained(&a);

@@ -1,49 +1,52 @@
 //! The piecewise rule: ∮ p·dq of a loop that a map may have broken, to near round-off.
 //!
 //! A map can be evaluated at any s. So the advanced loop is cut into pieces, each the image of a
-//! polynomial to the tolerance ([`piece`]); jumps are found by what they do to the Chebyshev
+//! polynomial to the tolerance ([`piece`], [`examine`]); jumps are found by what they do to the Chebyshev
 //! coefficients of a piece ([`lobatto`]) and closed in on until no double lies between
-//! ([`bracket`]), kinks are cut at. States are evaluated in large batches, all pieces at once
-//! ([`queue`]).
+//! ([`jump`]), kinks are cut at. States are evaluated in large batches, all pieces at once
+//! ([`refinement`]), and none twice.
+//!
+//! The test of a piece is another one than that of equispaced samples in `breaks`: it takes all coordinates
+//! together, works with few states at any distance, and tells a kink from a jump and from a steep stretch before
+//! anything is bisected. How a jump is closed in on and told from noise is the same.
 //!
 //! The pieces give the absolutely continuous integral. The breaks are closed by segments
 //! ([`closure`]): for a step that is a composition, where a break is born, and the segment is sent
 //! through the rest of the step as another curve.
 
-mod bracket;
-mod chance;
+mod break_uncertainty;
 mod closure;
 mod curves;
+mod examine;
 mod fit;
+mod grid;
 mod integrator;
+mod jump;
+mod limits;
 mod lobatto;
 mod noise;
-mod path;
 mod piece;
-mod places;
-mod queue;
+mod refinement;
 mod scales;
+mod sum;
 mod task;
-mod twins;
+mod under_resolved;
 
 use crate::breaks::Break;
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::rules::LoopIntegral;
-use crate::signal::nearest;
-use crate::signal::{CompensatedSum, UNIT_ROUNDOFF};
+use crate::signal::CompensatedSum;
 use crate::state::Ensemble;
-use chance::doubt_of_chance;
-use closure::{Chord, close};
-use curves::Curves;
-use fit::POINTS;
+use break_uncertainty::break_uncertainty;
+use closure::close;
+use curves::{At, Curves, Image};
+use limits::{AROUND, FULL};
 pub(crate) use integrator::Identity;
-use piece::{Piece, Smooth};
-use places::doubt_of_places;
-use queue::Queue;
+use piece::Piece;
+use refinement::{Budget, Refinement};
 use scales::Scales;
-use twins::look_for_twins;
 
 /// How the segments that close breaks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -88,11 +91,11 @@ pub struct Piecewise {
     pub tolerance: f64,
     /// How breaks are closed.
     pub closure: Closure,
-    /// Pieces to begin with. What happens between the states of a piece that looks smooth is not
-    /// seen, but where a position turns round.
+    /// Pieces to begin with, or as many as can be evaluated. Features between the states of a piece that looks smooth
+    /// are not resolved, unless a position has a turning point there.
     pub pieces: usize,
-    /// States to be advanced at most, but for a first look, of 12 states and 15 for each of the first pieces;
-    /// what is not resolved by then is reported.
+    /// States to be advanced at most, 15 or more; what is not resolved by then is reported, and its error is an
+    /// estimate that covers it.
     pub most_evaluations: usize,
 }
 
@@ -112,9 +115,9 @@ impl Default for Piecewise {
 pub struct PiecewiseIntegral {
     /// I_ac: the absolutely continuous part, what the paper's rules aim at.
     pub continuous: LoopIntegral,
-    /// The part of its quadrature error that stands for breaks which may be elsewhere: where the loop only
+    /// The part of its quadrature error that stands for breaks whose position is uncertain: where the loop only
     /// grazes what breaks it, rounding moves the breaks along s. The closed integral has none of it.
-    pub place_error: f64,
+    pub break_uncertainty: f64,
     /// Contribution of the closing segments in each degree of freedom.
     pub closing: Vec<f64>,
     /// Every break, by its s.
@@ -138,7 +141,7 @@ impl PiecewiseIntegral {
         }
         closed.value = value.total();
         closed.quadrature_error =
-            (closed.quadrature_error).map(|error| (error - self.place_error).max(0.0));
+            (closed.quadrature_error).map(|error| (error - self.break_uncertainty).max(0.0));
         closed
     }
 
@@ -162,8 +165,8 @@ impl Piecewise {
     /// On the threads of the current Rayon pool; the result does not depend on their number.
     ///
     /// # Errors
-    /// If map and loop differ in their degrees of freedom, the tolerance is not positive, the map
-    /// fails or returns states that are not finite, or the integral overflows.
+    /// If map and loop differ in their degrees of freedom, the tolerance is not positive, fewer than 15 states may be
+    /// advanced, the map fails or returns states that are not finite, or the integral overflows.
     pub fn integrate(
         &self,
         map: &dyn TimeAdvance,
@@ -174,14 +177,15 @@ impl Piecewise {
         self.integrate_beside(&Evaluator::new(map, &count)?, phase_loop, h, None)
     }
 
-    /// The same with what is `seen` besides: equispaced samples of the advanced loop. Every piece has to
-    /// agree with them, so that nothing as wide as their distance is missed.
+    /// The same beside equispaced `samples` of the advanced loop. Every piece has to agree with them, so that nothing
+    /// as wide as their distance is missed; and where they show, or pieces find, narrower features, the error says
+    /// so. The regularity of the integral is that of the samples.
     pub(crate) fn integrate_beside(
         &self,
         evaluator: &Evaluator<'_>,
         phase_loop: &dyn Loop,
         h: f64,
-        seen: Option<&Ensemble>,
+        samples: Option<&Ensemble>,
     ) -> Result<PiecewiseIntegral, Error> {
         self.check(evaluator, phase_loop)?;
         let coordinates = evaluator.coordinates();
@@ -191,32 +195,46 @@ impl Piecewise {
             phase_loop,
             segments: Vec::new(),
         };
-        let sketch = evaluator.image(phase_loop, h, &sketch_points())?;
-        let scales = Scales::new(&sketch, coordinates, self.tolerance);
-        let edges = self.first_edges(&evaluator.known_breaks(phase_loop, h));
-        let pieces = edges.windows(2).map(|ends| Piece::new(0, ends[0], ends[1]));
-        let pieces: Vec<Piece> = pieces.collect();
-        let mut queue = Queue::new(curves, coordinates, scales, self.most_evaluations, seen);
-        queue.evaluations += SKETCH;
-        queue.begin(SKETCH + pieces.len() * POINTS);
-        queue.run(0, pieces)?;
-        look_for_twins(&mut queue)?;
-        let chords = close(&mut queue, self.closure)?;
-        let place_error = doubt_of_places(&mut queue)?;
-        collect(&queue, &chords, place_error)
+        let mut pieces = self.first_pieces(&evaluator.known_breaks(phase_loop, h));
+        let points: Vec<Vec<At>> = pieces
+            .iter()
+            .map(|x| x.missing_points().collect())
+            .collect();
+        let (images, evaluations) = curves.images(&points.concat(), 0)?;
+        let mut rest = &images[..];
+        for (piece, points) in pieces.iter_mut().zip(&points) {
+            piece.fill(&rest[..points.len()]);
+            rest = &rest[points.len()..];
+        }
+        let at_nodes = pieces
+            .iter()
+            .flat_map(|piece| (0..lobatto::NODES).map(|k| piece.image(k)));
+        let at_nodes: Vec<&Image> = at_nodes.collect();
+        let scales = Scales::new(&at_nodes, coordinates, self.tolerance);
+        let budget = Budget::new(self.most_evaluations, evaluations);
+        let mut refinement = Refinement::new(curves, coordinates, scales, budget, samples);
+        refinement.run(0, pieces)?;
+        let chords = close(&mut refinement, self.closure)?;
+        let break_uncertainty = break_uncertainty(&mut refinement)?;
+        sum::sum(&refinement, &chords, break_uncertainty)
     }
 
-    /// Where the first pieces end: a few of one length, cut round the breaks that are known.
-    fn first_edges(&self, known: &[f64]) -> Vec<f64> {
-        let count = self.pieces.max(1);
-        let uniform = (0..=count).map(|k| k as f64 / count as f64);
+    /// A few pieces of one length, cut round the breaks that are known; fewer where their states are more than may
+    /// be evaluated.
+    fn first_pieces(&self, known: &[f64]) -> Vec<Piece> {
+        // Neighbours share a state.
+        let affordable = (self.most_evaluations - 1) / (fit::POINTS - 1);
+        let count = self.pieces.clamp(1, affordable);
+        let mut edges: Vec<f64> = (0..=count).map(|k| k as f64 / count as f64).collect();
         let around = (known.iter().filter(|s| s.is_finite()))
             .flat_map(|s| [s - AROUND, s + AROUND])
             .filter(|edge| (AROUND..1.0 - AROUND).contains(edge));
-        let mut edges: Vec<f64> = uniform.chain(around).collect();
+        edges.extend(around.take(affordable - count));
         edges.sort_by(f64::total_cmp);
         edges.dedup();
-        edges
+        (edges.windows(2))
+            .map(|ends| Piece::new(0, [ends[0], ends[1]], FULL, [None, None]))
+            .collect()
     }
 
     fn check(&self, evaluator: &Evaluator<'_>, phase_loop: &dyn Loop) -> Result<(), Error> {
@@ -228,132 +246,13 @@ impl Piecewise {
                 remedy: "give a positive number such as 1e-11",
             });
         }
+        if self.most_evaluations < fit::POINTS {
+            return Err(Error::OutOfRange {
+                what: "number of states that the piecewise rule may advance",
+                value: self.most_evaluations as f64,
+                remedy: "allow 15 or more",
+            });
+        }
         Ok(())
     }
-}
-
-/// A known break lies in a first piece that reaches this far to both sides of it: much further than the
-/// rounding of where it is, and not at all on the scale of the loop.
-const AROUND: f64 = 1e-10;
-
-/// Parameters no further apart than this are a few doubles apart.
-const NEIGHBOURS: f64 = 4.0 * f64::EPSILON;
-
-/// Samples from which the sizes of the coordinates are learned.
-const SKETCH: usize = 12;
-
-/// Where they are: at multiples of the golden section, so that no loop runs round between all of them, and
-/// in order, as positions are unwrapped.
-fn sketch_points() -> [f64; SKETCH] {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    let mut points = std::array::from_fn(|k| (GOLDEN * k as f64).fract());
-    points.sort_by(f64::total_cmp);
-    points
-}
-
-/// Adds up pieces and chords, in the order of the loop.
-///
-/// Momenta are counted from a reference, p = p_ref + …: what p_ref contributes is known exactly, as
-/// the positions return but for the breaks and whole periods.
-fn collect(
-    queue: &Queue<'_>,
-    chords: &[Chord],
-    place_error: f64,
-) -> Result<PiecewiseIntegral, Error> {
-    let coordinates = queue.coordinates;
-    let dof = coordinates.dof();
-    let mut smooth: Vec<&Smooth> = queue.smooth.iter().collect();
-    smooth
-        .sort_by(|x, y| (x.piece.curve.cmp(&y.piece.curve)).then(x.piece.a.total_cmp(&y.piece.a)));
-    let mut areas = vec![CompensatedSum::default(); dof];
-    let mut closing = vec![CompensatedSum::default(); dof];
-    let mut gains = vec![CompensatedSum::default(); dof];
-    let mut closing_gains = vec![CompensatedSum::default(); dof];
-    let (mut error, mut exposure, mut scale) = (doubt_of_chance(queue), 0.0, 0.0);
-    for piece in &smooth {
-        let of_loop = piece.piece.curve == 0;
-        for i in 0..dof {
-            let (areas, gains) = if of_loop {
-                (&mut areas, &mut gains)
-            } else {
-                (&mut closing, &mut closing_gains)
-            };
-            areas[i].add(piece.areas[i]);
-            gains[i].add(piece.gains[i]);
-        }
-        error += piece.error;
-        exposure += piece.exposure;
-        scale += piece.areas.iter().map(|area| area.abs()).sum::<f64>();
-    }
-    for chord in chords {
-        for i in 0..dof {
-            closing[i].add(chord.areas[i]);
-            closing_gains[i].add(chord.gains[i]);
-        }
-    }
-    let mut contributions = Vec::with_capacity(dof);
-    let mut of_closing = Vec::with_capacity(dof);
-    let mut total = CompensatedSum::default();
-    for i in 0..dof {
-        let of_loop = queue.breaks.iter().filter(|found| found.curve == 0);
-        let jumps: f64 = of_loop.map(|found| found.jumps[i]).sum();
-        let around = gains[i].total() + jumps;
-        let winding = around - nearest(around, coordinates.period(i));
-        let reference = coordinates.weight(i) * queue.scales.p_reference[i];
-        let contribution = areas[i].total() + reference * (winding - jumps);
-        // Each jump is a difference of two rounded positions.
-        let rounded = UNIT_ROUNDOFF * queue.breaks.len() as f64 * queue.largest_position(i);
-        exposure += (reference * rounded / UNIT_ROUNDOFF).abs();
-        contributions.push(contribution);
-        // The closed curve may wind otherwise: a segment opens by whole periods where a jump, of which only
-        // the ends are known, seems to be less.
-        let closed = gains[i].total() + closing_gains[i].total();
-        let closed_winding = closed - nearest(closed, coordinates.period(i));
-        of_closing.push(closing[i].total() + reference * (closed_winding - winding + jumps));
-        total.add(contribution);
-    }
-    let value = total.total();
-    if !(value.is_finite() && (error + place_error).is_finite() && scale.is_finite()) {
-        let dof = contributions.iter().position(|c| !c.is_finite());
-        return Err(Error::Overflow {
-            dof: dof.unwrap_or(0),
-            value: value + error + scale,
-        });
-    }
-    let mut unresolved: Vec<(f64, f64)> = (smooth.iter())
-        .filter(|piece| piece.piece.curve == 0 && !piece.resolved)
-        .map(|piece| (piece.piece.a, piece.piece.b))
-        .collect();
-    unresolved.dedup();
-    let mut breaks: Vec<Break> = (queue.breaks.iter())
-        .filter(|found| found.curve == 0)
-        .map(|found| found.summary)
-        .collect();
-    breaks.sort_by(|a, b| a.s.total_cmp(&b.s));
-    // A force that has a value of its own where it jumps breaks the loop twice round one double.
-    breaks.dedup_by(|next, found| {
-        let one = next.dof == found.dof && next.s - found.s < NEIGHBOURS;
-        if one {
-            found.jump_q += next.jump_q;
-            found.jump_p += next.jump_p;
-        }
-        one
-    });
-    Ok(PiecewiseIntegral {
-        continuous: LoopIntegral {
-            value,
-            contributions,
-            quadrature_error: Some(error + place_error),
-            roundoff: 4.0 * UNIT_ROUNDOFF * (exposure + scale),
-            scale,
-            omitted: None,
-            regularity: None,
-        },
-        place_error,
-        closing: of_closing,
-        breaks,
-        pieces: smooth.iter().filter(|p| p.piece.curve == 0).count(),
-        unresolved,
-        evaluations: queue.evaluations,
-    })
 }

@@ -9,7 +9,7 @@ mod row;
 mod stencil;
 mod window;
 
-use crate::breaks::{Break, Suspect, follow_up, most_outstanding};
+use crate::breaks::{Break, REACH, Suspect, follow_up, most_outstanding};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
@@ -116,7 +116,7 @@ impl Streaming {
         };
         let turn = self.turn(&source, coordinates)?;
         // Between the samples only as many states are needed: the window is gone.
-        let found = follow_up(evaluator, phase_loop, h, &turn.suspects, samples)?;
+        let found = follow_up(evaluator, phase_loop, h, &turn.suspects, samples, None)?;
         let is_substantial = |found: &Break| {
             let of_found = turn.suspects.iter().zip(&turn.ranges);
             let mut ranges = of_found.filter(|(suspect, _)| suspect.dof == found.dof);
@@ -126,7 +126,7 @@ impl Streaming {
             found: found.filter(is_substantial),
             integral: turn.integral,
             cells_apart: turn.cells_apart,
-            evaluations: samples + self.half_width,
+            evaluations: samples + self.half_width.max(REACH),
         })
     }
 
@@ -155,20 +155,20 @@ impl Streaming {
         let dof = source.phase_loop.dof();
         Error::check_length("coordinates", dof, coordinates.dof())?;
         let stencil = Stencil::new(self.half_width);
-        let (samples, half_width) = (source.samples, self.half_width);
-        let mut window = Window::new(dof, half_width)?;
+        let (samples, old) = (source.samples, self.half_width.max(REACH));
+        let mut window = Window::new(dof, old)?;
         let mut rows = vec![Row::default(); dof];
         let mut cells_apart = 0.0f64;
 
-        window.begin(source, 0, half_width)?;
+        window.begin(source, 0, old)?;
         window.consume(0, &mut rows, |i, row, q, p| {
             row.begin(q, p, coordinates.period(i));
             0.0
         });
-        let mut next = half_width;
+        let mut next = old;
         let mut use_up = |window: &mut Window, next: usize, count: usize| {
             let furthest = window.consume(count, &mut rows, |i, row, q, p| {
-                let furthest = row.add(&stencil, next, q, p, coordinates.period(i));
+                let furthest = row.add(&stencil, [old, next], q, p, coordinates.period(i));
                 furthest / spacing(coordinates, i)
             });
             cells_apart = cells_apart.max(furthest);
@@ -179,8 +179,8 @@ impl Streaming {
             use_up(&mut window, next, count);
             next += count;
         }
-        window.fill(source, 0, half_width)?;
-        use_up(&mut window, next, half_width);
+        window.fill(source, 0, old)?;
+        use_up(&mut window, next, old);
         Turn::new(&rows, &window, &stencil, source, coordinates, cells_apart)
     }
 

@@ -1,9 +1,8 @@
 //! One degree of freedom: what is kept of it while its samples pass by.
 
 use super::stencil::Stencil;
-use super::window::GROUP;
-use crate::breaks::{Coordinate, Roughness, Suspect, fourth_difference};
-use crate::signal::{CompensatedSum, UNIT_ROUNDOFF};
+use crate::breaks::{Coordinate, GROUP, REACH, Residuals, Suspect, Window};
+use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
 
 /// Half widths of a stencil at most.
 pub(super) const WIDEST: usize = 16;
@@ -21,13 +20,12 @@ struct CoordinateSums {
     /// changes no loop integral.
     first: f64,
     /// Least and greatest, from the first.
-    low: f64,
-    high: f64,
+    extent: Extent,
     /// Largest |x'| Δs.
     steepest: f64,
     /// Sum of the squares of the m-th differences.
     rough: f64,
-    fourth: Roughness,
+    residuals: Residuals,
 }
 
 /// Sums over the samples of one degree of freedom.
@@ -66,19 +64,18 @@ impl Row {
         unwrap(q, 1, period);
     }
 
-    /// Adds the new samples, which come after as many old ones as the half width of the stencil; the first of
-    /// them is sample `next`.
+    /// Adds the new samples, which come after `old` ones, at least as many as the half width of the stencil and
+    /// [`REACH`]; the first of them is sample `next`.
     ///
     /// Returns the largest |Δq| from one sample to the next.
     pub fn add(
         &mut self,
         stencil: &Stencil,
-        next: usize,
+        [old, next]: [usize; 2],
         q: &mut [f64],
         p: &[f64],
         period: f64,
     ) -> f64 {
-        let old = stencil.half_width();
         unwrap(q, old, period);
         let mut furthest: f64 = 0.0;
         for start in (old..q.len()).step_by(GROUP) {
@@ -169,7 +166,7 @@ impl Row {
 
     /// Ranges of q and p on the loop.
     pub fn ranges(&self) -> [f64; 2] {
-        [self.q, self.p].map(|of| of.high - of.low)
+        [self.q, self.p].map(|of| of.extent.length())
     }
 
     /// Stretches that look discontinuous after one turn of `samples` samples.
@@ -177,7 +174,8 @@ impl Row {
         let q = (Coordinate::Q, self.q);
         let p = (Coordinate::P, self.p);
         [q, p].into_iter().filter_map(move |(coordinate, of)| {
-            of.fourth.suspect(dof, coordinate, samples, of.magnitude())
+            of.residuals
+                .suspect(dof, coordinate, samples, of.magnitude())
         })
     }
 }
@@ -191,32 +189,27 @@ const FOLDED: f64 = 2.0;
 impl CoordinateSums {
     fn add(&mut self, stencil: &Stencil, next: usize, count: usize, x: &Span, half_slope: &Lanes) {
         let mut squares = difference(stencil, x);
-        let (mut narrow, mut wide, mut slopes) = ([0.0; GROUP], [0.0; GROUP], [0.0; GROUP]);
-        let (mut up, mut down) = ([0.0; GROUP], [0.0; GROUP]);
+        let (mut slopes, mut up, mut down) = ([0.0; GROUP], [0.0; GROUP], [0.0; GROUP]);
         for k in 0..GROUP {
             let n = WIDEST + k;
             squares[k] *= squares[k];
-            narrow[k] = fourth_difference([x[n - 4], x[n - 3], x[n - 2], x[n - 1], x[n]]).abs();
-            wide[k] = fourth_difference([x[n - 8], x[n - 6], x[n - 4], x[n - 2], x[n]]).abs();
             slopes[k] = 2.0 * half_slope[k].abs();
             (up[k], down[k]) = (x[n], -x[n]);
         }
-        for lanes in [&mut squares, &mut narrow, &mut wide, &mut slopes] {
+        for lanes in [&mut squares, &mut slopes] {
             lanes[count..].fill(0.0);
         }
-        self.high = self.high.max(most(&up));
-        self.low = self.low.min(-most(&down));
+        self.extent.include(most(&up));
+        self.extent.include(-most(&down));
         self.steepest = self.steepest.max(most(&slopes));
         self.rough += sum(&squares);
-        let largest = most(&narrow);
-        let at = narrow.iter().position(|&d| d == largest).unwrap_or(0);
-        self.fourth
-            .add(sum(&narrow), (next - 4 + at, largest), most(&wide));
+        let window: &Window = (x[WIDEST - REACH..].try_into()).expect("the span goes back further");
+        self.residuals.add(window, next, count);
     }
 
     /// No sample is larger in size.
     fn magnitude(&self) -> f64 {
-        self.first.abs() + self.high.max(-self.low)
+        self.first.abs() + self.extent.magnitude()
     }
 }
 

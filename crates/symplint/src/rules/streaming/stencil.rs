@@ -37,11 +37,6 @@ impl Stencil {
         }
     }
 
-    /// Neighbours on either side.
-    pub fn half_width(&self) -> usize {
-        self.centred.len()
-    }
-
     /// What the rule misses of Σ p_k q'(s_k) Δs at most, where nothing lies beyond the Nyquist mode, from
     /// the norms of the m-th differences of q and p.
     ///

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::breaks::GROUP;
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::loops::sample_block;
@@ -9,9 +10,6 @@ use crate::map::Evaluator;
 use crate::state::Block;
 use crate::state::RowsMut;
 use crate::state::{Ensemble, first_error};
-
-/// Samples that are summed at once. A window holds whole groups, so that no sum depends on the windows.
-pub(super) const GROUP: usize = 16;
 
 /// Memory of the new samples of a window, unless one group needs more.
 const NEW_BYTES: usize = 16 << 20;
@@ -45,7 +43,7 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// A window that keeps `history` samples.
+    /// A window that keeps `history` samples. It holds whole groups of new ones, so that no sum depends on it.
     ///
     /// # Errors
     /// If no memory holds it.

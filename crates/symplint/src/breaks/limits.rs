@@ -1,0 +1,43 @@
+//! The numbers that decide what is a break.
+
+use crate::signal::UNIT_ROUNDOFF;
+
+/// A jump below this part of the range of its coordinate may be the rounding of a map that works with
+/// large numbers inside; it bounds the digits of a verdict, and breaks no loop.
+pub(super) const LEAST_JUMP: f64 = 1e-11;
+
+/// A residual stands out if it is so many standard deviations of the noise: normally distributed noise reaches
+/// this with a chance of 2e-11.
+pub(super) const OUTSTANDING: f64 = 6.7;
+
+/// When cells become twice as wide, a residual grows 32-fold where the coordinate is smooth, at least twofold at a
+/// kink, and not at all at a jump: a jump is this part of the wider residual at least.
+pub(super) const STAYS_IN_WIDE_CELLS: f64 = 0.75;
+
+/// Residuals below this part of the coordinate are rounding: 5.3 times that of one value (the sum of the absolute
+/// weights), and a step rounds several times.
+pub(super) const ROUNDING: f64 = 32.0 * UNIT_ROUNDOFF;
+
+/// Suspected jumps of a loop that are followed, at 60 to 80 evaluations each.
+pub(super) const MOST_SUSPECTS: usize = 4;
+
+/// The step that two smooth sides leave between them keeps its size as the map is evaluated more closely: what is
+/// smaller than this part of what was expected is none.
+pub(super) const STAYS_ON_HALVING: f64 = 0.25;
+
+/// Halvings before the difference of the ends is expected to be that of the jump alone.
+pub(super) const PATIENCE: usize = 2;
+
+/// Brackets of this width are not halved: no double lies between the ends if s is beyond 1/4, and for smaller s nothing
+/// on the scale of the loop.
+pub(super) const NARROWEST: f64 = 0.25 * f64::EPSILON;
+
+/// States on each side of a jump that tell it from noise, the end of the bracket among them: at a first look, and
+/// at a second one if need be.
+pub(crate) const LOOKS: [usize; 2] = [3, 6];
+
+/// Their distance: 32 doubles, so that the rounding of s is none of the noise, and nothing on the scale of a loop.
+pub(super) const SPACING: f64 = 32.0 * f64::EPSILON;
+
+/// A break is this many times the noise beside it, and what the slope makes of its width.
+pub(super) const NOISES_OF_A_JUMP: f64 = 8.0;

@@ -1,0 +1,400 @@
+//! What the states of a piece say of it.
+
+use std::f64::consts::TAU;
+
+use super::fit::{Fit, POINTS, turning_point};
+use super::jump::Jump;
+use super::limits::{
+    AND_MOTION, AS_GOOD, CHECKS, DECAYS, ELSEWHERE, EXPLAINS, FULL, KINK_SAFETY,
+    MOST_TURNING_POINTS, NOISES, ROUNDING, SAME_TURNING_POINT, SMOOTH, TERMS, VANISHES,
+};
+use super::lobatto::{DEGREE, LOBATTO, NODES, Values, evaluate, polynomial, tail_squared};
+use super::piece::{Piece, Smooth};
+use super::scales::{Scales, period};
+use crate::signal::{Extent, nearest};
+use crate::state::{Coordinates, Ensemble, coordinate};
+
+/// What a piece turned out to be.
+pub(super) enum Finding {
+    /// Its interpolants are as good as wanted, if the states at turning points of positions agree.
+    Smooth(TurningPoints),
+    /// They are not, and a higher degree may be.
+    Rough,
+    /// They are not, and it is too short to be cut.
+    TooShort,
+    /// It jumps in this bracket.
+    Jump(Box<Jump>),
+    /// It has a kink between two parameters, or is too long: cut it there, or in the middle.
+    Cut { at: Vec<f64>, why: Why },
+}
+
+/// Why a piece is cut.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Why {
+    /// A kink, or a sample that it missed.
+    Explained,
+    /// It is too long for a smooth function.
+    Steep,
+    /// Nothing explains its highest coefficients.
+    Unexplained,
+}
+
+/// Where positions turn round on a piece: a particle that only grazes a place where the force jumps does so there,
+/// between two nodes.
+#[derive(Default)]
+pub(super) struct TurningPoints {
+    /// Each with what the coordinates should be there.
+    pub expected: Vec<(f64, Vec<f64>)>,
+    /// How far off they may be.
+    pub allowed: Vec<f64>,
+}
+
+/// A piece, and what it is measured by.
+pub(super) struct View<'a> {
+    pub piece: &'a Piece,
+    pub scales: &'a Scales,
+    pub coordinates: &'a Coordinates,
+    /// Equispaced samples of the advanced loop, if there are any.
+    pub samples: Option<&'a Ensemble>,
+    /// The interpolants of all coordinates after the step.
+    fits: Vec<Fit>,
+}
+
+impl<'a> View<'a> {
+    pub fn new(
+        piece: &'a Piece,
+        scales: &'a Scales,
+        coordinates: &'a Coordinates,
+        samples: Option<&'a Ensemble>,
+    ) -> Self {
+        let mut view = View {
+            piece,
+            scales,
+            coordinates,
+            samples,
+            fits: Vec::new(),
+        };
+        let last = piece.image(0).stages() - 1;
+        view.fits = (0..2 * coordinates.dof())
+            .map(|c| view.fit(&view.values(last, c)))
+            .collect();
+        view
+    }
+
+    fn dof(&self) -> usize {
+        self.coordinates.dof()
+    }
+
+    pub fn fit(&self, values: &[f64; POINTS]) -> Fit {
+        match self.piece.is_short() {
+            true => Fit::straight(values),
+            false => Fit::of(values, self.piece.level),
+        }
+    }
+
+    /// A coordinate of a stage at all points that are known, unwrapped.
+    pub fn values(&self, stage: usize, c: usize) -> [f64; POINTS] {
+        let mut values = [0.0; POINTS];
+        let period = period(self.coordinates, c);
+        let mut last = None;
+        for (value, image) in values.iter_mut().zip(&self.piece.images[..NODES]) {
+            let Some(image) = image else { continue };
+            let here = image.stage(stage)[c];
+            *value = last.map_or(here, |last| last + nearest(here - last, period));
+            last = Some(*value);
+        }
+        for (k, x) in (NODES..).zip(CHECKS) {
+            // A check lies between two nodes.
+            let after = (0..NODES)
+                .find(|&j| LOBATTO.nodes[j] > x && self.piece.images[j].is_some())
+                .unwrap_or(DEGREE);
+            let here = self.piece.image(k).stage(stage)[c];
+            values[k] = values[after] + nearest(here - values[after], period);
+        }
+        values
+    }
+
+    /// Looks at the piece.
+    pub fn examine(&self) -> Finding {
+        let fits = self.fits.iter().enumerate();
+        let mut off = fits.filter(|(c, fit)| fit.off > self.allowed(*c, fit));
+        let resolved = off.next().is_none();
+        let missed = if resolved { self.missed() } else { None };
+        if resolved && missed.is_none() {
+            return Finding::Smooth(self.turning_points());
+        }
+        if self.piece.level < FULL {
+            return Finding::Rough;
+        }
+        if self.piece.is_short() {
+            return Finding::TooShort;
+        }
+        let at = match missed {
+            Some(at) => vec![at],
+            None => self.around_crossings(),
+        };
+        match at.is_empty() {
+            true => self.seek_break(),
+            false => Finding::Cut {
+                at,
+                why: Why::Explained,
+            },
+        }
+    }
+
+    /// The parameter of a sample on the piece that is not where the interpolants have it.
+    fn missed(&self) -> Option<f64> {
+        let seen = self.samples.filter(|_| self.piece.curve == 0)?;
+        let samples = seen.samples() as f64;
+        let first = (self.piece.a * samples).ceil().max(0.0) as usize;
+        let last = (self.piece.b * samples).floor().min(samples - 1.0) as usize;
+        let inside = |&s: &f64| s > self.piece.a && s < self.piece.b;
+        (first..=last)
+            .map(|k| (k, k as f64 / samples))
+            .filter(|(_, s)| inside(s))
+            .find(|&(k, s)| {
+                self.fits.iter().enumerate().any(|(c, fit)| {
+                    let expected = evaluate(&fit.coefficients, self.piece.x(s));
+                    let off = coordinate(seen, c)[k] - expected;
+                    let off = nearest(off, period(self.coordinates, c));
+                    off.abs() > ELSEWHERE * self.allowed(c, fit)
+                })
+            })
+            .map(|(_, s)| s)
+    }
+
+    /// What an interpolant may be off: the tolerance, and what the rounding of the state that the map got
+    /// becomes where the loop is steep. A straight line may be off by what a kink makes of its length.
+    pub fn allowed(&self, c: usize, fit: &Fit) -> f64 {
+        let length = self.piece.length();
+        let rounded = self.scales.input_rounding * fit.range() / length;
+        let kinked = match self.piece.is_short() {
+            true => TAU * self.scales.size[c] * length,
+            false => 0.0,
+        };
+        self.piece.allowance(c, self.scales) + rounded + kinked
+    }
+
+    /// Whether the interpolants are good enough if so much noise is allowed for.
+    pub fn is_explained_by(&self, noise: &[f64]) -> bool {
+        let allowed = |c: usize| noise[c].max(self.piece.allowance(c, self.scales));
+        (self.fits.iter().enumerate()).all(|(c, fit)| fit.off <= allowed(c))
+    }
+
+    /// Its part of the integral.
+    pub fn integrate(&self, resolved: bool) -> Smooth {
+        let dof = self.dof();
+        let short = self.piece.is_short();
+        let mut smooth = Smooth {
+            curve: self.piece.curve,
+            a: self.piece.a,
+            b: self.piece.b,
+            areas: Vec::with_capacity(dof),
+            gains: Vec::with_capacity(dof),
+            exposure: 0.0,
+            error: 0.0,
+            error_of_jump: 0.0,
+            resolved,
+        };
+        for i in 0..dof {
+            let (q, p) = (&self.fits[i], &self.fits[dof + i]);
+            let weight = self.coordinates.weight(i);
+            let reference = self.scales.p_reference[i];
+            let from_start = q.values.map(|v| v - q.values[0]);
+            let from_reference = p.values.map(|v| v - reference);
+            smooth
+                .areas
+                .push(weight * LOBATTO.area(&from_reference, &from_start));
+            smooth.gains.push(q.values[DEGREE] - q.values[0]);
+            let largest = |values: &Values| Extent::of(values).magnitude();
+            smooth.error += weight.abs() * (q.error * p.range() + p.error * q.range());
+            // Any part of it may be a jump, which is missing where the reference is accounted for; of a straight
+            // line, no more than its points are off.
+            let jump = if short {
+                q.off.min(q.range())
+            } else {
+                q.range()
+            };
+            let anywhere = p.range() + largest(&from_reference) + reference.abs();
+            smooth.error_of_jump += weight.abs() * AND_MOTION * jump * anywhere;
+            smooth.exposure +=
+                weight.abs() * (largest(&q.values) * p.range() + largest(&p.values) * q.range());
+        }
+        // So short a piece may be as steep as rounding allows, and that is as steep as a jump.
+        if !resolved || short {
+            smooth.error = smooth.error_of_jump;
+        }
+        smooth
+    }
+
+    /// Where a position turns round, at the beginning of any substep or at the end.
+    fn turning_points(&self) -> TurningPoints {
+        if self.piece.is_short() {
+            return TurningPoints::default();
+        }
+        let mut turns = Vec::new();
+        let stages = self.piece.image(0).stages();
+        for i in 0..self.dof() {
+            let mut values: Vec<[f64; POINTS]> = (0..stages).map(|k| self.values(k, i)).collect();
+            // A step that is one whole evaluates its force somewhere in between.
+            if let [before, after] = &values[..] {
+                let middle = std::array::from_fn(|k| 0.5 * (before[k] + after[k]));
+                values.push(middle);
+            }
+            // What rests has none, but for rounding.
+            let moves = |fit: &Fit| fit.range() > ROUNDING * self.scales.magnitude[i];
+            let fits = values.iter().map(|values| self.fit(values)).filter(moves);
+            turns.extend(fits.filter_map(|fit| turning_point(&fit)));
+        }
+        turns.sort_by(f64::total_cmp);
+        turns.dedup_by(|a, b| (*a - *b).abs() < SAME_TURNING_POINT);
+        let every = turns.len().div_ceil(MOST_TURNING_POINTS).max(1);
+        let fits = || self.fits.iter();
+        let expected = turns.into_iter().step_by(every).map(|x| {
+            let values = fits().map(|fit| evaluate(&fit.coefficients, x));
+            (self.piece.s(x), values.collect())
+        });
+        TurningPoints {
+            expected: expected.collect(),
+            allowed: (fits().enumerate())
+                .map(|(c, fit)| self.allowed(c, fit))
+                .collect(),
+        }
+    }
+
+    /// The gap between two nodes in which one break explains the coefficients best.
+    fn seek_break(&self) -> Finding {
+        let in_the_middle = |why: Why| Finding::Cut {
+            at: Vec::new(),
+            why,
+        };
+        let mut explained = [0.0; DEGREE];
+        let mut all = 0.0;
+        for (c, fit) in self.fits.iter().enumerate() {
+            let weight = self.scales.weight(c).powi(2);
+            all += weight * tail_squared(&fit.coefficients);
+            for (sum, gap) in explained.iter_mut().zip(&LOBATTO.gaps) {
+                *sum += weight * gap.explained(&fit.coefficients);
+            }
+        }
+        let most = explained.iter().copied().fold(0.0, f64::max);
+        if self.decays() {
+            return in_the_middle(Why::Steep);
+        }
+        if most < EXPLAINS * all {
+            return in_the_middle(Why::Unexplained);
+        }
+        let best = (0..DEGREE)
+            .filter(|&i| explained[i] >= AS_GOOD * most)
+            .min_by_key(|&i| LOBATTO.gaps[i].terms())
+            .expect("the largest is one of them");
+        let steps: Vec<[f64; TERMS]> = (self.fits.iter())
+            .map(|fit| LOBATTO.gaps[best].jump(&fit.coefficients))
+            .collect();
+        if let Some(ends) = self.kink(best, &steps, (all - most).max(0.0)) {
+            return Finding::Cut {
+                at: ends.map(|x| self.piece.s(x)).into(),
+                why: Why::Explained,
+            };
+        }
+        match self.jump(best, &steps) {
+            Some(jump) => Finding::Jump(Box::new(jump)),
+            None => in_the_middle(Why::Unexplained),
+        }
+    }
+
+    /// The jump by `steps` in a gap, unless rounding alone may be one of its size.
+    fn jump(&self, best: usize, steps: &[[f64; TERMS]]) -> Option<Jump> {
+        let gap = &LOBATTO.gaps[best];
+        let (low, high) = (LOBATTO.nodes[best], LOBATTO.nodes[best + 1]);
+        let middle = 0.5 * (low + high);
+        let direction: Vec<f64> = (steps.iter().enumerate())
+            .map(|(c, step)| self.scales.weight(c).powi(2) * polynomial(step, middle))
+            .collect();
+        let mut left = [0.0; SMOOTH];
+        let mut step = [0.0; TERMS];
+        let mut expected = 0.0;
+        let mut noise = 0.0;
+        let reference: Vec<f64> = self.fits.iter().map(|fit| fit.values[best]).collect();
+        for (c, fit) in self.fits.iter().enumerate() {
+            let part = gap.left(&fit.coefficients, &steps[c]);
+            for (sum, a) in left.iter_mut().zip(part) {
+                *sum += direction[c] * a;
+            }
+            left[0] -= direction[c] * reference[c];
+            for (sum, d) in step.iter_mut().zip(steps[c]) {
+                *sum += direction[c] * d;
+            }
+            expected += direction[c] * polynomial(&steps[c], middle);
+            noise += (direction[c] * self.allowed(c, fit)).powi(2);
+        }
+        if expected < NOISES * noise.sqrt() {
+            return None;
+        }
+        let ends = [best, best + 1].map(|k| self.piece.image(k).clone());
+        let gap = [low, high].map(|x| self.piece.s(x));
+        let fallback = self.integrate(false);
+        Some(Jump::new(
+            self.piece.clone(),
+            gap,
+            ends,
+            (direction, reference),
+            (left, step),
+            expected,
+            fallback,
+        ))
+    }
+
+    /// Whether the tails fall as those of smooth functions do.
+    fn decays(&self) -> bool {
+        let (mut early, mut late) = (0.0, 0.0);
+        for (c, fit) in self.fits.iter().enumerate() {
+            let weight = self.scales.weight(c).powi(2);
+            let square = |range: std::ops::Range<usize>| {
+                let part = &fit.coefficients[range];
+                weight * part.iter().map(|a| a * a).sum::<f64>()
+            };
+            early += square(SMOOTH..SMOOTH + 3);
+            late += square(DEGREE - 2..DEGREE + 1);
+        }
+        late < DECAYS * early
+    }
+
+    /// Between which points of a gap the steps of all coordinates vanish, if they do: as closely as what is
+    /// left `unexplained` lets it be known.
+    fn kink(&self, gap: usize, steps: &[[f64; TERMS]], unexplained: f64) -> Option<[f64; 2]> {
+        const POSITIONS: usize = 64;
+        let (low, high) = (LOBATTO.nodes[gap], LOBATTO.nodes[gap + 1]);
+        let square = |x: f64| {
+            let terms = steps.iter().enumerate();
+            terms
+                .map(|(c, step)| (self.scales.weight(c) * polynomial(step, x)).powi(2))
+                .sum::<f64>()
+        };
+        let at = |k: usize| low + (high - low) * k as f64 / POSITIONS as f64;
+        let squares: Vec<f64> = (0..=POSITIONS).map(|k| square(at(k))).collect();
+        let most = squares.iter().copied().fold(0.0, f64::max);
+        let by_size = |&a: &usize, &b: &usize| squares[a].total_cmp(&squares[b]);
+        let least = (0..=POSITIONS).min_by(by_size)?;
+        if squares[least] >= VANISHES * most {
+            return None;
+        }
+        // Next to the end of the gap: what is wider than one position is not known to be smooth.
+        let enough = KINK_SAFETY * unexplained.max(squares[least]);
+        let edge = |mut inside: f64, mut outside: f64| {
+            if square(outside) <= enough {
+                return outside;
+            }
+            for _ in 0..30 {
+                let middle = 0.5 * (inside + outside);
+                if square(middle) <= enough {
+                    inside = middle;
+                } else {
+                    outside = middle;
+                }
+            }
+            outside
+        };
+        Some([edge(at(least), low), edge(at(least), high)])
+    }
+}

@@ -1,0 +1,186 @@
+//! A jump between two nodes of a piece.
+
+use super::curves::{At, Image};
+use super::limits::{LARGE, SMOOTH, TERMS};
+use super::lobatto::{evaluate, polynomial};
+use super::piece::{Piece, Smooth};
+use super::scales::{Scales, period};
+use crate::breaks::{Bracket, End, LOOKS, Progress, scatter};
+use crate::signal::nearest;
+use crate::state::Coordinates;
+
+/// A jump of a piece that is closed in on.
+///
+/// Left and right of it the coordinates, projected on the direction of the jump, are two smooth
+/// functions: a point in between belongs to the one it is nearer to.
+pub(super) struct Jump {
+    pub piece: Piece,
+    /// The gap between two nodes that it was in at first.
+    pub gap: [f64; 2],
+    pub bracket: Bracket,
+    /// Images of the states beside it, from each end of the bracket outwards.
+    beside: [Vec<Image>; 2],
+    /// How often these were looked at.
+    pub looks: usize,
+    /// Where the jump points, for each coordinate.
+    direction: Vec<f64>,
+    /// A state nearby, from which coordinates are counted.
+    reference: Vec<f64>,
+    /// The function on the left, and what the right has more, over the piece.
+    left: [f64; SMOOTH],
+    step: [f64; TERMS],
+    /// States that are granted for it.
+    pub price: usize,
+    /// The piece unchanged.
+    pub fallback: Smooth,
+}
+
+/// States that a jump may ask for beside it.
+const BESIDE: usize = 2 * (LOOKS[LOOKS.len() - 1] - 1);
+
+impl Jump {
+    pub fn new(
+        piece: Piece,
+        gap: [f64; 2],
+        ends: [Image; 2],
+        (direction, reference): (Vec<f64>, Vec<f64>),
+        (left, step): ([f64; SMOOTH], [f64; TERMS]),
+        expected: f64,
+        fallback: Smooth,
+    ) -> Self {
+        let bracket = Bracket::new(gap, expected);
+        Jump {
+            piece,
+            gap,
+            price: bracket.most_halvings() + BESIDE,
+            bracket,
+            beside: ends.map(|end| vec![end]),
+            looks: 0,
+            direction,
+            reference,
+            left,
+            step,
+            fallback,
+        }
+    }
+
+    /// What was granted for it and is not needed after all.
+    pub fn refund(&self) -> usize {
+        let beside: usize = self.beside.iter().map(|side| side.len() - 1).sum();
+        self.price - self.bracket.halvings() - beside
+    }
+
+    /// The images of both ends.
+    pub fn ends(&self) -> [&Image; 2] {
+        [&self.beside[0][0], &self.beside[1][0]]
+    }
+
+    /// The coordinates counted from some origin, in the direction of the jump.
+    fn project(&self, state: &[f64], origin: &[f64], coordinates: &Coordinates) -> f64 {
+        let terms = self.direction.iter().enumerate();
+        terms
+            .map(|(c, direction)| direction * nearest(state[c] - origin[c], period(coordinates, c)))
+            .sum()
+    }
+
+    /// Halves the bracket, with the image of its middle.
+    pub fn halve(&mut self, image: Image, coordinates: &Coordinates) -> Progress {
+        let smooth = |s: f64| evaluate(&self.left, self.piece.x(s));
+        let middle = self.bracket.middle();
+        let value = self.project(image.after(), &self.reference, coordinates) - smooth(middle);
+        let end = match value < 0.5 * polynomial(&self.step, self.piece.x(middle)) {
+            true => End::Low,
+            false => End::High,
+        };
+        self.beside[end as usize][0] = image;
+        let [low, high] = self
+            .ends()
+            .map(|end| self.project(end.after(), &self.reference, coordinates));
+        let mut ends = [self.bracket.low, self.bracket.high];
+        ends[end as usize] = middle;
+        let difference = (high - smooth(ends[1])) - (low - smooth(ends[0]));
+        self.bracket.halve(end, difference)
+    }
+
+    /// The states beside it that the next look needs besides those that are known.
+    pub fn surroundings(&self) -> impl Iterator<Item = At> {
+        [End::Low, End::High].into_iter().flat_map(move |end| {
+            let known = self.beside[end as usize].len();
+            let within = |s: f64| s.clamp(self.piece.a, self.piece.b);
+            let more = self.bracket.beside(end, self.looks).skip(known);
+            more.map(move |s| At {
+                curve: self.piece.curve,
+                s: within(s),
+            })
+        })
+    }
+
+    /// How many they are.
+    pub fn missing(&self) -> usize {
+        self.beside
+            .iter()
+            .map(|side| LOOKS[self.looks] - side.len())
+            .sum()
+    }
+
+    /// Takes their images in.
+    pub fn look(&mut self, images: &[Image]) {
+        let (left, right) = images.split_at(images.len() / 2);
+        self.beside[0].extend_from_slice(left);
+        self.beside[1].extend_from_slice(right);
+        self.looks += 1;
+    }
+
+    /// What the states beside it say of it.
+    pub fn judge(&self, scales: &Scales, coordinates: &Coordinates) -> Judgement {
+        // Each side from its own end, so that a wrap in between is none of it.
+        let projected = self.beside.each_ref().map(|side| -> Vec<f64> {
+            let origin = side[0].after();
+            let each = side.iter();
+            each.map(|image| self.project(image.after(), origin, coordinates))
+                .collect()
+        });
+        let [low, high] = self.ends().map(Image::after);
+        let jump = self.project(high, low, coordinates).abs();
+        let apart = |c: usize| nearest(high[c] - low[c], period(coordinates, c)).abs();
+        let mut all = 0..2 * coordinates.dof();
+        let large = (all.clone()).any(|c| scales.weight(c) * apart(c) > LARGE);
+        // The steps of a grid are jumps with nothing beside them, and noise all the same.
+        let no_step = all.any(|c| apart(c) > self.piece.allowance(c, scales));
+        let sides = [&projected[0][..], &projected[1][..]];
+        if large || (self.bracket.stands_out(jump, sides) && no_step) {
+            Judgement::Break
+        } else if self.bracket.is_little(jump) {
+            Judgement::Wrap
+        } else if self.looks < LOOKS.len() {
+            Judgement::LookAgain
+        } else {
+            Judgement::Noise
+        }
+    }
+
+    /// How far each coordinate scatters beside it.
+    pub fn noise(&self, coordinates: &Coordinates) -> Vec<f64> {
+        let origin = self.ends()[0].after();
+        let of_coordinate = |c: usize| {
+            let period = period(coordinates, c);
+            let sides = self.beside.each_ref().map(|side| -> Vec<f64> {
+                let each = side.iter();
+                each.map(|image| nearest(image.after()[c] - origin[c], period))
+                    .collect()
+            });
+            scatter([&sides[0], &sides[1]])
+        };
+        (0..2 * coordinates.dof()).map(of_coordinate).collect()
+    }
+}
+
+/// What a jump is.
+pub(super) enum Judgement {
+    Break,
+    /// A period, and none.
+    Wrap,
+    /// It may be noise: more states tell.
+    LookAgain,
+    Noise,
+}

@@ -1,0 +1,402 @@
+//! Pieces and jumps at work, in batches.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::curves::{At, Curves, Image};
+use super::examine::{Finding, TurningPoints, View, Why};
+use super::jump::{Judgement, Jump};
+use super::limits::{BATCH_BYTES, ELSEWHERE, NOISE_LENGTH, SAFETY, SMALL};
+use super::lobatto::DEGREE;
+use super::noise;
+use super::piece::{Piece, Smooth};
+use super::scales::{Scales, period};
+use super::task::{OF_A_BREAK, Outcome, Task};
+use crate::breaks::{Break, Progress};
+use crate::error::Error;
+use crate::signal::nearest;
+use crate::state::{Coordinates, Ensemble};
+
+/// Everything that is known of the curves so far.
+pub(super) struct Refinement<'a> {
+    pub curves: Curves<'a>,
+    pub coordinates: &'a Coordinates,
+    pub scales: Scales,
+    /// Pieces that are done.
+    pub smooth: Vec<Smooth>,
+    /// Breaks of all curves.
+    pub breaks: Vec<Found>,
+    pub budget: Budget,
+    /// What has to wait until others give back what was granted to them.
+    waiting: Vec<Outcome>,
+    noise_known: bool,
+    /// Equispaced samples of the advanced loop, if there are any.
+    pub samples: Option<&'a Ensemble>,
+}
+
+/// Evaluations made and granted.
+pub(super) struct Budget {
+    pub made: usize,
+    /// Made, or promised to somebody who may need them.
+    granted: usize,
+    most: usize,
+}
+
+impl Budget {
+    /// Of which so many were made.
+    pub fn new(most: usize, made: usize) -> Self {
+        Budget {
+            made,
+            granted: made,
+            most,
+        }
+    }
+
+    /// Grants so many evaluations, if they may be made.
+    pub fn grant(&mut self, evaluations: usize) -> bool {
+        let within = evaluations <= self.most - self.granted;
+        if within {
+            self.granted += evaluations;
+        }
+        within
+    }
+}
+
+/// A break of a curve.
+pub(super) struct Found {
+    pub curve: usize,
+    /// The last parameter before it and the first after it.
+    pub sides: [f64; 2],
+    /// Their images.
+    pub images: [Image; 2],
+    /// The substep that breaks the curve, where the step has several.
+    pub substep: Option<usize>,
+}
+
+impl Found {
+    /// How far a coordinate jumps.
+    pub fn jump(&self, c: usize, coordinates: &Coordinates) -> f64 {
+        let [low, high] = self.images.each_ref().map(Image::after);
+        nearest(high[c] - low[c], period(coordinates, c))
+    }
+
+    /// The break in the degree of freedom that jumps most, in the sizes of the coordinates.
+    pub fn summary(&self, scales: &Scales, coordinates: &Coordinates) -> Break {
+        let dof = coordinates.dof();
+        let jump = |c: usize| self.jump(c, coordinates);
+        let size = |i: usize| {
+            let of = |c: usize| (scales.weight(c) * jump(c)).abs();
+            of(i).max(of(dof + i))
+        };
+        let (most, _) = (0..dof).fold((0, 0.0), |most, i| {
+            let size = size(i);
+            if size > most.1 { (i, size) } else { most }
+        });
+        Break {
+            s: self.sides[1].rem_euclid(1.0),
+            dof: most,
+            jump_q: jump(most),
+            jump_p: jump(dof + most),
+            substep: self.substep,
+        }
+    }
+}
+
+impl<'a> Refinement<'a> {
+    pub fn new(
+        curves: Curves<'a>,
+        coordinates: &'a Coordinates,
+        scales: Scales,
+        budget: Budget,
+        samples: Option<&'a Ensemble>,
+    ) -> Self {
+        Refinement {
+            curves,
+            coordinates,
+            scales,
+            smooth: Vec::new(),
+            breaks: Vec::new(),
+            budget,
+            waiting: Vec::new(),
+            noise_known: false,
+            samples,
+        }
+    }
+
+    /// Images of points of curves that meet `substep` first; they were granted.
+    pub fn images(&mut self, points: &[At], substep: usize) -> Result<Vec<Image>, Error> {
+        if points.is_empty() {
+            return Ok(Vec::new());
+        }
+        let (images, evaluations) = self.curves.images(points, substep)?;
+        self.budget.made += evaluations;
+        Ok(images)
+    }
+
+    /// Resolves `pieces` of curves that meet `substep` first. The first look at them has been granted.
+    pub fn run(&mut self, substep: usize, pieces: Vec<Piece>) -> Result<(), Error> {
+        let mut tasks = looks(pieces);
+        while !tasks.is_empty() {
+            // Those that came last hold most states.
+            let batch = tasks.split_off(tasks.len() - self.batch(&tasks, substep));
+            self.advance(batch, substep, &mut tasks)?;
+            if tasks.is_empty() {
+                self.wake(&mut tasks);
+            }
+        }
+        Ok(())
+    }
+
+    /// How many of the last tasks go into one batch.
+    fn batch(&self, tasks: &[Task], substep: usize) -> usize {
+        // As ensembles, and as images.
+        let copies = 2 * (self.curves.evaluator.substeps() - substep + 1);
+        let state = 16 * self.curves.dof() * copies;
+        let most = BATCH_BYTES / state.max(1);
+        let mut states = 0;
+        let fitting = tasks.iter().rev().take_while(|task| {
+            states += task.cost();
+            states <= most
+        });
+        fitting.count().max(1)
+    }
+
+    /// Evaluates what a batch asks for, and adds what comes of it to the tasks.
+    fn advance(
+        &mut self,
+        batch: Vec<Task>,
+        substep: usize,
+        tasks: &mut Vec<Task>,
+    ) -> Result<(), Error> {
+        let small = |task: &Task| matches!(task, Task::Confirm(jump) if jump.bracket.expected().sqrt() < SMALL);
+        if batch.iter().any(small) {
+            self.learn_noise()?;
+        }
+        let points: Vec<Vec<At>> = batch.iter().map(Task::points).collect();
+        let images = self.images(&points.concat(), substep)?;
+        let mut rest = &images[..];
+        let mut work = Vec::with_capacity(batch.len());
+        for (task, points) in batch.into_iter().zip(&points) {
+            let (own, others) = rest.split_at(points.len());
+            work.push((task, own));
+            rest = others;
+        }
+        let outcomes: Vec<Outcome> = (work.into_par_iter())
+            .map(|(task, images)| self.proceed(task, images))
+            .collect();
+        if outcomes.iter().any(|outcome| outcome.noisy) {
+            self.learn_noise()?;
+        }
+        for outcome in outcomes {
+            self.budget.granted -= outcome.refund;
+            if outcome.next.is_empty() && outcome.found.is_none() {
+                self.smooth.extend(outcome.piece);
+            } else if self.admit(&outcome) {
+                self.start(outcome, tasks);
+            } else {
+                self.waiting.push(outcome);
+            }
+        }
+        Ok(())
+    }
+
+    /// Grants what comes next, if it may be made.
+    fn admit(&mut self, outcome: &Outcome) -> bool {
+        let of_break = outcome.found.as_ref().map_or(0, |_| OF_A_BREAK);
+        let next = outcome.next.iter().map(Task::price).sum::<usize>();
+        self.budget.grant(of_break + next)
+    }
+
+    fn start(&mut self, outcome: Outcome, tasks: &mut Vec<Task>) {
+        self.breaks.extend(outcome.found);
+        tasks.extend(outcome.next);
+    }
+
+    /// Goes on with what waits and may go on now. If nothing may, nothing will: the pieces are taken unchanged.
+    fn wake(&mut self, tasks: &mut Vec<Task>) {
+        for outcome in std::mem::take(&mut self.waiting) {
+            if self.admit(&outcome) {
+                self.start(outcome, tasks);
+            } else {
+                self.waiting.push(outcome);
+            }
+        }
+        if tasks.is_empty() {
+            let pieces = std::mem::take(&mut self.waiting).into_iter();
+            let unresolved = pieces.filter_map(|outcome| outcome.piece.map(Smooth::unresolved));
+            self.smooth.extend(unresolved);
+        }
+    }
+
+    /// Raises the tolerances to the noise that the map has all along the loop, once.
+    fn learn_noise(&mut self) -> Result<(), Error> {
+        if !self.noise_known && self.budget.grant(noise::STATES) {
+            self.noise_known = true;
+            let points: Vec<At> = noise::points(0, [0.0, 1.0]).collect();
+            let images = self.images(&points, 0)?;
+            self.scales.noise = noise::allowance(&images, self.coordinates);
+        }
+        Ok(())
+    }
+
+    fn proceed(&self, task: Task, images: &[Image]) -> Outcome {
+        match task {
+            Task::Look(mut piece) => {
+                piece.fill(images);
+                self.look(piece)
+            }
+            Task::Halve(mut jump) => match jump.halve(images[0].clone(), self.coordinates) {
+                Progress::Open => self.go_on(Task::Halve(jump)),
+                Progress::Jump => self.go_on(Task::Confirm(jump)),
+                // A kink close to an end, or a steep place: closer up it will show.
+                Progress::Continuous => {
+                    let next = looks(jump.piece.cut(&jump.gap));
+                    Outcome {
+                        refund: jump.refund(),
+                        ..Outcome::then(next, jump.fallback)
+                    }
+                }
+            },
+            Task::Confirm(mut jump) => {
+                jump.look(images);
+                self.confirm(jump)
+            }
+            Task::CheckTurningPoints(piece, smooth, turning) => {
+                self.check_turning_points(*piece, *smooth, &turning, images)
+            }
+            Task::EstimateNoise(piece) => self.explain_by_noise(*piece, images),
+        }
+    }
+
+    /// With a task that was paid for.
+    fn go_on(&self, task: Task) -> Outcome {
+        Outcome {
+            next: vec![task],
+            ..Outcome::default()
+        }
+    }
+
+    /// Takes a jump for a break if it stands out of the noise on both sides.
+    fn confirm(&self, jump: Box<Jump>) -> Outcome {
+        let judgement = jump.judge(&self.scales, self.coordinates);
+        if let Judgement::LookAgain = judgement {
+            return self.go_on(Task::Confirm(jump));
+        }
+        let piece = &jump.piece;
+        let mut outcome = Outcome {
+            refund: jump.refund(),
+            ..Outcome::default()
+        };
+        let parts = match judgement {
+            Judgement::Break => {
+                let sides = [jump.bracket.low, jump.bracket.high];
+                let images = jump.ends().map(Image::clone);
+                let [low, high] = images.clone().map(Some);
+                let left = piece.part([piece.a, sides[0]], [piece.images[0].clone(), low]);
+                let right = piece.part([sides[1], piece.b], [high, piece.images[DEGREE].clone()]);
+                outcome.found = Some(Found {
+                    curve: piece.curve,
+                    sides,
+                    images,
+                    substep: None,
+                });
+                let parts = [left, right].into_iter();
+                parts.filter(|part| part.b > part.a).collect()
+            }
+            Judgement::Wrap => piece.cut(&jump.gap),
+            Judgement::Noise | Judgement::LookAgain => {
+                let noise = jump.noise(self.coordinates).into_iter();
+                let allowance: Arc<[f64]> = noise.map(|noise| SAFETY * noise).collect();
+                let mut parts = piece.cut(&jump.gap);
+                for part in parts.iter_mut().filter(|part| part.lies_in(&jump.gap)) {
+                    part.noise = Some(allowance.clone());
+                }
+                outcome.noisy = true;
+                parts
+            }
+        };
+        outcome.next = looks(parts);
+        outcome.piece = Some(jump.fallback);
+        outcome
+    }
+
+    fn view<'b>(&'b self, piece: &'b Piece) -> View<'b> {
+        View::new(piece, &self.scales, self.coordinates, self.samples)
+    }
+
+    fn look(&self, mut piece: Box<Piece>) -> Outcome {
+        let view = self.view(&piece);
+        match view.examine() {
+            Finding::Smooth(turning) if turning.expected.is_empty() => {
+                Outcome::done(view.integrate(true))
+            }
+            Finding::Smooth(turning) => {
+                let smooth = view.integrate(true);
+                let task = Task::CheckTurningPoints(piece, Box::new(smooth.clone()), turning);
+                Outcome::then(vec![task], smooth)
+            }
+            Finding::TooShort => Outcome::done(view.integrate(false)),
+            Finding::Rough => {
+                let unresolved = view.integrate(false);
+                piece.level += 1;
+                Outcome::then(vec![Task::Look(piece)], unresolved)
+            }
+            Finding::Jump(jump) => {
+                let unresolved = jump.fallback.clone();
+                Outcome::then(vec![Task::Halve(jump)], unresolved)
+            }
+            Finding::Cut { at, why } => {
+                let unresolved = view.integrate(false);
+                let noisy = why != Why::Explained && piece.length() < NOISE_LENGTH;
+                if noisy && self.noise_known && why == Why::Unexplained {
+                    return Outcome::then(vec![Task::EstimateNoise(piece)], unresolved);
+                }
+                Outcome {
+                    noisy,
+                    ..Outcome::then(looks(piece.cut(&at)), unresolved)
+                }
+            }
+        }
+    }
+
+    /// Looks at a piece once more if the noise that it has explains it; else cuts it.
+    fn explain_by_noise(&self, mut piece: Piece, images: &[Image]) -> Outcome {
+        let view = self.view(&piece);
+        let unresolved = view.integrate(false);
+        let allowance = noise::allowance(images, self.coordinates);
+        let next = if view.is_explained_by(&allowance) {
+            piece.noise = Some(allowance.into());
+            vec![piece]
+        } else {
+            piece.cut(&[])
+        };
+        Outcome::then(looks(next), unresolved)
+    }
+
+    /// Accepts a piece if its turning points are where the interpolant has them; else cuts it there.
+    fn check_turning_points(
+        &self,
+        piece: Piece,
+        smooth: Smooth,
+        turning: &TurningPoints,
+        images: &[Image],
+    ) -> Outcome {
+        for ((s, expected), image) in turning.expected.iter().zip(images) {
+            let misses = expected.iter().enumerate().any(|(c, expected)| {
+                let value = image.after()[c];
+                let off = nearest(value - expected, period(self.coordinates, c));
+                off.abs() > ELSEWHERE * turning.allowed[c]
+            });
+            if misses {
+                return Outcome::then(looks(piece.cut(&[*s])), smooth);
+            }
+        }
+        Outcome::done(smooth)
+    }
+}
+
+fn looks(pieces: Vec<Piece>) -> Vec<Task> {
+    let boxed = pieces.into_iter().map(Box::new);
+    boxed.map(Task::Look).collect()
+}

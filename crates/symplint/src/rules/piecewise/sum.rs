@@ -1,0 +1,128 @@
+//! The integral from its parts.
+
+use super::PiecewiseIntegral;
+use super::closure::Chord;
+use super::limits::NEIGHBOURS;
+use super::piece::Smooth;
+use super::refinement::Refinement;
+use super::under_resolved::{spikes, under_resolved};
+use crate::breaks::Break;
+use crate::error::Error;
+use crate::rules::LoopIntegral;
+use crate::signal::{CompensatedSum, UNIT_ROUNDOFF, nearest};
+
+/// Adds up pieces and chords, in the order of the loop.
+///
+/// Momenta are counted from a reference, p = p_ref + …: what p_ref contributes is known exactly, as
+/// the positions return but for the breaks and whole periods.
+pub(super) fn sum(
+    refinement: &Refinement<'_>,
+    chords: &[Chord],
+    break_uncertainty: f64,
+) -> Result<PiecewiseIntegral, Error> {
+    let (coordinates, scales) = (refinement.coordinates, &refinement.scales);
+    let dof = coordinates.dof();
+    let mut smooth: Vec<&Smooth> = refinement.smooth.iter().collect();
+    smooth.sort_by(|x, y| (x.curve.cmp(&y.curve)).then(x.a.total_cmp(&y.a)));
+    let of_loop = smooth.partition_point(|piece| piece.curve == 0);
+    // ∫ (p − p_ref) dq and ∫ dq of the loop, and of what closes it.
+    let sums = |parts: &mut dyn Iterator<Item = (&[f64], &[f64])>| {
+        let mut sums = vec![[CompensatedSum::default(); 2]; dof];
+        for (areas, gains) in parts {
+            for (sums, (area, gain)) in sums.iter_mut().zip(areas.iter().zip(gains)) {
+                sums[0].add(*area);
+                sums[1].add(*gain);
+            }
+        }
+        sums
+    };
+    fn part(piece: &Smooth) -> (&[f64], &[f64]) {
+        (&piece.areas, &piece.gains)
+    }
+    let pieces = sums(&mut smooth[..of_loop].iter().map(|piece| part(piece)));
+    let of_segments = smooth[of_loop..].iter().map(|piece| part(piece));
+    let of_chords = chords
+        .iter()
+        .map(|chord| (&chord.areas[..], &chord.gains[..]));
+    let segments = sums(&mut of_segments.chain(of_chords));
+    let (mut error, mut exposure, mut scale) = (under_resolved(refinement), 0.0, 0.0);
+    for piece in &smooth {
+        error += piece.error;
+        exposure += piece.exposure;
+        scale += piece.areas.iter().map(|area| area.abs()).sum::<f64>();
+    }
+    let mut contributions = Vec::with_capacity(dof);
+    let mut of_closing = Vec::with_capacity(dof);
+    let mut total = CompensatedSum::default();
+    for i in 0..dof {
+        let [[area, gain], [closing, closing_gain]] =
+            [&pieces[i], &segments[i]].map(|sums| sums.each_ref().map(CompensatedSum::total));
+        let of_loop = refinement.breaks.iter().filter(|found| found.curve == 0);
+        let jumps: f64 = of_loop.map(|found| found.jump(i, coordinates)).sum();
+        let around = gain + jumps;
+        let winding = around - nearest(around, coordinates.period(i));
+        let reference = coordinates.weight(i) * scales.p_reference[i];
+        let contribution = area + reference * (winding - jumps);
+        // Each jump is a difference of two rounded positions.
+        let rounded = refinement.breaks.len() as f64 * scales.magnitude[i];
+        exposure += (reference * rounded).abs();
+        contributions.push(contribution);
+        // The closed curve may wind otherwise: a segment opens by whole periods where a jump, of which only
+        // the ends are known, seems to be less.
+        let closed = gain + closing_gain;
+        let closed_winding = closed - nearest(closed, coordinates.period(i));
+        of_closing.push(closing + reference * (closed_winding - winding + jumps));
+        total.add(contribution);
+    }
+    let value = total.total();
+    let known = value + error + break_uncertainty + scale;
+    if !known.is_finite() {
+        let dof = contributions.iter().position(|c| !c.is_finite());
+        return Err(Error::Overflow {
+            dof: dof.unwrap_or(0),
+            value: known,
+        });
+    }
+    let mut unresolved: Vec<(f64, f64)> = (smooth.iter())
+        .take(of_loop)
+        .filter(|piece| !piece.resolved)
+        .map(|piece| (piece.a, piece.b))
+        .collect();
+    unresolved.dedup();
+    let mut breaks: Vec<Break> = (refinement.breaks.iter())
+        .filter(|found| found.curve == 0)
+        .map(|found| found.summary(scales, coordinates))
+        .collect();
+    breaks.sort_by(|a, b| a.s.total_cmp(&b.s));
+    // A force that has a value of its own where it jumps breaks the loop twice round one double.
+    breaks.dedup_by(|next, found| {
+        let one = next.dof == found.dof && next.s - found.s < NEIGHBOURS;
+        if one {
+            found.jump_q += next.jump_q;
+            found.jump_p += next.jump_p;
+        }
+        one
+    });
+    let broken = breaks.iter().any(|found| {
+        let range = |c: usize| 2.0 * scales.size[c];
+        found.is_substantial([range(found.dof), range(dof + found.dof)])
+    });
+    let (of_spikes, regularity) = spikes(refinement, value, broken)?;
+    Ok(PiecewiseIntegral {
+        continuous: LoopIntegral {
+            value,
+            contributions,
+            quadrature_error: of_spikes.map(|spikes| error.max(spikes) + break_uncertainty),
+            roundoff: 4.0 * UNIT_ROUNDOFF * (exposure + scale),
+            scale,
+            omitted: None,
+            regularity,
+        },
+        break_uncertainty,
+        closing: of_closing,
+        breaks,
+        pieces: of_loop,
+        unresolved,
+        evaluations: refinement.budget.made,
+    })
+}

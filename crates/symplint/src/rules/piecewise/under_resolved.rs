@@ -1,0 +1,188 @@
+//! Features of the loop that are narrower than the distance of its equispaced samples.
+//!
+//! They are found where a sample, or a state of a piece, happens to fall into one. Of two alike, where the loop passes
+//! one point of phase space twice, one may be found and the other missed. A symplectic map conserves what they
+//! contribute to the integral in all; so what those that were found contribute in all, and does not cancel, is a part
+//! of the error.
+//!
+//! Kinks and jumps are narrow as well, but the states on one side do not continue those on the other, and any
+//! piece across them shows it: they are not found by chance. A feature is under-resolved where the samples on both
+//! sides of it continue each other as if there was nothing in between.
+
+use super::limits::{CALM, NEIGHBOURING_SAMPLES, OF_SPIKES, WIDEST_FEATURE};
+use super::lobatto::LOBATTO;
+use super::piece::Smooth;
+use super::refinement::Refinement;
+use super::scales::period;
+use crate::error::Error;
+use crate::rules::{LoopIntegral, Rule};
+use crate::signal::{Barycentric, Extent, nearest};
+use crate::state::{Ensemble, coordinate};
+
+/// A stretch of short pieces between two long ones.
+struct Stretch<'a> {
+    refinement: &'a Refinement<'a>,
+    samples: &'a Ensemble,
+    pieces: &'a [&'a Smooth],
+    /// Where it begins, and where it ends: beyond 1 if that is in the next revolution.
+    ends: [f64; 2],
+    /// Samples in the long pieces on the left and on the right, rising, counted on from one revolution to the next.
+    beside: [Vec<usize>; 2],
+}
+
+/// What the integral may be off because features that were found have counterparts that were missed.
+pub(super) fn under_resolved(refinement: &Refinement<'_>) -> f64 {
+    let Some(samples) = refinement.samples else {
+        return 0.0;
+    };
+    let count = samples.samples() as f64;
+    let is_calm = |piece: &Smooth| (piece.b - piece.a) * count >= CALM;
+    let of_loop = refinement.smooth.iter().filter(|piece| piece.curve == 0);
+    let mut pieces: Vec<&Smooth> = of_loop.collect();
+    pieces.sort_by(|x, y| x.a.total_cmp(&y.a));
+    // From a long piece after a short one on, once round.
+    let before = |k: usize| pieces[(k + pieces.len() - 1) % pieces.len()];
+    let first = (0..pieces.len()).find(|&k| is_calm(pieces[k]) && !is_calm(before(k)));
+    let Some(first) = first else {
+        return 0.0;
+    };
+    pieces.rotate_left(first);
+    let runs: Vec<&[&Smooth]> = pieces.chunk_by(|x, y| is_calm(x) == is_calm(y)).collect();
+    let ends = |k: usize| {
+        let run = runs[k % runs.len()];
+        let [from, to] = [run[0], run[run.len() - 1]];
+        let revolution =
+            |piece: &Smooth| (k / runs.len()) as f64 + f64::from(piece.a < pieces[0].a);
+        [from.a + revolution(from), to.b + revolution(to)]
+    };
+    let (mut net, mut error) = (0.0, 0.0);
+    for k in (0..runs.len()).step_by(2) {
+        let [left, right] = [ends(k), ends(k + 2)];
+        if (right[0] - left[1]) * count > WIDEST_FEATURE {
+            continue;
+        }
+        let stretch = Stretch {
+            refinement,
+            samples,
+            pieces: runs[k + 1],
+            ends: [left[1], right[0]],
+            beside: beside(left, right, count),
+        };
+        for i in 0..refinement.coordinates.dof() {
+            let (area, uncertainty) = stretch.departure(i);
+            if area.abs() > uncertainty {
+                net += area;
+                error += uncertainty;
+            }
+        }
+    }
+    f64::abs(net) + error
+}
+
+/// The samples next to a stretch in the long pieces on its left and on its right.
+fn beside(left: [f64; 2], right: [f64; 2], count: f64) -> [Vec<usize>; 2] {
+    let [from, to] = left.map(|s| s * count);
+    let last = to.floor() as usize;
+    let on_the_left = (from.ceil() as usize).max((last + 1).saturating_sub(NEIGHBOURING_SAMPLES));
+    let [from, to] = right.map(|s| s * count);
+    let next = from.ceil() as usize;
+    let on_the_right = (to.floor() as usize).min(next + NEIGHBOURING_SAMPLES - 1);
+    [
+        (on_the_left..=last).collect(),
+        (next..=on_the_right).collect(),
+    ]
+}
+
+impl Stretch<'_> {
+    /// What degree of freedom i contributes more than if there was nothing here, and how well that is known: as well
+    /// as the samples on both sides continue each other.
+    fn departure(&self, i: usize) -> (f64, f64) {
+        let coordinates = self.refinement.coordinates;
+        let weight = coordinates.weight(i);
+        let count = self.samples.samples();
+        let [left, right] = &self.beside;
+        let all = [&left[..], &right[..]].concat();
+        // Where the two sides should meet.
+        let gap =
+            [left.last(), right.first()].map(|k| k.map_or(f64::NAN, |&k| k as f64 / count as f64));
+        let across = [i, self.samples.dof() + i].map(|c| {
+            let (row, period) = (coordinate(self.samples, c), period(coordinates, c));
+            let origin = row[all[0] % count];
+            let through = |at: &[usize], [from, to]: [f64; 2]| {
+                let nodes = at.iter().map(|&k| k as f64 / count as f64).collect();
+                let value = |&k: &usize| origin + nearest(row[k % count] - origin, period);
+                let values: Vec<f64> = at.iter().map(value).collect();
+                let polynomial = Barycentric::at(nodes);
+                let at =
+                    |x: f64| polynomial.evaluate(&values, from + 0.5 * (1.0 + x) * (to - from));
+                LOBATTO.nodes.map(at)
+            };
+            let [on_the_left, on_the_right] = [through(left, gap), through(right, gap)];
+            let apart = on_the_left
+                .iter()
+                .zip(on_the_right)
+                .map(|(x, y)| (x - y).abs());
+            let apart = apart.fold(0.0, f64::max);
+            (
+                through(&all, self.ends),
+                apart,
+                Extent::of(&through(&all, gap)).length(),
+            )
+        });
+        let [(q, q_apart, q_range), (p, p_apart, p_range)] = across;
+        // Momenta count from one of the stretch, so that all that a difference at its ends makes is small.
+        let local = p[0];
+        let smooth = weight * LOBATTO.area(&p.map(|v| v - local), &q.map(|v| v - q[0]));
+        let uncertainty = weight.abs() * (p_apart * q_range + q_apart * p_range)
+            + self.pieces.iter().map(|piece| piece.error).sum::<f64>();
+        (self.area(i, local) - smooth, uncertainty)
+    }
+
+    /// ∫ (p − `reference`) dq over the stretch, its breaks closed by chords.
+    fn area(&self, i: usize, reference: f64) -> f64 {
+        let Stretch {
+            refinement,
+            ends: [from, to],
+            ..
+        } = *self;
+        let (scales, coordinates) = (&refinement.scales, refinement.coordinates);
+        let pieces = self
+            .pieces
+            .iter()
+            .map(|piece| (piece.areas[i], piece.gains[i]));
+        let inside = |s: f64| (from..=to).contains(&s) || (from..=to).contains(&(s + 1.0));
+        let breaks = refinement.breaks.iter();
+        let chords = breaks
+            .filter(|found| found.curve == 0 && inside(found.sides[0]))
+            .map(|found| found.chord(scales, coordinates))
+            .map(|chord| (chord.areas[i], chord.gains[i]));
+        let (area, gain) = (pieces.chain(chords))
+            .fold((0.0, 0.0), |sum, (area, gain)| (sum.0 + area, sum.1 + gain));
+        area + coordinates.weight(i) * (scales.p_reference[i] - reference) * gain
+    }
+}
+
+/// What the integral may be off where the samples themselves show features that are narrower than their distance:
+/// another one may lie between two of them, and no piece has met it. `None` where they do not tell. Also returns the
+/// Sobolev exponent that they show.
+///
+/// Fourier coefficients of many breaks look like those of spikes, but breaks are known.
+pub(super) fn spikes(
+    refinement: &Refinement<'_>,
+    value: f64,
+    broken: bool,
+) -> Result<(Option<f64>, Option<f64>), Error> {
+    let Some(samples) = refinement.samples else {
+        return Ok((Some(0.0), None));
+    };
+    let rule = Rule::Pseudospectral;
+    let of_samples = LoopIntegral::in_coordinates(samples, &rule, refinement.coordinates)?;
+    let spiky = of_samples.regularity.is_some_and(|s| s < OF_SPIKES);
+    let error = match spiky && !broken {
+        true => of_samples
+            .quadrature_error
+            .map(|error| (of_samples.value - value).abs() + error),
+        false => Some(0.0),
+    };
+    Ok((error, of_samples.regularity))
+}
