@@ -150,7 +150,8 @@ fn suspect(
         residuals.add(window, first + REACH, GROUP);
     }
     let magnitude = Extent::of(buffer).magnitude();
-    residuals.suspect(dof, coordinate, samples, magnitude)
+    let groups = samples.div_ceil(GROUP);
+    residuals.suspect(dof, coordinate, [samples, groups], magnitude)
 }
 
 #[cfg(test)]

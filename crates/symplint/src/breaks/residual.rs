@@ -60,8 +60,6 @@ pub(crate) struct Residuals {
     largest_wide: f64,
     /// Sum of the least residuals of cells four apart: those that a jump leaves alone.
     least: f64,
-    /// Number of those.
-    count: usize,
 }
 
 /// The expected least of four absolute values of a standard normal distribution, ∫ erfc(x/√2)⁴ dx.
@@ -93,22 +91,22 @@ impl Residuals {
                     of_two(narrow[k + 8], narrow[k + 12]),
                 );
             }
-            self.count += GROUP / 4;
         }
     }
 
-    /// Standard deviation of the noise of residuals, as far as there is noise.
-    fn noise(&self) -> f64 {
-        self.least / (LEAST_OF_FOUR * self.count.max(1) as f64)
+    /// Standard deviation of the noise of residuals in so many full groups, as far as there is noise.
+    fn noise(&self, groups: usize) -> f64 {
+        let of_four = groups * (GROUP / 4);
+        self.least / (LEAST_OF_FOUR * of_four.max(1) as f64)
     }
 
-    /// The cell that looks discontinuous, if one does, after one revolution of `samples` samples, none of which is
-    /// larger than `magnitude`.
+    /// The cell that looks discontinuous, if one does, after one revolution of `samples` samples in so many full
+    /// `groups`, none of which is larger than `magnitude`.
     pub fn suspect(
         &self,
         dof: usize,
         coordinate: Coordinate,
-        samples: usize,
+        [samples, groups]: [usize; 2],
         magnitude: f64,
     ) -> Option<Suspect> {
         let suspect = Suspect {
@@ -116,7 +114,7 @@ impl Residuals {
             coordinate,
             cell: self.cell % samples,
             size: self.largest,
-            noise: self.noise(),
+            noise: self.noise(groups),
         };
         let suspicious = self.largest > ROUNDING * magnitude
             && self.largest > STAYS_IN_WIDE_CELLS * self.largest_wide

@@ -54,7 +54,10 @@ pub(super) fn close(
                 chords.push(found.chord(scales, coordinates));
             } else {
                 refinement.curves.segments.push(Segment {
-                    ends: found.images.each_ref().map(|image| image.starting_at(birth)),
+                    ends: found
+                        .images
+                        .each_ref()
+                        .map(|image| image.starting_at(birth)),
                     substep: substep + birth,
                 });
             }

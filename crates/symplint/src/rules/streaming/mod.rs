@@ -284,7 +284,7 @@ impl Turn {
             quadrature_error += weight.abs() * of_row.quadrature_error;
             roundoff += weight.abs() * of_row.roundoff;
             scale += weight.abs() * of_row.scale;
-            suspects.extend(row.suspects(dof, source.samples));
+            suspects.extend(row.suspects(dof, source.samples, q.len()));
         }
         most_outstanding(&mut suspects);
         let value = total.total();

@@ -169,13 +169,19 @@ impl Row {
         [self.q, self.p].map(|of| of.extent.length())
     }
 
-    /// Stretches that look discontinuous after one turn of `samples` samples.
-    pub fn suspects(&self, dof: usize, samples: usize) -> impl Iterator<Item = Suspect> {
+    /// Cells that look discontinuous after one revolution of samples, the first of which came as `old` ones.
+    pub fn suspects(
+        &self,
+        dof: usize,
+        samples: usize,
+        old: usize,
+    ) -> impl Iterator<Item = Suspect> {
         let q = (Coordinate::Q, self.q);
         let p = (Coordinate::P, self.p);
+        let groups = (samples - old) / GROUP + old / GROUP;
         [q, p].into_iter().filter_map(move |(coordinate, of)| {
             of.residuals
-                .suspect(dof, coordinate, samples, of.magnitude())
+                .suspect(dof, coordinate, [samples, groups], of.magnitude())
         })
     }
 }
