@@ -1,7 +1,5 @@
 //! The numbers that decide what is a break.
 
-use crate::signal::UNIT_ROUNDOFF;
-
 /// A jump below this part of the range of its coordinate may be the rounding of a map that works with
 /// large numbers inside; it bounds the digits of a verdict, and breaks no loop.
 pub(super) const LEAST_JUMP: f64 = 1e-11;
@@ -14,9 +12,9 @@ pub(super) const OUTSTANDING: f64 = 6.7;
 /// kink, and not at all at a jump: a jump is this part of the wider residual at least.
 pub(super) const STAYS_IN_WIDE_CELLS: f64 = 0.75;
 
-/// Residuals below this part of the coordinate are rounding: 5.3 times that of one value (the sum of the absolute
-/// weights), and a step rounds several times.
-pub(super) const ROUNDING: f64 = 32.0 * UNIT_ROUNDOFF;
+/// Residuals below so many roundings of a value are rounding: 5.3 (the sum of the absolute weights) if values are
+/// rounded once, and a step rounds several times.
+pub(super) const ROUNDINGS: f64 = 32.0;
 
 /// Suspected jumps of a loop that are followed, at 60 to 80 evaluations each.
 pub(super) const MOST_SUSPECTS: usize = 4;
@@ -41,3 +39,15 @@ pub(super) const SPACING: f64 = 32.0 * f64::EPSILON;
 
 /// A break is this many times the noise beside it, and what the slope makes of its width.
 pub(super) const NOISES_OF_A_JUMP: f64 = 8.0;
+
+/// Sizes of a jump at different spacings agree to this part.
+pub(super) const AGREES: f64 = 0.25;
+
+/// A jump is confirmed only if no other is nearer than this many cells.
+pub(super) const APART: usize = 4;
+
+/// Residuals smaller than this part of the coordinate's variation leave it resolved, even if they are noise.
+pub(super) const FINE: f64 = 1e-5;
+
+/// Where more than this part of the cells are flagged, the samples show no shape.
+pub(super) const MOST_FLAGGED: f64 = 0.25;

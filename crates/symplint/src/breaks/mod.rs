@@ -2,16 +2,21 @@
 //!
 //! Samples alone cannot tell a jump from a steep but smooth stretch. Where a map can be evaluated at any s,
 //! every cell in which samples look discontinuous ([`residual`]) is followed ([`follow`]) by bisection
-//! ([`bracket`]) until no double lies between: what is still a jump there is a break.
+//! ([`bracket`]) until no double lies between: what is still a jump there is a break. Where samples are all that is
+//! known, all cells that look so are searched for ([`search`]).
 
 mod bracket;
 mod follow;
 mod limits;
 mod residual;
+mod search;
 
 pub(crate) use bracket::{Bracket, End, Progress, scatter};
 pub(crate) use limits::LOOKS;
-pub(crate) use residual::{Coordinate, GROUP, REACH, Residuals, Suspect, Window, most_outstanding};
+pub(crate) use residual::{
+    Coordinate, GROUP, REACH, Residuals, Suspect, Window, most_outstanding, rounding,
+};
+pub(crate) use search::{Jump, Roughness, find_jumps};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -23,8 +28,7 @@ use crate::signal::{Extent, unwrap_row};
 use crate::state::Coordinates;
 use crate::state::Ensemble;
 
-/// A place where an advanced loop is discontinuous, in the degree of freedom
-/// that led to it.
+/// A point at which an advanced loop is discontinuous, in the degree of freedom that led to it, or that jumps most.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Break {
     /// Where: the loop parameter in [0, 1).

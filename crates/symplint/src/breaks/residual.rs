@@ -4,7 +4,8 @@
 //! missing between two smooth functions. With cells twice as wide it grows 32-fold where the coordinate is smooth,
 //! twofold at a kink, and not at all at a jump.
 
-use super::limits::{MOST_SUSPECTS, OUTSTANDING, ROUNDING, STAYS_IN_WIDE_CELLS};
+use super::limits::{MOST_SUSPECTS, OUTSTANDING, ROUNDINGS, STAYS_IN_WIDE_CELLS};
+use crate::signal::UNIT_ROUNDOFF;
 
 /// Which coordinate of a degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,12 +59,9 @@ pub(crate) struct Residuals {
     cell: usize,
     /// The largest from every second sample.
     largest_wide: f64,
-    /// Sum of the least residuals of cells four apart: those that a jump leaves alone.
-    least: f64,
+    /// Sum of the [`undisturbed`] residuals of full groups.
+    undisturbed: f64,
 }
-
-/// The expected least of four absolute values of a standard normal distribution, ∫ erfc(x/√2)⁴ dx.
-const LEAST_OF_FOUR: f64 = 0.262;
 
 impl Residuals {
     /// Takes in `count` samples of a group, of which the first is sample `next` of the loop.
@@ -84,20 +82,8 @@ impl Residuals {
         }
         self.largest_wide = self.largest_wide.max(most(&wide));
         if count == GROUP {
-            for k in 0..GROUP / 4 {
-                let of_two = |a: f64, b: f64| if a < b { a } else { b };
-                self.least += of_two(
-                    of_two(narrow[k], narrow[k + 4]),
-                    of_two(narrow[k + 8], narrow[k + 12]),
-                );
-            }
+            self.undisturbed += undisturbed(&narrow);
         }
-    }
-
-    /// Standard deviation of the noise of residuals in so many full groups, as far as there is noise.
-    fn noise(&self, groups: usize) -> f64 {
-        let of_four = groups * (GROUP / 4);
-        self.least / (LEAST_OF_FOUR * of_four.max(1) as f64)
     }
 
     /// The cell that looks discontinuous, if one does, after one revolution of `samples` samples in so many full
@@ -114,18 +100,60 @@ impl Residuals {
             coordinate,
             cell: self.cell % samples,
             size: self.largest,
-            noise: self.noise(groups),
+            noise: deviation(self.undisturbed, groups),
         };
-        let suspicious = self.largest > ROUNDING * magnitude
+        let suspicious = self.largest > rounding(UNIT_ROUNDOFF, magnitude)
             && self.largest > STAYS_IN_WIDE_CELLS * self.largest_wide
             && suspect.stands_out(self.largest);
         suspicious.then_some(suspect)
     }
 }
 
+/// The sum of the residuals of a group that a jump leaves alone: it disturbs those of five cells, so that of cells four
+/// apart the least counts.
+fn undisturbed(residuals: &[f64; GROUP]) -> f64 {
+    let least = |a: f64, b: f64| if a < b { a } else { b };
+    let of_four = |k: usize| {
+        let of = |j: usize| residuals[k + 4 * j];
+        least(least(of(0), of(1)), least(of(2), of(3)))
+    };
+    (0..GROUP / 4).map(of_four).sum()
+}
+
+/// The standard deviation of the noise of residuals, from the sum of the undisturbed ones in so many groups.
+fn deviation(undisturbed: f64, groups: usize) -> f64 {
+    /// The expected least of four absolute values of a standard normal distribution, ∫ erfc(x/√2)⁴ dx.
+    const LEAST_OF_FOUR: f64 = 0.262;
+    undisturbed / (LEAST_OF_FOUR * (groups.max(1) * (GROUP / 4)) as f64)
+}
+
+/// The noise of some absolute residuals.
+pub(super) fn noise(residuals: &[f64]) -> f64 {
+    let (groups, _) = residuals.as_chunks();
+    deviation(groups.iter().map(undisturbed).sum(), groups.len())
+}
+
+/// Residuals no larger than this are rounding of values below `magnitude`, each by a part `unit_roundoff` of it.
+pub(crate) fn rounding(unit_roundoff: f64, magnitude: f64) -> f64 {
+    ROUNDINGS * unit_roundoff * magnitude
+}
+
+/// Increments on either side that predict that of a cell.
+pub(super) const NEIGHBOURS: usize = 2;
+
 /// The step from x_2 to x_3 that the values of polynomials up to the fourth degree do not explain.
-pub(super) fn residual(x: [f64; 6]) -> f64 {
+fn residual(x: [f64; 6]) -> f64 {
     (10.0 * (x[3] - x[2]) - 5.0 * (x[4] - x[1]) + (x[5] - x[0])) / 6.0
+}
+
+/// The residual of the cell that consists of `width` cells from `first` on, from increments round the loop.
+pub(super) fn of_cell(increments: &[f64], first: usize, width: usize) -> f64 {
+    let n = increments.len();
+    let wide = |cell: usize| -> f64 {
+        let start = first + (cell + 2 * n - NEIGHBOURS) * width;
+        (start..start + width).map(|k| increments[k % n]).sum()
+    };
+    wide(2) - 4.0 / 6.0 * (wide(1) + wide(3)) + 1.0 / 6.0 * (wide(0) + wide(4))
 }
 
 #[cfg(test)]
@@ -141,5 +169,25 @@ mod tests {
             assert!(residual(at.map(|x| x.powi(power))).abs() < 1e-13);
         }
         assert!((residual(at.map(|x| x.powi(5))) - 20.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn residuals_grow_with_the_width_of_cells_as_theory_says() {
+        let growth = |n: usize, x: &dyn Fn(f64) -> f64| {
+            let at = |k: usize| x((k % n) as f64 / n as f64);
+            let increments: Vec<f64> = (0..n).map(|k| at(k + 1) - at(k)).collect();
+            let largest = |width: usize| {
+                let all = (0..n).map(|k| of_cell(&increments, k, width).abs());
+                all.fold(0.0, f64::max)
+            };
+            largest(2) / largest(1)
+        };
+        let smooth = growth(100, &|s| (std::f64::consts::TAU * s).sin());
+        assert!((smooth / 32.0 - 1.0).abs() < 0.03, "{smooth}");
+        // Twofold, or more where the kink lies off the middle of the wide cells.
+        let kinked = growth(512, &|s| (s - 0.3).abs() - 2.0 * (s - 0.8).max(0.0));
+        assert!((1.5..4.0).contains(&kinked), "{kinked}");
+        let broken = growth(512, &|s| f64::from(s > 0.3) - f64::from(s > 0.8));
+        assert!((broken - 1.0).abs() < 1e-15, "{broken}");
     }
 }

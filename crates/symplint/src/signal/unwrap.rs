@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 
 /// Adds whole periods to the samples of one position so that neighbours differ by at most half a
-/// period, in place; returns the winding, the periods gained in one turn of the loop.
+/// period, in place; returns the winding, the periods gained once round the loop.
 ///
 /// The first sample stays. A period of 0 means not periodic: nothing changes and the winding is 0.
 /// Neighbouring samples of the loop must lie less than half a period apart.
@@ -19,15 +19,15 @@ pub fn unwrap_row(row: &mut [f64], period: f64) -> i64 {
         return 0;
     };
     let mut previous = first;
-    let mut turns = 0.0;
+    let mut periods = 0.0;
     for value in row.iter_mut() {
         let wrapped = *value;
-        turns -= ((wrapped - previous) / period).round();
+        periods -= ((wrapped - previous) / period).round();
         previous = wrapped;
-        *value = wrapped + turns * period;
+        *value = wrapped + periods * period;
     }
-    turns -= ((first - previous) / period).round();
-    turns as i64
+    periods -= ((first - previous) / period).round();
+    periods as i64
 }
 
 /// Whether neighbouring samples of a position, round the loop, lie about half a period apart or more

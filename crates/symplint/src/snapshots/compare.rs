@@ -4,14 +4,13 @@ use rayon::prelude::*;
 
 use super::Snapshot;
 use super::increments::Increments;
-use super::jumps::{Jump, Roughness, find_jumps};
 use super::pieces::{Curve, Pieces, stored_roundoff};
-use crate::breaks::Break;
+use crate::breaks::{Break, Jump, Roughness, find_jumps};
 use crate::error::Error;
 use crate::evidence::{FEWEST_SAMPLES, Wrap};
 use crate::rules::Defect;
 use crate::rules::{LoopIntegral, OmittedCell, Rule, RuleKind};
-use crate::signal::{CompensatedSum, UNIT_ROUNDOFF};
+use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
 use crate::state::Coordinates;
 use crate::state::Ensemble;
 use crate::survey::motion;
@@ -94,23 +93,15 @@ impl Row {
     /// Whether q jumps by its range where p does not jump.
     fn wrap(&self, dof: usize, row: &[f64]) -> Option<Wrap> {
         let [q, p] = &self.roughness;
-        let (low, high) = range(row);
+        let range = Extent::of(row).length();
         let is_wrap = |jump: &&Jump| {
-            jump.size.abs() >= WRAP * (high - low)
-                && p.jumps.iter().all(|other| other.cell != jump.cell)
+            jump.size.abs() >= WRAP * range && p.jumps.iter().all(|other| other.cell != jump.cell)
         };
         q.jumps.iter().find(is_wrap).map(|jump| Wrap {
             dof,
             period: jump.size.abs(),
         })
     }
-}
-
-fn range(row: &[f64]) -> (f64, f64) {
-    row.iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
-            (l.min(v), h.max(v))
-        })
 }
 
 /// The rounding error of the values: they may be single precision numbers that someone stored as
@@ -136,10 +127,11 @@ fn rows(snapshot: &Snapshot, coordinates: &Coordinates) -> Vec<Row> {
         .map(|dof| {
             let period = coordinates.period(dof);
             let increments = Increments::of(states, dof, period, unit_roundoff);
-            let roughness = [0, 1].map(|c| find_jumps(&increments[c]));
-            let of = |row: &[f64]| row.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            let roughness = increments
+                .each_ref()
+                .map(|x| find_jumps(&x.values, x.floor));
             Row {
-                largest: [of(states.q().row(dof)), of(states.p().row(dof))],
+                largest: [states.q(), states.p()].map(|x| Extent::of(x.row(dof)).magnitude()),
                 increments,
                 roughness,
             }
@@ -174,9 +166,9 @@ fn breaks(rows: &[Row], samples: usize, wanted: impl Fn(&Jump) -> bool) -> Vec<B
 
 fn largest_jump(rows: &[Row], states: &Ensemble) -> f64 {
     let of = |rough: &Roughness, row: &[f64]| {
-        let (low, high) = range(row);
+        let range = Extent::of(row).length();
         let confirmed = rough.jumps.iter().filter(|jump| jump.confirmed);
-        confirmed.fold(0.0, |m: f64, jump| m.max(jump.size.abs() / (high - low)))
+        confirmed.fold(0.0, |m: f64, jump| m.max(jump.size.abs() / range))
     };
     let each = rows.iter().enumerate().map(|(dof, row)| {
         let [q, p] = &row.roughness;

@@ -1,14 +1,14 @@
 //! Loops that another code advanced: all that is known of them is their samples.
 //!
 //! A map can be evaluated between the samples, data cannot. So where the samples are smooth the
-//! pseudospectral rule with its nested error estimate is used, and where they jump (`jumps`)
-//! a finite-difference rule that leaves the jumps out (`pieces`); its error covers that the position of a break
-//! within its cell is not known. No cut-off is compared with the size of a coordinate: a shift of the origin
+//! pseudospectral rule with its nested error estimate is used, and where they jump
+//! ([`find_jumps`](crate::breaks::find_jumps)) a finite-difference rule that leaves the jumps out ([`pieces`]); its
+//! error covers that the position of a break within its cell is not known. No cut-off is compared with the size of
+//! a coordinate: a shift of the origin
 //! changes nothing.
 
 mod compare;
 mod increments;
-mod jumps;
 mod order;
 mod pieces;
 

@@ -5,7 +5,7 @@
 //! the samples do not say, and what that makes uncertain is in the error.
 
 use super::increments::Increments;
-use crate::signal::{CompensatedSum, UNIT_ROUNDOFF};
+use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
 
 /// The integral of one degree of freedom, without its weight.
 #[derive(Clone, Copy, Debug, Default)]
@@ -132,13 +132,11 @@ impl Curve<'_> {
     /// What p dq/ds may vary within a run, times its width.
     fn spread(&self, first: usize, width: usize) -> f64 {
         let n = self.flagged.len();
-        let samples = (first..=first + width).map(|k| self.momenta[k % n]);
-        let (low, high) = samples.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| {
-            (l.min(p), h.max(p))
-        });
+        let mut momenta = Extent::default();
+        (first..=first + width).for_each(|k| momenta.include(self.momenta[k % n]));
         let slope = |k: usize| self.q.values[k % n].abs();
         let steepest = slope(first + n - 1).max(slope(first + width));
-        width as f64 * (high - low) * steepest
+        width as f64 * momenta.length() * steepest
     }
 
     /// Continues the smooth stretch that ends (`backwards`: begins) at sample `k` by `distance` cells.
@@ -194,6 +192,6 @@ pub(super) fn stored_roundoff(
 ) -> f64 {
     let length = |x: &Increments| x.values.iter().map(|d| d * d).sum::<f64>().sqrt();
     let noise = 3.0 * unit_roundoff * (largest_q * length(p) + largest_p * length(q));
-    // One turn more than the mean of p can know.
+    // A winding loop adds the mean of p, which is rounded.
     noise + UNIT_ROUNDOFF.max(unit_roundoff) * largest_p * q.gain.abs()
 }

@@ -94,7 +94,7 @@ fn uncertain(refinement: &Refinement<'_>) -> Vec<Uncertain> {
                 .find(|&j| undoes(k, j))
                 .map(|j| gap(j, k));
             let apart = there.into_iter().chain(back).reduce(f64::min)?;
-            // At half that distance from where it turns round, a coordinate as curved as the loop, (2π)²
+            // At half that distance from a turning point, a coordinate as curved as the loop, (2π)²
             // times its size, climbs by 2π² times the distance.
             let moved = (refinement.scales.input_rounding / (2.0 * PI * PI * apart)).min(apart);
             let free = FAR.min(0.5 * gap(k, after(1))).min(0.5 * gap(before(1), k));

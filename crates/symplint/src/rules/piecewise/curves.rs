@@ -134,11 +134,11 @@ impl Curves<'_> {
     fn images_of_each(&self, points: &[At], substep: usize) -> Result<Vec<Image>, Error> {
         let mut states = self.before(points, substep);
         let mut stages = Vec::new();
-        let place = |sample: usize| match points[sample] {
+        let position = |sample: usize| match points[sample] {
             At { curve: 0, s } => (s, ON_THE_LOOP),
             At { s, .. } => (s, ON_A_SEGMENT),
         };
-        let at = |error: Error| error.on_the_way(place);
+        let at = |error: Error| error.on_the_way(position);
         states.check_finite(None).map_err(at)?;
         for k in substep..self.evaluator.substeps() {
             stages.push(states.clone());

@@ -14,7 +14,7 @@ use super::scales::{Scales, period};
 use crate::signal::{Extent, nearest};
 use crate::state::{Coordinates, Ensemble, coordinate};
 
-/// What a piece turned out to be.
+/// What a piece is.
 pub(super) enum Finding {
     /// Its interpolants are as good as wanted, if the states at turning points of positions agree.
     Smooth(TurningPoints),
@@ -39,8 +39,8 @@ pub(super) enum Why {
     Unexplained,
 }
 
-/// Where positions turn round on a piece: a particle that only grazes a place where the force jumps does so there,
-/// between two nodes.
+/// Turning points of positions on a piece: there a particle may graze a threshold at which the force jumps, between
+/// two nodes.
 #[derive(Default)]
 pub(super) struct TurningPoints {
     /// Each with what the coordinates should be there.
@@ -227,12 +227,12 @@ impl<'a> View<'a> {
         smooth
     }
 
-    /// Where a position turns round, at the beginning of any substep or at the end.
+    /// Turning points of a position at the beginning of any substep or at the end.
     fn turning_points(&self) -> TurningPoints {
         if self.piece.is_short() {
             return TurningPoints::default();
         }
-        let mut turns = Vec::new();
+        let mut points = Vec::new();
         let stages = self.piece.image(0).stages();
         for i in 0..self.dof() {
             let mut values: Vec<[f64; POINTS]> = (0..stages).map(|k| self.values(k, i)).collect();
@@ -244,13 +244,13 @@ impl<'a> View<'a> {
             // What rests has none, but for rounding.
             let moves = |fit: &Fit| fit.range() > ROUNDING * self.scales.magnitude[i];
             let fits = values.iter().map(|values| self.fit(values)).filter(moves);
-            turns.extend(fits.filter_map(|fit| turning_point(&fit)));
+            points.extend(fits.filter_map(|fit| turning_point(&fit)));
         }
-        turns.sort_by(f64::total_cmp);
-        turns.dedup_by(|a, b| (*a - *b).abs() < SAME_TURNING_POINT);
-        let every = turns.len().div_ceil(MOST_TURNING_POINTS).max(1);
+        points.sort_by(f64::total_cmp);
+        points.dedup_by(|a, b| (*a - *b).abs() < SAME_TURNING_POINT);
+        let every = points.len().div_ceil(MOST_TURNING_POINTS).max(1);
         let fits = || self.fits.iter();
-        let expected = turns.into_iter().step_by(every).map(|x| {
+        let expected = points.into_iter().step_by(every).map(|x| {
             let values = fits().map(|fit| evaluate(&fit.coefficients, x));
             (self.piece.s(x), values.collect())
         });

@@ -62,7 +62,7 @@ impl Fit {
     }
 }
 
-/// Where the interpolant turns round, if it does so once.
+/// The turning point of the interpolant, if it has one.
 pub(super) fn turning_point(fit: &Fit) -> Option<f64> {
     let slopes = derivative(&fit.coefficients);
     let (mut low, mut high) = (-1.0, 1.0);

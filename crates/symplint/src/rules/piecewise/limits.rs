@@ -55,7 +55,7 @@ pub(super) const KINK_SAFETY: f64 = 16.0;
 /// A jump is this many times what rounding and tolerance allow for.
 pub(super) const NOISES: f64 = 4.0;
 
-/// An unresolved piece may hide a jump of its range, and what the coordinate moves back besides.
+/// An unresolved piece may hide a jump of its range, and what the coordinate moves back beside it.
 pub(super) const AND_MOTION: f64 = 1.1;
 
 /// An interpolant may be off at other points by this many times what its own estimate allows.
@@ -80,18 +80,18 @@ pub(super) const SMALLEST_PART: f64 = 1e-6;
 /// Unexplained stretches shorter than this part of the loop suggest that the map has noise.
 pub(super) const NOISE_LENGTH: f64 = 1e-3;
 
-/// Where on a stretch noise is estimated, as parts of it. Breaks spoil two of five places at most, so close together
-/// are the points of each, and their median counts.
-pub(super) const NOISE_PLACES: [f64; 5] = [0.137, 0.289, 0.412, 0.643, 0.829];
+/// Sites on a stretch at which noise is estimated, as parts of it. Breaks spoil two of five at most, so close
+/// together are the points of each, and their median counts.
+pub(super) const NOISE_SITES: [f64; 5] = [0.137, 0.289, 0.412, 0.643, 0.829];
 
-/// The points of a place, in units of the spacing.
+/// The points of a site, in units of the spacing.
 pub(super) const NOISE_POINTS: [f64; 7] = [0.0, 0.87, 2.13, 2.95, 4.18, 5.04, 6.0];
 
-/// Distance of the points of a place on the whole loop.
+/// Distance of the points of a site on the whole loop.
 pub(super) const NOISE_SPACING: f64 = 2e-6;
 
 /// Distance of those on a piece, as a part of it: so short that among all pieces of a loop that breaks
-/// thousands of times none has breaks in three places.
+/// thousands of times none has breaks at three sites.
 pub(super) const NOISE_SPACING_OF_PIECE: f64 = 2e-5;
 
 /// A jump of this part of the loop's size is no noise. What looks like noise beside it are other breaks, or states in

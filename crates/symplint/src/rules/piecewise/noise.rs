@@ -1,14 +1,14 @@
 //! The noise of a map on a stretch of a curve.
 
 use super::curves::{At, Image};
-use super::limits::{NOISE_PLACES, NOISE_POINTS, NOISE_SPACING, NOISE_SPACING_OF_PIECE, SAFETY};
+use super::limits::{NOISE_POINTS, NOISE_SITES, NOISE_SPACING, NOISE_SPACING_OF_PIECE, SAFETY};
 use super::scales::period;
 use crate::signal::nearest;
 use crate::signal::noise::SixthDifference;
 use crate::state::Coordinates;
 
 /// States that are asked for.
-pub(super) const STATES: usize = NOISE_PLACES.len() * NOISE_POINTS.len();
+pub(super) const STATES: usize = NOISE_SITES.len() * NOISE_POINTS.len();
 
 /// Where they are on the stretch [a, b] of a curve.
 pub(super) fn points(curve: usize, [a, b]: [f64; 2]) -> impl Iterator<Item = At> {
@@ -18,8 +18,8 @@ pub(super) fn points(curve: usize, [a, b]: [f64; 2]) -> impl Iterator<Item = At>
     } else {
         NOISE_SPACING
     };
-    NOISE_PLACES.into_iter().flat_map(move |place| {
-        let first = a + place * length;
+    NOISE_SITES.into_iter().flat_map(move |site| {
+        let first = a + site * length;
         NOISE_POINTS.into_iter().map(move |x| At {
             curve,
             s: first + spacing * x,
@@ -33,19 +33,19 @@ pub(super) fn allowance(images: &[Image], coordinates: &Coordinates) -> Vec<f64>
     (0..2 * coordinates.dof())
         .map(|c| {
             let period = period(coordinates, c);
-            let of_place = |place: &[Image]| {
-                let first = place[0].after()[c];
-                let values = place
+            let of_site = |site: &[Image]| {
+                let first = site[0].after()[c];
+                let values = site
                     .iter()
                     .map(|image| nearest(image.after()[c] - first, period));
                 difference.of(&values.collect::<Vec<f64>>()).abs()
             };
             let mut noise: Vec<f64> = images
                 .chunks_exact(NOISE_POINTS.len())
-                .map(of_place)
+                .map(of_site)
                 .collect();
             noise.sort_by(f64::total_cmp);
-            SAFETY * noise[NOISE_PLACES.len() / 2]
+            SAFETY * noise[NOISE_SITES.len() / 2]
         })
         .collect()
 }

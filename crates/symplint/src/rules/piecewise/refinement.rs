@@ -249,7 +249,7 @@ impl<'a> Refinement<'a> {
             Task::Halve(mut jump) => match jump.halve(images[0].clone(), self.coordinates) {
                 Progress::Open => self.go_on(Task::Halve(jump)),
                 Progress::Jump => self.go_on(Task::Confirm(jump)),
-                // A kink close to an end, or a steep place: closer up it will show.
+                // A kink close to an end, or a steep stretch: at a smaller scale it will show.
                 Progress::Continuous => {
                     let next = looks(jump.piece.cut(&jump.gap));
                     Outcome {

@@ -24,7 +24,7 @@ pub(super) enum Task {
     Halve(Box<Jump>),
     /// Tell a jump that no double lies in from the noise on both sides of it.
     Confirm(Box<Jump>),
-    /// Compare a piece that looks smooth with its states where positions turn round.
+    /// Compare a piece that looks smooth with its states at turning points of positions.
     CheckTurningPoints(Box<Piece>, Box<Smooth>, TurningPoints),
     /// Estimate the noise of a very short stretch that nothing explains.
     EstimateNoise(Box<Piece>),

@@ -23,7 +23,7 @@ use window::{Source, Window};
 /// The streaming rule: a centred difference of order 2m along the loop, in the memory of a few dozen states.
 ///
 /// On smooth loops it is as good as the pseudospectral rule from twice the samples, or four times as
-/// many: a mode that turns by θ from sample to sample has a relative error of about θ^{2m} (m!)²/(2m+1)!.
+/// many: a mode whose phase advances by θ from sample to sample has a relative error of about θ^{2m} (m!)²/(2m+1)!.
 ///
 /// ```
 /// use symplint::{Circle, PerSample, Streaming};
@@ -114,18 +114,25 @@ impl Streaming {
             samples,
             step: Some((evaluator, h)),
         };
-        let turn = self.turn(&source, coordinates)?;
+        let revolution = self.revolution(&source, coordinates)?;
         // Between the samples only as many states are needed: the window is gone.
-        let found = follow_up(evaluator, phase_loop, h, &turn.suspects, samples, None)?;
+        let found = follow_up(
+            evaluator,
+            phase_loop,
+            h,
+            &revolution.suspects,
+            samples,
+            None,
+        )?;
         let is_substantial = |found: &Break| {
-            let of_found = turn.suspects.iter().zip(&turn.ranges);
+            let of_found = revolution.suspects.iter().zip(&revolution.ranges);
             let mut ranges = of_found.filter(|(suspect, _)| suspect.dof == found.dof);
             ranges.any(|(_, &ranges)| found.is_substantial(ranges))
         };
         Ok(StreamingIntegral {
             found: found.filter(is_substantial),
-            integral: turn.integral,
-            cells_apart: turn.cells_apart,
+            integral: revolution.integral,
+            cells_apart: revolution.cells_apart,
             evaluations: samples + self.half_width.max(REACH),
         })
     }
@@ -146,11 +153,15 @@ impl Streaming {
             samples,
             step: None,
         };
-        Ok(self.turn(&source, coordinates)?.integral)
+        Ok(self.revolution(&source, coordinates)?.integral)
     }
 
-    /// One turn of the loop.
-    fn turn(&self, source: &Source<'_>, coordinates: &Coordinates) -> Result<Turn, Error> {
+    /// The loop once round.
+    fn revolution(
+        &self,
+        source: &Source<'_>,
+        coordinates: &Coordinates,
+    ) -> Result<Revolution, Error> {
         self.check(source.samples)?;
         let dof = source.phase_loop.dof();
         Error::check_length("coordinates", dof, coordinates.dof())?;
@@ -181,7 +192,7 @@ impl Streaming {
         }
         window.fill(source, 0, old)?;
         use_up(&mut window, next, old);
-        Turn::new(&rows, &window, &stencil, source, coordinates, cells_apart)
+        Revolution::new(&rows, &window, &stencil, source, coordinates, cells_apart)
     }
 
     fn check(&self, samples: usize) -> Result<(), Error> {
@@ -246,8 +257,8 @@ fn spacing(coordinates: &Coordinates, i: usize) -> f64 {
     or_infinite(coordinates.grid_spacing()).min(or_infinite(0.5 * coordinates.period(i)))
 }
 
-/// What one turn of a loop shows.
-struct Turn {
+/// What a loop once round shows.
+struct Revolution {
     integral: LoopIntegral,
     suspects: Vec<Suspect>,
     /// Ranges of q and p in the degree of freedom of each suspect.
@@ -255,7 +266,7 @@ struct Turn {
     cells_apart: f64,
 }
 
-impl Turn {
+impl Revolution {
     /// Adds the degrees of freedom in their order.
     fn new(
         rows: &[Row],
@@ -288,7 +299,7 @@ impl Turn {
         }
         most_outstanding(&mut suspects);
         let value = total.total();
-        Ok(Turn {
+        Ok(Revolution {
             integral: LoopIntegral {
                 value,
                 contributions,

@@ -132,7 +132,7 @@ impl Row {
         most(&steps)
     }
 
-    /// The integral after one turn; `q` and `p` are the samples that follow the last one, which are the first
+    /// The integral after one revolution; `q` and `p` are the samples that follow the last one, which are the first
     /// ones again.
     pub fn integral(&self, stencil: &Stencil, q: &[f64], p: &[f64], period: f64) -> RowIntegral {
         let mut value = self.value;
@@ -142,7 +142,7 @@ impl Row {
             false => 0.0,
         };
         if gain != 0.0 {
-            // Where q has gained whole periods, products across the end of the turn miss them.
+            // Where q has gained whole periods, products across the end of the loop miss them.
             for (j, c) in (1..).zip(&stencil.centred) {
                 for p in &p[p.len() - j..] {
                     value.add(gain * c * (p - self.p.first));

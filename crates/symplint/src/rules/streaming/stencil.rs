@@ -40,7 +40,7 @@ impl Stencil {
     /// What the rule misses of Σ p_k q'(s_k) Δs at most, where nothing lies beyond the Nyquist mode, from
     /// the norms of the m-th differences of q and p.
     ///
-    /// A mode that turns by θ from sample to sample is differentiated to
+    /// A mode whose phase advances by θ from sample to sample is differentiated to
     /// s(θ) = sin θ Σ_{l<m} 4^l (l!)²/(2l+1)! sin^{2l} θ/2, the first terms of the series of θ, all of one
     /// sign. So 0 ≤ θ − s(θ) ≤ π sin^{2m} θ/2 up to θ = π, which is π/4^m times the square of what the m-th
     /// difference makes of the mode; the rest is the inequality of Cauchy and Schwarz.
@@ -53,7 +53,7 @@ impl Stencil {
 mod tests {
     use super::*;
 
-    /// What the centred difference makes of a mode that turns by θ from sample to sample.
+    /// What the centred difference makes of a mode whose phase advances by θ from sample to sample.
     fn symbol(m: usize, theta: f64) -> f64 {
         let terms = Stencil::new(m).centred.into_iter().zip(1..);
         2.0 * terms

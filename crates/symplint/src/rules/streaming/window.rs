@@ -27,7 +27,7 @@ const NARROWEST: usize = 8;
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub phase_loop: &'a dyn Loop,
-    /// Samples of one turn.
+    /// Samples of the loop.
     pub samples: usize,
     /// The map and the step size.
     pub step: Option<(&'a Evaluator<'a>, f64)>,

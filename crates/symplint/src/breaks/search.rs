@@ -1,15 +1,16 @@
-//! Jumps of a coordinate that is known at samples only.
+//! All jumps of a coordinate that is known at samples only.
 //!
-//! A cell is *flagged* where its residual stands out from those nearby and does not grow with
-//! the width of the cells. Flagged cells are refilled with what their neighbours predict and the search goes
+//! A cell is *flagged* where its residual stands out of the noise and does not grow with the width of the cells.
+//! Flagged cells are refilled with what their neighbours predict and the search goes
 //! on, so that a large jump does not hide a small one. A flagged cell is *confirmed* as a jump if the
 //! step has one size over cells of one, two and four spacings.
 
-use super::increments::{Increments, STENCILS, Stencil};
+use super::limits::{AGREES, APART, FINE, MOST_FLAGGED, OUTSTANDING, STAYS_IN_WIDE_CELLS};
+use super::residual::{NEIGHBOURS, noise, of_cell};
 
 /// A cell in which a coordinate jumps, as far as samples can tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Jump {
+pub(crate) struct Jump {
     /// From sample `cell` to sample `cell + 1`, round the loop.
     pub cell: usize,
     /// How far.
@@ -20,7 +21,7 @@ pub(super) struct Jump {
 
 /// What the samples of one coordinate show.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Roughness {
+pub(crate) struct Roughness {
     /// Flagged cells, in their order along the loop.
     pub jumps: Vec<Jump>,
     /// The largest residual that neither grows like a smooth one nor stands out: a jump of this size
@@ -30,45 +31,24 @@ pub(super) struct Roughness {
     pub unresolved: bool,
 }
 
-/// A residual stands out if it is this many times the median of those nearby: noise with a normal
-/// distribution reaches 6.7 standard deviations with a chance of 2e-11.
-const OUTSTANDING: f64 = 10.0;
-
-/// A residual that is more than this part of those of cells twice as wide has not halved. At a kink the
-/// ratio is a half at most.
-const STAYS: f64 = 0.75;
-
-/// Sizes of a jump at different spacings agree to this part.
-const AGREES: f64 = 0.25;
-
-/// A jump is confirmed only if no other is nearer than this many cells.
-const APART: usize = 4;
-
-/// Cells whose median residual is a measure of the local noise.
-const NEIGHBOURHOOD: usize = 32;
-
-/// Residuals smaller than this part of the coordinate's variation leave it resolved, even if they are noise.
-const FINE: f64 = 1e-5;
-
-/// Finds the jumps of a coordinate.
-pub(super) fn find_jumps(increments: &Increments) -> Roughness {
-    let n = increments.values.len();
+/// Finds the jumps of a coordinate from its increments round the loop. Residuals below `floor` are rounding.
+pub(crate) fn find_jumps(increments: &[f64], floor: f64) -> Roughness {
+    let n = increments.len();
     let mut search = Search {
-        raw: &increments.values,
-        filled: increments.values.clone(),
+        raw: increments,
+        filled: increments.to_vec(),
         flagged: vec![false; n],
-        floor: increments.floor,
+        floor,
     };
-    for stencil in STENCILS {
-        // Each turn uncovers what larger jumps nearby had covered.
-        while search.flag(stencil) {
-            search.refill(stencil);
-            if search.flagged.iter().filter(|&&f| f).count() > n / 4 {
-                return Roughness {
-                    unresolved: true,
-                    ..Roughness::default()
-                };
-            }
+    // Each pass uncovers what larger jumps nearby had covered.
+    while search.flag() {
+        search.refill();
+        let flagged = search.flagged.iter().filter(|&&f| f).count();
+        if flagged as f64 > MOST_FLAGGED * n as f64 {
+            return Roughness {
+                unresolved: true,
+                ..Roughness::default()
+            };
         }
     }
     search.conclude()
@@ -83,9 +63,9 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn residuals(&self, stencil: Stencil, width: usize) -> Vec<f64> {
+    fn residuals(&self, width: usize) -> Vec<f64> {
         (0..self.filled.len())
-            .map(|k| stencil.residual(&self.filled, k, width).abs())
+            .map(|k| of_cell(&self.filled, k, width).abs())
             .collect()
     }
 
@@ -98,20 +78,20 @@ impl Search<'_> {
     }
 
     /// Flags cells that look like jumps; whether there were any.
-    fn flag(&mut self, stencil: Stencil) -> bool {
+    fn flag(&mut self) -> bool {
         let n = self.filled.len();
-        let narrow = self.residuals(stencil, 1);
-        let wide = self.residuals(stencil, 2);
-        let noise = local_medians(&narrow);
-        let reach = stencil.reach() + 1;
+        let narrow = self.residuals(1);
+        let wide = self.residuals(2);
+        let noise = noise(&narrow);
+        let reach = NEIGHBOURS + 1;
         let is_jump = |k: usize| {
             let residual = narrow[k];
-            // The fewest samples are 3, and the reach is 4 at most.
-            let around = (k + 4 * n - reach..=k + 4 * n + reach).map(|j| narrow[j % n]);
+            // The fewest samples are 3, and the reach is 3.
+            let around = (k + 3 * n - reach..=k + 3 * n + reach).map(|j| narrow[j % n]);
             !self.flagged[k]
                 && residual > self.floor
-                && residual > OUTSTANDING * noise[k / NEIGHBOURHOOD]
-                && residual > STAYS * Self::wide_round(&wide, k)
+                && residual > OUTSTANDING * noise
+                && residual > STAYS_IN_WIDE_CELLS * Self::wide_round(&wide, k)
                 && residual >= around.fold(0.0, f64::max)
         };
         let found: Vec<usize> = (0..n).filter(|&k| is_jump(k)).collect();
@@ -122,7 +102,7 @@ impl Search<'_> {
     }
 
     /// Replaces the increments of flagged cells by what their neighbours predict.
-    fn refill(&mut self, stencil: Stencil) {
+    fn refill(&mut self) {
         let n = self.filled.len();
         for k in (0..n).filter(|&k| self.flagged[k]) {
             let clean = |distance: usize| !self.flagged[(k + distance) % n];
@@ -133,26 +113,27 @@ impl Search<'_> {
             self.filled[k] = left + share * (right - left);
         }
         for k in (0..n).filter(|&k| self.flagged[k]) {
-            let reach = stencil.reach();
-            if (1..=reach).all(|j| !self.flagged[(k + j) % n] && !self.flagged[(k + n - j) % n]) {
-                self.filled[k] = stencil.predict(&self.filled, k);
+            if self.is_alone(k, NEIGHBOURS) {
+                self.filled[k] -= of_cell(&self.filled, k, 1);
             }
         }
     }
 
     fn conclude(mut self) -> Roughness {
         let n = self.filled.len();
-        let shortest = STENCILS[0];
-        let (narrow, wide) = (self.residuals(shortest, 1), self.residuals(shortest, 2));
+        let (narrow, wide) = (self.residuals(1), self.residuals(2));
         let hidden = (0..n)
-            .filter(|&k| narrow[k] > self.floor && narrow[k] > STAYS * Self::wide_round(&wide, k))
+            .filter(|&k| {
+                narrow[k] > self.floor
+                    && narrow[k] > STAYS_IN_WIDE_CELLS * Self::wide_round(&wide, k)
+            })
             .fold(0.0, |m: f64, k| m.max(narrow[k]));
         let mean = |values: &[f64]| values.iter().sum::<f64>() / n as f64;
         let variation: f64 = self.filled.iter().map(|d| d.abs()).sum();
         // Half as many double cells: their sum is what halves, stays or grows.
         let unresolved = mean(&narrow) > self.floor
             && mean(&narrow) > FINE * variation
-            && 2.0 * mean(&narrow) > STAYS * mean(&wide);
+            && 2.0 * mean(&narrow) > STAYS_IN_WIDE_CELLS * mean(&wide);
         let cells: Vec<usize> = (0..n).filter(|&k| self.flagged[k]).collect();
         let jumps = cells.iter().map(|&k| self.jump(k)).collect();
         Roughness {
@@ -162,23 +143,26 @@ impl Search<'_> {
         }
     }
 
+    /// Whether no other cell as near as this is flagged.
+    fn is_alone(&self, k: usize, distance: usize) -> bool {
+        let n = self.flagged.len();
+        (1..=distance).all(|j| !self.flagged[(k + j) % n] && !self.flagged[(k + n - j % n) % n])
+    }
+
     /// The step at cell k, looked at with every, every second and every fourth sample.
     fn jump(&mut self, k: usize) -> Jump {
         let n = self.filled.len();
-        let alone =
-            (1..=APART).all(|j| !self.flagged[(k + j) % n] && !self.flagged[(k + n - j) % n]);
+        let alone = self.is_alone(k, APART);
         let smooth = std::mem::replace(&mut self.filled[k], self.raw[k]);
         let size = self.raw[k] - smooth;
+        let stays = |width: usize, back: usize| {
+            let residual = of_cell(&self.filled, (k + n - back) % n, width);
+            (residual - size).abs() <= AGREES * size.abs()
+        };
         let confirmed = alone
-            && STENCILS.into_iter().any(|stencil| {
-                let stays = |width: usize, back: usize| {
-                    let residual = stencil.residual(&self.filled, (k + n - back) % n, width);
-                    (residual - size).abs() <= AGREES * size.abs()
-                };
-                [1, 2, 4]
-                    .into_iter()
-                    .all(|width| (0..width).all(|back| stays(width, back)))
-            });
+            && [1, 2, 4]
+                .into_iter()
+                .all(|width| (0..width).all(|back| stays(width, back)));
         self.filled[k] = smooth;
         Jump {
             cell: k,
@@ -188,31 +172,19 @@ impl Search<'_> {
     }
 }
 
-/// The median of the values in each stretch of [`NEIGHBOURHOOD`] cells and the two beside it.
-fn local_medians(values: &[f64]) -> Vec<f64> {
-    let n = values.len();
-    let mut window = Vec::with_capacity(3 * NEIGHBOURHOOD);
-    (0..n.div_ceil(NEIGHBOURHOOD))
-        .map(|block| {
-            window.clear();
-            let first = block * NEIGHBOURHOOD + n - NEIGHBOURHOOD.min(n);
-            let width = (3 * NEIGHBOURHOOD).min(n);
-            window.extend((first..first + width).map(|k| values[k % n]));
-            let middle = window.len() / 2;
-            *window.select_nth_unstable_by(middle, f64::total_cmp).1
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
+    use crate::signal::UNIT_ROUNDOFF;
 
     fn search(n: usize, x: impl Fn(f64) -> f64) -> Roughness {
         let row: Vec<f64> = (0..n).map(|k| x(k as f64 / n as f64)).collect();
-        find_jumps(&Increments::new(&row, 0.0, f64::EPSILON / 2.0))
+        let next = |k: usize| row[(k + 1) % n];
+        let increments: Vec<f64> = (0..n).map(|k| next(k) - row[k]).collect();
+        let largest = row.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        find_jumps(&increments, 32.0 * UNIT_ROUNDOFF * largest)
     }
 
     #[test]
