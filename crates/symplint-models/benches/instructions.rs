@@ -7,9 +7,9 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use rayon::ThreadPoolBuilder;
-use symplint::{
-    Block, Circle, Cutoffs, Ensemble, LoopIntegral, Piecewise, Rows, RowsMut, Rule, TimeAdvance,
-};
+use symplint::rules::{Cutoffs, Piecewise};
+use symplint::state::{Rows, RowsMut};
+use symplint::{Block, Circle, Ensemble, LoopIntegral, Rule, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::integrators::{Splitting, Variant, splitting_methods};
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, TwoStream};

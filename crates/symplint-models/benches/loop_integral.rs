@@ -14,7 +14,8 @@ use interleaved::{heading, report, wanted};
 use plain_integral::PlainIntegral;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use symplint::{Cutoffs, Ensemble, LoopIntegral, Rule};
+use symplint::rules::Cutoffs;
+use symplint::{Ensemble, LoopIntegral, Rule};
 
 /// Degrees of freedom and samples: beyond all caches, and within the last.
 const SHAPES: [(usize, usize); 3] = [(4096, 4096), (256, 4096), (4096, 256)];

@@ -10,7 +10,8 @@ use std::hint::black_box;
 
 use interleaved::{heading, report};
 use rayon::ThreadPoolBuilder;
-use symplint::{Circle, Ensemble, Loop, PerSample, Piecewise, TimeAdvance};
+use symplint::rules::Piecewise;
+use symplint::{Circle, Ensemble, Loop, PerSample, TimeAdvance};
 use symplint_models::integrators::{Splitting, Variant, splitting_methods};
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, TwoStream};
 

@@ -5,7 +5,8 @@
 
 use std::sync::Arc;
 
-use symplint::{Coordinates, Rows, RowsMut, scratch};
+use symplint::Coordinates;
+use symplint::state::{Rows, RowsMut, scratch};
 
 use crate::tangent::{DriftKickTangent, SlopeTangent};
 

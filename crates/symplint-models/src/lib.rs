@@ -18,7 +18,8 @@
 //! size and scratch memory of its thread:
 //!
 //! ```
-//! use symplint::{Block, RowsMut, TimeAdvance};
+//! use symplint::{Block, TimeAdvance};
+//! use symplint::state::RowsMut;
 //! use symplint_models::integrators::{Splitting, Variant, splitting_methods};
 //! use symplint_models::systems::{Pendulum, PendulumPotential};
 //!

@@ -1,17 +1,19 @@
 //! Derivatives of forces and velocities: how tangent vectors move along with states.
 //!
-//! What a system supplies here makes the steps of all integrators [`TangentMap`](symplint::TangentMap)s.
+//! What a system supplies here makes the steps of all integrators [`TangentMap`](symplint::map::TangentMap)s.
 //! Where a force has jumps or kinks its derivative is that of the piece in which the state lies.
 //!
 //! As in [`DriftKick`](crate::DriftKick) and [`Hamiltonian`](crate::Hamiltonian), all methods work on
 //! rows: row i holds degree of freedom i of every sample of a block.
 
-use symplint::{Rows, RowsMut, StepFailure};
+use symplint::StepFailure;
+use symplint::state::{Rows, RowsMut};
 
 /// The derivatives of drifts and kicks, along tangent vectors (dq, dp).
 ///
 /// ```
-/// use symplint::{Rows, RowsMut, TimeAdvance};
+/// use symplint::TimeAdvance;
+/// use symplint::state::{Rows, RowsMut};
 /// use symplint_models::integrators::{Splitting, Variant, splitting_methods};
 /// use symplint_models::{DriftKickTangent, Separable};
 ///

@@ -1,6 +1,8 @@
 //! Steps of coupled pendula: the sweep that takes a drift, a kick and a drift at once.
 
-use symplint::{Block, Ensemble, Error, RowsMut, TimeAdvance};
+use symplint::error::StateAt;
+use symplint::state::RowsMut;
+use symplint::{Block, Ensemble, Error, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::integrators::{Splitting, SplittingMethod, Variant, splitting_methods};
 use symplint_models::systems::PendulumArray;
@@ -162,7 +164,10 @@ fn states_that_are_not_finite_are_found() {
                 let looked = map.advance_and_look(2.0, &mut block).unwrap();
                 assert_eq!(looked, block.all_finite(), "{at}");
                 match ensemble.advance(&map, 2.0) {
-                    Err(Error::NotFinite { sample: 6, .. }) => assert!(!looked, "{at}"),
+                    Err(Error::NotFinite {
+                        at: StateAt::Sample(6),
+                        ..
+                    }) => assert!(!looked, "{at}"),
                     // A single pendulum without neighbours may have gone on.
                     Ok(()) => assert!(looked && value.is_finite(), "{at}"),
                     other => panic!("{at}: {other:?}"),

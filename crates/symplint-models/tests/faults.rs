@@ -118,7 +118,7 @@ fn a_step_size_chosen_by_the_state_is_not_symplectic() {
 fn an_adaptive_step_is_accurate_all_the_same() {
     let energy = |(q, p): &State| {
         let mut out = [0.0; 2];
-        let rows = |values: &'static [f64]| symplint::Rows::new(values, 2, 1, 1);
+        let rows = |values: &'static [f64]| symplint::state::Rows::new(values, 2, 1, 1);
         let leak = |values: &Vec<f64>| rows(Vec::leak(values.clone()));
         HenonHeiles.kinetic_energy(leak(p), &mut out[..1]);
         HenonHeiles.potential_energy(leak(q), &mut out[1..]);

@@ -1,6 +1,6 @@
 //! Forces and velocities of every system against differences of its energy.
 
-use symplint::{Rows, RowsMut};
+use symplint::state::{Rows, RowsMut};
 use symplint_models::Hamiltonian;
 use symplint_models::systems::{
     AbsoluteValue, Bond, Chain, ChargedParticle, DoublePendulum, Ends, FputBond,

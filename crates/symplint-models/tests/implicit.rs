@@ -7,10 +7,8 @@ mod two_form;
 use std::sync::Arc;
 
 use common::{State, distance, stepped};
-use symplint::{
-    Block, Circle, Diagnostic, Ensemble, LoopIntegral, Rows, RowsMut, Rule, TimeAdvance,
-    VerdictKind,
-};
+use symplint::state::{Rows, RowsMut};
+use symplint::{Block, Circle, Diagnostic, Ensemble, LoopIntegral, Rule, TimeAdvance, VerdictKind};
 use symplint_models::integrators::catalogue::build_solved_by;
 use symplint_models::integrators::{
     ImplicitRungeKutta, RungeKutta, Solver, StageSolver, Stop, Tableau, TableauPair, tableaus,

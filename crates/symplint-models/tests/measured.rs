@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use symplint::rules::Piecewise;
 use symplint::{
-    Circle, Coordinates, Defect, Diagnosis, Ensemble, FourierLoop, LoopIntegral, Piecewise, Rule,
-    Snapshot, TimeAdvance, VerdictKind, measure,
+    Circle, Coordinates, Defect, Diagnosis, Ensemble, FourierLoop, LoopIntegral, Rule, Snapshot,
+    TimeAdvance, VerdictKind, measure,
 };
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::{self, CATALOGUE};

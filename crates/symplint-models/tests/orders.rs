@@ -5,7 +5,8 @@ mod common;
 use std::sync::Arc;
 
 use common::{State, distance, stepped};
-use symplint::{Rows, RowsMut, TimeAdvance};
+use symplint::TimeAdvance;
+use symplint::state::{Rows, RowsMut};
 use symplint_models::integrators::catalogue::{self, CATALOGUE, IntegratorInfo};
 use symplint_models::integrators::{
     ImplicitRungeKutta, RungeKutta, Splitting, StageSolver, Variant, splitting_methods, tableaus,

@@ -2,7 +2,7 @@
 //! themselves: sums over periodic images, stiffness by quadrature, inverses by eigenvalues.
 
 use nalgebra::{DMatrix, DVector};
-use symplint::Rows;
+use symplint::state::Rows;
 use symplint_models::Separable;
 use symplint_models::pic::{ParticleWeights, Pic, PicConfig, ShapeFamily};
 

@@ -1,6 +1,6 @@
 //! Particle-in-cell forces against differences of the field energy, and what symmetry demands.
 
-use symplint::{Rows, RowsMut};
+use symplint::state::{Rows, RowsMut};
 use symplint_models::pic::{ParticleWeights, Pic, Pic1d, Pic2d, PicConfig, ShapeFamily};
 use symplint_models::systems::TwoCell;
 use symplint_models::{ModelError, Separable};

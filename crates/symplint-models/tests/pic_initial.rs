@@ -3,7 +3,8 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use symplint::{Block, RowsMut, TimeAdvance};
+use symplint::state::RowsMut;
+use symplint::{Block, TimeAdvance};
 use symplint_models::integrators::catalogue::build;
 use symplint_models::pic::{
     Landau, ParticleWeights, Pic, Pic1d, Pic2d, PicConfig, TwoStream, VelocityConvention,

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use symplint::{
-    Block, Circle, Cutoffs, Defect, Ensemble, LoopIntegral, Rows, RowsMut, Rule, TimeAdvance,
-};
+use symplint::rules::Cutoffs;
+use symplint::state::{Rows, RowsMut};
+use symplint::{Block, Circle, Defect, Ensemble, LoopIntegral, Rule, TimeAdvance};
 use symplint_models::integrators::catalogue::build;
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_models::{Hamiltonian, Separable};

@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use symplint::{Circle, Cutoff, Cutoffs, Defect, Ensemble, LoopIntegral, Rule, TimeAdvance, Trace};
+use symplint::rules::{Cutoff, Cutoffs};
+use symplint::{Circle, Defect, Ensemble, LoopIntegral, Rule, TimeAdvance, Trace};
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::build;
 use symplint_models::systems::{

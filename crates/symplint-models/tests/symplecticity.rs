@@ -12,7 +12,9 @@ use proptest::prelude::*;
 use rotor::Rotor;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
-use symplint::{Block, Circle, JacobianTest, JacobianVerdict, RowsMut, TimeAdvance};
+use symplint::state::RowsMut;
+use symplint::verdict::JacobianVerdict;
+use symplint::{Block, Circle, JacobianTest, TimeAdvance};
 use symplint_models::integrators::catalogue::{self, CATALOGUE};
 use symplint_models::integrators::{RungeKutta, Splitting, Variant, splitting_methods, tableaus};
 use symplint_models::systems::{

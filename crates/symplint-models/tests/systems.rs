@@ -7,7 +7,8 @@ mod two_form;
 use std::f64::consts::{PI, TAU};
 
 use common::{State, distance, stepped};
-use symplint::{Block, Circle, Diagnostic, PerSample, RowsMut, TimeAdvance, VerdictKind};
+use symplint::state::RowsMut;
+use symplint::{Block, Circle, Diagnostic, PerSample, TimeAdvance, VerdictKind};
 use symplint_models::discrete::{HenonMap, StandardMap};
 use symplint_models::integrators::{
     Boris, ImplicitRungeKutta, RungeKutta, Splitting, StageSolver, Variant, splitting_methods,
@@ -227,7 +228,7 @@ fn the_boris_method_conserves_the_speed_without_an_electric_field() {
     let particle = charge(1.3, 0.6, 0.0);
     let energy = |(q, p): &State| {
         let mut out = [0.0];
-        let rows = |values| symplint::Rows::new(values, 2, 1, 1);
+        let rows = |values| symplint::state::Rows::new(values, 2, 1, 1);
         particle.energy(rows(q), rows(p), &mut out);
         out[0]
     };

@@ -11,7 +11,8 @@ use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use rayon::ThreadPoolBuilder;
-use symplint::{Circle, Ensemble, FourierLoop, LoopIntegral, Rows, RowsMut, Rule};
+use symplint::state::{Rows, RowsMut};
+use symplint::{Circle, Ensemble, FourierLoop, LoopIntegral, Rule};
 use symplint_models::Separable;
 use symplint_models::integrators::{Splitting, Variant, splitting_methods};
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, TwoStream};

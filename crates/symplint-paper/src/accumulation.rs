@@ -4,7 +4,10 @@
 //! 2h² a step, which the integral without the jumps misses: n steps miss O(n²h²), not O(nh²).
 
 use serde::Serialize;
-use symplint::{Circle, Cutoffs, Diagnostic, Rule, SampleCount, TimeAdvance, Trace, TracePoint};
+use symplint::diagnosis::SampleCount;
+use symplint::rules::Cutoffs;
+use symplint::trace::TracePoint;
+use symplint::{Circle, Diagnostic, Rule, TimeAdvance, Trace};
 use symplint_report::run_folder::RunFolder;
 
 use super::PaperError;
@@ -144,7 +147,7 @@ pub fn break_line(
 mod tests {
     use std::sync::Arc;
 
-    use symplint::Cutoff;
+    use symplint::rules::Cutoff;
     use symplint_models::Separable;
     use symplint_models::systems::AbsoluteValue;
 

@@ -3,7 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use serde::Serialize;
-use symplint::{Cutoff, Cutoffs, Ensemble, LoopIntegral, Rule};
+use symplint::rules::{Cutoff, Cutoffs};
+use symplint::{Ensemble, LoopIntegral, Rule};
 use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, reference_slope, series};
 use symplint_report::run_folder::RunFolder;

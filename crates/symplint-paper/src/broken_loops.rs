@@ -6,7 +6,8 @@
 use std::sync::Arc;
 
 use serde::Serialize;
-use symplint::{Circle, Cutoffs, Defect, Ensemble, LoopIntegral, Piecewise, Rule, TimeAdvance};
+use symplint::rules::{Cutoffs, Piecewise};
+use symplint::{Circle, Defect, Ensemble, LoopIntegral, Rule, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_report::figure::{Figure, Panel, Series, Style};

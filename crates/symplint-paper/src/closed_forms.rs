@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use serde::Serialize;
-use symplint::{Circle, Cutoff, Cutoffs, Rule};
+use symplint::rules::{Cutoff, Cutoffs};
+use symplint::{Circle, Rule};
 use symplint_models::Separable;
 use symplint_models::systems::AbsoluteValue;
 use symplint_report::figure::{Figure, Panel, Scale, Style};

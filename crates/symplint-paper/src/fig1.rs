@@ -3,7 +3,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use symplint::{Circle, Orbit, Rows, Rule, Trace};
+use symplint::state::Rows;
+use symplint::trace::Orbit;
+use symplint::{Circle, Rule, Trace};
 use symplint_models::systems::{Pendulum, PendulumPotential};
 use symplint_models::{Hamiltonian, Separable};
 use symplint_report::figure::{Figure, Panel, Scale, Style};

@@ -1,6 +1,6 @@
 //! Figure 3: the interpolated pendulum against the number of samples.
 
-use symplint::Cutoffs;
+use symplint::rules::Cutoffs;
 use symplint_report::figure::{Figure, Panel, Scale};
 use symplint_report::plot::{axis, error_axis, reference_slope};
 use symplint_report::run_folder::RunFolder;

@@ -1,6 +1,7 @@
 //! Figure 4: the interpolated pendulum against the step size.
 
-use symplint::{Cutoffs, Rule};
+use symplint::Rule;
+use symplint::rules::Cutoffs;
 use symplint_report::figure::{Figure, Panel};
 use symplint_report::number::{raised_power_of_two, short_power};
 use symplint_report::plot::{error_axis, reference_slope, step_axis};

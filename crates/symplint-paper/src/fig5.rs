@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use symplint::{Circle, Fit, Rule, Trace};
+use symplint::verdict::Fit;
+use symplint::{Circle, Rule, Trace};
 use symplint_models::Separable;
 use symplint_models::systems::PendulumArray;
 use symplint_report::figure::{Figure, Panel, Scale, Style};

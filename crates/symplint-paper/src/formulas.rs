@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use symplint::{Rows, RowsMut, logarithmic_defect};
+use symplint::rules::logarithmic_defect;
+use symplint::state::{Rows, RowsMut};
 use symplint_models::Separable;
 use symplint_models::bspline;
 use symplint_models::integrators::{Tableau, TableauPair, tableaus};

@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use symplint::{Circle, Cutoffs, Rule};
+use symplint::rules::Cutoffs;
+use symplint::{Circle, Rule};
 use symplint_models::Separable;
 use symplint_models::systems::InterpolatedPendulum;
 use symplint_report::figure::{Series, Style};

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use symplint::{Circle, Cutoffs, Rule};
+use symplint::rules::Cutoffs;
+use symplint::{Circle, Rule};
 use symplint_models::Separable;
 use symplint_models::pic::{Landau, ParticleWeights, Pic1d, PicConfig, ShapeFamily, TwoStream};
 

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use serde::Serialize;
-use symplint::{
-    Defect, Diagnostic, Evidence, Fit, Loop, LoopEvidence, LoopKind, Point, Rule, SampleCount,
-    SampleSweep, StepEvidence, Sweep, TimeAdvance, judge,
-};
+use symplint::diagnosis::{SampleCount, SampleSweep};
+use symplint::evidence::{LoopEvidence, LoopKind, Point, StepEvidence, Sweep};
+use symplint::verdict::Fit;
+use symplint::{Defect, Diagnostic, Evidence, Loop, Rule, TimeAdvance, judge};
 use symplint_models::integrators::catalogue::build;
 use symplint_models::{ModelError, Separable};
 use symplint_report::number::short_power;

@@ -6,7 +6,8 @@
 
 use std::collections::HashMap;
 
-use symplint::{Loop, Piecewise, TimeAdvance};
+use symplint::rules::Piecewise;
+use symplint::{Loop, TimeAdvance};
 
 use super::PaperError;
 use super::sweep::Record;

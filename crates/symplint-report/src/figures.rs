@@ -1,6 +1,8 @@
 //! The figures of a diagnosis, of a trace and of loops from files.
 
-use symplint::{Diagnosis, Ensemble, Loop, Observable, Point, Sweep, TimeAdvance, TraceRecord};
+use symplint::evidence::{Point, Sweep};
+use symplint::trace::{Observable, TraceRecord};
+use symplint::{Diagnosis, Ensemble, Loop, TimeAdvance};
 
 use crate::figure::{Axis, Figure, Panel, Scale, Series, Style};
 use crate::number::raised_power_of_two;

@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 
 use contour::ContourBuilder;
-use symplint::{Block, Observable, RowsMut, TracePoint};
+use symplint::Block;
+use symplint::state::RowsMut;
+use symplint::trace::{Observable, TracePoint};
 
 use crate::figure::{Axis, Panel, Scale, Series, Style, superscript};
 

@@ -1,7 +1,10 @@
 //! Reports as JSON, and evidence read from them.
 
 use serde::Serialize;
-use symplint::{Diagnosis, Evaluations, Evidence, Fit, Point, TracePoint, Verdict};
+use symplint::evidence::{Evaluations, Point};
+use symplint::trace::TracePoint;
+use symplint::verdict::Fit;
+use symplint::{Diagnosis, Evidence, Verdict};
 
 use crate::provenance::Provenance;
 

@@ -1,7 +1,10 @@
 //! Tables as text, and the text of a verdict.
 
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
-use symplint::{Diagnosis, Point, RuleKind, Sweep, TracePoint, Verdict};
+use symplint::evidence::{Point, Sweep};
+use symplint::rules::RuleKind;
+use symplint::trace::TracePoint;
+use symplint::{Diagnosis, Verdict};
 
 use crate::number::power_of_two;
 use crate::wrap::wrapped;

@@ -1,5 +1,45 @@
 //! What can go wrong, with the numbers in it and the remedy in the text.
 
+use std::fmt;
+
+/// Which state an error is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum StateAt {
+    /// A sample of the loop, counted from 0.
+    Sample(usize),
+    /// The state of the loop at this s, between samples.
+    Loop(f64),
+    /// A state displaced from that of the loop at this s, to measure derivatives.
+    Displaced(f64),
+    /// A state of a segment that closes a break of the loop, by its own parameter from 0 to 1.
+    Segment(f64),
+    /// The state of an orbit beside the loop.
+    Orbit,
+}
+
+impl fmt::Display for StateAt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            StateAt::Sample(sample) => write!(f, "sample {sample}"),
+            StateAt::Loop(s) => write!(
+                f,
+                "s = {s:?} of the loop, between samples (sample the loop at this s and take one step)"
+            ),
+            StateAt::Displaced(s) => write!(
+                f,
+                "s = {s:?} of the loop (displaced from its state there to measure derivatives)"
+            ),
+            StateAt::Segment(t) => write!(
+                f,
+                "t = {t:?} of a segment that closes a break of the loop (0 is the one side of the break, 1 the \
+                 other; between them the map need not be defined, and Closure::Chords stays away from there)"
+            ),
+            StateAt::Orbit => f.write_str("the orbit beside the loop"),
+        }
+    }
+}
+
 /// Errors of the diagnostic.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -75,7 +115,7 @@ pub enum Error {
     },
     /// A state that is not finite.
     #[error(
-        "{coordinate} of degree of freedom {dof} is {value} at sample {sample}{}; {remedy}",
+        "{coordinate} of degree of freedom {dof} is {value} at {at}{}; {remedy}",
         .step_size.map_or(String::new(), |h| format!(" after a step of h = {h:?}"))
     )]
     NotFinite {
@@ -83,8 +123,8 @@ pub enum Error {
         coordinate: &'static str,
         /// Degree of freedom.
         dof: usize,
-        /// Sample along the loop.
-        sample: usize,
+        /// Which state.
+        at: StateAt,
         /// The step size, where a map made the state.
         step_size: Option<f64>,
         /// NaN or an infinity.
@@ -93,23 +133,21 @@ pub enum Error {
         remedy: &'static str,
     },
     /// The map reported a failure.
-    #[error("the map failed at sample {sample} with h = {step_size:?}: {reason}")]
+    #[error("the map failed at {at} with h = {step_size:?}: {reason}")]
     StepFailed {
-        /// Sample along the loop.
-        sample: usize,
+        /// Which state.
+        at: StateAt,
         /// The step size.
         step_size: f64,
         /// The map's reason.
         reason: String,
     },
-    /// The map went wrong between samples, where somebody asked for a state.
-    #[error("at s = {s:?} of {place}: {}", .source.without_sample())]
-    OnTheWay {
-        /// The loop parameter (of a closing segment, its own from 0 to 1).
-        s: f64,
-        /// The curve that s belongs to, and how to come by the state.
-        place: &'static str,
-        /// What happened; its sample is that of a batch, and of no meaning elsewhere.
+    /// A step of several went wrong.
+    #[error("in step {step}: {source}")]
+    InStep {
+        /// Which one, counted from 1.
+        step: usize,
+        /// What happened.
         source: Box<Error>,
     },
     /// A rule that evaluates the map between the samples, asked to integrate samples alone.
@@ -217,62 +255,15 @@ pub enum Error {
     },
 }
 
-/// A place of [`Error::OnTheWay`]: a state of the loop.
-pub(crate) const ON_THE_LOOP: &str =
-    "the loop, between samples (sample the loop at this s and take one step)";
-
-/// A place of [`Error::OnTheWay`]: a state near the loop.
-pub(crate) const DISPLACED_FROM_THE_LOOP: &str =
-    "the loop (displaced from its state there to measure derivatives)";
-
-/// A place of [`Error::OnTheWay`]: a state that the loop does not have.
-pub(crate) const ON_A_SEGMENT: &str = "a segment that closes a break of the loop (0 is the one side of the break, \
-    1 the other; between them the map need not be defined, and Closure::Chords stays away from there)";
-
 impl Error {
-    /// Counts a sample that lies between samples k and k + 1 among twice as many: as 2k + 1.
-    pub(crate) fn of_sample_between(mut self) -> Error {
-        if let Error::NotFinite { sample, .. } | Error::StepFailed { sample, .. } = &mut self {
-            *sample = 2 * *sample + 1;
+    /// The same about the state that a sample of a batch stands for.
+    pub(crate) fn at(mut self, state: impl Fn(usize) -> StateAt) -> Error {
+        if let Error::NotFinite { at, .. } | Error::StepFailed { at, .. } = &mut self
+            && let StateAt::Sample(sample) = *at
+        {
+            *at = state(sample);
         }
         self
-    }
-
-    /// Says at which parameter of which curve a sample was.
-    pub(crate) fn on_the_way(self, place: impl Fn(usize) -> (f64, &'static str)) -> Error {
-        match self {
-            Error::NotFinite { sample, .. } | Error::StepFailed { sample, .. } => {
-                let (s, place) = place(sample);
-                Error::OnTheWay {
-                    s,
-                    place,
-                    source: Box::new(self),
-                }
-            }
-            other => other,
-        }
-    }
-
-    /// What happened, whichever sample it happened to.
-    fn without_sample(&self) -> String {
-        match self {
-            Error::NotFinite {
-                coordinate,
-                dof,
-                step_size,
-                value,
-                remedy,
-                ..
-            } => {
-                let step =
-                    step_size.map_or(String::new(), |h| format!(" after a step of h = {h:?}"));
-                format!("{coordinate} of degree of freedom {dof} is {value}{step}; {remedy}")
-            }
-            Error::StepFailed {
-                step_size, reason, ..
-            } => format!("the map failed with h = {step_size:?}: {reason}"),
-            other => other.to_string(),
-        }
     }
 
     pub(crate) fn check_length(

@@ -44,8 +44,8 @@
 //! * Bad input and maps that fail give an [`Error`] with the numbers in it, never a panic.
 
 pub mod breaks;
-mod diagnosis;
-mod error;
+pub mod diagnosis;
+pub mod error;
 pub mod evidence;
 pub mod jacobian;
 pub mod loops;
@@ -58,19 +58,14 @@ mod survey;
 pub mod trace;
 pub mod verdict;
 
-pub use breaks::{Break, find_break};
-pub use diagnosis::{Diagnostic, Event, SampleCount, SampleSweep};
+pub use diagnosis::Diagnostic;
 pub use error::Error;
-pub use evidence::*;
-pub use jacobian::*;
+pub use evidence::Evidence;
+pub use jacobian::JacobianTest;
 pub use loops::{Circle, FourierLoop, Loop, SampledLoop};
-pub use map::{PerSample, StepFailure, TangentMap, TimeAdvance};
-pub use rules::{
-    Closure, Cutoff, Cutoffs, Defect, LoopIntegral, OmittedCell, Piecewise, PiecewiseIntegral,
-    Rule, RuleKind, Streaming, StreamingIntegral, logarithmic_defect,
-};
-pub use signal::unwrap_row;
-pub use snapshots::{Snapshot, measure_snapshots};
-pub use state::{Block, Coordinates, Ensemble, Rows, RowsMut, scratch};
-pub use trace::{Observable, Orbit, Trace, TracePoint, TraceRecord};
-pub use verdict::*;
+pub use map::{PerBlock, PerSample, StepFailure, TimeAdvance};
+pub use rules::{Defect, LoopIntegral, Rule};
+pub use snapshots::Snapshot;
+pub use state::{Block, Coordinates, Ensemble};
+pub use trace::Trace;
+pub use verdict::{Diagnosis, Verdict, VerdictKind, judge, measure};

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::error::Error;
+use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::rules::Defect;
@@ -143,9 +143,14 @@ impl Trace {
         };
         for step in 0..=self.steps {
             if step > 0 {
-                evaluator.advance(&mut ensemble, self.step_size)?;
+                let in_step = |error| Error::InStep {
+                    step,
+                    source: Box::new(error),
+                };
+                (evaluator.advance(&mut ensemble, self.step_size)).map_err(in_step)?;
                 if let Some(follower) = &mut follower {
-                    evaluator.advance(&mut follower.state, self.step_size)?;
+                    (evaluator.advance(&mut follower.state, self.step_size))
+                        .map_err(|error| in_step(error.at(|_| StateAt::Orbit)))?;
                 }
             }
             let integral = LoopIntegral::in_coordinates(&ensemble, &self.rule, coordinates)?;
@@ -189,7 +194,7 @@ impl<'a> Follower<'a> {
             block.q.row_mut(i)[0] = orbit.q[i];
             block.p.row_mut(i)[0] = orbit.p[i];
         }
-        state.check_finite(None)?;
+        (state.check_finite(None)).map_err(|error| error.at(|_| StateAt::Orbit))?;
         let mut follower = Follower {
             observable: orbit.energy,
             state,

@@ -1,11 +1,13 @@
 //! Each threshold of the judge, with hand-written evidence on both sides of it. No map is called.
 
 use VerdictKind::{BrokenLoops, NotSymplectic, Symplectic, Undecided};
+use symplint::breaks::Break;
+use symplint::evidence::LongTime;
 use symplint::evidence::{
     Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, Omission, Origin, StepEvidence, Wrap,
 };
 use symplint::verdict::{Finding, Growth, Verdict};
-use symplint::{Break, Defect, LongTime, VerdictKind, judge};
+use symplint::{Defect, VerdictKind, judge};
 
 const JUMP: Break = Break {
     s: 0.25,

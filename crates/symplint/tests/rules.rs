@@ -3,9 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use proptest::prelude::*;
-use symplint::{
-    Circle, Coordinates, Cutoff, Cutoffs, Ensemble, FourierLoop, LoopIntegral, OmittedCell, Rule,
-};
+use symplint::rules::{Cutoff, Cutoffs, OmittedCell};
+use symplint::{Circle, Coordinates, Ensemble, FourierLoop, LoopIntegral, Rule};
 
 /// An ensemble from functions of s, one degree of freedom.
 fn curve(samples: usize, q: impl Fn(f64) -> f64, p: impl Fn(f64) -> f64) -> Ensemble {
@@ -491,7 +490,7 @@ fn mapped(
 ) -> Ensemble {
     let mut image = ensemble.clone();
     for k in 0..ensemble.samples() {
-        let at = |rows: symplint::Rows<'_>| [rows.row(0)[k], rows.row(1)[k]];
+        let at = |rows: symplint::state::Rows<'_>| [rows.row(0)[k], rows.row(1)[k]];
         let (q, p) = map(at(ensemble.q()), at(ensemble.p()));
         let mut block = image.block();
         for i in 0..2 {

@@ -3,9 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use proptest::prelude::*;
+use symplint::error::StateAt;
+use symplint::rules::Streaming;
 use symplint::{
     Block, Circle, Coordinates, Ensemble, Error, FourierLoop, Loop, LoopIntegral, PerSample, Rule,
-    StepFailure, Streaming, TimeAdvance,
+    StepFailure, TimeAdvance,
 };
 
 /// A loop from functions of s, the same in every degree of freedom but for its size.
@@ -492,7 +494,7 @@ fn states_that_are_not_finite_are_named_by_their_sample() {
             .initial(&phase_loop, &Coordinates::plain(1), samples)
             .unwrap_err();
         assert!(
-            matches!(error, Error::NotFinite { sample, step_size: None, .. } if sample == bad),
+            matches!(error, Error::NotFinite { at: StateAt::Sample(sample), step_size: None, .. } if sample == bad),
             "{error}"
         );
         let place = (TAU * at).sin();
@@ -505,7 +507,7 @@ fn states_that_are_not_finite_are_named_by_their_sample() {
             .integrate(&map, &circle, 0.25, samples)
             .unwrap_err();
         let Error::NotFinite {
-            sample,
+            at: StateAt::Sample(sample),
             step_size: Some(0.25),
             coordinate: "p",
             ..

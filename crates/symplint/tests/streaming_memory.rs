@@ -3,9 +3,9 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use symplint::{
-    Block, Circle, Diagnostic, Rule, SampleCount, StepFailure, Streaming, TimeAdvance, VerdictKind,
-};
+use symplint::diagnosis::SampleCount;
+use symplint::rules::Streaming;
+use symplint::{Block, Circle, Diagnostic, Rule, StepFailure, TimeAdvance, VerdictKind};
 
 /// The system's allocator, with a count of what is in use and of the most that ever was.
 struct Counting;

@@ -7,9 +7,11 @@ mod by_chance;
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use symplint::error::StateAt;
+use symplint::rules::Piecewise;
 use symplint::{
-    Block, Circle, Coordinates, Diagnostic, Error, Loop, LoopIntegral, PerSample, Piecewise,
-    StepFailure, TimeAdvance, VerdictKind,
+    Block, Circle, Coordinates, Diagnostic, Error, Loop, LoopIntegral, PerSample, StepFailure,
+    TimeAdvance, VerdictKind,
 };
 
 fn circle(q0: f64, p0: f64) -> Circle {
@@ -215,13 +217,16 @@ fn a_state_that_fails_between_the_samples_is_named_by_its_place_on_the_loop() {
     let error = Diagnostic::default()
         .run(&map, &circle(0.0, 0.0))
         .unwrap_err();
-    let Error::OnTheWay { s, .. } = error else {
+    let (Error::NotFinite { at, .. } | Error::StepFailed { at, .. }) = &error else {
+        panic!("{error}");
+    };
+    let StateAt::Loop(s) = *at else {
         panic!("{error}");
     };
     let expected = 0.3f64.asin() / TAU;
     let off = (s - expected).abs().min((s - 0.5 + expected).abs());
     assert!(off < 1e-7, "{error}");
-    // The sample is one of a batch that nobody but the rule knows: the message has s alone.
+    // The sample is one of a batch of the rule: the message has s alone.
     let text = error.to_string();
     assert!(!text.contains("at sample"), "{text}");
     assert!(text.contains(&format!("s = {s:?} of the loop")), "{text}");
@@ -531,7 +536,7 @@ fn a_state_that_fails_beside_the_samples_takes_no_verdict_back() {
         q[0] += h * p[0];
     });
     let found = Diagnostic {
-        samples: symplint::SampleCount::Fixed(33),
+        samples: symplint::diagnosis::SampleCount::Fixed(33),
         loops: 1,
         jacobian: false,
         localise: false,

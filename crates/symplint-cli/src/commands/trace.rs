@@ -2,7 +2,9 @@
 
 use std::process::ExitCode;
 
-use symplint::{Observable, Orbit, Rows, Rule, Trace, TraceRecord};
+use symplint::state::Rows;
+use symplint::trace::{Observable, Orbit, TraceRecord};
+use symplint::{Rule, Trace};
 use symplint_report::figures::trace_figures;
 use symplint_report::report::TraceReport;
 use symplint_report::table::trace_table;
@@ -110,6 +112,6 @@ fn follow(trace: &Trace, config: &Config, progress: &Progress) -> Result<TraceRe
         energy: &energy,
     });
     progress.plan(trace.steps + 1);
-    let watch = |_: &symplint::TracePoint| progress.step();
+    let watch = |_: &symplint::trace::TracePoint| progress.step();
     Ok(trace.run_watched(&*config.map, &*config.phase_loop, orbit, &watch)?)
 }

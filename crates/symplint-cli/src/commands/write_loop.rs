@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use serde::Serialize;
-use symplint::{Coordinates, Ensemble, Loop, SampleCount, Snapshot};
+use symplint::diagnosis::SampleCount;
+use symplint::{Coordinates, Ensemble, Loop, Snapshot};
 use symplint_report::loop_file::LoopFile;
 use symplint_report::report::to_json;
 use symplint_report::table::degrees_of_freedom;

@@ -1,8 +1,8 @@
 //! `[diagnostic]`: what `check` measures.
 
-use symplint::{
-    Closure, Cutoff, Cutoffs, Diagnostic, Piecewise, Rule, SampleCount, SampleSweep, Streaming,
-};
+use symplint::diagnosis::{SampleCount, SampleSweep};
+use symplint::rules::{Closure, Cutoff, Cutoffs, Piecewise, Streaming};
+use symplint::{Diagnostic, Rule};
 
 use super::document::{Node, Value};
 use super::error::ConfigError;

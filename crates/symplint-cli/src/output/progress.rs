@@ -1,7 +1,7 @@
 //! Progress on standard error, if that is a terminal.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use symplint::Event;
+use symplint::diagnosis::Event;
 use symplint_report::number::power_of_two;
 
 /// A progress bar that may be hidden.

@@ -1,6 +1,7 @@
 //! The quadratic map of the plane.
 
-use symplint::{Block, StepFailure, TangentMap, TimeAdvance};
+use symplint::map::TangentMap;
+use symplint::{Block, StepFailure, TimeAdvance};
 
 use crate::error::ModelError;
 

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
+use symplint::map::TangentMap;
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use crate::elementary::add_sin;
 use crate::error::ModelError;

@@ -1,6 +1,8 @@
 //! Strang splitting that chooses its own step.
 
-use symplint::{Block, Coordinates, Rows, RowsMut, StepFailure, TangentMap, TimeAdvance, scratch};
+use symplint::map::TangentMap;
+use symplint::state::{Rows, RowsMut, scratch};
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use super::splitting::{Flow, Variant};
 use crate::hamiltonian::DriftKick;

@@ -57,7 +57,8 @@ pub fn find(name: &str) -> Option<&'static Alias> {
 mod tests {
     use std::sync::Arc;
 
-    use symplint::{Block, RowsMut};
+    use symplint::Block;
+    use symplint::state::RowsMut;
 
     use super::*;
     use crate::integrators::catalogue::{self, CATALOGUE, build};

@@ -1,6 +1,7 @@
 //! The Boris method for a charge in a magnetic field.
 
-use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
+use symplint::map::TangentMap;
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use crate::hamiltonian::Hamiltonian;
 use crate::systems::ChargedParticle;

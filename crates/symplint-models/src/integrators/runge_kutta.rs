@@ -1,6 +1,8 @@
 //! Explicit Runge–Kutta methods, ordinary and partitioned.
 
-use symplint::{Block, Coordinates, Rows, RowsMut, StepFailure, TangentMap, TimeAdvance, scratch};
+use symplint::map::TangentMap;
+use symplint::state::{Rows, RowsMut, scratch};
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use super::stage_plan::{Dependence, Slope, StagePlan, Term};
 use super::tableau::TableauPair;

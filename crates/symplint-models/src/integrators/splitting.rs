@@ -1,6 +1,7 @@
 //! Splitting methods: the exact flows of T and V in turn.
 
-use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
+use symplint::map::TangentMap;
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use crate::error::ModelError;
 use crate::hamiltonian::DriftKick;

@@ -1,6 +1,7 @@
 //! Maps one after the other.
 
-use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
+use symplint::map::TangentMap;
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use super::Invertible;
 use crate::error::ModelError;

@@ -1,6 +1,7 @@
 //! A map with a friction that does not belong there.
 
-use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
+use symplint::map::TangentMap;
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use crate::error::ModelError;
 use crate::tangent::no_tangent;

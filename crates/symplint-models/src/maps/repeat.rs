@@ -1,6 +1,7 @@
 //! Several steps of one map.
 
-use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
+use symplint::map::TangentMap;
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use super::Invertible;
 use crate::error::ModelError;

@@ -1,6 +1,7 @@
 //! A map whose states are kept in single precision.
 
-use symplint::{Block, Coordinates, RowsMut, StepFailure, TimeAdvance};
+use symplint::state::RowsMut;
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 /// A map between states in single precision: the state is rounded to 24 bits before the step and
 /// after it, as in a code that stores `f32` and computes in double precision.

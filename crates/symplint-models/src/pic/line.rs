@@ -1,6 +1,6 @@
 //! The force on a line: particles to nodes, charge to potential, and back; or pair by pair.
 
-use symplint::{Rows, RowsMut, scratch};
+use symplint::state::{Rows, RowsMut, scratch};
 
 use super::by_functions::for_functions;
 use super::carrier::{ByMoments, ByRuns, Carrier};

@@ -3,7 +3,7 @@
 //! What a particle does to another depends on the distance of their cells and on the fractions of
 //! those at which they sit: on the second by one polynomial, for each of the first's moments.
 
-use symplint::{Rows, RowsMut};
+use symplint::state::{Rows, RowsMut};
 
 use super::field::FieldSolver;
 use super::mesh::Mesh;

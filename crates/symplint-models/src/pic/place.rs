@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use symplint::Rows;
+use symplint::state::Rows;
 
 use crate::periodic_grid::PeriodicGrid;
 

@@ -1,6 +1,6 @@
 //! The force in a plane: particles to runs of nodes on both axes, charge to potential, and back.
 
-use symplint::{Rows, RowsMut, scratch};
+use symplint::state::{Rows, RowsMut, scratch};
 
 use super::by_functions::for_functions;
 use super::field::FieldSolver;

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use symplint::{RowsMut, scratch};
+use symplint::state::{RowsMut, scratch};
 
 /// How many particles a thread takes at least.
 #[derive(Clone, Copy, Debug)]

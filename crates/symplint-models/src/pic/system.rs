@@ -1,6 +1,7 @@
 //! The particle-in-cell Hamiltonian.
 
-use symplint::{Coordinates, Rows, RowsMut, scratch};
+use symplint::Coordinates;
+use symplint::state::{Rows, RowsMut, scratch};
 
 use super::field::FieldSolver;
 use super::line::LineForce;

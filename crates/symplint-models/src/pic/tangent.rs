@@ -8,7 +8,7 @@
 //! Where second derivatives of the shapes jump, as at cell boundaries for splines of degree 2, they are
 //! those of the cell above. One sample at a time: this is for few tangent vectors.
 
-use symplint::{Rows, RowsMut, scratch};
+use symplint::state::{Rows, RowsMut, scratch};
 
 use super::mesh::Mesh;
 use super::system::Pic;

@@ -1,6 +1,6 @@
 //! A particle that falls to both sides of a wedge.
 
-use symplint::{Rows, RowsMut};
+use symplint::state::{Rows, RowsMut};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use symplint::{Rows, RowsMut, scratch};
+use symplint::state::{Rows, RowsMut, scratch};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;

@@ -1,6 +1,6 @@
 //! A charge in a magnetic field that grows in one direction.
 
-use symplint::{Rows, RowsMut};
+use symplint::state::{Rows, RowsMut};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Hamiltonian;

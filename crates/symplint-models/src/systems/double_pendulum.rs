@@ -1,6 +1,6 @@
 //! A pendulum that hangs from a pendulum.
 
-use symplint::{Rows, RowsMut, scratch};
+use symplint::state::{Rows, RowsMut, scratch};
 
 use crate::elementary::{add_cos, add_sin, cos_into, sin_into};
 use crate::error::ModelError;

@@ -1,6 +1,6 @@
 //! A star in a galaxy.
 
-use symplint::{Rows, RowsMut};
+use symplint::state::{Rows, RowsMut};
 
 use crate::hamiltonian::Separable;
 use crate::tangent::DriftKickTangent;

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use symplint::{Coordinates, Rows, RowsMut, scratch};
+use symplint::Coordinates;
+use symplint::state::{Rows, RowsMut, scratch};
 
 use crate::elementary::{add_cos, add_sin, cos_into, sin_into};
 use crate::error::ModelError;

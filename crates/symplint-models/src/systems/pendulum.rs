@@ -1,6 +1,6 @@
 //! The nonlinear pendulum.
 
-use symplint::{Rows, RowsMut};
+use symplint::state::{Rows, RowsMut};
 
 use crate::elementary::{add_cos, add_sin, cos_into, sin_into};
 use crate::hamiltonian::Separable;

@@ -1,6 +1,6 @@
 //! Pendula in a ring, coupled by springs.
 
-use symplint::{Rows, RowsMut};
+use symplint::state::{Rows, RowsMut};
 
 use crate::elementary::{Arithmetic, LANES, LaneMap, Lanes, cos, dispatched, map_lanes, sin};
 use crate::error::ModelError;

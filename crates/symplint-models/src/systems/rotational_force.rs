@@ -1,6 +1,6 @@
 //! A force that no potential has.
 
-use symplint::{Rows, RowsMut};
+use symplint::state::{Rows, RowsMut};
 
 use super::HenonHeiles;
 use crate::error::ModelError;

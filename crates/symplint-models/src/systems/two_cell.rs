@@ -1,6 +1,7 @@
 //! A particle that meets only its own field.
 
-use symplint::{Coordinates, Rows, RowsMut};
+use symplint::Coordinates;
+use symplint::state::{Rows, RowsMut};
 
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;

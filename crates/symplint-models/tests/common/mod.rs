@@ -1,6 +1,7 @@
 //! One state at a time, for tests.
 
-use symplint::{Block, RowsMut, TimeAdvance};
+use symplint::state::RowsMut;
+use symplint::{Block, TimeAdvance};
 
 /// A state (q, p).
 pub type State = (Vec<f64>, Vec<f64>);

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use symplint::{Coordinates, Rows, RowsMut};
+use symplint::Coordinates;
+use symplint::state::{Rows, RowsMut};
 use symplint_models::Separable;
 use symplint_models::systems::Pendulum;
 

@@ -10,7 +10,8 @@ mod systems;
 mod test_of_jacobian;
 
 use common::{State, stepped};
-use symplint::{Block, RowsMut, TimeAdvance};
+use symplint::state::RowsMut;
+use symplint::{Block, TimeAdvance};
 use systems::all;
 
 /// A vector that moves all coordinates, another for each `seed`.

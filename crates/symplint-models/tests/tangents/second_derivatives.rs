@@ -4,7 +4,7 @@
 //! the library but the parameters.
 
 use num_dual::{DualNum, HyperDual64};
-use symplint::{Rows, RowsMut};
+use symplint::state::{Rows, RowsMut};
 use symplint_models::systems::{
     AbsoluteValue, Chain, ChargedParticle, DoublePendulum, Ends, FputBond, HarmonicOscillator,
     HenonHeiles, InterpolatedPendulum, Kepler, Pendulum, PendulumArray, PendulumPotential,

@@ -1,9 +1,8 @@
 //! The Jacobian test of the library's own maps: by tangent map and by differences.
 
-use symplint::{
-    Block, Circle, Coordinates, JacobianEvidence, JacobianMethod, JacobianTest, JacobianVerdict,
-    StepFailure, TimeAdvance,
-};
+use symplint::jacobian::{JacobianEvidence, JacobianMethod};
+use symplint::verdict::JacobianVerdict;
+use symplint::{Block, Circle, Coordinates, JacobianTest, StepFailure, TimeAdvance};
 
 use crate::systems::{Subject, all};
 

@@ -1,8 +1,8 @@
 //! Maps that fail, and loops that leave their domain.
 
-use symplint::{
-    Block, Diagnostic, Error, PerSample, SampleCount, StepFailure, TimeAdvance, VerdictKind,
-};
+use symplint::diagnosis::SampleCount;
+use symplint::error::StateAt;
+use symplint::{Block, Diagnostic, Error, PerSample, StepFailure, TimeAdvance, VerdictKind};
 
 use crate::{circle, diagnose};
 
@@ -29,7 +29,7 @@ fn states_that_are_not_finite_are_named() {
         assert!(
             matches!(
                 error,
-                Error::NotFinite { coordinate: "q", dof: 1, sample: 200, step_size: Some(h), .. } if h == 0.125
+                Error::NotFinite { coordinate: "q", dof: 1, at: StateAt::Sample(200), step_size: Some(h), .. } if h == 0.125
             ),
             "{error:?}"
         );
@@ -62,7 +62,13 @@ fn failures_of_the_map_are_named() {
         .unwrap_err();
     // sin 2πk/4096 < −1/2 first at k = 2390, in the third block.
     assert!(
-        matches!(error, Error::StepFailed { sample: 2390, .. }),
+        matches!(
+            error,
+            Error::StepFailed {
+                at: StateAt::Sample(2390),
+                ..
+            }
+        ),
         "{error:?}"
     );
     assert!(error.to_string().contains("Newton"));

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use symplint::{Diagnostic, SubstepDefect, TimeAdvance};
+use symplint::evidence::SubstepDefect;
+use symplint::{Diagnostic, TimeAdvance};
 use symplint_models::integrators::catalogue::build;
 use symplint_models::maps::Damped;
 use symplint_models::systems::{AbsoluteValue, Pendulum, RotationalForce};

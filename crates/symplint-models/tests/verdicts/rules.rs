@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use symplint::{
-    Cutoffs, Diagnostic, PerSample, Piecewise, Rule, SampleCount, Streaming, VerdictKind,
-};
+use symplint::diagnosis::SampleCount;
+use symplint::rules::{Cutoffs, Piecewise, Streaming};
+use symplint::{Diagnostic, PerSample, Rule, VerdictKind};
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::build;
 use symplint_models::systems::{AbsoluteValue, InterpolatedPendulum, Pendulum};

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use symplint::{
-    Block, Diagnostic, PerSample, Rule, SampleCount, StepFailure, Streaming, TimeAdvance,
-    VerdictKind,
-};
+use symplint::diagnosis::SampleCount;
+use symplint::rules::Streaming;
+use symplint::{Block, Diagnostic, PerSample, Rule, StepFailure, TimeAdvance, VerdictKind};
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::build;
 use symplint_models::systems::{HenonHeiles, InterpolatedPendulum, Pendulum, PendulumArray};

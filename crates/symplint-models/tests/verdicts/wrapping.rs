@@ -2,10 +2,9 @@
 
 use std::f64::consts::PI;
 
-use symplint::{
-    Block, Coordinates, Diagnostic, Rule, SampleCount, StepFailure, Streaming, TimeAdvance,
-    VerdictKind,
-};
+use symplint::diagnosis::SampleCount;
+use symplint::rules::Streaming;
+use symplint::{Block, Coordinates, Diagnostic, Rule, StepFailure, TimeAdvance, VerdictKind};
 
 use symplint_models::discrete::StandardMap;
 

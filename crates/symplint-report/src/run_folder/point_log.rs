@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 use std::path::PathBuf;
 
-use symplint::Event;
+use symplint::diagnosis::Event;
 
 use super::{RecordTable, RunFolder, WriteError, cannot_write};
 

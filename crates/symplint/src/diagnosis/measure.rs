@@ -521,8 +521,5 @@ impl Run<'_> {
 
 /// Whether an error is one of the map on a loop, and not of what was asked for.
 fn of_the_map(error: &Error) -> bool {
-    matches!(
-        error,
-        Error::NotFinite { .. } | Error::StepFailed { .. } | Error::OnTheWay { .. }
-    )
+    matches!(error, Error::NotFinite { .. } | Error::StepFailed { .. })
 }

@@ -1,6 +1,6 @@
 //! Samples that are doubled without making or advancing any of them twice.
 
-use crate::error::Error;
+use crate::error::{Error, StateAt};
 use crate::rules::Subject;
 use crate::state::Ensemble;
 
@@ -32,12 +32,14 @@ impl<'a> RefinedSamples<'a> {
     pub fn double(&mut self) -> Result<(), Error> {
         let samples = self.before.samples();
         Ensemble::check_size(self.before.dof(), 2 * samples)?;
+        // Between samples k and k + 1 of the present ones.
+        let between_samples = |error: Error| error.at(|k| StateAt::Sample(2 * k + 1));
         let mut between = (Ensemble::sample_between(self.subject.phase_loop, samples))
-            .map_err(Error::of_sample_between)?;
+            .map_err(between_samples)?;
         self.before.interleave(&between);
         (self.subject.evaluator)
             .advance(&mut between, self.h)
-            .map_err(Error::of_sample_between)?;
+            .map_err(between_samples)?;
         self.after.interleave(&between);
         Ok(())
     }
@@ -132,7 +134,13 @@ mod tests {
         // q = 1 is at a quarter of the loop: sample 3 of 12.
         let error = refined.double().expect_err("it fails");
         assert!(
-            matches!(error, Error::NotFinite { sample: 3, .. }),
+            matches!(
+                error,
+                Error::NotFinite {
+                    at: StateAt::Sample(3),
+                    ..
+                }
+            ),
             "{error}"
         );
     }

@@ -45,7 +45,8 @@ use sampler::Sampler;
 /// the loop by up to an eighth of its size in every coordinate: the map must be defined there.
 ///
 /// ```
-/// use symplint::{Circle, JacobianTest, JacobianVerdict, PerSample};
+/// use symplint::{Circle, JacobianTest, PerSample};
+/// use symplint::verdict::JacobianVerdict;
 ///
 /// // A unit mass on a unit spring, by the explicit midpoint rule: det DΦ = 1 + h⁴/4.
 /// let map = PerSample::new(1, |h, q, p| {
@@ -98,7 +99,7 @@ impl JacobianTest {
     /// If map and loop do not fit, the loop does not move positions or momenta at all, the step size is
     /// zero or not finite, there are no points, fewer than two tangent vectors or a smaller budget than the
     /// [`evaluations`](Self::evaluations), or the map fails or returns states that are not finite, on the loop or
-    /// displaced from it: [`Error::OnTheWay`] says from which s.
+    /// displaced from it: [`StateAt::Displaced`](crate::error::StateAt::Displaced) says from which s.
     pub fn run(
         &self,
         map: &dyn TimeAdvance,

@@ -12,7 +12,7 @@ use super::evidence::{JacobianMethod, TangentRejection};
 use super::frame::Frame;
 use super::noise::{self, Noise};
 use super::richardson::{self, FINER, FIRST, finer_levels_help};
-use crate::error::{DISPLACED_FROM_THE_LOOP, Error, ON_THE_LOOP};
+use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::Evaluator;
 use crate::signal::nearest;
@@ -64,7 +64,7 @@ impl<'a> Sampler<'a> {
         Ensemble::check_size(dof, s.len())?;
         let mut before = Ensemble::zeros(dof, s.len());
         phase_loop.sample(&s, &mut before.block());
-        (before.check_finite(None)).map_err(|error| error.on_the_way(|k| (s[k], ON_THE_LOOP)))?;
+        (before.check_finite(None)).map_err(|error| error.at(|k| StateAt::Loop(s[k])))?;
         let mut sampler = Sampler {
             evaluator,
             h,
@@ -211,13 +211,15 @@ impl<'a> Sampler<'a> {
             }
             Ok(())
         };
-        let curve = |by: f64| match by {
-            0.0 => ON_THE_LOOP,
-            _ => DISPLACED_FROM_THE_LOOP,
+        let state = |k: usize| {
+            let (vector, by) = columns[k];
+            match by {
+                0.0 => StateAt::Loop(self.s[vector.point]),
+                _ => StateAt::Displaced(self.s[vector.point]),
+            }
         };
-        (self.evaluator.advance_from(&mut states, self.h, fill)).map_err(|error| {
-            error.on_the_way(|k| (self.s[columns[k].0.point], curve(columns[k].1)))
-        })?;
+        (self.evaluator.advance_from(&mut states, self.h, fill))
+            .map_err(|error| error.at(state))?;
         Ok(states)
     }
 

@@ -12,7 +12,7 @@ use super::constants::CONSTANTS;
 use super::derivative::Derivative;
 use super::evidence::TangentRejection;
 use super::sampler::{Sampler, TangentVector, row_mut};
-use crate::error::{Error, ON_THE_LOOP};
+use crate::error::{Error, StateAt};
 use crate::signal::unit;
 use crate::state::{Block, Ensemble, coordinate};
 
@@ -81,7 +81,7 @@ impl Sampler<'_> {
         };
         (self.evaluator)
             .advance_tangents(&mut states, &mut tangents, self.h, fill)
-            .map_err(|error| error.on_the_way(|k| (self.s[columns[k].0.point], ON_THE_LOOP)))?;
+            .map_err(|error| error.at(|k| StateAt::Loop(self.s[columns[k].0.point])))?;
         Ok((states, tangents))
     }
 

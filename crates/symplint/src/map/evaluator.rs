@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::{StepFailure, TangentMap, TimeAdvance};
-use crate::error::{Error, ON_THE_LOOP};
+use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::state::{Block, Coordinates, Ensemble, first_error, first_not_finite};
 
@@ -256,7 +256,7 @@ impl<'a> Evaluator<'a> {
         let mut states = Ensemble::zeros(phase_loop.dof(), s.len());
         phase_loop.sample(s, &mut states.block());
         (self.advance(&mut states, h))
-            .map_err(|error| error.on_the_way(|sample| (s[sample], ON_THE_LOOP)))?;
+            .map_err(|error| error.at(|sample| StateAt::Loop(s[sample])))?;
         Ok(states)
     }
 }
@@ -269,7 +269,7 @@ fn checked(
     block: &Block<'_>,
 ) -> Result<(), Error> {
     let finite = finite.map_err(|failure| Error::StepFailed {
-        sample: first + failure.sample,
+        at: StateAt::Sample(first + failure.sample),
         step_size: h,
         reason: failure.reason,
     })?;

@@ -1,11 +1,11 @@
 //! Time-advance maps Φ_h: what is tested.
 
+mod closures;
 mod evaluator;
-mod per_sample;
 mod tangent;
 
+pub use closures::{PerBlock, PerSample, StepOutcome};
 pub(crate) use evaluator::{EvaluationCount, Evaluator};
-pub use per_sample::PerSample;
 pub use tangent::TangentMap;
 
 use crate::loops::Loop;

@@ -15,7 +15,9 @@ use crate::state::Block;
 /// everywhere, and knows nothing of the jumps.
 ///
 /// ```
-/// use symplint::{Block, Circle, JacobianMethod, JacobianTest, StepFailure, TangentMap, TimeAdvance};
+/// use symplint::{Block, Circle, JacobianTest, StepFailure, TimeAdvance};
+/// use symplint::jacobian::JacobianMethod;
+/// use symplint::map::TangentMap;
 ///
 /// /// The pendulum H = p²/2 − cos q, kicked first.
 /// struct Pendulum;

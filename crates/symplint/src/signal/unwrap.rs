@@ -10,7 +10,7 @@ use multiversion::multiversion;
 ///
 /// ```
 /// let mut q = [0.1, 0.5, 0.9, 0.3, 0.7];
-/// assert_eq!(symplint::unwrap_row(&mut q, 1.0), 2);
+/// assert_eq!(symplint::signal::unwrap_row(&mut q, 1.0), 2);
 /// let expected = [0.1, 0.5, 0.9, 1.3, 1.7];
 /// assert!(q.iter().zip(expected).all(|(q, e)| (q - e).abs() < 1e-15));
 /// ```

@@ -1,6 +1,6 @@
 //! All samples at one time.
 
-use crate::error::Error;
+use crate::error::{Error, StateAt};
 use crate::state::Block;
 use crate::state::{Rows, RowsMut};
 
@@ -181,7 +181,7 @@ impl NotFinite {
         Error::NotFinite {
             coordinate: self.coordinate,
             dof: self.dof,
-            sample: first_sample + self.sample,
+            at: StateAt::Sample(first_sample + self.sample),
             step_size,
             value: self.value,
             remedy: match step_size {

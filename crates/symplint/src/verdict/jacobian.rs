@@ -165,9 +165,8 @@ impl JacobianEvidence {
 /// The loops may have been advanced by other step sizes; that of the test should be among them.
 ///
 /// ```
-/// use symplint::{
-///     Agreement, Circle, Diagnostic, JacobianTest, PerSample, VerdictKind, compare_jacobian,
-/// };
+/// use symplint::{Circle, Diagnostic, JacobianTest, PerSample, VerdictKind};
+/// use symplint::verdict::{Agreement, compare_jacobian};
 ///
 /// // Symplectic Euler on H = p²/2 + |q|: its force jumps.
 /// let map = PerSample::new(1, |h, q, p| {

@@ -5,7 +5,8 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use symplint::{Block, StepFailure, TangentMap, TimeAdvance};
+use symplint::map::TangentMap;
+use symplint::{Block, StepFailure, TimeAdvance};
 
 pub trait Scalar:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self>
@@ -195,7 +196,7 @@ impl TimeAdvance for Step {
 
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         for k in 0..block.len() {
-            let column = |rows: &symplint::RowsMut<'_>| -> Vec<f64> {
+            let column = |rows: &symplint::state::RowsMut<'_>| -> Vec<f64> {
                 (0..rows.count()).map(|i| rows.row(i)[k]).collect()
             };
             let (mut q, mut p) = (column(&block.q), column(&block.p));
@@ -221,7 +222,8 @@ impl TangentMap for Step {
         tangents: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
         for k in 0..states.len() {
-            let lift = |values: &symplint::RowsMut<'_>, slopes: &symplint::RowsMut<'_>| {
+            let lift = |values: &symplint::state::RowsMut<'_>,
+                        slopes: &symplint::state::RowsMut<'_>| {
                 let dual = |i: usize| Dual {
                     value: values.row(i)[k],
                     slope: slopes.row(i)[k],

@@ -1,6 +1,7 @@
 //! Maps with jumps, kinks and noise: no false verdict.
 
-use symplint::{Circle, Inconclusive, JacobianTest, JacobianVerdict};
+use symplint::verdict::{Inconclusive, JacobianVerdict};
+use symplint::{Circle, JacobianTest};
 
 use crate::{
     assert_determinant, assert_symplectic, circle, kick_drift, run, single_precision, worst_of,

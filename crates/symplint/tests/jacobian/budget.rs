@@ -3,10 +3,9 @@
 use std::collections::HashSet;
 use std::sync::Mutex;
 
-use symplint::{
-    Agreement, Block, Inconclusive, JacobianEvidence, JacobianMethod, JacobianTest,
-    JacobianVerdict, StepFailure, TimeAdvance, VerdictKind, compare_jacobian,
-};
+use symplint::jacobian::{JacobianEvidence, JacobianMethod};
+use symplint::verdict::{Agreement, Inconclusive, JacobianVerdict, compare_jacobian};
+use symplint::{Block, JacobianTest, StepFailure, TimeAdvance, VerdictKind};
 
 use crate::dual::{Method, Step, System};
 use crate::{Bare, circle, kick_drift, pendula, run, single_precision};
@@ -119,7 +118,7 @@ fn a_budget_that_a_wrong_tangent_map_used_up_leaves_no_verdict() {
         fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
             self.0.advance(2.0 * h, block)
         }
-        fn tangent(&self) -> Option<&dyn symplint::TangentMap> {
+        fn tangent(&self) -> Option<&dyn symplint::map::TangentMap> {
             self.0.tangent()
         }
     }

@@ -1,9 +1,10 @@
 //! Maps whose Jacobians have closed forms.
 
+use symplint::state::RowsMut;
+use symplint::verdict::{Agreement, Inconclusive, JacobianVerdict, compare_jacobian};
 use symplint::{
-    Agreement, Circle, Coordinates, Diagnostic, FourierLoop, Inconclusive, JacobianTest,
-    JacobianVerdict, Loop, PerSample, RowsMut, StepFailure, TimeAdvance, VerdictKind,
-    compare_jacobian,
+    Circle, Coordinates, Diagnostic, FourierLoop, JacobianTest, Loop, PerSample, StepFailure,
+    TimeAdvance, VerdictKind,
 };
 
 use crate::{assert_determinant, assert_symplectic, circle, run, worst_of};

@@ -1,6 +1,7 @@
 //! Differences beside the exact Jacobians of the same steps by dual numbers.
 
-use symplint::{JacobianEvidence, JacobianMethod, JacobianTest};
+use symplint::JacobianTest;
+use symplint::jacobian::{JacobianEvidence, JacobianMethod};
 
 use crate::dual::{METHODS, SYSTEMS, Step};
 use crate::{Bare, assert_symplectic, circle, worst_of};

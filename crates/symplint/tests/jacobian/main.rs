@@ -9,10 +9,9 @@ mod dual_numbers;
 mod errors;
 mod many_dofs;
 
-use symplint::{
-    Block, Circle, JacobianEvidence, JacobianTest, JacobianVerdict, Loop, PerSample, StepFailure,
-    TangentDefect, TimeAdvance,
-};
+use symplint::jacobian::{JacobianEvidence, TangentDefect};
+use symplint::verdict::JacobianVerdict;
+use symplint::{Block, Circle, JacobianTest, Loop, PerSample, StepFailure, TimeAdvance};
 
 fn circle(dof: usize) -> Circle {
     Circle::new(vec![0.3; dof], vec![-0.2; dof], 1.0).unwrap()

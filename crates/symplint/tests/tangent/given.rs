@@ -1,6 +1,7 @@
 //! Maps of one degree of freedom with their tangent maps, given as functions.
 
-use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance};
+use symplint::map::TangentMap;
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 /// One degree of freedom, by functions of one state and of a state with its tangent vector.
 pub struct Given<F, G> {

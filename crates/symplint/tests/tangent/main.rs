@@ -8,10 +8,10 @@ mod rejected;
 
 use dual::{Method, SYSTEMS, Step, System};
 use given::Given;
-use symplint::{
-    Block, Circle, Inconclusive, JacobianEvidence, JacobianMethod, JacobianTest, JacobianVerdict,
-    Loop, RowsMut, TangentDefect, TimeAdvance,
-};
+use symplint::jacobian::{JacobianEvidence, JacobianMethod, TangentDefect};
+use symplint::state::RowsMut;
+use symplint::verdict::{Inconclusive, JacobianVerdict};
+use symplint::{Block, Circle, JacobianTest, Loop, TimeAdvance};
 
 fn circle(dof: usize) -> Circle {
     let circle = Circle::new(vec![0.3; dof], vec![-0.2; dof], 1.0).unwrap();

@@ -2,9 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use symplint::{
-    Block, Circle, Diagnosis, Diagnostic, Loop, PerSample, Piecewise, TimeAdvance, VerdictKind,
-};
+use symplint::rules::Piecewise;
+use symplint::{Block, Circle, Diagnosis, Diagnostic, Loop, PerSample, TimeAdvance, VerdictKind};
 
 /// The circle round (0.1, 0.2) that begins at another place.
 struct BegunAt(f64);
@@ -77,7 +76,8 @@ fn a_bump_beside_a_kink_whose_twin_samples_miss_is_not_called_not_symplectic() {
                     );
                     conserved += usize::from(kind == VerdictKind::Symplectic);
                     // The step changes no loop integral. What equispaced samples say of spikes is an estimate alone.
-                    let pieces = |point: &&symplint::Point| point.rule.name() == "piecewise";
+                    let pieces =
+                        |point: &&symplint::evidence::Point| point.rule.name() == "piecewise";
                     for point in found.points().iter().filter(pieces) {
                         let (off, error) = (point.defect, point.quadrature_error);
                         let error = error.unwrap_or(f64::INFINITY) + point.roundoff;

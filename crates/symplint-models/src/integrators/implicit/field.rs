@@ -1,6 +1,6 @@
 //! What is to be solved for stages: the slopes of a system, or their derivatives along tangent vectors.
 
-use symplint::{Rows, RowsMut};
+use symplint::state::{Rows, RowsMut};
 
 use crate::hamiltonian::Hamiltonian;
 use crate::tangent::{PhasePoints, SlopeTangent};

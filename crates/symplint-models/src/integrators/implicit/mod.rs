@@ -9,7 +9,9 @@ mod tangent;
 
 pub use solver::{Solver, StageSolver, Stop};
 
-use symplint::{Block, Coordinates, StepFailure, TangentMap, TimeAdvance, scratch};
+use symplint::map::TangentMap;
+use symplint::state::scratch;
+use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use super::tableau::TableauPair;
 use crate::error::ModelError;

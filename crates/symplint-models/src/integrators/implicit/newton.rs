@@ -4,7 +4,7 @@
 //! the solution of δ_i − h Σ_j a_ij J δ_j = f(Y_i) − k_i, where J is the Jacobian of f at the mean
 //! of the stages, by differences. It need not be exact: it only sets how fast δ falls.
 
-use symplint::scratch;
+use symplint::state::scratch;
 
 use super::convergence::Convergence;
 use super::field::{Place, SlopeField};

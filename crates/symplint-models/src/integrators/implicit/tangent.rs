@@ -4,7 +4,9 @@
 //! slopes along a tangent vector u solve the linear ones κ_i = Df(Y_i)(u + h Σ_j a_ij κ_j), by the same
 //! iteration, which contracts as fast.
 
-use symplint::{Block, StepFailure, TangentMap, scratch};
+use symplint::map::TangentMap;
+use symplint::state::scratch;
+use symplint::{Block, StepFailure};
 
 use super::convergence::Convergence;
 use super::field::{OfSystem, OfTangents};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::error::{Error, ON_A_SEGMENT, ON_THE_LOOP};
+use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::Evaluator;
 use crate::state::Ensemble;
@@ -135,10 +135,10 @@ impl Curves<'_> {
         let mut states = self.before(points, substep);
         let mut stages = Vec::new();
         let position = |sample: usize| match points[sample] {
-            At { curve: 0, s } => (s, ON_THE_LOOP),
-            At { s, .. } => (s, ON_A_SEGMENT),
+            At { curve: 0, s } => StateAt::Loop(s),
+            At { s, .. } => StateAt::Segment(s),
         };
-        let at = |error: Error| error.on_the_way(position);
+        let at = |error: Error| error.at(position);
         states.check_finite(None).map_err(at)?;
         for k in substep..self.evaluator.substeps() {
             stages.push(states.clone());

@@ -65,7 +65,8 @@ pub enum Closure {
 /// The piecewise rule: adaptive, for maps that can be evaluated at any s.
 ///
 /// ```
-/// use symplint::{Circle, PerSample, Piecewise};
+/// use symplint::{Circle, PerSample};
+/// use symplint::rules::Piecewise;
 ///
 /// // Position-first Strang splitting on H = p²/2 + |q|: the force jumps at q = 0.
 /// let map = PerSample::new(1, |h, q, p| {

@@ -26,7 +26,8 @@ use window::{Source, Window};
 /// many: a mode whose phase advances by θ from sample to sample has a relative error of about θ^{2m} (m!)²/(2m+1)!.
 ///
 /// ```
-/// use symplint::{Circle, PerSample, Streaming};
+/// use symplint::{Circle, PerSample};
+/// use symplint::rules::Streaming;
 ///
 /// // A unit mass on a unit spring by the explicit midpoint rule: areas grow by 1 + h⁴/4.
 /// let map = PerSample::new(1, |h, q, p| {

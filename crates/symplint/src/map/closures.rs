@@ -1,0 +1,187 @@
+//! Maps written as closures: of one state, or of a block of states.
+
+use std::fmt::Display;
+
+use super::{StepFailure, TimeAdvance};
+use crate::error::Error;
+use crate::state::{Block, Coordinates, scratch};
+
+/// What a closure that advances one state returns: nothing, or a `Result` whose error says why it cannot.
+pub trait StepOutcome {
+    /// The reason of a failure, in the closure's words.
+    ///
+    /// # Errors
+    /// Where the step was not taken.
+    fn into_result(self) -> Result<(), String>;
+}
+
+impl StepOutcome for () {
+    fn into_result(self) -> Result<(), String> {
+        Ok(())
+    }
+}
+
+impl<E: Display> StepOutcome for Result<(), E> {
+    fn into_result(self) -> Result<(), String> {
+        self.map_err(|reason| reason.to_string())
+    }
+}
+
+/// Wraps a closure `step(h, q, p)` that advances one state in place.
+///
+/// `q` and `p` are slices of length d. The closure returns nothing, or a `Result<(), E>` with any error that can be
+/// printed.
+///
+/// ```
+/// use symplint::{Coordinates, PerSample, TimeAdvance};
+///
+/// let drift = PerSample::new(2, |h, q, p| {
+///     for (q, p) in q.iter_mut().zip(p) {
+///         *q += h * *p;
+///     }
+/// });
+/// assert_eq!(drift.dof(), 2);
+///
+/// // The implicit midpoint rule for a pendulum, by fixed-point iteration; its angle has the period 2π.
+/// let midpoint = PerSample::new(1, |h, q, p| {
+///     let (mut angle, mut momentum) = (q[0], p[0]);
+///     for _ in 0..100 {
+///         let previous = momentum;
+///         angle = q[0] + 0.5 * h * momentum;
+///         momentum = p[0] - 0.5 * h * angle.sin();
+///         if (momentum - previous).abs() < 1e-15 {
+///             (q[0], p[0]) = (2.0 * angle - q[0], 2.0 * momentum - p[0]);
+///             return Ok(());
+///         }
+///     }
+///     Err("the iteration does not converge")
+/// });
+/// let periods = vec![std::f64::consts::TAU];
+/// let midpoint = midpoint.with_coordinates(Coordinates::plain(1).with_periods(periods)?)?;
+/// assert_eq!(midpoint.coordinates().period(0), std::f64::consts::TAU);
+/// # Ok::<(), symplint::Error>(())
+/// ```
+pub struct PerSample<F> {
+    coordinates: Coordinates,
+    step: F,
+}
+
+impl<F> PerSample<F> {
+    /// A map on `dof` degrees of freedom, none of them periodic, with canonical momenta.
+    pub fn new<R>(dof: usize, step: F) -> Self
+    where
+        F: Fn(f64, &mut [f64], &mut [f64]) -> R + Send + Sync,
+        R: StepOutcome,
+    {
+        PerSample {
+            coordinates: Coordinates::plain(dof),
+            step,
+        }
+    }
+
+    /// The same with periods, weights or a grid.
+    ///
+    /// # Errors
+    /// If the coordinates are those of other degrees of freedom.
+    pub fn with_coordinates(mut self, coordinates: Coordinates) -> Result<Self, Error> {
+        Error::check_length("coordinates", self.coordinates.dof(), coordinates.dof())?;
+        self.coordinates = coordinates;
+        Ok(self)
+    }
+}
+
+impl<F, R> TimeAdvance for PerSample<F>
+where
+    F: Fn(f64, &mut [f64], &mut [f64]) -> R + Send + Sync,
+    R: StepOutcome,
+{
+    fn dof(&self) -> usize {
+        self.coordinates.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        let dof = self.dof();
+        scratch::with_buffer(2 * dof, |state| {
+            let (q, p) = state.split_at_mut(dof);
+            for sample in 0..block.len() {
+                for i in 0..dof {
+                    q[i] = block.q.row(i)[sample];
+                    p[i] = block.p.row(i)[sample];
+                }
+                let outcome = (self.step)(h, q, p).into_result();
+                outcome.map_err(|reason| StepFailure { sample, reason })?;
+                for i in 0..dof {
+                    block.q.row_mut(i)[sample] = q[i];
+                    block.p.row_mut(i)[sample] = p[i];
+                }
+            }
+            Ok(())
+        })
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        self.coordinates.clone()
+    }
+}
+
+/// Wraps a closure `step(h, block)` that advances all samples of a block in place.
+///
+/// Rows of the block are degrees of freedom, columns are samples: loops over a row are vectorised.
+///
+/// ```
+/// use symplint::{PerBlock, TimeAdvance};
+///
+/// let drift = PerBlock::new(2, |h, block| {
+///     for i in 0..2 {
+///         for (q, p) in block.q.row_mut(i).iter_mut().zip(block.p.row(i)) {
+///             *q += h * p;
+///         }
+///     }
+///     Ok(())
+/// });
+/// assert_eq!(drift.dof(), 2);
+/// ```
+pub struct PerBlock<F> {
+    coordinates: Coordinates,
+    step: F,
+}
+
+impl<F> PerBlock<F>
+where
+    F: Fn(f64, &mut Block<'_>) -> Result<(), StepFailure> + Send + Sync,
+{
+    /// A map on `dof` degrees of freedom, none of them periodic, with canonical momenta.
+    pub fn new(dof: usize, step: F) -> Self {
+        PerBlock {
+            coordinates: Coordinates::plain(dof),
+            step,
+        }
+    }
+
+    /// The same with periods, weights or a grid.
+    ///
+    /// # Errors
+    /// If the coordinates are those of other degrees of freedom.
+    pub fn with_coordinates(mut self, coordinates: Coordinates) -> Result<Self, Error> {
+        Error::check_length("coordinates", self.coordinates.dof(), coordinates.dof())?;
+        self.coordinates = coordinates;
+        Ok(self)
+    }
+}
+
+impl<F> TimeAdvance for PerBlock<F>
+where
+    F: Fn(f64, &mut Block<'_>) -> Result<(), StepFailure> + Send + Sync,
+{
+    fn dof(&self) -> usize {
+        self.coordinates.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        (self.step)(h, block)
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        self.coordinates.clone()
+    }
+}
