@@ -366,9 +366,11 @@ impl Run<'_> {
         let with = Resolution {
             h: self.largest,
             plan: &self.plan,
+            // As many as the given loop took, at least: with fewer it may not see what that one did.
             most_samples: match self.is_tight() {
                 true => (left / TIGHT_SAMPLES_PART)
                     .max(FEWEST_TIGHT_SAMPLES)
+                    .max(self.evidence.loops[0].samples)
                     .min(left),
                 false => self.share(),
             },
