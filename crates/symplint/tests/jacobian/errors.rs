@@ -1,7 +1,10 @@
 //! Bad input and maps that fail.
 
 use symplint::error::StateAt;
-use symplint::{Block, Circle, Error, FourierLoop, JacobianTest, StepFailure, TimeAdvance};
+use symplint::jacobian::JacobianEvidence;
+use symplint::{
+    Block, Circle, Error, FourierLoop, JacobianTest, PerSample, StepFailure, TimeAdvance,
+};
 
 use crate::{circle, kick_drift};
 
@@ -82,5 +85,25 @@ fn a_failure_near_the_loop_names_its_point_and_that_the_state_is_displaced() {
             assert!(text.contains(part), "{text}");
         }
         assert!(!text.contains("sample"), "{text}");
+    }
+}
+
+#[test]
+fn the_form_beyond_double_precision_is_no_form_and_evidence_survives_json() {
+    // Both coordinates 1e200 times as large: the determinant overflows.
+    let map = PerSample::new(1, |_, q, p| {
+        q[0] *= 1e200;
+        p[0] *= 1e200;
+    });
+    let large = JacobianTest::default().run(&map, &circle(1), 0.5).unwrap();
+    assert_eq!(large.not_differentiable, large.points.len());
+    assert!(large.deformation.is_finite() && large.noise.is_finite());
+    let smooth = JacobianTest::default().run(&kick_drift(|x| -x.sin()), &circle(1), 0.5);
+    for evidence in [large, smooth.unwrap()] {
+        let text = serde_json::to_string(&evidence).unwrap();
+        assert!(!text.contains("\"signed\":null"), "{text}");
+        let again: JacobianEvidence = serde_json::from_str(&text).unwrap();
+        assert_eq!(again, evidence);
+        assert_eq!(again.verdict(), evidence.verdict());
     }
 }

@@ -176,3 +176,18 @@ fn a_step_that_fails_for_tangents_is_an_error_that_says_where() {
         "{error}"
     );
 }
+
+#[test]
+fn a_tangent_vector_that_is_no_number_is_no_derivative() {
+    // NaN where q < 0, with the right states everywhere.
+    let report = run(
+        &pendulum(|[q, _]| if q < 0.0 { f64::NAN } else { 0.0 }),
+        0.5,
+    );
+    let JacobianVerdict::SymplecticAlmostEverywhere { digits } = report.verdict() else {
+        panic!("{}", report.verdict());
+    };
+    // By differences, or at the points where the tangent map is one.
+    assert!(digits >= 10.0, "{digits}");
+    assert!(report.bound.is_some_and(f64::is_finite));
+}
