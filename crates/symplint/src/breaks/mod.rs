@@ -1,9 +1,9 @@
 //! Breaks: jumps of an advanced loop.
 //!
 //! Samples alone cannot tell a jump from a steep but smooth stretch. Where a map can be evaluated at any s,
-//! every cell in which samples look discontinuous ([`residual`]) is followed ([`follow`]) by bisection
-//! ([`bracket`]) until no double lies between: what is still a jump there is a break. Where samples are all that is
-//! known, all cells that look so are searched for ([`search`]).
+//! every cell in which samples look discontinuous (`residual`) is followed (`follow`) by bisection
+//! (`bracket`) until no double lies between: what is still a jump there is a break. Where samples are all that is
+//! known, all cells that look so are searched for (`search`).
 
 mod bracket;
 mod follow;

@@ -8,7 +8,7 @@ use super::constants::CONSTANTS;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum JacobianMethod {
-    /// The map's own [`TangentMap`](crate::TangentMap), exact up to round-off, and found to agree with
+    /// The map's own [`TangentMap`](crate::map::TangentMap), exact up to round-off, and found to agree with
     /// central differences.
     TangentMap,
     /// Central differences, extrapolated.

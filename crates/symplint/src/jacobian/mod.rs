@@ -39,7 +39,7 @@ use sampler::Sampler;
 /// Tests at points of a loop whether the derivative of a map keeps the symplectic form.
 ///
 /// Derivatives are differences, extrapolated, so any map can be tested, to about 11 digits. A map that
-/// has a [`TangentMap`](crate::TangentMap) gives them to round-off; a tangent map that differs from the
+/// has a [`TangentMap`](crate::map::TangentMap) gives them to round-off; a tangent map that differs from the
 /// differences is not used, and the [evidence](JacobianEvidence::method) says so. Momenta count with the weights
 /// of [`Coordinates`](crate::Coordinates), positions modulo their periods. States are displaced from
 /// the loop by up to an eighth of its size in every coordinate: the map must be defined there.

@@ -2,7 +2,7 @@
 //!
 //! A map can be evaluated between the samples, data cannot. So where the samples are smooth the
 //! pseudospectral rule with its nested error estimate is used, and where they jump
-//! ([`find_jumps`](crate::breaks::find_jumps)) a finite-difference rule that leaves the jumps out ([`pieces`]); its
+//! (`find_jumps`) a finite-difference rule that leaves the jumps out (`pieces`); its
 //! error covers that the position of a break within its cell is not known. No cut-off is compared with the size of
 //! a coordinate: a shift of the origin
 //! changes nothing.

@@ -101,7 +101,7 @@ impl Motion {
     }
 }
 
-/// Unwraps a run of values one by one, as [`unwrap_row`](crate::unwrap_row) does a row.
+/// Unwraps a run of values one by one, as [`unwrap_row`](crate::signal::unwrap_row) does a row.
 #[derive(Clone, Copy, Default)]
 struct Turns {
     previous: Option<f64>,
