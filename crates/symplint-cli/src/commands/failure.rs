@@ -9,7 +9,7 @@ use symplint_report::loop_file::LoopFileError;
 use symplint_report::report::ReportError;
 use symplint_report::run_folder::WriteError;
 
-use super::run_output::OccupiedError;
+use super::earlier_run::OccupiedError;
 use crate::config::ConfigError;
 
 /// Errors of commands.
