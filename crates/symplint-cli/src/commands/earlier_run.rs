@@ -14,18 +14,16 @@ use crate::config::parse_number;
 const MARKER: &str = "# symplint run folder: ";
 
 /// Why a folder is not written to.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[derive(Debug, thiserror::Error)]
 pub enum OccupiedError {
     /// A file of the same name.
     #[error("{} is a file, not a folder", path.display())]
-    #[diagnostic(help("give --out a folder that is new or empty"))]
     NotAFolder {
         /// The path.
         path: PathBuf,
     },
     /// The folder or a file in it cannot be read.
     #[error("cannot read {}: {reason}", path.display())]
-    #[diagnostic(help("give --out a folder that is new or empty"))]
     Unreadable {
         /// The path.
         path: PathBuf,
@@ -34,9 +32,6 @@ pub enum OccupiedError {
     },
     /// Files that symplint did not write.
     #[error("{} is not empty and not a run folder: symplint did not write {file}", folder.display())]
-    #[diagnostic(help(
-        "give --out a folder that is new or empty; --force does not replace such files"
-    ))]
     Foreign {
         /// The folder.
         folder: PathBuf,
@@ -45,22 +40,35 @@ pub enum OccupiedError {
     },
     /// A run folder that was changed by hand.
     #[error("config.toml in {} was changed after the run", folder.display())]
-    #[diagnostic(help(
-        "give --out a folder that is new or empty; --force does not replace such files"
-    ))]
     Edited {
         /// The folder.
         folder: PathBuf,
     },
     /// The run of another command or configuration.
     #[error("{} holds another run: {difference}", folder.display())]
-    #[diagnostic(help("give --out another folder, or add --force to replace that run"))]
     OtherRun {
         /// The folder.
         folder: PathBuf,
         /// The first difference.
         difference: String,
     },
+}
+
+impl OccupiedError {
+    /// What to do about it.
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            OccupiedError::NotAFolder { .. } | OccupiedError::Unreadable { .. } => {
+                "give --out a folder that is new or empty"
+            }
+            OccupiedError::Foreign { .. } | OccupiedError::Edited { .. } => {
+                "give --out a folder that is new or empty; --force does not replace such files"
+            }
+            OccupiedError::OtherRun { .. } => {
+                "give --out another folder, or add --force to replace that run"
+            }
+        }
+    }
 }
 
 /// The files of `check`, `trace` and `measure` beside the configuration and the figures.

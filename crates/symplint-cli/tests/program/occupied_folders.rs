@@ -13,8 +13,7 @@ fn refused(arguments: &[&str]) -> String {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
     assert!(output.stdout.is_empty(), "{}", text(&output.stdout));
-    let unfolded = said.replace('│', " ");
-    unfolded.split_whitespace().collect::<Vec<_>>().join(" ")
+    said.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// `check` of a pendulum with few points; exit status 0 is demanded.
