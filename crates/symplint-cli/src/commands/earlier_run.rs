@@ -160,7 +160,7 @@ impl EarlierRun {
             if !is_ours {
                 return Err(foreign("report.json"));
             }
-            // By way of text, as the report was, so that numbers are rounded alike.
+            // Converted to text and back, as the report was, so that numbers are rounded in the same way.
             let of_config: Option<serde_json::Value> = serde_json::from_str(&to_json(&config)).ok();
             if of_config.as_ref() != Some(&written["config"]) {
                 return Err(edited());
@@ -225,7 +225,7 @@ impl EarlierRun {
     }
 }
 
-/// The first difference of two configurations, in words. A section that only this run has is none: with it,
+/// The first difference of two configurations, as text. A section that only this run has does not count: with it,
 /// `reproduce` adds items.
 fn difference(path: &str, there: &toml::Table, here: &toml::Table) -> Option<String> {
     for (key, there) in there {

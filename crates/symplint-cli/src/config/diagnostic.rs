@@ -48,7 +48,7 @@ pub const KEYS: &[Key] = &[
     Key::optional(
         "sample_sweep",
         "{ from = \"2^6\", to = \"2^15\", step_size = 0.1 }",
-        "numbers of samples, doubled from … to …; no such sweep if left out",
+        "numbers of samples, doubled from … to …; without that sweep if left out",
     ),
     Key::new(
         "cutoff_q",
