@@ -18,7 +18,7 @@ fn main() -> ExitCode {
     match run(&cli) {
         Ok(status) => status,
         Err(failure) => {
-            anstream::eprintln!("{:?}", miette::Report::from(failure));
+            anstream::eprintln!("{}", output::failure_message(&failure));
             ExitCode::from(2)
         }
     }

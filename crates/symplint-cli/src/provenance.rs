@@ -8,7 +8,7 @@ pub fn start() -> Run {
     Run::start(env!("CARGO_PKG_VERSION"), option_env!("SYMPLINT_COMMIT"))
 }
 
-/// The provenance of what a run has found until now, with the seeds of its configuration.
+/// The provenance of the results of a run so far, with the seeds of its configuration.
 pub fn of(run: &Run, config: &toml::Table) -> Provenance {
     let mut provenance = run.provenance(rayon::current_num_threads());
     for (section, keys) in config {

@@ -588,7 +588,7 @@ fn bad_tables_are_refused_with_their_line() {
     let exchange = Exchange::new("64");
     let folder = exchange.path();
     for (table, says) in [
-        ("1,2\n3,4\n5,x\n", "line 3: \"x\" is no number"),
+        ("1,2\n3,4\n5,x\n", "line 3: \"x\" is not a number"),
         ("1,2,3\n", "line 1: 3 columns"),
         (
             "q_0,p_0\n1,2\n1,2,3\n",
@@ -605,7 +605,7 @@ fn bad_tables_are_refused_with_their_line() {
         assert!(said.contains(says), "{table:?}: {said}");
     }
     let said = refused(folder, &["before.csv", "t.txt"]);
-    assert!(said.contains("neither .npz nor .npy nor .csv"), "{said}");
+    assert!(said.contains("must be .npz, .npy or .csv"), "{said}");
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::plot::{
 };
 
 /// The figures of a diagnosis of `map` by `phase_loop` with their names, and a line on the one that was left
-/// out, if any was. The loop is drawn after a step of size `h`.
+/// out, if any. The loop is drawn after a step of size `h`.
 pub fn check_figures(
     title: &str,
     diagnosis: &Diagnosis,
@@ -67,7 +67,7 @@ fn uncertainty_of(points: &[&Point], x: impl Fn(&Point) -> f64) -> Series {
 }
 
 /// The defects of some loops against step sizes. Those of a broken loop are of two integrals: of the pieces between
-/// its breaks, and with the breaks closed, which alone tells a symplectic map from others.
+/// its breaks, and with the breaks closed, which alone distinguishes a symplectic map.
 fn defects(name: &str, points: &[&Point], style: Style, colors: [usize; 2]) -> Vec<Series> {
     let curve = |of: fn(&Point) -> Option<f64>| -> Vec<(f64, f64)> {
         let at = |point: &&Point| Some((point.step_size, of(point)?));
@@ -149,7 +149,7 @@ fn plane(ensemble: &Ensemble, dof: usize) -> Vec<(f64, f64)> {
 /// Drawn as points, because a line would hide that a loop is broken.
 ///
 /// # Errors
-/// Why it cannot be had, in words. The verdict does not need it, so that this is no failure of the run.
+/// Why it is not available, as a sentence. The verdict does not need it, so the run has not failed.
 fn advanced_loop(
     title: &str,
     map: &dyn TimeAdvance,

@@ -7,7 +7,7 @@ fn exponent(value: f64) -> Option<f64> {
     Some(value.log2()).filter(|exponent| exponent.fract() == 0.0 && *exponent != 0.0)
 }
 
-/// `2^-3` for 0.125; other numbers as they are.
+/// `2^-3` for 0.125; other numbers unchanged.
 pub fn power_of_two(value: f64) -> String {
     if value < 0.0 {
         return format!("-{}", power_of_two(-value));

@@ -9,7 +9,7 @@ use symplint::trace::{Observable, TracePoint};
 
 use crate::figure::{Axis, Panel, Scale, Series, Style, superscript};
 
-/// Palette index of what is no measurement.
+/// Palette index of curves that are not measurements.
 const BLACK: usize = 6;
 
 /// An axis with an automatic range.

@@ -1,7 +1,7 @@
 //! Where a report comes from: the program, the machine's processor, when the run was, its seeds and files.
 //!
-//! Nothing of it is a result. Reports keep it apart from what was measured, which is the same to the last bit
-//! wherever and whenever it is measured.
+//! None of it is a result. Reports keep it apart from what was measured, which is the same to the last bit
+//! in every run.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -32,7 +32,7 @@ impl Run {
         }
     }
 
-    /// The provenance of what this run, on so many threads, has found until now.
+    /// The provenance of what this run, on so many threads, has found so far.
     pub fn provenance(&self, threads: usize) -> Provenance {
         let since = self.date.duration_since(UNIX_EPOCH).unwrap_or_default();
         Provenance {
@@ -131,7 +131,7 @@ fn hexadecimal(bytes: &[u8]) -> String {
     })
 }
 
-/// The name of the processor, where the system tells it, with the architecture that the program was built for.
+/// The name of the processor, where the system reports it, with the architecture that the program was built for.
 fn processor() -> String {
     let architecture = std::env::consts::ARCH;
     // Linux.

@@ -1,13 +1,15 @@
 //! Paragraphs wrapped to a width.
 
 /// The text in lines of at most `width` characters, the first after `first` and the others after `rest`. A
-/// word that is longer than a line has a line of its own. Without a width the text stays on one line.
+/// word that is longer than a line has a line of its own. Without a width the text stays on one line. `first`
+/// may have several lines; the text goes on after the last.
 pub fn wrapped(first: &str, rest: &str, text: &str, width: Option<usize>) -> String {
     let Some(width) = width else {
         return format!("{first}{text}");
     };
     let mut out = first.to_owned();
-    let mut column = first.chars().count();
+    let last = first.rsplit('\n').next().unwrap_or(first);
+    let mut column = last.chars().count();
     let mut at_start = true;
     for word in text.split(' ') {
         let length = word.chars().count();
@@ -52,5 +54,6 @@ mod tests {
         assert_eq!(wrapped("", "", "∮p·dq ≤ 1", Some(7)), "∮p·dq ≤\n1");
         assert_eq!(wrapped("", " ", "a bcdefgh i", Some(4)), "a\n bcdefgh\n i");
         assert_eq!(wrapped("· ", "  ", "", Some(4)), "· ");
+        assert_eq!(wrapped("title\n- ", "  ", "a b", Some(5)), "title\n- a b");
     }
 }

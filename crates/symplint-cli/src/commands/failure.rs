@@ -2,26 +2,23 @@
 
 use std::path::PathBuf;
 
-use miette::Diagnostic;
 use symplint_paper::PaperError;
 use symplint_report::figure::FigureError;
 use symplint_report::loop_file::LoopFileError;
 use symplint_report::report::ReportError;
 use symplint_report::run_folder::WriteError;
 
-use super::run_output::OccupiedError;
-use crate::config::ConfigError;
+use super::earlier_run::OccupiedError;
+use crate::config::{ConfigError, Place};
 
 /// Errors of commands.
-#[derive(Debug, thiserror::Error, Diagnostic)]
+#[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// The configuration.
     #[error(transparent)]
-    #[diagnostic(transparent)]
     Config(#[from] ConfigError),
     /// The folder of `--out` holds something else.
     #[error(transparent)]
-    #[diagnostic(transparent)]
     Occupied(#[from] OccupiedError),
     /// The run itself.
     #[error("the run failed")]
@@ -31,14 +28,12 @@ pub enum Failure {
     Model(#[from] symplint_models::ModelError),
     /// A loop in a file.
     #[error("{0}")]
-    #[diagnostic(help("{}", .0.remedy()))]
     LoopFile(LoopFileError),
     /// A figure.
     #[error(transparent)]
     Figure(#[from] FigureError),
     /// A file or folder that cannot be written.
     #[error("cannot write {}: {reason}", path.display())]
-    #[diagnostic(help("give a path that can be written"))]
     Write {
         /// Its path.
         path: PathBuf,
@@ -47,7 +42,6 @@ pub enum Failure {
     },
     /// A name on the command line.
     #[error("unknown {what} \"{name}\"")]
-    #[diagnostic(help("{suggestion}"))]
     Unknown {
         /// The kind of name.
         what: &'static str,
@@ -58,7 +52,6 @@ pub enum Failure {
     },
     /// Options that are missing, out of range or contradict each other.
     #[error("{message}")]
-    #[diagnostic(help("{remedy}"))]
     Usage {
         /// What is wrong.
         message: String,
@@ -67,7 +60,6 @@ pub enum Failure {
     },
     /// A file that cannot be read.
     #[error("cannot read {}: {reason}", path.display())]
-    #[diagnostic(help("give the report.json of a run folder"))]
     Read {
         /// The file.
         path: PathBuf,
@@ -84,7 +76,6 @@ pub enum Failure {
     },
     /// The thread pool.
     #[error("cannot start the threads: {reason}")]
-    #[diagnostic(help("try --threads 1"))]
     Threads {
         /// The error of the operating system.
         reason: String,
@@ -92,6 +83,33 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// What to do about it, where the text does not say so itself.
+    pub fn remedy(&self) -> Option<String> {
+        Some(match self {
+            Failure::Config(error) => error.remedy.clone(),
+            Failure::Occupied(error) => error.remedy().into(),
+            Failure::LoopFile(error) => error.remedy(),
+            Failure::Write { .. } => "give a path that can be written".into(),
+            Failure::Unknown { suggestion, .. } => suggestion.clone(),
+            Failure::Usage { remedy, .. } => remedy.clone(),
+            Failure::Read { .. } => "give the report.json of a run folder".into(),
+            Failure::Threads { .. } => "try --threads 1".into(),
+            Failure::Run(_) | Failure::Model(_) | Failure::Figure(_) | Failure::Report { .. } => {
+                return None;
+            }
+        })
+    }
+
+    /// The setting that caused it, and a label for it.
+    pub fn position(&self) -> Option<(&Place, &str)> {
+        match self {
+            Failure::Config(ConfigError { position, .. }) => position
+                .as_ref()
+                .map(|(place, label)| (place, label.as_str())),
+            _ => None,
+        }
+    }
+
     /// An error of the library that is caused by an option. Its text ends with the remedy.
     pub fn from_input(error: symplint::Error) -> Self {
         let text = error.to_string();

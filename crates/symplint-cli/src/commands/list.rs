@@ -49,7 +49,7 @@ fn integrator(info: &IntegratorInfo) -> String {
         "not symplectic"
     };
     let mut text = match info.order {
-        0 => format!("Of no order, {symplectic}. "),
+        0 => format!("Order not defined, {symplectic}. "),
         order => format!("Order {order}, {symplectic}. "),
     };
     text += info.summary;

@@ -9,11 +9,11 @@ use crate::cli::{LoopShape, Phases, Shape};
 /// Degrees of freedom at most.
 const MOST_DOF: usize = 1 << 28;
 
-/// Refuses the options of a loop without a configuration beside one.
+/// Refuses the options that describe a loop where there is a configuration.
 ///
 /// # Errors
 /// If one was given.
-pub fn refuse_beside_configuration(options: &LoopShape) -> Result<(), Failure> {
+pub fn refuse_with_configuration(options: &LoopShape) -> Result<(), Failure> {
     let given = [
         ("--dof", options.dof.is_some(), ""),
         ("--q0", !options.q0.is_empty(), "system.q0"),

@@ -1,6 +1,7 @@
 //! One file for each command.
 
 mod check;
+mod earlier_run;
 mod failure;
 mod init;
 mod judge;

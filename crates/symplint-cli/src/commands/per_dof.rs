@@ -5,7 +5,7 @@ use super::Failure;
 /// The values of an option for each of `dof` degrees of freedom; none where the option was not given.
 ///
 /// # Errors
-/// If there are neither one nor `dof` numbers.
+/// If the number of values is not 1 or `dof`.
 pub fn per_dof(option: &str, values: &[f64], dof: usize) -> Result<Option<Vec<f64>>, Failure> {
     match values {
         [] => Ok(None),

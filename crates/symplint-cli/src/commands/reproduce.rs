@@ -35,6 +35,7 @@ pub fn reproduce(arguments: &ReproduceArgs) -> Result<ExitCode, Failure> {
         .collect();
     let output = RunOutput::open(&arguments.out, "reproduce", &config, arguments.force)?;
     let folder = &output.folder;
+    output.remove_earlier(&[])?;
     folder.write_config(&output.config)?;
     let progress = Progress::new("items", arguments.quiet || arguments.json);
     progress.plan(runs.len());

@@ -1,83 +1,19 @@
-//! The folder of `--out`: whether a run may write there, and its files.
+//! The folder of `--out`.
 //!
-//! A run folder is recognised by the first line of its `config.toml`. Only a new or empty folder and the
-//! folder of a run of the same configuration are written to; `--force` adds those of other runs. A folder with
-//! files that symplint did not write, or with a `config.toml` that was edited, is never written to.
+//! Only a new or empty folder and the folder of a run of the same configuration are written to, and with
+//! `--force` those of other runs. A folder with files that symplint did not write, or with a `config.toml` that
+//! was edited, is never written to.
 
 use std::fs;
-use std::io::{Error, ErrorKind};
-use std::path::{Path, PathBuf};
+use std::io::ErrorKind;
+use std::path::Path;
 
 use symplint_report::figure::Figure;
-use symplint_report::report::to_json;
 use symplint_report::run_folder::RunFolder;
 
 use super::Failure;
+use super::earlier_run::{EarlierRun, RECORDS, config_text, figure_files, loop_file};
 use crate::cli::Run;
-use crate::config::parse_number;
-
-/// The beginning of a `config.toml` in a run folder; the command follows.
-const MARKER: &str = "# symplint run folder: ";
-
-/// All figures of runs. One that a run does not draw must not remain from an earlier run.
-const FIGURES: [&str; 6] = [
-    "step_sizes",
-    "samples",
-    "loop",
-    "loop_integral",
-    "energy",
-    "loops",
-];
-
-/// Why a folder is not written to.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-pub enum OccupiedError {
-    /// A file of the same name.
-    #[error("{} is a file, not a folder", path.display())]
-    #[diagnostic(help("give --out a folder that is new or empty"))]
-    NotAFolder {
-        /// The path.
-        path: PathBuf,
-    },
-    /// The folder or a file in it cannot be read.
-    #[error("cannot read {}: {reason}", path.display())]
-    #[diagnostic(help("give --out a folder that is new or empty"))]
-    Unreadable {
-        /// The path.
-        path: PathBuf,
-        /// The error of the operating system.
-        reason: String,
-    },
-    /// Files of someone else.
-    #[error("{} is not empty and not a run folder: symplint did not write {file}", folder.display())]
-    #[diagnostic(help(
-        "give --out a folder that is new or empty; --force does not replace such files"
-    ))]
-    Foreign {
-        /// The folder.
-        folder: PathBuf,
-        /// One of the files.
-        file: String,
-    },
-    /// A run folder that was changed by hand.
-    #[error("config.toml in {} was changed after the run", folder.display())]
-    #[diagnostic(help(
-        "give --out a folder that is new or empty; --force does not replace such files"
-    ))]
-    Edited {
-        /// The folder.
-        folder: PathBuf,
-    },
-    /// The run of another command or configuration.
-    #[error("{} holds another run: {difference}", folder.display())]
-    #[diagnostic(help("give --out another folder, or add --force to replace that run"))]
-    OtherRun {
-        /// The folder.
-        folder: PathBuf,
-        /// The first difference.
-        difference: String,
-    },
-}
 
 /// The folder of a run, and the text of its `config.toml`.
 pub struct RunOutput {
@@ -85,6 +21,7 @@ pub struct RunOutput {
     pub folder: RunFolder,
     /// `config.toml`: the configuration with all defaults.
     pub config: String,
+    earlier: Option<EarlierRun>,
 }
 
 impl RunOutput {
@@ -108,18 +45,19 @@ impl RunOutput {
         config: &toml::Table,
         force: bool,
     ) -> Result<Self, Failure> {
-        match EarlierRun::in_folder(path)? {
-            Some(earlier) if !force => earlier.check_same(path, command, config)?,
-            _ => {}
+        let earlier = EarlierRun::in_folder(path)?;
+        if let Some(earlier) = earlier.as_ref().filter(|_| !force) {
+            earlier.check_same(path, command, config)?;
         }
         Ok(RunOutput {
             folder: RunFolder::create(path)?,
             config: config_text(command, config),
+            earlier,
         })
     }
 
-    /// Writes the figures, and removes figures and loops of an earlier run that this run does not have.
-    /// `snapshots` are the steps of its loops.
+    /// Writes the figures of a run with `report.json`, `points.csv` and loops at the steps `snapshots`, and
+    /// removes what an earlier run wrote and this one does not.
     ///
     /// # Errors
     /// If a file cannot be written or removed.
@@ -128,236 +66,32 @@ impl RunOutput {
         figures: Vec<(&'static str, Figure)>,
         snapshots: &[usize],
     ) -> Result<(), Failure> {
-        let folder = self.folder.figures();
-        let drawn = |name| figures.iter().any(|(one, _)| *one == name);
-        for name in FIGURES.into_iter().filter(|&name| !drawn(name)) {
-            for extension in ["svg", "png"] {
-                remove(&folder.join(name).with_extension(extension))?;
-            }
-        }
-        for name in entries(self.folder.path())? {
-            let step = (name.strip_prefix("loop_"))
-                .and_then(|rest| rest.strip_suffix(".csv")?.parse().ok());
-            if step.is_some_and(|step| !snapshots.contains(&step)) {
-                remove(&self.folder.path().join(name))?;
-            }
-        }
+        let mut kept: Vec<String> = RECORDS.map(str::to_owned).to_vec();
+        kept.extend(figures.iter().flat_map(|(name, _)| figure_files(name)));
+        kept.extend(snapshots.iter().map(|step| loop_file(*step)));
+        self.remove_earlier(&kept)?;
         for (name, figure) in figures {
-            figure.save(&folder, name)?;
+            figure.save(&self.folder.figures(), name)?;
         }
         Ok(())
     }
-}
 
-/// The text of `config.toml` in a run folder.
-fn config_text(command: &str, config: &toml::Table) -> String {
-    format!(
-        "{MARKER}{command}\n\
-         # The configuration of the run with all defaults. To change it, copy it to another folder.\n\n\
-         {config}"
-    )
-}
-
-/// What a run folder holds.
-struct EarlierRun {
-    command: String,
-    config: toml::Table,
-}
-
-impl EarlierRun {
-    /// The run in a folder; none where the folder is new or empty.
-    fn in_folder(path: &Path) -> Result<Option<Self>, OccupiedError> {
-        match fs::metadata(path) {
-            // Of the second, creating the folder says more.
-            Err(error)
-                if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
-            {
-                return Ok(None);
-            }
-            Ok(found) if !found.is_dir() => {
-                let path = path.to_owned();
-                return Err(OccupiedError::NotAFolder { path });
-            }
-            _ => {}
-        }
-        let mut names = entries(path)?;
-        // A run that was refused leaves an empty folder of figures.
-        if names.iter().any(|name| name == "figures") && is_empty_folder(&path.join("figures")) {
-            names.retain(|name| name != "figures");
-        }
-        let Some(first) = names.first() else {
-            return Ok(None);
-        };
-        let foreign = |file: &str| OccupiedError::Foreign {
-            folder: path.to_owned(),
-            file: file.to_owned(),
-        };
-        if !names.iter().any(|name| name == "config.toml") {
-            return Err(foreign(first));
-        }
-        let text = read(&path.join("config.toml"))?;
-        let command = text
-            .lines()
-            .next()
-            .and_then(|line| line.strip_prefix(MARKER));
-        let Some(command) = command else {
-            return Err(foreign("config.toml"));
-        };
-        let edited = || OccupiedError::Edited {
-            folder: path.to_owned(),
-        };
-        let config: toml::Table = text.parse().map_err(|_| edited())?;
-        if config_text(command, &config) != text {
-            return Err(edited());
-        }
-        // A run that failed at once leaves nothing but its configuration.
-        if names == ["config.toml"] {
-            return Ok(None);
-        }
-        let report = path.join("report.json");
-        if report.exists() {
-            let written: serde_json::Value =
-                serde_json::from_str(&read(&report)?).map_err(|_| foreign("report.json"))?;
-            let is_ours =
-                (written["schema"].as_str()).is_some_and(|schema| schema.starts_with("symplint/"));
-            if !is_ours {
-                return Err(foreign("report.json"));
-            }
-            // By way of text, as the report was, so that numbers are rounded alike.
-            let of_config: Option<serde_json::Value> = serde_json::from_str(&to_json(&config)).ok();
-            if of_config.as_ref() != Some(&written["config"]) {
-                return Err(edited());
+    /// Removes what an earlier run wrote, except the files `kept`.
+    ///
+    /// # Errors
+    /// If a file cannot be removed.
+    pub fn remove_earlier(&self, kept: &[String]) -> Result<(), Failure> {
+        let files = self.earlier.as_ref().map_or(Vec::new(), EarlierRun::files);
+        for file in files.into_iter().filter(|file| !kept.contains(file)) {
+            let path = self.folder.path().join(file);
+            match fs::remove_file(&path) {
+                Err(error) if error.kind() != ErrorKind::NotFound => {
+                    let reason = error.to_string();
+                    return Err(Failure::Write { path, reason });
+                }
+                _ => {}
             }
         }
-        Ok(Some(EarlierRun {
-            command: command.to_owned(),
-            config,
-        }))
-    }
-
-    /// Checks that a run of `command` with `config` may replace this one.
-    fn check_same(
-        &self,
-        folder: &Path,
-        command: &str,
-        config: &toml::Table,
-    ) -> Result<(), OccupiedError> {
-        let difference = if self.command == command {
-            difference("", &self.config, config)
-        } else {
-            Some(format!(
-                "of `symplint {}`, and this is `symplint {command}`",
-                self.command
-            ))
-        };
-        match difference {
-            None => Ok(()),
-            Some(difference) => Err(OccupiedError::OtherRun {
-                folder: folder.to_owned(),
-                difference,
-            }),
-        }
-    }
-}
-
-/// The first difference of two configurations, in words. A section that only this run has is none: with it,
-/// `reproduce` adds items.
-fn difference(path: &str, there: &toml::Table, here: &toml::Table) -> Option<String> {
-    for (key, there) in there {
-        let dotted = join(path, key);
-        let found = match (there, here.get(key)) {
-            (toml::Value::Table(there), Some(toml::Value::Table(here))) => {
-                difference(&dotted, there, here)
-            }
-            (there, Some(here)) if same(there, here) => None,
-            (there, Some(here)) => Some(format!(
-                "{dotted} is {} there and {} here",
-                short(there),
-                short(here)
-            )),
-            (_, None) => Some(format!("it has {dotted}, and this run does not")),
-        };
-        if found.is_some() {
-            return found;
-        }
-    }
-    (here.keys())
-        .find(|key| !path.is_empty() && !there.contains_key(*key))
-        .map(|key| format!("this run has {}, and it does not", join(path, key)))
-}
-
-fn join(path: &str, key: &str) -> String {
-    if path.is_empty() {
-        key.to_owned()
-    } else {
-        format!("{path}.{key}")
-    }
-}
-
-/// A value in a few characters.
-fn short(value: &toml::Value) -> String {
-    const LONGEST: usize = 60;
-    let text = match value {
-        toml::Value::Float(number) if *number != 0.0 && !(1e-4..1e6).contains(&number.abs()) => {
-            format!("{number:e}")
-        }
-        _ => value.to_string(),
-    };
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{} …", &text[..end]),
-        None => text,
-    }
-}
-
-/// Whether two values are the same, also where one number is written in another way.
-fn same(one: &toml::Value, other: &toml::Value) -> bool {
-    let number = |value: &toml::Value| match value {
-        toml::Value::Integer(number) => Some(*number as f64),
-        toml::Value::Float(number) => Some(*number),
-        toml::Value::String(text) => parse_number(text),
-        _ => None,
-    };
-    match (one, other) {
-        (toml::Value::Array(one), toml::Value::Array(other)) => {
-            one.len() == other.len() && one.iter().zip(other).all(|(a, b)| same(a, b))
-        }
-        _ => one == other || number(one).is_some_and(|value| Some(value) == number(other)),
-    }
-}
-
-fn is_empty_folder(path: &Path) -> bool {
-    fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none())
-}
-
-/// The names in a folder, sorted.
-fn entries(folder: &Path) -> Result<Vec<String>, OccupiedError> {
-    let unreadable = |error: Error| OccupiedError::Unreadable {
-        path: folder.to_owned(),
-        reason: error.to_string(),
-    };
-    let mut names = fs::read_dir(folder)
-        .map_err(unreadable)?
-        .map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()))
-        .collect::<Result<Vec<String>, Error>>()
-        .map_err(unreadable)?;
-    names.sort();
-    Ok(names)
-}
-
-fn read(path: &Path) -> Result<String, OccupiedError> {
-    fs::read_to_string(path).map_err(|error| OccupiedError::Unreadable {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    })
-}
-
-/// Removes a file that may not be there.
-fn remove(path: &Path) -> Result<(), Failure> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != ErrorKind::NotFound => Err(Failure::Write {
-            path: path.to_owned(),
-            reason: error.to_string(),
-        }),
-        _ => Ok(()),
+        Ok(())
     }
 }

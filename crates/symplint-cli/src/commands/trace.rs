@@ -10,6 +10,7 @@ use symplint_report::report::TraceReport;
 use symplint_report::table::trace_table;
 
 use super::Failure;
+use super::earlier_run::loop_file;
 use super::run_output::RunOutput;
 use crate::cli::TraceArgs;
 use crate::config::{Config, ConfigError};
@@ -38,7 +39,7 @@ pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
         folder.write_json("report.json", &report)?;
         folder.write_csv("points.csv", &record.points)?;
         for (step, ensemble) in &record.snapshots {
-            folder.write_samples(&format!("loop_{step}.csv"), ensemble)?;
+            folder.write_samples(&loop_file(*step), ensemble)?;
         }
         let title = format!("{}, {}", config.system.name, config.integrator);
         let hamiltonian = config.system.model.hamiltonian();

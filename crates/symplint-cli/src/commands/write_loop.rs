@@ -105,7 +105,7 @@ fn sampled_loop(arguments: &LoopArgs) -> Result<(Box<dyn Loop>, Coordinates, usi
             arguments.samples.unwrap_or(SAMPLES),
         ));
     };
-    loop_shape::refuse_beside_configuration(&arguments.shape)?;
+    loop_shape::refuse_with_configuration(&arguments.shape)?;
     let config = Config::load(path, &arguments.settings.set)?;
     let samples = arguments
         .samples

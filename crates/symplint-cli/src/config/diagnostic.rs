@@ -28,7 +28,7 @@ pub const KEYS: &[Key] = &[
     Key::new(
         "budget",
         "\"auto\"",
-        "evaluations (one state advanced by one step) at most: \"auto\", or a number from 200",
+        "most evaluations, states advanced by one step: \"auto\", or a number from 200",
     ),
     Key::new(
         "tolerance",
@@ -48,7 +48,7 @@ pub const KEYS: &[Key] = &[
     Key::optional(
         "sample_sweep",
         "{ from = \"2^6\", to = \"2^15\", step_size = 0.1 }",
-        "numbers of samples, doubled from … to …; no such sweep if left out",
+        "numbers of samples, doubled from … to …; without that sweep if left out",
     ),
     Key::new(
         "cutoff_q",
@@ -76,7 +76,7 @@ pub const KEYS: &[Key] = &[
     Key::new(
         "jacobian",
         "true",
-        "whether the Jacobian of one step is checked, too",
+        "whether the Jacobian of one step is also checked",
     ),
     Key::new(
         "localise",

@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use miette::NamedSource;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::error::{ConfigError, Place};
+use super::error::{ConfigError, Place, Source};
 
 /// The source name of settings from the command line.
 pub const SETTING: &str = "--set";
@@ -94,8 +93,11 @@ pub fn settings_only(settings: &[String]) -> Result<Table, ConfigError> {
 
 /// Parses TOML.
 pub fn parse(name: &str, text: String) -> Result<Table, ConfigError> {
-    let source = Arc::new(NamedSource::new(name, text));
-    let parsed = DeTable::parse(source.inner()).map_err(|error| {
+    let source = Arc::new(Source {
+        name: name.to_owned(),
+        text,
+    });
+    let parsed = DeTable::parse(&source.text).map_err(|error| {
         let place = Place {
             source: Arc::clone(&source),
             span: error.span().unwrap_or(0..0),
@@ -147,10 +149,7 @@ fn overlay(table: &mut Table, over: Table) {
     }
 }
 
-fn convert_table(
-    table: &DeTable<'_>,
-    source: &Arc<NamedSource<String>>,
-) -> Result<Table, ConfigError> {
+fn convert_table(table: &DeTable<'_>, source: &Arc<Source>) -> Result<Table, ConfigError> {
     let place = |span| Place {
         source: Arc::clone(source),
         span,
@@ -163,10 +162,7 @@ fn convert_table(
     Ok(Table { entries })
 }
 
-fn convert(
-    value: &Spanned<DeValue<'_>>,
-    source: &Arc<NamedSource<String>>,
-) -> Result<Node, ConfigError> {
+fn convert(value: &Spanned<DeValue<'_>>, source: &Arc<Source>) -> Result<Node, ConfigError> {
     let place = Place {
         source: Arc::clone(source),
         span: value.span(),

@@ -260,7 +260,7 @@ fn of_another(section: &Section, key: &str) -> bool {
     let set = |key| {
         section
             .written_place(key)
-            .is_some_and(|place| place.source.name() == SETTING)
+            .is_some_and(|place| place.source.name == SETTING)
     };
     set("name") && !set(key)
 }

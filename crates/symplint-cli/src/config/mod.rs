@@ -1,7 +1,7 @@
 //! Configurations: a file and `--set` settings give a map, a loop and a diagnostic.
 
 mod diagnostic;
-mod document;
+pub mod document;
 mod error;
 mod integrator;
 mod item_settings;
@@ -17,7 +17,7 @@ use std::path::Path;
 
 use symplint::{Diagnostic, Loop, TimeAdvance};
 
-pub use error::ConfigError;
+pub use error::{ConfigError, Place};
 pub use item_settings::item_settings;
 pub use number::parse as parse_number;
 pub use section::suggestion;

@@ -426,7 +426,7 @@ pub fn check_keys(
     Ok(())
 }
 
-/// Keys that had another name, which resembles too little for a suggestion: the old name and the new one.
+/// Former names of keys that are not similar enough for a suggestion: the old name and the new one.
 const RENAMED: [(&str, &str); 1] = [("stages", "localise")];
 
 /// The known name that is most similar, and all of them.

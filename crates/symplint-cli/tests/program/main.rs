@@ -357,6 +357,8 @@ fn every_system_has_a_starter_that_runs() {
         assert!(listed.contains(name));
         let starter = text(&symplint(&["init", name]).stdout);
         assert!(starter.contains("# "), "it is commented:\n{starter}");
+        let longest = starter.lines().map(|line| line.chars().count()).max();
+        assert!(longest <= Some(80), "{starter}");
         let (_folder, path) = configuration(&starter);
         // Few pendula, so that it is quick; every other key as the starter has it.
         let pendula = if name == "pendulum-array" {

@@ -13,8 +13,7 @@ fn refused(arguments: &[&str]) -> String {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
     assert!(output.stdout.is_empty(), "{}", text(&output.stdout));
-    let unfolded = said.replace('│', " ");
-    unfolded.split_whitespace().collect::<Vec<_>>().join(" ")
+    said.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// `check` of a pendulum with few points; exit status 0 is demanded.
@@ -113,8 +112,22 @@ fn commands_do_not_share_a_folder() {
     assert!(!out.join("figures/step_sizes.svg").exists());
     let said = refused(&arguments(&path, &out));
     assert!(said.contains("of `symplint trace`"), "{said}");
+    // Of the loops in the folder, the trace wrote the first.
+    let own = out.join("loop_7.csv");
+    fs::write(&own, "Mine.").unwrap();
     check(&path, &out, &["--force"]);
     assert!(!out.join("loop_0.csv").exists());
+    assert!(!out.join("figures/energy.svg").exists());
+    assert_eq!(fs::read_to_string(&own).unwrap(), "Mine.");
+
+    let out = out.to_str().unwrap();
+    let reproduce = ["reproduce", "formulas", "--out", out];
+    let said = refused(&reproduce);
+    assert!(said.contains("of `symplint check`"), "{said}");
+    let forced = symplint(&[&reproduce[..], &["--force"]].concat());
+    assert_eq!(forced.status.code(), Some(0), "{}", text(&forced.stderr));
+    // Its own run again.
+    assert_eq!(symplint(&reproduce).status.code(), Some(0));
 }
 
 #[test]

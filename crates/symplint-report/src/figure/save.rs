@@ -14,7 +14,7 @@ impl Figure {
     /// # Errors
     ///
     /// [`FigureError`] if the figure has no panels, is too large for a picture, or a file
-    /// cannot be written. Values that an axis cannot show are no error.
+    /// cannot be written. Values that an axis cannot show are left out without an error.
     pub fn save(&self, folder: &Path, name: &str) -> Result<(), FigureError> {
         let base = folder.join(name);
         if self.panels.is_empty() {

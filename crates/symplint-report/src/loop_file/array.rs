@@ -70,8 +70,8 @@ impl Array {
             return Err(cut_short(promised));
         }
         let shape: Vec<usize> = shape.into_iter().map(|axis| axis as usize).collect();
-        // An axis of length zero promises nothing, so that the others can claim any length: they are not run
-        // through. What wants values refuses the shape.
+        // With an axis of length zero there are no values, and the other axes can claim any length: nothing is
+        // read. Callers that need values refuse the shape.
         if shape.contains(&0) {
             return Ok(Array {
                 shape,
@@ -116,7 +116,7 @@ impl Array {
     }
 }
 
-/// Size of the header of an `.npy` file with all that comes before it; `None` if this is no such file.
+/// Size of the header of an `.npy` file with all that comes before it; `None` if it is not such a file.
 fn header_size(bytes: &[u8]) -> Option<u128> {
     if !bytes.starts_with(b"\x93NUMPY") {
         return None;

@@ -1,12 +1,12 @@
-//! Why a file of a loop is of no use, and what to do.
+//! Why a file of a loop cannot be used, and what to do.
 
 use std::path::PathBuf;
 
 /// What is wrong with a file of a loop.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LoopFileError {
-    /// The name says no format.
-    #[error("{} is neither .npz nor .npy nor .csv", path.display())]
+    /// The name does not end in that of a format.
+    #[error("{} must be .npz, .npy or .csv", path.display())]
     Format {
         /// The file.
         path: PathBuf,
@@ -37,7 +37,7 @@ pub enum LoopFileError {
         /// What there is.
         found: Vec<String>,
     },
-    /// An array that is none.
+    /// An array that cannot be read.
     #[error("{} holds no array that can be read{}: {reason}", path.display(), in_array(.array))]
     Broken {
         /// The file.
@@ -49,7 +49,7 @@ pub enum LoopFileError {
     },
     /// The header promises more than there is.
     #[error(
-        "{} is cut short{}: its header promises {promised} bytes where there are {there}",
+        "{} is cut short{}: its header promises {promised} bytes and the file has {there}",
         path.display(), in_array(.array)
     )]
     CutShort {
@@ -62,7 +62,7 @@ pub enum LoopFileError {
         /// Bytes there are.
         there: usize,
     },
-    /// Values that are no floating-point numbers.
+    /// Values that are not floating-point numbers.
     #[error("{} holds {descr} values{}", path.display(), in_array(.array))]
     Type {
         /// The file.
@@ -106,7 +106,7 @@ pub enum LoopFileError {
         shape_before: (usize, usize),
     },
     /// Too few samples for a loop.
-    #[error("{} has {samples} samples of {dof} degrees of freedom: no loop", path.display())]
+    #[error("{} has {samples} samples of {dof} degrees of freedom, too few for a loop", path.display())]
     TooSmall {
         /// The file.
         path: PathBuf,
@@ -141,7 +141,7 @@ pub enum LoopFileError {
         /// NaN or an infinity.
         value: f64,
     },
-    /// A table that is no table of a loop.
+    /// A table that does not describe a loop.
     #[error("{}, line {line}: {message}", path.display())]
     Table {
         /// The file.

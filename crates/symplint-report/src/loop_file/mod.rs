@@ -85,7 +85,7 @@ impl LoopFile {
     /// The files that hold it: two where it is a pair.
     ///
     /// # Errors
-    /// If the name says no format.
+    /// If the name does not end in that of a format.
     pub fn paths(&self) -> Result<Vec<PathBuf>, LoopFileError> {
         Ok(match Format::of(&self.path)? {
             Format::NpyPair => {
@@ -110,7 +110,7 @@ impl LoopFile {
         self.paths()?.into_iter().map(hash).collect()
     }
 
-    /// Whether the file that it is written to has room for period, weight and step size.
+    /// Whether the format of the file can hold period, weight and step size.
     pub fn carries_settings(&self) -> bool {
         Format::of(&self.path) == Ok(Format::Npz)
     }

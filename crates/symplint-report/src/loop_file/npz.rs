@@ -10,7 +10,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 use super::array::{Accept, Array};
 use super::{LoopFile, LoopFileError};
 
-/// Bytes of an unpacked array at most: what no ensemble needs, a forged archive may claim.
+/// Bytes of an unpacked array at most: more than any ensemble needs. A forged archive can claim any size.
 const MOST_BYTES: u64 = 1 << 36;
 
 struct Archive<'a> {
@@ -20,7 +20,7 @@ struct Archive<'a> {
 
 impl Archive<'_> {
     fn names(&self) -> Vec<String> {
-        // A name that cannot be decoded is none that a person could use.
+        // A name that cannot be decoded cannot be typed either.
         let mut names: Vec<String> = (self.zip.file_names().flatten())
             .filter_map(|name| name.strip_suffix(".npy").map(str::to_owned))
             .collect();

@@ -66,8 +66,8 @@ pub fn read(path: &Path) -> Result<LoopFile, LoopFileError> {
         for (values, wanted) in [(&mut q, &columns.q), (&mut p, &columns.p)] {
             for &column in wanted {
                 let text = &record[column];
-                let value: f64 =
-                    (text.parse()).map_err(|_| wrong(line, format!("\"{text}\" is no number")))?;
+                let value: f64 = (text.parse())
+                    .map_err(|_| wrong(line, format!("\"{text}\" is not a number")))?;
                 digits = digits.max(significant_digits(text));
                 values.push(value);
             }
@@ -117,7 +117,7 @@ impl Columns {
         })
     }
 
-    /// By a header: q, q_0 or q0 and so on, and `s`, which is left aside.
+    /// By a header: q, q_0 or q0 and so on, and `s`, which is ignored.
     fn named(header: &StringRecord) -> Result<Self, String> {
         let mut found = [Vec::new(), Vec::new()];
         for (column, name) in header.iter().enumerate() {
@@ -161,7 +161,7 @@ impl Columns {
     }
 }
 
-/// A first line of names; a number mistyped is none.
+/// A first line of names; a mistyped number is not a name.
 pub fn is_header(record: &StringRecord) -> bool {
     (record.iter()).all(|field| {
         field.starts_with(|c: char| c.is_alphabetic()) && field.parse::<f64>().is_err()

@@ -27,7 +27,7 @@ impl RecordTable {
     /// Adds a record, the header before the first.
     ///
     /// # Errors
-    /// If it cannot be written, or is no record of plain values.
+    /// If it cannot be written, or is not a record of plain values.
     pub fn push(&mut self, record: &impl Serialize) -> csv::Result<()> {
         let mut fields = WriterBuilder::new()
             .has_headers(self.is_empty)

@@ -72,7 +72,7 @@ pub const SYSTEMS: &[SystemInfo] = &[
 
 /// Reads `[system]`.
 ///
-/// Comes with what there is to know of the system by name.
+/// Comes with the entry of the system in the table.
 pub fn read(
     node: Option<&Node>,
     folder: &Path,

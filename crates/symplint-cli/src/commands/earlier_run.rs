@@ -1,0 +1,317 @@
+//! What a folder holds before a run: nothing, an earlier run, or files of others.
+//!
+//! A run folder is recognised by the first line of its `config.toml`.
+
+use std::fs;
+use std::io::{Error, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use symplint_report::report::to_json;
+
+use crate::config::parse_number;
+
+/// The beginning of a `config.toml` in a run folder; the command follows.
+const MARKER: &str = "# symplint run folder: ";
+
+/// Why a folder is not written to.
+#[derive(Debug, thiserror::Error)]
+pub enum OccupiedError {
+    /// A file of the same name.
+    #[error("{} is a file, not a folder", path.display())]
+    NotAFolder {
+        /// The path.
+        path: PathBuf,
+    },
+    /// The folder or a file in it cannot be read.
+    #[error("cannot read {}: {reason}", path.display())]
+    Unreadable {
+        /// The path.
+        path: PathBuf,
+        /// The error of the operating system.
+        reason: String,
+    },
+    /// Files that symplint did not write.
+    #[error("{} is not empty and not a run folder: symplint did not write {file}", folder.display())]
+    Foreign {
+        /// The folder.
+        folder: PathBuf,
+        /// One of the files.
+        file: String,
+    },
+    /// A run folder that was changed by hand.
+    #[error("config.toml in {} was changed after the run", folder.display())]
+    Edited {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The run of another command or configuration.
+    #[error("{} holds another run: {difference}", folder.display())]
+    OtherRun {
+        /// The folder.
+        folder: PathBuf,
+        /// The first difference.
+        difference: String,
+    },
+}
+
+impl OccupiedError {
+    /// What to do about it.
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            OccupiedError::NotAFolder { .. } | OccupiedError::Unreadable { .. } => {
+                "give --out a folder that is new or empty"
+            }
+            OccupiedError::Foreign { .. } | OccupiedError::Edited { .. } => {
+                "give --out a folder that is new or empty; --force does not replace such files"
+            }
+            OccupiedError::OtherRun { .. } => {
+                "give --out another folder, or add --force to replace that run"
+            }
+        }
+    }
+}
+
+/// The files of `check`, `trace` and `measure` beside the configuration and the figures.
+pub const RECORDS: [&str; 2] = ["report.json", "points.csv"];
+
+pub fn figure_files(name: &str) -> [String; 2] {
+    ["svg", "png"].map(|extension| format!("figures/{name}.{extension}"))
+}
+
+/// The loop of a trace after so many steps.
+pub fn loop_file(step: usize) -> String {
+    format!("loop_{step}.csv")
+}
+
+/// The text of `config.toml` in a run folder.
+pub fn config_text(command: &str, config: &toml::Table) -> String {
+    format!(
+        "{MARKER}{command}\n\
+         # The configuration of the run with all defaults. To change it, copy it to another folder.\n\n\
+         {config}"
+    )
+}
+
+/// The run in a run folder.
+pub struct EarlierRun {
+    command: String,
+    config: toml::Table,
+}
+
+impl EarlierRun {
+    /// The run in a folder; none where the folder is new or empty.
+    ///
+    /// # Errors
+    /// If the folder holds files that symplint did not write, or that were changed since.
+    pub fn in_folder(path: &Path) -> Result<Option<Self>, OccupiedError> {
+        match fs::metadata(path) {
+            // Creating the folder gives the message where its parent is a file.
+            Err(error)
+                if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
+            {
+                return Ok(None);
+            }
+            Ok(found) if !found.is_dir() => {
+                let path = path.to_owned();
+                return Err(OccupiedError::NotAFolder { path });
+            }
+            _ => {}
+        }
+        let mut names = entries(path)?;
+        // A run that was refused leaves an empty folder of figures.
+        if names.iter().any(|name| name == "figures") && is_empty_folder(&path.join("figures")) {
+            names.retain(|name| name != "figures");
+        }
+        let Some(first) = names.first() else {
+            return Ok(None);
+        };
+        let foreign = |file: &str| OccupiedError::Foreign {
+            folder: path.to_owned(),
+            file: file.to_owned(),
+        };
+        if !names.iter().any(|name| name == "config.toml") {
+            return Err(foreign(first));
+        }
+        let text = read(&path.join("config.toml"))?;
+        let command = text
+            .lines()
+            .next()
+            .and_then(|line| line.strip_prefix(MARKER));
+        let Some(command) = command else {
+            return Err(foreign("config.toml"));
+        };
+        let edited = || OccupiedError::Edited {
+            folder: path.to_owned(),
+        };
+        let config: toml::Table = text.parse().map_err(|_| edited())?;
+        if config_text(command, &config) != text {
+            return Err(edited());
+        }
+        // A run that failed at once leaves nothing but its configuration.
+        if names == ["config.toml"] {
+            return Ok(None);
+        }
+        let report = path.join("report.json");
+        if report.exists() {
+            let written: serde_json::Value =
+                serde_json::from_str(&read(&report)?).map_err(|_| foreign("report.json"))?;
+            let is_ours =
+                (written["schema"].as_str()).is_some_and(|schema| schema.starts_with("symplint/"));
+            if !is_ours {
+                return Err(foreign("report.json"));
+            }
+            // Converted to text and back, as the report was, so that numbers are rounded in the same way.
+            let of_config: Option<serde_json::Value> = serde_json::from_str(&to_json(&config)).ok();
+            if of_config.as_ref() != Some(&written["config"]) {
+                return Err(edited());
+            }
+        }
+        Ok(Some(EarlierRun {
+            command: command.to_owned(),
+            config,
+        }))
+    }
+
+    /// The files that the run may have written beside `config.toml`. Those of items of the paper are not known.
+    pub fn files(&self) -> Vec<String> {
+        let figures: &[&str] = match self.command.as_str() {
+            "check" => &["step_sizes", "samples", "loop"],
+            "measure" => &["step_sizes", "loop"],
+            "trace" => &["loop_integral", "energy", "loops"],
+            _ => return vec!["claims.json".into(), "claims.md".into()],
+        };
+        let mut files: Vec<String> = RECORDS.map(str::to_owned).to_vec();
+        files.extend(figures.iter().flat_map(|name| figure_files(name)));
+        let snapshots = self
+            .config
+            .get("trace")
+            .and_then(|trace| trace.get("snapshots"));
+        let steps = snapshots
+            .and_then(toml::Value::as_array)
+            .filter(|_| self.command == "trace");
+        let steps = steps
+            .into_iter()
+            .flatten()
+            .filter_map(toml::Value::as_integer);
+        files.extend(steps.filter_map(|step| Some(loop_file(usize::try_from(step).ok()?))));
+        files
+    }
+
+    /// Checks that this is the run of `command` with `config`.
+    ///
+    /// # Errors
+    /// If it is another run.
+    pub fn check_same(
+        &self,
+        folder: &Path,
+        command: &str,
+        config: &toml::Table,
+    ) -> Result<(), OccupiedError> {
+        let difference = if self.command == command {
+            difference("", &self.config, config)
+        } else {
+            Some(format!(
+                "of `symplint {}`, and this is `symplint {command}`",
+                self.command
+            ))
+        };
+        match difference {
+            None => Ok(()),
+            Some(difference) => Err(OccupiedError::OtherRun {
+                folder: folder.to_owned(),
+                difference,
+            }),
+        }
+    }
+}
+
+/// The first difference of two configurations, as text. A section that only this run has does not count: with it,
+/// `reproduce` adds items.
+fn difference(path: &str, there: &toml::Table, here: &toml::Table) -> Option<String> {
+    for (key, there) in there {
+        let dotted = join(path, key);
+        let found = match (there, here.get(key)) {
+            (toml::Value::Table(there), Some(toml::Value::Table(here))) => {
+                difference(&dotted, there, here)
+            }
+            (there, Some(here)) if same(there, here) => None,
+            (there, Some(here)) => Some(format!(
+                "{dotted} is {} there and {} here",
+                short(there),
+                short(here)
+            )),
+            (_, None) => Some(format!("it has {dotted}, and this run does not")),
+        };
+        if found.is_some() {
+            return found;
+        }
+    }
+    (here.keys())
+        .find(|key| !path.is_empty() && !there.contains_key(*key))
+        .map(|key| format!("this run has {}, and it does not", join(path, key)))
+}
+
+fn join(path: &str, key: &str) -> String {
+    if path.is_empty() {
+        key.to_owned()
+    } else {
+        format!("{path}.{key}")
+    }
+}
+
+/// A value in a few characters.
+fn short(value: &toml::Value) -> String {
+    const LONGEST: usize = 60;
+    let text = match value {
+        toml::Value::Float(number) if *number != 0.0 && !(1e-4..1e6).contains(&number.abs()) => {
+            format!("{number:e}")
+        }
+        _ => value.to_string(),
+    };
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{} …", &text[..end]),
+        None => text,
+    }
+}
+
+/// Whether two values are the same, also where one number is written in another way.
+fn same(one: &toml::Value, other: &toml::Value) -> bool {
+    let number = |value: &toml::Value| match value {
+        toml::Value::Integer(number) => Some(*number as f64),
+        toml::Value::Float(number) => Some(*number),
+        toml::Value::String(text) => parse_number(text),
+        _ => None,
+    };
+    match (one, other) {
+        (toml::Value::Array(one), toml::Value::Array(other)) => {
+            one.len() == other.len() && one.iter().zip(other).all(|(a, b)| same(a, b))
+        }
+        _ => one == other || number(one).is_some_and(|value| Some(value) == number(other)),
+    }
+}
+
+fn is_empty_folder(path: &Path) -> bool {
+    fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none())
+}
+
+/// The names in a folder, sorted.
+fn entries(folder: &Path) -> Result<Vec<String>, OccupiedError> {
+    let unreadable = |error: Error| OccupiedError::Unreadable {
+        path: folder.to_owned(),
+        reason: error.to_string(),
+    };
+    let mut names = fs::read_dir(folder)
+        .map_err(unreadable)?
+        .map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()))
+        .collect::<Result<Vec<String>, Error>>()
+        .map_err(unreadable)?;
+    names.sort();
+    Ok(names)
+}
+
+fn read(path: &Path) -> Result<String, OccupiedError> {
+    fs::read_to_string(path).map_err(|error| OccupiedError::Unreadable {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })
+}
