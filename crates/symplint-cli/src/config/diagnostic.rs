@@ -32,7 +32,7 @@ pub const KEYS: &[Key] = &[
     ),
     Key::new(
         "tolerance",
-        "1e-11",
+        "1e-12",
         "tolerance of the piecewise rule, relative to the size of the loop",
     ),
     Key::new(

@@ -106,13 +106,12 @@ pub(super) fn substantial_break(
     after: &Ensemble,
 ) -> Result<Option<Break>, Error> {
     let found = find_break_with(subject.evaluator, subject.phase_loop, h, after)?;
-    Ok(found.filter(|found| is_substantial(found, after)))
+    Ok(found.filter(|found| found.is_substantial(ranges_of(after, found.dof))))
 }
 
-/// Whether a break is more than rounding beside the ranges of its degree of freedom.
-pub(super) fn is_substantial(found: &Break, ensemble: &Ensemble) -> bool {
-    let rows = [ensemble.q().row(found.dof), ensemble.p().row(found.dof)];
-    found.is_substantial(rows.map(|row| Extent::of(row).length()))
+/// The ranges of q and p of a degree of freedom.
+pub(super) fn ranges_of(ensemble: &Ensemble, dof: usize) -> [f64; 2] {
+    [ensemble.q(), ensemble.p()].map(|rows| Extent::of(rows.row(dof)).length())
 }
 
 /// Whether the cell of a break is among those that make up the integral.

@@ -148,19 +148,22 @@ impl<'a> View<'a> {
         let samples = seen.samples() as f64;
         let first = (self.piece.a * samples).ceil().max(0.0) as usize;
         let last = (self.piece.b * samples).floor().min(samples - 1.0) as usize;
-        let inside = |&s: &f64| s > self.piece.a && s < self.piece.b;
-        (first..=last)
+        let inside = |&(_, s): &(usize, f64)| s > self.piece.a && s < self.piece.b;
+        let inside = (first..=last)
             .map(|k| (k, k as f64 / samples))
-            .filter(|(_, s)| inside(s))
-            .find(|&(k, s)| {
-                self.fits.iter().enumerate().any(|(c, fit)| {
-                    let expected = evaluate(&fit.coefficients, self.piece.x(s));
-                    let off = coordinate(seen, c)[k] - expected;
-                    let off = nearest(off, period(self.coordinates, c));
-                    off.abs() > ELSEWHERE * self.allowed(c, fit)
-                })
-            })
-            .map(|(_, s)| s)
+            .filter(inside);
+        // The first of all that any coordinate misses.
+        let missed = self.fits.iter().enumerate().filter_map(|(c, fit)| {
+            let (row, period) = (coordinate(seen, c), period(self.coordinates, c));
+            let most = ELSEWHERE * self.allowed(c, fit);
+            let misses = |&(k, s): &(usize, f64)| {
+                let off = row[k] - evaluate(&fit.coefficients, self.piece.x(s));
+                nearest(off, period).abs() > most
+            };
+            inside.clone().find(misses)
+        });
+        let (_, s) = missed.min_by_key(|&(k, _)| k)?;
+        Some(s)
     }
 
     /// What an interpolant may be off: the tolerance, and what the rounding of the state that the map got

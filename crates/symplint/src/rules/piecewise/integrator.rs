@@ -3,7 +3,7 @@
 use super::{Piecewise, PiecewiseIntegral};
 use crate::error::Error;
 use crate::map::{EvaluationCount, Evaluator, StepFailure, TimeAdvance};
-use crate::rules::sampled::{cells_apart, is_substantial, substantial_break};
+use crate::rules::sampled::{cells_apart, ranges_of, substantial_break};
 use crate::rules::{
     Advanced, Closed, Defect, LoopIntegral, LoopIntegrator, RuleKind, Samples, Subject,
 };
@@ -44,7 +44,11 @@ impl LoopIntegrator for Piecewise {
             closing,
             ..
         } = pieces;
-        breaks.retain(|found| is_substantial(found, after));
+        let mut ranges = vec![None; after.dof()];
+        breaks.retain(|found| {
+            let ranges = ranges[found.dof].get_or_insert_with(|| ranges_of(after, found.dof));
+            found.is_substantial(*ranges)
+        });
         if breaks.is_empty()
             && let Some(found) = substantial_break(subject, h, after)?
         {

@@ -103,7 +103,7 @@ pub struct Piecewise {
 impl Default for Piecewise {
     fn default() -> Self {
         Piecewise {
-            tolerance: 1e-11,
+            tolerance: 1e-12,
             closure: Closure::default(),
             pieces: 4,
             most_evaluations: 4_000_000,
