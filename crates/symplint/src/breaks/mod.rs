@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
-use crate::signal::{Extent, unwrap_row};
+use crate::signal::{largest, unwrap_row};
 use crate::state::Coordinates;
 use crate::state::Ensemble;
 
@@ -59,18 +59,16 @@ impl Break {
 /// what looked like one is continuous when evaluated more closely.
 ///
 /// # Errors
-/// Those of the map where it is evaluated between the samples; if map, loop, samples and coordinates differ
-/// in their degrees of freedom.
+/// Those of the map where it is evaluated between the samples; if map, loop and samples differ in their degrees
+/// of freedom.
 pub fn find_break(
     map: &dyn TimeAdvance,
     phase_loop: &dyn Loop,
     h: f64,
     advanced: &Ensemble,
-    coordinates: &Coordinates,
 ) -> Result<Option<Break>, Error> {
     let count = EvaluationCount::unlimited();
     let evaluator = Evaluator::new(map, &count)?;
-    Error::check_length("coordinates", phase_loop.dof(), coordinates.dof())?;
     find_break_with(&evaluator, phase_loop, h, advanced)
 }
 
@@ -153,7 +151,7 @@ fn suspect(
             .expect("the row goes on for as long as a window");
         residuals.add(window, first + REACH, GROUP);
     }
-    let magnitude = Extent::of(buffer).magnitude();
+    let magnitude = largest(buffer);
     let groups = samples.div_ceil(GROUP);
     residuals.suspect(dof, coordinate, [samples, groups], magnitude)
 }
@@ -176,7 +174,7 @@ mod tests {
         let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
         let mut ensemble = Ensemble::sample(&circle, samples).unwrap();
         ensemble.advance(map, 0.5).unwrap();
-        find_break(map, &circle, 0.5, &ensemble, &Coordinates::plain(1)).unwrap()
+        find_break(map, &circle, 0.5, &ensemble).unwrap()
     }
 
     #[test]

@@ -166,19 +166,19 @@ impl Stretch<'_> {
 /// another one may lie between two of them, and no piece has met it. `None` where they do not tell. Also returns the
 /// Sobolev exponent that they show.
 ///
-/// Fourier coefficients of many breaks look like those of spikes: where the loop is broken, they do not tell.
+/// Fourier coefficients of many breaks look like those of spikes, but breaks are known.
 pub(super) fn spikes(
     refinement: &Refinement<'_>,
     value: f64,
     broken: bool,
 ) -> Result<(Option<f64>, Option<f64>), Error> {
-    let Some(samples) = refinement.samples.filter(|_| !broken) else {
+    let Some(samples) = refinement.samples else {
         return Ok((Some(0.0), None));
     };
     let rule = Rule::Pseudospectral;
     let of_samples = LoopIntegral::in_coordinates(samples, &rule, refinement.coordinates)?;
     let spiky = of_samples.regularity.is_some_and(|s| s < OF_SPIKES);
-    let error = match spiky {
+    let error = match spiky && !broken {
         true => of_samples
             .quadrature_error
             .map(|error| (of_samples.value - value).abs() + error),
