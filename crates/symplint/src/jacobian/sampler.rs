@@ -16,7 +16,7 @@ use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::Evaluator;
 use crate::signal::nearest;
-use crate::state::{Block, Ensemble, coordinate};
+use crate::state::{Block, Ensemble, coordinate, coordinate_mut};
 
 /// A tangent vector at a point, in units of the frame.
 #[derive(Clone, Copy)]
@@ -205,7 +205,7 @@ impl<'a> Sampler<'a> {
             let columns = &columns[first..first + block.len()];
             for c in 0..2 * dof {
                 let (from, size) = (coordinate(&self.before, c), self.frame.size[c]);
-                for (value, (at, by)) in row_mut(block, c).iter_mut().zip(columns) {
+                for (value, (at, by)) in coordinate_mut(block, c).iter_mut().zip(columns) {
                     *value = from[at.point] + by * at.direction[c] * size;
                 }
             }
@@ -300,15 +300,5 @@ impl<'a> Sampler<'a> {
     /// How far a coordinate is from that of a point after the step.
     pub fn difference(&self, point: usize, c: usize, value: f64) -> f64 {
         nearest(value - self.after[point][c], self.frame.period[c]) / self.frame.size[c]
-    }
-}
-
-/// Coordinate c of the samples of a block: positions first, then momenta.
-pub(super) fn row_mut<'b>(block: &'b mut Block<'_>, c: usize) -> &'b mut [f64] {
-    let dof = block.dof();
-    if c < dof {
-        block.q.row_mut(c)
-    } else {
-        block.p.row_mut(c - dof)
     }
 }

@@ -11,10 +11,10 @@ use rayon::prelude::*;
 use super::constants::CONSTANTS;
 use super::derivative::Derivative;
 use super::evidence::TangentRejection;
-use super::sampler::{Sampler, TangentVector, row_mut};
+use super::sampler::{Sampler, TangentVector};
 use crate::error::{Error, StateAt};
 use crate::signal::unit;
-use crate::state::{Block, Ensemble, coordinate};
+use crate::state::{Block, Ensemble, coordinate, coordinate_mut};
 
 const TRIALS: usize = CONSTANTS.trials;
 
@@ -72,7 +72,9 @@ impl Sampler<'_> {
             let columns = &columns[first..first + states.len()];
             for (c, size) in self.frame.size.iter().enumerate() {
                 let from = coordinate(&self.before, c);
-                let rows = row_mut(states, c).iter_mut().zip(row_mut(tangents, c));
+                let rows = coordinate_mut(states, c)
+                    .iter_mut()
+                    .zip(coordinate_mut(tangents, c));
                 for ((state, tangent), &(at, trial)) in rows.zip(columns) {
                     *state = from[at.point] * (1.0 + nudges[trial][c]);
                     *tangent = factor(trial) * (at.direction[c] * size);

@@ -1,7 +1,7 @@
 //! All samples at one time.
 
 use crate::error::{Error, StateAt};
-use crate::state::Block;
+use crate::state::{Block, Coordinates};
 use crate::state::{Rows, RowsMut};
 
 /// The states of all samples, one contiguous row of N_s values for each coordinate.
@@ -223,5 +223,24 @@ pub(crate) fn coordinate(states: &Ensemble, c: usize) -> &[f64] {
         states.q().row(c)
     } else {
         states.p().row(c - dof)
+    }
+}
+
+/// Coordinate c of the samples of a block: positions first, then momenta.
+pub(crate) fn coordinate_mut<'b>(block: &'b mut Block<'_>, c: usize) -> &'b mut [f64] {
+    let dof = block.dof();
+    if c < dof {
+        block.q.row_mut(c)
+    } else {
+        block.p.row_mut(c - dof)
+    }
+}
+
+/// Period of a coordinate: momenta have none.
+pub(crate) fn period(coordinates: &Coordinates, c: usize) -> f64 {
+    if c < coordinates.dof() {
+        coordinates.period(c)
+    } else {
+        0.0
     }
 }

@@ -5,10 +5,10 @@ use super::curves::{Image, Segment};
 use super::limits::BORN;
 use super::piece::Piece;
 use super::refinement::{Found, Refinement};
-use super::scales::{Scales, period};
+use super::scales::Scales;
 use crate::error::Error;
 use crate::signal::nearest;
-use crate::state::Coordinates;
+use crate::state::{Coordinates, period};
 
 /// A straight segment between the two sides of a break.
 pub(super) struct Chord {

@@ -10,9 +10,9 @@ use super::limits::{
 };
 use super::lobatto::{DEGREE, LOBATTO, NODES, Values, evaluate, polynomial, tail_squared};
 use super::piece::{Piece, Smooth};
-use super::scales::{Scales, period};
+use super::scales::Scales;
 use crate::signal::{Extent, nearest};
-use crate::state::{Coordinates, Ensemble, coordinate};
+use crate::state::{Coordinates, Ensemble, coordinate, period};
 
 /// What a piece is.
 pub(super) enum Finding {

@@ -4,10 +4,10 @@ use super::curves::{At, Image};
 use super::limits::{LARGE, SMOOTH, TERMS};
 use super::lobatto::{evaluate, polynomial};
 use super::piece::{Piece, Smooth};
-use super::scales::{Scales, period};
+use super::scales::Scales;
 use crate::breaks::{Bracket, End, LOOKS, Progress, scatter};
 use crate::signal::nearest;
-use crate::state::Coordinates;
+use crate::state::{Coordinates, period};
 
 /// A jump of a piece that is closed in on.
 ///

@@ -2,10 +2,9 @@
 
 use super::curves::{At, Image};
 use super::limits::{NOISE_POINTS, NOISE_SITES, NOISE_SPACING, NOISE_SPACING_OF_PIECE, SAFETY};
-use super::scales::period;
 use crate::signal::nearest;
 use crate::signal::noise::SixthDifference;
-use crate::state::Coordinates;
+use crate::state::{Coordinates, period};
 
 /// States that are asked for.
 pub(super) const STATES: usize = NOISE_SITES.len() * NOISE_POINTS.len();

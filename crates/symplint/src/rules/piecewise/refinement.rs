@@ -11,12 +11,12 @@ use super::limits::{BATCH_BYTES, ELSEWHERE, NOISE_LENGTH, SAFETY, SMALL};
 use super::lobatto::DEGREE;
 use super::noise;
 use super::piece::{Piece, Smooth};
-use super::scales::{Scales, period};
+use super::scales::Scales;
 use super::task::{OF_A_BREAK, Outcome, Task};
 use crate::breaks::{Break, Progress};
 use crate::error::Error;
 use crate::signal::nearest;
-use crate::state::{Coordinates, Ensemble};
+use crate::state::{Coordinates, Ensemble, period};
 
 /// Everything that is known of the curves so far.
 pub(super) struct Refinement<'a> {

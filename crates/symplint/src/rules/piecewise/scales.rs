@@ -3,7 +3,7 @@
 use super::curves::Image;
 use super::limits::{ROUNDING, SMALLEST_PART};
 use crate::signal::{Extent, unwrap_row};
-use crate::state::Coordinates;
+use crate::state::{Coordinates, period};
 
 /// Sizes and tolerances of the 2d coordinates, positions first.
 pub(super) struct Scales {
@@ -57,14 +57,5 @@ impl Scales {
     /// Weight of a coordinate beside the others.
     pub fn weight(&self, c: usize) -> f64 {
         1.0 / self.size[c]
-    }
-}
-
-/// Period of a coordinate: momenta have none.
-pub(super) fn period(coordinates: &Coordinates, c: usize) -> f64 {
-    if c < coordinates.dof() {
-        coordinates.period(c)
-    } else {
-        0.0
     }
 }

@@ -13,11 +13,10 @@ use super::limits::{CALM, NEIGHBOURING_SAMPLES, OF_SPIKES, WIDEST_FEATURE};
 use super::lobatto::LOBATTO;
 use super::piece::Smooth;
 use super::refinement::Refinement;
-use super::scales::period;
 use crate::error::Error;
 use crate::rules::{LoopIntegral, Rule};
 use crate::signal::{Barycentric, Extent, nearest};
-use crate::state::{Ensemble, coordinate};
+use crate::state::{Ensemble, coordinate, period};
 
 /// A stretch of short pieces between two long ones.
 struct Stretch<'a> {
