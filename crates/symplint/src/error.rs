@@ -12,6 +12,8 @@ pub enum StateAt {
     Loop(f64),
     /// A state displaced from that of the loop at this s, to measure derivatives.
     Displaced(f64),
+    /// A state on the boundary of a sector of the disc within the loop, by its own parameter from 0 to 1.
+    Sector(f64),
     /// A state of a segment that closes a break of the loop, by its own parameter from 0 to 1.
     Segment(f64),
     /// The state of an orbit beside the loop.
@@ -29,6 +31,10 @@ impl fmt::Display for StateAt {
             StateAt::Displaced(s) => write!(
                 f,
                 "s = {s:?} of the loop (displaced from its state there to measure derivatives)"
+            ),
+            StateAt::Sector(t) => write!(
+                f,
+                "t = {t:?} of the boundary of a sector of the disc within the loop"
             ),
             StateAt::Segment(t) => write!(
                 f,
@@ -143,12 +149,12 @@ pub enum Error {
         reason: String,
     },
     /// A step of several went wrong.
-    #[error("in step {step}: {source}")]
+    #[error("in step {step}: {error}")]
     InStep {
         /// Which one, counted from 1.
         step: usize,
         /// What happened.
-        source: Box<Error>,
+        error: Box<Error>,
     },
     /// A rule that evaluates the map between the samples, asked to integrate samples alone.
     #[error(
@@ -245,6 +251,18 @@ pub enum Error {
         /// The step size.
         step_size: f64,
     },
+    /// More evaluations than the budget has left.
+    #[error(
+        "the budget of {budget} evaluations has {left} left where {wanted} are needed at once; raise the budget"
+    )]
+    BudgetSpent {
+        /// Evaluations allowed in all.
+        budget: usize,
+        /// Evaluations that may still be made.
+        left: usize,
+        /// Evaluations that were asked for.
+        wanted: usize,
+    },
     /// Map and loop live in different phase spaces.
     #[error("the map has {map} degrees of freedom and the loop {phase_loop}; they must agree")]
     DofMismatch {
@@ -256,6 +274,16 @@ pub enum Error {
 }
 
 impl Error {
+    /// The same where the loop was the boundary of a sector.
+    pub(crate) fn in_sector(mut self) -> Error {
+        if let Error::NotFinite { at, .. } | Error::StepFailed { at, .. } = &mut self
+            && let StateAt::Loop(t) = *at
+        {
+            *at = StateAt::Sector(t);
+        }
+        self
+    }
+
     /// The same about the state that a sample of a batch stands for.
     pub(crate) fn at(mut self, state: impl Fn(usize) -> StateAt) -> Error {
         if let Error::NotFinite { at, .. } | Error::StepFailed { at, .. } = &mut self

@@ -145,7 +145,7 @@ impl Trace {
             if step > 0 {
                 let in_step = |error| Error::InStep {
                     step,
-                    source: Box::new(error),
+                    error: Box::new(error),
                 };
                 (evaluator.advance(&mut ensemble, self.step_size)).map_err(in_step)?;
                 if let Some(follower) = &mut follower {

@@ -16,8 +16,11 @@ pub(super) const STAYS_IN_WIDE_CELLS: f64 = 0.75;
 /// rounded once, and a step rounds several times.
 pub(super) const ROUNDINGS: f64 = 32.0;
 
-/// Suspected jumps of a loop that are followed, at 60 to 80 evaluations each.
+/// Suspected jumps of a loop that are followed.
 pub(super) const MOST_SUSPECTS: usize = 4;
+
+/// Evaluations that following one may take: 6 samples round it, fewer than 54 halvings, and those beside it.
+pub(super) const OF_A_SUSPECT: usize = 6 + 54 + 2 * LOOKS[1];
 
 /// The step that two smooth sides leave between them keeps its size as the map is evaluated more closely: what is
 /// smaller than this part of what was expected is none.

@@ -69,7 +69,21 @@ pub fn find_break(
 ) -> Result<Option<Break>, Error> {
     let count = EvaluationCount::unlimited();
     let evaluator = Evaluator::new(map, &count)?;
-    find_break_with(&evaluator, phase_loop, h, advanced)
+    match find_break_with(&evaluator, phase_loop, h, advanced)? {
+        Search::Found(found) => Ok(Some(found)),
+        Search::Clean | Search::Unaffordable => Ok(None),
+    }
+}
+
+/// What a search for a break came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Search {
+    /// The samples show no jump, or what looked like one is continuous.
+    Clean,
+    /// A break.
+    Found(Break),
+    /// A cell looks discontinuous, and the budget does not allow to follow it.
+    Unaffordable,
 }
 
 /// The same with the evaluations counted by `evaluator`, in the coordinates of its map.
@@ -78,7 +92,7 @@ pub(crate) fn find_break_with(
     phase_loop: &dyn Loop,
     h: f64,
     advanced: &Ensemble,
-) -> Result<Option<Break>, Error> {
+) -> Result<Search, Error> {
     let dof = phase_loop.dof();
     evaluator.check_dof(dof)?;
     Error::check_length("rows of the advanced samples", dof, advanced.dof())?;
@@ -98,14 +112,17 @@ pub(crate) fn follow_up(
     suspects: &[Suspect],
     samples: usize,
     known: Option<&Ensemble>,
-) -> Result<Option<Break>, Error> {
+) -> Result<Search, Error> {
     for suspect in suspects {
+        if evaluator.count().left() < limits::OF_A_SUSPECT {
+            return Ok(Search::Unaffordable);
+        }
         let found = follow::follow(evaluator, phase_loop, h, suspect, samples, known)?;
-        if found.is_some() {
-            return Ok(found);
+        if let Some(found) = found {
+            return Ok(Search::Found(found));
         }
     }
-    Ok(None)
+    Ok(Search::Clean)
 }
 
 /// The most suspicious cells of samples in memory, those that stand out most first.

@@ -9,7 +9,8 @@ use super::resolve::Resolution;
 use super::{Diagnostic, Event, SampleCount, SampleSweep, long_time};
 use crate::error::Error;
 use crate::evidence::{
-    BreakAt, Evidence, LoopEvidence, LoopKind, Omission, Point, StepEvidence, Survey, Sweep,
+    BreakAt, Evidence, LoopEvidence, LoopKind, MOST_CELLS_APART, Omission, Point, StepEvidence,
+    Survey, Sweep,
 };
 use crate::jacobian::JacobianTest;
 use crate::loops::Loop;
@@ -72,6 +73,9 @@ impl Diagnostic {
         run.long_time(&given)?;
         run.jacobian(subject, &given);
         run.localise(subject, &given);
+        if let Some(sweep) = &self.sample_sweep {
+            run.sweep_samples(&given.probe, sweep)?;
+        }
         run.evidence.evaluations.made = count.made();
         Ok(run.evidence)
     }
@@ -108,6 +112,9 @@ const FEWEST_TIGHT_SAMPLES: usize = 64;
 /// two digits where a loop has kinks and more where it is smooth.
 const UNRESOLVED_FACTOR: usize = 3;
 
+/// Cells between neighbouring samples beyond which an estimate of the evaluations that are missing makes no sense.
+const MOST_CELLS: f64 = 1024.0;
+
 /// A diagnosis under way.
 struct Run<'a> {
     diagnostic: &'a Diagnostic,
@@ -130,8 +137,7 @@ impl Run<'_> {
         self.count.left().saturating_sub(self.plan.jacobian)
     }
 
-    /// The given loop at all step sizes that the budget allows, the largest first of all, and the sweep over
-    /// samples.
+    /// The given loop at all step sizes that the budget allows, the largest first of all.
     fn given_loop<'s>(&mut self, subject: Subject<'s>) -> Result<Given<'s>, Error> {
         let start = self.count.made();
         let diagnostic = self.diagnostic;
@@ -187,11 +193,17 @@ impl Run<'_> {
         for h in affordable {
             let known = match h == self.largest {
                 true => known.clone(),
-                false if self.left() < self.plan.first_samples => {
+                false if self.left() < probe.least_cost() => {
                     omitted += 1;
                     continue;
                 }
-                false => probe.measure(samples, h, &mut |_| {})?,
+                false => match probe.measure(samples, h, &mut |_| {}) {
+                    Err(Error::BudgetSpent { .. }) => {
+                        omitted += 1;
+                        continue;
+                    }
+                    known => known?,
+                },
             };
             self.record(0, Sweep::StepSize, &probe, &known);
         }
@@ -201,14 +213,18 @@ impl Run<'_> {
         let unresolved = self.is_tight() && self.evidence.loops[0].weak_step().is_some();
         let wanted = match diagnostic.samples {
             SampleCount::Fixed(samples) => samples.saturating_sub(probe.samples),
-            SampleCount::Auto if unresolved => UNRESOLVED_FACTOR * cost,
+            SampleCount::Auto if unresolved => {
+                // Two samples to a cell of the grid, for this loop at three step sizes and for two others.
+                let cells_apart = known.advanced.cells_apart.min(MOST_CELLS);
+                let finer = (cells_apart / MOST_CELLS_APART).ceil().max(1.0) as usize;
+                let measurements = 1 + others.min(2) + (diagnostic.loops - 1).min(2);
+                let resolved = UNRESOLVED_FACTOR * cost * finer.next_power_of_two();
+                (resolved * measurements).saturating_sub(self.left())
+            }
             SampleCount::Auto => 0,
         };
         if wanted > 0 {
             self.omit(Omission::Samples { loop_index: 0 }, wanted);
-        }
-        if let Some(sweep) = &diagnostic.sample_sweep {
-            self.sweep_samples(&probe, sweep)?;
         }
         self.evidence.evaluations.given_loop = self.count.made() - start;
         Ok(Given { probe, cost })
@@ -245,8 +261,17 @@ impl Run<'_> {
         (self.watch)(Event::Planned(sweep.counts.len()));
         let (h, subject) = (sweep.step_size, probe.subject);
         let mut refined: Option<RefinedSamples<'_>> = None;
-        for &samples in &sweep.counts {
+        let start = self.count.made();
+        for (k, &samples) in sweep.counts.iter().enumerate() {
             let before = self.count.made();
+            if samples > self.count.left() {
+                let left_out = &sweep.counts[k..];
+                let omission = Omission::SampleSweep {
+                    count: left_out.len(),
+                };
+                self.omit(omission, left_out.iter().sum());
+                break;
+            }
             let (of_samples, advanced) = if probe.keeps_samples() {
                 let refined = match &mut refined {
                     None => refined.insert(RefinedSamples::new(subject, samples, h)?),
@@ -275,6 +300,7 @@ impl Run<'_> {
             };
             self.record(0, Sweep::Samples, &of_samples, &known);
         }
+        self.evidence.evaluations.given_loop += self.count.made() - start;
         Ok(())
     }
 
@@ -309,6 +335,12 @@ impl Run<'_> {
             let known = (self.evidence.loops[1..].iter()).any(LoopEvidence::shows_defect);
             match self.random_loop(index, LoopKind::Random, subject, known) {
                 Ok(()) => {}
+                Err(Error::BudgetSpent { wanted, .. }) => {
+                    let omitted = count + 1 - index;
+                    let wanted = omitted * given.cost.max(wanted);
+                    self.omit(Omission::RandomLoops { count: omitted }, wanted);
+                    break;
+                }
                 // A loop that nobody asked for may leave the map's domain.
                 Err(error) if of_the_map(&error) => self.failed(index, &error),
                 Err(error) => return Err(error),
@@ -353,7 +385,8 @@ impl Run<'_> {
                 let _ = error;
                 Ok(())
             }
-            // Nobody asked for it.
+            // It was not asked for.
+            Err(Error::BudgetSpent { .. }) => Ok(()),
             Err(error) if of_the_map(&error) => Ok(()),
             other => other,
         }
@@ -407,8 +440,10 @@ impl Run<'_> {
             if self.left() < first.evaluations {
                 break;
             }
-            let measured = probe.measure(samples, h, &mut |_| {})?;
-            self.record(index, Sweep::StepSize, &probe, &measured);
+            match probe.measure(samples, h, &mut |_| {}) {
+                Err(Error::BudgetSpent { .. }) => break,
+                measured => self.record(index, Sweep::StepSize, &probe, &measured?),
+            }
         }
         Ok(())
     }

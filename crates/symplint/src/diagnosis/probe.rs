@@ -2,6 +2,7 @@
 
 use super::initial_samples::InitialSamples;
 use super::memory::{SMALL, fits};
+use super::resolve::FEWEST_TRIED;
 use crate::error::Error;
 use crate::evidence::{Closing, StepEvidence};
 use crate::rules::{Advanced, LoopIntegral, LoopIntegrator, Rule, Samples, Subject};
@@ -70,6 +71,15 @@ impl<'a> Probe<'a> {
     /// What is known of the step of size `h`.
     pub fn known(&self, h: f64) -> Option<&Known> {
         self.known.as_ref().filter(|known| known.h == h)
+    }
+
+    /// The evaluations that one more step takes at least.
+    pub fn least_cost(&self) -> usize {
+        let of_pieces = match self.rule {
+            Rule::Piecewise(_) => FEWEST_TRIED,
+            _ => 0,
+        };
+        self.samples + of_pieces
     }
 
     /// Whether samples stay in memory.

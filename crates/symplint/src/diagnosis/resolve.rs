@@ -33,7 +33,7 @@ const FAR_FROM_WANTED: f64 = 10.0;
 const MOST_TRIED: usize = 1 << 25;
 
 /// Fewer evaluations than this are not worth beginning pieces with: a first look and one break.
-const FEWEST_TRIED: usize = 150;
+pub(super) const FEWEST_TRIED: usize = 150;
 
 /// Coordinates that the map may be made to advance for one loop integral of the streaming rule, where nobody asked
 /// for the number of samples: a thousand samples in a million degrees of freedom.
@@ -70,9 +70,10 @@ impl Diagnostic {
             }
             Rule::Streaming(_) => Ok(self.streamed(subject, self.rule, with, first)?.0),
             Rule::Piecewise(piecewise) => {
+                let of_pieces = with.allowance.saturating_sub(first);
                 let rule = Rule::Piecewise(Piecewise {
                     tolerance: piecewise.tolerance.max(with.plan.tolerance),
-                    most_evaluations: piecewise.most_evaluations.min(with.allowance),
+                    most_evaluations: piecewise.most_evaluations.min(of_pieces),
                     ..piecewise
                 });
                 self.measured(Probe::new(subject, rule, first)?, with, look)
@@ -136,7 +137,8 @@ impl Diagnostic {
             }
             let standing = convergence.proceed(&advanced);
             let error = standing.error;
-            let all = 2 * refined.before.samples() > most;
+            let samples = refined.before.samples();
+            let all = 2 * samples > most || samples > with.allowance.saturating_sub(spent());
             let regularity = advanced.integral.regularity;
             let kinked = settled(last_regularity, regularity);
             // The pseudospectral error falls as N^(1 − 2s) on a loop in H^s.

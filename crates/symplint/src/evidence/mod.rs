@@ -114,6 +114,11 @@ pub enum Omission {
         /// How many.
         count: usize,
     },
+    /// Numbers of samples of the sweep: the budget was spent.
+    SampleSweep {
+        /// How many.
+        count: usize,
+    },
     /// Random loops: the budget was spent.
     RandomLoops {
         /// How many.

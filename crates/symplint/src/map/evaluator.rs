@@ -23,7 +23,7 @@ pub(crate) struct Evaluator<'a> {
 
 /// Evaluations made so far, and how many may be made.
 ///
-/// The budget does not stop a call: whoever plans asks for [`left`](Self::left) first.
+/// Whoever plans asks for [`left`](Self::left) first; a call that does not fit is refused.
 #[derive(Debug)]
 pub(crate) struct EvaluationCount {
     made: AtomicUsize,
@@ -59,8 +59,21 @@ impl EvaluationCount {
         self.budget.saturating_sub(self.made())
     }
 
-    fn add(&self, evaluations: usize) {
+    /// Counts evaluations that are about to be made.
+    ///
+    /// # Errors
+    /// If they are more than are left.
+    fn take(&self, evaluations: usize) -> Result<(), Error> {
+        let left = self.left();
+        if evaluations > left {
+            return Err(Error::BudgetSpent {
+                budget: self.budget,
+                left,
+                wanted: evaluations,
+            });
+        }
         self.made.fetch_add(evaluations, Ordering::Relaxed);
+        Ok(())
     }
 }
 
@@ -143,8 +156,8 @@ impl<'a> Evaluator<'a> {
     /// Advances every sample by one step of size `h`, in place.
     ///
     /// # Errors
-    /// If map and ensemble differ in their degrees of freedom, the map fails, or it returns a state that is
-    /// not finite. The error is that of the first block of samples that has one, on any number of threads;
+    /// If map and ensemble differ in their degrees of freedom, the budget does not allow it, the map fails, or it
+    /// returns a state that is not finite. The error is that of the first block of samples that has one, on any number of threads;
     /// the ensemble is then half advanced and of no use.
     pub fn advance(&self, states: &mut Ensemble, h: f64) -> Result<(), Error> {
         self.advance_from(states, h, |_, _| Ok(()))
@@ -178,7 +191,7 @@ impl<'a> Evaluator<'a> {
         h: f64,
         fill: impl Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync,
     ) -> Result<(), Error> {
-        self.count.add(blocks.iter().map(Block::len).sum());
+        self.count.take(blocks.iter().map(Block::len).sum())?;
         let each = |(b, mut block): (usize, Block<'_>)| {
             let first = first + b * width;
             fill(first, &mut block)?;
@@ -206,7 +219,7 @@ impl<'a> Evaluator<'a> {
     ) -> Result<(), Error> {
         self.check_dof(states.dof())?;
         if substep + 1 == self.substeps {
-            self.count.add(states.samples());
+            self.count.take(states.samples())?;
         }
         let width = Ensemble::block_width(states.dof());
         let each = |(b, mut block): (usize, Block<'_>)| {
@@ -236,7 +249,7 @@ impl<'a> Evaluator<'a> {
         let tangent: &dyn TangentMap = self.map.tangent().expect("the map has a tangent map");
         assert_eq!(states.samples(), tangents.samples());
         self.check_dof(states.dof())?;
-        self.count.add(states.samples());
+        self.count.take(states.samples())?;
         let width = Ensemble::block_width(states.dof());
         let pairs = states.blocks().into_par_iter().zip(tangents.blocks());
         let each = |(b, (mut states, mut tangents)): (usize, (Block<'_>, Block<'_>))| {

@@ -3,7 +3,7 @@
 use super::{
     Advanced, Cutoffs, Defect, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject,
 };
-use crate::breaks::{Break, find_break_with};
+use crate::breaks::{Break, Search, find_break_with};
 use crate::error::Error;
 use crate::signal::Extent;
 use crate::state::{Coordinates, Ensemble};
@@ -33,7 +33,10 @@ impl LoopIntegrator for Pseudospectral {
     ) -> Result<Advanced, Error> {
         let after = samples.kept();
         let found = substantial_break(subject, h, after)?;
-        let integral = self.before(subject, Samples::Kept(after))?;
+        let mut integral = self.before(subject, Samples::Kept(after))?;
+        if found == Search::Unaffordable {
+            integral.quadrature_error = None;
+        }
         advanced(subject, after, initial, integral, found)
     }
 }
@@ -60,9 +63,10 @@ impl LoopIntegrator for FiniteDifference {
         let mut integral = self.before(subject, Samples::Kept(after))?;
         integral.quadrature_error = match found {
             // The rule took a jump for a part of the loop: its error is not known.
-            Some(found) if retains(&integral, &found, after.samples()) => None,
-            Some(_) => integral.quadrature_error,
-            None => cross_checked(subject, after, &integral)?,
+            Search::Found(found) if retains(&integral, &found, after.samples()) => None,
+            Search::Found(_) => integral.quadrature_error,
+            Search::Clean => cross_checked(subject, after, &integral)?,
+            Search::Unaffordable => None,
         };
         advanced(subject, after, initial, integral, found)
     }
@@ -73,13 +77,16 @@ fn advanced(
     after: &Ensemble,
     initial: &LoopIntegral,
     integral: LoopIntegral,
-    found: Option<Break>,
+    found: Search,
 ) -> Result<Advanced, Error> {
     Ok(Advanced {
         defect: Defect::between(initial, &integral)?,
         regularity: integral.regularity,
         integral,
-        breaks: found.into_iter().collect(),
+        breaks: match found {
+            Search::Found(found) => vec![found],
+            Search::Clean | Search::Unaffordable => Vec::new(),
+        },
         closed: None,
         samples: after.samples(),
         cells_apart: cells_apart(after, subject.coordinates()),
@@ -104,9 +111,12 @@ pub(super) fn substantial_break(
     subject: &Subject<'_>,
     h: f64,
     after: &Ensemble,
-) -> Result<Option<Break>, Error> {
-    let found = find_break_with(subject.evaluator, subject.phase_loop, h, after)?;
-    Ok(found.filter(|found| found.is_substantial(ranges_of(after, found.dof))))
+) -> Result<Search, Error> {
+    let search = find_break_with(subject.evaluator, subject.phase_loop, h, after)?;
+    Ok(match search {
+        Search::Found(found) if !found.is_substantial(ranges_of(after, found.dof)) => Search::Clean,
+        search => search,
+    })
 }
 
 /// The ranges of q and p of a degree of freedom.

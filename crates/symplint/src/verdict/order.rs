@@ -25,11 +25,12 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The order that the slope stands for: the whole number within 0.15. `None` for other slopes, which
-    /// are those of a range that is not asymptotic yet.
+    /// The order that the slope stands for: the whole number within 0.15, if the slope is known to 0.4.
+    /// `None` for other slopes, which are those of a range that is not asymptotic yet.
     pub fn whole(&self) -> Option<f64> {
         let whole = self.slope.round();
-        ((self.slope - whole).abs() <= 0.15).then_some(whole)
+        let known = (self.slope - whole).abs() <= 0.15 && self.uncertainty < 0.4;
+        known.then_some(whole)
     }
 }
 
@@ -71,6 +72,8 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
             let defect = &step.defect;
             Some((step.step_size?.abs(), defect.signed, defect.uncertainty()))
         })
+        // What is not known, or not above its uncertainty, is not a point of a law.
+        .filter(|&(_, signed, uncertainty)| signed.abs() > uncertainty)
         .collect();
     data.sort_by(|a, b| a.0.total_cmp(&b.0));
     data.dedup_by(|a, b| a.0 == b.0);
@@ -104,6 +107,10 @@ fn polynomial_law(data: &[Datum]) -> Option<(f64, f64)> {
     // that fits is the true one.
     let fits = |&k: &f64| misfit(data, k) <= 1.0;
     let highest = exponents(0.0, HIGHEST_ORDER).rev().find(fits)?;
+    if highest >= HIGHEST_ORDER {
+        // Any exponent fits.
+        return None;
+    }
     let whole = Some((highest + STEP / 2.0).floor()).filter(fits);
     let slope = whole.or_else(|| {
         exponents(highest - 0.5, highest)

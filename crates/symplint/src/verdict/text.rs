@@ -548,6 +548,11 @@ impl Display for Omission {
                 "The budget was spent before {count} step size{} could be tried.",
                 plural(*count)
             ),
+            Omission::SampleSweep { count } => write!(
+                f,
+                "The budget was spent before {count} number{} of samples could be tried.",
+                plural(*count)
+            ),
             Omission::RandomLoops { count } => write!(
                 f,
                 "The budget was spent before {count} random loop{} could be tried.",

@@ -82,7 +82,8 @@ pub(super) fn sectors(
         };
         let before = rule.integrate_beside(&rest, &boundary, h, None)?.continuous;
         let after = rule
-            .integrate_beside(subject.evaluator, &boundary, h, None)?
+            .integrate_beside(subject.evaluator, &boundary, h, None)
+            .map_err(Error::in_sector)?
             .closed();
         whole += before.value;
         let errors = before.quadrature_error.zip(after.quadrature_error);

@@ -6,14 +6,14 @@ use crate::error::Error;
 use crate::evidence::SubstepDefect;
 use crate::rules::{Defect, Rule, Subject};
 
-/// Breaks nearer than this part of the loop are one: a later substep moves states, and no parameter. Twice
-/// the cell that a break is located to, with room for the rounding of its ends.
-const SAME_PLACE: f64 = 5e-14;
+/// Breaks nearer than this part of the loop are one: a later substep moves states, and no parameter. They are known to
+/// the last double, and to what the rounding of a substep makes of a threshold.
+const ONE_BREAK: f64 = 5e-14;
 
-/// Whether two places of the loop are one; it ends where it begins.
-fn same_place(a: f64, b: f64) -> bool {
+/// Whether two parameters of the loop are one; it ends where it begins.
+fn is_one(a: f64, b: f64) -> bool {
     let distance = (a - b).abs();
-    distance.min(1.0 - distance) <= SAME_PLACE
+    distance.min(1.0 - distance) <= ONE_BREAK
 }
 
 /// Integrates the loop after every substep.
@@ -39,10 +39,10 @@ pub(super) fn defects(
             let defect = measured
                 .closed
                 .map_or(measured.defect, |closed| closed.defect);
-            let places: Vec<f64> = measured.breaks.iter().map(|found| found.s).collect();
-            let is_new = |s: &&f64| !broken_at.iter().any(|old| same_place(**s, *old));
-            let (breaks, new_breaks) = (places.len(), places.iter().filter(is_new).count());
-            broken_at = places;
+            let breaks_at: Vec<f64> = measured.breaks.iter().map(|found| found.s).collect();
+            let is_new = |s: &&f64| !broken_at.iter().any(|old| is_one(**s, *old));
+            let (breaks, new_breaks) = (breaks_at.len(), breaks_at.iter().filter(is_new).count());
+            broken_at = breaks_at;
             let since = before.map_or(0.0, |before| before.signed);
             let uncertainty_before = before.map_or(0.0, |before| before.uncertainty());
             before = Some(defect);
@@ -70,8 +70,8 @@ mod tests {
 
     #[test]
     fn the_loop_ends_where_it_begins() {
-        assert!(same_place(0.3, 0.3 + 2e-14) && !same_place(0.3, 0.3 + 1e-12));
-        assert!(same_place(0.0, 1.0 - 1e-14) && same_place(1.0 - 1e-14, 0.0));
-        assert!(!same_place(0.0, 0.5));
+        assert!(is_one(0.3, 0.3 + 2e-14) && !is_one(0.3, 0.3 + 1e-12));
+        assert!(is_one(0.0, 1.0 - 1e-14) && is_one(1.0 - 1e-14, 0.0));
+        assert!(!is_one(0.0, 0.5));
     }
 }

@@ -284,13 +284,13 @@ impl<'a> View<'a> {
         if self.decays() {
             return in_the_middle(Why::Steep);
         }
-        if most < EXPLAINS * all {
-            return in_the_middle(Why::Unexplained);
-        }
         let best = (0..DEGREE)
             .filter(|&i| explained[i] >= AS_GOOD * most)
-            .min_by_key(|&i| LOBATTO.gaps[i].terms())
-            .expect("the largest is one of them");
+            .min_by_key(|&i| LOBATTO.gaps[i].terms());
+        // Sums that overflow explain nothing, either.
+        let Some(best) = best.filter(|_| most >= EXPLAINS * all) else {
+            return in_the_middle(Why::Unexplained);
+        };
         let steps: Vec<[f64; TERMS]> = (self.fits.iter())
             .map(|fit| LOBATTO.gaps[best].jump(&fit.coefficients))
             .collect();

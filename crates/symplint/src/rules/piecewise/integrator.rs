@@ -1,6 +1,7 @@
 //! The piecewise rule in a diagnosis: pieces beside equispaced samples, which show what pieces may miss.
 
 use super::{Piecewise, PiecewiseIntegral};
+use crate::breaks::Search;
 use crate::error::Error;
 use crate::map::{EvaluationCount, Evaluator, StepFailure, TimeAdvance};
 use crate::rules::sampled::{cells_apart, ranges_of, substantial_break};
@@ -49,11 +50,14 @@ impl LoopIntegrator for Piecewise {
             let ranges = ranges[found.dof].get_or_insert_with(|| ranges_of(after, found.dof));
             found.is_substantial(*ranges)
         });
-        if breaks.is_empty()
-            && let Some(found) = substantial_break(subject, h, after)?
-        {
-            (integral.quadrature_error, closed.quadrature_error) = (None, None);
-            breaks.push(found);
+        if breaks.is_empty() {
+            let search = substantial_break(subject, h, after)?;
+            if search != Search::Clean {
+                (integral.quadrature_error, closed.quadrature_error) = (None, None);
+            }
+            if let Search::Found(found) = search {
+                breaks.push(found);
+            }
         }
         Ok(Advanced {
             defect: Defect::between(initial, &integral)?,

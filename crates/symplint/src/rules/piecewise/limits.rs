@@ -77,6 +77,9 @@ pub(super) const SAFETY: f64 = 8.0;
 /// Coordinates much smaller than the largest of all positions, or momenta, count as this part of it.
 pub(super) const SMALLEST_PART: f64 = 1e-6;
 
+/// Sizes of coordinates at least: the square of its inverse is still a number. A map may collapse a coordinate.
+pub(super) const SMALLEST: f64 = 1e-140;
+
 /// Unexplained stretches shorter than this part of the loop suggest that the map has noise.
 pub(super) const NOISE_LENGTH: f64 = 1e-3;
 

@@ -189,6 +189,7 @@ impl Piecewise {
         samples: Option<&Ensemble>,
     ) -> Result<PiecewiseIntegral, Error> {
         self.check(evaluator, phase_loop)?;
+        let most_evaluations = self.most_evaluations.min(evaluator.count().left());
         let coordinates = evaluator.coordinates();
         let curves = Curves {
             evaluator,
@@ -196,7 +197,8 @@ impl Piecewise {
             phase_loop,
             segments: Vec::new(),
         };
-        let mut pieces = self.first_pieces(&evaluator.known_breaks(phase_loop, h));
+        let known = evaluator.known_breaks(phase_loop, h);
+        let mut pieces = self.first_pieces(&known, most_evaluations);
         let points: Vec<Vec<At>> = pieces
             .iter()
             .map(|x| x.missing_points().collect())
@@ -212,7 +214,7 @@ impl Piecewise {
             .flat_map(|piece| (0..lobatto::NODES).map(|k| piece.image(k)));
         let at_nodes: Vec<&Image> = at_nodes.collect();
         let scales = Scales::new(&at_nodes, coordinates, self.tolerance);
-        let budget = Budget::new(self.most_evaluations, evaluations);
+        let budget = Budget::new(most_evaluations, evaluations);
         let mut refinement = Refinement::new(curves, coordinates, scales, budget, samples);
         refinement.run(0, pieces)?;
         let chords = close(&mut refinement, self.closure)?;
@@ -222,9 +224,9 @@ impl Piecewise {
 
     /// A few pieces of one length, cut round the breaks that are known; fewer where their states are more than may
     /// be evaluated.
-    fn first_pieces(&self, known: &[f64]) -> Vec<Piece> {
+    fn first_pieces(&self, known: &[f64], most_evaluations: usize) -> Vec<Piece> {
         // Neighbours share a state.
-        let affordable = (self.most_evaluations - 1) / (fit::POINTS - 1);
+        let affordable = (most_evaluations.saturating_sub(1) / (fit::POINTS - 1)).max(1);
         let count = self.pieces.clamp(1, affordable);
         let mut edges: Vec<f64> = (0..=count).map(|k| k as f64 / count as f64).collect();
         let around = (known.iter().filter(|s| s.is_finite()))

@@ -1,7 +1,7 @@
 //! How large and how exact each coordinate is.
 
 use super::curves::Image;
-use super::limits::{ROUNDING, SMALLEST_PART};
+use super::limits::{ROUNDING, SMALLEST, SMALLEST_PART};
 use crate::signal::{Extent, unwrap_row};
 use crate::state::{Coordinates, period};
 
@@ -33,10 +33,12 @@ impl Scales {
             unwrap_row(&mut row, period(coordinates, c));
             size.push(0.5 * Extent::of(&row).length());
         }
-        for half in size.chunks_exact_mut(dof.max(1)) {
-            let largest = Extent::of(half).magnitude();
-            for size in half {
-                *size = size.max(SMALLEST_PART * largest).max(f64::MIN_POSITIVE);
+        let kinds = size.chunks_exact_mut(dof.max(1));
+        for (sizes, magnitudes) in kinds.zip(magnitude.chunks_exact(dof.max(1))) {
+            let largest = Extent::of(sizes).magnitude();
+            for (size, magnitude) in sizes.iter_mut().zip(magnitudes) {
+                let least = (SMALLEST_PART * largest).max(ROUNDING * magnitude);
+                *size = size.max(least).max(SMALLEST);
             }
         }
         let sizes = || size.iter().zip(&magnitude);

@@ -9,7 +9,7 @@ mod row;
 mod stencil;
 mod window;
 
-use crate::breaks::{Break, REACH, Suspect, follow_up, most_outstanding};
+use crate::breaks::{Break, REACH, Search, Suspect, follow_up, most_outstanding};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
@@ -130,9 +130,17 @@ impl Streaming {
             let mut ranges = of_found.filter(|(suspect, _)| suspect.dof == found.dof);
             ranges.any(|(_, &ranges)| found.is_substantial(ranges))
         };
+        let mut integral = revolution.integral;
+        if found == Search::Unaffordable {
+            integral.quadrature_error = None;
+        }
+        let found = match found {
+            Search::Found(found) => Some(found).filter(is_substantial),
+            Search::Clean | Search::Unaffordable => None,
+        };
         Ok(StreamingIntegral {
-            found: found.filter(is_substantial),
-            integral: revolution.integral,
+            found,
+            integral,
             cells_apart: revolution.cells_apart,
             evaluations: samples + self.half_width.max(REACH),
         })
