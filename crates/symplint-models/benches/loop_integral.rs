@@ -1,4 +1,4 @@
-//! The loop integral beside the time to read its arrays, beside a plain one, and beside numpy.
+//! The loop integral beside the time to read its arrays, its transform alone, finite differences, a plain one, and numpy.
 //!
 //! `cargo bench -p symplint-models --bench loop_integral [-- PART OF A NAME]`. The comparison with numpy
 //! runs where `python3` has it.
@@ -14,6 +14,8 @@ use interleaved::{heading, report, wanted};
 use plain_integral::PlainIntegral;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex64;
 use symplint::rules::Cutoffs;
 use symplint::{Ensemble, LoopIntegral, Rule};
 
@@ -43,6 +45,21 @@ fn main() {
             rows,
             || integrate(&pools[0], &ensemble, &finite_difference),
             || read(&pools[0], &ensemble),
+        );
+        report(
+            "pseudospectral, 1 thread | finite-diff.",
+            rows,
+            rows,
+            || integrate(&pools[0], &ensemble, &Rule::Pseudospectral),
+            || integrate(&pools[0], &ensemble, &finite_difference),
+        );
+        let mut transform = transform(samples);
+        report(
+            "pseudospectral, 1 thread | its transform",
+            rows,
+            1.0,
+            || integrate(&pools[0], &ensemble, &Rule::Pseudospectral),
+            &mut transform,
         );
         report(
             "pseudospectral, 2 threads | 1 thread",
@@ -91,6 +108,21 @@ fn circles(dof: usize, samples: usize) -> Ensemble {
 
 fn integrate(pool: &ThreadPool, ensemble: &Ensemble, rule: &Rule) {
     black_box(pool.install(|| LoopIntegral::of(ensemble, rule)).unwrap());
+}
+
+/// The complex transform of one degree of freedom, in cache.
+fn transform(samples: usize) -> impl FnMut() {
+    let transform = FftPlanner::new().plan_fft_forward(samples);
+    let mut scratch = vec![Complex64::ZERO; transform.get_inplace_scratch_len()];
+    let row: Vec<Complex64> = (0..samples)
+        .map(|k| Complex64::cis(TAU * k as f64 / samples as f64))
+        .collect();
+    let mut modes = row.clone();
+    move || {
+        modes.copy_from_slice(&row);
+        transform.process_with_scratch(&mut modes, &mut scratch);
+        black_box(&modes);
+    }
 }
 
 /// Reads every value once: a sum in enough lanes that it waits for memory only.
