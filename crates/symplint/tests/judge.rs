@@ -149,7 +149,7 @@ fn one_random_loop_has_to_be_bounded() {
 }
 
 #[test]
-fn the_largest_step_has_to_deform_the_loop_or_advance_a_motion() {
+fn the_largest_step_has_to_deform_the_loop_by_a_fifth() {
     for (deformation, expected) in [(0.19, Undecided), (0.21, Symplectic)] {
         let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
         evidence.survey.deformation = Some(deformation);
@@ -158,20 +158,6 @@ fn the_largest_step_has_to_deform_the_loop_or_advance_a_motion() {
         evidence.loops[0].steps[0].deformation = Some(deformation);
         assert_eq!(kind(&evidence), expected, "{deformation}, samples");
     }
-    // Of a map the phase advance counts, where it is known.
-    for (phase_advance, expected) in [(0.049, Undecided), (0.051, Symplectic)] {
-        let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
-        evidence.survey.deformation = Some(1.0 - f64::from(expected == Symplectic));
-        evidence.survey.phase_advance = Some(phase_advance);
-        assert_eq!(kind(&evidence), expected, "{phase_advance}");
-    }
-    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
-    evidence.survey.phase_advance = Some(7.25e-4);
-    let advice = judge(&evidence).advice()[0].clone();
-    assert!(advice.contains("near 700"), "{advice}");
-    evidence.survey.phase_advance = Some(1e-9);
-    let advice = judge(&evidence).advice()[0].clone();
-    assert!(advice.contains("a loop on which forces act"), "{advice}");
     // A significant defect needs no deformation.
     let mut evidence = of_map(vec![step(0.5, 1e-3, 1e-15)]);
     evidence.survey.deformation = Some(0.01);

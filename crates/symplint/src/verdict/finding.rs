@@ -104,11 +104,6 @@ pub enum Finding {
         /// Whether the given loop counts: a loop that winds does not.
         given: bool,
     },
-    /// The largest step hardly advances any motion on the loop: no method would show a defect.
-    SmallPhaseAdvance {
-        /// Of the fastest motion, in radians.
-        phase_advance: f64,
-    },
     /// The largest step hardly deforms the loop: no method would show a defect.
     LittleDeformation {
         /// Relative to the size of the loop.
@@ -291,11 +286,6 @@ pub enum Finding {
         /// Samples of the given loop.
         samples: usize,
     },
-    /// How far the largest step advances the fastest motion on the given loop.
-    PhaseAdvance {
-        /// The spectral radius of DΦ − 1, in radians.
-        phase_advance: f64,
-    },
     /// How much the largest step deforms the given loop.
     Deformation {
         /// Relative to its size.
@@ -385,11 +375,6 @@ pub enum Advice {
     StateStepSizes,
     /// The defect does not fall with h.
     DefectDoesNotFall,
-    /// Take steps that advance the fastest motion by about a radian.
-    LargerPhaseAdvance {
-        /// The step size that does, where it can be told.
-        step_size: Option<f64>,
-    },
     /// Take larger steps.
     LargerSteps {
         /// The deformation of the largest one.

@@ -7,7 +7,7 @@ mod undecided;
 use super::finding::{Advice, Change, Finding, Step, StepRange};
 use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, fit_order};
-use super::thresholds::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, SMALL, TREND};
+use super::thresholds::{LEAST_DEFORMATION, SMALL, TREND};
 use super::{Verdict, VerdictKind, long_time};
 use crate::evidence::{Evidence, LoopEvidence, Omission, Origin, StepEvidence};
 use crate::rules::Defect;
@@ -277,26 +277,10 @@ impl<'a> Case<'a> {
         }
     }
 
-    /// Whether the step may have been too small to test anything: the finding, and what to do.
-    fn tests_little(&self) -> Option<(Finding, Advice)> {
-        if let Some(phase_advance) = self.evidence.survey.phase_advance {
-            let h = (self.loops.first()).and_then(|given| match range(given) {
-                StepRange::One(h) | StepRange::Between(_, h) => Some(h),
-                StepRange::Unknown => None,
-            });
-            // Of a free flight rounding is left.
-            let step_size = h.map(|h| h / phase_advance).filter(|_| phase_advance > 1e-5);
-            return (phase_advance < LEAST_PHASE_ADVANCE).then_some((
-                Finding::SmallPhaseAdvance { phase_advance },
-                Advice::LargerPhaseAdvance { step_size },
-            ));
-        }
-        let deformation = (self.deformation()).filter(|&found| found < LEAST_DEFORMATION)?;
-        let advice = match self.is_sampled() && deformation == 0.0 {
-            true => Advice::CheckCopies,
-            false => Advice::LargerSteps { deformation },
-        };
-        Some((Finding::LittleDeformation { deformation }, advice))
+    /// Whether the step may have been too small to test anything.
+    fn deforms_little(&self) -> Option<f64> {
+        self.deformation()
+            .filter(|&found| found < LEAST_DEFORMATION)
     }
 
     /// Whether something was left out that evaluations would have told.

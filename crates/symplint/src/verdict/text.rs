@@ -155,11 +155,6 @@ impl Display for Finding {
                     plural(*random)
                 ),
             },
-            Finding::SmallPhaseAdvance { phase_advance } => write!(
-                f,
-                "The largest step advances the fastest motion on the loop by only {phase_advance:.1e} rad, too \
-                 little to show a defect."
-            ),
             Finding::LittleDeformation { deformation: 0.0 } => {
                 f.write_str("The step did not move the loop, or only as a whole.")
             }
@@ -347,11 +342,6 @@ impl Display for Finding {
             Finding::Resolution { samples } => write!(
                 f,
                 "Features narrower than 1/{samples} of the loop are not resolved."
-            ),
-            Finding::PhaseAdvance { phase_advance } => write!(
-                f,
-                "The largest step advances the fastest motion on the loop by {} rad.",
-                short(*phase_advance)
             ),
             Finding::Deformation { deformation } => write!(
                 f,
@@ -646,17 +636,6 @@ impl Display for Advice {
                 "The defect does not fall with h: look for a wrong sign, momenta that are not canonical, or a \
                  missing weight.",
             ),
-            Advice::LargerPhaseAdvance {
-                step_size: Some(step_size),
-            } => write!(
-                f,
-                "Take step sizes near {}: there the fastest motion advances by about a radian.",
-                size(rounded(*step_size))
-            ),
-            Advice::LargerPhaseAdvance { step_size: None } => f.write_str(
-                "Take larger step sizes, or a loop on which forces act: a free flight, or a kick alone, is exact by \
-                 every method.",
-            ),
             Advice::LargerSteps { deformation } => {
                 f.write_str(
                     "Take larger step sizes: the largest one should deform the loop by 0.3 to 1 of its size",
@@ -708,10 +687,4 @@ impl Display for Advice {
             ),
         }
     }
-}
-
-/// A number to one digit.
-fn rounded(x: f64) -> f64 {
-    let unit = 10f64.powf(x.abs().log10().floor());
-    (x / unit).round() * unit
 }

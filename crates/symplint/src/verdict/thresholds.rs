@@ -1,10 +1,6 @@
 //! The numbers that the judge decides by. Those that measuring needs, too, stand in `evidence/step.rs`.
 
-/// A step that advances the fastest motion on the loop by less than this, in radians, tests nothing: the defect of a
-/// method of order 4 is about its sixth power, over 100, and has to stand clear of round-off.
-pub(super) const LEAST_PHASE_ADVANCE: f64 = 0.05;
-
-/// Where the phase advance is not known: a step that deforms the loop by less than this part of its size tests nothing: even a method that is far
+/// A step that deforms the loop by less than this part of its size tests nothing: even a method that is far
 /// from symplectic has a defect below round-off there. Calibrated on the truth table: explicit midpoint and Heun
 /// steps of all its systems show a defect from 0.2 on.
 pub(super) const LEAST_DEFORMATION: f64 = 0.2;

@@ -42,10 +42,8 @@ impl Case<'_> {
         };
         let samples = self.loops.first().map_or(0, |given| given.samples);
         findings.push(Finding::Resolution { samples });
-        findings.extend(match self.evidence.survey.phase_advance {
-            Some(phase_advance) => Some(Finding::PhaseAdvance { phase_advance }),
-            None => (self.deformation()).map(|deformation| Finding::Deformation { deformation }),
-        });
+        let deformation = self.deformation();
+        findings.extend(deformation.map(|deformation| Finding::Deformation { deformation }));
         findings
     }
 

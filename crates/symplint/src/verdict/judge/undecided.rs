@@ -18,7 +18,13 @@ impl Case<'_> {
     }
 
     pub(super) fn undecided(&self) -> Option<Decision> {
-        if let Some((because, advice)) = self.tests_little() {
+        if let Some(deformation) = self.deforms_little() {
+            let because = Finding::LittleDeformation { deformation };
+            let copies = self.is_sampled() && deformation == 0.0;
+            let advice = match copies {
+                true => Advice::CheckCopies,
+                false => Advice::LargerSteps { deformation },
+            };
             let mut decision = self.because(because, Vec::new());
             decision.advice = vec![advice];
             return Some(decision);
