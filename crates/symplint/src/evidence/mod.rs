@@ -182,8 +182,8 @@ pub struct Evaluations {
 }
 
 impl Evidence {
-    /// All points, flat, as tables and reports show them: the sweep over step sizes loop by loop, the sweep over
-    /// samples after the given loop.
+    /// All points, flat, as tables and reports show them: the sweep over step sizes loop by loop, then
+    /// the sweep over samples.
     pub fn points(&self) -> Vec<Point> {
         let of_loops = self.loops.iter().flat_map(|of_loop| {
             let point = |step| Point::new(Sweep::StepSize, of_loop.index, step);
