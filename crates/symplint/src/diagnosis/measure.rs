@@ -152,11 +152,6 @@ impl Run<'_> {
             }
             false => (self.share(), left),
         };
-        let phase_advance = match survey::phase_advance(subject, self.largest) {
-            // Beside the loop the map need not be defined.
-            Err(error) if of_the_map(&error) => None,
-            found => found?,
-        };
         let mut found = Survey::default();
         let mut looked = false;
         let mut look = |after: &Ensemble| {
@@ -176,7 +171,6 @@ impl Run<'_> {
         if !looked {
             found = survey::of_few_samples(subject, self.largest)?;
         }
-        found.phase_advance = phase_advance;
         self.evidence.survey = found;
 
         let mut given = LoopEvidence::new(0, LoopKind::Given);

@@ -165,6 +165,13 @@ impl Diagnostic {
                     tried => pieces = tried,
                 }
             }
+            // Pieces may have taken what twice the samples need.
+            if samples > with.allowance.saturating_sub(spent()) {
+                return match pieces {
+                    Some((pieces, of_pieces)) if of_pieces < error => Ok(pieces),
+                    _ => Ok(probe),
+                };
+            }
             last_regularity = regularity;
             refined.double()?;
         }

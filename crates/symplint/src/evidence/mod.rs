@@ -182,19 +182,15 @@ pub struct Evaluations {
 }
 
 impl Evidence {
-    /// All points, flat, as tables and reports show them: the sweep over step sizes loop by loop, the sweep over
-    /// samples after the given loop.
+    /// All points, flat, as tables and reports show them: the sweep over step sizes loop by loop, then
+    /// the sweep over samples.
     pub fn points(&self) -> Vec<Point> {
-        let mut points = Vec::new();
-        for of_loop in &self.loops {
-            let of_steps = of_loop.steps.iter();
-            points.extend(of_steps.map(|step| Point::new(Sweep::StepSize, of_loop.index, step)));
-            if of_loop.index == 0 {
-                let of_samples = self.sample_sweep.iter();
-                points.extend(of_samples.map(|step| Point::new(Sweep::Samples, 0, step)));
-            }
-        }
-        points
+        let of_loops = self.loops.iter().flat_map(|of_loop| {
+            let point = |step| Point::new(Sweep::StepSize, of_loop.index, step);
+            of_loop.steps.iter().map(point)
+        });
+        let of_samples = (self.sample_sweep.iter()).map(|step| Point::new(Sweep::Samples, 0, step));
+        of_loops.chain(of_samples).collect()
     }
 }
 

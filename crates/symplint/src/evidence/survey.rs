@@ -9,9 +9,6 @@ pub struct Survey {
     /// How much the largest step deforms the given loop, relative to its size; `None` where the map failed on
     /// the samples that would tell.
     pub deformation: Option<f64>,
-    /// The phase advance of the largest step on the given loop, in radians: the spectral radius of DΦ − 1; `None`
-    /// where the map failed beside the loop.
-    pub phase_advance: Option<f64>,
     /// How coarsely the map rounds the states that it returns, if it does more than double precision does.
     pub output_precision: Option<OutputPrecision>,
 }

@@ -1,12 +1,10 @@
 //! What a few samples show of a map, apart from loop integrals.
 
 mod deformation;
-mod phase_advance;
 mod precision;
 mod purity;
 
 pub(crate) use deformation::{motion, winds};
-pub(crate) use phase_advance::phase_advance;
 pub(crate) use purity::check_purity;
 
 use crate::error::Error;
@@ -49,7 +47,6 @@ pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> Survey {
     Survey {
         deformation: deformation.value(),
         output_precision: precision.value(),
-        ..Survey::default()
     }
 }
 
@@ -71,6 +68,5 @@ pub(crate) fn of_few_samples(subject: Subject<'_>, h: f64) -> Result<Survey, Err
     Ok(Survey {
         deformation: deformation.value(),
         output_precision: precision.value(),
-        ..Survey::default()
     })
 }

@@ -25,12 +25,11 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The order that the slope stands for: the whole number within 0.15, if the slope is known to 0.4.
-    /// `None` for other slopes, which are those of a range that is not asymptotic yet.
+    /// The order that the slope stands for: the whole number within 0.15. `None` for other slopes, which
+    /// are those of a range that is not asymptotic yet.
     pub fn whole(&self) -> Option<f64> {
         let whole = self.slope.round();
-        let known = (self.slope - whole).abs() <= 0.15 && self.uncertainty < 0.4;
-        known.then_some(whole)
+        ((self.slope - whole).abs() <= 0.15).then_some(whole)
     }
 }
 
@@ -43,8 +42,8 @@ pub(super) const FEWEST_POINTS: usize = 3;
 /// The largest step of a fit over the smallest, at least.
 const NARROWEST: f64 = 3.9;
 
-/// An exponent less certain than this is none.
-const UNCERTAIN: f64 = 1.0;
+/// A mean slope less certain than this says nothing: slopes that differ by more change from one order to the next.
+const UNCERTAIN: f64 = 0.4;
 
 /// A defect must exceed its uncertainty by this factor for the range to begin there.
 const CLEAR: f64 = 50.0;
@@ -82,10 +81,8 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     if data.len() < FEWEST_POINTS || data[data.len() - 1].0 < NARROWEST * data[0].0 {
         return None;
     }
-    let (slope, uncertainty) = polynomial_law(data).unwrap_or_else(|| plain_law(data));
-    if uncertainty > UNCERTAIN {
-        return None;
-    }
+    let plain = || Some(plain_law(data)).filter(|(_, uncertainty)| *uncertainty <= UNCERTAIN);
+    let (slope, uncertainty) = polynomial_law(data).or_else(plain)?;
     Some(Fit {
         quantity: "defect",
         against: "step_size",
