@@ -405,3 +405,33 @@ fn bad_input_is_an_error() {
     let flat = Snapshot::new(changed(&before.states, |_, p| *p = 0.0));
     assert!(matches!(fails(&flat, &after), Error::NoArea { .. }));
 }
+
+#[test]
+fn rows_out_of_order_are_told_in_either_file() {
+    let (before, after) = snapshots(leapfrog, &circle(1.0, 0.5), 256, &[0.5], |_, _| {});
+    let shuffled = |snapshot: &Snapshot| {
+        let from = &snapshot.states;
+        let mut states = from.clone();
+        let mut block = states.block();
+        for k in 0..256 {
+            // 97 is odd: every row once.
+            let other = (97 * k + 13) % 256;
+            block.q.row_mut(0)[k] = from.q().row(0)[other];
+            block.p.row_mut(0)[k] = from.p().row(0)[other];
+        }
+        Snapshot::new(states)
+    };
+    let summary = |before: &Snapshot, after: &Snapshot| {
+        let after = std::slice::from_ref(after);
+        let found = measure(before, after, &Coordinates::plain(1)).unwrap();
+        assert_eq!(found.verdict.kind, VerdictKind::Undecided);
+        found.verdict.summary()
+    };
+    for (before, after) in [
+        (&shuffled(&before), &after[0]),
+        (&before, &shuffled(&after[0])),
+    ] {
+        let text = summary(before, after);
+        assert!(text.contains("do not seem to be in order"), "{text}");
+    }
+}

@@ -96,7 +96,7 @@ pub struct LoopEvidence {
     /// A position that jumps by its whole range before any step.
     pub wrap_before: Option<Wrap>,
     /// Mean distance of neighbouring samples over that of samples sorted along the loop, for loops of another
-    /// code: 1 for rows in order.
+    /// code, before the step or after one: 1 for rows in order.
     pub shuffled: Option<f64>,
     /// Step by step.
     pub steps: Vec<StepEvidence>,

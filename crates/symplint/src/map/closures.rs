@@ -8,7 +8,7 @@ use crate::state::{Block, Coordinates, scratch};
 
 /// What a closure that advances one state returns: nothing, or a `Result` whose error says why it cannot.
 pub trait StepOutcome {
-    /// The reason of a failure, in the closure's words.
+    /// The reason of a failure, as the closure says it.
     ///
     /// # Errors
     /// Where the step was not taken.

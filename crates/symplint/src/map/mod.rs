@@ -114,7 +114,7 @@ pub trait TimeAdvance: Send + Sync {
 pub struct StepFailure {
     /// Column of the block.
     pub sample: usize,
-    /// What went wrong, in the map's words.
+    /// What went wrong, as the map says it.
     pub reason: String,
 }
 

@@ -25,7 +25,7 @@ impl Defect {
     /// If the initial loop integral is zero to round-off, so that nothing is relative to it.
     pub fn between(initial: &LoopIntegral, advanced: &LoopIntegral) -> Result<Self, Error> {
         let size = initial.value.abs();
-        // Round-off is an estimate: a loop integral it all but covers is no measure.
+        // Round-off is an estimate: a loop integral that it all but covers measures nothing.
         if size <= 100.0 * initial.roundoff {
             // What cancels in part has no area; what does not is drowned.
             if size > 0.1 * initial.scale {

@@ -15,7 +15,7 @@ use crate::state::scratch::with_buffer;
 pub enum Cutoff {
     /// λ: the cut-off is λ times the largest absolute value of the coordinate on the loop.
     Relative(f64),
-    /// τ: the cut-off itself, in units of the coordinate per turn of the loop.
+    /// τ: the cut-off itself, in units of the coordinate per revolution of the loop.
     Absolute(f64),
 }
 

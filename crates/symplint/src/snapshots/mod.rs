@@ -1,7 +1,7 @@
 //! Loops that another code advanced: all that is known of them is their samples.
 //!
 //! A map can be evaluated between the samples, data cannot. So where the samples are smooth the
-//! pseudospectral rule with its nested error estimate is used, and where they jump
+//! pseudospectral rule with an error estimate from every second sample is used, and where they jump
 //! (`find_jumps`) a finite-difference rule that leaves the jumps out (`pieces`); its
 //! error covers that the position of a break within its cell is not known. No cut-off is compared with the size of
 //! a coordinate: a shift of the origin
@@ -92,7 +92,10 @@ pub fn measure_snapshots(
     given.samples = samples;
     given.broken_before = initial.broken;
     given.wrap_before = initial.wrapped;
-    given.shuffled = order::shuffled(&before.states, coordinates);
+    let all = std::iter::once(before).chain(after);
+    given.shuffled = all
+        .filter_map(|snapshot| order::shuffled(&snapshot.states, coordinates))
+        .reduce(f64::max);
     given.steps = (compared.iter())
         .map(|step| evidence(&initial, step, samples))
         .collect();

@@ -117,11 +117,9 @@ impl<'a> Case<'a> {
             Some(h) => Step::Size(h),
             None if found.steps.len() == 1 => Step::Only,
             None => {
-                let place = found
-                    .steps
-                    .iter()
-                    .position(|other| std::ptr::eq(other, step));
-                Step::Number(place.unwrap_or(0) + 1)
+                let mut steps = found.steps.iter();
+                let index = steps.position(|other| std::ptr::eq(other, step));
+                Step::Number(index.unwrap_or(0) + 1)
             }
         }
     }

@@ -96,8 +96,8 @@ impl Display for Finding {
             ),
             Finding::Shuffled { ratio } => write!(
                 f,
-                "Neighbouring samples before the step are {} times as far apart as they are when sorted along \
-                 the loop: the rows do not seem to be in order.",
+                "Neighbouring samples of a loop are {} times as far apart as they are when sorted along it: the \
+                 rows do not seem to be in order.",
                 short(*ratio)
             ),
             Finding::Discontinuous { jump, conserved } => {

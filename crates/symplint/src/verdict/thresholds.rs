@@ -13,7 +13,7 @@ pub(super) const SMALL: f64 = 1e-10;
 /// asked of two step sizes.
 pub(super) const FAR: f64 = 100.0;
 
-/// Slopes of the defect against h below this are no trend: half of the lowest order that a consistent method
+/// Slopes of the defect against h below this do not show a trend: half of the lowest order that a consistent method
 /// can have.
 pub(super) const TREND: f64 = 0.5;
 

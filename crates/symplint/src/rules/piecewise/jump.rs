@@ -102,7 +102,7 @@ impl Jump {
         self.bracket.halve(end, difference)
     }
 
-    /// The states beside it that the next look needs besides those that are known.
+    /// The states beside it that the next look needs and that are not known yet.
     pub fn surroundings(&self) -> impl Iterator<Item = At> {
         [End::Low, End::High].into_iter().flat_map(move |end| {
             let known = self.beside[end as usize].len();

@@ -97,7 +97,7 @@ pub(super) const NOISE_SPACING: f64 = 2e-6;
 /// thousands of times none has breaks at three sites.
 pub(super) const NOISE_SPACING_OF_PIECE: f64 = 2e-5;
 
-/// A jump of this part of the loop's size is no noise. What looks like noise beside it are other breaks, or states in
+/// A jump of this part of the loop's size is not noise. What looks like noise beside it are other breaks, or states in
 /// which rounding decides on which side of a threshold they are.
 pub(super) const LARGE: f64 = 1e-3;
 

@@ -20,7 +20,7 @@ pub(super) type Values = [f64; NODES];
 pub(super) struct Lobatto {
     /// −cos(πj/12), rising.
     pub nodes: Values,
-    /// For each level, rows: coefficients from values. What is no node of a level, and what is beyond its degree,
+    /// For each level, rows: coefficients from values. What is not a node of a level, and what is beyond its degree,
     /// is 0.
     transforms: [[Values; NODES]; DEGREES.len()],
     /// ∫ P Q' = Σ p_j area_jk q_k for the interpolants of p and q.
@@ -251,7 +251,7 @@ mod tests {
                     *value = f64::NAN;
                 }
             }
-            // What is no node of the level does not count.
+            // What is not a node of the level does not count.
             let known = at_nodes.map(|v| if v.is_nan() { 1e9 } else { v });
             let a = LOBATTO.coefficients(&known, level);
             for step in -10..=10 {

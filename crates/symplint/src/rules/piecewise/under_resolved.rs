@@ -6,8 +6,11 @@
 //! of the error.
 //!
 //! Kinks and jumps are narrow as well, but the states on one side do not continue those on the other, and any
-//! piece across them shows it: they are not found by chance. A feature is under-resolved where the samples on both
+//! piece across them shows it. A feature is under-resolved where the samples on both
 //! sides of it continue each other as if there was nothing in between.
+//!
+//! Without this, bumps beside a kink and narrow jumps of which one is missed are called not symplectic (tests in
+//! `traps/by_chance.rs`).
 
 use super::limits::{CALM, NEIGHBOURING_SAMPLES, OF_SPIKES, WIDEST_FEATURE};
 use super::lobatto::LOBATTO;
@@ -68,7 +71,7 @@ pub(super) fn under_resolved(refinement: &Refinement<'_>) -> f64 {
             beside: beside(left, right, count),
         };
         for i in 0..refinement.coordinates.dof() {
-            let (area, uncertainty) = stretch.departure(i);
+            let (area, uncertainty) = stretch.excess(i);
             if area.abs() > uncertainty {
                 net += area;
                 error += uncertainty;
@@ -95,7 +98,7 @@ fn beside(left: [f64; 2], right: [f64; 2], count: f64) -> [Vec<usize>; 2] {
 impl Stretch<'_> {
     /// What degree of freedom i contributes more than if there was nothing here, and how well that is known: as well
     /// as the samples on both sides continue each other.
-    fn departure(&self, i: usize) -> (f64, f64) {
+    fn excess(&self, i: usize) -> (f64, f64) {
         let coordinates = self.refinement.coordinates;
         let weight = coordinates.weight(i);
         let count = self.samples.samples();

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 /// The modules, from the ground up: each may import from those before it.
-const ROOMS: [&str; 14] = [
+const MODULES: [&str; 14] = [
     "error",
     "signal",
     "state",
@@ -48,19 +48,19 @@ fn files(path: &Path) -> Vec<std::path::PathBuf> {
 fn no_module_imports_from_one_below_it() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut wrong = Vec::new();
-    for (place, room) in ROOMS.iter().enumerate() {
-        let folder = source.join(room);
+    for (position, module) in MODULES.iter().enumerate() {
+        let folder = source.join(module);
         let path = match folder.is_dir() {
             true => folder,
-            false => source.join(format!("{room}.rs")),
+            false => source.join(format!("{module}.rs")),
         };
         for file in files(&path) {
             for part in code(&file).split("crate::").skip(1) {
                 let name: String = (part.chars())
                     .take_while(|c| c.is_alphanumeric() || *c == '_')
                     .collect();
-                match ROOMS.iter().position(|other| *other == name) {
-                    Some(other) if other > place => {
+                match MODULES.iter().position(|other| *other == name) {
+                    Some(other) if other > position => {
                         wrong.push(format!("{} imports from {name}", file.display()));
                     }
                     Some(_) => {}
@@ -80,6 +80,6 @@ fn every_module_stands_in_the_order() {
         .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
         .filter(|name| name != "lib")
         .collect();
-    let named: BTreeSet<String> = ROOMS.iter().map(|room| (*room).to_owned()).collect();
+    let named: BTreeSet<String> = MODULES.iter().map(|module| (*module).to_owned()).collect();
     assert_eq!(found, named);
 }
