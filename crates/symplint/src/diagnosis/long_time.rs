@@ -14,7 +14,7 @@ const RESOLVED: f64 = 0.1;
 const FINE: f64 = 1e-12;
 
 /// A loop folds: what one step resolves, many do not. Samples of a loop of one degree of freedom at least.
-const FOLDED: usize = 1 << 13;
+pub(super) const FOLDED: usize = 1 << 13;
 
 /// Follows the loop of a probe for `steps` steps of size `h`, or says what is left out, and how many evaluations it
 /// would take, if it does not fit into memory or into the evaluations that are `left`.

@@ -212,8 +212,8 @@ impl Run<'_> {
                 let cells_apart = known.advanced.cells_apart.min(MOST_CELLS);
                 let finer = (cells_apart / MOST_CELLS_APART).ceil().max(1.0) as usize;
                 let measurements = 1 + others.min(2) + (diagnostic.loops - 1).min(2);
-                let resolved = UNRESOLVED_FACTOR * cost * finer.next_power_of_two();
-                (resolved * measurements).saturating_sub(self.left())
+                let resolved = UNRESOLVED_FACTOR * probe.samples * finer.next_power_of_two();
+                (resolved.max(cost) * measurements).saturating_sub(self.left())
             }
             SampleCount::Auto => 0,
         };

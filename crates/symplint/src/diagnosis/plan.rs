@@ -1,5 +1,6 @@
 //! How a budget of evaluations is spent.
 
+use super::long_time::FOLDED;
 use super::memory::{SMALL, fits};
 use super::{Diagnostic, SampleCount};
 use crate::jacobian::JacobianTest;
@@ -8,17 +9,24 @@ use crate::map::Evaluator;
 /// The budget where none is given: enough for fine resolution of every system of the models.
 const DEFAULT_BUDGET: usize = 1_000_000;
 
-/// The budget where none is given. Where the number of samples is given, it allows the sweeps that are asked for.
+/// The budget where none is given. It allows the many steps that are asked for and, where the number of samples is
+/// given, the sweeps.
 pub(super) fn default_budget(diagnostic: &Diagnostic) -> usize {
     let measurements = diagnostic.step_sizes.len() + diagnostic.loops;
     let of_steps = match diagnostic.samples {
         SampleCount::Fixed(samples) => samples.saturating_mul(2 * measurements),
         SampleCount::Auto => 0,
     };
+    let of_each_step = match diagnostic.samples {
+        SampleCount::Fixed(samples) => samples.max(FOLDED),
+        SampleCount::Auto => FOLDED,
+    };
+    let of_long_time = diagnostic.long_time.saturating_mul(of_each_step);
     let of_sweep = (diagnostic.sample_sweep.iter()).flat_map(|sweep| &sweep.counts);
     let of_sweep = of_sweep.fold(0, |sum: usize, &count| sum.saturating_add(count));
     of_steps
         .saturating_add(of_sweep)
+        .saturating_add(of_long_time)
         .saturating_add(DEFAULT_BUDGET)
 }
 
