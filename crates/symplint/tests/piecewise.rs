@@ -389,3 +389,22 @@ fn coordinates_of_another_number_of_degrees_of_freedom_are_refused() {
         })
     ));
 }
+
+#[test]
+fn a_coordinate_that_collapses_to_nothing_is_integrated() {
+    // The position jumps, and the momentum becomes 0, or nearly so.
+    for damping in [0.0, 1e-160] {
+        let map = PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+            q[0] += h * q[0].signum();
+            p[0] *= damping;
+        });
+        let circle = Circle::new(vec![0.1], vec![0.2], 1.0).unwrap();
+        let found = Piecewise::default().integrate(&map, &circle, 0.5).unwrap();
+        assert!(found.continuous.value.abs() < 1e-100, "{damping}");
+        let estimate = found.continuous.quadrature_error;
+        assert!(
+            estimate.is_some_and(|error| error < 1e-100),
+            "{damping}: {estimate:?}"
+        );
+    }
+}

@@ -96,3 +96,52 @@ fn too_small_a_budget_is_undecided_and_says_how_many_evaluations_more_would_tell
     assert!(advice.contains("evaluations more would tell"), "{advice}");
     assert!(made(&report) <= 400, "{}", made(&report));
 }
+
+/// What passed its budget once: sweeps over samples, jumps that are followed, pieces beside their samples, later step
+/// sizes, localisation.
+#[test]
+fn no_part_of_a_diagnosis_passes_the_budget() {
+    let piecewise = "diagnostic.rule=piecewise";
+    let sweep = "diagnostic.sample_sweep={from=\"2^6\",to=\"2^15\",step_size=0.1}";
+    let cases: [(&str, &str, u64, &[&str]); 7] = [
+        ("pendulum", "strang", 500, &[sweep]),
+        ("pic-1d", "strang", 200, &["system.degree=1"]),
+        (
+            "pic-1d",
+            "yoshida8",
+            30_000,
+            &["system.degree=1", piecewise],
+        ),
+        (
+            "fput",
+            "wrong-sign-euler",
+            650,
+            &[piecewise, "diagnostic.jacobian=false"],
+        ),
+        ("two-cell", "strang", 211, &[piecewise]),
+        ("pendulum-array", "lie-trotter", 963, &[piecewise]),
+        (
+            "pic-1d",
+            "strang",
+            1277,
+            &[
+                "system.degree=1",
+                "diagnostic.rule=finite-difference",
+                "diagnostic.step_sizes=[0.3,0.1]",
+            ],
+        ),
+    ];
+    for (system, integrator, budget, settings) in cases {
+        let report = with_budget(system, integrator, budget as usize, settings);
+        let made = report["evaluations"]["made"].as_u64().unwrap();
+        assert!(made <= budget, "{system} {integrator} {settings:?}: {made}");
+    }
+    // A sweep that is left out is named, and costs no loop its place.
+    let report = with_budget("pendulum", "strang", 500, &[sweep]);
+    let verdict = report["verdict"].to_string();
+    assert!(
+        verdict.contains("numbers of samples could be tried"),
+        "{verdict}"
+    );
+    assert_eq!(report["verdict"]["kind"], "symplectic", "{verdict}");
+}

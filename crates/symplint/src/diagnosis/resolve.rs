@@ -123,6 +123,7 @@ impl Diagnostic {
         // The first samples were just advanced.
         let start = count.made() - refined.after.samples();
         let spent = || count.made() - start;
+        let has_left = |evaluations: usize| evaluations <= with.allowance.saturating_sub(spent());
         let mut convergence = Convergence::new();
         let mut last_regularity = None;
         let mut pieces: Option<(Probe<'a>, f64)> = None;
@@ -138,7 +139,7 @@ impl Diagnostic {
             let standing = convergence.proceed(&advanced);
             let error = standing.error;
             let samples = refined.before.samples();
-            let all = 2 * samples > most || samples > with.allowance.saturating_sub(spent());
+            let all = 2 * samples > most || !has_left(samples);
             let regularity = advanced.integral.regularity;
             let kinked = settled(last_regularity, regularity);
             // The pseudospectral error falls as N^(1 − 2s) on a loop in H^s.
@@ -166,7 +167,7 @@ impl Diagnostic {
                 }
             }
             // Pieces may have taken what twice the samples need.
-            if samples > with.allowance.saturating_sub(spent()) {
+            if !has_left(samples) {
                 return match pieces {
                     Some((pieces, of_pieces)) if of_pieces < error => Ok(pieces),
                     _ => Ok(probe),

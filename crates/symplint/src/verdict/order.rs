@@ -268,4 +268,15 @@ mod tests {
     fn noise_alone_has_no_order() {
         assert_eq!(fit_order(&evidence(|_| 0.0, 1e-14)), None);
     }
+
+    #[test]
+    fn defects_that_are_not_known_are_no_points_of_a_law() {
+        // Of ten points three are known: any three lie on a law of some order.
+        let mut found = evidence(|_| -1.0, 1e-12);
+        for step in &mut found.steps[..7] {
+            step.defect.quadrature_error = None;
+        }
+        let order = fit_order(&found).and_then(|fit| fit.whole());
+        assert!(order.is_none_or(|order| order == 0.0), "{order:?}");
+    }
 }

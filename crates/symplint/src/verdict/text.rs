@@ -1,14 +1,17 @@
-//! The sentences of findings and advice: all English of a verdict is here.
+//! The sentences of findings: all English of a verdict is here and in the folder beside this file.
+
+mod advice;
+mod jacobian;
 
 use std::fmt::{Display, Formatter, Result};
 
-use super::finding::{Advice, Change, Finding, Step, StepRange};
+use super::finding::{Change, Finding, Step, StepRange};
 use super::long_time::Growth;
 use super::number::{capitalised, jumping, loop_name, short, size};
 use super::order::Fit;
 use crate::breaks::Break;
 use crate::evidence::{
-    LongTime, Omission, OutputFormat, OutputPrecision, SIGNIFICANT, Sector, SubstepDefect,
+    LongTime, OutputFormat, OutputPrecision, SIGNIFICANT, Sector, SubstepDefect,
 };
 
 impl Display for Step {
@@ -537,154 +540,5 @@ pub(super) fn roughness(exponent: f64) -> Option<&'static str> {
         1.0..2.0 => Some("as at kinks"),
         2.0..4.5 => Some("as where a higher derivative jumps"),
         _ => None,
-    }
-}
-
-impl Display for Omission {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match self {
-            Omission::StepSizes { count } => write!(
-                f,
-                "The budget was spent before {count} step size{} could be tried.",
-                plural(*count)
-            ),
-            Omission::SampleSweep { count } => write!(
-                f,
-                "The budget was spent before {count} number{} of samples could be tried.",
-                plural(*count)
-            ),
-            Omission::RandomLoops { count } => write!(
-                f,
-                "The budget was spent before {count} random loop{} could be tried.",
-                plural(*count)
-            ),
-            Omission::Samples { loop_index } => write!(
-                f,
-                "The budget was spent before {} was resolved to round-off.",
-                loop_name(*loop_index)
-            ),
-            Omission::JacobianBudget => {
-                f.write_str("The Jacobian was left out: the budget was spent.")
-            }
-            Omission::JacobianMemory => {
-                f.write_str("The Jacobian was left out: its states would not fit into memory.")
-            }
-            Omission::JacobianFailed { reason } => {
-                write!(f, "The Jacobian could not be measured: {reason}.")
-            }
-            Omission::LocalisationFailed { reason } => {
-                write!(
-                    f,
-                    "Where the defect comes from could not be found: {reason}."
-                )
-            }
-            Omission::LocalisationBudget => {
-                f.write_str("Where the defect comes from was not looked for: the budget was spent.")
-            }
-            Omission::LongTimeMemory { samples } => write!(
-                f,
-                "Many steps were left out: {samples} samples would have to stay in memory."
-            ),
-            Omission::LongTimeBudget => {
-                f.write_str("Many steps were left out: the budget was spent.")
-            }
-        }
-    }
-}
-
-impl Display for Advice {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match self {
-            Advice::MeasureLoop => f.write_str("Measure one loop or more."),
-            Advice::StatePeriod => f.write_str("State the period of the position, as an array `period` in the file or as an option."),
-            Advice::PeriodIfPeriodic => f.write_str(
-                "If q is an angle or a position in a periodic box, keep it unwrapped or state its period.",
-            ),
-            Advice::OrderOfSamples => f.write_str(
-                "Give all samples, in their order along a closed loop, the same before and after the step; state \
-                 the period of wrapped positions.",
-            ),
-            Advice::MoreSamplesOfFile => f.write_str(
-                "Take more samples, four times as many or more: a jump keeps its size, a steep slope fades.",
-            ),
-            Advice::SmootherForce => f.write_str(
-                "Use a smoother interpolation: a force that is continuous where particles cross cells.",
-            ),
-            Advice::TightenSolver => {
-                f.write_str("If a solver inside the map stops at a tolerance, tighten it.")
-            }
-            Advice::MoreStepSizes { given } => write!(
-                f,
-                "Give four or more step sizes, each half of the one before, to learn the order ({given} measured)."
-            ),
-            Advice::NoOrder { given, drowned } => match drowned {
-                true => write!(
-                    f,
-                    "The defects at the smaller of {given} step sizes are not above their uncertainty: give larger \
-                     step sizes to learn the order."
-                ),
-                false => write!(
-                    f,
-                    "The defects at {given} step sizes do not follow one power of h: give smaller step sizes, \
-                     each half of the one before, to learn the order."
-                ),
-            },
-            Advice::StateStepSizes => {
-                f.write_str("State the step sizes to learn the order.")
-            }
-            Advice::DefectDoesNotFall => f.write_str(
-                "The defect does not fall with h: look for a wrong sign, momenta that are not canonical, or a \
-                 missing weight.",
-            ),
-            Advice::LargerSteps { deformation } => {
-                f.write_str(
-                    "Take larger step sizes: the largest one should deform the loop by 0.3 to 1 of its size",
-                )?;
-                match *deformation {
-                    found if found > 1e-6 => {
-                        write!(f, ", about {} times the present one.", short(0.5 / found))
-                    }
-                    _ => f.write_str("."),
-                }
-            }
-            Advice::CheckCopies => f.write_str(
-                "Check that the files after the step are not copies of the one before it.",
-            ),
-            Advice::SamplesInCells => f.write_str(
-                "Take more samples or a smaller loop: two samples or more in each cell that it crosses.",
-            ),
-            Advice::MoreSamplesAndLargerSteps => f.write_str(
-                "Take more samples and larger step sizes: a true defect grows with h, an error does not.",
-            ),
-            Advice::ContractibleLoops => {
-                f.write_str("Add loops that can be contracted: set loops to 8.")
-            }
-            Advice::SmallerLoopInDomain => f.write_str(
-                "Take a smaller loop, well inside the domain of the map, or set loops to 1.",
-            ),
-            Advice::MoreSamplesOrSmallerLoop => f.write_str(
-                "Take more samples or a smaller loop; finite differences are only good to a few digits.",
-            ),
-            Advice::LargerLoop => f.write_str(
-                "Round-off makes most of the bound: take a larger loop, nearer to the origin, and states in double \
-                 precision.",
-            ),
-            Advice::MoreDigits => f.write_str(
-                "Return states in double precision, unrounded (17 digits, if they are printed), to learn more.",
-            ),
-            Advice::OtherLoops => f.write_str(
-                "Take other loops: one that is off the symmetries of the system, and a larger one.",
-            ),
-            Advice::MoreLoops => {
-                f.write_str("One loop is one probe: set loops to 8 to be surer.")
-            }
-            Advice::MoreLoopsOfFile => f.write_str(
-                "One loop is one probe: measure others, too (loop.shape = \"fourier\", another loop.seed).",
-            ),
-            Advice::MoreEvaluations { wanted } => write!(
-                f,
-                "Raise the budget: about {wanted} evaluations more would tell."
-            ),
-        }
     }
 }

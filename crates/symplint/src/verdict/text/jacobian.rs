@@ -1,0 +1,176 @@
+//! What a Jacobian test says, in English.
+
+use std::fmt::{Display, Formatter, Result};
+
+use crate::jacobian::{JacobianMethod, TangentRejection};
+use crate::verdict::jacobian::{Agreement, Inconclusive, JacobianFinding, JacobianVerdict};
+use crate::verdict::number::{short, size};
+
+impl Display for JacobianFinding {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(
+            f,
+            "At h = {} the Jacobian is {} ({}). {}",
+            size(self.step_size),
+            self.verdict,
+            self.method,
+            self.agreement
+        )?;
+        match self.verdict {
+            JacobianVerdict::Undecided {
+                reason: Inconclusive::WeakBound { .. },
+            } => f.write_str(
+                " Derivatives amplify the noise of a map; loop integrals average it and bound the defect \
+                 better.",
+            ),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Display for JacobianVerdict {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            JacobianVerdict::SymplecticAlmostEverywhere { digits } => {
+                write!(f, "symplectic almost everywhere to {digits} digits")
+            }
+            JacobianVerdict::NotSymplectic { worst } => {
+                write!(
+                    f,
+                    "not symplectic by {:.3e} ± {:.1e} at s = {:.6}",
+                    worst.signed, worst.uncertainty, worst.s
+                )?;
+                match worst.dofs {
+                    None => Ok(()),
+                    Some((i, j)) if i == j => write!(f, ", in degree of freedom {i}"),
+                    Some((i, j)) => write!(f, ", between degrees of freedom {i} and {j}"),
+                }
+            }
+            JacobianVerdict::Undecided { reason } => write!(f, "undecided: {reason}"),
+        }
+    }
+}
+
+impl Display for Inconclusive {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Inconclusive::NoPoints => f.write_str(
+                "the budget left no evaluations for differences; correct the tangent map or give a larger \
+                 budget",
+            ),
+            Inconclusive::NoDerivative { points, of } => write!(
+                f,
+                "the map has no derivative at {points} of {of} points; take another loop"
+            ),
+            Inconclusive::LittleDeformation { deformation } => write!(
+                f,
+                "the step deforms tangent vectors by only {} of their size; take a larger step",
+                short(*deformation)
+            ),
+            Inconclusive::WeakBound { bound, noise } => write!(
+                f,
+                "derivatives only bound the defect by {bound:.1e}, with a noise of the map of \
+                 {noise:.1e} of the loop's size; take a larger loop or double precision"
+            ),
+            Inconclusive::Unexplained { worst } => write!(
+                f,
+                "the defect of {:.1e} at s = {:.6} exceeds its uncertainty of {:.1e} but is not \
+                 significant; take a larger step or another loop",
+                worst.magnitude(),
+                worst.s,
+                worst.uncertainty
+            ),
+        }
+    }
+}
+
+impl Display for Agreement {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        f.write_str(match self {
+            Agreement::Symplectic => "Loops and Jacobian agree: symplectic.",
+            Agreement::NotSymplectic => "Loops and Jacobian agree: not symplectic.",
+            Agreement::NotSymplecticBetweenBreaks => {
+                "Loops and Jacobian agree that the map is not symplectic: it is discontinuous, and it does \
+                 not conserve the form between its jumps either."
+            }
+            Agreement::BreaksAlone => {
+                "Both are right: a map that breaks loops can have a symplectic Jacobian almost \
+                 everywhere, as derivatives do not see jumps. The jumps alone change the loop integral."
+            }
+            Agreement::BelowBoundOfLoops { bound } => {
+                return write!(
+                    f,
+                    "Both can be right: the loops bound their defect by {bound:.1e}, and that of the \
+                     Jacobian is not above it."
+                );
+            }
+            Agreement::HiddenFromLoops => {
+                "The Jacobian counts: a loop integral changes by the defect averaged over the area \
+                 within the loop. Parts of either sign cancel there, for example by a symmetry of the \
+                 loop, and a loop that does not move these degrees of freedom does not show the defect. Try \
+                 loops without symmetry, through the point named."
+            }
+            Agreement::HiddenFromJacobian { full, bound } => {
+                let mut text = String::from(
+                    "The loops count: derivatives were taken at a few points only. The loop integral \
+                     can change within the loop, on the loop between the points, or at jumps that the \
+                     samples do not show as breaks",
+                );
+                if !full {
+                    text += ", or in directions that random pairs mix with too many others";
+                }
+                if let Some(bound) = bound {
+                    text += &format!("; and a defect below {bound:.1e} does not show");
+                }
+                return write!(f, "{text}. Try more points and more samples.");
+            }
+            Agreement::OnlyJacobianDecides => {
+                "The loops do not decide; a significant defect of the Jacobian is proof that the map is not \
+                 symplectic."
+            }
+            Agreement::LoopsUndecided => {
+                "The loops do not decide, and derivatives do not see jumps: follow the advice of the \
+                 loops' verdict."
+            }
+            Agreement::JacobianUndecided => "The verdict of the loops stands alone.",
+        })
+    }
+}
+
+impl Display for JacobianMethod {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            JacobianMethod::TangentMap => f.write_str("tangent map"),
+            JacobianMethod::CentralDifferences { rejected: None } => {
+                f.write_str("central differences")
+            }
+            JacobianMethod::CentralDifferences {
+                rejected: Some(reason),
+            } => write!(f, "central differences: {reason}"),
+        }
+    }
+}
+
+impl Display for TangentRejection {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            TangentRejection::WrongDerivative {
+                s,
+                difference,
+                uncertainty,
+            } => write!(
+                f,
+                "the tangent map is not used, as it is not the derivative of the map: they differ by \
+                 {difference:.1e} ± {uncertainty:.1e} at s = {s:.6}"
+            ),
+            TangentRejection::WrongState { s, difference } => write!(
+                f,
+                "the tangent map is not used, as it does not advance states as the map does: they differ \
+                 by {difference:.1e} at s = {s:.6}"
+            ),
+            TangentRejection::Unchecked => f.write_str(
+                "the tangent map is not used, as differences converge at no point to check it",
+            ),
+        }
+    }
+}
