@@ -1,9 +1,10 @@
 //! Carrying out the plan: fills the evidence.
 
+mod other_loops;
+
 use super::initial_samples::InitialSamples;
 use super::plan::{self, LEAST_BUDGET, Plan};
 use super::probe::{Known, Probe};
-use super::random_loops::{random_loop, winding_loop};
 use super::refined_samples::RefinedSamples;
 use super::resolve::Resolution;
 use super::{Diagnostic, Event, SampleCount, SampleSweep, long_time};
@@ -296,159 +297,6 @@ impl Run<'_> {
         }
         self.evidence.evaluations.given_loop += self.count.made() - start;
         Ok(())
-    }
-
-    /// Random loops at the largest step size, and a loop that winds round a period; the first that shows a defect
-    /// at all step sizes.
-    fn random_loops(&mut self, subject: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
-        let start = self.count.made();
-        let diagnostic = self.diagnostic;
-        let count = diagnostic.loops - 1;
-        for index in 1..=count {
-            if self.is_settled() {
-                break;
-            }
-            // A loop that cannot be resolved as the given one was is no evidence.
-            let least = if self.is_tight() { given.cost } else { 0 };
-            if self.left() < least.max(self.plan.first_samples) {
-                let omitted = count + 1 - index;
-                self.omit(
-                    Omission::RandomLoops { count: omitted },
-                    omitted * given.cost,
-                );
-                break;
-            }
-            let seed = diagnostic.seed.wrapping_add(index as u64);
-            let random = random_loop(subject.phase_loop, seed)?;
-            let subject = Subject {
-                phase_loop: &random,
-                ..subject
-            };
-            // The order is that of a full sweep, and a symmetric loop hides terms of lower
-            // order: the given loop and one random one are worth it.
-            let known = (self.evidence.loops[1..].iter()).any(LoopEvidence::shows_defect);
-            match self.random_loop(index, LoopKind::Random, subject, known) {
-                Ok(()) => {}
-                Err(Error::BudgetSpent { wanted, .. }) => {
-                    let omitted = count + 1 - index;
-                    let wanted = omitted * given.cost.max(wanted);
-                    self.omit(Omission::RandomLoops { count: omitted }, wanted);
-                    break;
-                }
-                // A loop that nobody asked for may leave the map's domain.
-                Err(error) if of_the_map(&error) => self.failed(index, &error),
-                Err(error) => return Err(error),
-            }
-        }
-        let winds = self.evidence.loops[0].winds;
-        let affordable = self.left() >= given.cost.max(self.plan.first_samples);
-        if count > 0 && !winds && !self.is_settled() && affordable {
-            self.winding_loop(subject)?;
-        }
-        self.evidence.evaluations.random_loops = self.count.made() - start;
-        Ok(())
-    }
-
-    /// Whether further loops cannot change the verdict of a tight budget any more: the given loop breaks, or it and
-    /// a random one change. (A symmetric loop hides terms of lower order: the order needs both.)
-    fn is_settled(&self) -> bool {
-        let (given, random) = self.evidence.loops.split_at(1);
-        let broken = given[0].steps.iter().any(|step| step.jump.is_some());
-        let shown = given[0].shows_defect() && random.iter().any(LoopEvidence::shows_defect);
-        self.is_tight() && !given[0].winds && (broken || shown)
-    }
-
-    /// A random loop round the period of a position, where there is one.
-    fn winding_loop(&mut self, subject: Subject<'_>) -> Result<(), Error> {
-        let (index, seed) = (
-            self.diagnostic.loops,
-            self.diagnostic
-                .seed
-                .wrapping_add(self.diagnostic.loops as u64),
-        );
-        let found = winding_loop(subject.phase_loop, subject.coordinates(), seed)?;
-        let Some(winding) = found else {
-            return Ok(());
-        };
-        let subject = Subject {
-            phase_loop: &winding,
-            ..subject
-        };
-        match self.random_loop(index, LoopKind::Winding, subject, true) {
-            Err(error @ (Error::NoArea { .. } | Error::LostInRounding { .. })) => {
-                let _ = error;
-                Ok(())
-            }
-            // It was not asked for.
-            Err(Error::BudgetSpent { .. }) => Ok(()),
-            Err(error) if of_the_map(&error) => Ok(()),
-            other => other,
-        }
-    }
-
-    /// A random loop at the largest step size; at all if it shows a defect and none did before.
-    fn random_loop(
-        &mut self,
-        index: usize,
-        kind: LoopKind,
-        subject: Subject<'_>,
-        known: bool,
-    ) -> Result<(), Error> {
-        let diagnostic = self.diagnostic;
-        let left = self.left();
-        let with = Resolution {
-            h: self.largest,
-            plan: &self.plan,
-            // As many as the given loop took, at least: with fewer it may not see what that one did.
-            most_samples: match self.is_tight() {
-                true => (left / TIGHT_SAMPLES_PART)
-                    .max(FEWEST_TIGHT_SAMPLES)
-                    .max(self.evidence.loops[0].samples)
-                    .min(left),
-                false => self.share(),
-            },
-            allowance: left,
-        };
-        let probe = diagnostic.resolve(subject, &with, &mut |_| {})?;
-        let samples = &mut InitialSamples::new(subject);
-        let first = probe.measure(samples, self.largest, &mut |_| {})?;
-        (self.watch)(Event::Planned(1));
-        let mut found = LoopEvidence::new(index, kind);
-        found.rule = match probe.rule.kind() {
-            RuleKind::Auto => RuleKind::Pseudospectral,
-            kind => kind,
-        };
-        found.samples = probe.samples;
-        found.winds = survey::winds(subject.phase_loop, subject.coordinates())?;
-        self.evidence.loops.push(found);
-        self.record(index, Sweep::StepSize, &probe, &first);
-        let shows = (self.evidence.loops.last()).is_some_and(LoopEvidence::shows_defect);
-        if !shows || known {
-            return Ok(());
-        }
-        let others: Vec<f64> = (diagnostic.step_sizes.iter().copied())
-            .filter(|&h| h != self.largest)
-            .collect();
-        (self.watch)(Event::Planned(others.len()));
-        for h in others {
-            if self.left() < first.evaluations {
-                break;
-            }
-            match probe.measure(samples, h, &mut |_| {}) {
-                Err(Error::BudgetSpent { .. }) => break,
-                measured => self.record(index, Sweep::StepSize, &probe, &measured?),
-            }
-        }
-        Ok(())
-    }
-
-    /// A loop on which the map failed.
-    fn failed(&mut self, index: usize, error: &Error) {
-        // It may have been recorded at some step sizes before the map failed at another.
-        self.evidence.loops.retain(|found| found.index != index);
-        let mut found = LoopEvidence::new(index, LoopKind::Random);
-        found.failure = Some(error.to_string());
-        self.evidence.loops.push(found);
     }
 
     /// Tells of what was measured, and keeps it.
