@@ -4,7 +4,8 @@ use VerdictKind::{BrokenLoops, NotSymplectic, Symplectic, Undecided};
 use symplint::breaks::Break;
 use symplint::evidence::LongTime;
 use symplint::evidence::{
-    Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, Omission, Origin, StepEvidence, Wrap,
+    Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, Motion, Omission, Origin,
+    StepEvidence, Wrap,
 };
 use symplint::verdict::{Finding, Growth, Verdict};
 use symplint::{Defect, VerdictKind, judge};
@@ -49,8 +50,24 @@ fn of_map(steps: Vec<StepEvidence>) -> Evidence {
         of_loop(0, LoopKind::Given, steps),
         of_loop(1, LoopKind::Random, vec![step(0.5, 0.0, 1e-15)]),
     ];
-    evidence.survey.deformation = Some(0.5);
+    evidence.loops[0].steps[0].motion = Some(motion(0.5));
     evidence
+}
+
+/// A step that advances the motions on its loop by so many radians.
+fn motion(phase_advance: f64) -> Motion {
+    let mut motion = Motion::default();
+    motion.phase_advance = phase_advance;
+    motion.deformation = 1.0;
+    motion
+}
+
+/// A kick alone that deforms its loop by this part of its size.
+fn shear(deformation: f64) -> Motion {
+    let mut motion = Motion::default();
+    motion.deformation = deformation;
+    motion.shear = true;
+    motion
 }
 
 /// Loops of another code.
@@ -59,7 +76,7 @@ fn of_samples(steps: Vec<StepEvidence>) -> Evidence {
     evidence.origin = Origin::Samples;
     let mut given = of_loop(0, LoopKind::Given, steps);
     for step in &mut given.steps {
-        step.deformation = Some(0.5);
+        step.motion = Some(motion(0.5));
     }
     evidence.loops = vec![given];
     evidence
@@ -149,19 +166,48 @@ fn one_random_loop_has_to_be_bounded() {
 }
 
 #[test]
-fn the_largest_step_has_to_deform_the_loop_by_a_fifth() {
-    for (deformation, expected) in [(0.19, Undecided), (0.21, Symplectic)] {
-        let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
-        evidence.survey.deformation = Some(deformation);
-        assert_eq!(kind(&evidence), expected, "{deformation}");
-        let mut evidence = of_samples(vec![step(0.5, 0.0, 1e-15)]);
-        evidence.loops[0].steps[0].deformation = Some(deformation);
-        assert_eq!(kind(&evidence), expected, "{deformation}, samples");
+fn the_largest_step_has_to_advance_the_motions_by_a_twentieth_of_a_radian() {
+    for (found, expected) in [
+        (motion(0.049), Undecided),
+        (motion(0.051), Symplectic),
+        // A kick alone is no method's approximation: it has to deform the loop.
+        (shear(0.19), Undecided),
+        (shear(0.21), Symplectic),
+    ] {
+        for origin in [of_map, of_samples] {
+            let mut evidence = origin(vec![step(0.5, 0.0, 1e-15)]);
+            evidence.loops[0].steps[0].motion = Some(found);
+            assert_eq!(kind(&evidence), expected, "{found:?}");
+        }
     }
-    // A significant defect needs no deformation.
+    // One loop is enough, and a shear beside it does no harm.
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
+    evidence.loops[0].steps[0].motion = Some(shear(0.3));
+    evidence.loops[1].steps[0].motion = Some(motion(0.04));
+    assert_eq!(kind(&evidence), Undecided);
+    evidence.loops[1].steps[0].motion = Some(motion(0.3));
+    assert_eq!(kind(&evidence), Symplectic);
+    // A significant defect needs no motion.
     let mut evidence = of_map(vec![step(0.5, 1e-3, 1e-15)]);
-    evidence.survey.deformation = Some(0.01);
+    evidence.loops[0].steps[0].motion = Some(motion(0.01));
     assert_eq!(kind(&evidence), NotSymplectic);
+}
+
+#[test]
+fn the_step_size_that_would_do_is_told() {
+    for (found, h, told) in [
+        (motion(7.25e-4), Some(0.5), "near 700:"),
+        (motion(0.02), Some(1e-9), "near 5e-8:"),
+        (motion(0.02), None, "about 50 times the present one:"),
+        (shear(0.1), Some(0.5), "near 2:"),
+        (motion(1e-7), Some(0.5), "a loop on which forces differ"),
+    ] {
+        let mut evidence = of_samples(vec![step(0.5, 0.0, 1e-15)]);
+        evidence.loops[0].steps[0].step_size = h;
+        evidence.loops[0].steps[0].motion = Some(found);
+        let advice = judge(&evidence).advice()[0].clone();
+        assert!(advice.contains(told), "{found:?}: {advice}");
+    }
 }
 
 #[test]
@@ -333,14 +379,10 @@ fn files_that_hold_no_closed_loop_are_told_why() {
 #[test]
 fn copies_are_told_from_small_steps() {
     let mut evidence = of_samples(vec![step(0.5, 0.0, 1e-15)]);
-    evidence.loops[0].steps[0].deformation = Some(0.0);
+    evidence.loops[0].steps[0].motion = Some(shear(0.0));
     assert!(judge(&evidence).advice()[0].contains("copies"));
-    evidence.loops[0].steps[0].deformation = Some(0.1);
-    let advice = judge(&evidence).advice()[0].clone();
-    assert!(
-        advice.contains("0.3 to 1 of its size") && advice.contains("5.00 times"),
-        "{advice}"
-    );
+    evidence.loops[0].steps[0].motion = Some(shear(0.1));
+    assert!(judge(&evidence).advice()[0].contains("larger step sizes"));
 }
 
 #[test]

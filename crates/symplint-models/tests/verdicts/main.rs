@@ -7,6 +7,7 @@ mod no_evidence;
 mod noise;
 mod rules;
 mod streaming;
+mod units;
 mod wrapping;
 
 use symplint::{Circle, Diagnosis, Diagnostic, Loop, PerSample, TimeAdvance, VerdictKind};

@@ -10,8 +10,8 @@ use super::resolve::Resolution;
 use super::{Diagnostic, Event, SampleCount, SampleSweep, long_time};
 use crate::error::Error;
 use crate::evidence::{
-    BreakAt, Evidence, LoopEvidence, LoopKind, MOST_CELLS_APART, Omission, Point, StepEvidence,
-    Survey, Sweep,
+    BreakAt, Evidence, LoopEvidence, LoopKind, MOST_CELLS_APART, Motion, Omission, Point,
+    StepEvidence, Sweep,
 };
 use crate::jacobian::JacobianTest;
 use crate::loops::Loop;
@@ -153,12 +153,8 @@ impl Run<'_> {
             }
             false => (self.share(), left),
         };
-        let mut found = Survey::default();
-        let mut looked = false;
-        let mut look = |after: &Ensemble| {
-            looked = true;
-            found = survey::of_samples(subject, after);
-        };
+        let mut seen = None;
+        let mut look = |after: &Ensemble| seen = Some(survey::of_samples(subject, after));
         let with = Resolution {
             h: self.largest,
             plan: &self.plan,
@@ -169,10 +165,11 @@ impl Run<'_> {
         let samples = &mut InitialSamples::new(subject);
         let known = probe.measure(samples, self.largest, &mut look)?;
         let cost = known.evaluations.max(1);
-        if !looked {
-            found = survey::of_few_samples(subject, self.largest)?;
-        }
-        self.evidence.survey = found;
+        let seen = match seen {
+            Some(seen) => seen,
+            None => survey::of_few_samples(subject, self.largest)?,
+        };
+        self.evidence.survey.output_precision = seen.output_precision;
 
         let mut given = LoopEvidence::new(0, LoopKind::Given);
         given.rule = probe.rule.kind();
@@ -202,6 +199,7 @@ impl Run<'_> {
             };
             self.record(0, Sweep::StepSize, &probe, &known);
         }
+        self.moved(seen.motion);
         if omitted > 0 {
             self.omit(Omission::StepSizes { count: omitted }, omitted * cost);
         }
@@ -321,6 +319,20 @@ impl Run<'_> {
                 let found = self.evidence.loops.last_mut();
                 found.expect("the loop was recorded").steps.push(step);
             }
+        }
+    }
+
+    /// Keeps how the largest step moves the last loop.
+    fn moved(&mut self, motion: Option<Motion>) {
+        let steps = self
+            .evidence
+            .loops
+            .iter_mut()
+            .last()
+            .map(|found| &mut found.steps);
+        let largest = |step: &&mut StepEvidence| step.step_size == Some(self.largest);
+        if let Some(step) = steps.and_then(|steps| steps.iter_mut().find(largest)) {
+            step.motion = motion;
         }
     }
 

@@ -5,12 +5,14 @@
 
 mod localisation;
 mod long_time;
+mod motion;
 mod point;
 mod step;
 mod survey;
 
 pub use localisation::{Localisation, Sector, SubstepDefect};
 pub use long_time::LongTime;
+pub use motion::Motion;
 pub use point::{BreakAt, Point, Sweep};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Motion;
 use crate::breaks::Break;
 use crate::rules::{Defect, RuleKind};
 
@@ -36,8 +37,8 @@ pub struct StepEvidence {
     pub cells_apart: f64,
     /// Sobolev exponent of the advanced loop: about ½ at jumps and 3/2 at kinks.
     pub regularity: Option<f64>,
-    /// How much the step deforms the loop, relative to its size.
-    pub deformation: Option<f64>,
+    /// How the step moves the loop: of a map, at the largest step size.
+    pub motion: Option<Motion>,
     /// States that the map advanced for this point.
     pub evaluations: usize,
 }

@@ -6,9 +6,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Survey {
-    /// How much the largest step deforms the given loop, relative to its size; `None` where the map failed on
-    /// the samples that would tell.
-    pub deformation: Option<f64>,
     /// How coarsely the map rounds the states that it returns, if it does more than double precision does.
     pub output_precision: Option<OutputPrecision>,
 }

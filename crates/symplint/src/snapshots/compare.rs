@@ -7,7 +7,7 @@ use super::increments::Increments;
 use super::pieces::{Curve, Pieces, stored_roundoff};
 use crate::breaks::{Break, Jump, Roughness, find_jumps};
 use crate::error::Error;
-use crate::evidence::{FEWEST_SAMPLES, Wrap};
+use crate::evidence::{FEWEST_SAMPLES, Motion, Wrap};
 use crate::rules::Defect;
 use crate::rules::{LoopIntegral, OmittedCell, Rule, RuleKind};
 use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
@@ -55,8 +55,8 @@ pub(super) struct Compared {
     /// The largest of them, as a part of the range of its coordinate.
     pub largest_jump: f64,
     pub wrapped: Option<Wrap>,
-    /// How much the step deforms the loop, relative to its size.
-    pub deformation: f64,
+    /// How the step moves the loop.
+    pub motion: Option<Motion>,
 }
 
 /// One degree of freedom as the samples show it.
@@ -239,7 +239,7 @@ impl<'a> Initial<'a> {
                 breaks: Vec::new(),
                 largest_jump: 0.0,
                 wrapped: None,
-                deformation: self.deformation(after),
+                motion: motion(&self.snapshot.states, &after.states, self.coordinates),
             }
         };
         // No continuous map changes how often a loop winds.
@@ -340,18 +340,7 @@ impl<'a> Initial<'a> {
             largest_jump: largest_jump(rows, states),
             breaks: found,
             wrapped: wrap(rows, states, self.coordinates),
-            deformation: self.deformation(after),
+            motion: motion(&self.snapshot.states, &after.states, self.coordinates),
         })
-    }
-
-    /// The largest motion of a coordinate against its mean motion, over half its range.
-    fn deformation(&self, after: &Snapshot) -> f64 {
-        let (old, new) = (&self.snapshot.states, &after.states);
-        (0..old.dof())
-            .map(|i| {
-                let of_q = motion(old.q().row(i), new.q().row(i), self.coordinates.period(i));
-                of_q.max(motion(old.p().row(i), new.p().row(i), 0.0))
-            })
-            .fold(0.0, f64::max)
     }
 }

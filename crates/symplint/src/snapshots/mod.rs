@@ -139,7 +139,7 @@ fn evidence(initial: &Initial<'_>, step: &Compared, samples: usize) -> StepEvide
         omitted_cells: step.integral.omitted.as_ref().map(Vec::len),
         cells_apart: 0.0,
         regularity: step.integral.regularity,
-        deformation: Some(step.deformation).filter(|value| value.is_finite()),
+        motion: step.motion,
         evaluations: samples,
     }
 }

@@ -1,17 +1,18 @@
 //! What a few samples show of a map, apart from loop integrals.
 
-mod deformation;
+mod motion;
 mod precision;
 mod purity;
+mod unwrap;
 
-pub(crate) use deformation::{motion, winds};
 pub(crate) use purity::check_purity;
+pub(crate) use unwrap::winds;
 
 use crate::error::Error;
-use crate::evidence::Survey;
+use crate::evidence::{Motion, OutputPrecision};
 use crate::rules::Subject;
-use crate::state::Ensemble;
-use deformation::Deformation;
+use crate::state::{Coordinates, Ensemble, Rows, RowsMut};
+use motion::Motions;
 use precision::Precision;
 
 /// Samples that the survey looks at, of those that were advanced anyway.
@@ -21,33 +22,18 @@ const SAMPLES: usize = 64;
 const FEW_SAMPLES: usize = 32;
 
 /// Surveys the map by samples of a loop that were advanced.
-pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> Survey {
+pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> Seen {
+    let after_step = some_of(after);
+    let samples = after_step.samples();
     let every = after.samples().div_ceil(SAMPLES);
-    let columns: Vec<usize> = (0..after.samples()).step_by(every).collect();
-    let s: Vec<f64> = (columns.iter())
-        .map(|&k| k as f64 / after.samples() as f64)
+    let s: Vec<f64> = (0..samples)
+        .map(|k| (k * every) as f64 / after.samples() as f64)
         .collect();
-    let dof = after.dof();
-    let mut before = Ensemble::zeros(dof, s.len());
+    let mut before = Ensemble::zeros(after.dof(), samples);
     subject.phase_loop.sample(&s, &mut before.block());
-    let mut picked = Ensemble::zeros(dof, s.len());
-    let mut block = picked.block();
-    for i in 0..dof {
-        for (value, &k) in block.q.row_mut(i).iter_mut().zip(&columns) {
-            *value = after.q().row(i)[k];
-        }
-        for (value, &k) in block.p.row_mut(i).iter_mut().zip(&columns) {
-            *value = after.p().row(i)[k];
-        }
-    }
-    let mut deformation = Deformation::new(dof);
-    deformation.add(&before, &picked, subject.coordinates());
-    let mut precision = Precision::new(dof);
-    precision.add(&before, &picked);
-    Survey {
-        deformation: deformation.value(),
-        output_precision: precision.value(),
-    }
+    let mut look = Look::new(after.dof());
+    look.add(subject, &before, &after_step);
+    look.seen(subject)
 }
 
 /// Surveys the map by a few samples, advanced for that alone: in so many degrees of freedom that none stay in
@@ -55,18 +41,73 @@ pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> Survey {
 ///
 /// # Errors
 /// Those of the map.
-pub(crate) fn of_few_samples(subject: Subject<'_>, h: f64) -> Result<Survey, Error> {
-    let dof = subject.dof();
-    let (mut deformation, mut precision) = (Deformation::new(dof), Precision::new(dof));
+pub(crate) fn of_few_samples(subject: Subject<'_>, h: f64) -> Result<Seen, Error> {
+    let mut look = Look::new(subject.dof());
     Ensemble::in_parts(subject.phase_loop, FEW_SAMPLES, |before| {
         let mut after = before.clone();
         subject.evaluator.advance(&mut after, h)?;
-        deformation.add(&before, &after, subject.coordinates());
-        precision.add(&before, &after);
+        look.add(subject, &before, &after);
         Ok(())
     })?;
-    Ok(Survey {
-        deformation: deformation.value(),
-        output_precision: precision.value(),
-    })
+    Ok(look.seen(subject))
+}
+
+/// At most [`SAMPLES`] samples, evenly spread.
+fn some_of(ensemble: &Ensemble) -> Ensemble {
+    let every = ensemble.samples().div_ceil(SAMPLES);
+    let mut some = Ensemble::zeros(ensemble.dof(), ensemble.samples().div_ceil(every));
+    let block = some.block();
+    let pick = |rows: Rows<'_>, mut to: RowsMut<'_>| {
+        for i in 0..ensemble.dof() {
+            let picked = rows.row(i).iter().step_by(every);
+            (to.row_mut(i).iter_mut().zip(picked)).for_each(|(to, value)| *to = *value);
+        }
+    };
+    pick(ensemble.q(), block.q);
+    pick(ensemble.p(), block.p);
+    some
+}
+
+/// How a step moved loops that another code advanced.
+pub(crate) fn motion(
+    before: &Ensemble,
+    after: &Ensemble,
+    coordinates: &Coordinates,
+) -> Option<Motion> {
+    let mut motions = Motions::new(before.dof());
+    motions.add(&some_of(before), &some_of(after), coordinates);
+    motions.value(coordinates)
+}
+
+/// What samples before and after one step show.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Seen {
+    pub motion: Option<Motion>,
+    pub output_precision: Option<OutputPrecision>,
+}
+
+struct Look {
+    motions: Motions,
+    precision: Precision,
+}
+
+impl Look {
+    fn new(dof: usize) -> Self {
+        Look {
+            motions: Motions::new(dof),
+            precision: Precision::new(dof),
+        }
+    }
+
+    fn add(&mut self, subject: Subject<'_>, before: &Ensemble, after: &Ensemble) {
+        self.motions.add(before, after, subject.coordinates());
+        self.precision.add(before, after);
+    }
+
+    fn seen(&self, subject: Subject<'_>) -> Seen {
+        Seen {
+            motion: self.motions.value(subject.coordinates()),
+            output_precision: self.precision.value(),
+        }
+    }
 }

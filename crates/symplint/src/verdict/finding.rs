@@ -6,7 +6,7 @@ use super::jacobian::JacobianFinding;
 use super::long_time::Growth;
 use super::order::Fit;
 use crate::breaks::Break;
-use crate::evidence::{LongTime, Omission, OutputPrecision, Sector, SubstepDefect};
+use crate::evidence::{LongTime, Motion, Omission, OutputPrecision, Sector, SubstepDefect};
 
 /// Which advanced loop a finding speaks of.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -104,10 +104,10 @@ pub enum Finding {
         /// Whether the given loop counts: a loop that winds does not.
         given: bool,
     },
-    /// The largest step hardly deforms the loop: no method would show a defect.
-    LittleDeformation {
-        /// Relative to the size of the loop.
-        deformation: f64,
+    /// The largest step hardly moves the loops: no method would show a defect.
+    LittleMotion {
+        /// The strongest motion of a loop.
+        motion: Motion,
     },
     /// The samples do not resolve the grid of the map.
     MissesGrid {
@@ -286,10 +286,10 @@ pub enum Finding {
         /// Samples of the given loop.
         samples: usize,
     },
-    /// How much the largest step deforms the given loop.
-    Deformation {
-        /// Relative to its size.
-        deformation: f64,
+    /// How the largest step moves the loops.
+    Moves {
+        /// The strongest motion of a loop.
+        motion: Motion,
     },
     /// The decay of the Fourier coefficients of the advanced loop.
     Regularity {
@@ -377,9 +377,13 @@ pub enum Advice {
     DefectDoesNotFall,
     /// Take larger steps.
     LargerSteps {
-        /// The deformation of the largest one.
-        deformation: f64,
+        /// So many times the largest one, where it can be told.
+        factor: Option<f64>,
+        /// The largest one, where it is known.
+        step_size: Option<f64>,
     },
+    /// Take a loop on which forces act: the step is a free flight or a kick alone.
+    LoopWithForces,
     /// Check that the files differ.
     CheckCopies,
     /// Two samples or more in each cell.

@@ -7,9 +7,9 @@ mod undecided;
 use super::finding::{Advice, Change, Finding, Step, StepRange};
 use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, fit_order};
-use super::thresholds::{LEAST_DEFORMATION, SMALL, TREND};
+use super::thresholds::{SMALL, TREND};
 use super::{Verdict, VerdictKind, long_time};
-use crate::evidence::{Evidence, LoopEvidence, Omission, Origin, StepEvidence};
+use crate::evidence::{Evidence, LoopEvidence, Motion, Omission, Origin, StepEvidence};
 use crate::rules::Defect;
 
 /// Reaches the verdict. Pure: the same evidence gives the same verdict, whoever measured it.
@@ -267,18 +267,19 @@ impl<'a> Case<'a> {
         })
     }
 
-    /// How much the largest step deforms the given loop; for samples the largest of all loops.
-    fn deformation(&self) -> Option<f64> {
-        match self.is_sampled() {
-            false => self.evidence.survey.deformation,
-            true => (self.steps().filter_map(|(_, step)| step.deformation)).reduce(f64::max),
-        }
-    }
-
-    /// Whether the step may have been too small to test anything.
-    fn deforms_little(&self) -> Option<f64> {
-        self.deformation()
-            .filter(|&found| found < LEAST_DEFORMATION)
+    /// The strongest motion of a loop, and the step size that makes it, where it is known. Of shears, the one that
+    /// deforms its loop most.
+    fn strongest_motion(&self) -> Option<(Motion, Option<f64>)> {
+        let strength = |motion: &Motion| match motion.shear {
+            true => (false, motion.deformation),
+            false => (true, motion.phase_advance),
+        };
+        (self.steps())
+            .filter_map(|(_, step)| Some((step.motion?, step.step_size)))
+            .reduce(|a, b| match strength(&b.0) > strength(&a.0) {
+                true => b,
+                false => a,
+            })
     }
 
     /// Whether something was left out that evaluations would have told.

@@ -22,6 +22,15 @@ pub(super) fn short(value: f64) -> String {
     }
 }
 
+/// One digit, and no exponent where few zeros are needed.
+pub(super) fn one_digit(value: f64) -> String {
+    let rounded: f64 = format!("{value:.0e}").parse().unwrap_or(value);
+    match value.abs() {
+        1e-3..1e5 => format!("{rounded}"),
+        _ => format!("{rounded:e}"),
+    }
+}
+
 /// What a loop is called.
 pub(super) fn loop_name(index: usize) -> String {
     match index {

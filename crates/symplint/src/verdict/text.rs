@@ -11,7 +11,7 @@ use super::number::{capitalised, jumping, loop_name, short, size};
 use super::order::Fit;
 use crate::breaks::Break;
 use crate::evidence::{
-    LongTime, OutputFormat, OutputPrecision, SIGNIFICANT, Sector, SubstepDefect,
+    LongTime, Motion, OutputFormat, OutputPrecision, SIGNIFICANT, Sector, SubstepDefect,
 };
 
 impl Display for Step {
@@ -158,14 +158,7 @@ impl Display for Finding {
                     plural(*random)
                 ),
             },
-            Finding::LittleDeformation { deformation: 0.0 } => {
-                f.write_str("The step did not move the loop, or only as a whole.")
-            }
-            Finding::LittleDeformation { deformation } => write!(
-                f,
-                "The largest step deforms the loop by only {deformation:.1e} of its size, too little to show a \
-                 defect."
-            ),
+            Finding::LittleMotion { motion } => little_motion(f, motion),
             Finding::MissesGrid {
                 loop_index,
                 cells_apart,
@@ -346,10 +339,15 @@ impl Display for Finding {
                 f,
                 "Features narrower than 1/{samples} of the loop are not resolved."
             ),
-            Finding::Deformation { deformation } => write!(
+            Finding::Moves { motion } if motion.shear => write!(
                 f,
-                "The largest step deforms the loop by {} of its size.",
-                short(*deformation)
+                "The largest step is a kick or a free flight alone, and deforms a loop by {} of its size.",
+                short(motion.deformation)
+            ),
+            Finding::Moves { motion } => write!(
+                f,
+                "The largest step advances the motions on a loop by {} rad.",
+                short(motion.phase_advance)
             ),
             Finding::Regularity { exponent, step } => write!(
                 f,
@@ -540,5 +538,24 @@ pub(super) fn roughness(exponent: f64) -> Option<&'static str> {
         1.0..2.0 => Some("as at kinks"),
         2.0..4.5 => Some("as where a higher derivative jumps"),
         _ => None,
+    }
+}
+
+fn little_motion(f: &mut Formatter<'_>, motion: &Motion) -> Result {
+    if motion.deformation == 0.0 {
+        f.write_str("The step did not move the loop, or only as a whole.")
+    } else if motion.shear {
+        write!(
+            f,
+            "The largest step is a kick or a free flight alone, and deforms a loop by only {:.1e} of its size, too \
+             little to show a defect.",
+            motion.deformation
+        )
+    } else {
+        write!(
+            f,
+            "The largest step advances the motions on a loop by only {:.1e} rad, too little to show a defect.",
+            motion.phase_advance
+        )
     }
 }

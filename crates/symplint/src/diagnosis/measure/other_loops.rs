@@ -8,6 +8,7 @@ use crate::diagnosis::resolve::Resolution;
 use crate::error::Error;
 use crate::evidence::{LoopEvidence, LoopKind, Omission, Sweep};
 use crate::rules::{RuleKind, Subject};
+use crate::state::Ensemble;
 use crate::survey;
 
 impl Run<'_> {
@@ -126,9 +127,11 @@ impl Run<'_> {
             },
             allowance: left,
         };
-        let probe = diagnostic.resolve(subject, &with, &mut |_| {})?;
+        let mut seen = None;
+        let mut look = |after: &Ensemble| seen = Some(survey::of_samples(subject, after));
+        let probe = diagnostic.resolve(subject, &with, &mut look)?;
         let samples = &mut InitialSamples::new(subject);
-        let first = probe.measure(samples, self.largest, &mut |_| {})?;
+        let first = probe.measure(samples, self.largest, &mut look)?;
         (self.watch)(Event::Planned(1));
         let mut found = LoopEvidence::new(index, kind);
         found.rule = match probe.rule.kind() {
@@ -139,6 +142,7 @@ impl Run<'_> {
         found.winds = survey::winds(subject.phase_loop, subject.coordinates())?;
         self.evidence.loops.push(found);
         self.record(index, Sweep::StepSize, &probe, &first);
+        self.moved(seen.and_then(|seen| seen.motion));
         let shows = (self.evidence.loops.last()).is_some_and(LoopEvidence::shows_defect);
         if !shows || known {
             return Ok(());

@@ -42,8 +42,8 @@ impl Case<'_> {
         };
         let samples = self.loops.first().map_or(0, |given| given.samples);
         findings.push(Finding::Resolution { samples });
-        let deformation = self.deformation();
-        findings.extend(deformation.map(|deformation| Finding::Deformation { deformation }));
+        let motion = self.strongest_motion();
+        findings.extend(motion.map(|(motion, _)| Finding::Moves { motion }));
         findings
     }
 

@@ -1,9 +1,10 @@
 //! Reasons for which the numbers do not decide.
 
 use super::{Case, Decision};
-use crate::evidence::{LoopEvidence, LoopKind, StepEvidence};
+use crate::evidence::{LoopEvidence, LoopKind, Motion, StepEvidence};
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding};
+use crate::verdict::thresholds::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_LARGER};
 
 impl Case<'_> {
     fn because(&self, because: Finding, advice: Vec<Advice>) -> Decision {
@@ -18,17 +19,6 @@ impl Case<'_> {
     }
 
     pub(super) fn undecided(&self) -> Option<Decision> {
-        if let Some(deformation) = self.deforms_little() {
-            let because = Finding::LittleDeformation { deformation };
-            let copies = self.is_sampled() && deformation == 0.0;
-            let advice = match copies {
-                true => Advice::CheckCopies,
-                false => Advice::LargerSteps { deformation },
-            };
-            let mut decision = self.because(because, Vec::new());
-            decision.advice = vec![advice];
-            return Some(decision);
-        }
         if let Some((found, step)) = self.worst(StepEvidence::misses_the_grid) {
             return Some(self.because(
                 Finding::MissesGrid {
@@ -38,6 +28,13 @@ impl Case<'_> {
                 },
                 vec![Advice::SamplesInCells],
             ));
+        }
+        if let Some((motion, step_size)) = self.strongest_motion()
+            && !motion.tests()
+        {
+            let mut decision = self.because(Finding::LittleMotion { motion }, Vec::new());
+            decision.advice = vec![self.advice_on_motion(motion, step_size)];
+            return Some(decision);
         }
         if self.is_sampled()
             && let Some(decision) = self.undecided_samples()
@@ -59,6 +56,24 @@ impl Case<'_> {
             return Some(self.because(Finding::AllLoopsWind, vec![Advice::ContractibleLoops]));
         }
         (self.weak_bound()).or_else(|| self.refuted())
+    }
+
+    fn advice_on_motion(&self, motion: Motion, step_size: Option<f64>) -> Advice {
+        let factor = match motion.shear {
+            true => 2.0 * LEAST_DEFORMATION / motion.deformation,
+            false => 1.0 / motion.phase_advance,
+        };
+        if motion.deformation == 0.0 && self.is_sampled() {
+            Advice::CheckCopies
+        } else if factor < MOST_LARGER {
+            let factor = Some(factor);
+            Advice::LargerSteps { factor, step_size }
+        } else if motion.shear {
+            let factor = None;
+            Advice::LargerSteps { factor, step_size }
+        } else {
+            Advice::LoopWithForces
+        }
     }
 
     /// What only loops of another code can lack.
@@ -137,5 +152,16 @@ impl Case<'_> {
     /// Whether any random loop was tried that can be contracted.
     pub(super) fn has_random_loops(&self) -> bool {
         self.loops.iter().any(|found| found.kind != LoopKind::Given)
+    }
+}
+
+impl Motion {
+    /// Whether a method that is not symplectic would show a defect. A step that is exactly a kick or a free flight is
+    /// no method's approximation: the map itself is what is judged.
+    fn tests(&self) -> bool {
+        match self.shear {
+            true => self.deformation >= LEAST_DEFORMATION,
+            false => self.phase_advance >= LEAST_PHASE_ADVANCE,
+        }
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::{Display, Formatter, Result};
 use super::plural;
 use crate::evidence::Omission;
 use crate::verdict::finding::Advice;
-use crate::verdict::number::{loop_name, short};
+use crate::verdict::number::{loop_name, one_digit};
 
 impl Display for Omission {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -103,17 +103,21 @@ impl Display for Advice {
                 "The defect does not fall with h: look for a wrong sign, momenta that are not canonical, or a \
                  missing weight.",
             ),
-            Advice::LargerSteps { deformation } => {
-                f.write_str(
-                    "Take larger step sizes: the largest one should deform the loop by 0.3 to 1 of its size",
-                )?;
-                match *deformation {
-                    found if found > 1e-6 => {
-                        write!(f, ", about {} times the present one.", short(0.5 / found))
+            Advice::LargerSteps { factor, step_size } => {
+                f.write_str("Take larger step sizes")?;
+                match (factor, step_size) {
+                    (Some(factor), Some(h)) => write!(f, ", near {}", one_digit(factor * h))?,
+                    (Some(factor), None) => {
+                        write!(f, ", about {} times the present one", one_digit(*factor))?;
                     }
-                    _ => f.write_str("."),
+                    (None, _) => {}
                 }
+                f.write_str(": one step should advance the motions by about a radian.")
             }
+            Advice::LoopWithForces => f.write_str(
+                "Take much larger step sizes, or a loop on which forces differ: a step that is nearly a free flight, \
+                 or a kick, is right by every method.",
+            ),
             Advice::CheckCopies => f.write_str(
                 "Check that the files after the step are not copies of the one before it.",
             ),

@@ -1,0 +1,91 @@
+//! Units, and steps too small for them: verdicts do not depend on the unit of time or length.
+
+use std::sync::Arc;
+
+use symplint::{Circle, Diagnostic, PerSample, VerdictKind};
+use symplint_models::Separable;
+use symplint_models::integrators::catalogue::build;
+use symplint_models::systems::HarmonicOscillator;
+
+use crate::{circle, diagnose};
+
+/// The Sun's attraction, in astronomical units and days.
+const MU: f64 = 2.959_122_082_855_911e-4;
+
+/// A planet in a plane: positions, then momenta per mass.
+fn derivative(z: [f64; 4]) -> [f64; 4] {
+    let r3 = (z[0] * z[0] + z[1] * z[1]).powf(1.5);
+    [z[2], z[3], -MU * z[0] / r3, -MU * z[1] / r3]
+}
+
+/// z + h times the mean of slopes with these weights.
+fn along(z: [f64; 4], h: f64, slopes: &[([f64; 4], f64)]) -> [f64; 4] {
+    std::array::from_fn(|i| z[i] + h * slopes.iter().map(|(k, by)| k[i] * by).sum::<f64>())
+}
+
+fn by(
+    method: impl Fn([f64; 4], f64) -> [f64; 4] + Send + Sync,
+) -> PerSample<impl Fn(f64, &mut [f64], &mut [f64]) + Send + Sync> {
+    PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+        let z = method([q[0], q[1], p[0], p[1]], h);
+        q.copy_from_slice(&z[..2]);
+        p.copy_from_slice(&z[2..]);
+    })
+}
+
+fn runge_kutta(z: [f64; 4], h: f64) -> [f64; 4] {
+    let k1 = derivative(z);
+    let k2 = derivative(along(z, h, &[(k1, 0.5)]));
+    let k3 = derivative(along(z, h, &[(k2, 0.5)]));
+    let k4 = derivative(along(z, h, &[(k3, 1.0)]));
+    along(z, h / 6.0, &[(k1, 1.0), (k2, 2.0), (k3, 2.0), (k4, 1.0)])
+}
+
+fn heun(z: [f64; 4], h: f64) -> [f64; 4] {
+    let k1 = derivative(z);
+    let k2 = derivative(along(z, h, &[(k1, 1.0)]));
+    along(z, h, &[(k1, 0.5), (k2, 0.5)])
+}
+
+#[test]
+fn steps_of_half_a_day_say_nothing_of_planets() {
+    let halved = |h: f64| Diagnostic {
+        step_sizes: (0..6).map(|k| h * 0.5f64.powi(k)).collect(),
+        ..Diagnostic::default()
+    };
+    let jupiter = circle(&[5.2, 0.0], &[0.0, 7.54e-3], 0.1);
+    let neptune = circle(&[30.1, 0.0], &[0.0, 3.14e-3], 0.1);
+    let check = |method: fn([f64; 4], f64) -> [f64; 4], orbit: &Circle| {
+        let small = diagnose(&halved(0.5), &by(method), orbit).verdict;
+        assert_eq!(small.kind, VerdictKind::Undecided, "{small}");
+        // Following the advice decides.
+        let advice = small.advice()[0].clone();
+        let h: f64 = (advice.split("near ").nth(1))
+            .and_then(|rest| rest.split(':').next()?.parse().ok())
+            .unwrap_or_else(|| panic!("{advice}"));
+        let large = diagnose(&halved(h), &by(method), orbit).verdict;
+        assert_eq!(large.kind, VerdictKind::NotSymplectic, "h = {h}: {large}");
+    };
+    check(runge_kutta, &jupiter);
+    check(heun, &neptune);
+}
+
+#[test]
+fn the_phase_advance_of_an_oscillation_is_its_frequency_times_the_step() {
+    let system = Arc::new(HarmonicOscillator::new(vec![1.0; 40]).unwrap()) as Arc<dyn Separable>;
+    let strang = build("strang", None, system).unwrap();
+    let diagnostic = Diagnostic {
+        step_sizes: vec![0.5],
+        jacobian: false,
+        ..Diagnostic::default()
+    };
+    let found = diagnose(&diagnostic, &*strang, &circle(&[0.3; 40], &[0.1; 40], 1.0));
+    // cos θ = 1 − h²/2.
+    let exact = 2.0 * (0.5 * f64::acos(1.0 - 0.125)).sin();
+    for found in &found.evidence.loops {
+        let motion = found.steps[0].motion.expect("samples in memory");
+        assert!((motion.phase_advance - exact).abs() < 0.05, "{motion:?}");
+    }
+    let given = found.evidence.loops[0].steps[0].motion.unwrap();
+    assert!((given.phase_advance - exact).abs() < 1e-6, "{given:?}");
+}

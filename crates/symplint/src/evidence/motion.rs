@@ -1,0 +1,26 @@
+//! How one step moves a loop.
+
+use serde::{Deserialize, Serialize};
+
+/// How much one step moves the samples of a loop against each other: whether it could show a defect at all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Motion {
+    /// The largest motion of a coordinate against the mean motion, over half its range on the loop. It depends on
+    /// units.
+    pub deformation: f64,
+    /// By how much the motions on the loop are advanced, in radians:
+    ///
+    /// ```text
+    /// θ² = Σ_i |w_i| ε_i(Δγ) / Σ_i |w_i| ε_i(γ)
+    /// ```
+    ///
+    /// γ are the samples, Δγ = Φ(γ) − γ their changes, w_i the weight of a momentum, and ε_i the rms emittance in the
+    /// plane of (q_i, p_i), √(⟨q²⟩⟨p²⟩ − ⟨qp⟩²) of deviations from the mean. Emittances are the same in all units
+    /// and canonical scalings of a degree of freedom. For an oscillation of frequency ω, θ = 2 sin(hω/2), the spectral
+    /// radius of DΦ − 1; for a translation, a free flight or a kick alone it is 0.
+    pub phase_advance: f64,
+    /// Whether the step leaves all positions, or all momenta, in their places against each other: a kick alone, or a
+    /// free flight, to the last bits.
+    pub shear: bool,
+}

@@ -1,0 +1,194 @@
+//! How one step moves the samples of a loop against each other.
+
+use super::unwrap::Turns;
+use crate::evidence::Motion;
+use crate::signal::{Extent, UNIT_ROUNDOFF};
+use crate::state::{Coordinates, Ensemble};
+
+/// Changes of a coordinate that differ by no more than this many units in the last place of its values are the same.
+const SAME: f64 = 8.0;
+
+/// The motion of a loop, from its samples before and after a step.
+pub(super) struct Motions {
+    planes: Vec<Plane>,
+}
+
+impl Motions {
+    /// No samples yet.
+    pub fn new(dof: usize) -> Self {
+        Motions {
+            planes: vec![Plane::default(); dof],
+        }
+    }
+
+    /// Takes in samples before and after the step, in the order of the loop.
+    pub fn add(&mut self, before: &Ensemble, after: &Ensemble, coordinates: &Coordinates) {
+        for (i, plane) in self.planes.iter_mut().enumerate() {
+            plane.add(
+                [before.q().row(i), before.p().row(i)],
+                [after.q().row(i), after.p().row(i)],
+                coordinates.period(i),
+            );
+        }
+    }
+
+    /// What they show, if it is a number.
+    pub fn value(&self, coordinates: &Coordinates) -> Option<Motion> {
+        let deformation =
+            (self.planes.iter()).fold(0.0, |most, plane| plane.deformation().max(most));
+        let sum = |of: fn(&Plane) -> &Moments| -> f64 {
+            let weighted = |(i, plane)| coordinates.weight(i).abs() * of(plane).emittance();
+            self.planes.iter().enumerate().map(weighted).sum()
+        };
+        // Of a loop without an area, infinite or not a number.
+        let squared = sum(|plane| &plane.of_changes) / sum(|plane| &plane.of_loop);
+        let motion = Motion {
+            deformation,
+            phase_advance: squared.sqrt(),
+            shear: self.planes.iter().all(Plane::is_sheared),
+        };
+        (motion.deformation.is_finite() && motion.phase_advance.is_finite()).then_some(motion)
+    }
+}
+
+/// The motion in one degree of freedom.
+#[derive(Clone, Default)]
+struct Plane {
+    of_loop: Moments,
+    of_changes: Moments,
+    turns_before: Turns,
+    turns: Turns,
+}
+
+impl Plane {
+    fn add(&mut self, [q, p]: [&[f64]; 2], [new_q, new_p]: [&[f64]; 2], period: f64) {
+        for k in 0..q.len() {
+            self.of_loop
+                .add([self.turns_before.unwrap(q[k], period), p[k]]);
+            self.of_changes
+                .add([self.turns.unwrap(new_q[k] - q[k], period), new_p[k] - p[k]]);
+        }
+    }
+
+    fn deformation(&self) -> f64 {
+        let relative = |c: usize| {
+            let size = self.of_loop.extents[c].length();
+            match size > 0.0 {
+                true => self.of_changes.extents[c].length() / size,
+                false => 0.0,
+            }
+        };
+        relative(0).max(relative(1))
+    }
+
+    fn is_sheared(&self) -> bool {
+        (0..2).any(|c| {
+            let largest =
+                self.of_loop.extents[c].magnitude() + self.of_changes.extents[c].magnitude();
+            self.of_changes.extents[c].length() <= SAME * UNIT_ROUNDOFF * largest
+        })
+    }
+}
+
+/// Ranges and second moments of two coordinates.
+#[derive(Clone, Default)]
+struct Moments {
+    extents: [Extent; 2],
+    count: f64,
+    /// The upper triangle R of a QR factorisation with rows (1, x, y), by columns: it keeps the digits that sums of
+    /// squares would cancel.
+    triangle: [[f64; 3]; 3],
+}
+
+impl Moments {
+    fn add(&mut self, values: [f64; 2]) {
+        (self.extents.iter_mut().zip(values)).for_each(|(extent, value)| extent.include(value));
+        self.count += 1.0;
+        let mut row = [1.0, values[0], values[1]];
+        for k in 0..3 {
+            // Rotates entry k of the row into the triangle (Givens).
+            let length = self.triangle[k][k].hypot(row[k]);
+            if length > 0.0 {
+                let (cos, sin) = (self.triangle[k][k] / length, row[k] / length);
+                for c in k..3 {
+                    let above = self.triangle[c][k];
+                    self.triangle[c][k] = cos * above + sin * row[c];
+                    row[c] = cos * row[c] - sin * above;
+                }
+            }
+        }
+    }
+
+    /// √(⟨x²⟩⟨y²⟩ − ⟨xy⟩²) of deviations from the mean (Lapostolle, IEEE Trans. Nucl. Sci. 18, 1971).
+    fn emittance(&self) -> f64 {
+        (self.triangle[1][1] * self.triangle[2][2]).abs() / self.count
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One step of a loop of 64 samples, an ellipse of these half axes.
+    fn motion(axes: [f64; 2], step: impl Fn(f64, f64) -> (f64, f64)) -> Motion {
+        let (mut before, mut after) = (Ensemble::zeros(1, 64), Ensemble::zeros(1, 64));
+        let (old, new) = (before.block(), after.block());
+        let (mut old, mut new) = (old, new);
+        for k in 0..64 {
+            let (sin, cos) = (k as f64 * std::f64::consts::TAU / 64.0).sin_cos();
+            let (q, p) = (axes[0] * (3.0 + sin), axes[1] * cos);
+            let (next_q, next_p) = step(q, p);
+            (old.q.row_mut(0)[k], old.p.row_mut(0)[k]) = (q, p);
+            (new.q.row_mut(0)[k], new.p.row_mut(0)[k]) = (next_q, next_p);
+        }
+        let coordinates = Coordinates::plain(1);
+        let mut motions = Motions::new(1);
+        motions.add(&before, &after, &coordinates);
+        motions.value(&coordinates).unwrap()
+    }
+
+    #[test]
+    fn an_oscillation_is_advanced_by_its_angle_in_all_units() {
+        for angle in [1e-3, 0.5, 2.0, 3.0] {
+            for unit in [1e-9, 1.0, 1e6] {
+                let (sin, cos) = f64::sin_cos(angle);
+                let found = motion([0.3 * unit, 0.7 / unit], |q, p| {
+                    let (q, p) = (q / unit, p * unit);
+                    (unit * (cos * q + sin * p), (cos * p - sin * q) / unit)
+                });
+                let exact = 2.0 * (angle / 2.0).sin();
+                assert!(
+                    (found.phase_advance - exact).abs() < 1e-6 * exact,
+                    "{found:?}"
+                );
+                assert!(!found.shear);
+            }
+        }
+    }
+
+    #[test]
+    fn shears_and_translations_advance_nothing() {
+        let flight = motion([1.0, 1.0], |q, p| (q + 0.5 * p, p));
+        let kick = motion([1.0, 1.0], |q, p| (q, p - 3.0 * q.sin()));
+        let falling = motion([1.0, 1.0], |q, p| (q + 0.5 * p, p - 9.81));
+        let shifted = motion([1.0, 1.0], |q, p| (q + 8.0, p));
+        for found in [flight, kick, falling, shifted] {
+            assert!(found.shear && found.phase_advance < 1e-7, "{found:?}");
+        }
+        assert!((flight.deformation - 0.5).abs() < 1e-12);
+        assert!(shifted.deformation < 1e-15);
+        // A weak force beside a free flight makes no shear of it.
+        let weak = motion([1.0, 1.0], |q, p| (q + 0.5 * p, p - 1e-6 * q));
+        assert!(!weak.shear, "{weak:?}");
+        assert!((weak.phase_advance - (0.5e-6f64).sqrt()).abs() < 1e-6);
+        // Rotated, a shear is one in neither coordinate, and advances nothing all the same.
+        let turned = motion([1.0, 1.0], |q, p| (q + 0.3 * (q + p), p - 0.3 * (q + p)));
+        assert!(!turned.shear && turned.phase_advance < 1e-7, "{turned:?}");
+    }
+
+    #[test]
+    fn a_force_of_a_narrow_feature_counts() {
+        let steep = |q: f64, p: f64| (q + 0.5 * p, p - 0.5 * ((q - 3.0) * 1e6).tanh());
+        assert!(motion([1.0, 1.0], steep).phase_advance > 0.3);
+    }
+}
