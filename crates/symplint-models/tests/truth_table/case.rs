@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
+use crate::scaled::Scaled;
 use symplint::{
     Circle, Diagnosis, Diagnostic, Evidence, FourierLoop, Loop, TimeAdvance, Verdict, VerdictKind,
     judge,
@@ -174,6 +175,36 @@ impl Case {
         self
     }
 
+    /// Whether the verdict stays, and its digits to one, in units of length from 2^-30 to 2^30 times as large, of each
+    /// degree of freedom apart; else what it is then.
+    fn in_other_units(&self, verdict: &Verdict) -> Result<(), String> {
+        let coordinates = self.map.coordinates();
+        let exponent = |i: usize| match i % 4 {
+            // A grid has one unit.
+            _ if coordinates.grid_spacing() > 0.0 => -30,
+            0 => 30,
+            1 => -30,
+            2 => -17,
+            _ => 9,
+        };
+        let factors: Vec<f64> = (0..coordinates.dof())
+            .map(|i| 2f64.powi(exponent(i)))
+            .collect();
+        let map = Scaled::new(&*self.map as &dyn TimeAdvance, factors.clone());
+        let phase_loop = Scaled::new(&*self.on.phase_loop as &dyn Loop, factors);
+        let other = (self.diagnostic.run(&map, &phase_loop)).map_err(|error| error.to_string())?;
+        let digits = [verdict, &other.verdict].map(|verdict| verdict.digits.unwrap_or(0.0));
+        match other.verdict.kind == verdict.kind && (digits[0] - digits[1]).abs() < 1.0 {
+            true => Ok(()),
+            false => Err(format!(
+                "{} in other units, {} in these; {}",
+                other.verdict.headline(),
+                verdict.headline(),
+                other.verdict
+            )),
+        }
+    }
+
     fn title(&self) -> String {
         format!("{} · {} · {}", self.system, self.step, self.on.name)
     }
@@ -241,6 +272,9 @@ pub fn check(theme: &str, cases: &[Case]) {
                 continue;
             }
         };
+        if let Err(found) = case.in_other_units(&verdict) {
+            writeln!(wrong, "UNITS  {}: {found}", case.title()).unwrap();
+        }
         let mark = match (case.agrees(&verdict), case.undecided) {
             (false, _) => "WRONG",
             (true, None) => "right",

@@ -15,7 +15,7 @@ use crate::evidence::{
 };
 use crate::jacobian::JacobianTest;
 use crate::loops::Loop;
-use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
+use crate::map::{EvaluationCount, Evaluator, LoopSize, TimeAdvance};
 use crate::rules::{Rule, RuleKind, Subject};
 use crate::state::Ensemble;
 use crate::survey;
@@ -130,6 +130,8 @@ struct Run<'a> {
 struct Given<'a> {
     probe: Probe<'a>,
     cost: usize,
+    /// What it suggests for tests beside it.
+    size: LoopSize,
 }
 
 impl Run<'_> {
@@ -220,7 +222,10 @@ impl Run<'_> {
             self.omit(Omission::Samples { loop_index: 0 }, wanted);
         }
         self.evidence.evaluations.given_loop = self.count.made() - start;
-        Ok(Given { probe, cost })
+        let start = self.count.made();
+        let size = LoopSize::of(subject.evaluator, subject.phase_loop, self.largest)?;
+        self.evidence.evaluations.sizes = self.count.made() - start;
+        Ok(Given { probe, cost, size })
     }
 
     /// Whether the first samples of all loops and step sizes are a large part of the budget.
@@ -372,7 +377,7 @@ impl Run<'_> {
         let left = self.count.left().min(self.plan.jacobian);
         match JacobianTest::within(left, evaluator.dof(), evaluator.has_tangent()) {
             None => self.omit(Omission::JacobianBudget, self.plan.jacobian),
-            Some(test) => match test.run_with(evaluator, phase_loop, self.largest) {
+            Some(test) => match test.run_with(evaluator, phase_loop, &given.size, self.largest) {
                 Ok(found) => self.evidence.jacobian = Some(found),
                 // It displaces states off the loop, where the map need not be defined.
                 Err(error) => self.evidence.omissions.push(Omission::JacobianFailed {
@@ -402,9 +407,14 @@ impl Run<'_> {
             self.omit(Omission::LocalisationBudget, most);
             return;
         }
-        let found = self
-            .diagnostic
-            .locate(subject, found, broken, self.largest, &self.plan);
+        let found = self.diagnostic.locate(
+            subject,
+            &given.size,
+            found,
+            broken,
+            self.largest,
+            &self.plan,
+        );
         match found {
             Ok(found) => self.evidence.localisation = Some(found),
             // Inside the loop, or between substeps, the map need not be defined.

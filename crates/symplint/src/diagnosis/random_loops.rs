@@ -1,29 +1,56 @@
 //! Further probes: random loops like the given one.
 
 use crate::error::Error;
-use crate::loops::{FourierLoop, Loop};
-use crate::signal::Extent;
+use crate::evidence::LoopKind;
+use crate::loops::FourierLoop;
+use crate::map::LoopSize;
 use crate::state::Coordinates;
-use crate::state::Ensemble;
 
-/// A random loop about as large as `phase_loop` round the same centre.
-pub(super) fn random_loop(phase_loop: &dyn Loop, seed: u64) -> Result<FourierLoop, Error> {
-    let ([q0, p0], [radius_q, radius_p]) = size(phase_loop)?;
-    FourierLoop::random(q0, p0, &radius_q, &radius_p, seed)
+/// The kind of random loop `index`: where the given loop leaves degrees of freedom at rest, every second one moves
+/// them, too, the first of all: a plane that the map keeps can hide terms of lower order.
+pub(super) fn random_kind(size: &LoopSize, index: usize) -> LoopKind {
+    match !index.is_multiple_of(2) && size.at_rest.contains(&true) {
+        true => LoopKind::Extended,
+        false => LoopKind::Random,
+    }
 }
 
-/// A random loop that winds round the period of the first position that has one; `None` where none has.
+/// A loop of this kind about as large as the given one round the same centre; `None` of a loop that should wind where
+/// no position has a period.
+pub(super) fn loop_of_kind(
+    kind: LoopKind,
+    size: &LoopSize,
+    coordinates: &Coordinates,
+    seed: u64,
+) -> Result<Option<FourierLoop>, Error> {
+    match kind {
+        LoopKind::Winding => winding_loop(size, coordinates, seed),
+        LoopKind::Extended => {
+            let ([q0, p0], [radius_q, radius_p]) = (size.centre.clone(), &size.radius);
+            FourierLoop::random(q0, p0, radius_q, radius_p, seed).map(Some)
+        }
+        LoopKind::Given | LoopKind::Random => {
+            let [q0, p0] = size.centre.clone();
+            let [radius_q, radius_p] = moving_radii(size);
+            FourierLoop::random(q0, p0, &radius_q, &radius_p, seed).map(Some)
+        }
+    }
+}
+
+/// A random loop that winds round the period of the first position that has one.
 ///
 /// It runs on one side of p = 0 there, so that ∮ p·dq does not vanish.
-pub(super) fn winding_loop(
-    phase_loop: &dyn Loop,
+fn winding_loop(
+    size: &LoopSize,
     coordinates: &Coordinates,
     seed: u64,
 ) -> Result<Option<FourierLoop>, Error> {
     let Some(dof) = (0..coordinates.dof()).find(|&i| coordinates.period(i) > 0.0) else {
         return Ok(None);
     };
-    let ([q0, mut p0], [radius_q, radius_p]) = size(phase_loop)?;
+    let [q0, mut p0] = size.centre.clone();
+    let [mut radius_q, mut radius_p] = moving_radii(size);
+    (radius_q[dof], radius_p[dof]) = (size.radius[0][dof], size.radius[1][dof]);
     if p0[dof].abs() < 2.0 * radius_p[dof] {
         p0[dof] = (2.0 * radius_p[dof]).copysign(p0[dof]);
     }
@@ -31,39 +58,15 @@ pub(super) fn winding_loop(
     winding.winding(dof, coordinates.period(dof)).map(Some)
 }
 
-/// Centre and half the range of every coordinate of a loop, positions first.
-type Size = ([Vec<f64>; 2], [Vec<f64>; 2]);
-
-fn size(phase_loop: &dyn Loop) -> Result<Size, Error> {
-    const SAMPLES: usize = 64;
-    let mut extents = vec![[Extent::default(); 2]; phase_loop.dof()];
-    Ensemble::in_parts(phase_loop, SAMPLES, |part| {
-        for (i, [of_q, of_p]) in extents.iter_mut().enumerate() {
-            part.q().row(i).iter().for_each(|&q| of_q.include(q));
-            part.p().row(i).iter().for_each(|&p| of_p.include(p));
-        }
-        Ok(())
-    })?;
-    let of_each = |c: usize, what: fn(&Extent) -> f64| -> Vec<f64> {
-        extents.iter().map(|of_dof| what(&of_dof[c])).collect()
-    };
-    let centre = [0, 1].map(|c| of_each(c, Extent::middle));
-    let mut radius = [0, 1].map(|c| of_each(c, |extent| extent.length() / 2.0));
-    drop(extents);
-    // The map must keep areas in every plane: move what the given loop leaves at rest, too. A loop that
-    // winds can leave all momenta at rest.
-    let typical = [0, 1].map(|c: usize| radius[c].iter().copied().fold(0.0, f64::max));
-    for c in [0, 1] {
-        let typical = if typical[c] > 0.0 {
-            typical[c]
-        } else {
-            typical[1 - c]
-        };
-        for radius in &mut radius[c] {
-            if *radius == 0.0 {
-                *radius = typical;
+/// The radii without those of degrees of freedom at rest.
+fn moving_radii(size: &LoopSize) -> [Vec<f64>; 2] {
+    let mut radius = size.radius.clone();
+    for radius in &mut radius {
+        for (radius, at_rest) in radius.iter_mut().zip(&size.at_rest) {
+            if *at_rest {
+                *radius = 0.0;
             }
         }
     }
-    Ok((centre, radius))
+    radius
 }

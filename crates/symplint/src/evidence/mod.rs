@@ -72,8 +72,10 @@ pub enum LoopKind {
     /// The loop that the user gave.
     #[default]
     Given,
-    /// A random loop of its size round its centre.
+    /// A random loop of its size round its centre, in the degrees of freedom that it moves.
     Random,
+    /// A random loop that moves the degrees of freedom that the given loop leaves at rest, too.
+    Extended,
     /// A random loop that winds round the period of a position.
     Winding,
 }
@@ -171,6 +173,8 @@ pub struct Evaluations {
     pub wanted: usize,
     /// Made to check that the map has no memory.
     pub purity: usize,
+    /// Made to learn how far tests should go in coordinates that the given loop leaves at rest.
+    pub sizes: usize,
     /// Made on the given loop.
     pub given_loop: usize,
     /// Made on random loops.

@@ -17,7 +17,8 @@ pub struct Motion {
     ///
     /// γ are the samples, Δγ = Φ(γ) − γ their changes, w_i the weight of a momentum, and ε_i the rms emittance in the
     /// plane of (q_i, p_i), √(⟨q²⟩⟨p²⟩ − ⟨qp⟩²) of deviations from the mean. Emittances are the same in all units
-    /// and canonical scalings of a degree of freedom. For an oscillation of frequency ω, θ = 2 sin(hω/2), the spectral
+    /// and canonical scalings of a degree of freedom. (In a plane in which the loop winds round a period ⟨qp⟩ is left
+    /// out: p may be a function of q there.) For an oscillation of frequency ω, θ = 2 sin(hω/2), the spectral
     /// radius of DΦ − 1; for a translation, a free flight or a kick alone it is 0.
     pub phase_advance: f64,
     /// Whether the step leaves all positions, or all momenta, in their places against each other: a kick alone, or a

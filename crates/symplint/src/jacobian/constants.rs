@@ -44,8 +44,6 @@ pub(super) struct Constants {
     /// Unless noise explains it: truncation may be this many times the noise, as it is chosen to balance the
     /// noise at the next distance, and is itself estimated from noisy entries.
     pub noise_in_truncation: f64,
-    /// Samples of the loop whose ranges are the units.
-    pub samples: usize,
     /// Values in an ensemble of displaced states, unless one point needs more: 128 MiB.
     pub batch_values: usize,
 }
@@ -67,6 +65,5 @@ pub(super) const CONSTANTS: Constants = Constants {
     gain: 2.0,
     unresolved: 1e-6,
     noise_in_truncation: 16.0,
-    samples: 64,
     batch_values: 1 << 24,
 };

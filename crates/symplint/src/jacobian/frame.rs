@@ -5,14 +5,12 @@ use std::iter::repeat_n;
 use super::constants::CONSTANTS;
 use super::derivative::Derivative;
 use crate::error::Error;
-use crate::loops::Loop;
-use crate::signal::{CompensatedSum, UNIT_ROUNDOFF, unwrap_row};
+use crate::map::LoopSize;
+use crate::signal::{CompensatedSum, UNIT_ROUNDOFF};
 use crate::state::Coordinates;
-use crate::state::Ensemble;
-use crate::state::coordinate;
 
 /// Units in which tangent vectors are given: a component of 1 is half the range of that coordinate on
-/// the loop. Positions come first, then momenta.
+/// the loop, or what [`LoopSize`] takes of one at rest. Positions come first, then momenta.
 pub(super) struct Frame {
     /// Half the range of each coordinate.
     pub size: Vec<f64>,
@@ -30,31 +28,15 @@ pub(super) struct Estimate {
 }
 
 impl Frame {
-    /// From samples of the loop. A coordinate at rest counts as large as the largest of its kind: the
-    /// map must be symplectic in directions, too, in which the loop does not go.
-    pub fn new(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<Self, Error> {
-        let dof = phase_loop.dof();
-        let samples = Ensemble::sample(phase_loop, CONSTANTS.samples)?;
+    /// In the sizes of a loop.
+    ///
+    /// # Errors
+    /// If an area is not a normal number.
+    pub fn new(loop_size: &LoopSize, coordinates: &Coordinates) -> Result<Self, Error> {
+        let dof = coordinates.dof();
         let of_positions = (0..dof).map(|i| coordinates.period(i));
         let period: Vec<f64> = of_positions.chain(repeat_n(0.0, dof)).collect();
-        let mut size = Vec::with_capacity(2 * dof);
-        for (what, first) in [
-            ("largest half range of the loop's positions", 0),
-            ("largest half range of the loop's momenta", dof),
-        ] {
-            let ranges: Vec<f64> = (0..dof)
-                .map(|i| half_range(coordinate(&samples, first + i), period[first + i]))
-                .collect();
-            let largest = ranges.iter().copied().fold(0.0, f64::max);
-            if !largest.is_normal() {
-                return Err(Error::OutOfRange {
-                    what,
-                    value: largest,
-                    remedy: "take a loop that moves positions and momenta by a moderate size",
-                });
-            }
-            size.extend(ranges.iter().map(|&r| if r > 0.0 { r } else { largest }));
-        }
+        let size = loop_size.radius.concat();
         let area: Vec<f64> = (0..dof)
             .map(|i| coordinates.weight(i) * size[i] * size[dof + i])
             .collect();
@@ -133,12 +115,4 @@ impl Frame {
     pub fn dof_of(&self, c: usize) -> usize {
         c % self.dof()
     }
-}
-
-fn half_range(row: &[f64], period: f64) -> f64 {
-    let mut row = row.to_vec();
-    unwrap_row(&mut row, period);
-    let low = row.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = row.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    0.5 * high - 0.5 * low
 }

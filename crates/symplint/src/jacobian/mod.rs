@@ -31,7 +31,7 @@ pub use evidence::{
 
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
+use crate::map::{EvaluationCount, Evaluator, LoopSize, TimeAdvance};
 use bisection::locate;
 use columns::{Columns, Outcome};
 use sampler::Sampler;
@@ -96,7 +96,7 @@ impl JacobianTest {
     /// pool; the result does not depend on their number.
     ///
     /// # Errors
-    /// If map and loop do not fit, the loop does not move positions or momenta at all, the step size is
+    /// If map and loop do not fit, an area of the loop is beyond the range of doubles, the step size is
     /// zero or not finite, there are no points, fewer than two tangent vectors or a smaller budget than the
     /// [`evaluations`](Self::evaluations), or the map fails or returns states that are not finite, on the loop or
     /// displaced from it: [`StateAt::Displaced`](crate::error::StateAt::Displaced) says from which s.
@@ -107,14 +107,19 @@ impl JacobianTest {
         h: f64,
     ) -> Result<JacobianEvidence, Error> {
         let count = EvaluationCount::unlimited();
-        self.run_with(&Evaluator::new(map, &count)?, phase_loop, h)
+        let evaluator = Evaluator::new(map, &count)?;
+        evaluator.check_dof(phase_loop.dof())?;
+        self.check(h, self.evaluations(map.dof(), evaluator.has_tangent()))?;
+        let size = LoopSize::of(&evaluator, phase_loop, h)?;
+        self.run_with(&evaluator, phase_loop, &size, h)
     }
 
-    /// The same with the evaluations counted by `evaluator`.
+    /// The same with the evaluations counted by `evaluator`, beside a loop of this size.
     pub(crate) fn run_with(
         &self,
         evaluator: &Evaluator<'_>,
         phase_loop: &dyn Loop,
+        size: &LoopSize,
         h: f64,
     ) -> Result<JacobianEvidence, Error> {
         evaluator.check_dof(phase_loop.dof())?;
@@ -122,7 +127,7 @@ impl JacobianTest {
         let planned = self.evaluations(dof, evaluator.has_tangent());
         self.check(h, planned)?;
         let (s, spare) = (parameters(self.points), self.budget - planned);
-        let mut sampler = Sampler::new(evaluator, phase_loop, h, s, self.seed, spare)?;
+        let mut sampler = Sampler::new(evaluator, (phase_loop, size), h, s, self.seed, spare)?;
         let mut outcomes = self.outcomes(&mut sampler)?;
         if sampler.rejected.is_some() {
             sampler.fall_back(self.count(dof), self.budget);

@@ -14,7 +14,7 @@ use super::noise::{self, Noise};
 use super::richardson::{self, FINER, FIRST, finer_levels_help};
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
-use crate::map::Evaluator;
+use crate::map::{Evaluator, LoopSize};
 use crate::signal::nearest;
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut};
 
@@ -54,7 +54,7 @@ impl<'a> Sampler<'a> {
     /// Samples the loop at the parameters `s` and measures the noise of the map there.
     pub fn new(
         evaluator: &'a Evaluator<'a>,
-        phase_loop: &dyn Loop,
+        (phase_loop, size): (&dyn Loop, &LoopSize),
         h: f64,
         s: Vec<f64>,
         seed: u64,
@@ -68,7 +68,7 @@ impl<'a> Sampler<'a> {
         let mut sampler = Sampler {
             evaluator,
             h,
-            frame: Frame::new(phase_loop, evaluator.coordinates())?,
+            frame: Frame::new(size, evaluator.coordinates())?,
             uses_tangents: evaluator.has_tangent(),
             rejected: None,
             before,

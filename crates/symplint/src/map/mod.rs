@@ -2,10 +2,12 @@
 
 mod closures;
 mod evaluator;
+mod loop_size;
 mod tangent;
 
 pub use closures::{PerBlock, PerSample, StepOutcome};
 pub(crate) use evaluator::{EvaluationCount, Evaluator};
+pub(crate) use loop_size::LoopSize;
 pub use tangent::TangentMap;
 
 use crate::loops::Loop;

@@ -14,4 +14,4 @@ pub(crate) use extent::Extent;
 pub(crate) use largest::largest;
 pub(crate) use random::unit;
 pub use unwrap::unwrap_row;
-pub(crate) use unwrap::{nearest, wraps};
+pub(crate) use unwrap::{Turns, nearest, wraps};

@@ -30,6 +30,26 @@ pub fn unwrap_row(row: &mut [f64], period: f64) -> i64 {
     periods as i64
 }
 
+/// Unwraps a run of values one by one, as [`unwrap_row`] does a row.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Turns {
+    previous: Option<f64>,
+    /// Periods gained so far.
+    pub turns: f64,
+}
+
+impl Turns {
+    pub fn unwrap(&mut self, wrapped: f64, period: f64) -> f64 {
+        if period > 0.0 {
+            if let Some(previous) = self.previous {
+                self.turns -= ((wrapped - previous) / period).round();
+            }
+            self.previous = Some(wrapped);
+        }
+        wrapped + self.turns * period
+    }
+}
+
 /// Whether neighbouring samples of a position, round the loop, lie about half a period apart or more
 /// somewhere. Where they do not, [`unwrap_row`] would change nothing. A period of 0 means
 /// not periodic.
@@ -60,6 +80,18 @@ pub(crate) fn nearest(difference: f64, period: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_are_unwrapped_as_rows_are() {
+        for period in [0.0, 1.0, 0.37] {
+            let row: Vec<f64> = (0..100).map(|k| f64::from(k * k % 17) * 0.083).collect();
+            let mut unwrapped = row.clone();
+            unwrap_row(&mut unwrapped, period);
+            let mut turns = Turns::default();
+            let one_by_one: Vec<f64> = row.iter().map(|&x| turns.unwrap(x, period)).collect();
+            assert_eq!(one_by_one, unwrapped);
+        }
+    }
 
     #[test]
     fn rows_that_do_not_wrap_are_those_that_unwrapping_leaves_alone() {

@@ -3,10 +3,10 @@
 mod motion;
 mod precision;
 mod purity;
-mod unwrap;
+mod windings;
 
 pub(crate) use purity::check_purity;
-pub(crate) use unwrap::winds;
+pub(crate) use windings::winds;
 
 use crate::error::Error;
 use crate::evidence::{Motion, OutputPrecision};

@@ -1,8 +1,7 @@
 //! How one step moves the samples of a loop against each other.
 
-use super::unwrap::Turns;
 use crate::evidence::Motion;
-use crate::signal::{Extent, UNIT_ROUNDOFF};
+use crate::signal::{Extent, Turns, UNIT_ROUNDOFF};
 use crate::state::{Coordinates, Ensemble};
 
 /// Changes of a coordinate that differ by no more than this many units in the last place of its values are the same.
@@ -17,7 +16,7 @@ impl Motions {
     /// No samples yet.
     pub fn new(dof: usize) -> Self {
         Motions {
-            planes: vec![Plane::default(); dof],
+            planes: vec![Plane::new(); dof],
         }
     }
 
@@ -37,7 +36,14 @@ impl Motions {
         let deformation =
             (self.planes.iter()).fold(0.0, |most, plane| plane.deformation().max(most));
         let sum = |of: fn(&Plane) -> &Moments| -> f64 {
-            let weighted = |(i, plane)| coordinates.weight(i).abs() * of(plane).emittance();
+            let weighted = |(i, plane): (usize, &Plane)| {
+                // Round a period p may be a function of q, and so are the changes of both.
+                let area = match plane.winds(coordinates.period(i)) {
+                    true => of(plane).widths(),
+                    false => of(plane).emittance(),
+                };
+                coordinates.weight(i).abs() * area
+            };
             self.planes.iter().enumerate().map(weighted).sum()
         };
         // Of a loop without an area, infinite or not a number.
@@ -52,22 +58,43 @@ impl Motions {
 }
 
 /// The motion in one degree of freedom.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 struct Plane {
     of_loop: Moments,
     of_changes: Moments,
+    /// The first position; infinite before there is one.
+    first: f64,
     turns_before: Turns,
     turns: Turns,
 }
 
 impl Plane {
+    fn new() -> Self {
+        Plane {
+            of_loop: Moments::default(),
+            of_changes: Moments::default(),
+            first: f64::INFINITY,
+            turns_before: Turns::default(),
+            turns: Turns::default(),
+        }
+    }
+
     fn add(&mut self, [q, p]: [&[f64]; 2], [new_q, new_p]: [&[f64]; 2], period: f64) {
+        if let (f64::INFINITY, Some(&first)) = (self.first, q.first()) {
+            self.first = first;
+        }
         for k in 0..q.len() {
             self.of_loop
                 .add([self.turns_before.unwrap(q[k], period), p[k]]);
             self.of_changes
                 .add([self.turns.unwrap(new_q[k] - q[k], period), new_p[k] - p[k]]);
         }
+    }
+
+    fn winds(&self, period: f64) -> bool {
+        let mut turns = self.turns_before;
+        turns.unwrap(self.first, period);
+        turns.turns != 0.0
     }
 
     fn deformation(&self) -> f64 {
@@ -90,39 +117,58 @@ impl Plane {
     }
 }
 
-/// Ranges and second moments of two coordinates.
+/// Ranges and second moments of two coordinates. There may be millions of them.
 #[derive(Clone, Default)]
 struct Moments {
     extents: [Extent; 2],
-    count: f64,
-    /// The upper triangle R of a QR factorisation with rows (1, x, y), by columns: it keeps the digits that sums of
-    /// squares would cancel.
-    triangle: [[f64; 3]; 3],
+    /// The columns of the upper triangle R of a QR factorisation with rows (1, x, y): it keeps the digits that sums
+    /// of squares would cancel. The first entry is the root of the number of samples.
+    triangle: ([f64; 1], [f64; 2], [f64; 3]),
 }
 
 impl Moments {
-    fn add(&mut self, values: [f64; 2]) {
-        (self.extents.iter_mut().zip(values)).for_each(|(extent, value)| extent.include(value));
-        self.count += 1.0;
-        let mut row = [1.0, values[0], values[1]];
-        for k in 0..3 {
-            // Rotates entry k of the row into the triangle (Givens).
-            let length = self.triangle[k][k].hypot(row[k]);
-            if length > 0.0 {
-                let (cos, sin) = (self.triangle[k][k] / length, row[k] / length);
-                for c in k..3 {
-                    let above = self.triangle[c][k];
-                    self.triangle[c][k] = cos * above + sin * row[c];
-                    row[c] = cos * row[c] - sin * above;
-                }
-            }
-        }
+    fn add(&mut self, [x, y]: [f64; 2]) {
+        self.extents[0].include(x);
+        self.extents[1].include(y);
+        // Rotates the entries of the row into the triangle one by one (Givens).
+        let ([one], [mean_x, x_x], [mean_y, x_y, y_y]) = &mut self.triangle;
+        let turn = rotation(one, 1.0);
+        let x = rotate(turn, mean_x, x);
+        let y = rotate(turn, mean_y, y);
+        let turn = rotation(x_x, x);
+        let y = rotate(turn, x_y, y);
+        rotation(y_y, y);
+    }
+
+    /// √(⟨x²⟩⟨y²⟩) of deviations from the mean.
+    fn widths(&self) -> f64 {
+        let ([root], [_, x], [_, xy, y]) = self.triangle;
+        (x / root).abs() * (xy.hypot(y) / root)
     }
 
     /// √(⟨x²⟩⟨y²⟩ − ⟨xy⟩²) of deviations from the mean (Lapostolle, IEEE Trans. Nucl. Sci. 18, 1971).
     fn emittance(&self) -> f64 {
-        (self.triangle[1][1] * self.triangle[2][2]).abs() / self.count
+        let ([root], [_, x], [_, _, y]) = self.triangle;
+        (x / root * (y / root)).abs()
     }
+}
+
+/// The rotation (cos, sin) that takes `entry` into `above`, and takes it there.
+fn rotation(above: &mut f64, entry: f64) -> (f64, f64) {
+    let length = above.hypot(entry);
+    let turn = match length > 0.0 {
+        true => (*above / length, entry / length),
+        false => (1.0, 0.0),
+    };
+    *above = length;
+    turn
+}
+
+/// Rotates two entries of a column; returns the lower one.
+fn rotate((cos, sin): (f64, f64), above: &mut f64, entry: f64) -> f64 {
+    let lower = cos * entry - sin * *above;
+    *above = cos * *above + sin * entry;
+    lower
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use crate::evidence::{OutputFormat, OutputPrecision};
 use crate::state::Ensemble;
 
 /// Decimal digits that doubles do not have by accident: of 64 random ones, none has so few.
-const FEW: usize = 10;
+const FEW: u8 = 10;
 
 /// Different values that are needed to tell.
 const ENOUGH: u32 = 16;
@@ -15,7 +15,7 @@ const ENOUGH: u32 = 16;
 #[derive(Clone, Copy)]
 struct Digits {
     /// Decimal digits that are enough for all of them; more than [`FEW`] if that is not so.
-    decimal: usize,
+    decimal: u8,
     /// Whether all are numbers of single precision.
     single: bool,
     largest: f64,
@@ -37,7 +37,7 @@ impl Default for Digits {
 
 impl Digits {
     fn add(&mut self, value: f64) {
-        while self.decimal <= FEW && !has_digits(value, self.decimal) {
+        while self.decimal <= FEW && !has_digits(value, self.decimal.into()) {
             self.decimal += 1;
         }
         self.single &= f64::from(value as f32) == value;
@@ -52,7 +52,7 @@ impl Digits {
             return None;
         }
         if self.decimal <= FEW {
-            let digits = self.decimal;
+            let digits = usize::from(self.decimal);
             let unit = 10f64.powi(self.largest.log10().floor() as i32 + 1 - digits as i32);
             return Some((OutputFormat::Decimal { digits }, unit));
         }

@@ -245,6 +245,11 @@ pub enum Finding {
         /// The step.
         step: Step,
     },
+    /// The loop of the verdict moves degrees of freedom that the given loop leaves at rest.
+    MovesRest {
+        /// Which loop.
+        loop_index: usize,
+    },
     /// How large the defects of a loop may be.
     Bound {
         /// Which loop.

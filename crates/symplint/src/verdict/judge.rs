@@ -9,7 +9,7 @@ use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, fit_order};
 use super::thresholds::{SMALL, TREND};
 use super::{Verdict, VerdictKind, long_time};
-use crate::evidence::{Evidence, LoopEvidence, Motion, Omission, Origin, StepEvidence};
+use crate::evidence::{Evidence, LoopEvidence, LoopKind, Motion, Omission, Origin, StepEvidence};
 use crate::rules::Defect;
 
 /// Reaches the verdict. Pure: the same evidence gives the same verdict, whoever measured it.
@@ -168,6 +168,7 @@ impl<'a> Case<'a> {
             loop_index: found.index,
             step: name,
         });
+        decision.findings.extend(moves_rest(found));
         decision
             .findings
             .extend(self.fits.iter().map(|fit| Finding::Law {
@@ -307,6 +308,12 @@ fn change(defect: &Defect) -> Change {
         signed: defect.signed,
         uncertainty: Some(defect.uncertainty()).filter(|u| u.is_finite()),
     }
+}
+
+/// Whether the loop moves more than the given one.
+fn moves_rest(found: &LoopEvidence) -> Option<Finding> {
+    let loop_index = found.index;
+    (found.kind == LoopKind::Extended).then_some(Finding::MovesRest { loop_index })
 }
 
 /// The range of the step sizes of a loop.

@@ -295,6 +295,11 @@ impl Display for Finding {
                 change.signed,
                 change.uncertainty.unwrap_or(f64::INFINITY)
             ),
+            Finding::MovesRest { loop_index } => write!(
+                f,
+                "{} also moves degrees of freedom that the given loop leaves at rest.",
+                capitalised(&loop_name(*loop_index))
+            ),
             Finding::Bound {
                 loop_index,
                 samples,

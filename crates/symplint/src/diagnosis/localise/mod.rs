@@ -6,9 +6,10 @@ mod substeps;
 use super::Diagnostic;
 use super::memory::fits;
 use super::plan::Plan;
-use super::random_loops::{random_loop, winding_loop};
+use super::random_loops::loop_of_kind;
 use crate::error::Error;
 use crate::evidence::{Localisation, LoopEvidence, LoopKind};
+use crate::map::LoopSize;
 use crate::rules::{Rule, RuleKind, Subject};
 
 impl Diagnostic {
@@ -19,28 +20,20 @@ impl Diagnostic {
     pub(super) fn locate(
         &self,
         subject: Subject<'_>,
+        size: &LoopSize,
         found: &LoopEvidence,
         broken: bool,
         h: f64,
         plan: &Plan,
     ) -> Result<Localisation, Error> {
-        let random;
         let seed = self.seed.wrapping_add(found.index as u64);
-        let subject = match found.kind {
-            LoopKind::Given => subject,
-            LoopKind::Random | LoopKind::Winding => {
-                let winding = match found.kind {
-                    LoopKind::Winding => {
-                        winding_loop(subject.phase_loop, subject.coordinates(), seed)?
-                    }
-                    _ => None,
-                };
-                random = winding.map_or_else(|| random_loop(subject.phase_loop, seed), Ok)?;
-                Subject {
-                    phase_loop: &random,
-                    ..subject
-                }
-            }
+        let random = match found.kind {
+            LoopKind::Given => None,
+            kind => loop_of_kind(kind, size, subject.coordinates(), seed)?,
+        };
+        let subject = Subject {
+            phase_loop: (random.as_ref()).map_or(subject.phase_loop, |random| random),
+            ..subject
         };
         let left = subject.evaluator.count().left();
         let piecewise = self.affordable(subject.dof(), plan, left / 2);

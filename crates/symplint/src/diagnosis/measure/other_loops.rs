@@ -3,10 +3,11 @@
 use super::{FEWEST_TIGHT_SAMPLES, Given, Run, TIGHT_SAMPLES_PART, of_the_map};
 use crate::diagnosis::Event;
 use crate::diagnosis::initial_samples::InitialSamples;
-use crate::diagnosis::random_loops::{random_loop, winding_loop};
+use crate::diagnosis::random_loops::{loop_of_kind, random_kind};
 use crate::diagnosis::resolve::Resolution;
 use crate::error::Error;
 use crate::evidence::{LoopEvidence, LoopKind, Omission, Sweep};
+use crate::map::LoopSize;
 use crate::rules::{RuleKind, Subject};
 use crate::state::Ensemble;
 use crate::survey;
@@ -37,7 +38,10 @@ impl Run<'_> {
                 break;
             }
             let seed = diagnostic.seed.wrapping_add(index as u64);
-            let random = random_loop(subject.phase_loop, seed)?;
+            let kind = random_kind(&given.size, index);
+            let Some(random) = loop_of_kind(kind, &given.size, subject.coordinates(), seed)? else {
+                continue;
+            };
             let subject = Subject {
                 phase_loop: &random,
                 ..subject
@@ -45,7 +49,7 @@ impl Run<'_> {
             // The order is that of a full sweep, and a symmetric loop hides terms of lower
             // order: the given loop and one random one are worth it.
             let known = (self.evidence.loops[1..].iter()).any(LoopEvidence::shows_defect);
-            match self.random_loop(index, LoopKind::Random, subject, known) {
+            match self.random_loop(index, kind, subject, known) {
                 Ok(()) => {}
                 Err(Error::BudgetSpent { wanted, .. }) => {
                     let omitted = count + 1 - index;
@@ -54,14 +58,20 @@ impl Run<'_> {
                     break;
                 }
                 // A loop that nobody asked for may leave the map's domain.
-                Err(error) if of_the_map(&error) => self.failed(index, &error),
+                Err(error) if of_the_map(&error) => self.failed(index, kind, &error),
+                // What nobody asked to move may be lost in rounding where it lies.
+                Err(error @ (Error::NoArea { .. } | Error::LostInRounding { .. }))
+                    if kind == LoopKind::Extended =>
+                {
+                    self.failed(index, kind, &error);
+                }
                 Err(error) => return Err(error),
             }
         }
         let winds = self.evidence.loops[0].winds;
         let affordable = self.left() >= given.cost.max(self.plan.first_samples);
         if count > 0 && !winds && !self.is_settled() && affordable {
-            self.winding_loop(subject)?;
+            self.winding_loop(subject, &given.size)?;
         }
         self.evidence.evaluations.random_loops = self.count.made() - start;
         Ok(())
@@ -77,14 +87,14 @@ impl Run<'_> {
     }
 
     /// A random loop round the period of a position, where there is one.
-    fn winding_loop(&mut self, subject: Subject<'_>) -> Result<(), Error> {
+    fn winding_loop(&mut self, subject: Subject<'_>, size: &LoopSize) -> Result<(), Error> {
         let (index, seed) = (
             self.diagnostic.loops,
             self.diagnostic
                 .seed
                 .wrapping_add(self.diagnostic.loops as u64),
         );
-        let found = winding_loop(subject.phase_loop, subject.coordinates(), seed)?;
+        let found = loop_of_kind(LoopKind::Winding, size, subject.coordinates(), seed)?;
         let Some(winding) = found else {
             return Ok(());
         };
@@ -164,10 +174,10 @@ impl Run<'_> {
     }
 
     /// A loop on which the map failed.
-    fn failed(&mut self, index: usize, error: &Error) {
+    fn failed(&mut self, index: usize, kind: LoopKind, error: &Error) {
         // It may have been recorded at some step sizes before the map failed at another.
         self.evidence.loops.retain(|found| found.index != index);
-        let mut found = LoopEvidence::new(index, LoopKind::Random);
+        let mut found = LoopEvidence::new(index, kind);
         found.failure = Some(error.to_string());
         self.evidence.loops.push(found);
     }

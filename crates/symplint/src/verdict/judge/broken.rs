@@ -1,6 +1,6 @@
 //! Loops that are not closed before the step, and loops that a step breaks.
 
-use super::{Case, Decision, change};
+use super::{Case, Decision, change, moves_rest};
 use crate::evidence::{LoopEvidence, StepEvidence, WEAKEST_BOUND};
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding, Step};
@@ -67,6 +67,7 @@ impl Case<'_> {
             jump,
             sampled: false,
         });
+        decision.findings.extend(moves_rest(found));
         decision.findings.push(Finding::BrokenCount {
             broken: self.steps().filter(|(_, step)| step.jump.is_some()).count(),
             of: self.steps().count(),

@@ -1,0 +1,79 @@
+//! Maps and loops in other units: the canonical scaling (q_i, p_i) → (a_i q_i, p_i / a_i).
+
+use symplint::{Block, Coordinates, Loop, StepFailure, TimeAdvance};
+
+/// Something in scaled coordinates.
+pub struct Scaled<T> {
+    inner: T,
+    factors: Vec<f64>,
+}
+
+impl<T> Scaled<T> {
+    pub fn new(inner: T, factors: Vec<f64>) -> Self {
+        Scaled { inner, factors }
+    }
+
+    /// From scaled coordinates to those of the inner one, or back.
+    fn scale(&self, block: &mut Block<'_>, back: bool) {
+        for (i, &factor) in self.factors.iter().enumerate() {
+            let factor = if back { 1.0 / factor } else { factor };
+            block.q.row_mut(i).iter_mut().for_each(|q| *q *= factor);
+            block.p.row_mut(i).iter_mut().for_each(|p| *p /= factor);
+        }
+    }
+}
+
+impl<L: Loop> Loop for Scaled<L> {
+    fn dof(&self) -> usize {
+        self.inner.dof()
+    }
+
+    fn sample(&self, s: &[f64], block: &mut Block<'_>) {
+        self.inner.sample(s, block);
+        self.scale(block, false);
+    }
+}
+
+impl<M: TimeAdvance> TimeAdvance for Scaled<M> {
+    fn dof(&self) -> usize {
+        self.inner.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.scale(block, true);
+        self.inner.advance(h, block)?;
+        self.scale(block, false);
+        Ok(())
+    }
+
+    fn substeps(&self) -> usize {
+        self.inner.substeps()
+    }
+
+    fn advance_substep(
+        &self,
+        substep: usize,
+        h: f64,
+        block: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        self.scale(block, true);
+        self.inner.advance_substep(substep, h, block)?;
+        self.scale(block, false);
+        Ok(())
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        let inner = self.inner.coordinates();
+        let dofs = 0..self.dof();
+        let periods = dofs
+            .clone()
+            .map(|i| inner.period(i) * self.factors[i])
+            .collect();
+        let weights = dofs.map(|i| inner.weight(i)).collect();
+        Coordinates::plain(self.dof())
+            .with_periods(periods)
+            .and_then(|found| found.with_weights(weights))
+            .and_then(|found| found.with_grid_spacing(inner.grid_spacing() * self.factors[0]))
+            .unwrap()
+    }
+}
