@@ -1,4 +1,4 @@
-//! Features narrower than the distance of samples, of which one may be met and its twin be missed.
+//! Features narrower than the distance of samples: of two alike, one may be found and the other missed.
 
 use std::f64::consts::TAU;
 
