@@ -16,26 +16,25 @@ const FINE: f64 = 1e-12;
 /// A loop folds: what one step resolves, many do not. Samples of a loop of one degree of freedom at least.
 pub(super) const FOLDED: usize = 1 << 13;
 
-/// Follows the loop of a probe for `steps` steps of size `h`, or says what is left out, and how many evaluations it
-/// would take, if it does not fit into memory or into the evaluations that are `left`.
+/// Follows the loop of a probe for `steps` steps of size `h`, or says what is left out if it does not fit into memory
+/// or into the evaluations that are `left`.
 pub(super) fn follow(
     probe: &Probe<'_>,
     h: f64,
     steps: usize,
     left: usize,
-) -> Result<Result<LongTime, (Omission, usize)>, Error> {
+) -> Result<Result<LongTime, Omission>, Error> {
     let dof = probe.subject.dof();
     let mut samples = probe.samples.max(FOLDED / dof.max(1));
     if !probe.keeps_samples() && !fits(dof, samples) {
-        return Ok(Err((Omission::LongTimeMemory { samples }, 0)));
+        return Ok(Err(Omission::LongTimeMemory { samples }));
     }
     // Fewer samples than one step is resolved with say nothing of many.
     if samples.saturating_mul(steps) > left {
         samples = probe.samples;
     }
-    let wanted = samples.saturating_mul(steps);
-    if wanted > left {
-        return Ok(Err((Omission::LongTimeBudget, wanted - left)));
+    if samples.saturating_mul(steps) > left {
+        return Ok(Err(Omission::LongTimeBudget));
     }
     let trace = Trace {
         rule: Rule::Pseudospectral,

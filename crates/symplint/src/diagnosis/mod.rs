@@ -6,6 +6,7 @@ mod localise;
 mod long_time;
 mod measure;
 mod memory;
+mod missing;
 mod plan;
 mod probe;
 mod random_loops;

@@ -51,6 +51,13 @@ const FIRST_PART: usize = 3;
 /// is more.
 const FIXED_PART: usize = 4;
 
+/// The part of a tight budget that equispaced samples of the given loop may take: what they do not resolve then is
+/// cheaper by pieces.
+const TIGHT_SAMPLES_PART: usize = 16;
+
+/// Samples that a loop gets in any budget that allows them.
+const FEWEST_TIGHT_SAMPLES: usize = 64;
+
 /// What is planned before anything is measured.
 pub(super) struct Plan {
     /// Samples from which doubling begins.
@@ -110,6 +117,33 @@ impl Plan {
             tolerance: if tight { TIGHT_TOLERANCE } else { 0.0 },
         }
     }
+
+    /// Whether the first samples of all loops and step sizes are a large part of the budget.
+    pub fn is_tight(&self) -> bool {
+        self.tolerance > 0.0
+    }
+
+    /// The most samples of the given loop, where this many evaluations are left for loops.
+    pub fn most_samples(&self, diagnostic: &Diagnostic, budget: usize, left: usize) -> usize {
+        if !self.is_tight() {
+            return share(diagnostic, budget).min(left);
+        }
+        // Two more step sizes, and a random loop, should be possible with as many samples.
+        let further = (diagnostic.step_sizes.len() - 1).min(2) + (diagnostic.loops - 1).min(1);
+        tight_samples(left).min(left / (1 + further))
+    }
+}
+
+/// The most samples of a loop in a tight budget, of which so many evaluations are left.
+pub(super) fn tight_samples(left: usize) -> usize {
+    (left / TIGHT_SAMPLES_PART).max(FEWEST_TIGHT_SAMPLES)
+}
+
+/// Samples of one loop in an ample budget: so many that the given loop at all step sizes, the random loops at the
+/// largest, and one that winds, can have as many.
+pub(super) fn share(diagnostic: &Diagnostic, budget: usize) -> usize {
+    let measurements = diagnostic.step_sizes.len() + diagnostic.loops + 1;
+    budget / measurements
 }
 
 /// The largest power of two that is not above `count`; 0 if that is 0.

@@ -13,7 +13,7 @@ use crate::rules::{Advanced, Cutoffs, Piecewise, Rule, Streaming, Subject};
 use crate::state::Ensemble;
 
 /// The most samples of automatic doubling.
-const MOST_SAMPLES: usize = 1 << 16;
+pub(super) const MOST_SAMPLES: usize = 1 << 16;
 
 /// Sobolev exponents of loops with kinks: more than the ½ of a jump, which is looked for in its own way, and
 /// so few that no analytic loop has them.

@@ -16,6 +16,7 @@ pub use finite_difference::{Cutoff, Cutoffs, OmittedCell};
 pub(crate) use piecewise::Identity;
 pub use piecewise::{Closure, Piecewise, PiecewiseIntegral};
 use sampled::Sampled;
+pub(crate) use sampled::cells_apart;
 pub use streaming::{Streaming, StreamingIntegral};
 
 use serde::{Deserialize, Serialize};

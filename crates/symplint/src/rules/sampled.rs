@@ -110,7 +110,7 @@ fn retains(integral: &LoopIntegral, found: &Break, samples: usize) -> bool {
 
 /// Grid cells between neighbouring samples at most, or half periods, if they are more; 0 where there is
 /// neither. Positions that are half a period apart could be unwrapped either way.
-pub(super) fn cells_apart(ensemble: &Ensemble, coordinates: &Coordinates) -> f64 {
+pub(crate) fn cells_apart(ensemble: &Ensemble, coordinates: &Coordinates) -> f64 {
     let furthest = |dof: usize| {
         let (row, period) = (ensemble.q().row(dof), coordinates.period(dof));
         let spacing = match (coordinates.grid_spacing(), 0.5 * period) {

@@ -1,8 +1,9 @@
 //! The loops beside the given one: random ones, and one that winds round a period.
 
-use super::{FEWEST_TIGHT_SAMPLES, Given, Run, TIGHT_SAMPLES_PART, of_the_map};
+use super::{Given, Run, of_the_map};
 use crate::diagnosis::Event;
 use crate::diagnosis::initial_samples::InitialSamples;
+use crate::diagnosis::plan;
 use crate::diagnosis::random_loops::{random_loop, winding_loop};
 use crate::diagnosis::resolve::Resolution;
 use crate::error::Error;
@@ -26,13 +27,10 @@ impl Run<'_> {
                 break;
             }
             // A loop that cannot be resolved as the given one was is no evidence.
-            let least = if self.is_tight() { given.cost } else { 0 };
+            let least = if self.plan.is_tight() { given.cost } else { 0 };
             if self.left() < least.max(self.plan.first_samples) {
                 let omitted = count + 1 - index;
-                self.omit(
-                    Omission::RandomLoops { count: omitted },
-                    omitted * given.cost,
-                );
+                self.omit(Omission::RandomLoops { count: omitted });
                 break;
             }
             let seed = diagnostic.seed.wrapping_add(index as u64);
@@ -46,10 +44,9 @@ impl Run<'_> {
             let known = (self.evidence.loops[1..].iter()).any(LoopEvidence::shows_defect);
             match self.random_loop(index, LoopKind::Random, subject, known) {
                 Ok(()) => {}
-                Err(Error::BudgetSpent { wanted, .. }) => {
+                Err(Error::BudgetSpent { .. }) => {
                     let omitted = count + 1 - index;
-                    let wanted = omitted * given.cost.max(wanted);
-                    self.omit(Omission::RandomLoops { count: omitted }, wanted);
+                    self.omit(Omission::RandomLoops { count: omitted });
                     break;
                 }
                 // A loop that nobody asked for may leave the map's domain.
@@ -72,7 +69,7 @@ impl Run<'_> {
         let (given, random) = self.evidence.loops.split_at(1);
         let broken = given[0].steps.iter().any(|step| step.jump.is_some());
         let shown = given[0].shows_defect() && random.iter().any(LoopEvidence::shows_defect);
-        self.is_tight() && !given[0].winds && (broken || shown)
+        self.plan.is_tight() && !given[0].winds && (broken || shown)
     }
 
     /// A random loop round the period of a position, where there is one.
@@ -117,12 +114,11 @@ impl Run<'_> {
             h: self.largest,
             plan: &self.plan,
             // As many as the given loop took, at least: with fewer it may not see what that one did.
-            most_samples: match self.is_tight() {
-                true => (left / TIGHT_SAMPLES_PART)
-                    .max(FEWEST_TIGHT_SAMPLES)
+            most_samples: match self.plan.is_tight() {
+                true => plan::tight_samples(left)
                     .max(self.evidence.loops[0].samples)
                     .min(left),
-                false => self.share(),
+                false => plan::share(diagnostic, self.count.budget()).min(left),
             },
             allowance: left,
         };
