@@ -138,6 +138,19 @@ fn following_the_advice_decides() {
     assert!(followed >= 24, "{followed}");
 }
 
+/// A random loop that takes more than is left is no evidence, and costs no verdict.
+#[test]
+fn a_random_loop_that_the_budget_does_not_resolve_is_left_out() {
+    let settings = ["system.epsilon=0.001", "diagnostic.samples=auto"];
+    let report = with_budget("absolute-value", "strang", 2_553, &settings);
+    let verdict = &report["verdict"];
+    assert_eq!(verdict["kind"], "symplectic", "{verdict}");
+    let loops = report["evidence"]["loops"].as_array().unwrap();
+    assert_eq!(loops.len(), 1, "{verdict}");
+    let said = verdict.to_string();
+    assert!(said.contains("random loops could be tried"), "{said}");
+}
+
 /// Equispaced samples alone do not resolve kinks to the bound that the judge asks for.
 #[test]
 fn no_number_is_given_where_none_is_known_to_be_enough() {

@@ -7,7 +7,7 @@ use crate::diagnosis::plan;
 use crate::diagnosis::random_loops::{random_loop, winding_loop};
 use crate::diagnosis::resolve::Resolution;
 use crate::error::Error;
-use crate::evidence::{LoopEvidence, LoopKind, Omission, Sweep};
+use crate::evidence::{LoopEvidence, LoopKind, Omission, StepEvidence, Sweep};
 use crate::rules::{RuleKind, Subject};
 use crate::survey;
 
@@ -43,6 +43,12 @@ impl Run<'_> {
             // order: the given loop and one random one are worth it.
             let known = (self.evidence.loops[1..].iter()).any(LoopEvidence::shows_defect);
             match self.random_loop(index, LoopKind::Random, subject, known) {
+                Ok(()) if self.is_unresolved() => {
+                    self.evidence.loops.pop();
+                    let omitted = count + 1 - index;
+                    self.omit(Omission::RandomLoops { count: omitted });
+                    break;
+                }
                 Ok(()) => {}
                 Err(Error::BudgetSpent { .. }) => {
                     let omitted = count + 1 - index;
@@ -61,6 +67,18 @@ impl Run<'_> {
         }
         self.evidence.evaluations.random_loops = self.count.made() - start;
         Ok(())
+    }
+
+    /// Whether a tight budget was spent before the last loop was resolved as the given one was: it is no evidence.
+    fn is_unresolved(&self) -> bool {
+        let (given, random) = (&self.evidence.loops[0], self.evidence.loops.last());
+        let says_more = |step: &StepEvidence| {
+            step.jump.is_some() || step.is_unexplained() || step.misses_the_grid()
+        };
+        let weak = |found: &LoopEvidence| {
+            found.weak_step().is_some() && !found.steps.iter().any(says_more)
+        };
+        self.plan.is_tight() && given.is_bounded() && random.is_some_and(weak)
     }
 
     /// Whether further loops cannot change the verdict of a tight budget any more: the given loop breaks, or it and
