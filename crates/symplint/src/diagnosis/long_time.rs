@@ -1,20 +1,12 @@
 //! The given loop in many steps.
 
+use super::limits::{FINE_DEFECT, FOLDED, RESOLVED_DEFECT};
 use super::memory::fits;
 use super::probe::Probe;
 use crate::error::Error;
 use crate::evidence::{LongTime, Omission};
 use crate::rules::Rule;
 use crate::trace::{Trace, TracePoint};
-
-/// A quadrature error above this part of the largest defect so far ends the trace.
-const RESOLVED: f64 = 0.1;
-
-/// Quadrature errors below this are good enough, however small the defects are.
-const FINE: f64 = 1e-12;
-
-/// A loop folds: what one step resolves, many do not. Samples of a loop of one degree of freedom at least.
-pub(super) const FOLDED: usize = 1 << 13;
 
 /// Follows the loop of a probe for `steps` steps of size `h`, or says what is left out if it does not fit into memory
 /// or into the evaluations that are `left`.
@@ -52,7 +44,8 @@ fn summary(h: f64, samples: usize, points: &[TracePoint]) -> LongTime {
     let mut largest = 0.0f64;
     let resolved = points.iter().take_while(|point| {
         largest = largest.max(point.defect);
-        (point.quadrature_error).is_some_and(|error| error <= (RESOLVED * largest).max(FINE))
+        (point.quadrature_error)
+            .is_some_and(|error| error <= (RESOLVED_DEFECT * largest).max(FINE_DEFECT))
     });
     let defects: Vec<f64> = resolved.map(|point| point.defect).collect();
     let max = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);

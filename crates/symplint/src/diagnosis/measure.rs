@@ -3,7 +3,8 @@
 mod other_loops;
 
 use super::initial_samples::InitialSamples;
-use super::plan::{self, LEAST_BUDGET, Plan};
+use super::limits::LEAST_BUDGET;
+use super::plan::{self, Plan};
 use super::probe::{Known, Probe};
 use super::refined_samples::RefinedSamples;
 use super::resolve::Resolution;

@@ -5,33 +5,13 @@
 //! and a break is often found with fewer. For a step that deforms the loop by several times its size it can be too
 //! small: the next budget then says more.
 
+use super::limits::{LARGEST_BUDGET, MOST_SAMPLES, OF_PIECES, STEEPER, STRETCHED, TWO_DOUBLINGS};
 use super::plan::Plan;
-use super::resolve::MOST_SAMPLES;
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
 use crate::evidence::{Evidence, LoopEvidence, MOST_CELLS_APART, StepEvidence};
 use crate::rules::{Rule, Subject, cells_apart};
 use crate::state::Ensemble;
-
-/// Samples that miss the grid may miss the steepest slopes: neighbours are taken to be this many times as far apart as
-/// they are, with samples up to the number beside it. Calibrated: cubic and quadratic particle-in-cell plasmas and
-/// interpolated pendula, as the test `following_the_advice_decides` has them.
-const STEEPER: [(usize, f64); 3] = [(32, 4.0), (64, 2.0), (usize::MAX, 1.25)];
-
-/// Where samples resolve the grid of the map and the bound is weak: two doublings, which gain two digits at kinks and
-/// more on smooth loops.
-const TWO_DOUBLINGS: f64 = 4.0;
-
-/// Neighbours that a step of a continuous map moves apart by more than this factor are at a break, which pieces find:
-/// it needs no more samples. Calibrated: the steepest of the plasmas has 8.1.
-const STRETCHED: f64 = 12.0;
-
-/// A budget in which pieces resolve a loop with kinks or steep slopes, and the Jacobian and random loops have their
-/// parts. Calibrated: one loop takes up to 900 evaluations.
-const OF_PIECES: usize = 2_000;
-
-/// Budgets that are tried: no estimate is larger.
-const LARGEST_BUDGET: usize = 1 << 40;
 
 impl Diagnostic {
     /// Evaluations beyond the budget that would resolve the loops: see

@@ -2,6 +2,7 @@
 
 mod convergence;
 mod initial_samples;
+mod limits;
 mod localise;
 mod long_time;
 mod measure;
