@@ -34,6 +34,10 @@ pub(super) const FIXED_PART: usize = 4;
 /// cheaper by pieces.
 pub(super) const TIGHT_SAMPLES_PART: usize = 16;
 
+/// The part of a tight budget that is kept while the given loop is resolved: a second step size or a random loop may
+/// fit into it where samples were enough.
+pub(super) const KEPT_PART: usize = 8;
+
 /// Samples that a loop gets in any budget that allows them.
 pub(super) const FEWEST_TIGHT_SAMPLES: usize = 64;
 

@@ -3,7 +3,7 @@
 mod other_loops;
 
 use super::initial_samples::InitialSamples;
-use super::limits::LEAST_BUDGET;
+use super::limits::{KEPT_PART, LEAST_BUDGET};
 use super::plan::{self, Plan};
 use super::probe::{Known, Probe};
 use super::refined_samples::RefinedSamples;
@@ -141,7 +141,11 @@ impl Run<'_> {
             h: self.largest,
             plan: &self.plan,
             most_samples: self.plan.most_samples(diagnostic, budget, left),
-            allowance: if tight { left / 8 * 7 } else { left },
+            allowance: if tight {
+                left / KEPT_PART * (KEPT_PART - 1)
+            } else {
+                left
+            },
         };
         let probe = diagnostic.resolve(subject, &with, &mut look)?;
         let samples = &mut InitialSamples::new(subject);
