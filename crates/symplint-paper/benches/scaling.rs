@@ -40,14 +40,14 @@ const STUDIES: [Study; 3] = [
     },
     Study {
         name: "particles",
-        label: "N_p: one PIC force, cubic splines, 16 samples",
+        label: "Nₚ: one PIC force, cubic splines, 16 samples",
         sizes: &[100, 316, 1000, 3162, 10_000, 31_623, 100_000],
         time: pic_force,
         cost: |particles| particles,
     },
     Study {
         name: "samples",
-        label: "N_s: pseudospectral integral, 4 degrees of freedom",
+        label: "Nₛ: pseudospectral integral, 4 degrees of freedom",
         sizes: &[64, 256, 1024, 4096, 16_384, 65_536, 262_144],
         time: loop_integral,
         cost: |samples| samples * samples.log2(),
@@ -209,7 +209,7 @@ fn draw(studies: &[(&Study, Vec<Point>)]) -> Figure {
         }
         Panel {
             title: title.into(),
-            x: axis("size"),
+            x: axis("d, Nₚ or Nₛ"),
             y: axis(label),
             series,
             equal_aspect: false,
@@ -218,7 +218,7 @@ fn draw(studies: &[(&Study, Vec<Point>)]) -> Figure {
     Figure::new(
         vec![
             panel(
-                "time; dashed: N, N log N",
+                "time; broken lines: N, N log N",
                 "time / s",
                 |point| point.nanoseconds * 1e-9,
                 true,

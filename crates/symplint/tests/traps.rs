@@ -1,8 +1,8 @@
 //! Maps and loops with features that a few pieces, or a few samples, step over: numbers must come with an
 //! error that covers them, and verdicts must not be wrong.
 
-#[path = "traps/by_chance.rs"]
-mod by_chance;
+#[path = "traps/under_resolved.rs"]
+mod under_resolved;
 
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicUsize, Ordering};

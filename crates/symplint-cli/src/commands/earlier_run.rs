@@ -72,7 +72,7 @@ impl OccupiedError {
 }
 
 /// The files of `check`, `trace` and `measure` beside the configuration and the figures.
-pub const RECORDS: [&str; 2] = ["report.json", "points.csv"];
+pub const RECORDS: &[&str] = &["report.json", "points.csv"];
 
 pub fn figure_files(name: &str) -> [String; 2] {
     ["svg", "png"].map(|extension| format!("figures/{name}.{extension}"))
@@ -180,7 +180,7 @@ impl EarlierRun {
             "trace" => &["loop_integral", "energy", "loops"],
             _ => return vec!["claims.json".into(), "claims.md".into()],
         };
-        let mut files: Vec<String> = RECORDS.map(str::to_owned).to_vec();
+        let mut files: Vec<String> = RECORDS.iter().map(|&name| name.into()).collect();
         files.extend(figures.iter().flat_map(|name| figure_files(name)));
         let snapshots = self
             .config

@@ -9,7 +9,7 @@ use symplint_report::table::definitions;
 
 use super::Failure;
 use crate::cli::What;
-use crate::config::SYSTEMS;
+use crate::config::{RULES, SYSTEMS};
 use crate::output::{say, width};
 
 /// Prints the systems, integrators, rules or items of the paper.
@@ -26,7 +26,7 @@ pub fn list(what: What) -> Result<ExitCode, Failure> {
             .map(|info| (info.name.to_owned(), integrator(info)))
             .collect(),
         What::Rules => (RULES.iter())
-            .map(|(name, text)| (name.to_string(), text.to_string()))
+            .map(|info| (info.name.to_owned(), info.summary.to_owned()))
             .collect(),
         What::Figures => (ITEMS.iter())
             .map(|item| {
@@ -72,31 +72,3 @@ fn integrator(info: &IntegratorInfo) -> String {
     }
     text
 }
-
-const RULES: [(&str, &str); 5] = [
-    (
-        "auto",
-        "Pseudospectral; piecewise where the advanced loop is broken or has kinks; streaming where ensembles \
-         do not fit into memory. The default.",
-    ),
-    (
-        "pseudospectral",
-        "Differentiates q by Fourier transform (paper, section 2.3 and appendix A). Exact to round-off on \
-         smooth loops; on loops with kinks the error is a power of the number of samples.",
-    ),
-    (
-        "piecewise",
-        "Chebyshev interpolation between the breaks, each of which is located and closed. For broken loops \
-         and loops with kinks, nearly to round-off.",
-    ),
-    (
-        "streaming",
-        "Differences of order 16 along the loop, of samples that are made, advanced and dropped one after \
-         another. For ensembles that do not fit into memory: a few dozen states are kept.",
-    ),
-    (
-        "finite-difference",
-        "Increments of q over the cells that the cut-offs keep (paper, appendix B). For broken loops as in \
-         the paper, to a few digits.",
-    ),
-];

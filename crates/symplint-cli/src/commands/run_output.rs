@@ -66,7 +66,7 @@ impl RunOutput {
         figures: Vec<(&'static str, Figure)>,
         snapshots: &[usize],
     ) -> Result<(), Failure> {
-        let mut kept: Vec<String> = RECORDS.map(str::to_owned).to_vec();
+        let mut kept: Vec<String> = RECORDS.iter().map(|&name| name.into()).collect();
         kept.extend(figures.iter().flat_map(|(name, _)| figure_files(name)));
         kept.extend(snapshots.iter().map(|step| loop_file(*step)));
         self.remove_earlier(&kept)?;

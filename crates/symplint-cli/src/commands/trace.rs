@@ -65,8 +65,8 @@ pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
 fn rule(rule: Rule) -> Result<Rule, ConfigError> {
     let name = match rule {
         Rule::Auto => return Ok(Rule::Pseudospectral),
-        Rule::Pseudospectral | Rule::FiniteDifference(_) => return Ok(rule),
-        other => other.kind().name(),
+        Rule::Piecewise(_) | Rule::Streaming(_) => rule.kind().name(),
+        _ => return Ok(rule),
     };
     Err(ConfigError::new(
         format!("diagnostic.rule is \"{name}\", which a trace does not accept"),

@@ -1,11 +1,12 @@
 //! `[diagnostic]`: what `check` measures.
 
+use symplint::Diagnostic;
 use symplint::diagnosis::{SampleCount, SampleSweep};
 use symplint::rules::{Closure, Cutoff, Cutoffs, Piecewise, Streaming};
-use symplint::{Diagnostic, Rule};
 
 use super::document::{Node, Value};
 use super::error::ConfigError;
+use super::rules::{RULES, RuleSettings};
 use super::section::{Accept, Key, MOST_WHOLE, Section, read_number};
 
 /// The keys of `[diagnostic]`.
@@ -115,13 +116,6 @@ const LEAST_BUDGET: u64 = 200;
 pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
     let section = Section::new("diagnostic", node, KEYS.to_vec())?;
     let cutoffs = cutoffs(&section)?;
-    let rules = [
-        "auto",
-        "pseudospectral",
-        "finite-difference",
-        "piecewise",
-        "streaming",
-    ];
     let piecewise = Piecewise {
         tolerance: section.number("tolerance", Accept::Positive)?,
         closure: match section.choice("closure", &["substeps", "chords"])? {
@@ -131,16 +125,17 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         ..Piecewise::default()
     };
     let streaming = streaming(&section)?;
-    let rule = match section.choice("rule", &rules)? {
-        "auto" => Rule::Auto,
-        "pseudospectral" => Rule::Pseudospectral,
-        "finite-difference" => Rule::FiniteDifference(cutoffs),
-        "piecewise" => Rule::Piecewise(piecewise),
-        _ => Rule::Streaming(streaming),
+    let names: Vec<&str> = RULES.iter().map(|info| info.name).collect();
+    let named = section.choice("rule", &names)?;
+    let info = (RULES.iter().find(|info| info.name == named)).expect("the name is one of them");
+    let settings = RuleSettings {
+        cutoffs,
+        piecewise,
+        streaming,
     };
     let budget = section.whole_or_auto("budget", LEAST_BUDGET, MOST_WHOLE)?;
     let diagnostic = Diagnostic {
-        rule,
+        rule: (info.make)(&settings),
         piecewise,
         streaming,
         samples: match section.whole_or_auto("samples", 3, MOST_SAMPLES)? {

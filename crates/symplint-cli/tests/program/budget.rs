@@ -97,6 +97,72 @@ fn too_small_a_budget_is_undecided_and_says_how_many_evaluations_more_would_tell
     assert!(made(&report) <= 400, "{}", made(&report));
 }
 
+/// What the advice says must be enough, and not much more than enough. (A break can be met by far fewer: breaks are
+/// tested for the first part alone.)
+#[test]
+fn following_the_advice_decides() {
+    let smooth: [(&str, &str, &[&str]); 6] = [
+        ("absolute-value", "strang", &["system.epsilon=0.01"]),
+        ("interpolated-pendulum", "strang", &[]),
+        ("interpolated-pendulum", "strang", &["system.cells=51"]),
+        ("pic-1d", "strang", &["system.degree=2"]),
+        ("pic-1d", "strang", &["system.degree=3"]),
+        ("pic-1d", "rk2", &["system.degree=3"]),
+    ];
+    let broken: [(&str, &str, &[&str]); 2] = [
+        ("pic-1d", "strang", &["system.degree=1"]),
+        ("interpolated-pendulum", "strang", &["system.degree=1"]),
+    ];
+    let mut followed = 0;
+    for (system, integrator, settings) in smooth.into_iter().chain(broken) {
+        let is_undecided = |report: &Value| report["verdict"]["kind"] == "undecided";
+        let run = |budget| with_budget(system, integrator, budget, settings);
+        for budget in [200, 500, 1_000, 2_000] {
+            let report = run(budget);
+            if !is_undecided(&report) {
+                continue;
+            }
+            followed += 1;
+            let case = format!("{system} {integrator} {settings:?}, {budget}");
+            let more = report["evaluations"]["wanted"].as_u64().unwrap() as usize;
+            let advice = report["verdict"]["advice"][0].as_str().unwrap();
+            let said = format!("{more} evaluations more would tell");
+            assert!(advice.contains(&said), "{case}: {advice}");
+            assert!(!is_undecided(&run(budget + more)), "{case}: {more}");
+            let fourth = (budget + more) / 4;
+            if fourth > budget && smooth.contains(&(system, integrator, settings)) {
+                assert!(is_undecided(&run(fourth)), "{case}: {more}");
+            }
+        }
+    }
+    assert!(followed >= 24, "{followed}");
+}
+
+/// A random loop that takes more than is left is no evidence, and costs no verdict.
+#[test]
+fn a_random_loop_that_the_budget_does_not_resolve_is_left_out() {
+    let settings = ["system.epsilon=0.001", "diagnostic.samples=auto"];
+    let report = with_budget("absolute-value", "strang", 2_553, &settings);
+    let verdict = &report["verdict"];
+    assert_eq!(verdict["kind"], "symplectic", "{verdict}");
+    let loops = report["evidence"]["loops"].as_array().unwrap();
+    assert_eq!(loops.len(), 1, "{verdict}");
+    let said = verdict.to_string();
+    assert!(said.contains("random loops could be tried"), "{said}");
+}
+
+/// Equispaced samples alone do not resolve kinks to the bound that the judge asks for.
+#[test]
+fn no_number_is_given_where_none_is_known_to_be_enough() {
+    let settings = ["system.degree=3", "diagnostic.rule=pseudospectral"];
+    let report = with_budget("pic-1d", "strang", 500, &settings);
+    let verdict = &report["verdict"];
+    assert_eq!(verdict["kind"], "undecided", "{verdict}");
+    assert_eq!(report["evaluations"]["wanted"], 0);
+    let advice = verdict["advice"].to_string();
+    assert!(!advice.contains("evaluations more"), "{advice}");
+}
+
 /// What passed its budget once: sweeps over samples, jumps that are followed, pieces beside their samples, later step
 /// sizes, localisation.
 #[test]

@@ -1,17 +1,8 @@
 //! When twice the samples are not worth it.
 
+use super::limits::{ENOUGH, LARGEST_NOISE, STALLED};
 use crate::evidence::MOST_CELLS_APART;
 use crate::rules::Advanced;
-
-/// A quadrature error of this size is as good as round-off.
-const ENOUGH: f64 = 1e-14;
-
-/// Twice the samples that gain less than this factor are limited by noise: smooth loops gain far more,
-/// kinked ones 4 or more, jumps 2, noise of the states √2.
-const STALLED: f64 = 1.7;
-
-/// Above this an error that does not fall is not yet noise: the loop is steep somewhere.
-const NOISE: f64 = 1e-5;
 
 /// Quadrature errors as the samples are doubled.
 pub(super) struct Convergence {
@@ -44,7 +35,7 @@ impl Convergence {
     /// Takes in what the samples, twice as many as the last ones, show.
     pub fn proceed(&mut self, advanced: &Advanced) -> Standing {
         let error = advanced.defect.quadrature_error.unwrap_or(f64::INFINITY);
-        self.stalls = match error < NOISE && error * STALLED > self.last_error {
+        self.stalls = match error < LARGEST_NOISE && error * STALLED > self.last_error {
             true => self.stalls + 1,
             false => 0,
         };

@@ -1,12 +1,10 @@
 //! The samples of a loop before the step, kept from one step size to the next.
 
+use super::limits::KEPT_BYTES;
 use crate::error::Error;
 use crate::loops::sample_block;
 use crate::rules::Subject;
 use crate::state::{Ensemble, copy_samples};
-
-/// Samples before the step are kept where they take no more than this.
-const KEPT_BYTES: usize = 64 << 20;
 
 /// A loop whose samples are advanced by one step size after the other, in memory that is asked for once.
 ///

@@ -1,5 +1,6 @@
 //! The given loop in many steps.
 
+use super::limits::{FINE_DEFECT, FOLDED, RESOLVED_DEFECT};
 use super::memory::fits;
 use super::probe::Probe;
 use crate::error::Error;
@@ -7,35 +8,25 @@ use crate::evidence::{LongTime, Omission};
 use crate::rules::Rule;
 use crate::trace::{Trace, TracePoint};
 
-/// A quadrature error above this part of the largest defect so far ends the trace.
-const RESOLVED: f64 = 0.1;
-
-/// Quadrature errors below this are good enough, however small the defects are.
-const FINE: f64 = 1e-12;
-
-/// A loop folds: what one step resolves, many do not. Samples of a loop of one degree of freedom at least.
-pub(super) const FOLDED: usize = 1 << 13;
-
-/// Follows the loop of a probe for `steps` steps of size `h`, or says what is left out, and how many evaluations it
-/// would take, if it does not fit into memory or into the evaluations that are `left`.
+/// Follows the loop of a probe for `steps` steps of size `h`, or says what is left out if it does not fit into memory
+/// or into the evaluations that are `left`.
 pub(super) fn follow(
     probe: &Probe<'_>,
     h: f64,
     steps: usize,
     left: usize,
-) -> Result<Result<LongTime, (Omission, usize)>, Error> {
+) -> Result<Result<LongTime, Omission>, Error> {
     let dof = probe.subject.dof();
     let mut samples = probe.samples.max(FOLDED / dof.max(1));
     if !probe.keeps_samples() && !fits(dof, samples) {
-        return Ok(Err((Omission::LongTimeMemory { samples }, 0)));
+        return Ok(Err(Omission::LongTimeMemory { samples }));
     }
     // Fewer samples than one step is resolved with say nothing of many.
     if samples.saturating_mul(steps) > left {
         samples = probe.samples;
     }
-    let wanted = samples.saturating_mul(steps);
-    if wanted > left {
-        return Ok(Err((Omission::LongTimeBudget, wanted - left)));
+    if samples.saturating_mul(steps) > left {
+        return Ok(Err(Omission::LongTimeBudget));
     }
     let trace = Trace {
         rule: Rule::Pseudospectral,
@@ -53,7 +44,8 @@ fn summary(h: f64, samples: usize, points: &[TracePoint]) -> LongTime {
     let mut largest = 0.0f64;
     let resolved = points.iter().take_while(|point| {
         largest = largest.max(point.defect);
-        (point.quadrature_error).is_some_and(|error| error <= (RESOLVED * largest).max(FINE))
+        (point.quadrature_error)
+            .is_some_and(|error| error <= (RESOLVED_DEFECT * largest).max(FINE_DEFECT))
     });
     let defects: Vec<f64> = resolved.map(|point| point.defect).collect();
     let max = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);

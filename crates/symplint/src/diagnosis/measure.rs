@@ -3,15 +3,15 @@
 mod other_loops;
 
 use super::initial_samples::InitialSamples;
-use super::plan::{self, LEAST_BUDGET, Plan};
+use super::limits::{KEPT_PART, LEAST_BUDGET};
+use super::plan::{self, Plan};
 use super::probe::{Known, Probe};
 use super::refined_samples::RefinedSamples;
 use super::resolve::Resolution;
 use super::{Diagnostic, Event, SampleCount, SampleSweep, long_time};
 use crate::error::Error;
 use crate::evidence::{
-    BreakAt, Evidence, LoopEvidence, LoopKind, MOST_CELLS_APART, Motion, Omission, Point,
-    StepEvidence, Sweep,
+    BreakAt, Evidence, LoopEvidence, LoopKind, Motion, Omission, Point, StepEvidence, Sweep,
 };
 use crate::jacobian::JacobianTest;
 use crate::loops::Loop;
@@ -78,6 +78,7 @@ impl Diagnostic {
             run.sweep_samples(&given.probe, sweep)?;
         }
         run.evidence.evaluations.made = count.made();
+        run.evidence.evaluations.wanted = self.missing(subject, &run.evidence)?;
         Ok(run.evidence)
     }
 
@@ -101,20 +102,6 @@ impl Diagnostic {
         })
     }
 }
-
-/// The part of a tight budget that equispaced samples of the given loop may take: what they do not resolve then is
-/// cheaper by pieces.
-const TIGHT_SAMPLES_PART: usize = 16;
-
-/// Samples that the given loop gets in any budget that allows them.
-const FEWEST_TIGHT_SAMPLES: usize = 64;
-
-/// So many times the evaluations of a loop that was not resolved would resolve it, about: two doublings, which gain
-/// two digits where a loop has kinks and more where it is smooth.
-const UNRESOLVED_FACTOR: usize = 3;
-
-/// Cells between neighbouring samples beyond which an estimate of the evaluations that are missing makes no sense.
-const MOST_CELLS: f64 = 1024.0;
 
 /// A diagnosis under way.
 struct Run<'a> {
@@ -144,24 +131,19 @@ impl Run<'_> {
     fn given_loop<'s>(&mut self, subject: Subject<'s>) -> Result<Given<'s>, Error> {
         let start = self.count.made();
         let diagnostic = self.diagnostic;
-        let others = diagnostic.step_sizes.len() - 1;
-        // Two more step sizes, and a random loop, should be possible with as many samples.
-        let further = others.min(2) + (diagnostic.loops - 1).min(1);
         let left = self.left();
-        let (most_samples, allowance) = match self.is_tight() {
-            true => {
-                let most = (left / TIGHT_SAMPLES_PART).max(FEWEST_TIGHT_SAMPLES);
-                (most.min(left / (1 + further)), left / 8 * 7)
-            }
-            false => (self.share(), left),
-        };
+        let (budget, tight) = (self.count.budget(), self.plan.is_tight());
         let mut seen = None;
         let mut look = |after: &Ensemble| seen = Some(survey::of_samples(subject, after));
         let with = Resolution {
             h: self.largest,
             plan: &self.plan,
-            most_samples,
-            allowance,
+            most_samples: self.plan.most_samples(diagnostic, budget, left),
+            allowance: if tight {
+                left / KEPT_PART * (KEPT_PART - 1)
+            } else {
+                left
+            },
         };
         let probe = diagnostic.resolve(subject, &with, &mut look)?;
         let samples = &mut InitialSamples::new(subject);
@@ -203,42 +185,20 @@ impl Run<'_> {
         }
         self.moved(seen.motion);
         if omitted > 0 {
-            self.omit(Omission::StepSizes { count: omitted }, omitted * cost);
+            self.omit(Omission::StepSizes { count: omitted });
         }
-        let unresolved = self.is_tight() && self.evidence.loops[0].weak_step().is_some();
-        let wanted = match diagnostic.samples {
-            SampleCount::Fixed(samples) => samples.saturating_sub(probe.samples),
-            SampleCount::Auto if unresolved => {
-                // Two samples to a cell of the grid, for this loop at three step sizes and for two others.
-                let cells_apart = known.advanced.cells_apart.min(MOST_CELLS);
-                let finer = (cells_apart / MOST_CELLS_APART).ceil().max(1.0) as usize;
-                let measurements = 1 + others.min(2) + (diagnostic.loops - 1).min(2);
-                let resolved = UNRESOLVED_FACTOR * probe.samples * finer.next_power_of_two();
-                (resolved.max(cost) * measurements).saturating_sub(self.left())
-            }
-            SampleCount::Auto => 0,
+        let unresolved = match diagnostic.samples {
+            SampleCount::Fixed(samples) => probe.samples < samples,
+            SampleCount::Auto => tight && self.evidence.loops[0].weak_step().is_some(),
         };
-        if wanted > 0 {
-            self.omit(Omission::Samples { loop_index: 0 }, wanted);
+        if unresolved {
+            self.omit(Omission::Samples { loop_index: 0 });
         }
         self.evidence.evaluations.given_loop = self.count.made() - start;
         let start = self.count.made();
         let size = LoopSize::of(subject.evaluator, subject.phase_loop, self.largest)?;
         self.evidence.evaluations.sizes = self.count.made() - start;
         Ok(Given { probe, cost, size })
-    }
-
-    /// Whether the first samples of all loops and step sizes are a large part of the budget.
-    fn is_tight(&self) -> bool {
-        self.plan.tolerance > 0.0
-    }
-
-    /// Samples of one loop in an ample budget: so many that the given loop at all step sizes, the random loops at the
-    /// largest, and one that winds, can have as many.
-    fn share(&self) -> usize {
-        let diagnostic = self.diagnostic;
-        let measurements = diagnostic.step_sizes.len() + diagnostic.loops + 1;
-        (self.count.budget() / measurements).min(self.left())
     }
 
     /// The step sizes that the budget allows, in the order in which they were given: all, or the largest ones, so
@@ -267,7 +227,7 @@ impl Run<'_> {
                 let omission = Omission::SampleSweep {
                     count: left_out.len(),
                 };
-                self.omit(omission, left_out.iter().sum());
+                self.omit(omission);
                 break;
             }
             let (of_samples, advanced) = if probe.keeps_samples() {
@@ -341,10 +301,9 @@ impl Run<'_> {
         }
     }
 
-    /// Notes what the budget does not allow, and about how many evaluations it would take.
-    fn omit(&mut self, omission: Omission, wanted: usize) {
+    /// Notes what is left out.
+    fn omit(&mut self, omission: Omission) {
         self.evidence.omissions.push(omission);
-        self.evidence.evaluations.wanted += wanted;
     }
 
     fn long_time(&mut self, given: &Given<'_>) -> Result<(), Error> {
@@ -355,7 +314,7 @@ impl Run<'_> {
         let start = self.count.made();
         match long_time::follow(&given.probe, self.largest, steps, self.left())? {
             Ok(found) => self.evidence.long_time = Some(found),
-            Err((omission, wanted)) => self.omit(omission, wanted),
+            Err(omission) => self.omit(omission),
         }
         self.evidence.evaluations.long_time = self.count.made() - start;
         Ok(())
@@ -366,7 +325,7 @@ impl Run<'_> {
             return;
         }
         if given.probe.is_beyond_memory() {
-            self.evidence.omissions.push(Omission::JacobianMemory);
+            self.omit(Omission::JacobianMemory);
             return;
         }
         let start = self.count.made();
@@ -376,7 +335,7 @@ impl Run<'_> {
         } = subject;
         let left = self.count.left().min(self.plan.jacobian);
         match JacobianTest::within(left, evaluator.dof(), evaluator.has_tangent()) {
-            None => self.omit(Omission::JacobianBudget, self.plan.jacobian),
+            None => self.omit(Omission::JacobianBudget),
             Some(test) => match test.run_with(evaluator, phase_loop, &given.size, self.largest) {
                 Ok(found) => self.evidence.jacobian = Some(found),
                 // It displaces states off the loop, where the map need not be defined.
@@ -404,7 +363,7 @@ impl Run<'_> {
         let start = self.count.made();
         let most = subject.evaluator.substeps().saturating_mul(given.cost);
         if self.count.left() < most {
-            self.omit(Omission::LocalisationBudget, most);
+            self.omit(Omission::LocalisationBudget);
             return;
         }
         let found = self.diagnostic.locate(

@@ -2,10 +2,12 @@
 
 mod convergence;
 mod initial_samples;
+mod limits;
 mod localise;
 mod long_time;
 mod measure;
 mod memory;
+mod missing;
 mod plan;
 mod probe;
 mod random_loops;

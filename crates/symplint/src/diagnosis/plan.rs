@@ -1,13 +1,14 @@
 //! How a budget of evaluations is spent.
 
-use super::long_time::FOLDED;
-use super::memory::{SMALL, fits};
+use super::limits::{
+    DEFAULT_BUDGET, FEWEST_JACOBIAN, FEWEST_SAMPLES, FEWEST_TIGHT_SAMPLES, FINE_SAMPLES,
+    FINE_SAMPLES_OF_MANY, FIRST_PART, FIXED_PART, FOLDED, JACOBIAN_PART, MOST_JACOBIAN,
+    PURITY_SAMPLES, SMALL, TIGHT, TIGHT_SAMPLES_PART, TIGHT_TOLERANCE,
+};
+use super::memory::fits;
 use super::{Diagnostic, SampleCount};
 use crate::jacobian::JacobianTest;
 use crate::map::Evaluator;
-
-/// The budget where none is given: enough for fine resolution of every system of the models.
-const DEFAULT_BUDGET: usize = 1_000_000;
 
 /// The budget where none is given. It allows the many steps that are asked for and, where the number of samples is
 /// given, the sweeps.
@@ -30,27 +31,6 @@ pub(super) fn default_budget(diagnostic: &Diagnostic) -> usize {
         .saturating_add(DEFAULT_BUDGET)
 }
 
-/// The smallest budget that a diagnosis can do something with.
-pub(super) const LEAST_BUDGET: usize = 200;
-
-/// The fewest samples that can tell: a smooth loop of a few Fourier modes is resolved to some digits, and
-/// jumps show.
-const FEWEST_SAMPLES: usize = 32;
-
-/// Where doubling begins at the latest in one degree of freedom: samples of small systems cost nothing, and
-/// features narrower than a cell of the loop are not resolved.
-const FINE_SAMPLES: usize = 1 << 12;
-
-/// The same in many degrees of freedom.
-const FINE_SAMPLES_OF_MANY: usize = 64;
-
-/// The part of the budget that the first samples of all loops and step sizes take.
-const FIRST_PART: usize = 3;
-
-/// The part of the budget that samples of one loop may take, where their number is given; fewer are taken if it
-/// is more.
-const FIXED_PART: usize = 4;
-
 /// What is planned before anything is measured.
 pub(super) struct Plan {
     /// Samples from which doubling begins.
@@ -62,27 +42,6 @@ pub(super) struct Plan {
     /// What interpolants of the piecewise rule may be off, at least.
     pub tolerance: f64,
 }
-
-/// Budgets below this are tight: every evaluation is counted on.
-const TIGHT: usize = 20_000;
-
-/// Samples that are tried for a memory of the map: eight find a state that samples share, or an order that
-/// matters; a tight budget, or states so large that few fit into memory, have four.
-const PURITY_SAMPLES: [usize; 2] = [4, 16];
-
-/// The part of a budget that the Jacobian may take at most.
-const JACOBIAN_PART: usize = 5;
-
-/// Coordinates that the map advances for the Jacobian at most: in many degrees of freedom fewer tangent vectors
-/// have to do.
-const MOST_JACOBIAN: usize = 1 << 19;
-
-/// Evaluations that the Jacobian may take in any number of degrees of freedom: some pairs at two points.
-const FEWEST_JACOBIAN: usize = 400;
-
-/// The tolerance of the piecewise rule in a tight budget: integrals to more than eight digits for fewer
-/// evaluations.
-const TIGHT_TOLERANCE: f64 = 1e-8;
 
 impl Plan {
     /// The plan for a diagnosis in so many degrees of freedom.
@@ -110,6 +69,33 @@ impl Plan {
             tolerance: if tight { TIGHT_TOLERANCE } else { 0.0 },
         }
     }
+
+    /// Whether the first samples of all loops and step sizes are a large part of the budget.
+    pub fn is_tight(&self) -> bool {
+        self.tolerance > 0.0
+    }
+
+    /// The most samples of the given loop, where this many evaluations are left for loops.
+    pub fn most_samples(&self, diagnostic: &Diagnostic, budget: usize, left: usize) -> usize {
+        if !self.is_tight() {
+            return share(diagnostic, budget).min(left);
+        }
+        // Two more step sizes, and a random loop, should be possible with as many samples.
+        let further = (diagnostic.step_sizes.len() - 1).min(2) + (diagnostic.loops - 1).min(1);
+        tight_samples(left).min(left / (1 + further))
+    }
+}
+
+/// The most samples of a loop in a tight budget, of which so many evaluations are left.
+pub(super) fn tight_samples(left: usize) -> usize {
+    (left / TIGHT_SAMPLES_PART).max(FEWEST_TIGHT_SAMPLES)
+}
+
+/// Samples of one loop in an ample budget: so many that the given loop at all step sizes, the random loops at the
+/// largest, and one that winds, can have as many.
+pub(super) fn share(diagnostic: &Diagnostic, budget: usize) -> usize {
+    let measurements = diagnostic.step_sizes.len() + diagnostic.loops + 1;
+    budget / measurements
 }
 
 /// The largest power of two that is not above `count`; 0 if that is 0.

@@ -1,8 +1,8 @@
 //! One loop with a rule and a number of samples, ready to be advanced by any step size.
 
 use super::initial_samples::InitialSamples;
-use super::memory::{SMALL, fits};
-use super::resolve::FEWEST_TRIED;
+use super::limits::{FEWEST_TRIED, SMALL};
+use super::memory::fits;
 use crate::error::Error;
 use crate::evidence::{Closing, StepEvidence};
 use crate::rules::{Advanced, LoopIntegral, LoopIntegrator, Rule, Samples, Subject};

@@ -2,7 +2,11 @@
 
 use super::convergence::Convergence;
 use super::initial_samples::InitialSamples;
-use super::memory::{MOST_BYTES, SMALL, fits};
+use super::limits::{
+    AGREEMENT, CUTOFF, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES, MOST_KINKED,
+    MOST_SAMPLES, MOST_STREAMED, MOST_TRIED, SMALL,
+};
+use super::memory::fits;
 use super::plan::{Plan, power_below};
 use super::probe::Probe;
 use super::refined_samples::RefinedSamples;
@@ -11,36 +15,6 @@ use crate::error::Error;
 use crate::evidence::WEAKEST_BOUND;
 use crate::rules::{Advanced, Cutoffs, Piecewise, Rule, Streaming, Subject};
 use crate::state::Ensemble;
-
-/// The most samples of automatic doubling.
-const MOST_SAMPLES: usize = 1 << 16;
-
-/// Sobolev exponents of loops with kinks: more than the ½ of a jump, which is looked for in its own way, and
-/// so few that no analytic loop has them.
-const LEAST_KINKED: f64 = 1.0;
-
-/// The other end of the range.
-const MOST_KINKED: f64 = 4.5;
-
-/// Exponents from N and 2N samples that differ by less are taken for one.
-const AGREEMENT: f64 = 0.1;
-
-/// An expected error this many times the wanted one is reason to leave equispaced samples early.
-const FAR_FROM_WANTED: f64 = 10.0;
-
-/// Coordinates that the piecewise rule may have the map advance for one loop integral, where nobody
-/// asked for that rule.
-const MOST_TRIED: usize = 1 << 25;
-
-/// Fewer evaluations than this are not worth beginning pieces with: a first look and one break.
-pub(super) const FEWEST_TRIED: usize = 150;
-
-/// Coordinates that the map may be made to advance for one loop integral of the streaming rule, where nobody asked
-/// for the number of samples: a thousand samples in a million degrees of freedom.
-const MOST_STREAMED: usize = 1 << 30;
-
-/// The λ of the paper's figures.
-const CUTOFF: f64 = 1000.0;
 
 /// What one loop is resolved with: the step, the plan, the most samples, and how many evaluations it may take in
 /// all.

@@ -169,7 +169,8 @@ pub struct Evaluations {
     pub budget: usize,
     /// Taken from a journal and not made again.
     pub replayed: usize,
-    /// More that would be needed for what was left out for want of budget, as far as it can be told.
+    /// More that would resolve the loops, about and at most; 0 where they are resolved, and where no number is known
+    /// to resolve them.
     pub wanted: usize,
     /// Made to check that the map has no memory.
     pub purity: usize,

@@ -83,10 +83,12 @@ impl<F> PerSample<F> {
     ///
     /// # Errors
     /// If the coordinates are those of other degrees of freedom.
-    pub fn with_coordinates(mut self, coordinates: Coordinates) -> Result<Self, Error> {
-        Error::check_length("coordinates", self.coordinates.dof(), coordinates.dof())?;
-        self.coordinates = coordinates;
-        Ok(self)
+    pub fn with_coordinates(self, coordinates: Coordinates) -> Result<Self, Error> {
+        let coordinates = coordinates.of_dof(self.coordinates.dof())?;
+        Ok(PerSample {
+            coordinates,
+            ..self
+        })
     }
 }
 
@@ -162,10 +164,12 @@ where
     ///
     /// # Errors
     /// If the coordinates are those of other degrees of freedom.
-    pub fn with_coordinates(mut self, coordinates: Coordinates) -> Result<Self, Error> {
-        Error::check_length("coordinates", self.coordinates.dof(), coordinates.dof())?;
-        self.coordinates = coordinates;
-        Ok(self)
+    pub fn with_coordinates(self, coordinates: Coordinates) -> Result<Self, Error> {
+        let coordinates = coordinates.of_dof(self.coordinates.dof())?;
+        Ok(PerBlock {
+            coordinates,
+            ..self
+        })
     }
 }
 

@@ -78,10 +78,12 @@ pub struct OmittedCell {
     pub cell: usize,
 }
 
-/// An increment this part of the one over twice the distance has not halved: a jump.
+/// An increment this part of the one over twice the distance has not halved: a jump. Half way between ½, which is
+/// smooth, and 1.
 const STAYS: f64 = 0.75;
 
-/// A jump is this many times the mean increment, or more.
+/// A jump is this many times the mean increment, or more: a smooth loop of a few modes has increments of a few times
+/// the mean.
 const STEEP: f64 = 20.0;
 
 /// Pairs of neighbouring cells that are summed side by side: one in each lane of the widest vector register.

@@ -15,6 +15,8 @@ pub use defect::{Defect, logarithmic_defect};
 pub use finite_difference::{Cutoff, Cutoffs, OmittedCell};
 pub(crate) use piecewise::Identity;
 pub use piecewise::{Closure, Piecewise, PiecewiseIntegral};
+use sampled::Sampled;
+pub(crate) use sampled::cells_apart;
 pub use streaming::{Streaming, StreamingIntegral};
 
 use serde::{Deserialize, Serialize};
@@ -101,8 +103,8 @@ impl Rule {
     /// What integrates loops by this rule; [`Rule::Auto`] stands for the pseudospectral rule.
     pub(crate) fn integrator(&self) -> Box<dyn LoopIntegrator> {
         match *self {
-            Rule::Auto | Rule::Pseudospectral => Box::new(sampled::Pseudospectral),
-            Rule::FiniteDifference(cutoffs) => Box::new(sampled::FiniteDifference(cutoffs)),
+            Rule::Auto => Box::new(Sampled(Rule::Pseudospectral)),
+            Rule::Pseudospectral | Rule::FiniteDifference(_) => Box::new(Sampled(*self)),
             Rule::Piecewise(piecewise) => Box::new(piecewise),
             Rule::Streaming(streaming) => Box::new(streaming),
         }

@@ -1,27 +1,21 @@
 //! The rules that integrate equispaced samples: pseudospectral and finite differences.
 
-use super::{
-    Advanced, Cutoffs, Defect, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject,
-};
+use super::{Advanced, Defect, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject};
 use crate::breaks::{Break, Search, find_break_with};
 use crate::error::Error;
 use crate::signal::Extent;
 use crate::state::{Coordinates, Ensemble};
 
-/// [`Rule::Pseudospectral`].
-pub(super) struct Pseudospectral;
+/// A rule that [`LoopIntegral::in_coordinates`] serves.
+pub(super) struct Sampled(pub Rule);
 
-/// [`Rule::FiniteDifference`].
-pub(super) struct FiniteDifference(pub Cutoffs);
-
-impl LoopIntegrator for Pseudospectral {
+impl LoopIntegrator for Sampled {
     fn kind(&self) -> RuleKind {
-        RuleKind::Pseudospectral
+        self.0.kind()
     }
 
     fn before(&self, subject: &Subject<'_>, samples: Samples<'_>) -> Result<LoopIntegral, Error> {
-        let rule = Rule::Pseudospectral;
-        LoopIntegral::in_coordinates(samples.kept(), &rule, subject.coordinates())
+        LoopIntegral::in_coordinates(samples.kept(), &self.0, subject.coordinates())
     }
 
     fn after(
@@ -33,40 +27,17 @@ impl LoopIntegrator for Pseudospectral {
     ) -> Result<Advanced, Error> {
         let after = samples.kept();
         let found = substantial_break(subject, h, after)?;
-        let mut integral = self.before(subject, Samples::Kept(after))?;
-        if found == Search::Unaffordable {
-            integral.quadrature_error = None;
-        }
-        advanced(subject, after, initial, integral, found)
-    }
-}
-
-impl LoopIntegrator for FiniteDifference {
-    fn kind(&self) -> RuleKind {
-        RuleKind::FiniteDifference
-    }
-
-    fn before(&self, subject: &Subject<'_>, samples: Samples<'_>) -> Result<LoopIntegral, Error> {
-        let rule = Rule::FiniteDifference(self.0);
-        LoopIntegral::in_coordinates(samples.kept(), &rule, subject.coordinates())
-    }
-
-    fn after(
-        &self,
-        subject: &Subject<'_>,
-        h: f64,
-        samples: Samples<'_>,
-        initial: &LoopIntegral,
-    ) -> Result<Advanced, Error> {
-        let after = samples.kept();
-        let found = substantial_break(subject, h, after)?;
-        let mut integral = self.before(subject, Samples::Kept(after))?;
-        integral.quadrature_error = match found {
+        let mut integral = self.before(subject, samples)?;
+        integral.quadrature_error = match (&found, self.0) {
+            (Search::Unaffordable, _) => None,
             // The rule took a jump for a part of the loop: its error is not known.
-            Search::Found(found) if retains(&integral, &found, after.samples()) => None,
-            Search::Found(_) => integral.quadrature_error,
-            Search::Clean => cross_checked(subject, after, &integral)?,
-            Search::Unaffordable => None,
+            (Search::Found(found), Rule::FiniteDifference(_))
+                if retains(&integral, found, after.samples()) =>
+            {
+                None
+            }
+            (Search::Clean, Rule::FiniteDifference(_)) => cross_checked(subject, after, &integral)?,
+            _ => integral.quadrature_error,
         };
         advanced(subject, after, initial, integral, found)
     }
@@ -100,7 +71,7 @@ fn cross_checked(
     after: &Ensemble,
     integral: &LoopIntegral,
 ) -> Result<Option<f64>, Error> {
-    let other = Pseudospectral.before(subject, Samples::Kept(after))?;
+    let other = Sampled(Rule::Pseudospectral).before(subject, Samples::Kept(after))?;
     let distance = (other.value - integral.value).abs();
     let errors = integral.quadrature_error.zip(other.quadrature_error);
     Ok(errors.map(|(own, of_other)| own.max(distance + of_other)))
@@ -139,7 +110,7 @@ fn retains(integral: &LoopIntegral, found: &Break, samples: usize) -> bool {
 
 /// Grid cells between neighbouring samples at most, or half periods, if they are more; 0 where there is
 /// neither. Positions that are half a period apart could be unwrapped either way.
-pub(super) fn cells_apart(ensemble: &Ensemble, coordinates: &Coordinates) -> f64 {
+pub(crate) fn cells_apart(ensemble: &Ensemble, coordinates: &Coordinates) -> f64 {
     let furthest = |dof: usize| {
         let (row, period) = (ensemble.q().row(dof), coordinates.period(dof));
         let spacing = match (coordinates.grid_spacing(), 0.5 * period) {

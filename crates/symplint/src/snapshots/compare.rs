@@ -15,8 +15,12 @@ use crate::state::Coordinates;
 use crate::state::Ensemble;
 use crate::survey::motion;
 
-/// A jump of this part of a coordinate's whole range is a wrap in a periodic box.
+/// A jump of this part of a coordinate's whole range is a wrap in a periodic box: samples leave a gap of up to one
+/// increment at either end of it.
 const WRAP: f64 = 0.98;
+
+/// Gains round a loop that differ by less than this part are one: they are whole numbers of periods, to round-off.
+const SAME_GAIN: f64 = 1e-9;
 
 /// The loop before the step.
 pub(super) struct Initial<'a> {
@@ -245,7 +249,7 @@ impl<'a> Initial<'a> {
         // No continuous map changes how often a loop winds.
         let winds = |(row, before): (&Row, &f64)| {
             let change = (row.increments[0].gain - before).abs();
-            change > 1e-9 * before.abs().max(row.increments[0].gain.abs())
+            change > SAME_GAIN * before.abs().max(row.increments[0].gain.abs())
         };
         if rows.iter().zip(&self.windings).any(winds) {
             compared.integral.quadrature_error = None;

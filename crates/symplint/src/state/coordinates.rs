@@ -84,6 +84,12 @@ impl Coordinates {
         Ok(self)
     }
 
+    /// The same, if they are those of so many degrees of freedom.
+    pub(crate) fn of_dof(self, dof: usize) -> Result<Self, Error> {
+        Error::check_length("coordinates", dof, self.dof)?;
+        Ok(self)
+    }
+
     /// Degrees of freedom.
     pub fn dof(&self) -> usize {
         self.dof

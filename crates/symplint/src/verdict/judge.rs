@@ -7,7 +7,7 @@ mod undecided;
 use super::finding::{Advice, Change, Finding, Step, StepRange};
 use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, fit_order};
-use super::thresholds::{SMALL, TREND};
+use super::thresholds::{FAR, FEWEST_POINTS, SMALL, TREND};
 use super::{Verdict, VerdictKind, long_time};
 use crate::evidence::{Evidence, LoopEvidence, LoopKind, Motion, Omission, Origin, StepEvidence};
 use crate::rules::Defect;
@@ -186,9 +186,8 @@ impl<'a> Case<'a> {
     fn is_confirmed(&self) -> bool {
         (self.loops.iter().filter(|found| !found.winds)).any(|found| {
             let significant = || found.steps.iter().filter(|step| step.is_significant());
-            let far = |step: &StepEvidence| {
-                step.defect.magnitude() > super::thresholds::FAR * step.defect.uncertainty()
-            };
+            let far =
+                |step: &StepEvidence| step.defect.magnitude() > FAR * step.defect.uncertainty();
             significant().count() >= 2 || significant().any(far)
         })
     }
@@ -206,11 +205,11 @@ impl<'a> Case<'a> {
             return Some(Advice::DefectDoesNotFall);
         }
         let given = steps.len();
-        if given < super::order::FEWEST_POINTS + 1 {
+        if given < FEWEST_POINTS + 1 {
             return Some(Advice::MoreStepSizes { given });
         }
         let significant = steps.iter().filter(|step| step.is_significant()).count();
-        let drowned = significant < super::order::FEWEST_POINTS;
+        let drowned = significant < FEWEST_POINTS;
         Some(Advice::NoOrder { given, drowned })
     }
 

@@ -6,6 +6,7 @@
 
 use serde::Serialize;
 
+use super::thresholds::{FEWEST_STEPS, GROWN, NO_DEFECT, RETURNS, STAYED};
 use crate::evidence::LongTime;
 
 /// What becomes of a defect in many steps.
@@ -22,25 +23,9 @@ pub enum Growth {
     Undecided,
 }
 
-/// Steps below which nothing is said: four in each quarter.
-const FEWEST: usize = 16;
-
-/// Defects below this are round-off that adds up.
-const NO_DEFECT: f64 = 1e-11;
-
-/// A defect that adds up linearly is four times as large in the last quarter as in the first; this much is
-/// taken for growth.
-const GROWN: f64 = 2.5;
-
-/// A defect that stays of one size varies by less than this from the first to the last quarter.
-const STAYED: f64 = 1.8;
-
-/// A bounded defect returns to this part of its largest value.
-const RETURNS: f64 = 0.5;
-
 /// Judges the defects of many steps.
 pub(super) fn growth(found: &LongTime) -> Growth {
-    if found.steps < FEWEST {
+    if found.steps < FEWEST_STEPS {
         Growth::Undecided
     } else if found.largest < NO_DEFECT {
         Growth::None

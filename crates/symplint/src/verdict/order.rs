@@ -2,6 +2,10 @@
 
 use serde::Serialize;
 
+use super::thresholds::{
+    CLEAR, FEWEST_POINTS, HIGHEST_ORDER, MISFIT, MOST_POINTS, MOST_UNCERTAIN, NARROWEST_RANGE,
+    WHOLE,
+};
 use crate::evidence::LoopEvidence;
 
 /// A power law |quantity| ~ against^slope over a range.
@@ -25,34 +29,13 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The order that the slope stands for: the whole number within 0.15. `None` for other slopes, which
+    /// The order that the slope stands for: the whole number within 0.15 of it. `None` for other slopes, which
     /// are those of a range that is not asymptotic yet.
     pub fn whole(&self) -> Option<f64> {
         let whole = self.slope.round();
-        ((self.slope - whole).abs() <= 0.15).then_some(whole)
+        ((self.slope - whole).abs() <= WHOLE).then_some(whole)
     }
 }
-
-/// Points of a fit at most: those of the smallest steps, where the leading terms rule.
-const MOST_POINTS: usize = 6;
-
-/// Points of a fit at least.
-pub(super) const FEWEST_POINTS: usize = 3;
-
-/// The largest step of a fit over the smallest, at least.
-const NARROWEST: f64 = 3.9;
-
-/// A mean slope less certain than this says nothing: slopes that differ by more change from one order to the next.
-const UNCERTAIN: f64 = 0.4;
-
-/// A defect must exceed its uncertainty by this factor for the range to begin there.
-const CLEAR: f64 = 50.0;
-
-/// A law may miss a point by this part of its scale: terms that were left out.
-const TOLERANCE: f64 = 0.02;
-
-/// Orders of methods that one can meet.
-const HIGHEST_ORDER: f64 = 14.0;
 
 /// Resolution of exponents.
 const STEP: f64 = 0.01;
@@ -78,10 +61,10 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     data.dedup_by(|a, b| a.0 == b.0);
     let first = data.iter().position(|d| d.1.abs() > CLEAR * d.2)?;
     let data = &data[first..data.len().min(first + MOST_POINTS)];
-    if data.len() < FEWEST_POINTS || data[data.len() - 1].0 < NARROWEST * data[0].0 {
+    if data.len() < FEWEST_POINTS || data[data.len() - 1].0 < NARROWEST_RANGE * data[0].0 {
         return None;
     }
-    let plain = || Some(plain_law(data)).filter(|(_, uncertainty)| *uncertainty <= UNCERTAIN);
+    let plain = || Some(plain_law(data)).filter(|(_, uncertainty)| *uncertainty <= MOST_UNCERTAIN);
     let (slope, uncertainty) = polynomial_law(data).or_else(plain)?;
     Some(Fit {
         quantity: "defect",
@@ -153,7 +136,7 @@ fn misfit(data: &[Datum], exponent: f64) -> f64 {
         .map(|(d, x)| d.2 / x.powf(exponent))
         .collect();
     let allowed: Vec<f64> = (noise.iter().enumerate())
-        .map(|(i, n)| TOLERANCE * nearby(&reduced, i) + 3.0 * n)
+        .map(|(i, n)| MISFIT * nearby(&reduced, i) + 3.0 * n)
         .collect();
     // One point more than the terms and the exponent together.
     let terms = (data.len() - 2).min(3);

@@ -33,3 +33,49 @@ pub(super) const LEAST_SAMPLED_JUMP: f64 = 1e-6;
 /// Neighbouring rows of a file this many times as far apart as rows sorted along the loop are shuffled: rows in
 /// order have a ratio of 1, shuffled ones of a third of their number.
 pub(super) const SHUFFLED: f64 = 4.0;
+
+// The order of a defect.
+
+/// Points of a fit at most: those of the smallest steps, where the leading terms rule.
+pub(super) const MOST_POINTS: usize = 6;
+
+/// Points of a fit at least.
+pub(super) const FEWEST_POINTS: usize = 3;
+
+/// The largest step of a fit over the smallest, at least. Two halvings, with
+/// room for step sizes that are rounded.
+pub(super) const NARROWEST_RANGE: f64 = 3.9;
+
+/// A mean slope less certain than this says nothing: slopes that differ by more change from one order to the next.
+pub(super) const MOST_UNCERTAIN: f64 = 0.4;
+
+/// A defect must exceed its uncertainty by this factor for the range to begin there: one halving then
+/// gives a slope to 0.03.
+pub(super) const CLEAR: f64 = 50.0;
+
+/// A law may miss a point by this part of its scale: terms that were left out.
+pub(super) const MISFIT: f64 = 0.02;
+
+/// Orders of methods that one can meet.
+pub(super) const HIGHEST_ORDER: f64 = 14.0;
+
+/// A slope this near to a whole number stands for it. Conventional.
+pub(super) const WHOLE: f64 = 0.15;
+
+// Many steps.
+
+/// Steps below which nothing is said: four in each quarter.
+pub(super) const FEWEST_STEPS: usize = 16;
+
+/// Defects below this are round-off that adds up.
+pub(super) const NO_DEFECT: f64 = 1e-11;
+
+/// A defect that adds up linearly is four times as large in the last quarter as in the first; this much is
+/// taken for growth.
+pub(super) const GROWN: f64 = 2.5;
+
+/// A defect that stays of one size varies by less than this from the first to the last quarter.
+pub(super) const STAYED: f64 = 1.8;
+
+/// A bounded defect returns to this part of its largest value.
+pub(super) const RETURNS: f64 = 0.5;

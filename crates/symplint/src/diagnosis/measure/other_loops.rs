@@ -1,12 +1,13 @@
 //! The loops beside the given one: random ones, and one that winds round a period.
 
-use super::{FEWEST_TIGHT_SAMPLES, Given, Run, TIGHT_SAMPLES_PART, of_the_map};
+use super::{Given, Run, of_the_map};
 use crate::diagnosis::Event;
 use crate::diagnosis::initial_samples::InitialSamples;
+use crate::diagnosis::plan;
 use crate::diagnosis::random_loops::{loop_of_kind, random_kind};
 use crate::diagnosis::resolve::Resolution;
 use crate::error::Error;
-use crate::evidence::{LoopEvidence, LoopKind, Omission, Sweep};
+use crate::evidence::{LoopEvidence, LoopKind, Omission, StepEvidence, Sweep};
 use crate::map::LoopSize;
 use crate::rules::{RuleKind, Subject};
 use crate::state::Ensemble;
@@ -28,13 +29,10 @@ impl Run<'_> {
                 break;
             }
             // A loop that cannot be resolved as the given one was is no evidence.
-            let least = if self.is_tight() { given.cost } else { 0 };
+            let least = if self.plan.is_tight() { given.cost } else { 0 };
             if self.left() < least.max(self.plan.first_samples) {
                 let omitted = count + 1 - index;
-                self.omit(
-                    Omission::RandomLoops { count: omitted },
-                    omitted * given.cost,
-                );
+                self.omit(Omission::RandomLoops { count: omitted });
                 break;
             }
             let seed = diagnostic.seed.wrapping_add(index as u64);
@@ -50,11 +48,16 @@ impl Run<'_> {
             // order: the given loop and one random one are worth it.
             let known = (self.evidence.loops[1..].iter()).any(LoopEvidence::shows_defect);
             match self.random_loop(index, kind, subject, known) {
-                Ok(()) => {}
-                Err(Error::BudgetSpent { wanted, .. }) => {
+                Ok(()) if self.is_unresolved() => {
+                    self.evidence.loops.pop();
                     let omitted = count + 1 - index;
-                    let wanted = omitted * given.cost.max(wanted);
-                    self.omit(Omission::RandomLoops { count: omitted }, wanted);
+                    self.omit(Omission::RandomLoops { count: omitted });
+                    break;
+                }
+                Ok(()) => {}
+                Err(Error::BudgetSpent { .. }) => {
+                    let omitted = count + 1 - index;
+                    self.omit(Omission::RandomLoops { count: omitted });
                     break;
                 }
                 // A loop that nobody asked for may leave the map's domain.
@@ -77,13 +80,25 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// Whether a tight budget was spent before the last loop was resolved as the given one was: it is no evidence.
+    fn is_unresolved(&self) -> bool {
+        let (given, random) = (&self.evidence.loops[0], self.evidence.loops.last());
+        let says_more = |step: &StepEvidence| {
+            step.jump.is_some() || step.is_unexplained() || step.misses_the_grid()
+        };
+        let weak = |found: &LoopEvidence| {
+            found.weak_step().is_some() && !found.steps.iter().any(says_more)
+        };
+        self.plan.is_tight() && given.is_bounded() && random.is_some_and(weak)
+    }
+
     /// Whether further loops cannot change the verdict of a tight budget any more: the given loop breaks, or it and
     /// a random one change. (A symmetric loop hides terms of lower order: the order needs both.)
     fn is_settled(&self) -> bool {
         let (given, random) = self.evidence.loops.split_at(1);
         let broken = given[0].steps.iter().any(|step| step.jump.is_some());
         let shown = given[0].shows_defect() && random.iter().any(LoopEvidence::shows_defect);
-        self.is_tight() && !given[0].winds && (broken || shown)
+        self.plan.is_tight() && !given[0].winds && (broken || shown)
     }
 
     /// A random loop round the period of a position, where there is one.
@@ -128,12 +143,11 @@ impl Run<'_> {
             h: self.largest,
             plan: &self.plan,
             // As many as the given loop took, at least: with fewer it may not see what that one did.
-            most_samples: match self.is_tight() {
-                true => (left / TIGHT_SAMPLES_PART)
-                    .max(FEWEST_TIGHT_SAMPLES)
+            most_samples: match self.plan.is_tight() {
+                true => plan::tight_samples(left)
                     .max(self.evidence.loops[0].samples)
                     .min(left),
-                false => self.share(),
+                false => plan::share(diagnostic, self.count.budget()).min(left),
             },
             allowance: left,
         };

@@ -10,7 +10,7 @@
 //! sides of it continue each other as if there was nothing in between.
 //!
 //! Without this, bumps beside a kink and narrow jumps of which one is missed are called not symplectic (tests in
-//! `traps/by_chance.rs`).
+//! `traps/under_resolved.rs`).
 
 use super::limits::{CALM, NEIGHBOURING_SAMPLES, OF_SPIKES, WIDEST_FEATURE};
 use super::lobatto::LOBATTO;

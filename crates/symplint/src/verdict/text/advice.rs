@@ -154,7 +154,7 @@ impl Display for Advice {
             ),
             Advice::MoreEvaluations { wanted } => write!(
                 f,
-                "Raise the budget: about {wanted} evaluations more would tell."
+                "Raise the budget: at most about {wanted} evaluations more would tell."
             ),
         }
     }

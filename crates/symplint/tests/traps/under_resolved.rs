@@ -1,4 +1,4 @@
-//! Features narrower than the distance of samples, of which one may be met and its twin be missed.
+//! Features narrower than the distance of samples: of two alike, one may be found and the other missed.
 
 use std::f64::consts::TAU;
 
@@ -59,7 +59,7 @@ fn diagnose(map: &dyn TimeAdvance, phase_loop: &dyn Loop) -> Diagnosis {
 const WIDTHS: [f64; 5] = [1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
 
 #[test]
-fn a_bump_beside_a_kink_whose_twin_samples_miss_is_not_called_not_symplectic() {
+fn a_bump_beside_a_kink_whose_recurrence_samples_miss_is_not_called_not_symplectic() {
     let mut conserved = 0;
     for order in [Order::KickDrift, Order::DriftKick, Order::DriftKickDrift] {
         for width in WIDTHS {
@@ -107,7 +107,7 @@ fn friction_beside_such_a_bump_is_not_called_symplectic() {
 }
 
 #[test]
-fn twins_that_no_single_coordinate_leads_to_are_owned_up_to() {
+fn recurrences_that_no_single_coordinate_leads_to_widen_the_error_estimate() {
     // The bump is in the distance of two particles.
     for width in WIDTHS {
         for at in [0.3, 0.9] {
@@ -130,7 +130,7 @@ fn twins_that_no_single_coordinate_leads_to_are_owned_up_to() {
 }
 
 #[test]
-fn breaks_whose_twins_samples_miss_do_not_open_the_closed_loop() {
+fn breaks_whose_recurrences_samples_miss_do_not_open_the_closed_loop() {
     // The force jumps up and down again. With the breaks closed the loop is conserved.
     for width in WIDTHS {
         for start in [0.0, 0.123, 0.377, 0.71] {

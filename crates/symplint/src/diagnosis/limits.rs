@@ -1,0 +1,153 @@
+//! The numbers that decide how a budget is spent, and when a loop is resolved.
+//!
+//! None of them reaches the judge: they decide what is measured, and what it costs; docs/budget.md has what comes of
+//! them. Those that say neither a derivation nor a test are conventional, round numbers that worked.
+
+// Budgets.
+
+/// The budget where none is given: enough for fine resolution of every system of the models.
+pub(super) const DEFAULT_BUDGET: usize = 1_000_000;
+
+/// The smallest budget that a diagnosis can do something with: the checks of the map, one loop at
+/// two step sizes, and a random loop.
+pub(super) const LEAST_BUDGET: usize = 200;
+
+/// The fewest samples that can tell: a smooth loop of a few Fourier modes is resolved to some digits, and jumps show.
+/// The same as `evidence::FEWEST_SAMPLES`.
+pub(super) const FEWEST_SAMPLES: usize = 32;
+
+/// Where doubling begins at the latest in one degree of freedom: samples of small systems cost nothing, and features
+/// narrower than a cell of the loop are not resolved.
+pub(super) const FINE_SAMPLES: usize = 1 << 12;
+
+/// The same in many degrees of freedom.
+pub(super) const FINE_SAMPLES_OF_MANY: usize = 64;
+
+/// The part of the budget that the first samples of all loops and step sizes take.
+pub(super) const FIRST_PART: usize = 3;
+
+/// The part of the budget that samples of one loop may take, where their number is given; fewer are taken if it
+/// is more.
+pub(super) const FIXED_PART: usize = 4;
+
+/// The part of a tight budget that equispaced samples of the given loop may take: what they do not resolve then is
+/// cheaper by pieces.
+pub(super) const TIGHT_SAMPLES_PART: usize = 16;
+
+/// The part of a tight budget that is kept while the given loop is resolved: a second step size or a random loop may
+/// fit into it where samples were enough.
+pub(super) const KEPT_PART: usize = 8;
+
+/// Samples that a loop gets in any budget that allows them.
+pub(super) const FEWEST_TIGHT_SAMPLES: usize = 64;
+
+/// Budgets below this are tight: every evaluation is counted on.
+pub(super) const TIGHT: usize = 20_000;
+
+/// Samples that are tried for a memory of the map: eight find a state that samples share, or an order that
+/// matters; a tight budget, or states so large that few fit into memory, have four.
+pub(super) const PURITY_SAMPLES: [usize; 2] = [4, 16];
+
+/// The part of a budget that the Jacobian may take at most.
+pub(super) const JACOBIAN_PART: usize = 5;
+
+/// Coordinates that the map advances for the Jacobian at most: in many degrees of freedom fewer tangent vectors have
+/// to do.
+pub(super) const MOST_JACOBIAN: usize = 1 << 19;
+
+/// Evaluations that the Jacobian may take in any number of degrees of freedom: some pairs at two points.
+pub(super) const FEWEST_JACOBIAN: usize = 400;
+
+/// The tolerance of the piecewise rule in a tight budget: integrals to more than eight digits for fewer evaluations.
+/// Calibrated on the test `cubic_particles_are_symplectic_to_eight_digits_on_a_budget` in `symplint-cli`.
+pub(super) const TIGHT_TOLERANCE: f64 = 1e-8;
+
+// Rules and samples.
+
+/// The most samples of automatic doubling.
+pub(super) const MOST_SAMPLES: usize = 1 << 16;
+
+/// Sobolev exponents of loops with kinks: more than the ½ of a jump, which is looked for in its own way, and so few
+/// that no analytic loop has them. Derived: a kink has 3/2, and estimates are
+/// good to 0.2 (tests in `pseudospectral/regularity.rs`).
+pub(super) const LEAST_KINKED: f64 = 1.0;
+
+/// The other end of the range. Derived: analytic loops have 6 and more (as above).
+pub(super) const MOST_KINKED: f64 = 4.5;
+
+/// Exponents from N and 2N samples that differ by less are taken for one.
+pub(super) const AGREEMENT: f64 = 0.1;
+
+/// An expected error this many times the wanted one is reason to leave equispaced samples early: one digit.
+pub(super) const FAR_FROM_WANTED: f64 = 10.0;
+
+/// Coordinates that the piecewise rule may have the map advance for one loop integral, where nobody asked for that
+/// rule.
+pub(super) const MOST_TRIED: usize = 1 << 25;
+
+/// Fewer evaluations than this are not worth beginning pieces with: a first look and one break.
+pub(super) const FEWEST_TRIED: usize = 150;
+
+/// Coordinates that the map may be made to advance for one loop integral of the streaming rule, where nobody asked
+/// for the number of samples: a thousand samples in a million degrees of freedom.
+pub(super) const MOST_STREAMED: usize = 1 << 30;
+
+/// The λ of the paper's figures.
+pub(super) const CUTOFF: f64 = 1000.0;
+
+// Convergence.
+
+/// A quadrature error of this size is as good as round-off.
+pub(super) const ENOUGH: f64 = 1e-14;
+
+/// Twice the samples that gain less than this factor are limited by noise: smooth loops gain far more,
+/// kinked ones 4 or more, jumps 2, noise of the states √2.
+pub(super) const STALLED: f64 = 1.7;
+
+/// Above this an error that does not fall is not yet noise: the loop is steep somewhere.
+pub(super) const LARGEST_NOISE: f64 = 1e-5;
+
+// Evaluations that are missing.
+
+/// Samples that miss the grid may miss the steepest slopes: neighbours are taken to be this many times as far apart as
+/// they are, with samples up to the number beside it. Calibrated: cubic and quadratic particle-in-cell plasmas and
+/// interpolated pendula, as the test `following_the_advice_decides` has them.
+pub(super) const STEEPER: [(usize, f64); 3] = [(32, 4.0), (64, 2.0), (usize::MAX, 1.25)];
+
+/// Where samples resolve the grid of the map and the bound is weak: two doublings, which gain two digits at kinks and
+/// more on smooth loops.
+pub(super) const TWO_DOUBLINGS: f64 = 4.0;
+
+/// Neighbours that a step of a continuous map moves apart by more than this factor are at a break, which pieces find:
+/// it needs no more samples. Calibrated: the steepest of the plasmas has 8.1.
+pub(super) const STRETCHED: f64 = 12.0;
+
+/// A budget in which pieces resolve a loop with kinks or steep slopes, and the Jacobian and random loops have their
+/// parts. Calibrated: one loop takes up to 900 evaluations.
+pub(super) const OF_PIECES: usize = 2_000;
+
+/// Budgets that are tried: no estimate is larger.
+pub(super) const LARGEST_BUDGET: usize = 1 << 40;
+
+// Many steps.
+
+/// A quadrature error above this part of the largest defect so far ends the trace.
+pub(super) const RESOLVED_DEFECT: f64 = 0.1;
+
+/// Quadrature errors below this are good enough, however small the defects are.
+pub(super) const FINE_DEFECT: f64 = 1e-12;
+
+/// A loop folds: what one step resolves, many do not. Samples of a loop of one degree of freedom at least.
+pub(super) const FOLDED: usize = 1 << 13;
+
+// Memory.
+
+/// Memory of the largest ensemble that is chosen without being asked for; samples before and after a step make two of
+/// them.
+pub(super) const MOST_BYTES: usize = 512 << 20;
+
+/// Samples of the smallest ensembles that a diagnosis makes, apart from those that it measures with.
+pub(super) const SMALL: usize = 64;
+
+/// Samples before the step are kept where they take no more than this.
+pub(super) const KEPT_BYTES: usize = 64 << 20;

@@ -1,0 +1,111 @@
+//! How many evaluations more would decide.
+//!
+//! The estimate is the smallest budget for which the plan would give the given loop as many samples, or pieces, as it
+//! seems to need. It is rather too large than too small: what steep slopes need shows only where samples resolve them,
+//! and a break is often found with fewer. For a step that deforms the loop by several times its size it can be too
+//! small: the next budget then says more.
+
+use super::limits::{LARGEST_BUDGET, MOST_SAMPLES, OF_PIECES, STEEPER, STRETCHED, TWO_DOUBLINGS};
+use super::plan::Plan;
+use super::{Diagnostic, SampleCount};
+use crate::error::Error;
+use crate::evidence::{Evidence, LoopEvidence, MOST_CELLS_APART, StepEvidence};
+use crate::rules::{Rule, Subject, cells_apart};
+use crate::state::Ensemble;
+
+impl Diagnostic {
+    /// Evaluations beyond the budget that would resolve the loops: see
+    /// [`Evaluations::wanted`](crate::evidence::Evaluations::wanted).
+    pub(super) fn missing(
+        &self,
+        subject: Subject<'_>,
+        evidence: &Evidence,
+    ) -> Result<usize, Error> {
+        let adaptive = matches!(self.rule, Rule::Auto | Rule::Piecewise(_));
+        if !adaptive || self.must_stream(subject.dof()) {
+            return Ok(0);
+        }
+        let budget = evidence.evaluations.budget;
+        let steps =
+            || (evidence.loops.iter()).flat_map(|of| of.steps.iter().map(move |step| (of, step)));
+        let given = evidence.loops.first().map_or(0, |given| given.samples);
+        let fewer = matches!(self.samples, SampleCount::Fixed(asked) if given < asked);
+        let limited = fewer || self.plan(subject, budget).is_tight();
+        let unresolved = |step: &StepEvidence| {
+            step.misses_the_grid() || limited && (!step.is_bounded() || step.is_unexplained())
+        };
+        let mut samples = 0;
+        for (found, step) in steps().filter(|(_, step)| unresolved(step)) {
+            samples = samples.max(resolving(subject, found, step)?);
+        }
+        let needed = match samples {
+            0 => None,
+            _ if samples > given => self.least_budget(subject, evidence, samples),
+            _ => Some(OF_PIECES.max(2 * budget)),
+        };
+        Ok(needed.map_or(0, |needed| needed.saturating_sub(budget)))
+    }
+
+    fn plan(&self, subject: Subject<'_>, budget: usize) -> Plan {
+        Plan::new(self, budget, subject.evaluator)
+    }
+
+    /// The smallest budget in which the given loop gets so many samples.
+    fn least_budget(
+        &self,
+        subject: Subject<'_>,
+        evidence: &Evidence,
+        samples: usize,
+    ) -> Option<usize> {
+        let enough = |budget: usize| {
+            let plan = self.plan(subject, budget);
+            let left = budget.saturating_sub(evidence.evaluations.purity + plan.jacobian);
+            let most = match self.samples {
+                SampleCount::Fixed(_) => plan.first_samples,
+                SampleCount::Auto => plan
+                    .most_samples(self, budget, left)
+                    .max(plan.first_samples),
+            };
+            samples <= most
+        };
+        let mut low = evidence.evaluations.budget;
+        let mut high = low;
+        while !enough(high) {
+            (low, high) = (
+                high,
+                high.checked_mul(2).filter(|&high| high <= LARGEST_BUDGET)?,
+            );
+        }
+        while low + 1 < high {
+            let middle = low.midpoint(high);
+            match enough(middle) {
+                true => high = middle,
+                false => low = middle,
+            }
+        }
+        Some(high.max(OF_PIECES)).filter(|_| samples <= MOST_SAMPLES)
+    }
+}
+
+/// About how many samples resolve the grid of the map, or half periods, after a step that misses them.
+fn resolving(
+    subject: Subject<'_>,
+    found: &LoopEvidence,
+    step: &StepEvidence,
+) -> Result<usize, Error> {
+    let steeper = match step.misses_the_grid() {
+        true => (STEEPER.iter()).find(|(samples, _)| found.samples <= *samples),
+        false => None,
+    };
+    let steeper = steeper.map_or(TWO_DOUBLINGS, |(_, factor)| *factor);
+    let mut apart = steeper * step.cells_apart;
+    // Pieces that resolve a step would have found its breaks.
+    if !step.is_bounded() {
+        let before = Ensemble::sample(subject.phase_loop, found.samples)?;
+        apart = apart.min(STRETCHED * cells_apart(&before, subject.coordinates()));
+    }
+    let finer = (apart / MOST_CELLS_APART)
+        .ceil()
+        .clamp(1.0, MOST_SAMPLES as f64) as usize;
+    Ok(found.samples.saturating_mul(finer.next_power_of_two()))
+}
