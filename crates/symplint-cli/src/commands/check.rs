@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use symplint::VerdictKind;
+use symplint::{VerdictKind, judge};
 use symplint_report::figures::check_figures;
 use symplint_report::report::Report;
 use symplint_report::run_folder::PointLog;
@@ -45,7 +45,15 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
     if let (Err(_), Some(kept)) = (&outcome, kept) {
         anstream::eprintln!("note: the points measured before are in {}", kept.display());
     }
-    let diagnosis = outcome?;
+    let mut diagnosis = outcome?;
+    if let Some((_, evaluations)) = &config.radii {
+        // They were made before the run, beside its budget.
+        let counted = &mut diagnosis.evidence.evaluations;
+        counted.sizes += evaluations;
+        counted.made += evaluations;
+        counted.budget += evaluations;
+        diagnosis.verdict = judge(&diagnosis.evidence);
+    }
     if let Some(log) = log {
         log.finish()?;
     }
@@ -58,7 +66,8 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
     if let Some(output) = &output {
         output.folder.write_json("report.json", &report)?;
         let title = format!("{}, {}", config.system.name, config.integrator);
-        let largest = (config.diagnostic.step_sizes.iter().copied()).fold(0.0, f64::max);
+        let sizes = diagnosis.points().into_iter().map(|point| point.step_size);
+        let largest = sizes.fold(0.0, f64::max);
         let (figures, note) = check_figures(
             &title,
             &diagnosis,
@@ -82,6 +91,11 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
                 config.integrator,
                 degrees_of_freedom(config.map.dof())
             );
+            let radii = config
+                .radii
+                .as_ref()
+                .map(|(radii, _)| format!(" · {radii}"));
+            let heading = heading + &radii.unwrap_or_default();
             say(points_table(&heading, &diagnosis))?;
         }
         say(verdict_text(&diagnosis.verdict, run.quiet))?;

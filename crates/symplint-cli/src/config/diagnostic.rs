@@ -19,7 +19,12 @@ pub const KEYS: &[Key] = &[
     Key::new(
         "step_sizes",
         "{ from = \"2^-1\", to = \"2^-10\" }",
-        "halved from … to …, or a list; the largest matters most to the verdict",
+        "halved from … to …, or a list, or \"auto\"; the largest matters most to the verdict",
+    ),
+    Key::optional(
+        "step_size",
+        "0.1",
+        "a typical h, for step_sizes = \"auto\": from it the largest is found that tests something",
     ),
     Key::new(
         "samples",
@@ -142,6 +147,7 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
             None => SampleCount::Auto,
             Some(count) => SampleCount::Fixed(count as usize),
         },
+        typical_step: section.optional_number("step_size", Accept::Positive)?,
         step_sizes: step_sizes(&section)?,
         sample_sweep: sample_sweep(&section)?,
         loops: section.whole_between("loops", 1, MOST_LOOPS)? as usize,
@@ -178,6 +184,14 @@ fn step_sizes(section: &Section) -> Result<Vec<f64>, ConfigError> {
     let node = section.node("step_sizes")?.expect("it has a default");
     let path = "diagnostic.step_sizes";
     match &node.value {
+        Value::Text(text) if text == "auto" => match section.written_place("step_size") {
+            Some(_) => Ok(Vec::new()),
+            None => Err(section.error(
+                "step_sizes",
+                "\"auto\" needs a typical step size to begin with",
+                "add `step_size = …` to [diagnostic], the h that you compute with",
+            )),
+        },
         Value::List(list) if list.is_empty() => Err(section.error(
             "step_sizes",
             "the list is empty",

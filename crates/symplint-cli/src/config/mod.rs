@@ -41,6 +41,8 @@ pub struct Config {
     pub map: Box<dyn TimeAdvance>,
     /// The loop.
     pub phase_loop: Box<dyn Loop>,
+    /// Its radii in words and the evaluations that they took, where they were looked for.
+    pub radii: Option<(String, usize)>,
     /// Settings of `check`.
     pub diagnostic: Diagnostic,
     /// Settings of `trace`.
@@ -70,17 +72,21 @@ impl Config {
         let (integrator, map, section) =
             integrator::read(node("integrator"), info.integrator, &system.model)?;
         resolved.insert("integrator".into(), section.resolved().into());
-        let (phase_loop, section) = phase_loop::read(node("loop"), &system)?;
-        resolved.insert("loop".into(), section.resolved().into());
         let (diagnostic, section) = diagnostic::read(node("diagnostic"))?;
         resolved.insert("diagnostic".into(), section.resolved().into());
+        let typical = || diagnostic.typical_step.unwrap_or(0.0);
+        let largest = (diagnostic.step_sizes.iter().copied()).reduce(f64::max);
+        let step_size = largest.unwrap_or_else(typical);
+        let (read, section) = phase_loop::read(node("loop"), &system, &*map, step_size)?;
+        resolved.insert("loop".into(), section.resolved().into());
         let (trace, section) = trace::read(node("trace"))?;
         resolved.insert("trace".into(), section.resolved().into());
         Ok(Config {
             system,
             integrator,
             map,
-            phase_loop,
+            phase_loop: read.phase_loop,
+            radii: read.radii,
             diagnostic,
             trace,
             resolved,

@@ -1,8 +1,9 @@
 //! `[loop]`: the closed curve of initial states.
 
-use symplint::{Circle, FourierLoop, Loop};
+use symplint::map::balanced_radii;
+use symplint::{Circle, FourierLoop, Loop, TimeAdvance};
 
-use super::document::Node;
+use super::document::{Node, Value};
 use super::error::ConfigError;
 use super::section::{Accept, Key, Section};
 use super::system::System;
@@ -14,7 +15,11 @@ pub const KEYS: &[Key] = &[
         "\"circle\"",
         "\"circle\": q = q0 + r sin 2πs, p = p0 + r cos 2πs; or \"fourier\": random modes 1 to 3",
     ),
-    Key::new("radius", "1.0", "r, in units of q and of p"),
+    Key::new(
+        "radius",
+        "1.0",
+        "r; a list, one for each degree of freedom; { q = …, p = … }; or \"auto\", as the map suggests",
+    ),
     Key::optional(
         "dofs",
         "[0]",
@@ -28,14 +33,27 @@ pub const KEYS: &[Key] = &[
     Key::new("seed", "1", "seed of random phases and modes"),
 ];
 
-/// Reads `[loop]`; its centre is the initial state of the system.
-pub fn read(node: Option<&Node>, system: &System) -> Result<(Box<dyn Loop>, Section), ConfigError> {
+const RADII: [Key; 2] = [
+    Key::new("q", "1.0", "radius in q: a number or a list"),
+    Key::new("p", "1.0", "radius in p: a number or a list"),
+];
+
+/// The loop of a configuration.
+pub struct ReadLoop {
+    pub phase_loop: Box<dyn Loop>,
+    /// Its radii in words and the evaluations that they took, where they were looked for.
+    pub radii: Option<(String, usize)>,
+}
+
+/// Reads `[loop]`; its centre is the initial state of the system, and radii are looked for at a step of the map.
+pub fn read(
+    node: Option<&Node>,
+    system: &System,
+    map: &dyn TimeAdvance,
+    step_size: f64,
+) -> Result<(ReadLoop, Section), ConfigError> {
     let section = Section::new("loop", node, KEYS.to_vec())?;
     let shape = section.choice("shape", &["circle", "fourier"])?;
-    let radius = section.number("radius", Accept::Positive)?;
-    let dofs = section.optional_wholes("dofs", 0)?;
-    let phases = section.choice("phases", &["equal", "random"])?;
-    let seed = section.whole("seed", 0)?;
     let (q0, p0) = (system.q0.clone(), system.p0.clone());
     let refused = |key: &'static str| {
         let section = &section;
@@ -47,8 +65,30 @@ pub fn read(node: Option<&Node>, system: &System) -> Result<(Box<dyn Loop>, Sect
             }
         }
     };
+    let (radii_q, radii_p, found) = match section.written_text("radius") {
+        Some("auto") => {
+            let found = balanced_radii(map, &q0, &p0, step_size).map_err(refused("radius"))?;
+            let text = format!("radius q {}, p {}", range(&found.q), range(&found.p));
+            section.record(
+                "radius",
+                toml::Table::from_iter([
+                    ("q".to_owned(), toml::Value::from(found.q.clone())),
+                    ("p".to_owned(), toml::Value::from(found.p.clone())),
+                ]),
+            );
+            (found.q, found.p, Some((text, found.evaluations)))
+        }
+        _ => {
+            let (q, p) = radii(&section, q0.len())?;
+            (q, p, None)
+        }
+    };
+    let dofs = section.optional_wholes("dofs", 0)?;
+    let phases = section.choice("phases", &["equal", "random"])?;
+    let seed = section.whole("seed", 0)?;
     let phase_loop: Box<dyn Loop> = if shape == "circle" {
-        let mut circle = Circle::new(q0, p0, radius).map_err(refused("radius"))?;
+        let circle = Circle::with_radii(q0, p0, radii_q, radii_p);
+        let mut circle = circle.map_err(refused("radius"))?;
         if let Some(dofs) = dofs {
             let dofs: Vec<usize> = dofs.into_iter().map(|dof| dof as usize).collect();
             circle = circle.on(&dofs).map_err(refused("dofs"))?;
@@ -66,8 +106,41 @@ pub fn read(node: Option<&Node>, system: &System) -> Result<(Box<dyn Loop>, Sect
                 "leave it out: a fourier loop has random phases in every degree of freedom",
             ));
         }
-        let radii = vec![radius; q0.len()];
-        Box::new(FourierLoop::random(q0, p0, &radii, &radii, seed).map_err(refused("radius"))?)
+        let fourier = FourierLoop::random(q0, p0, &radii_q, &radii_p, seed);
+        Box::new(fourier.map_err(refused("radius"))?)
     };
-    Ok((phase_loop, section))
+    let radii = found;
+    Ok((ReadLoop { phase_loop, radii }, section))
+}
+
+/// Radii in q and in p, of every degree of freedom.
+fn radii(section: &Section, dof: usize) -> Result<(Vec<f64>, Vec<f64>), ConfigError> {
+    let node = section.node("radius")?.expect("it has a default");
+    match &node.value {
+        Value::Table(_) => {
+            let apart = section.subsection("radius", &RADII)?;
+            let apart = apart.expect("it is a table");
+            let radii = (apart.numbers("q", dof)?, apart.numbers("p", dof)?);
+            section.adopt("radius", apart);
+            Ok(radii)
+        }
+        Value::List(_) => {
+            let radii = section.numbers("radius", dof)?;
+            Ok((radii.clone(), radii))
+        }
+        _ => {
+            let radius = section.number("radius", Accept::Positive)?;
+            Ok((vec![radius; dof], vec![radius; dof]))
+        }
+    }
+}
+
+/// A value, or the smallest and the largest of several.
+fn range(values: &[f64]) -> String {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(0.0, f64::max);
+    match low == high {
+        true => format!("{low:.3e}"),
+        false => format!("{low:.3e} to {high:.3e}"),
+    }
 }

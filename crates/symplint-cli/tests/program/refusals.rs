@@ -64,6 +64,22 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     );
     refused(
         PENDULUM,
+        &["loop.radius=[1.0, 2.0]"],
+        &["2 numbers for 1 degrees of freedom"],
+    );
+    refused(
+        PENDULUM,
+        &["loop.radius={ q = -1.0 }"],
+        &["loop.radius", "radius", "positive"],
+    );
+    refused(PENDULUM, &["loop.radius={ x = 1.0 }"], &["no key \"x\""]);
+    refused(
+        PENDULUM,
+        &["diagnostic.step_sizes=auto"],
+        &["needs a typical step size", "step_size = "],
+    );
+    refused(
+        PENDULUM,
         &["diagnostic.samples=2"],
         &["diagnostic.samples is 2", "at least 3"],
     );

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use symplint::map::balanced_radii;
 use symplint::{Circle, Diagnostic, PerSample, VerdictKind};
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::build;
@@ -88,4 +89,67 @@ fn the_phase_advance_of_an_oscillation_is_its_frequency_times_the_step() {
     }
     let given = found.evidence.loops[0].steps[0].motion.unwrap();
     assert!((given.phase_advance - exact).abs() < 1e-6, "{given:?}");
+}
+
+#[test]
+fn step_sizes_and_radii_are_found_in_all_units() {
+    // The same planet in units of 2^-20 and 2^20 times the length and the time.
+    let mut found = Vec::new();
+    for (length, time) in [
+        (1.0, 1.0),
+        (2f64.powi(-20), 2f64.powi(20)),
+        (2f64.powi(20), 2f64.powi(-20)),
+    ] {
+        let map = PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+            let speed = length / time;
+            let z = [q[0] / length, q[1] / length, p[0] / speed, p[1] / speed];
+            let z = runge_kutta(z, h / time);
+            (q[0], q[1]) = (z[0] * length, z[1] * length);
+            (p[0], p[1]) = (z[2] * speed, z[3] * speed);
+        });
+        let (q0, p0) = ([5.2 * length, 0.0], [0.0, 7.54e-3 * length / time]);
+        let radii = balanced_radii(&map, &q0, &p0, time).unwrap();
+        assert!(
+            (radii.q[0] / (0.52 * length) - 1.0).abs() < 0.5,
+            "{radii:?}"
+        );
+        let area: Vec<f64> = radii.q.iter().zip(&radii.p).map(|(q, p)| q * p).collect();
+        let orbit = Circle::with_radii(q0.to_vec(), p0.to_vec(), radii.q, radii.p).unwrap();
+        let diagnosis = diagnose(&Diagnostic::around(time), &map, &orbit);
+        let made = diagnosis.evidence.evaluations;
+        assert!((8..100).contains(&made.step_sizes), "{made:?}");
+        let largest = diagnosis.points()[0].step_size / time;
+        assert!((400.0..1400.0).contains(&largest), "{largest}");
+        assert_eq!(diagnosis.verdict.kind, VerdictKind::NotSymplectic);
+        // The term of order 5 of the classical method vanishes here.
+        assert_eq!(diagnosis.verdict.order, Some(6.0), "{}", diagnosis.verdict);
+        found.push((largest, area[0] * time / length.powi(2)));
+    }
+    for other in &found[1..] {
+        assert_eq!(other.0, found[0].0);
+        assert!((other.1 / found[0].1 - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn the_largest_step_that_works_is_found() {
+    // An oscillator whose solver fails beyond h = 0.3.
+    let limited = PerSample::new(1, |h: f64, q: &mut [f64], p: &mut [f64]| {
+        if h > 0.3 {
+            return Err("no convergence");
+        }
+        p[0] -= h * q[0];
+        q[0] += h * p[0];
+        Ok(())
+    });
+    let on = circle(&[0.0], &[0.0], 1.0);
+    for typical in [1e-6, 0.01, 0.2, 5.0, 1e5] {
+        let diagnosis = diagnose(&Diagnostic::around(typical), &limited, &on);
+        let largest = diagnosis.points()[0].step_size;
+        assert!((0.07..0.3).contains(&largest), "{typical}: {largest}");
+        assert_eq!(diagnosis.verdict.kind, VerdictKind::Symplectic, "{typical}");
+    }
+    let never = PerSample::new(1, |_, _: &mut [f64], _: &mut [f64]| Err::<(), _>("never"));
+    let error = Diagnostic::around(1.0).run(&never, &on).unwrap_err();
+    assert!(error.to_string().contains("never"), "{error}");
 }

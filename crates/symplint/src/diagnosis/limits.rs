@@ -151,3 +151,19 @@ pub(super) const SMALL: usize = 64;
 
 /// Samples before the step are kept where they take no more than this.
 pub(super) const KEPT_BYTES: usize = 64 << 20;
+
+// Step sizes that are looked for.
+
+/// What the largest should advance the motions on the loop by, in radians, to a factor of two: the defects of
+/// methods that are not symplectic are large there, and methods still work.
+pub(super) const PHASE_ADVANCE: f64 = 1.0;
+
+/// Step sizes that are tried for it. Conventional: from any size two or three are enough where the map works, and
+/// failures halve the way back.
+pub(super) const SCALINGS: usize = 12;
+
+/// Samples that are advanced for each: an emittance needs three.
+pub(super) const LOOKED_AT: usize = 8;
+
+/// Step sizes, each half of the one before: an order needs some that are clear of round-off.
+pub(super) const HALVINGS: i32 = 8;

@@ -8,6 +8,7 @@ use super::plan::{self, Plan};
 use super::probe::{Known, Probe};
 use super::refined_samples::RefinedSamples;
 use super::resolve::Resolution;
+use super::step_sizes::step_sizes;
 use super::{Diagnostic, Event, SampleCount, SampleSweep, long_time};
 use crate::error::Error;
 use crate::evidence::{
@@ -40,7 +41,7 @@ impl Diagnostic {
         phase_loop: &dyn Loop,
         watch: &dyn Fn(Event<'_>),
     ) -> Result<Evidence, Error> {
-        let largest = self.largest_step()?;
+        check_step_sizes(self)?;
         let budget = self.budget.unwrap_or_else(|| plan::default_budget(self));
         if budget < LEAST_BUDGET {
             return Err(Error::OutOfRange {
@@ -52,22 +53,31 @@ impl Diagnostic {
         let count = EvaluationCount::new(budget);
         let evaluator = Evaluator::new(map, &count)?;
         evaluator.check_dof(phase_loop.dof())?;
-        let plan = Plan::new(self, budget, &evaluator);
-        survey::check_purity(&evaluator, phase_loop, largest, plan.purity_samples)?;
+        let subject = Subject {
+            evaluator: &evaluator,
+            phase_loop,
+        };
+        let diagnostic = &match (self.step_sizes.is_empty(), self.typical_step) {
+            (true, Some(typical)) => Diagnostic {
+                step_sizes: step_sizes(subject, typical)?,
+                ..self.clone()
+            },
+            _ => self.clone(),
+        };
         let mut evidence = Evidence::default();
         evidence.evaluations.budget = budget;
-        evidence.evaluations.purity = count.made();
+        evidence.evaluations.step_sizes = count.made();
+        let largest = diagnostic.largest_step();
+        let plan = Plan::new(diagnostic, budget, &evaluator);
+        survey::check_purity(&evaluator, phase_loop, largest, plan.purity_samples)?;
+        evidence.evaluations.purity = count.made() - evidence.evaluations.step_sizes;
         let mut run = Run {
-            diagnostic: self,
+            diagnostic,
             watch,
             count: &count,
             plan,
             largest,
             evidence,
-        };
-        let subject = Subject {
-            evaluator: &evaluator,
-            phase_loop,
         };
         let given = run.given_loop(subject)?;
         run.random_loops(subject, &given)?;
@@ -78,28 +88,36 @@ impl Diagnostic {
             run.sweep_samples(&given.probe, sweep)?;
         }
         run.evidence.evaluations.made = count.made();
-        run.evidence.evaluations.wanted = self.missing(subject, &run.evidence)?;
+        run.evidence.evaluations.wanted = diagnostic.missing(subject, &run.evidence)?;
         Ok(run.evidence)
     }
 
-    /// The step size of the largest size, after checking them all.
-    fn largest_step(&self) -> Result<f64, Error> {
-        let of_samples = self.sample_sweep.as_ref().map(|sweep| sweep.step_size);
-        for &h in self.step_sizes.iter().chain(&of_samples) {
-            if !h.is_finite() || h == 0.0 {
-                return Err(Error::OutOfRange {
-                    what: "step size",
-                    value: h,
-                    remedy: "give finite step sizes that are not zero",
-                });
-            }
-        }
+    /// The step size of the largest size, of one or more.
+    fn largest_step(&self) -> f64 {
         let largest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
-        (self.step_sizes.iter().copied().reduce(largest)).ok_or(Error::OutOfRange {
+        self.step_sizes.iter().copied().fold(0.0, largest)
+    }
+}
+
+fn check_step_sizes(diagnostic: &Diagnostic) -> Result<(), Error> {
+    let of_samples = (diagnostic.sample_sweep.as_ref()).map(|sweep| sweep.step_size);
+    let sizes = diagnostic.step_sizes.iter().copied();
+    for h in sizes.chain(of_samples).chain(diagnostic.typical_step) {
+        if !h.is_finite() || h == 0.0 {
+            return Err(Error::OutOfRange {
+                what: "step size",
+                value: h,
+                remedy: "give finite step sizes that are not zero",
+            });
+        }
+    }
+    match diagnostic.step_sizes.is_empty() && diagnostic.typical_step.is_none() {
+        true => Err(Error::OutOfRange {
             what: "number of step sizes",
             value: 0.0,
-            remedy: "give one or more",
-        })
+            remedy: "give one or more, or a typical one",
+        }),
+        false => Ok(()),
     }
 }
 
@@ -386,6 +404,6 @@ impl Run<'_> {
 }
 
 /// Whether an error is one of the map on a loop, and not of what was asked for.
-fn of_the_map(error: &Error) -> bool {
+pub(super) fn of_the_map(error: &Error) -> bool {
     matches!(error, Error::NotFinite { .. } | Error::StepFailed { .. })
 }

@@ -13,6 +13,7 @@ mod probe;
 mod random_loops;
 mod refined_samples;
 mod resolve;
+mod step_sizes;
 
 use crate::evidence::Point;
 use crate::rules::{Piecewise, Rule, Streaming};
@@ -64,6 +65,10 @@ pub struct Diagnostic {
     pub samples: SampleCount,
     /// Step sizes h, not zero. The verdict leans on the largest.
     pub step_sizes: Vec<f64>,
+    /// A typical step size, where there are no `step_sizes`: those tried are the largest that advances the motions on
+    /// the loop by about a radian and that the map can take, and seven halvings of it; all of them are this one times
+    /// a power of two.
+    pub typical_step: Option<f64>,
     /// An optional sweep over the number of samples.
     pub sample_sweep: Option<SampleSweep>,
     /// Loops in all: the given one, and random ones of its size round its centre that are tried at
@@ -93,6 +98,7 @@ impl Default for Diagnostic {
             streaming: Streaming::default(),
             samples: SampleCount::Auto,
             step_sizes: (1..=10).map(|m| 0.5f64.powi(m)).collect(),
+            typical_step: None,
             sample_sweep: None,
             loops: 8,
             seed: 1,
@@ -114,6 +120,31 @@ pub enum Event<'a> {
 }
 
 impl Diagnostic {
+    /// Step sizes that are looked for, from a typical one; everything else as by default.
+    ///
+    /// ```
+    /// use symplint::{Circle, Diagnostic, PerSample};
+    ///
+    /// // Jupiter round the Sun, in astronomical units and days, by symplectic Euler.
+    /// let map = PerSample::new(2, |h, q, p| {
+    ///     let r3 = q[0].hypot(q[1]).powi(3);
+    ///     (0..2).for_each(|i| p[i] -= h * 2.959e-4 * q[i] / r3);
+    ///     (0..2).for_each(|i| q[i] += h * p[i]);
+    /// });
+    /// let circle = Circle::new(vec![5.2, 0.0], vec![0.0, 7.5e-3], 1e-3)?;
+    /// let diagnosis = Diagnostic::around(1.0).run(&map, &circle)?;
+    /// let largest = diagnosis.points()[0].step_size;
+    /// assert!((256.0..2048.0).contains(&largest));
+    /// # Ok::<(), symplint::Error>(())
+    /// ```
+    pub fn around(typical_step: f64) -> Self {
+        Diagnostic {
+            step_sizes: Vec::new(),
+            typical_step: Some(typical_step),
+            ..Diagnostic::default()
+        }
+    }
+
     /// Step sizes 2^`from`, 2^(`from` − 1), …, 2^`to`; everything else as by default.
     pub fn halving(from: i32, to: i32) -> Self {
         Diagnostic {

@@ -172,6 +172,8 @@ pub struct Evaluations {
     /// More that would resolve the loops, about and at most; 0 where they are resolved, and where no number is known
     /// to resolve them.
     pub wanted: usize,
+    /// Made to find step sizes that test something.
+    pub step_sizes: usize,
     /// Made to check that the map has no memory.
     pub purity: usize,
     /// Made to learn how far tests should go in coordinates that the given loop leaves at rest.

@@ -10,10 +10,10 @@ use crate::signal::unit;
 use crate::state::Block;
 use crate::state::scratch;
 
-/// q_i = q0_i + r_i sin 2π(s + φ_i), p_i = p0_i + r_i cos 2π(s + φ_i).
+/// q_i = q0_i + a_i sin 2π(s + φ_i), p_i = p0_i + b_i cos 2π(s + φ_i).
 ///
-/// With one radius and no phases it is the loop of Barham & Burby, section 4: every degree of
-/// freedom runs the same circle round its own centre, and ∮ p·dq = π Σ r_i².
+/// With one radius a_i = b_i = r and no phases it is the loop of Barham & Burby, section 4: every degree of
+/// freedom runs the same circle round its own centre, and ∮ p·dq = π Σ a_i b_i.
 ///
 /// ```
 /// use symplint::{Circle, Ensemble, LoopIntegral, Rule};
@@ -28,7 +28,10 @@ use crate::state::scratch;
 pub struct Circle {
     q0: Vec<f64>,
     p0: Vec<f64>,
-    radii: Vec<f64>,
+    /// a_i.
+    radii_q: Vec<f64>,
+    /// b_i, where they differ from a_i.
+    radii_p: Option<Vec<f64>>,
     /// (sin 2πφ_i, cos 2πφ_i), none where all phases are zero.
     phases: Option<Vec<(f64, f64)>>,
 }
@@ -40,20 +43,50 @@ impl Circle {
     /// If `q0` and `p0` differ in length, a centre is not finite, or the radius is not
     /// positive and finite.
     pub fn new(q0: Vec<f64>, p0: Vec<f64>, radius: f64) -> Result<Self, Error> {
+        let radii = vec![radius; q0.len()];
+        if radius <= 0.0 {
+            return Err(out_of_range(radius));
+        }
+        Self::checked(q0, p0, radii, None)
+    }
+
+    /// An ellipse in every degree of freedom, of radius `radii_q[i]` in q_i and `radii_p[i]` in p_i: units of
+    /// positions and momenta differ, and so do degrees of freedom. One whose radii are 0 stays at its centre.
+    ///
+    /// [`balanced_radii`](crate::map::balanced_radii) finds radii that fit a map.
+    ///
+    /// # Errors
+    /// If the lists differ in length, a centre is not finite, or a radius is negative or not finite.
+    pub fn with_radii(
+        q0: Vec<f64>,
+        p0: Vec<f64>,
+        radii_q: Vec<f64>,
+        radii_p: Vec<f64>,
+    ) -> Result<Self, Error> {
+        Self::checked(q0, p0, radii_q, Some(radii_p))
+    }
+
+    fn checked(
+        q0: Vec<f64>,
+        p0: Vec<f64>,
+        radii_q: Vec<f64>,
+        radii_p: Option<Vec<f64>>,
+    ) -> Result<Self, Error> {
+        let of_p = radii_p.as_ref().unwrap_or(&radii_q);
         Error::check_length("centre p0", q0.len(), p0.len())?;
+        Error::check_length("radii in q", q0.len(), radii_q.len())?;
+        Error::check_length("radii in p", q0.len(), of_p.len())?;
         check_centre("q", &q0)?;
         check_centre("p", &p0)?;
-        if !(radius.is_finite() && radius > 0.0) {
-            return Err(Error::OutOfRange {
-                what: "radius of the loop",
-                value: radius,
-                remedy: "give a positive finite radius",
-            });
+        let wrong = |&&radius: &&f64| !(radius.is_finite() && radius >= 0.0);
+        if let Some(&radius) = radii_q.iter().chain(of_p).find(wrong) {
+            return Err(out_of_range(radius));
         }
         Ok(Circle {
-            radii: vec![radius; q0.len()],
             q0,
             p0,
+            radii_q,
+            radii_p,
             phases: None,
         })
     }
@@ -70,16 +103,14 @@ impl Circle {
                 remedy: "name one or more",
             });
         }
-        let radii = std::mem::replace(&mut self.radii, vec![0.0; self.q0.len()]);
-        for &dof in dofs {
-            match radii.get(dof) {
-                Some(&radius) => self.radii[dof] = radius,
-                None => {
-                    return Err(Error::NoSuchDof {
-                        dof,
-                        count: radii.len(),
-                    });
-                }
+        let count = self.q0.len();
+        if let Some(&dof) = dofs.iter().find(|&&dof| dof >= count) {
+            return Err(Error::NoSuchDof { dof, count });
+        }
+        for dof in (0..count).filter(|dof| !dofs.contains(dof)) {
+            self.radii_q[dof] = 0.0;
+            if let Some(radii) = &mut self.radii_p {
+                radii[dof] = 0.0;
             }
         }
         Ok(self)
@@ -91,6 +122,14 @@ impl Circle {
         let phases = self.q0.iter().map(|_| sin_cos_turn(unit(&mut random)));
         self.phases = Some(phases.collect());
         self
+    }
+}
+
+fn out_of_range(radius: f64) -> Error {
+    Error::OutOfRange {
+        what: "radius of the loop",
+        value: radius,
+        remedy: "give a positive finite radius",
     }
 }
 
@@ -118,14 +157,15 @@ impl Loop for Circle {
                 (sin[k], cos[k]) = sin_cos_turn(s);
             }
             for i in 0..self.dof() {
-                let r = self.radii[i];
                 // sin(a + φ) and cos(a + φ) by the addition theorems.
                 let (sin_phase, cos_phase) = self.phases.as_ref().map_or((0.0, 1.0), |f| f[i]);
-                let (along, across) = (r * cos_phase, r * sin_phase);
+                let of_phase = |r: f64| (r * cos_phase, r * sin_phase);
+                let (along, across) = of_phase(self.radii_q[i]);
                 let q = block.q.row_mut(i);
                 for k in 0..n {
                     q[k] = self.q0[i] + (along * sin[k] + across * cos[k]);
                 }
+                let (along, across) = of_phase(self.radii_p.as_ref().unwrap_or(&self.radii_q)[i]);
                 let p = block.p.row_mut(i);
                 for k in 0..n {
                     p[k] = self.p0[i] + (along * cos[k] - across * sin[k]);
@@ -169,10 +209,27 @@ mod tests {
     }
 
     #[test]
+    fn an_ellipse_has_the_area_of_both_radii() {
+        let (q, p) = (vec![1e-3, 2.0, 0.0], vec![1e6, 0.5, 0.0]);
+        let ellipse = Circle::with_radii(vec![0.0; 3], vec![0.0; 3], q, p).unwrap();
+        let ensemble = Ensemble::sample(&ellipse.with_random_phases(3), 32).unwrap();
+        let integral = LoopIntegral::of(&ensemble, &Rule::Pseudospectral).unwrap();
+        for (found, area) in integral.contributions.iter().zip([1e3, 1.0, 0.0]) {
+            assert!(
+                (found - PI * area).abs() <= 1e-15 * area * PI * 4.0,
+                "{found}"
+            );
+        }
+    }
+
+    #[test]
     fn a_radius_or_centre_that_means_nothing_is_refused() {
         assert!(Circle::new(vec![0.0], vec![0.0], -1.0).is_err());
         assert!(Circle::new(vec![0.0], vec![0.0, 1.0], 1.0).is_err());
         assert!(Circle::new(vec![f64::NAN], vec![0.0], 1.0).is_err());
+        assert!(Circle::new(vec![0.0], vec![0.0], f64::NAN).is_err());
+        assert!(Circle::with_radii(vec![0.0], vec![0.0], vec![1.0], vec![-1.0]).is_err());
+        assert!(Circle::with_radii(vec![0.0], vec![0.0], vec![1.0, 1.0], vec![1.0]).is_err());
         let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
         assert_eq!(
             circle.on(&[1]).unwrap_err(),

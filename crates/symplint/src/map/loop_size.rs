@@ -1,8 +1,10 @@
 //! How far a loop reaches in each coordinate, and how far tests should go in those that it leaves at rest.
 
-use super::Evaluator;
+use std::f64::consts::TAU;
+
+use super::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::error::Error;
-use crate::loops::Loop;
+use crate::loops::{Circle, Loop};
 use crate::signal::{Extent, Turns, nearest};
 use crate::state::{Coordinates, Ensemble, coordinate, coordinate_mut, period};
 
@@ -13,16 +15,81 @@ const SAMPLES: usize = 64;
 /// of 1.3 then, and no more are needed where they are linear.
 const REPETITIONS: usize = 4;
 
+/// Displacements that tell the ratio, in units of the radii: small, as forces that fall off would make radii that are
+/// too large still larger; and not so small that the rounding of single precision shows.
+const DISTANCE: f64 = 1.0 / 64.0;
+
 /// A degree of freedom at rest at a centre (q, p) is given this part of √(q²/ρ + ρp²) for a radius, where no other
 /// one tells.
 const PART_OF_CENTRE: f64 = 0.1;
+
+/// A state this much smaller than others is what rounding leaves of zero.
+const ROUNDING: f64 = 1e-14;
+
+/// Radii of a loop that fit a map: see [`balanced_radii`].
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct BalancedRadii {
+    /// One for each position.
+    pub q: Vec<f64>,
+    /// One for each momentum.
+    pub p: Vec<f64>,
+    /// Evaluations of the map that it took to find them.
+    pub evaluations: usize,
+}
+
+/// Radii of a loop round (q0, p0) in the proportions that the map suggests at step size `h`, for
+/// [`Circle::with_radii`](crate::Circle::with_radii).
+///
+/// In each degree of freedom the ratio ρ of the radius in q to that in p is balanced: displaced by its radius, q changes
+/// p by as large a part of the radius of p as p changes q. The size is a tenth of that of the centre, √(q²/ρ + ρp²) with
+/// the ratio taken out; of a periodic position, one radian counts in place of q. A degree of freedom that is at the
+/// origin is given the area of the largest of the others; if all are there, radii whose product is 1. The proportions
+/// are the same in all units.
+///
+/// ```
+/// use symplint::map::balanced_radii;
+/// use symplint::{Circle, PerSample};
+///
+/// // A stiff spring: the motion runs on ellipses 100 times as high as they are wide.
+/// let map = PerSample::new(1, |h, q, p| {
+///     p[0] -= h * 1e4 * q[0];
+///     q[0] += h * p[0];
+/// });
+/// let radii = balanced_radii(&map, &[0.3], &[0.0], 1e-3)?;
+/// assert!((radii.q[0] - 0.03).abs() < 1e-3 && (radii.p[0] - 3.0).abs() < 0.1);
+/// let circle = Circle::with_radii(vec![0.3], vec![0.0], radii.q, radii.p)?;
+/// # Ok::<(), symplint::Error>(())
+/// ```
+///
+/// # Errors
+/// If map and centre differ in their degrees of freedom, a centre is not finite, or the map fails there.
+pub fn balanced_radii(
+    map: &dyn TimeAdvance,
+    q0: &[f64],
+    p0: &[f64],
+    h: f64,
+) -> Result<BalancedRadii, Error> {
+    let count = EvaluationCount::unlimited();
+    let evaluator = Evaluator::new(map, &count)?;
+    evaluator.check_dof(q0.len())?;
+    let none = vec![0.0; q0.len()];
+    let centre = Circle::with_radii(q0.to_vec(), p0.to_vec(), none.clone(), none)?;
+    evaluator.image(&centre, h, &[0.0])?;
+    let [q, p] = LoopSize::of(&evaluator, &centre, h)?.radius;
+    Ok(BalancedRadii {
+        q,
+        p,
+        evaluations: count.made(),
+    })
+}
 
 /// Centre and half the range of every coordinate of a loop: the sizes of what tests do beside it.
 ///
 /// A loop need not move all coordinates, and tests must: a map has to be symplectic in every direction. In a degree of
 /// freedom at rest the product of both radii is the largest one of the others, as actions have one unit in all of
-/// them. The ratio ρ of both is balanced by what the map does: displaced by its radius, q changes p by as large a part
-/// of the radius of p as p changes q. Both are the same in all units.
+/// them. The ratio ρ of both is balanced by what the map does: displaced by a part of its radius, q changes p by as large
+/// a part of the radius of p as p changes q. Both are the same in all units.
 #[derive(Clone, Debug)]
 pub(crate) struct LoopSize {
     /// Of all positions, then of all momenta.
@@ -132,18 +199,28 @@ impl LoopSize {
         action: f64,
         coordinates: &Coordinates,
     ) {
-        for (&i, ratio) in open.iter().zip(ratios) {
+        let of_centre = |(&i, ratio): (&usize, &f64)| {
+            let q = match coordinates.period(i) {
+                0.0 => self.centre[0][i],
+                period => period / TAU,
+            };
+            let squared = q * q / ratio + ratio * self.centre[1][i].powi(2);
+            coordinates.weight(i).abs() * PART_OF_CENTRE * PART_OF_CENTRE * squared
+        };
+        let of_centres: Vec<f64> = open.iter().zip(ratios).map(of_centre).collect();
+        let largest = of_centres.iter().copied().fold(0.0, f64::max);
+        for (k, (&i, ratio)) in open.iter().zip(ratios).enumerate() {
             let radii = match [given[0][i], given[1][i]] {
                 [0.0, 0.0] => {
-                    let weight = coordinates.weight(i).abs();
-                    let of_centre =
-                        self.centre[0][i].powi(2) / ratio + ratio * self.centre[1][i].powi(2);
-                    let action = match (action > 0.0, of_centre > 0.0) {
-                        (true, _) => action / weight,
-                        (false, true) => PART_OF_CENTRE.powi(2) * of_centre,
-                        (false, false) => 1.0 / weight,
+                    // A centre that is rounding beside the largest is the origin.
+                    let own = match of_centres[k] > ROUNDING * ROUNDING * largest {
+                        true => of_centres[k],
+                        false => largest,
                     };
-                    [(action * ratio).sqrt(), (action / ratio).sqrt()]
+                    let mut known = [action, own].into_iter();
+                    let action = known.find(|&action| action > 0.0).unwrap_or(1.0);
+                    let area = action / coordinates.weight(i).abs();
+                    [(area * ratio).sqrt(), (area / ratio).sqrt()]
                 }
                 [0.0, p] => [p * ratio, p],
                 [q, _] => [q, q / ratio],
@@ -198,8 +275,8 @@ impl Displaced<'_> {
         for (kind, radius) in radius.iter().enumerate() {
             for &i in self.open {
                 let row = coordinate_mut(&mut block, kind * dof + i);
-                row[2 * kind] += sign(i) * radius[i];
-                row[2 * kind + 1] -= sign(i) * radius[i];
+                row[2 * kind] += sign(i) * DISTANCE * radius[i];
+                row[2 * kind + 1] -= sign(i) * DISTANCE * radius[i];
             }
         }
         self.evaluator.advance(&mut states, self.h)?;

@@ -8,6 +8,7 @@ mod tangent;
 pub use closures::{PerBlock, PerSample, StepOutcome};
 pub(crate) use evaluator::{EvaluationCount, Evaluator};
 pub(crate) use loop_size::LoopSize;
+pub use loop_size::{BalancedRadii, balanced_radii};
 pub use tangent::TangentMap;
 
 use crate::loops::Loop;

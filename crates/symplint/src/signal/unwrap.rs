@@ -31,20 +31,30 @@ pub fn unwrap_row(row: &mut [f64], period: f64) -> i64 {
 }
 
 /// Unwraps a run of values one by one, as [`unwrap_row`] does a row.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub(crate) struct Turns {
-    previous: Option<f64>,
+    /// Not a number before the first value.
+    previous: f64,
     /// Periods gained so far.
     pub turns: f64,
+}
+
+impl Default for Turns {
+    fn default() -> Self {
+        Turns {
+            previous: f64::NAN,
+            turns: 0.0,
+        }
+    }
 }
 
 impl Turns {
     pub fn unwrap(&mut self, wrapped: f64, period: f64) -> f64 {
         if period > 0.0 {
-            if let Some(previous) = self.previous {
-                self.turns -= ((wrapped - previous) / period).round();
+            if !self.previous.is_nan() {
+                self.turns -= ((wrapped - self.previous) / period).round();
             }
-            self.previous = Some(wrapped);
+            self.previous = wrapped;
         }
         wrapped + self.turns * period
     }
