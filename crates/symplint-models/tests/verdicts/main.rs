@@ -5,6 +5,8 @@ mod large;
 mod localisation;
 mod no_evidence;
 mod noise;
+
+mod rounding;
 mod rules;
 mod streaming;
 mod units;

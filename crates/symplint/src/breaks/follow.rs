@@ -90,7 +90,13 @@ pub(super) fn follow(
     }
     let ends = [sides.left[0], sides.right[0]];
     let jump = nearest(ends[1].value - ends[0].value, period).abs();
-    if bracket.is_little(jump) || !suspect.stands_out(jump) {
+    let jump_q = nearest(ends[1].q - ends[0].q, evaluator.coordinates().period(dof));
+    let jump_p = ends[1].p - ends[0].p;
+    let dofs = evaluator.dof();
+    let is_rounding = evaluator.grain().is_some_and(|grain| {
+        !grain.is_exceeded(dof, jump_q) && !grain.is_exceeded(dofs + dof, jump_p)
+    });
+    if is_rounding || bracket.is_little(jump) || !suspect.stands_out(jump) {
         return Ok(None);
     }
     let mut beside = ends.map(|point| vec![point.value]);
@@ -107,8 +113,8 @@ pub(super) fn follow(
             return Ok(Some(Break {
                 s: bracket.high.rem_euclid(1.0),
                 dof,
-                jump_q: nearest(ends[1].q - ends[0].q, evaluator.coordinates().period(dof)),
-                jump_p: ends[1].p - ends[0].p,
+                jump_q,
+                jump_p,
                 substep: None,
             }));
         }

@@ -4,7 +4,7 @@ use super::limits::KEPT_BYTES;
 use crate::error::Error;
 use crate::loops::sample_block;
 use crate::rules::Subject;
-use crate::state::{Ensemble, copy_samples};
+use crate::state::{Ensemble, coordinate, copy_samples};
 
 /// A loop whose samples are advanced by one step size after the other, in memory that is asked for once.
 ///
@@ -54,6 +54,7 @@ impl<'a> InitialSamples<'a> {
                 sample_block(phase_loop, |k| k as f64 / samples as f64, first, block)
             })?,
         }
+        evaluator.learn_grain(samples, |c, k| coordinate(after, c)[k]);
         Ok(after)
     }
 }

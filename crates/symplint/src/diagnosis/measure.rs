@@ -3,7 +3,7 @@
 mod other_loops;
 
 use super::initial_samples::InitialSamples;
-use super::limits::{KEPT_PART, LEAST_BUDGET};
+use super::limits::{KEPT_PART, LEAST_BUDGET, LEAST_FOR_PRECISION};
 use super::plan::{self, Plan};
 use super::probe::{Known, Probe};
 use super::refined_samples::RefinedSamples;
@@ -70,6 +70,11 @@ impl Diagnostic {
         let largest = diagnostic.largest_step();
         let plan = Plan::new(diagnostic, budget, &evaluator);
         survey::check_purity(&evaluator, phase_loop, largest, plan.purity_samples)?;
+        if budget >= LEAST_FOR_PRECISION
+            && let Some(grain) = survey::inner_precision(subject, largest)?
+        {
+            evaluator.note_inner_grain(grain);
+        }
         evidence.evaluations.purity = count.made() - evidence.evaluations.step_sizes;
         let mut run = Run {
             diagnostic,

@@ -95,8 +95,23 @@ impl<'a> Probe<'a> {
     /// What a step of size `h` did to these samples, which are as many as those before it.
     pub fn measure_samples(&self, after: &Ensemble, h: f64) -> Result<Advanced, Error> {
         let samples = Samples::Kept(after);
-        self.integrator
-            .after(&self.subject, h, samples, &self.initial)
+        (self
+            .integrator
+            .after(&self.subject, h, samples, &self.initial))
+        .map(|advanced| self.rounded(advanced))
+    }
+
+    /// With what the grain of the map leaves of the integral.
+    fn rounded(&self, mut advanced: Advanced) -> Advanced {
+        if let Some(grain) = self.subject.evaluator.grain() {
+            let of_integral = grain.of_integral(self.subject.coordinates());
+            let relative = of_integral / self.initial.value.abs();
+            advanced.defect.roundoff += relative;
+            if let Some(closed) = &mut advanced.closed {
+                closed.defect.roundoff += relative;
+            }
+        }
+        advanced
     }
 
     /// Advances the loop by one step, unless that is known, and compares the loop integrals. `look` is shown the
@@ -120,8 +135,10 @@ impl<'a> Probe<'a> {
             }
             false => {
                 let samples = Samples::Count(self.samples);
-                self.integrator
-                    .after(&self.subject, h, samples, &self.initial)?
+                let advanced = self
+                    .integrator
+                    .after(&self.subject, h, samples, &self.initial)?;
+                self.rounded(advanced)
             }
         };
         Ok(Known {

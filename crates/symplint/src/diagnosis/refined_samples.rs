@@ -2,7 +2,7 @@
 
 use crate::error::{Error, StateAt};
 use crate::rules::Subject;
-use crate::state::Ensemble;
+use crate::state::{Ensemble, coordinate};
 
 /// The samples of a loop before and after one step of size h.
 ///
@@ -20,6 +20,7 @@ impl<'a> RefinedSamples<'a> {
         let before = Ensemble::sample(subject.phase_loop, samples)?;
         let mut after = before.clone();
         subject.evaluator.advance(&mut after, h)?;
+        (subject.evaluator).learn_grain(samples, |c, k| coordinate(&after, c)[k]);
         Ok(RefinedSamples {
             subject,
             h,

@@ -174,7 +174,7 @@ pub struct Evaluations {
     pub wanted: usize,
     /// Made to find step sizes that test something.
     pub step_sizes: usize,
-    /// Made to check that the map has no memory.
+    /// Made to check that the map has no memory, and whether it works in single precision.
     pub purity: usize,
     /// Made to learn how far tests should go in coordinates that the given loop leaves at rest.
     pub sizes: usize,

@@ -1,10 +1,11 @@
 //! The one place where maps are called.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::{StepFailure, TangentMap, TimeAdvance};
+use super::{Grain, StepFailure, TangentMap, TimeAdvance};
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::state::{Block, Coordinates, Ensemble, first_error, first_not_finite};
@@ -19,6 +20,10 @@ pub(crate) struct Evaluator<'a> {
     /// Substeps that make up the step; fewer than the map has for [`prefix`](Self::prefix).
     substeps: usize,
     count: &'a EvaluationCount,
+    /// The grain of the states that were returned, once there are enough of them.
+    grain: OnceLock<Grain>,
+    /// The grain inside the map.
+    inner_grain: OnceLock<Grain>,
 }
 
 /// Evaluations made so far, and how many may be made.
@@ -90,6 +95,8 @@ impl<'a> Evaluator<'a> {
             coordinates,
             substeps: map.substeps(),
             count,
+            grain: OnceLock::new(),
+            inner_grain: OnceLock::new(),
         })
     }
 
@@ -100,6 +107,8 @@ impl<'a> Evaluator<'a> {
             coordinates: self.coordinates.clone(),
             substeps,
             count: self.count,
+            grain: OnceLock::new(),
+            inner_grain: self.inner_grain.clone(),
         }
     }
 
@@ -177,6 +186,28 @@ impl<'a> Evaluator<'a> {
         self.check_dof(states.dof())?;
         let width = Ensemble::block_width(states.dof());
         self.advance_blocks(states.blocks(), width, 0, h, fill)
+    }
+
+    /// Takes note of coordinates c of states k round a loop that the map returned, if the grain is not known yet.
+    pub fn learn_grain(&self, samples: usize, value: impl Fn(usize, usize) -> f64) {
+        if self.grain.get().is_none()
+            && let Some(grain) = Grain::of(samples, self.dof(), value)
+        {
+            // Whoever comes first.
+            let _ = self.grain.set(grain);
+        }
+    }
+
+    /// The grain of the map, as far as it is known: of the states that it returns, or else inside.
+    pub fn grain(&self) -> Option<&Grain> {
+        let of_states = self.grain.get().filter(|grain| grain.is_coarse());
+        of_states.or_else(|| self.inner_grain.get())
+    }
+
+    /// Takes note of the grain inside the map.
+    pub fn note_inner_grain(&self, grain: Grain) {
+        // Whoever comes first.
+        let _ = self.inner_grain.set(grain);
     }
 
     /// The same for blocks of `width` samples each, of which the first begins with sample `first`.

@@ -2,11 +2,13 @@
 
 mod closures;
 mod evaluator;
+mod grain;
 mod loop_size;
 mod tangent;
 
 pub use closures::{PerBlock, PerSample, StepOutcome};
 pub(crate) use evaluator::{EvaluationCount, Evaluator};
+pub(crate) use grain::Grain;
 pub(crate) use loop_size::LoopSize;
 pub use loop_size::{BalancedRadii, balanced_radii};
 pub use tangent::TangentMap;

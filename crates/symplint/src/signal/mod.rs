@@ -2,6 +2,7 @@
 
 mod barycentric;
 mod compensated_sum;
+mod digits;
 mod extent;
 mod largest;
 pub(crate) mod noise;
@@ -10,6 +11,7 @@ mod unwrap;
 
 pub(crate) use barycentric::Barycentric;
 pub(crate) use compensated_sum::{CompensatedSum, UNIT_ROUNDOFF};
+pub(crate) use digits::{Digits, Format};
 pub(crate) use extent::Extent;
 pub(crate) use largest::largest;
 pub(crate) use random::unit;

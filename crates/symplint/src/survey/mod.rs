@@ -1,10 +1,12 @@
 //! What a few samples show of a map, apart from loop integrals.
 
+mod inner_precision;
 mod motion;
 mod precision;
 mod purity;
 mod windings;
 
+pub(crate) use inner_precision::inner_precision;
 pub(crate) use purity::check_purity;
 pub(crate) use windings::winds;
 

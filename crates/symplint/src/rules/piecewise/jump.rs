@@ -144,11 +144,15 @@ impl Jump {
         let jump = self.project(high, low, coordinates).abs();
         let apart = |c: usize| nearest(high[c] - low[c], period(coordinates, c)).abs();
         let mut all = 0..2 * coordinates.dof();
+        let is_rounding = (scales.grain.as_ref())
+            .is_some_and(|grain| !all.clone().any(|c| grain.is_exceeded(c, apart(c))));
         let large = (all.clone()).any(|c| scales.weight(c) * apart(c) > LARGE);
         // The steps of a grid are jumps with nothing beside them, and noise all the same.
         let no_step = all.any(|c| apart(c) > self.piece.allowance(c, scales));
         let sides = [&projected[0][..], &projected[1][..]];
-        if large || (self.bracket.stands_out(jump, sides) && no_step) {
+        if is_rounding {
+            Judgement::Noise
+        } else if large || (self.bracket.stands_out(jump, sides) && no_step) {
             Judgement::Break
         } else if self.bracket.is_little(jump) {
             Judgement::Wrap

@@ -80,6 +80,10 @@ pub(super) const SMALLEST_PART: f64 = 1e-6;
 /// Sizes of coordinates at least: the square of its inverse is still a number. A map may collapse a coordinate.
 pub(super) const SMALLEST: f64 = 1e-140;
 
+/// What an interpolant may be off where the map rounds, in grains: half of one at every node, enlarged by the highest
+/// degree, and what several operations of a step make of it.
+pub(super) const GRAINS: f64 = 4.0;
+
 /// Unexplained stretches shorter than this part of the loop suggest that the map has noise.
 pub(super) const NOISE_LENGTH: f64 = 1e-3;
 

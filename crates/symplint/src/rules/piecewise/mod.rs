@@ -213,7 +213,8 @@ impl Piecewise {
             .iter()
             .flat_map(|piece| (0..lobatto::NODES).map(|k| piece.image(k)));
         let at_nodes: Vec<&Image> = at_nodes.collect();
-        let scales = Scales::new(&at_nodes, coordinates, self.tolerance);
+        evaluator.learn_grain(at_nodes.len(), |c, k| at_nodes[k].after()[c]);
+        let scales = Scales::new(&at_nodes, coordinates, self.tolerance, evaluator.grain());
         let budget = Budget::new(most_evaluations, evaluations);
         let mut refinement = Refinement::new(curves, coordinates, scales, budget, samples);
         refinement.run(0, pieces)?;

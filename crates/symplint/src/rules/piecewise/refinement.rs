@@ -235,7 +235,10 @@ impl<'a> Refinement<'a> {
             self.noise_known = true;
             let points: Vec<At> = noise::points(0, [0.0, 1.0]).collect();
             let images = self.images(&points, 0)?;
-            self.scales.noise = noise::allowance(&images, self.coordinates);
+            let found = noise::allowance(&images, self.coordinates);
+            for (noise, found) in self.scales.noise.iter_mut().zip(found) {
+                *noise = noise.max(found);
+            }
         }
         Ok(())
     }

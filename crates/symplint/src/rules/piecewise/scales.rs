@@ -1,7 +1,8 @@
 //! How large and how exact each coordinate is.
 
 use super::curves::Image;
-use super::limits::{ROUNDING, SMALLEST, SMALLEST_PART};
+use super::limits::{GRAINS, ROUNDING, SMALLEST, SMALLEST_PART};
+use crate::map::Grain;
 use crate::signal::{Extent, unwrap_row};
 use crate::state::{Coordinates, period};
 
@@ -15,6 +16,8 @@ pub(super) struct Scales {
     pub tolerance: Vec<f64>,
     /// What it may be off because of the noise that the map has all along the loop.
     pub noise: Vec<f64>,
+    /// The grain of the map, where it is known.
+    pub grain: Option<Grain>,
     /// Largest absolute value of each coordinate.
     pub magnitude: Vec<f64>,
     /// How far along the loop the rounding of a state is, as a part of one revolution.
@@ -23,7 +26,12 @@ pub(super) struct Scales {
 
 impl Scales {
     /// From a few points of the advanced loop, in their order.
-    pub fn new(images: &[&Image], coordinates: &Coordinates, tolerance: f64) -> Self {
+    pub fn new(
+        images: &[&Image],
+        coordinates: &Coordinates,
+        tolerance: f64,
+        grain: Option<&Grain>,
+    ) -> Self {
         let dof = coordinates.dof();
         let mut size: Vec<f64> = Vec::with_capacity(2 * dof);
         let mut magnitude: Vec<f64> = Vec::with_capacity(2 * dof);
@@ -46,7 +54,10 @@ impl Scales {
             tolerance: sizes()
                 .map(|(size, magnitude)| tolerance * size + ROUNDING * magnitude)
                 .collect(),
-            noise: vec![0.0; 2 * dof],
+            noise: (0..2 * dof)
+                .map(|c| GRAINS * grain.map_or(0.0, |grain| grain.of_coordinate(c)))
+                .collect(),
+            grain: grain.cloned(),
             p_reference: images[0].after()[dof..].to_vec(),
             input_rounding: sizes().fold(ROUNDING, |most: f64, (size, magnitude)| {
                 most.max(ROUNDING * magnitude / size)

@@ -1,0 +1,141 @@
+//! How many digits some numbers have.
+
+/// Formats of numbers with few digits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Format {
+    /// Decimal numbers of so many significant digits.
+    Decimal(usize),
+    /// Single precision.
+    Single,
+}
+
+/// Decimal digits that doubles do not have by accident: of 64 random ones, none has so few.
+const FEW: u8 = 10;
+
+/// Different values that are needed to tell.
+const ENOUGH: u32 = 16;
+
+/// Two values of so many digits, or more, are enough: shorter ones may be what a map jumps between.
+const LONG: u8 = 3;
+
+/// The digits of all values of a coordinate so far.
+#[derive(Clone, Copy)]
+pub(crate) struct Digits {
+    /// Decimal digits that are enough for all of them; more than [`FEW`] if that is not so.
+    decimal: u8,
+    /// The exponent of the power of ten of which all of them are multiples, as far as it is above that of [`FEW`]
+    /// digits of the largest.
+    place: i16,
+    /// Whether all are numbers of single precision.
+    single: bool,
+    largest: f64,
+    /// One of 64 bits for each value, by its hash: as many different ones, at least. There may be millions of
+    /// coordinates.
+    seen: u64,
+}
+
+impl Default for Digits {
+    fn default() -> Self {
+        Digits {
+            decimal: 1,
+            place: i16::MAX,
+            single: true,
+            largest: 0.0,
+            seen: 0,
+        }
+    }
+}
+
+impl Digits {
+    pub fn add(&mut self, value: f64) {
+        while self.decimal <= FEW && !has_digits(value, self.decimal.into()) {
+            self.decimal += 1;
+        }
+        if value != 0.0 {
+            let size = value.abs().log10().floor() as i16;
+            self.place = self.place.min(size);
+            while self.place > size - i16::from(FEW) && !is_multiple(value, self.place) {
+                self.place -= 1;
+            }
+        }
+        self.single &= f64::from(value as f32) == value;
+        self.largest = self.largest.max(value.abs());
+        // The fractional part of a multiple of the golden ratio spreads neighbours.
+        self.seen |= 1 << (value.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58);
+    }
+
+    /// The format, and how far apart neighbouring values are, if their digits are few.
+    pub fn few(&self) -> Option<(Format, f64)> {
+        let different = self.seen.count_ones();
+        // A loop as small as a few roundings has few values.
+        let long = self.decimal >= LONG && different > 1;
+        if different < ENOUGH && !long {
+            return None;
+        }
+        let first = self.largest.log10().floor() as i16;
+        // A fixed number of decimals has as many digits as are needed in its largest number, and no more.
+        let fixed = i64::from(first) + 1 - i64::from(self.place);
+        if self.decimal <= FEW && (1..=i64::from(self.decimal)).contains(&fixed) {
+            let unit = 10f64.powi(self.place.into());
+            return Some((Format::Decimal(fixed as usize), unit));
+        }
+        if self.decimal <= FEW {
+            let digits = usize::from(self.decimal);
+            let unit = 10f64.powi(i32::from(first) + 1 - digits as i32);
+            return Some((Format::Decimal(digits), unit));
+        }
+        let unit = self.largest * f64::from(f32::EPSILON);
+        self.single.then_some((Format::Single, unit))
+    }
+}
+
+/// Whether a number is a multiple of a power of ten, but for rounding.
+fn is_multiple(value: f64, place: i16) -> bool {
+    let unit = 10f64.powi(place.into());
+    ((value / unit).round() * unit - value).abs() <= 2.0 * f64::EPSILON * value.abs()
+}
+
+/// Whether a number is a decimal of so many digits, but for the rounding of a product or quotient.
+fn has_digits(value: f64, digits: usize) -> bool {
+    let rounded: f64 = format!("{value:.*e}", digits - 1)
+        .parse()
+        .unwrap_or(f64::NAN);
+    (rounded - value).abs() <= 2.0 * f64::EPSILON * value.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn few(of: impl Fn(f64) -> f64) -> Option<(Format, f64)> {
+        let mut digits = Digits::default();
+        (0..64).for_each(|k| digits.add(of((0.37 * f64::from(k)).sin())));
+        digits.few()
+    }
+
+    #[test]
+    fn formats_are_told_with_their_units() {
+        let close = |found: Option<(Format, f64)>, format: Format, unit: f64| {
+            let (is, of) = found.expect("few digits");
+            assert!(
+                is == format && (of / unit - 1.0).abs() < 0.01,
+                "{is:?} {of:e}"
+            );
+        };
+        let fixed = |x: f64| format!("{x:.3}").parse().unwrap();
+        close(few(fixed), Format::Decimal(3), 1e-3);
+        // One is written with as many decimals.
+        close(few(|x| fixed(1.1 * x)), Format::Decimal(4), 1e-3);
+        close(few(|x| 1e6 * fixed(x)), Format::Decimal(3), 1e3);
+        close(few(|x| fixed(50.0 + x)), Format::Decimal(5), 1e-3);
+        let printed = |x: f64| format!("{:.5e}", x * x * x).parse().unwrap();
+        close(few(printed), Format::Decimal(6), 1e-6);
+        close(
+            few(|x| f64::from((3.0 * x) as f32)),
+            Format::Single,
+            3.0 * f64::from(f32::EPSILON),
+        );
+        assert_eq!(few(|x| x), None);
+        assert_eq!(few(|x| x.round()), None, "too few values");
+    }
+}
