@@ -435,3 +435,43 @@ fn rows_out_of_order_are_told_in_either_file() {
         assert!(text.contains("do not seem to be in order"), "{text}");
     }
 }
+
+#[test]
+fn decimals_break_no_loop() {
+    // Leapfrog of a pendulum, written with a fixed number of decimals, far from the origin and near it.
+    let mut decided = 0;
+    for seed in 0..160 {
+        let part = |k: f64| (f64::from(seed) * k).sin().abs();
+        let (q0, p0) = (12.0 * part(0.71), 3.0 * part(1.93));
+        let (radius, h) = (0.2 + part(2.71), 0.2 + 0.3 * part(0.37));
+        let decimals = 3 + seed % 7;
+        let samples = 64 << (seed % 4);
+        let unit = 10f64.powi(decimals);
+        let print = |states: &mut Ensemble| {
+            let mut block = states.block();
+            for row in [block.q.row_mut(0), block.p.row_mut(0)] {
+                row.iter_mut().for_each(|x| *x = (*x * unit).round() / unit);
+            }
+        };
+        for first_written in [false, true] {
+            // The code may have read the loop as it is written, or know it exactly.
+            let on = Circle::new(vec![q0], vec![p0], radius).unwrap();
+            let mut before = Ensemble::sample(&on, samples).unwrap();
+            if first_written {
+                print(&mut before);
+            }
+            let mut after = before.clone();
+            after.advance(&PerSample::new(1, leapfrog), h).unwrap();
+            print(&mut before);
+            print(&mut after);
+            let after = [Snapshot::new(after).after_step(h)];
+            let verdict = measure(&Snapshot::new(before), &after, &Coordinates::plain(1));
+            let verdict = verdict.unwrap().verdict;
+            let title = format!("{seed}: {decimals} decimals, {samples} samples: {verdict}");
+            let kinds = [VerdictKind::Symplectic, VerdictKind::Undecided];
+            assert!(kinds.contains(&verdict.kind), "{title}");
+            decided += u32::from(verdict.kind == VerdictKind::Symplectic);
+        }
+    }
+    assert!(decided > 150, "{decided} of 320");
+}

@@ -102,7 +102,7 @@ impl Residuals {
             size: self.largest,
             noise: deviation(self.undisturbed, groups),
         };
-        let suspicious = self.largest > rounding(UNIT_ROUNDOFF, magnitude)
+        let suspicious = self.largest > rounding(UNIT_ROUNDOFF * magnitude)
             && self.largest > STAYS_IN_WIDE_CELLS * self.largest_wide
             && suspect.stands_out(self.largest);
         suspicious.then_some(suspect)
@@ -134,8 +134,8 @@ pub(super) fn noise(residuals: &[f64]) -> f64 {
 }
 
 /// Residuals no larger than this are rounding of values below `magnitude`, each by a part `unit_roundoff` of it.
-pub(crate) fn rounding(unit_roundoff: f64, magnitude: f64) -> f64 {
-    ROUNDINGS * unit_roundoff * magnitude
+pub(crate) fn rounding(rounding_error: f64) -> f64 {
+    ROUNDINGS * rounding_error
 }
 
 /// Increments on either side that predict that of a cell.

@@ -37,7 +37,7 @@ pub(crate) struct Grain {
 impl Grain {
     /// From coordinates c of states k round a loop that the map returned; `None` of too few.
     pub fn of(samples: usize, dof: usize, value: impl Fn(usize, usize) -> f64) -> Option<Self> {
-        if samples < FEWEST || dof > MOST_DOF {
+        if samples < FEWEST || !Self::is_affordable(dof) {
             return None;
         }
         let every = samples.div_ceil(SAMPLES);
@@ -54,13 +54,15 @@ impl Grain {
         Some(Grain { sizes, ranges })
     }
 
+    /// Whether a grain of so many degrees of freedom fits into little memory.
+    pub fn is_affordable(dof: usize) -> bool {
+        dof <= MOST_DOF
+    }
+
     /// That of a map that works in single precision, from samples of a loop; and the part of the loop on which the
     /// coordinate that is rounded most, for its range, moves by one rounding. `None` where all coordinates are 0, or
     /// single precision leaves nothing of the loop.
     pub fn of_single_precision(samples: &Ensemble) -> Option<(Self, f64)> {
-        if samples.dof() > MOST_DOF {
-            return None;
-        }
         let extents = (0..2 * samples.dof()).map(|c| Extent::of(coordinate(samples, c)));
         let (units, ranges): (Vec<f64>, Vec<f64>) = extents
             .map(|extent| {

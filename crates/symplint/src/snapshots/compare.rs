@@ -8,11 +8,11 @@ use super::pieces::{Curve, Pieces, stored_roundoff};
 use crate::breaks::{Break, Jump, Roughness, find_jumps};
 use crate::error::Error;
 use crate::evidence::{FEWEST_SAMPLES, Motion, Wrap};
+use crate::map::Grain;
 use crate::rules::Defect;
 use crate::rules::{LoopIntegral, OmittedCell, Rule, RuleKind};
 use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
-use crate::state::Coordinates;
-use crate::state::Ensemble;
+use crate::state::{Coordinates, Ensemble, coordinate};
 use crate::survey::motion;
 
 /// A jump of this part of a coordinate's whole range is a wrap in a periodic box: samples leave a gap of up to one
@@ -69,6 +69,8 @@ struct Row {
     roughness: [Roughness; 2],
     /// max |q|, max |p|.
     largest: [f64; 2],
+    /// Rounding errors of the stored values.
+    rounding: [f64; 2],
 }
 
 impl Row {
@@ -90,8 +92,14 @@ impl Row {
         self.largest[1] * q + 0.5 * q * p
     }
 
-    fn roundoff(&self, unit_roundoff: f64) -> f64 {
-        stored_roundoff(&self.increments, self.largest, unit_roundoff)
+    fn roundoff(&self) -> f64 {
+        stored_roundoff(&self.increments, self.rounding)
+    }
+
+    /// Whether the values have fewer digits than double precision.
+    fn is_coarse(&self) -> bool {
+        let rounded = |(rounding, largest): (&f64, &f64)| *rounding > Snapshot::DOUBLE * largest;
+        self.rounding.iter().zip(&self.largest).any(rounded)
     }
 
     /// Whether q jumps by its range where p does not jump.
@@ -108,34 +116,32 @@ impl Row {
     }
 }
 
-/// The rounding error of the values: they may be single precision numbers that someone stored as
-/// doubles.
-fn unit_roundoff(snapshot: &Snapshot) -> f64 {
-    let states = &snapshot.states;
-    let is_single = |value: &f64| f64::from(*value as f32) == *value;
-    let all_single = [states.q(), states.p()]
-        .iter()
-        .all(|rows| (0..rows.count()).all(|i| rows.row(i).iter().all(is_single)));
-    if all_single {
-        snapshot.unit_roundoff.max(Snapshot::SINGLE)
-    } else {
-        snapshot.unit_roundoff
-    }
-}
-
 fn rows(snapshot: &Snapshot, coordinates: &Coordinates) -> Vec<Row> {
     let states = &snapshot.states;
-    let unit_roundoff = unit_roundoff(snapshot);
-    (0..states.dof())
+    let dof = states.dof();
+    // They may be decimals, or single precision, that someone stored as doubles; and the code may have read such ones.
+    let grain = Grain::of(states.samples(), dof, |c, k| coordinate(states, c)[k]);
+    let of_grain = |c: usize| {
+        grain
+            .as_ref()
+            .map_or(0.0, |grain| 0.5 * grain.of_coordinate(c))
+    };
+    (0..dof)
         .into_par_iter()
-        .map(|dof| {
-            let period = coordinates.period(dof);
-            let increments = Increments::of(states, dof, period, unit_roundoff);
+        .map(|i| {
+            let largest = [i, dof + i].map(|c| Extent::of(coordinate(states, c)).magnitude());
+            let stored = snapshot.unit_roundoff.max(Snapshot::DOUBLE);
+            let rounding = [
+                of_grain(i).max(stored * largest[0]),
+                of_grain(dof + i).max(stored * largest[1]),
+            ];
+            let increments = Increments::of(states, i, coordinates.period(i), rounding);
             let roughness = increments
                 .each_ref()
                 .map(|x| find_jumps(&x.values, x.floor));
             Row {
-                largest: [states.q(), states.p()].map(|x| Extent::of(x.row(dof)).magnitude()),
+                largest,
+                rounding,
                 increments,
                 roughness,
             }
@@ -201,9 +207,8 @@ fn smooth(
             .map(|(dof, row)| coordinates.weight(dof).abs() * of(row))
             .sum()
     };
-    let unit_roundoff = unit_roundoff(snapshot);
-    if unit_roundoff > Snapshot::DOUBLE {
-        integral.roundoff += weighted(&|row| row.roundoff(unit_roundoff));
+    if rows.iter().any(Row::is_coarse) {
+        integral.roundoff += weighted(&Row::roundoff);
     }
     let unresolved = (rows.iter().flat_map(|row| &row.roughness)).any(|rough| rough.unresolved);
     integral.quadrature_error = (integral.quadrature_error)
@@ -276,7 +281,6 @@ impl<'a> Initial<'a> {
             })
             .collect();
         let found = breaks(rows, samples, |jump| jump.confirmed);
-        let unit_roundoff = unit_roundoff(after).max(Snapshot::DOUBLE);
         let unresolved = (rows.iter().flat_map(|row| &row.roughness)).any(|rough| rough.unresolved);
 
         let (mut value, mut chord) = (CompensatedSum::default(), CompensatedSum::default());
@@ -296,7 +300,7 @@ impl<'a> Initial<'a> {
                 error += size * part.steep;
             }
             scale += size * part.scale;
-            roundoff += size * (row.roundoff(unit_roundoff) + 2.0 * UNIT_ROUNDOFF * part.scale);
+            roundoff += size * (row.roundoff() + 2.0 * UNIT_ROUNDOFF * part.scale);
         }
         let total = value.total() + chord.total();
         if !(total.abs() + scale + error + roundoff).is_finite() {

@@ -3,7 +3,7 @@
 //! They are differences: a shift of the origin changes none of them.
 
 use crate::breaks::rounding;
-use crate::signal::{Extent, unwrap_row};
+use crate::signal::unwrap_row;
 use crate::state::Ensemble;
 
 /// The increments of one coordinate from sample to sample, the last one back to the first.
@@ -17,9 +17,8 @@ pub(super) struct Increments {
 }
 
 impl Increments {
-    /// Of the samples `row` of a coordinate with this period (0: none), stored with relative rounding
-    /// errors of `unit_roundoff`.
-    pub fn new(row: &[f64], period: f64, unit_roundoff: f64) -> Self {
+    /// Of the samples `row` of a coordinate with this period (0: none), stored with rounding errors of this size.
+    pub fn new(row: &[f64], period: f64, rounding_error: f64) -> Self {
         let mut unwrapped = row.to_vec();
         let gain = unwrap_row(&mut unwrapped, period) as f64 * period;
         let n = unwrapped.len();
@@ -32,15 +31,15 @@ impl Increments {
         Increments {
             values,
             gain,
-            floor: rounding(unit_roundoff, Extent::of(&unwrapped).magnitude()),
+            floor: rounding(rounding_error),
         }
     }
 
     /// Positions and momenta of one degree of freedom.
-    pub fn of(ensemble: &Ensemble, dof: usize, period: f64, unit_roundoff: f64) -> [Self; 2] {
+    pub fn of(ensemble: &Ensemble, dof: usize, period: f64, errors: [f64; 2]) -> [Self; 2] {
         [
-            Increments::new(ensemble.q().row(dof), period, unit_roundoff),
-            Increments::new(ensemble.p().row(dof), 0.0, unit_roundoff),
+            Increments::new(ensemble.q().row(dof), period, errors[0]),
+            Increments::new(ensemble.p().row(dof), 0.0, errors[1]),
         ]
     }
 }
@@ -51,7 +50,7 @@ mod tests {
 
     #[test]
     fn the_last_increment_closes_the_loop() {
-        let winding = Increments::new(&[0.1, 0.5, 0.9, 0.3, 0.7], 1.0, f64::EPSILON / 2.0);
+        let winding = Increments::new(&[0.1, 0.5, 0.9, 0.3, 0.7], 1.0, 1e-16);
         assert_eq!(winding.gain, 2.0);
         assert!(winding.values.iter().all(|d| (d - 0.4).abs() < 1e-15));
     }

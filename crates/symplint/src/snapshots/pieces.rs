@@ -5,7 +5,7 @@
 //! the samples do not say, and what that makes uncertain is in the error.
 
 use super::increments::Increments;
-use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
+use crate::signal::{CompensatedSum, Extent};
 
 /// The integral of one degree of freedom, without its weight.
 #[derive(Clone, Copy, Debug, Default)]
@@ -183,15 +183,11 @@ impl Curve<'_> {
     }
 }
 
-/// What rounding of the stored values leaves uncertain in ∮ p dq: `unit_roundoff` of the largest
-/// coordinates, as noise along the loop, three standard deviations of it.
-pub(super) fn stored_roundoff(
-    [q, p]: &[Increments; 2],
-    [largest_q, largest_p]: [f64; 2],
-    unit_roundoff: f64,
-) -> f64 {
+/// What rounding of the stored values leaves uncertain in ∮ p dq: the rounding errors of both coordinates, as noise
+/// along the loop, three standard deviations of it.
+pub(super) fn stored_roundoff([q, p]: &[Increments; 2], [error_q, error_p]: [f64; 2]) -> f64 {
     let length = |x: &Increments| x.values.iter().map(|d| d * d).sum::<f64>().sqrt();
-    let noise = 3.0 * unit_roundoff * (largest_q * length(p) + largest_p * length(q));
+    let noise = 3.0 * (error_q * length(p) + error_p * length(q));
     // A winding loop adds the mean of p, which is rounded.
-    noise + UNIT_ROUNDOFF.max(unit_roundoff) * largest_p * q.gain.abs()
+    noise + error_p * q.gain.abs()
 }

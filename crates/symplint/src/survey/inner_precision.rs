@@ -27,6 +27,9 @@ const PARTS: [f64; 2] = [0.02, 4.0];
 /// Those of the map.
 pub(crate) fn inner_precision(subject: Subject<'_>, h: f64) -> Result<Option<Grain>, Error> {
     let dof = subject.dof();
+    if !Grain::is_affordable(dof) {
+        return Ok(None);
+    }
     let samples = Ensemble::sample(subject.phase_loop, SAMPLES)?;
     let Some((grain, stair)) = Grain::of_single_precision(&samples) else {
         return Ok(None);
