@@ -219,6 +219,19 @@ pub enum Error {
         /// What rounding leaves uncertain of it.
         roundoff: f64,
     },
+    /// A loop that does not end where it begins.
+    #[error(
+        "the loop is not closed: {coordinate} of degree of freedom {dof} is {gap:e} away from where it began when s \
+         reaches 1; let s run through full turns (2π, not 6.28), or state the period of the coordinate"
+    )]
+    OpenLoop {
+        /// `'q'` or `'p'`.
+        coordinate: char,
+        /// Degree of freedom.
+        dof: usize,
+        /// The widest gap of all coordinates.
+        gap: f64,
+    },
     /// The loop integral of the initial loop vanishes, so a relative defect has no meaning.
     #[error(
         "the initial loop encloses no area: its loop integral is {integral:e} where its size would \

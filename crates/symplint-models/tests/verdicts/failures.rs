@@ -2,7 +2,8 @@
 
 use symplint::diagnosis::SampleCount;
 use symplint::error::StateAt;
-use symplint::{Block, Diagnostic, Error, PerSample, StepFailure, TimeAdvance, VerdictKind};
+use symplint::rules::Piecewise;
+use symplint::{Block, Diagnostic, Error, PerSample, Rule, StepFailure, TimeAdvance, VerdictKind};
 
 use crate::{circle, diagnose};
 
@@ -118,4 +119,41 @@ fn random_loops_may_leave_the_domain_of_the_map() {
     let flat = circle(&[0.0; 2], &[0.3; 2], 1.0).on(&[0]).unwrap();
     let verdict = diagnose(&Diagnostic::default(), &two, &flat).verdict;
     assert_eq!(verdict.kind, VerdictKind::NotSymplectic, "{verdict:?}");
+}
+
+#[test]
+fn steps_of_any_size_do_not_panic() {
+    type Step = fn(f64, &mut [f64], &mut [f64]);
+    let steps: [Step; 4] = [
+        |h, q, p| {
+            p[0] -= h / q[0];
+            q[0] += h * p[0];
+        },
+        |h, q, p| {
+            p[0] -= h * q[0].signum();
+            q[0] += h * p[0];
+        },
+        |h, q, p| {
+            p[0] -= h * q[0].powi(3);
+            q[0] += 1e-300 * h * p[0];
+        },
+        |h, q, _| q[0] = h * q[0].tan(),
+    ];
+    for step in steps {
+        let map = PerSample::new(1, step);
+        for exponent in [-300, -200, -20, 5, 100, 153, 155, 200, 300] {
+            for radius in [1e-12, 1.0, 1e100] {
+                for rule in [Rule::Auto, Rule::Piecewise(Piecewise::default())] {
+                    let diagnostic = Diagnostic {
+                        rule,
+                        budget: Some(3_000),
+                        step_sizes: vec![10f64.powi(exponent)],
+                        ..Diagnostic::default()
+                    };
+                    let on = circle(&[0.4], &[0.7], radius);
+                    let _ = diagnostic.run(&map, &on);
+                }
+            }
+        }
+    }
 }

@@ -15,7 +15,7 @@ use crate::evidence::{
     BreakAt, Evidence, LoopEvidence, LoopKind, Motion, Omission, Point, StepEvidence, Sweep,
 };
 use crate::jacobian::JacobianTest;
-use crate::loops::Loop;
+use crate::loops::{Loop, check_closed};
 use crate::map::{EvaluationCount, Evaluator, LoopSize, TimeAdvance};
 use crate::rules::{Rule, RuleKind, Subject};
 use crate::state::Ensemble;
@@ -33,7 +33,7 @@ impl Diagnostic {
     ///
     /// # Errors
     /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, the map gives
-    /// different states for the same one, the loop encloses no area, or the map fails on the given loop or
+    /// different states for the same one, the loop is not closed or encloses no area, or the map fails on the given loop or
     /// returns states that are not finite.
     pub fn measure(
         &self,
@@ -53,6 +53,7 @@ impl Diagnostic {
         let count = EvaluationCount::new(budget);
         let evaluator = Evaluator::new(map, &count)?;
         evaluator.check_dof(phase_loop.dof())?;
+        check_closed(phase_loop, evaluator.coordinates())?;
         let subject = Subject {
             evaluator: &evaluator,
             phase_loop,
@@ -70,10 +71,13 @@ impl Diagnostic {
         let largest = diagnostic.largest_step();
         let plan = Plan::new(diagnostic, budget, &evaluator);
         survey::check_purity(&evaluator, phase_loop, largest, plan.purity_samples)?;
-        if budget >= LEAST_FOR_PRECISION
-            && let Some(grain) = survey::inner_precision(subject, largest)?
-        {
-            evaluator.note_inner_grain(grain);
+        if budget >= LEAST_FOR_PRECISION {
+            match survey::inner_precision(subject, largest) {
+                Ok(Some(grain)) => evaluator.note_inner_grain(grain),
+                // Samples of the loop will show it, or miss it.
+                Err(error) if of_the_map(&error) => {}
+                found => drop(found?),
+            }
         }
         evidence.evaluations.purity = count.made() - evidence.evaluations.step_sizes;
         let mut run = Run {

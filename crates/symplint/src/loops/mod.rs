@@ -1,12 +1,14 @@
 //! Closed loops of initial states γ(s), s in [0, 1).
 
 mod circle;
+mod closed;
 mod fourier;
 mod sampled;
 mod sampling;
 mod turn;
 
 pub use circle::Circle;
+pub(crate) use closed::check_closed;
 pub use fourier::FourierLoop;
 pub use sampled::SampledLoop;
 pub(crate) use sampling::sample_block;

@@ -1,0 +1,108 @@
+//! Whether a loop is closed.
+
+use super::Loop;
+use crate::error::Error;
+use crate::signal::nearest;
+use crate::state::{Coordinates, Ensemble, coordinate, period};
+
+/// A part of the loop on which it hardly moves: round its end, a loop of a few modes moves by 1e-8 of its size.
+const SHORT: f64 = 1.0 / (1 << 30) as f64;
+
+/// From its last point to its first a loop moves by as much as beside them. It has a gap if it is so many times that,
+/// at a corner, too.
+const A_GAP: f64 = 64.0;
+
+/// Rounding of the loop's own arithmetic, in units in the last place.
+const ROUNDINGS: f64 = 64.0;
+
+/// Checks that a loop ends where it begins, but for whole periods.
+///
+/// # Errors
+/// Names the coordinate with the widest gap. Those of states that are not finite are left to whoever samples the loop.
+pub(crate) fn check_closed(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<(), Error> {
+    let s = [1.0 - 2.0 * SHORT, 1.0 - SHORT, 0.0, SHORT];
+    let mut states = Ensemble::zeros(phase_loop.dof(), s.len());
+    phase_loop.sample(&s, &mut states.block());
+    let dof = phase_loop.dof();
+    let open = |c: usize| {
+        let row = coordinate(&states, c);
+        let step = |k: usize| nearest(row[k + 1] - row[k], period(coordinates, c)).abs();
+        let magnitude = row.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let moves = step(0).max(step(2)) + ROUNDINGS * f64::EPSILON * magnitude;
+        let gap = step(1);
+        (gap > A_GAP * moves).then_some((c, gap))
+    };
+    let widest = (0..2 * dof)
+        .filter_map(open)
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    match widest {
+        None => Ok(()),
+        Some((c, gap)) => Err(Error::OpenLoop {
+            coordinate: if c < dof { 'q' } else { 'p' },
+            dof: c % dof,
+            gap,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::loops::{Circle, FourierLoop};
+    use crate::state::Block;
+
+    /// A circle that is run round by an angle that need not be a full turn.
+    struct Turn {
+        centre: f64,
+        angle: f64,
+    }
+
+    impl Loop for Turn {
+        fn dof(&self) -> usize {
+            1
+        }
+        fn sample(&self, s: &[f64], block: &mut Block<'_>) {
+            for (k, s) in s.iter().enumerate() {
+                let (sin, cos) = (self.angle * s).sin_cos();
+                block.q.row_mut(0)[k] = self.centre + sin;
+                block.p.row_mut(0)[k] = cos;
+            }
+        }
+    }
+
+    #[test]
+    fn a_rounded_pi_leaves_a_gap() {
+        let turn = |centre, angle| check_closed(&Turn { centre, angle }, &Coordinates::plain(1));
+        for centre in [0.0, 1e3, 1e6] {
+            assert_eq!(turn(centre, std::f64::consts::TAU), Ok(()));
+            // 6.28, 6.283, 6.28318 and twice 3.141592.
+            for missing in [3.2e-3, 1.9e-4, 5.3e-6, 1.3e-6] {
+                let error = turn(centre, std::f64::consts::TAU - missing).unwrap_err();
+                assert!(matches!(
+                    error,
+                    Error::OpenLoop {
+                        coordinate: 'q',
+                        dof: 0,
+                        ..
+                    }
+                ));
+            }
+        }
+    }
+
+    #[test]
+    fn loops_of_the_library_are_closed_and_may_wind() {
+        let plain = Coordinates::plain(2);
+        let centre = || (vec![1e5, -3.0], vec![0.0, 2.0]);
+        let (q0, p0) = centre();
+        let circle = Circle::new(q0, p0, 1e-3).unwrap().with_random_phases(3);
+        assert_eq!(check_closed(&circle, &plain), Ok(()));
+        let (q0, p0) = centre();
+        let random = FourierLoop::random(q0, p0, &[1.0; 2], &[1e-6; 2], 1).unwrap();
+        assert_eq!(check_closed(&random, &plain), Ok(()));
+        let winding = random.winding(1, 5.0).unwrap();
+        assert!(check_closed(&winding, &plain).is_err());
+        let periodic = plain.with_periods(vec![0.0, 5.0]).unwrap();
+        assert_eq!(check_closed(&winding, &periodic), Ok(()));
+    }
+}
