@@ -156,3 +156,31 @@ fn check(map: &dyn TimeAdvance, on: &Circle, rule: Rule, budget: Option<usize>) 
     };
     diagnostic.run(map, on).unwrap()
 }
+
+#[test]
+fn degrees_of_freedom_at_rest_are_rounded_too() {
+    // Two pendulums, coupled or not, in single precision, of which the loop moves one.
+    for coupling in [0.0, 0.3] {
+        let map = PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+            let (mut x, h) = ([q[0] as f32, q[1] as f32], h as f32);
+            let mut y = [p[0] as f32, p[1] as f32];
+            (0..2).for_each(|i| x[i] += 0.5 * h * y[i]);
+            let between = coupling as f32 * (x[0] - x[1]).sin();
+            y[0] -= h * (x[0].sin() + between);
+            y[1] -= h * (x[1].sin() - between);
+            (0..2).for_each(|i| x[i] += 0.5 * h * y[i]);
+            (0..2).for_each(|i| (q[i], p[i]) = (f64::from(x[i]), f64::from(y[i])));
+        });
+        let circle = Circle::new(vec![0.3, 5.1], vec![0.4, 0.2], 0.3).unwrap();
+        let on = circle.on(&[0]).unwrap();
+        for rule in [Rule::Auto, Rule::Piecewise(Piecewise::default())] {
+            let diagnostic = Diagnostic {
+                rule,
+                ..Diagnostic::default()
+            };
+            let found = diagnostic.run(&map, &on).unwrap().verdict;
+            let right = [VerdictKind::Symplectic, VerdictKind::Undecided];
+            assert!(right.contains(&found.kind), "{coupling}: {found}");
+        }
+    }
+}

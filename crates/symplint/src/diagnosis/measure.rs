@@ -72,11 +72,13 @@ impl Diagnostic {
         let plan = Plan::new(diagnostic, budget, &evaluator);
         survey::check_purity(&evaluator, phase_loop, largest, plan.purity_samples)?;
         if budget >= LEAST_FOR_PRECISION {
-            match survey::inner_precision(subject, largest) {
-                Ok(Some(grain)) => evaluator.note_inner_grain(grain),
+            match survey::is_single_inside(subject, largest) {
+                Ok(true) => evaluator.note_single_inside(),
                 // Samples of the loop will show it, or miss it.
                 Err(error) if of_the_map(&error) => {}
-                found => drop(found?),
+                found => {
+                    found?;
+                }
             }
         }
         evidence.evaluations.purity = count.made() - evidence.evaluations.step_sizes;
@@ -245,6 +247,7 @@ impl Run<'_> {
     fn sweep_samples(&mut self, probe: &Probe<'_>, sweep: &SampleSweep) -> Result<(), Error> {
         (self.watch)(Event::Planned(sweep.counts.len()));
         let (h, subject) = (sweep.step_size, probe.subject);
+        subject.evaluator.begin_loop();
         let mut refined: Option<RefinedSamples<'_>> = None;
         let start = self.count.made();
         for (k, &samples) in sweep.counts.iter().enumerate() {

@@ -30,7 +30,7 @@ pub(super) fn step_sizes(subject: Subject<'_>, typical: f64) -> Result<Vec<f64>,
                     break;
                 }
                 // θ grows with h as long as it is small.
-                let by = (PHASE_ADVANCE / theta).log2().floor().clamp(-30.0, 30.0);
+                let by = (PHASE_ADVANCE / theta).log2().floor().clamp(-8.0, 8.0);
                 exponent + by as i32
             }
             Err(error) if of_the_map(&error) => {
@@ -51,7 +51,7 @@ pub(super) fn step_sizes(subject: Subject<'_>, typical: f64) -> Result<Vec<f64>,
             break;
         }
     }
-    let moderate = |&&(_, theta): &&(i32, f64)| theta <= 2.0 * PHASE_ADVANCE;
+    let moderate = |&&(_, theta): &&(i32, f64)| theta <= PHASE_ADVANCE;
     let largest = (tried.iter().filter(moderate).max_by_key(|(k, _)| *k))
         .or_else(|| tried.iter().min_by_key(|(k, _)| *k));
     match (largest, failure) {
@@ -60,6 +60,7 @@ pub(super) fn step_sizes(subject: Subject<'_>, typical: f64) -> Result<Vec<f64>,
             let largest = found.map_or(0, |(k, _)| *k);
             Ok((0..HALVINGS)
                 .map(|k| typical * 2f64.powi(largest - k))
+                .filter(|h| h.is_normal())
                 .collect())
         }
     }

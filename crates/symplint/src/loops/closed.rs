@@ -30,6 +30,13 @@ pub(crate) fn check_closed(phase_loop: &dyn Loop, coordinates: &Coordinates) -> 
         let magnitude = row.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let moves = step(0).max(step(2)) + ROUNDINGS * f64::EPSILON * magnitude;
         let gap = step(1);
+        // In single precision it does not move on so short a part.
+        let single = f64::from(f32::EPSILON) * magnitude;
+        let moves = if step(0) + step(2) == 0.0 {
+            moves.max(single)
+        } else {
+            moves
+        };
         (gap > A_GAP * moves).then_some((c, gap))
     };
     let widest = (0..2 * dof)

@@ -1,7 +1,7 @@
 //! The one place where maps are called.
 
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, PoisonError, RwLock};
 
 use rayon::prelude::*;
 
@@ -20,10 +20,10 @@ pub(crate) struct Evaluator<'a> {
     /// Substeps that make up the step; fewer than the map has for [`prefix`](Self::prefix).
     substeps: usize,
     count: &'a EvaluationCount,
-    /// The grain of the states that were returned, once there are enough of them.
-    grain: OnceLock<Grain>,
-    /// The grain inside the map.
-    inner_grain: OnceLock<Grain>,
+    /// The grain of the states that were returned of the present loop, once there are enough of them.
+    grain: RwLock<Option<Arc<Grain>>>,
+    /// Whether the map works in single precision inside.
+    single_inside: AtomicBool,
 }
 
 /// Evaluations made so far, and how many may be made.
@@ -95,8 +95,8 @@ impl<'a> Evaluator<'a> {
             coordinates,
             substeps: map.substeps(),
             count,
-            grain: OnceLock::new(),
-            inner_grain: OnceLock::new(),
+            grain: RwLock::default(),
+            single_inside: AtomicBool::new(false),
         })
     }
 
@@ -107,8 +107,8 @@ impl<'a> Evaluator<'a> {
             coordinates: self.coordinates.clone(),
             substeps,
             count: self.count,
-            grain: OnceLock::new(),
-            inner_grain: self.inner_grain.clone(),
+            grain: RwLock::default(),
+            single_inside: AtomicBool::new(self.single_inside.load(Ordering::Relaxed)),
         }
     }
 
@@ -188,26 +188,29 @@ impl<'a> Evaluator<'a> {
         self.advance_blocks(states.blocks(), width, 0, h, fill)
     }
 
-    /// Takes note of coordinates c of states k round a loop that the map returned, if the grain is not known yet.
+    /// Takes note of coordinates c of states k round a loop that the map returned, if its grain is not known yet.
     pub fn learn_grain(&self, samples: usize, value: impl Fn(usize, usize) -> f64) {
-        if self.grain.get().is_none()
-            && let Some(grain) = Grain::of(samples, self.dof(), value)
-        {
-            // Whoever comes first.
-            let _ = self.grain.set(grain);
+        if self.grain().is_none() {
+            let single_inside = self.single_inside.load(Ordering::Relaxed);
+            let found = Grain::of(samples, &self.coordinates, single_inside, value);
+            *self.grain.write().unwrap_or_else(PoisonError::into_inner) = found.map(Arc::new);
         }
     }
 
-    /// The grain of the map, as far as it is known: of the states that it returns, or else inside.
-    pub fn grain(&self) -> Option<&Grain> {
-        let of_states = self.grain.get().filter(|grain| grain.is_coarse());
-        of_states.or_else(|| self.inner_grain.get())
+    /// Another loop is advanced from now on: its grain is not known.
+    pub fn begin_loop(&self) {
+        *self.grain.write().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
-    /// Takes note of the grain inside the map.
-    pub fn note_inner_grain(&self, grain: Grain) {
-        // Whoever comes first.
-        let _ = self.inner_grain.set(grain);
+    /// The grain of the map on the present loop, as far as it is known.
+    pub fn grain(&self) -> Option<Arc<Grain>> {
+        let grain = self.grain.read().unwrap_or_else(PoisonError::into_inner);
+        grain.clone()
+    }
+
+    /// Takes note that the map works in single precision inside.
+    pub fn note_single_inside(&self) {
+        self.single_inside.store(true, Ordering::Relaxed);
     }
 
     /// The same for blocks of `width` samples each, of which the first begins with sample `first`.

@@ -1,7 +1,7 @@
 //! The grain of a map: the distance of neighbouring values that it returns.
 
-use crate::signal::{Digits, Extent};
-use crate::state::{Coordinates, Ensemble, coordinate};
+use crate::signal::{Digits, Extent, Turns};
+use crate::state::{Coordinates, period};
 
 /// Samples that are looked at: more than the different values that tell a format.
 const SAMPLES: usize = 64;
@@ -19,8 +19,8 @@ const GRAINS_OF_A_JUMP: f64 = 16.0;
 /// circle's width, on the average.
 const STAIRS: f64 = 4.0;
 
-/// A stair wider than this part of the loop leaves no shape to it.
-const WIDEST_STAIR: f64 = 1e-3;
+/// What is rounded in other coordinates hides no jump larger than sixteen times this part of a coordinate's range.
+const MOST_OF_OTHERS: f64 = 3e-3;
 
 /// By how much rounding moves each coordinate, where a map returns numbers of fewer digits than double precision:
 /// single precision, or decimals.
@@ -30,28 +30,49 @@ const WIDEST_STAIR: f64 = 1e-3;
 /// what is typical of all positions, or all momenta, for every one.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Grain {
+    /// Distance of neighbouring values of each coordinate.
+    units: Vec<f64>,
+    /// By how much rounding of all of them moves it.
     sizes: Vec<f64>,
     ranges: Vec<f64>,
 }
 
 impl Grain {
-    /// From coordinates c of states k round a loop that the map returned; `None` of too few.
-    pub fn of(samples: usize, dof: usize, value: impl Fn(usize, usize) -> f64) -> Option<Self> {
+    /// From coordinates c of states k round a loop that the map returned; `None` of too few. A map that works in
+    /// single precision inside rounds to that at least.
+    pub fn of(
+        samples: usize,
+        coordinates: &Coordinates,
+        single_inside: bool,
+        value: impl Fn(usize, usize) -> f64,
+    ) -> Option<Self> {
+        let dof = coordinates.dof();
         if samples < FEWEST || !Self::is_affordable(dof) {
             return None;
         }
         let every = samples.div_ceil(SAMPLES);
         let of_coordinate = |c: usize| {
             let (mut digits, mut extent) = (Digits::default(), Extent::default());
+            let (mut turns, mut largest) = (Turns::default(), 0.0f64);
             for k in (0..samples).step_by(every) {
                 digits.add(value(c, k));
-                extent.include(value(c, k));
+                extent.include(turns.unwrap(value(c, k), period(coordinates, c)));
+                largest = largest.max(value(c, k).abs());
             }
-            (digits.few().map_or(0.0, |(_, unit)| unit), extent.length())
+            let unit = digits.few().map_or(0.0, |(_, unit)| unit);
+            let inside = match single_inside {
+                true => f64::from(f32::EPSILON) * largest,
+                false => 0.0,
+            };
+            (unit.max(inside), extent.length())
         };
         let (units, ranges): (Vec<f64>, Vec<f64>) = (0..2 * dof).map(of_coordinate).unzip();
         let sizes = spread(&units, &ranges);
-        Some(Grain { sizes, ranges })
+        Some(Grain {
+            units,
+            sizes,
+            ranges,
+        })
     }
 
     /// Whether a grain of so many degrees of freedom fits into little memory.
@@ -59,32 +80,10 @@ impl Grain {
         dof <= MOST_DOF
     }
 
-    /// That of a map that works in single precision, from samples of a loop; and the part of the loop on which the
-    /// coordinate that is rounded most, for its range, moves by one rounding. `None` where all coordinates are 0, or
-    /// single precision leaves nothing of the loop.
-    pub fn of_single_precision(samples: &Ensemble) -> Option<(Self, f64)> {
-        let extents = (0..2 * samples.dof()).map(|c| Extent::of(coordinate(samples, c)));
-        let (units, ranges): (Vec<f64>, Vec<f64>) = extents
-            .map(|extent| {
-                (
-                    f64::from(f32::EPSILON) * extent.magnitude(),
-                    extent.length(),
-                )
-            })
-            .unzip();
-        let relative = units.iter().zip(&ranges).filter(|(_, range)| **range > 0.0);
-        let most = relative
-            .map(|(unit, range)| unit / range)
-            .fold(0.0, f64::max);
-        // A coordinate goes there and back.
-        let stair = 0.5 * most;
-        let sizes = spread(&units, &ranges);
-        (stair > 0.0 && stair < WIDEST_STAIR).then_some((Grain { sizes, ranges }, stair))
-    }
-
-    /// Whether any coordinate has fewer digits than double precision.
-    pub fn is_coarse(&self) -> bool {
-        self.sizes.iter().any(|&size| size > 0.0)
+    /// The largest unit, as a part of the range of its coordinate.
+    pub fn largest_part(&self) -> f64 {
+        let moving = (self.units.iter().zip(&self.ranges)).filter(|(_, range)| **range > 0.0);
+        moving.map(|(unit, range)| unit / range).fold(0.0, f64::max)
     }
 
     /// Of a coordinate, positions first; 0 where it has all digits of double precision.
@@ -111,7 +110,8 @@ impl Grain {
 
     /// Whether a jump of a coordinate is larger than rounding makes.
     pub fn is_exceeded(&self, c: usize, jump: f64) -> bool {
-        jump.abs() > GRAINS_OF_A_JUMP * self.sizes[c]
+        let of_others = self.sizes[c].min(MOST_OF_OTHERS * self.ranges[c]);
+        jump.abs() > GRAINS_OF_A_JUMP * self.units[c].max(of_others)
     }
 }
 
@@ -151,15 +151,21 @@ mod tests {
                 0 => unit * (1.5e3 * (k as f64).sin()).round() / 1e3,
                 _ => 0.25 * (k as f64).cos() / unit,
             };
-            let grain = Grain::of(64, 1, value).unwrap();
+            let grain = Grain::of(64, &Coordinates::plain(1), false, value).unwrap();
             assert!((grain.of_coordinate(0) / unit - 1e-3).abs() < 1e-12);
             assert!((grain.of_coordinate(1) * unit - 0.5e-3 / 3.0).abs() < 1e-6);
             assert!(grain.is_exceeded(0, -0.017 * unit) && !grain.is_exceeded(0, 0.015 * unit));
         }
-        let exact = Grain::of(64, 1, |c, k| (c as f64 + 0.3 * k as f64).sin()).unwrap();
+        let exact = Grain::of(64, &Coordinates::plain(1), false, |c, k| {
+            (c as f64 + 0.3 * k as f64).sin()
+        })
+        .unwrap();
         assert_eq!(exact.sizes, [0.0; 2]);
         assert_eq!(exact.of_integral(&Coordinates::plain(1)), 0.0);
-        assert_eq!(Grain::of(23, 1, |_, _| 0.0), None);
+        assert_eq!(
+            Grain::of(23, &Coordinates::plain(1), false, |_, _| 0.0),
+            None
+        );
     }
 
     #[test]
@@ -173,6 +179,7 @@ mod tests {
                     (x * stairs).round() / stairs
                 };
                 let grain = Grain {
+                    units: vec![1.0 / stairs; 2],
                     sizes: vec![1.0 / stairs; 2],
                     ranges: vec![2.0; 2],
                 };
@@ -200,7 +207,25 @@ mod tests {
             let x = if c == 1 || c == 3 { 50.0 + 1e-5 * x } else { x };
             f64::from(x as f32)
         };
-        let grain = Grain::of(64, 2, value).unwrap();
+        let grain = Grain::of(64, &Coordinates::plain(2), false, value).unwrap();
         assert!(grain.is_exceeded(0, 1e-5), "{grain:?}");
+        // Not even of its own degree of freedom, but small ones.
+        let value = |c: usize, k: usize| match c {
+            0 => 1e-2 * (0.37 * k as f64).sin(),
+            _ => f64::from((50.0 + 1e-5 * (0.37 * k as f64).cos()) as f32),
+        };
+        let grain = Grain::of(64, &Coordinates::plain(1), false, value).unwrap();
+        assert!(grain.is_exceeded(0, 1e-3), "{grain:?}");
+    }
+
+    #[test]
+    fn a_loop_across_the_end_of_a_period_is_no_wider() {
+        let periodic = Coordinates::plain(1).with_periods(vec![1.0]).unwrap();
+        let value = |c: usize, k: usize| match c {
+            0 => (1e-3 * (k as f64).sin()).rem_euclid(1.0),
+            _ => f64::from((k as f64).cos() as f32),
+        };
+        let grain = Grain::of(64, &periodic, false, value).unwrap();
+        assert!(grain.of_coordinate(0) < 1e-9, "{grain:?}");
     }
 }

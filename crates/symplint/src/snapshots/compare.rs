@@ -120,7 +120,9 @@ fn rows(snapshot: &Snapshot, coordinates: &Coordinates) -> Vec<Row> {
     let states = &snapshot.states;
     let dof = states.dof();
     // They may be decimals, or single precision, that someone stored as doubles; and the code may have read such ones.
-    let grain = Grain::of(states.samples(), dof, |c, k| coordinate(states, c)[k]);
+    let grain = Grain::of(states.samples(), coordinates, false, |c, k| {
+        coordinate(states, c)[k]
+    });
     let of_grain = |c: usize| {
         grain
             .as_ref()

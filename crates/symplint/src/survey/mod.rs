@@ -6,7 +6,7 @@ mod precision;
 mod purity;
 mod windings;
 
-pub(crate) use inner_precision::inner_precision;
+pub(crate) use inner_precision::{STATES as PRECISION_STATES, is_single_inside};
 pub(crate) use purity::check_purity;
 pub(crate) use windings::winds;
 

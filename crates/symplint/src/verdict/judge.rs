@@ -274,7 +274,11 @@ impl<'a> Case<'a> {
             true => (false, motion.deformation),
             false => (true, motion.phase_advance),
         };
+        // Loops that wind, or bound no defect, acquit nobody, unless there are no others.
+        let counts = |found: &LoopEvidence| !found.winds && found.is_bounded();
+        let any = self.loops.iter().any(counts);
         (self.steps())
+            .filter(|(found, _)| !any || counts(found))
             .filter_map(|(_, step)| Some((step.motion?, step.step_size)))
             .reduce(|a, b| match strength(&b.0) > strength(&a.0) {
                 true => b,

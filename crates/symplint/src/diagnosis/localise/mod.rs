@@ -35,6 +35,7 @@ impl Diagnostic {
             phase_loop: (random.as_ref()).map_or(subject.phase_loop, |random| random),
             ..subject
         };
+        subject.evaluator.begin_loop();
         let left = subject.evaluator.count().left();
         let piecewise = self.affordable(subject.dof(), plan, left / 2);
         let (rule, samples) = match (found.rule, self.rule) {

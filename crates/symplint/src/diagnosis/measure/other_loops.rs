@@ -137,6 +137,7 @@ impl Run<'_> {
         subject: Subject<'_>,
         known: bool,
     ) -> Result<(), Error> {
+        subject.evaluator.begin_loop();
         let diagnostic = self.diagnostic;
         let left = self.left();
         let with = Resolution {

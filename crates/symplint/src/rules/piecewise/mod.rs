@@ -214,7 +214,12 @@ impl Piecewise {
             .flat_map(|piece| (0..lobatto::NODES).map(|k| piece.image(k)));
         let at_nodes: Vec<&Image> = at_nodes.collect();
         evaluator.learn_grain(at_nodes.len(), |c, k| at_nodes[k].after()[c]);
-        let scales = Scales::new(&at_nodes, coordinates, self.tolerance, evaluator.grain());
+        let scales = Scales::new(
+            &at_nodes,
+            coordinates,
+            self.tolerance,
+            evaluator.grain().as_deref(),
+        );
         let budget = Budget::new(most_evaluations, evaluations);
         let mut refinement = Refinement::new(curves, coordinates, scales, budget, samples);
         refinement.run(0, pieces)?;
