@@ -60,7 +60,7 @@ pub(crate) fn is_single_inside(subject: Subject<'_>, h: f64) -> Result<bool, Err
         });
         let noise: Vec<f64> = sites.collect();
         let noisy = noise.iter().filter(|&&noise| noise > PARTS[0]).count();
-        // By chance one may be small. One that is larger is a break or a kink.
+        // The sixth difference at one site may be small. A larger one comes from a break or a kink.
         noisy + 1 >= SITES.len() && noise.iter().all(|&noise| noise < PARTS[1])
     };
     Ok((0..2 * dof).any(shows))
