@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::evidence::{
     BreakAt, Evidence, LoopEvidence, LoopKind, Motion, Omission, Point, StepEvidence, Sweep,
 };
-use crate::jacobian::JacobianTest;
+use crate::jacobian::{JacobianEvidence, JacobianTest};
 use crate::loops::{Loop, check_closed};
 use crate::map::{EvaluationCount, Evaluator, LoopSize, TimeAdvance};
 use crate::rules::{Rule, RuleKind, Subject};
@@ -94,6 +94,7 @@ impl Diagnostic {
         run.random_loops(subject, &given)?;
         run.long_time(&given)?;
         run.jacobian(subject, &given);
+        run.look_for_manifold(subject, &given)?;
         run.localise(subject, &given);
         if let Some(sweep) = &self.sample_sweep {
             run.sweep_samples(&given.probe, sweep)?;
@@ -377,9 +378,36 @@ impl Run<'_> {
         self.evidence.evaluations.jacobian = self.count.made() - start;
     }
 
+    /// Where only what nobody asked for has a defect, looks whether it lies outside the domain of the map: whether the map
+    /// projects onto a manifold, which the given loop keeps to.
+    fn look_for_manifold(&mut self, subject: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
+        let (of_user, others) = self.evidence.loops.split_at(1);
+        let suspect = |found: &LoopEvidence| {
+            !found.winds && (found.failure.is_some() || found.shows_defect())
+        };
+        let by_jacobian = self.evidence.jacobian.as_ref();
+        let only_others = !of_user[0].shows_defect()
+            && (others.iter().any(suspect)
+                || by_jacobian.is_some_and(JacobianEvidence::shows_defect));
+        let affordable = self.count.left() >= survey::singular_cost(subject.dof());
+        if !only_others || !affordable || subject.evaluator.constraint().is_some() {
+            return Ok(());
+        }
+        let start = self.count.made();
+        match survey::singular_jacobian(subject, &given.size, self.largest) {
+            Ok(found) => self.evidence.survey.singular = found,
+            // Beside the loop the map need not be defined.
+            Err(error) if of_the_map(&error) => {}
+            Err(error) => return Err(error),
+        }
+        self.evidence.evaluations.jacobian += self.count.made() - start;
+        Ok(())
+    }
+
     /// Looks where a defect comes from, on the first loop that shows it.
     fn localise(&mut self, subject: Subject<'_>, given: &Given<'_>) {
-        if !self.diagnostic.localise || given.probe.is_beyond_memory() {
+        let off_manifold = self.evidence.survey.singular.is_some();
+        if !self.diagnostic.localise || off_manifold || given.probe.is_beyond_memory() {
             return;
         }
         let broken = (self.evidence.loops.iter())

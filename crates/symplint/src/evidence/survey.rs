@@ -8,6 +8,24 @@ use serde::{Deserialize, Serialize};
 pub struct Survey {
     /// How coarsely the map rounds the states that it returns, if it does more than double precision does.
     pub output_precision: Option<OutputPrecision>,
+    /// Whether the Jacobian of a step is singular at points of the given loop. It is looked at where random loops or the
+    /// Jacobian show a defect that the given loop does not have.
+    #[serde(default)]
+    pub singular: Option<SingularJacobian>,
+}
+
+/// A Jacobian with a direction that the step projects away, as that of a map onto a constraint manifold. In canonical
+/// units: of a symplectic map singular values come in pairs σ and 1/σ.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SingularJacobian {
+    /// The loop parameter of the point.
+    pub s: f64,
+    /// The smallest singular value.
+    pub smallest: f64,
+    /// The largest one.
+    pub largest: f64,
+    /// Their uncertainty.
+    pub uncertainty: f64,
 }
 
 /// Returned states that have fewer digits than double precision, where those before the step have not.

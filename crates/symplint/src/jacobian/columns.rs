@@ -14,6 +14,8 @@ pub(super) struct Columns {
     pub point: usize,
     /// No component beyond ±1.
     pub directions: Vec<Vec<f64>>,
+    /// Half the width of the interval in which each component of a direction lies, on a manifold; else none.
+    pub direction_errors: Vec<Vec<f64>>,
     pub derivatives: Vec<Derivative>,
 }
 
@@ -32,6 +34,7 @@ impl Columns {
         Columns {
             point,
             directions,
+            direction_errors: Vec::new(),
             derivatives: Vec::new(),
         }
     }
@@ -63,7 +66,12 @@ impl Columns {
         let defect = |&(i, j): &(usize, usize)| {
             let (u, v) = (&self.directions[i], &self.directions[j]);
             let (of_u, of_v) = (&self.derivatives[i], &self.derivatives[j]);
-            let Estimate { value, error } = frame.change_of_form((u, of_u), (v, of_v));
+            let Estimate { value, mut error } = frame.change_of_form((u, of_u), (v, of_v));
+            if let [error_u, error_v] = [i, j].map(|k| self.direction_errors.get(k))
+                && let (Some(error_u), Some(error_v)) = (error_u, error_v)
+            {
+                error += frame.error_of_form((u, error_u), (v, error_v));
+            }
             let norm = frame.norm(u) * frame.norm(v);
             TangentDefect {
                 s,

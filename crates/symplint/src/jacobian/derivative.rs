@@ -20,6 +20,11 @@ impl Derivative {
         largest(&self.value).max(1.0)
     }
 
+    /// The same along a multiple of the vector, so that the largest component is 1.
+    pub fn to_unit_size(&self) -> Derivative {
+        Derivative::combined(&[(1.0 / largest(&self.value), self)])
+    }
+
     /// The largest error of a component.
     pub fn largest_error(&self) -> f64 {
         largest(&self.error)

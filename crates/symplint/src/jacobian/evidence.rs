@@ -118,6 +118,14 @@ pub struct JacobianPoint {
     pub bound: Option<f64>,
 }
 
+impl JacobianEvidence {
+    /// Whether the largest defect is significant.
+    pub(crate) fn shows_defect(&self) -> bool {
+        self.worst
+            .is_some_and(|worst| worst.is_significant(self.method))
+    }
+}
+
 /// What a [`JacobianTest`](crate::JacobianTest) measured. All numbers are finite.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JacobianEvidence {
@@ -132,6 +140,10 @@ pub struct JacobianEvidence {
     pub not_differentiable: usize,
     /// Whether all pairs of unit vectors were tried, and not only random ones.
     pub full: bool,
+    /// Whether states and tangent vectors were those of the manifold on which the map acts; in full, the vectors
+    /// are a basis of its tangent space then.
+    #[serde(default)]
+    pub projected: bool,
     /// The largest defect of all points, of the significant ones if there is one; with the degrees of freedom
     /// that carry it, if it is significant.
     pub worst: Option<TangentDefect>,

@@ -57,12 +57,17 @@ impl Frame {
 
     /// √(Σ |area| (u_q² + u_p²)): no two tangent vectors have a larger |ω| than the product of theirs.
     pub fn norm(&self, u: &[f64]) -> f64 {
-        let (q, p) = u.split_at(self.dof());
+        self.inner(u, u).sqrt()
+    }
+
+    /// The inner product that belongs to the norm.
+    pub fn inner(&self, u: &[f64], v: &[f64]) -> f64 {
+        let dof = self.dof();
         let mut sum = CompensatedSum::default();
-        for ((area, q), p) in self.area.iter().zip(q).zip(p) {
-            sum.add(area.abs() * (q * q + p * p));
+        for (i, area) in self.area.iter().enumerate() {
+            sum.add(area.abs() * (u[i] * v[i] + u[dof + i] * v[dof + i]));
         }
-        sum.total().sqrt()
+        sum.total()
     }
 
     /// ω(DΦ u, DΦ v) − ω(u, v).
@@ -79,21 +84,25 @@ impl Frame {
             .map(|(a, b)| self.change((u, a), (v, b)).0)
             .map(|of_trial| CONSTANTS.safety * (of_trial - value).abs());
         let error = of_trials.reduce(f64::max).unwrap_or_else(|| {
-            let each = self.area.iter().enumerate().flat_map(|(i, area)| {
-                let other = self.dof() + i;
-                [(i, other, area.abs()), (other, i, area.abs())]
-            });
-            each.map(|(x, y, area)| {
-                let (a, b) = (of_u.value[x].abs(), of_v.value[y].abs());
-                let (error_a, error_b) = (of_u.error[x], of_v.error[y]);
-                area * (error_a * b + (a + error_a) * error_b)
-            })
-            .sum()
+            self.error_of_form((&of_u.value, &of_u.error), (&of_v.value, &of_v.error))
         });
         Estimate {
             value,
             error: error + 4.0 * UNIT_ROUNDOFF * terms,
         }
+    }
+
+    /// What errors of the components of two vectors make of ω(u, v).
+    pub fn error_of_form(&self, (u, of_u): (&[f64], &[f64]), (v, of_v): (&[f64], &[f64])) -> f64 {
+        let each = self.area.iter().enumerate().flat_map(|(i, area)| {
+            let other = self.dof() + i;
+            [(i, other, area.abs()), (other, i, area.abs())]
+        });
+        each.map(|(x, y, area)| {
+            let (a, b) = (u[x].abs(), v[y].abs());
+            area * (of_u[x] * b + (a + of_u[x]) * of_v[y])
+        })
+        .sum()
     }
 
     /// The change, and the sum of the sizes of all its terms.

@@ -9,7 +9,8 @@
 //! derivatives with errors (`richardson`) that take the noise of the map into account (`noise`). A map that
 //! has a tangent map gives derivatives to round-off (`tangents`), once it is found to be that of the map
 //! (`tangent_check`). In many degrees of freedom tangent vectors are random, and a defect is traced to
-//! the two degrees of freedom that carry it (`bisection`).
+//! the two degrees of freedom that carry it (`bisection`). Of a map that acts on a manifold, states and tangent vectors are
+//! those of the manifold (`manifold`).
 
 mod bisection;
 mod columns;
@@ -19,6 +20,7 @@ mod derivative;
 mod directions;
 mod evidence;
 mod frame;
+mod manifold;
 mod noise;
 mod richardson;
 mod sampler;
@@ -134,10 +136,11 @@ impl JacobianTest {
             outcomes = self.outcomes(&mut sampler)?;
         }
         let (method, full) = (sampler.method(), self.is_full(dof));
+        let projected = evaluator.constraint().is_some();
         let points: Vec<JacobianPoint> = outcomes.iter().map(|outcome| outcome.point).collect();
         let mut worst = TangentDefect::worst(method, points.iter().filter_map(|p| p.worst));
         let mut bound = points.iter().filter_map(|p| p.bound).reduce(f64::max);
-        let significant = worst.filter(|worst| !full && worst.is_significant(method));
+        let significant = worst.filter(|worst| !full && !projected && worst.is_significant(method));
         let point = points
             .iter()
             .position(|point| significant.is_some() && point.worst == significant);
@@ -162,6 +165,7 @@ impl JacobianTest {
             method,
             not_differentiable: points.iter().filter(|p| p.worst.is_none()).count(),
             full,
+            projected,
             worst,
             bound,
             deformation: (outcomes.iter().map(|o| o.deformation)).fold(0.0, f64::max),
@@ -176,6 +180,7 @@ impl JacobianTest {
         let (dof, count) = (sampler.frame.dof(), sampler.s.len());
         let at_a_time = sampler.in_a_batch(self.count(dof) * sampler.cost());
         let mut outcomes = Vec::with_capacity(count);
+        let projected = sampler.evaluator.constraint().is_some();
         let mut compared = false;
         while outcomes.len() < count {
             let first = outcomes.len();
@@ -185,9 +190,10 @@ impl JacobianTest {
                 true => 1,
                 false => (first + at_a_time).min(count),
             };
-            let mut columns: Vec<Columns> = (first..last)
-                .map(|point| Columns::new(point, self.directions(dof, point)))
-                .collect();
+            let full = self.is_full(dof);
+            let mut columns = (first..last)
+                .map(|point| sampler.columns(point, self.directions(dof, point), full))
+                .collect::<Result<Vec<Columns>, Error>>()?;
             sampler.differentiate(&mut columns)?;
             if sampler.uses_tangents {
                 compared |= sampler.check_tangents(&columns, self.seed)?;
@@ -195,8 +201,12 @@ impl JacobianTest {
                     return Ok(Vec::new());
                 }
             }
-            let full = self.is_full(dof);
-            outcomes.extend(columns.iter().map(|columns| columns.outcome(sampler, full)));
+            let units = full && !projected;
+            outcomes.extend(
+                columns
+                    .iter()
+                    .map(|columns| columns.outcome(sampler, units)),
+            );
         }
         if sampler.uses_tangents && !compared {
             sampler.rejected = Some(TangentRejection::Unchecked);

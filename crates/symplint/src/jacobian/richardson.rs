@@ -14,7 +14,7 @@ use std::ops::Range;
 use super::constants::CONSTANTS;
 use super::derivative::Derivative;
 
-const LEVELS: usize = CONSTANTS.levels;
+pub(super) const LEVELS: usize = CONSTANTS.levels;
 const DEEPEST: usize = CONSTANTS.deepest;
 
 /// States at ±t for every distance.

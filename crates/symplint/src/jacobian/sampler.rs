@@ -16,7 +16,7 @@ use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::{Evaluator, LoopSize};
 use crate::signal::nearest;
-use crate::state::{Block, Ensemble, coordinate, coordinate_mut};
+use crate::state::{Block, Ensemble, coordinate};
 
 /// A tangent vector at a point, in units of the frame.
 #[derive(Clone, Copy)]
@@ -64,6 +64,9 @@ impl<'a> Sampler<'a> {
         Ensemble::check_size(dof, s.len())?;
         let mut before = Ensemble::zeros(dof, s.len());
         phase_loop.sample(&s, &mut before.block());
+        if let Some(constraint) = evaluator.constraint() {
+            constraint.project(&mut before.block());
+        }
         (before.check_finite(None)).map_err(|error| error.at(|k| StateAt::Loop(s[k])))?;
         let mut sampler = Sampler {
             evaluator,
@@ -202,13 +205,10 @@ impl<'a> Sampler<'a> {
         Ensemble::check_size(dof, columns.len())?;
         let mut states = Ensemble::zeros(dof, columns.len());
         let fill = |first: usize, block: &mut Block<'_>| {
-            let columns = &columns[first..first + block.len()];
-            for c in 0..2 * dof {
-                let (from, size) = (coordinate(&self.before, c), self.frame.size[c]);
-                for (value, (at, by)) in coordinate_mut(block, c).iter_mut().zip(columns) {
-                    *value = from[at.point] + by * at.direction[c] * size;
-                }
-            }
+            self.fill(block, |k| {
+                let (at, by) = columns[first + k];
+                (at.point, at.direction, by)
+            });
             Ok(())
         };
         let state = |k: usize| {

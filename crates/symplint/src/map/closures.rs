@@ -1,8 +1,9 @@
 //! Maps written as closures: of one state, or of a block of states.
 
+use std::convert::Infallible;
 use std::fmt::Display;
 
-use super::{StepFailure, TimeAdvance};
+use super::{Constraint, StepFailure, TimeAdvance};
 use crate::error::Error;
 use crate::state::{Block, Coordinates, scratch};
 
@@ -64,6 +65,39 @@ impl<E: Display> StepOutcome for Result<(), E> {
 pub struct PerSample<F> {
     coordinates: Coordinates,
     step: F,
+    projection: Option<Box<dyn Constraint>>,
+}
+
+/// A projection of one state, given as a closure.
+struct PerSampleProjection<P>(P);
+
+impl<P: Fn(&mut [f64], &mut [f64]) + Send + Sync> Constraint for PerSampleProjection<P> {
+    fn project(&self, block: &mut Block<'_>) {
+        let Ok(()) = each_state(block, |q, p| Ok::<(), Infallible>((self.0)(q, p)));
+    }
+}
+
+/// Calls `act(q, p)` on a copy of every state, and writes it back. An error comes with its sample.
+fn each_state<E>(
+    block: &mut Block<'_>,
+    act: impl Fn(&mut [f64], &mut [f64]) -> Result<(), E>,
+) -> Result<(), (usize, E)> {
+    let dof = block.q.count();
+    scratch::with_buffer(2 * dof, |state| {
+        let (q, p) = state.split_at_mut(dof);
+        for sample in 0..block.len() {
+            for i in 0..dof {
+                q[i] = block.q.row(i)[sample];
+                p[i] = block.p.row(i)[sample];
+            }
+            act(q, p).map_err(|error| (sample, error))?;
+            for i in 0..dof {
+                block.q.row_mut(i)[sample] = q[i];
+                block.p.row_mut(i)[sample] = p[i];
+            }
+        }
+        Ok(())
+    })
 }
 
 impl<F> PerSample<F> {
@@ -76,6 +110,7 @@ impl<F> PerSample<F> {
         PerSample {
             coordinates: Coordinates::plain(dof),
             step,
+            projection: None,
         }
     }
 
@@ -90,6 +125,51 @@ impl<F> PerSample<F> {
             ..self
         })
     }
+
+    /// The same on the manifold that `projection(q, p)` puts a state on, in place: see [`Constraint`].
+    ///
+    /// ```
+    /// use symplint::{Circle, Diagnostic, PerSample, VerdictKind};
+    /// use symplint::map::ProjectedLoop;
+    ///
+    /// // A pendulum of length 1 in Cartesian coordinates by RATTLE: the rod pulls before and after the drift.
+    /// let rod = |q: &[f64], p: &[f64]| q[0] * p[0] + q[1] * p[1];
+    /// let rattle = PerSample::new(2, move |h, q, p| {
+    ///     let at_start = [q[0], q[1]];
+    ///     p[1] -= 0.5 * h;
+    ///     let moved = [q[0] + h * p[0], q[1] + h * p[1]];
+    ///     // |moved + h λ q| = 1 is quadratic in hλ.
+    ///     let (a, b) = (rod(q, q), rod(&moved, q));
+    ///     let pull = (-b + (b * b - a * (rod(&moved, &moved) - 1.0)).sqrt()) / a;
+    ///     for i in 0..2 {
+    ///         q[i] = moved[i] + pull * at_start[i];
+    ///         p[i] += pull / h * at_start[i];
+    ///     }
+    ///     p[1] -= 0.5 * h;
+    ///     let along = rod(q, p);
+    ///     (0..2).for_each(|i| p[i] -= along * q[i]);
+    /// })
+    /// .with_projection(move |q, p| {
+    ///     let length = rod(q, q).sqrt();
+    ///     q.iter_mut().for_each(|q| *q /= length);
+    ///     let along = rod(q, p);
+    ///     (0..2).for_each(|i| p[i] -= along * q[i]);
+    /// });
+    /// let circle = Circle::new(vec![0.6, -0.8], vec![0.4, 0.3], 0.3)?;
+    /// let circle = ProjectedLoop::new(circle, &rattle);
+    /// let diagnosis = Diagnostic::halving(-1, -4).run(&rattle, &circle)?;
+    /// assert_eq!(diagnosis.verdict.kind, VerdictKind::Symplectic);
+    /// # Ok::<(), symplint::Error>(())
+    /// ```
+    pub fn with_projection(
+        self,
+        projection: impl Fn(&mut [f64], &mut [f64]) + Send + Sync + 'static,
+    ) -> Self {
+        PerSample {
+            projection: Some(Box::new(PerSampleProjection(projection))),
+            ..self
+        }
+    }
 }
 
 impl<F, R> TimeAdvance for PerSample<F>
@@ -102,27 +182,16 @@ where
     }
 
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
-        let dof = self.dof();
-        scratch::with_buffer(2 * dof, |state| {
-            let (q, p) = state.split_at_mut(dof);
-            for sample in 0..block.len() {
-                for i in 0..dof {
-                    q[i] = block.q.row(i)[sample];
-                    p[i] = block.p.row(i)[sample];
-                }
-                let outcome = (self.step)(h, q, p).into_result();
-                outcome.map_err(|reason| StepFailure { sample, reason })?;
-                for i in 0..dof {
-                    block.q.row_mut(i)[sample] = q[i];
-                    block.p.row_mut(i)[sample] = p[i];
-                }
-            }
-            Ok(())
-        })
+        each_state(block, |q, p| (self.step)(h, q, p).into_result())
+            .map_err(|(sample, reason)| StepFailure { sample, reason })
     }
 
     fn coordinates(&self) -> Coordinates {
         self.coordinates.clone()
+    }
+
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        self.projection.as_deref()
     }
 }
 
@@ -146,6 +215,16 @@ where
 pub struct PerBlock<F> {
     coordinates: Coordinates,
     step: F,
+    projection: Option<Box<dyn Constraint>>,
+}
+
+/// A projection of all states of a block, given as a closure.
+struct PerBlockProjection<P>(P);
+
+impl<P: Fn(&mut Block<'_>) + Send + Sync> Constraint for PerBlockProjection<P> {
+    fn project(&self, block: &mut Block<'_>) {
+        (self.0)(block);
+    }
 }
 
 impl<F> PerBlock<F>
@@ -157,6 +236,7 @@ where
         PerBlock {
             coordinates: Coordinates::plain(dof),
             step,
+            projection: None,
         }
     }
 
@@ -170,6 +250,17 @@ where
             coordinates,
             ..self
         })
+    }
+
+    /// The same on the manifold that `projection(block)` puts all states of a block on, in place: see [`Constraint`].
+    pub fn with_projection(
+        self,
+        projection: impl Fn(&mut Block<'_>) + Send + Sync + 'static,
+    ) -> Self {
+        PerBlock {
+            projection: Some(Box::new(PerBlockProjection(projection))),
+            ..self
+        }
     }
 }
 
@@ -187,5 +278,9 @@ where
 
     fn coordinates(&self) -> Coordinates {
         self.coordinates.clone()
+    }
+
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        self.projection.as_deref()
     }
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use rayon::prelude::*;
 
-use super::{Grain, StepFailure, TangentMap, TimeAdvance};
+use super::{Constraint, Grain, ProjectedLoop, StepFailure, TangentMap, TimeAdvance};
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::state::{Block, Coordinates, Ensemble, first_error, first_not_finite};
@@ -140,6 +140,16 @@ impl<'a> Evaluator<'a> {
     /// The tangent map, if the map has one. It is called by [`advance_tangents`](Self::advance_tangents).
     pub fn has_tangent(&self) -> bool {
         self.map.tangent().is_some()
+    }
+
+    /// The manifold on which the map acts, if it names one.
+    pub fn constraint(&self) -> Option<&'a dyn Constraint> {
+        self.map.constraint()
+    }
+
+    /// A loop on that manifold.
+    pub fn on_manifold<L: Loop>(&self, phase_loop: L) -> ProjectedLoop<'a, L> {
+        ProjectedLoop::on(phase_loop, self.constraint())
     }
 
     /// The count that evaluations are added to.

@@ -1,12 +1,14 @@
 //! Time-advance maps Φ_h: what is tested.
 
 mod closures;
+mod constraint;
 mod evaluator;
 mod grain;
 mod loop_size;
 mod tangent;
 
 pub use closures::{PerBlock, PerSample, StepOutcome};
+pub use constraint::{Constraint, ProjectedLoop};
 pub(crate) use evaluator::{EvaluationCount, Evaluator};
 pub(crate) use grain::Grain;
 pub(crate) use loop_size::LoopSize;
@@ -111,6 +113,12 @@ pub trait TimeAdvance: Send + Sync {
     fn tangent(&self) -> Option<&dyn TangentMap> {
         None
     }
+
+    /// The manifold on which the map acts, if there is one: with rods of fixed length, say. By default it acts on all of
+    /// phase space.
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        None
+    }
 }
 
 /// Why a map could not advance a sample.
@@ -161,6 +169,9 @@ macro_rules! forward_time_advance {
             }
             fn tangent(&self) -> Option<&dyn TangentMap> {
                 (**self).tangent()
+            }
+            fn constraint(&self) -> Option<&dyn Constraint> {
+                (**self).constraint()
             }
         }
     )*};

@@ -4,10 +4,12 @@ mod inner_precision;
 mod motion;
 mod precision;
 mod purity;
+mod singular;
 mod windings;
 
 pub(crate) use inner_precision::{STATES as PRECISION_STATES, is_single_inside};
 pub(crate) use purity::check_purity;
+pub(crate) use singular::{cost as singular_cost, singular_jacobian};
 pub(crate) use windings::winds;
 
 use crate::error::Error;

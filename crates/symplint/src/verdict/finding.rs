@@ -172,6 +172,15 @@ pub enum Finding {
     },
     /// Loops are conserved, but the Jacobian is not symplectic.
     JacobianRefutes,
+    /// The map projects onto a manifold, and only what leaves the manifold has a defect.
+    Projects {
+        /// The smallest singular value of the Jacobian.
+        smallest: f64,
+        /// What the defect of the given loop does not exceed.
+        given: Option<f64>,
+        /// The random loop with the largest defect, and this defect.
+        beside: Option<(usize, f64)>,
+    },
 
     /// Where the largest jump is.
     Jump {
@@ -397,6 +406,8 @@ pub enum Advice {
     MoreSamplesAndLargerSteps,
     /// Add loops that can be contracted.
     ContractibleLoops,
+    /// Give a projection onto the constraint manifold.
+    Project,
     /// Take a smaller loop that stays in the domain of the map.
     SmallerLoopInDomain,
     /// Take more samples, or a smaller loop.

@@ -237,6 +237,7 @@ mod tests {
             points: vec![point; 4],
             not_differentiable: 0,
             full: true,
+            projected: false,
             worst: Some(worst),
             bound: Some(2e-13),
             deformation: 1.0,

@@ -18,10 +18,15 @@ use crate::rules::Defect;
 /// significant defect proves that a map is not symplectic, and so does one break; the absence of both bounds the
 /// defect for the loops and steps that were tried.
 pub fn judge(evidence: &Evidence) -> Verdict {
-    let fits: Vec<Fit> = evidence.loops.iter().filter_map(fit_order).collect();
+    // Beside the manifold that a map projects onto it conserves nothing, and need not.
+    let counted = match evidence.survey.singular {
+        Some(_) => &evidence.loops[..evidence.loops.len().min(1)],
+        None => &evidence.loops,
+    };
+    let fits: Vec<Fit> = counted.iter().filter_map(fit_order).collect();
     let case = Case {
         evidence,
-        loops: &evidence.loops,
+        loops: counted,
         fits: &fits,
     };
     let mut decision = case.decide();
@@ -73,6 +78,7 @@ impl Decision {
 
 struct Case<'a> {
     evidence: &'a Evidence,
+    /// The loops that lie in the domain of the map.
     loops: &'a [LoopEvidence],
     fits: &'a [Fit],
 }
@@ -87,6 +93,7 @@ impl<'a> Case<'a> {
         (self.no_closed_loop())
             .or_else(|| self.broken())
             .or_else(|| self.not_symplectic())
+            .or_else(|| self.projects())
             .or_else(|| self.undecided())
             .unwrap_or_else(|| self.symplectic())
     }
@@ -242,7 +249,9 @@ impl<'a> Case<'a> {
                 findings.push(Finding::Sectors { sectors, step });
             }
         }
-        if let Some(jacobian) = &evidence.jacobian {
+        if let Some(jacobian) = &evidence.jacobian
+            && evidence.survey.singular.is_none()
+        {
             let finding = compare_jacobian(jacobian, kind, digits);
             findings.push(Finding::Jacobian { finding });
         }

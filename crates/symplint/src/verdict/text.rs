@@ -221,6 +221,29 @@ impl Display for Finding {
             Finding::JacobianRefutes => f.write_str(
                 "The loops are conserved, but the Jacobian of a step is not symplectic.",
             ),
+            Finding::Projects {
+                smallest,
+                given,
+                beside,
+            } => {
+                write!(
+                    f,
+                    "The map projects onto a manifold: its Jacobian is singular at the loop (a direction shrinks to \
+                     {smallest:.1e}). "
+                )?;
+                match given {
+                    Some(bound) => write!(f, "The given loop is conserved to {bound:.1e}")?,
+                    None => f.write_str("The defect of the given loop is not bounded")?,
+                }
+                match beside {
+                    Some((loop_index, defect)) => write!(
+                        f,
+                        "; {}, which leaves the manifold, changes by {defect:.1e}, which proves nothing.",
+                        loop_name(*loop_index)
+                    ),
+                    None => f.write_str("; what leaves the manifold proves nothing."),
+                }
+            }
             Finding::Jump {
                 loop_index,
                 step,

@@ -74,12 +74,12 @@ pub(super) fn sectors(
     let mut whole = 0.0;
     let mut sectors = Vec::with_capacity(SECTORS);
     for k in 0..SECTORS {
-        let boundary = Boundary {
+        let boundary = subject.evaluator.on_manifold(Boundary {
             phase_loop: subject.phase_loop,
             centre: &centre,
             from: edge(k),
             to: edge(k + 1),
-        };
+        });
         let before = rule.integrate_beside(&rest, &boundary, h, None)?.continuous;
         let after = rule
             .integrate_beside(subject.evaluator, &boundary, h, None)

@@ -41,7 +41,7 @@ impl Run<'_> {
                 continue;
             };
             let subject = Subject {
-                phase_loop: &random,
+                phase_loop: &subject.evaluator.on_manifold(random),
                 ..subject
             };
             // The order is that of a full sweep, and a symmetric loop hides terms of lower
@@ -114,7 +114,7 @@ impl Run<'_> {
             return Ok(());
         };
         let subject = Subject {
-            phase_loop: &winding,
+            phase_loop: &subject.evaluator.on_manifold(winding),
             ..subject
         };
         match self.random_loop(index, LoopKind::Winding, subject, true) {

@@ -18,6 +18,28 @@ impl Case<'_> {
         decision
     }
 
+    /// The map projects onto a manifold, and only what leaves the manifold has a defect.
+    pub(super) fn projects(&self) -> Option<Decision> {
+        let singular = self.evidence.survey.singular?;
+        let given = self.loops.first()?;
+        let bounds = given.steps.iter().map(StepEvidence::bound);
+        let others = self
+            .evidence
+            .loops
+            .iter()
+            .skip(1)
+            .filter(|found| !found.winds);
+        let worst = others
+            .flat_map(|found| found.steps.iter().map(move |step| (found, step)))
+            .max_by(|a, b| a.1.defect.magnitude().total_cmp(&b.1.defect.magnitude()));
+        let because = Finding::Projects {
+            smallest: singular.smallest,
+            given: bounds.reduce(f64::max).filter(|bound| bound.is_finite()),
+            beside: worst.map(|(found, step)| (found.index, step.defect.magnitude())),
+        };
+        Some(self.because(because, vec![Advice::Project]))
+    }
+
     pub(super) fn undecided(&self) -> Option<Decision> {
         if let Some((found, step)) = self.worst(StepEvidence::misses_the_grid) {
             return Some(self.because(
