@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use common::{State, distance, stepped};
 use symplint::state::RowsMut;
 use symplint::{Block, Circle, Diagnostic, PerSample, TimeAdvance, VerdictKind};
-use symplint_models::discrete::{HenonMap, StandardMap};
+use symplint_models::discrete::{HenonMap, PendulumRattle, StandardMap};
 use symplint_models::integrators::{
     Boris, ImplicitRungeKutta, RungeKutta, Splitting, StageSolver, Variant, splitting_methods,
     tableaus,
@@ -350,4 +350,34 @@ fn parameters_without_meaning_are_refused() {
     assert!(Chain::new(TodaBond, 1, Ends::Periodic).is_err());
     assert!(FputBond::new(f64::NAN, 0.0).is_err());
     assert!(StandardMap::new(f64::INFINITY).is_err());
+}
+
+/// The rod against the pendulum in its angle, θ' = p/L, p' = −g sin θ: the same motion to order 2, on the circle to
+/// round-off.
+#[test]
+fn a_rod_in_cartesian_coordinates_is_the_pendulum() {
+    let (length, gravity) = (1.7, 0.9);
+    let rod = PendulumRattle::new(length, gravity).unwrap();
+    let angle = PerSample::new(1, move |h, q, p| {
+        let force = |q: f64| -gravity * q.sin();
+        p[0] += 0.5 * h * force(q[0]);
+        q[0] += h * p[0] / length;
+        p[0] += 0.5 * h * force(q[0]);
+    });
+    let fine = run(&angle, 1e-4, 20_000, &(vec![0.8], vec![0.4]));
+    let error = |h: f64| {
+        let (q, p) = rod.state(0.8, 0.4);
+        let steps = (2.0 / h) as usize;
+        let (q, p) = run(&rod, h, steps, &(q.to_vec(), p.to_vec()));
+        assert!((q[0].hypot(q[1]) - length).abs() < 1e-14);
+        assert!((q[0] * p[0] + q[1] * p[1]).abs() < 1e-14);
+        let (expected_q, expected_p) = rod.state(fine.0[0], fine.1[0]);
+        distance(&(q, p), &(expected_q.to_vec(), expected_p.to_vec()))
+    };
+    let ratio = error(0.1) / error(0.05);
+    assert!((3.7..4.3).contains(&ratio), "{ratio}");
+    assert!(PendulumRattle::new(0.0, 1.0).is_err() && PendulumRattle::new(1.0, f64::NAN).is_err());
+    let far = Circle::new(vec![0.0, -1.7], vec![0.0, 0.0], 0.1).unwrap();
+    let error = Diagnostic::halving(6, 5).run(&rod, &far).unwrap_err();
+    assert!(error.to_string().contains("rod does not reach"), "{error}");
 }

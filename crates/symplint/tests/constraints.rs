@@ -225,3 +225,30 @@ fn elsewhere_a_random_loop_convicts() {
         .verdict;
     assert_eq!(verdict.kind, VerdictKind::NotSymplectic, "{verdict}");
 }
+
+#[test]
+fn a_loop_beside_the_manifold_is_told() {
+    let circle = Circle::new(vec![0.6, -0.8], vec![0.4, 0.3], 0.3).unwrap();
+    let verdict = Diagnostic::halving(-1, -4)
+        .run(&on_rod(2, rattle), &circle)
+        .unwrap()
+        .verdict;
+    assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict}");
+    let verdict = Diagnostic::halving(-1, -4)
+        .run(&map(2, rattle), &circle)
+        .unwrap()
+        .verdict;
+    assert_eq!(verdict.kind, VerdictKind::Undecided, "{verdict}");
+    let Finding::LoopBesideManifold { first, second, .. } = verdict.findings[0] else {
+        panic!("{verdict}");
+    };
+    assert!(first > 1e-2 && second < 1e-12, "{verdict}");
+    assert_eq!(verdict.advice, [Advice::LoopOnManifold]);
+
+    // On the manifold this one changes it, too.
+    let verdict = Diagnostic::halving(-1, -4)
+        .run(&map(2, projected_heun), &circle)
+        .unwrap()
+        .verdict;
+    assert_eq!(verdict.kind, VerdictKind::NotSymplectic, "{verdict}");
+}

@@ -75,6 +75,11 @@ pub const KEYS: &[Key] = &[
     ),
     Key::new("seed", "1", "seed of the random loops"),
     Key::new(
+        "project",
+        "true",
+        "whether random loops keep to the constraint manifold of systems that have one",
+    ),
+    Key::new(
         "steps",
         "0",
         "number of steps of the largest size, to see whether a defect accumulates; 0 for none",
@@ -152,6 +157,7 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         sample_sweep: sample_sweep(&section)?,
         loops: section.whole_between("loops", 1, MOST_LOOPS)? as usize,
         seed: section.whole("seed", 0)?,
+        project: section.flag("project")?,
         jacobian: section.flag("jacobian")?,
         localise: section.flag("localise")?,
         budget: budget.map(|budget| budget as usize),

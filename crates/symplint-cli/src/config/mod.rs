@@ -15,6 +15,7 @@ mod template;
 mod trace;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use symplint::{Diagnostic, Loop, TimeAdvance};
 
@@ -38,7 +39,7 @@ pub struct Config {
     /// The integrator, its variant and faults, for headings.
     pub integrator: String,
     /// One step of it.
-    pub map: Box<dyn TimeAdvance>,
+    pub map: Arc<dyn TimeAdvance>,
     /// The loop.
     pub phase_loop: Box<dyn Loop>,
     /// Its radii in words and the evaluations that they took, where they were looked for.
@@ -72,12 +73,13 @@ impl Config {
         let (integrator, map, section) =
             integrator::read(node("integrator"), info.integrator, &system.model)?;
         resolved.insert("integrator".into(), section.resolved().into());
+        let map: Arc<dyn TimeAdvance> = Arc::from(map);
         let (diagnostic, section) = diagnostic::read(node("diagnostic"))?;
         resolved.insert("diagnostic".into(), section.resolved().into());
         let typical = || diagnostic.typical_step.unwrap_or(0.0);
         let largest = (diagnostic.step_sizes.iter().copied()).reduce(f64::max);
         let step_size = largest.unwrap_or_else(typical);
-        let (read, section) = phase_loop::read(node("loop"), &system, &*map, step_size)?;
+        let (read, section) = phase_loop::read(node("loop"), &system, &map, step_size)?;
         resolved.insert("loop".into(), section.resolved().into());
         let (trace, section) = trace::read(node("trace"))?;
         resolved.insert("trace".into(), section.resolved().into());

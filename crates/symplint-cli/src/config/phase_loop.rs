@@ -1,6 +1,8 @@
 //! `[loop]`: the closed curve of initial states.
 
-use symplint::map::balanced_radii;
+use std::sync::Arc;
+
+use symplint::map::{ProjectedLoop, balanced_radii};
 use symplint::{Circle, FourierLoop, Loop, TimeAdvance};
 
 use super::document::{Node, Value};
@@ -49,7 +51,7 @@ pub struct ReadLoop {
 pub fn read(
     node: Option<&Node>,
     system: &System,
-    map: &dyn TimeAdvance,
+    map: &Arc<dyn TimeAdvance>,
     step_size: f64,
 ) -> Result<(ReadLoop, Section), ConfigError> {
     let section = Section::new("loop", node, KEYS.to_vec())?;
@@ -108,6 +110,11 @@ pub fn read(
         }
         let fourier = FourierLoop::random(q0, p0, &radii_q, &radii_p, seed);
         Box::new(fourier.map_err(refused("radius"))?)
+    };
+    // A loop of a constrained system lies on its manifold.
+    let phase_loop: Box<dyn Loop> = match map.constraint() {
+        Some(_) => Box::new(ProjectedLoop::new(phase_loop, Arc::clone(map))),
+        None => phase_loop,
     };
     let radii = found;
     Ok((ReadLoop { phase_loop, radii }, section))

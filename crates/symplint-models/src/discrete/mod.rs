@@ -4,7 +4,9 @@
 //! can be swept like a time step.
 
 mod henon_map;
+mod pendulum_rattle;
 mod standard_map;
 
 pub use henon_map::HenonMap;
+pub use pendulum_rattle::PendulumRattle;
 pub use standard_map::StandardMap;

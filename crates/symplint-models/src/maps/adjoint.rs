@@ -1,5 +1,6 @@
 //! The adjoint of a map.
 
+use symplint::map::Constraint;
 use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use super::Invertible;
@@ -22,6 +23,10 @@ impl<M: Invertible> TimeAdvance for Adjoint<M> {
 
     fn coordinates(&self) -> Coordinates {
         self.0.coordinates()
+    }
+
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        self.0.constraint()
     }
 }
 

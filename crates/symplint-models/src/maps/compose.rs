@@ -1,6 +1,6 @@
 //! Maps one after the other.
 
-use symplint::map::TangentMap;
+use symplint::map::{Constraint, TangentMap};
 use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use super::Invertible;
@@ -104,6 +104,10 @@ impl<M: TimeAdvance> TimeAdvance for Compose<M> {
 
     fn coordinates(&self) -> Coordinates {
         self.parts[0].1.coordinates()
+    }
+
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        self.parts[0].1.constraint()
     }
 
     fn tangent(&self) -> Option<&dyn TangentMap> {

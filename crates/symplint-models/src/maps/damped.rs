@@ -1,6 +1,6 @@
 //! A map with a friction that does not belong there.
 
-use symplint::map::TangentMap;
+use symplint::map::{Constraint, TangentMap};
 use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use crate::error::ModelError;
@@ -74,6 +74,10 @@ impl<M: TimeAdvance> TimeAdvance for Damped<M> {
 
     fn coordinates(&self) -> Coordinates {
         self.map.coordinates()
+    }
+
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        self.map.constraint()
     }
 
     fn tangent(&self) -> Option<&dyn TangentMap> {

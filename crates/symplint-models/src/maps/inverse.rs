@@ -1,5 +1,6 @@
 //! The inverse of a map.
 
+use symplint::map::Constraint;
 use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use super::Invertible;
@@ -19,6 +20,10 @@ impl<M: Invertible> TimeAdvance for Inverse<M> {
 
     fn coordinates(&self) -> Coordinates {
         self.0.coordinates()
+    }
+
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        self.0.constraint()
     }
 }
 

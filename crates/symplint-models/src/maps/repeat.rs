@@ -1,6 +1,6 @@
 //! Several steps of one map.
 
-use symplint::map::TangentMap;
+use symplint::map::{Constraint, TangentMap};
 use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use super::Invertible;
@@ -38,6 +38,10 @@ impl<M: TimeAdvance> TimeAdvance for Repeat<M> {
 
     fn coordinates(&self) -> Coordinates {
         self.map.coordinates()
+    }
+
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        self.map.constraint()
     }
 
     fn tangent(&self) -> Option<&dyn TangentMap> {

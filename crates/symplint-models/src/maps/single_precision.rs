@@ -1,5 +1,6 @@
 //! A map whose states are kept in single precision.
 
+use symplint::map::Constraint;
 use symplint::state::RowsMut;
 use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
@@ -28,6 +29,10 @@ impl<M: TimeAdvance> TimeAdvance for SinglePrecision<M> {
 
     fn coordinates(&self) -> Coordinates {
         self.0.coordinates()
+    }
+
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        self.0.constraint()
     }
 }
 

@@ -51,12 +51,16 @@ impl Diagnostic {
             });
         }
         let count = EvaluationCount::new(budget);
-        let evaluator = Evaluator::new(map, &count)?;
+        let mut evaluator = Evaluator::new(map, &count)?;
+        if !self.project {
+            evaluator = evaluator.without_constraint();
+        }
         evaluator.check_dof(phase_loop.dof())?;
         check_closed(phase_loop, evaluator.coordinates())?;
+        let given = evaluator.on_manifold(phase_loop);
         let subject = Subject {
             evaluator: &evaluator,
-            phase_loop,
+            phase_loop: &given,
         };
         let diagnostic = &match (self.step_sizes.is_empty(), self.typical_step) {
             (true, Some(typical)) => Diagnostic {
@@ -378,19 +382,20 @@ impl Run<'_> {
         self.evidence.evaluations.jacobian = self.count.made() - start;
     }
 
-    /// Where only what nobody asked for has a defect, looks whether it lies outside the domain of the map: whether the map
-    /// projects onto a manifold, which the given loop keeps to.
+    /// Where something has a defect, looks whether it lies outside the domain of the map: whether the map projects onto a
+    /// manifold. If the given loop has one, its image, which lies on the manifold, is advanced, too.
     fn look_for_manifold(&mut self, subject: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
-        let (of_user, others) = self.evidence.loops.split_at(1);
         let suspect = |found: &LoopEvidence| {
             !found.winds && (found.failure.is_some() || found.shows_defect())
         };
         let by_jacobian = self.evidence.jacobian.as_ref();
-        let only_others = !of_user[0].shows_defect()
-            && (others.iter().any(suspect)
-                || by_jacobian.is_some_and(JacobianEvidence::shows_defect));
+        let shown = self.evidence.loops.iter().any(suspect)
+            || by_jacobian.is_some_and(JacobianEvidence::shows_defect);
+        let of_given = self.evidence.loops[0].shows_defect();
+        // With a projection all loops lie on the manifold.
+        let projected = subject.evaluator.constraint().is_some();
         let affordable = self.count.left() >= survey::singular_cost(subject.dof());
-        if !only_others || !affordable || subject.evaluator.constraint().is_some() {
+        if !shown || projected || !affordable {
             return Ok(());
         }
         let start = self.count.made();
@@ -400,7 +405,10 @@ impl Run<'_> {
             Err(error) if of_the_map(&error) => {}
             Err(error) => return Err(error),
         }
-        self.evidence.evaluations.jacobian += self.count.made() - start;
+        if self.evidence.survey.singular.is_some() && of_given {
+            self.image_loop(subject)?;
+        }
+        self.evidence.evaluations.manifold = self.count.made() - start;
         Ok(())
     }
 

@@ -78,6 +78,9 @@ pub struct Diagnostic {
     pub loops: usize,
     /// Seed of the random loops.
     pub seed: u64,
+    /// Whether loops, the given one included, and the states of the Jacobian are put on the
+    /// [manifold](crate::map::Constraint) that a map acts on, where it names one.
+    pub project: bool,
     /// So many steps of the largest size of the given loop, to see whether a defect adds up; 0 for none.
     pub long_time: usize,
     /// Whether a defect is traced to substeps of the map, and to parts of the loop.
@@ -102,6 +105,7 @@ impl Default for Diagnostic {
             sample_sweep: None,
             loops: 8,
             seed: 1,
+            project: true,
             long_time: 0,
             localise: true,
             jacobian: true,

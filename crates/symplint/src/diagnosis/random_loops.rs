@@ -15,8 +15,8 @@ pub(super) fn random_kind(size: &LoopSize, index: usize) -> LoopKind {
     }
 }
 
-/// A loop of this kind about as large as the given one round the same centre; `None` of a loop that should wind where
-/// no position has a period.
+/// A random loop of this kind about as large as the given one round the same centre; `None` of a loop that should wind
+/// where no position has a period, and of kinds that are not random.
 pub(super) fn loop_of_kind(
     kind: LoopKind,
     size: &LoopSize,
@@ -29,7 +29,8 @@ pub(super) fn loop_of_kind(
             let ([q0, p0], [radius_q, radius_p]) = (size.centre.clone(), &size.radius);
             FourierLoop::random(q0, p0, radius_q, radius_p, seed).map(Some)
         }
-        LoopKind::Given | LoopKind::Random => {
+        LoopKind::Given | LoopKind::Image => Ok(None),
+        LoopKind::Random => {
             let [q0, p0] = size.centre.clone();
             let [radius_q, radius_p] = moving_radii(size);
             FourierLoop::random(q0, p0, &radius_q, &radius_p, seed).map(Some)

@@ -78,6 +78,8 @@ pub enum LoopKind {
     Extended,
     /// A random loop that winds round the period of a position.
     Winding,
+    /// The given loop after one step: of a map that projects onto a manifold, it lies there.
+    Image,
 }
 
 /// What one loop showed.
@@ -184,6 +186,9 @@ pub struct Evaluations {
     pub random_loops: usize,
     /// Made for the Jacobian.
     pub jacobian: usize,
+    /// Made to learn whether the map projects onto a manifold.
+    #[serde(default)]
+    pub manifold: usize,
     /// Made to find which substep and which part of a loop has a defect.
     pub localisation: usize,
     /// Made in many steps of the given loop.

@@ -8,7 +8,7 @@ use crate::state::Block;
 ///
 /// A map of constrained mechanics (SHAKE, RATTLE) is symplectic on its manifold, and takes states beside it onto it: there
 /// it has no inverse, and conserves nothing. A map that says by [`TimeAdvance::constraint`] where its manifold is
-/// is tested there: the states of random loops and of the [`JacobianTest`](crate::JacobianTest) are projected.
+/// is tested there: the states of all loops and of the [`JacobianTest`](crate::JacobianTest) are projected.
 pub trait Constraint: Send + Sync {
     /// Puts every state of `block` on the manifold, in place.
     ///
@@ -41,21 +41,43 @@ pub trait Constraint: Send + Sync {
 /// assert_eq!(states.q().row(0), states.q().row(1));
 /// # Ok::<(), symplint::Error>(())
 /// ```
-#[derive(Clone, Copy)]
 pub struct ProjectedLoop<'a, L> {
     inner: L,
-    constraint: Option<&'a dyn Constraint>,
+    constraint: Option<Box<dyn Constraint + 'a>>,
+}
+
+/// The manifold of a map that has one.
+struct ManifoldOf<M>(M);
+
+impl<M: TimeAdvance> Constraint for ManifoldOf<M> {
+    fn project(&self, block: &mut Block<'_>) {
+        if let Some(constraint) = self.0.constraint() {
+            constraint.project(block);
+        }
+    }
+}
+
+impl<C: Constraint + ?Sized> Constraint for &C {
+    fn project(&self, block: &mut Block<'_>) {
+        (**self).project(block);
+    }
 }
 
 impl<'a, L: Loop> ProjectedLoop<'a, L> {
     /// `inner` on the manifold of `map`.
-    pub fn new(inner: L, map: &'a dyn TimeAdvance) -> Self {
-        Self::on(inner, map.constraint())
+    pub fn new(inner: L, map: impl TimeAdvance + 'a) -> Self {
+        ProjectedLoop {
+            inner,
+            constraint: Some(Box::new(ManifoldOf(map))),
+        }
     }
 
     /// `inner` on the manifold of this constraint.
     pub(crate) fn on(inner: L, constraint: Option<&'a dyn Constraint>) -> Self {
-        ProjectedLoop { inner, constraint }
+        ProjectedLoop {
+            inner,
+            constraint: constraint.map(|constraint| Box::new(constraint) as Box<dyn Constraint>),
+        }
     }
 }
 
@@ -66,7 +88,7 @@ impl<L: Loop> Loop for ProjectedLoop<'_, L> {
 
     fn sample(&self, s: &[f64], block: &mut Block<'_>) {
         self.inner.sample(s, block);
-        if let Some(constraint) = self.constraint {
+        if let Some(constraint) = &self.constraint {
             constraint.project(block);
         }
     }

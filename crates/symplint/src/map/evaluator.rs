@@ -17,6 +17,7 @@ use crate::state::{Block, Coordinates, Ensemble, first_error, first_not_finite};
 pub(crate) struct Evaluator<'a> {
     map: &'a dyn TimeAdvance,
     coordinates: Coordinates,
+    constraint: Option<&'a dyn Constraint>,
     /// Substeps that make up the step; fewer than the map has for [`prefix`](Self::prefix).
     substeps: usize,
     count: &'a EvaluationCount,
@@ -93,6 +94,7 @@ impl<'a> Evaluator<'a> {
         Ok(Evaluator {
             map,
             coordinates,
+            constraint: map.constraint(),
             substeps: map.substeps(),
             count,
             grain: RwLock::default(),
@@ -105,6 +107,7 @@ impl<'a> Evaluator<'a> {
         Evaluator {
             map: self.map,
             coordinates: self.coordinates.clone(),
+            constraint: self.constraint,
             substeps,
             count: self.count,
             grain: RwLock::default(),
@@ -144,12 +147,20 @@ impl<'a> Evaluator<'a> {
 
     /// The manifold on which the map acts, if it names one.
     pub fn constraint(&self) -> Option<&'a dyn Constraint> {
-        self.map.constraint()
+        self.constraint
     }
 
     /// A loop on that manifold.
     pub fn on_manifold<L: Loop>(&self, phase_loop: L) -> ProjectedLoop<'a, L> {
-        ProjectedLoop::on(phase_loop, self.constraint())
+        ProjectedLoop::on(phase_loop, self.constraint)
+    }
+
+    /// The same without the manifold that the map names.
+    pub fn without_constraint(self) -> Self {
+        Evaluator {
+            constraint: None,
+            ..self
+        }
     }
 
     /// The count that evaluations are added to.

@@ -4,6 +4,7 @@ mod closures;
 mod constraint;
 mod evaluator;
 mod grain;
+mod image_loop;
 mod loop_size;
 mod tangent;
 
@@ -11,6 +12,7 @@ pub use closures::{PerBlock, PerSample, StepOutcome};
 pub use constraint::{Constraint, ProjectedLoop};
 pub(crate) use evaluator::{EvaluationCount, Evaluator};
 pub(crate) use grain::Grain;
+pub(crate) use image_loop::ImageLoop;
 pub(crate) use loop_size::LoopSize;
 pub use loop_size::{BalancedRadii, balanced_radii};
 pub use tangent::TangentMap;

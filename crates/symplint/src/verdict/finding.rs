@@ -172,6 +172,15 @@ pub enum Finding {
     },
     /// Loops are conserved, but the Jacobian is not symplectic.
     JacobianRefutes,
+    /// The map projects onto a manifold, and the given loop does not lie on it.
+    LoopBesideManifold {
+        /// The smallest singular value of the Jacobian.
+        smallest: f64,
+        /// Its largest defect in one step.
+        first: f64,
+        /// What its defect in another step does not exceed.
+        second: f64,
+    },
     /// The map projects onto a manifold, and only what leaves the manifold has a defect.
     Projects {
         /// The smallest singular value of the Jacobian.
@@ -406,6 +415,8 @@ pub enum Advice {
     MoreSamplesAndLargerSteps,
     /// Add loops that can be contracted.
     ContractibleLoops,
+    /// Give a loop on the constraint manifold.
+    LoopOnManifold,
     /// Give a projection onto the constraint manifold.
     Project,
     /// Take a smaller loop that stays in the domain of the map.

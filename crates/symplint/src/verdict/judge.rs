@@ -91,6 +91,7 @@ impl<'a> Case<'a> {
             return decision;
         }
         (self.no_closed_loop())
+            .or_else(|| self.beside_manifold())
             .or_else(|| self.broken())
             .or_else(|| self.not_symplectic())
             .or_else(|| self.projects())

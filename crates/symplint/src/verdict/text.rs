@@ -221,6 +221,16 @@ impl Display for Finding {
             Finding::JacobianRefutes => f.write_str(
                 "The loops are conserved, but the Jacobian of a step is not symplectic.",
             ),
+            Finding::LoopBesideManifold {
+                smallest,
+                first,
+                second,
+            } => write!(
+                f,
+                "The map projects onto a manifold: its Jacobian is singular at the loop (a direction shrinks to \
+                 {smallest:.1e}), and the loop does not lie on the manifold. Its integral changes by {first:.1e} in the \
+                 step that takes it there, and by less than {second:.1e} in the next one."
+            ),
             Finding::Projects {
                 smallest,
                 given,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use symplint::TimeAdvance;
 use symplint_models::Model;
-use symplint_models::discrete::{HenonMap, StandardMap};
+use symplint_models::discrete::{HenonMap, PendulumRattle, StandardMap};
 
 use super::{System, SystemInfo, refused};
 use crate::config::ConfigError;
@@ -57,6 +57,41 @@ pub const STANDARD_MAP: SystemInfo = SystemInfo {
         let strength = section.number("strength", Accept::Finite)?;
         let map = StandardMap::new(strength).map_err(|e| refused(section, "strength", e))?;
         given(section, "standard-map", map)
+    },
+};
+
+pub const PENDULUM_RATTLE: SystemInfo = SystemInfo {
+    name: "pendulum-rattle",
+    summary: "a unit mass on a rod in Cartesian coordinates, x² + y² = L², by RATTLE; a map, without \
+              integrator; loops are put on the circle",
+    keys: &[
+        Key::new("length", "1.0", "L"),
+        Key::new("gravity", "1.0", "g"),
+        Key::new(
+            "angle",
+            "0.6",
+            "centre of the loop, angle from the lowest position",
+        ),
+        Key::new(
+            "momentum",
+            "0.5",
+            "centre of the loop, momentum along the circle",
+        ),
+    ],
+    integrator: NONE,
+    build: |section, _| {
+        let length = section.number("length", Accept::Positive)?;
+        let gravity = section.number("gravity", Accept::Finite)?;
+        let map =
+            PendulumRattle::new(length, gravity).map_err(|e| refused(section, "length", e))?;
+        let angle = section.number("angle", Accept::Finite)?;
+        let (q0, p0) = map.state(angle, section.number("momentum", Accept::Finite)?);
+        Ok(System {
+            name: "pendulum-rattle",
+            model: Model::Map(Arc::new(map)),
+            q0: q0.to_vec(),
+            p0: p0.to_vec(),
+        })
     },
 };
 

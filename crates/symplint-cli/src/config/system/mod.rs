@@ -64,6 +64,7 @@ pub const SYSTEMS: &[SystemInfo] = &[
     chain::TODA,
     given_map::HENON_MAP,
     given_map::STANDARD_MAP,
+    given_map::PENDULUM_RATTLE,
     low_dimensional::TWO_CELL,
     array::PENDULUM_ARRAY,
     pic::PIC_1D,

@@ -8,7 +8,7 @@ use crate::diagnosis::random_loops::{loop_of_kind, random_kind};
 use crate::diagnosis::resolve::Resolution;
 use crate::error::Error;
 use crate::evidence::{LoopEvidence, LoopKind, Omission, StepEvidence, Sweep};
-use crate::map::LoopSize;
+use crate::map::{ImageLoop, LoopSize};
 use crate::rules::{RuleKind, Subject};
 use crate::state::Ensemble;
 use crate::survey;
@@ -124,6 +124,28 @@ impl Run<'_> {
             }
             // It was not asked for.
             Err(Error::BudgetSpent { .. }) => Ok(()),
+            Err(error) if of_the_map(&error) => Ok(()),
+            other => other,
+        }
+    }
+
+    /// The given loop after one step, advanced by another one.
+    pub(super) fn image_loop(&mut self, subject: Subject<'_>) -> Result<(), Error> {
+        let image = ImageLoop {
+            inner: subject.phase_loop,
+            evaluator: subject.evaluator,
+            h: self.largest,
+        };
+        let index = self.evidence.loops.last().map_or(0, |last| last.index) + 1;
+        let subject = Subject {
+            phase_loop: &image,
+            ..subject
+        };
+        match self.random_loop(index, LoopKind::Image, subject, true) {
+            // It may have lost its area, or the budget may be spent: the given loop has to do.
+            Err(
+                Error::NoArea { .. } | Error::LostInRounding { .. } | Error::BudgetSpent { .. },
+            ) => Ok(()),
             Err(error) if of_the_map(&error) => Ok(()),
             other => other,
         }

@@ -22,22 +22,31 @@ impl Case<'_> {
     pub(super) fn projects(&self) -> Option<Decision> {
         let singular = self.evidence.survey.singular?;
         let given = self.loops.first()?;
-        let bounds = given.steps.iter().map(StepEvidence::bound);
-        let others = self
-            .evidence
-            .loops
-            .iter()
-            .skip(1)
-            .filter(|found| !found.winds);
-        let worst = others
-            .flat_map(|found| found.steps.iter().map(move |step| (found, step)))
-            .max_by(|a, b| a.1.defect.magnitude().total_cmp(&b.1.defect.magnitude()));
+        let others = (self.evidence.loops.iter().skip(1)).filter(|found| !found.winds);
+        let beside = others
+            .filter_map(|found| Some((found.index, largest_defect(found)?)))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
         let because = Finding::Projects {
             smallest: singular.smallest,
-            given: bounds.reduce(f64::max).filter(|bound| bound.is_finite()),
-            beside: worst.map(|(found, step)| (found.index, step.defect.magnitude())),
+            given: bound(given),
+            beside,
         };
         Some(self.because(because, vec![Advice::Project]))
+    }
+
+    /// The map projects onto a manifold, and the given loop does not lie on it: on the manifold it is conserved.
+    pub(super) fn beside_manifold(&self) -> Option<Decision> {
+        let singular = self.evidence.survey.singular?;
+        let given = self.loops.first().filter(|given| given.shows_defect())?;
+        let image = (self.evidence.loops.iter())
+            .find(|found| found.kind == LoopKind::Image)
+            .filter(|image| image.is_bounded() && !image.shows_defect())?;
+        let because = Finding::LoopBesideManifold {
+            smallest: singular.smallest,
+            first: largest_defect(given)?,
+            second: bound(image)?,
+        };
+        Some(self.because(because, vec![Advice::LoopOnManifold]))
     }
 
     pub(super) fn undecided(&self) -> Option<Decision> {
@@ -186,4 +195,16 @@ impl Motion {
             false => self.phase_advance >= LEAST_PHASE_ADVANCE,
         }
     }
+}
+
+/// The largest defect of a loop.
+fn largest_defect(found: &LoopEvidence) -> Option<f64> {
+    let defects = found.steps.iter().map(|step| step.defect.magnitude());
+    defects.reduce(f64::max)
+}
+
+/// What no defect of a loop exceeds.
+fn bound(found: &LoopEvidence) -> Option<f64> {
+    let bounds = found.steps.iter().map(StepEvidence::bound);
+    bounds.reduce(f64::max).filter(|bound| bound.is_finite())
 }

@@ -130,6 +130,10 @@ impl Display for Advice {
             Advice::ContractibleLoops => {
                 f.write_str("Add loops that can be contracted: set loops to 8.")
             }
+            Advice::LoopOnManifold => f.write_str(
+                "Give a projection onto the constraint manifold (`with_projection`, `project`), which puts all loops there, or \
+                 a loop that lies on it.",
+            ),
             Advice::Project => f.write_str(
                 "Give a projection onto the constraint manifold (`with_projection`, `project`), which keeps random loops and \
                  the Jacobian on it; or judge the given loop alone: loops = 1, jacobian = false.",
