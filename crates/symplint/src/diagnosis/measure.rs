@@ -368,16 +368,24 @@ impl Run<'_> {
             evaluator,
             phase_loop,
         } = subject;
-        let left = self.count.left().min(self.plan.jacobian);
-        match JacobianTest::within(left, evaluator.dof(), evaluator.has_tangent()) {
+        let (left, planned) = (self.count.left(), self.plan.jacobian);
+        match JacobianTest::within(left.min(planned), evaluator.dof(), evaluator.has_tangent()) {
             None => self.omit(Omission::JacobianBudget),
-            Some(test) => match test.run_with(evaluator, phase_loop, &given.size, self.largest) {
-                Ok(found) => self.evidence.jacobian = Some(found),
-                // It displaces states off the loop, where the map need not be defined.
-                Err(error) => self.evidence.omissions.push(Omission::JacobianFailed {
-                    reason: error.to_string(),
-                }),
-            },
+            Some(test) => {
+                // Further groups of degrees of freedom, and tracing a defect, take as much again.
+                let further = planned.saturating_mul(1 + given.size.groups.len());
+                let test = JacobianTest {
+                    budget: left.min(further),
+                    ..test
+                };
+                match test.run_with(evaluator, phase_loop, &given.size, self.largest) {
+                    Ok(found) => self.evidence.jacobian = Some(found),
+                    // It displaces states off the loop, where the map need not be defined.
+                    Err(error) => self.evidence.omissions.push(Omission::JacobianFailed {
+                        reason: error.to_string(),
+                    }),
+                }
+            }
         }
         self.evidence.evaluations.jacobian = self.count.made() - start;
     }

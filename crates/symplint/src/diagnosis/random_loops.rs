@@ -19,22 +19,26 @@ pub(super) fn random_kind(size: &LoopSize, index: usize) -> LoopKind {
 /// where no position has a period, and of kinds that are not random.
 pub(super) fn loop_of_kind(
     kind: LoopKind,
+    group: Option<usize>,
     size: &LoopSize,
     coordinates: &Coordinates,
     seed: u64,
 ) -> Result<Option<FourierLoop>, Error> {
+    let random = |[radius_q, radius_p]: &[Vec<f64>; 2]| {
+        let [q0, p0] = size.centre.clone();
+        FourierLoop::random(q0, p0, radius_q, radius_p, seed).map(Some)
+    };
     match kind {
         LoopKind::Winding => winding_loop(size, coordinates, seed),
-        LoopKind::Extended => {
-            let ([q0, p0], [radius_q, radius_p]) = (size.centre.clone(), &size.radius);
-            FourierLoop::random(q0, p0, radius_q, radius_p, seed).map(Some)
+        LoopKind::Extended => random(&size.radius),
+        LoopKind::Group => {
+            let Some(group) = group.and_then(|group| size.groups.get(group)) else {
+                return Ok(None);
+            };
+            random(&radii_where(size, |i| group.dofs.binary_search(&i).is_ok()))
         }
         LoopKind::Given | LoopKind::Image => Ok(None),
-        LoopKind::Random => {
-            let [q0, p0] = size.centre.clone();
-            let [radius_q, radius_p] = moving_radii(size);
-            FourierLoop::random(q0, p0, &radius_q, &radius_p, seed).map(Some)
-        }
+        LoopKind::Random => random(&moving_radii(size)),
     }
 }
 
@@ -61,13 +65,13 @@ fn winding_loop(
 
 /// The radii without those of degrees of freedom at rest.
 fn moving_radii(size: &LoopSize) -> [Vec<f64>; 2] {
-    let mut radius = size.radius.clone();
-    for radius in &mut radius {
-        for (radius, at_rest) in radius.iter_mut().zip(&size.at_rest) {
-            if *at_rest {
-                *radius = 0.0;
-            }
-        }
-    }
-    radius
+    radii_where(size, |i| !size.at_rest[i])
+}
+
+/// The radii of degrees of freedom that are picked; none of the others.
+fn radii_where(size: &LoopSize, picked: impl Fn(usize) -> bool) -> [Vec<f64>; 2] {
+    size.radius.each_ref().map(|radius| {
+        let part = |(i, &radius): (usize, &f64)| if picked(i) { radius } else { 0.0 };
+        radius.iter().enumerate().map(part).collect()
+    })
 }

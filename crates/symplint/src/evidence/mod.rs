@@ -40,6 +40,9 @@ pub struct Evidence {
     /// The breaks that were found: all of the given loop at the largest step size, by the piecewise
     /// rule; else the largest one of each advanced loop.
     pub breaks: Vec<BreakAt>,
+    /// Degrees of freedom in groups of similar action, the largest first, where there are several.
+    #[serde(default)]
+    pub groups: Vec<DofGroup>,
     /// What is known of the map apart from loop integrals.
     pub survey: Survey,
     /// Defects of the substeps of the map and of parts of a loop.
@@ -76,10 +79,22 @@ pub enum LoopKind {
     Random,
     /// A random loop that moves the degrees of freedom that the given loop leaves at rest, too.
     Extended,
+    /// A random loop in a group of degrees of freedom of similar action alone.
+    Group,
     /// A random loop that winds round the period of a position.
     Winding,
     /// The given loop after one step: of a map that projects onto a manifold, it lies there.
     Image,
+}
+
+/// Degrees of freedom of similar action: those of light bodies beside those of heavy ones, say. A loop integral is a sum
+/// of actions, in which small ones are lost: each group has loops and tangent vectors of its own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DofGroup {
+    /// Which, in ascending order.
+    pub dofs: Vec<usize>,
+    /// Their largest action, weight × radius in q × radius in p, as a part of the largest one of all.
+    pub action: f64,
 }
 
 /// What one loop showed.
@@ -90,6 +105,9 @@ pub struct LoopEvidence {
     pub index: usize,
     /// Which loop it is.
     pub kind: LoopKind,
+    /// The group of degrees of freedom that it moves alone.
+    #[serde(default)]
+    pub group: Option<usize>,
     /// The rule that integrated it.
     pub rule: RuleKind,
     /// Equispaced samples: features narrower than their distance are not resolved.

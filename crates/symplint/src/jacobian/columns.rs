@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::derivative::Derivative;
-use super::directions;
+use super::directions::{self, Directions};
 use super::evidence::{JacobianPoint, TangentDefect};
 use super::frame::Estimate;
 use super::sampler::Sampler;
@@ -14,6 +14,8 @@ pub(super) struct Columns {
     pub point: usize,
     /// No component beyond ±1.
     pub directions: Vec<Vec<f64>>,
+    /// The group of degrees of freedom that each direction belongs to.
+    pub groups: Vec<usize>,
     /// Half the width of the interval in which each component of a direction lies, on a manifold; else none.
     pub direction_errors: Vec<Vec<f64>>,
     pub derivatives: Vec<Derivative>,
@@ -24,16 +26,19 @@ pub(super) struct Outcome {
     pub point: JacobianPoint,
     /// The two tangent vectors that have the worst defect.
     pub pair: (usize, usize),
+    /// What no pair of each group exceeds, its uncertainty included; `None` where there is none.
+    pub bounds: Vec<Option<f64>>,
     /// Largest change of a component; 0 where the derivatives did not converge.
     pub deformation: f64,
 }
 
 impl Columns {
     /// Not measured yet.
-    pub fn new(point: usize, directions: Vec<Vec<f64>>) -> Self {
+    pub fn new(point: usize, directions: Directions) -> Self {
         Columns {
             point,
-            directions,
+            directions: directions.vectors,
+            groups: directions.groups,
             direction_errors: Vec::new(),
             derivatives: Vec::new(),
         }
@@ -58,11 +63,15 @@ impl Columns {
     }
 
     /// The change of the form on every two of the tangent vectors; they are unit vectors if `full`.
+    /// Random vectors make pairs within their group.
     pub fn outcome(&self, sampler: &Sampler<'_>, full: bool) -> Outcome {
         let (frame, s) = (&sampler.frame, sampler.s[self.point]);
         let count = self.directions.len();
-        let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
-        let pairs: Vec<(usize, usize)> = pairs.collect();
+        let of_one_group = |&(i, j): &(usize, usize)| self.groups[i] == self.groups[j];
+        let pairs: Vec<(usize, usize)> = (0..count)
+            .flat_map(|i| (i + 1..count).map(move |j| (i, j)))
+            .filter(|pair| full || of_one_group(pair))
+            .collect();
         let defect = |&(i, j): &(usize, usize)| {
             let (u, v) = (&self.directions[i], &self.directions[j]);
             let (of_u, of_v) = (&self.derivatives[i], &self.derivatives[j]);
@@ -91,10 +100,20 @@ impl Columns {
             return Outcome {
                 point: JacobianPoint { s, worst, bound },
                 pair: (0, 0),
+                bounds: Vec::new(),
                 deformation: 0.0,
             };
         }
         let worst = TangentDefect::worst(sampler.method(), defects.iter().copied());
+        let groups = self.groups.iter().max().map_or(0, |last| last + 1);
+        let mut bounds: Vec<Option<f64>> = vec![None; groups];
+        for (pair, defect) in pairs.iter().zip(&defects) {
+            // Forms between a large group and a small one are known to the error of the large one alone.
+            if of_one_group(pair) {
+                let bound = &mut bounds[self.groups[pair.0]];
+                *bound = Some(bound.map_or(defect.bound(), |bound| bound.max(defect.bound())));
+            }
+        }
         let of_worst = defects.iter().position(|defect| Some(*defect) == worst);
         let changes = self
             .directions
@@ -108,8 +127,9 @@ impl Columns {
             point: JacobianPoint {
                 s,
                 worst,
-                bound: defects.iter().map(TangentDefect::bound).reduce(f64::max),
+                bound: bounds.first().copied().flatten(),
             },
+            bounds,
             pair: pairs[of_worst.unwrap_or(0)],
             deformation: changes.fold(0.0, f64::max),
         }

@@ -149,6 +149,10 @@ pub struct JacobianEvidence {
     pub worst: Option<TangentDefect>,
     /// What no pair that was tried exceeds, its uncertainty included; `None` without a point.
     pub bound: Option<f64>,
+    /// The same for pairs in each group of degrees of freedom of similar action, the largest actions first; `bound` is
+    /// that of the first.
+    #[serde(default)]
+    pub bounds_of_groups: Vec<Option<f64>>,
     /// Largest change of a component of a tangent vector whose components are at most 1, where the map is
     /// differentiable.
     pub deformation: f64,

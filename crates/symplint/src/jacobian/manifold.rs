@@ -2,6 +2,7 @@
 
 use super::columns::Columns;
 use super::derivative::Derivative;
+use super::directions::Directions;
 use super::richardson::{self, LEVELS};
 use super::sampler::Sampler;
 use crate::error::Error;
@@ -18,26 +19,31 @@ impl Sampler<'_> {
     pub(super) fn columns(
         &self,
         point: usize,
-        directions: Vec<Vec<f64>>,
+        directions: Directions,
         full: bool,
     ) -> Result<Columns, Error> {
         if self.evaluator.constraint().is_none() {
             return Ok(Columns::new(point, directions));
         }
-        let projected = directions
-            .iter()
+        let projected = (directions.vectors.iter())
             .map(|direction| self.projected(point, direction))
             .collect::<Result<Vec<Derivative>, Error>>()?;
         let tangents = match full {
             true => self.basis(projected),
             false => projected.iter().map(Derivative::to_unit_size).collect(),
         };
-        let mut columns = Columns::new(point, Vec::new());
-        for tangent in tangents {
-            columns.directions.push(tangent.value);
-            columns.direction_errors.push(tangent.error);
-        }
-        Ok(columns)
+        let (vectors, errors): (Vec<Vec<f64>>, Vec<Vec<f64>>) = (tangents.into_iter())
+            .map(|tangent| (tangent.value, tangent.error))
+            .unzip();
+        let groups = match full {
+            // They mix the degrees of freedom.
+            true => vec![0; vectors.len()],
+            false => directions.groups,
+        };
+        Ok(Columns {
+            direction_errors: errors,
+            ..Columns::new(point, Directions { vectors, groups })
+        })
     }
 
     /// The derivative of the projection along a direction.

@@ -33,9 +33,10 @@ pub use evidence::{
 
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::{EvaluationCount, Evaluator, LoopSize, TimeAdvance};
+use crate::map::{ActionGroup, EvaluationCount, Evaluator, LoopSize, TimeAdvance};
 use bisection::locate;
-use columns::{Columns, Outcome};
+use columns::Outcome;
+use directions::Directions;
 use sampler::Sampler;
 
 /// Tests at points of a loop whether the derivative of a map keeps the symplectic form.
@@ -130,10 +131,11 @@ impl JacobianTest {
         self.check(h, planned)?;
         let (s, spare) = (parameters(self.points), self.budget - planned);
         let mut sampler = Sampler::new(evaluator, (phase_loop, size), h, s, self.seed, spare)?;
-        let mut outcomes = self.outcomes(&mut sampler)?;
+        let groups = &size.groups;
+        let mut outcomes = self.outcomes(&mut sampler, groups)?;
         if sampler.rejected.is_some() {
             sampler.fall_back(self.count(dof), self.budget);
-            outcomes = self.outcomes(&mut sampler)?;
+            outcomes = self.outcomes(&mut sampler, groups)?;
         }
         let (method, full) = (sampler.method(), self.is_full(dof));
         let projected = evaluator.constraint().is_some();
@@ -145,7 +147,7 @@ impl JacobianTest {
             .iter()
             .position(|point| significant.is_some() && point.worst == significant);
         if let (Some(dense), Some(point)) = (significant, point) {
-            let directions = self.directions(dof, point);
+            let directions = self.directions(dof, groups, point).vectors;
             let (i, j) = outcomes[point].pair;
             if let Some(located) = locate(&mut sampler, point, [&directions[i], &directions[j]])? {
                 // In the norms of two degrees of freedom it is larger, unless it is spread evenly over many.
@@ -168,6 +170,7 @@ impl JacobianTest {
             projected,
             worst,
             bound,
+            bounds_of_groups: bounds_of_groups(&outcomes, groups.len()),
             deformation: (outcomes.iter().map(|o| o.deformation)).fold(0.0, f64::max),
             noise: sampler.largest_noise(),
             evaluations: sampler.made(),
@@ -176,9 +179,20 @@ impl JacobianTest {
     }
 
     /// What the tangent vectors show at each point, unless the tangent map is rejected.
-    fn outcomes(&self, sampler: &mut Sampler<'_>) -> Result<Vec<Outcome>, Error> {
+    fn outcomes(
+        &self,
+        sampler: &mut Sampler<'_>,
+        groups: &[ActionGroup],
+    ) -> Result<Vec<Outcome>, Error> {
         let (dof, count) = (sampler.frame.dof(), sampler.s.len());
-        let at_a_time = sampler.in_a_batch(self.count(dof) * sampler.cost());
+        let full = self.is_full(dof);
+        // The first group is planned for; further ones are looked at where there are evaluations to spare.
+        let further = match full {
+            true => 0,
+            false => (groups.len() - 1) * self.directions * sampler.cost(),
+        };
+        let of_point = self.count(dof) * sampler.cost() + further;
+        let at_a_time = sampler.in_a_batch(of_point);
         let mut outcomes = Vec::with_capacity(count);
         let projected = sampler.evaluator.constraint().is_some();
         let mut compared = false;
@@ -190,10 +204,12 @@ impl JacobianTest {
                 true => 1,
                 false => (first + at_a_time).min(count),
             };
-            let full = self.is_full(dof);
-            let mut columns = (first..last)
-                .map(|point| sampler.columns(point, self.directions(dof, point), full))
-                .collect::<Result<Vec<Columns>, Error>>()?;
+            let mut columns = Vec::with_capacity(last - first);
+            for point in first..last {
+                let groups = if sampler.draw(further) { groups } else { &[] };
+                let directions = self.directions(dof, groups, point);
+                columns.push(sampler.columns(point, directions, full)?);
+            }
             sampler.differentiate(&mut columns)?;
             if sampler.uses_tangents {
                 compared |= sampler.check_tangents(&columns, self.seed)?;
@@ -255,12 +271,23 @@ impl JacobianTest {
         }
     }
 
-    fn directions(&self, dof: usize, point: usize) -> Vec<Vec<f64>> {
+    fn directions(&self, dof: usize, groups: &[ActionGroup], point: usize) -> Directions {
         match self.is_full(dof) {
-            true => directions::units(dof),
-            false => directions::random(dof, self.seed, point, self.directions),
+            true => Directions::units(dof, groups),
+            false => Directions::random(dof, groups, self.directions, self.seed, point),
         }
     }
+}
+
+/// What no pair of each group exceeds at any point.
+fn bounds_of_groups(outcomes: &[Outcome], groups: usize) -> Vec<Option<f64>> {
+    let of_group = |group: usize| {
+        let bounds = outcomes
+            .iter()
+            .filter_map(|outcome| *outcome.bounds.get(group)?);
+        bounds.reduce(f64::max)
+    };
+    (0..groups).map(of_group).collect()
 }
 
 /// Loop parameters that the golden ratio spreads: no two of them, nor their mirror images, coincide.

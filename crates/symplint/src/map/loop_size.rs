@@ -23,6 +23,13 @@ const DISTANCE: f64 = 1.0 / 64.0;
 /// one tells.
 const PART_OF_CENTRE: f64 = 0.1;
 
+/// Actions of a group differ by no more than this factor. A loop integral is a sum of actions: what is wrong in the
+/// smallest one of a group shows three digits less.
+const SIMILAR: f64 = 1e3;
+
+/// Groups at most; the last one holds all smaller actions.
+const MOST_GROUPS: usize = 8;
+
 /// A state this much smaller than others is what rounding leaves of zero.
 const ROUNDING: f64 = 1e-14;
 
@@ -88,7 +95,7 @@ pub fn balanced_radii(
 ///
 /// A loop need not move all coordinates, and tests must: a map has to be symplectic in every direction. In a degree of
 /// freedom at rest the product of both radii is the largest one of the others, as actions have one unit in all of
-/// them. The ratio ρ of both is balanced by what the map does: displaced by a part of its radius, q changes p by as large
+/// them; that of its centre, where this is much smaller. The ratio ρ of both is balanced by what the map does: displaced by a part of its radius, q changes p by as large
 /// a part of the radius of p as p changes q. Both are the same in all units.
 #[derive(Clone, Debug)]
 pub(crate) struct LoopSize {
@@ -98,6 +105,42 @@ pub(crate) struct LoopSize {
     pub radius: [Vec<f64>; 2],
     /// Degrees of freedom that the loop leaves at rest.
     pub at_rest: Vec<bool>,
+    /// Degrees of freedom in groups of similar action, weight × radius in q × radius in p, the largest first.
+    pub groups: Vec<ActionGroup>,
+}
+
+/// Degrees of freedom of similar action.
+#[derive(Clone, Debug)]
+pub(crate) struct ActionGroup {
+    /// Which, in ascending order.
+    pub dofs: Vec<usize>,
+    /// Their largest action, as a part of the largest one of all.
+    pub action: f64,
+}
+
+impl ActionGroup {
+    /// Groups of degrees of freedom with these actions.
+    fn of(actions: &[f64]) -> Vec<ActionGroup> {
+        let mut order: Vec<usize> = (0..actions.len()).collect();
+        order.sort_by(|&a, &b| actions[b].total_cmp(&actions[a]));
+        let largest = order.first().map_or(1.0, |&i| actions[i]);
+        let mut groups: Vec<ActionGroup> = Vec::new();
+        for i in order {
+            let action = actions[i] / largest;
+            let full = groups.len() == MOST_GROUPS;
+            match groups.last_mut() {
+                Some(last) if full || action * SIMILAR >= last.action => last.dofs.push(i),
+                _ => groups.push(ActionGroup {
+                    dofs: vec![i],
+                    action,
+                }),
+            }
+        }
+        for group in &mut groups {
+            group.dofs.sort_unstable();
+        }
+        groups
+    }
 }
 
 impl LoopSize {
@@ -130,6 +173,7 @@ impl LoopSize {
                 .map(|i| radius[0][i] == 0.0 && radius[1][i] == 0.0)
                 .collect(),
             radius,
+            groups: Vec::new(),
         };
         drop(extents);
         let open: Vec<usize> = (0..dof)
@@ -140,6 +184,9 @@ impl LoopSize {
             phase_loop.sample(&[0.0], &mut state.block());
             size.balance(evaluator, &state, &open, h);
         }
+        let action = |i: usize| coordinates.weight(i).abs() * size.radius[0][i] * size.radius[1][i];
+        let actions: Vec<f64> = (0..dof).map(action).collect();
+        size.groups = ActionGroup::of(&actions);
         Ok(size)
     }
 
@@ -213,11 +260,11 @@ impl LoopSize {
             let radii = match [given[0][i], given[1][i]] {
                 [0.0, 0.0] => {
                     // A centre that is rounding beside the largest is the origin.
-                    let own = match of_centres[k] > ROUNDING * ROUNDING * largest {
-                        true => of_centres[k],
-                        false => largest,
-                    };
-                    let mut known = [action, own].into_iter();
+                    let at_origin = of_centres[k] <= ROUNDING * ROUNDING * largest;
+                    let own = if at_origin { largest } else { of_centres[k] };
+                    // A body that is much lighter than those that move has an action of its own.
+                    let is_small = !at_origin && own * SIMILAR < action;
+                    let mut known = [if is_small { own } else { action }, own].into_iter();
                     let action = known.find(|&action| action > 0.0).unwrap_or(1.0);
                     let area = action / coordinates.weight(i).abs();
                     [(area * ratio).sqrt(), (area / ratio).sqrt()]
@@ -290,5 +337,27 @@ impl Displaced<'_> {
         let ratio =
             |&i: &usize| Some((slope(1, i) / slope(0, i)).sqrt()).filter(|ratio| ratio.is_normal());
         Ok(self.open.iter().map(ratio).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_are_of_similar_action() {
+        let groups = |actions: &[f64]| -> Vec<Vec<usize>> {
+            let groups = ActionGroup::of(actions);
+            groups.into_iter().map(|group| group.dofs).collect()
+        };
+        assert_eq!(groups(&[1.0, 2.0, 1.1e-3, 1e-3]), [vec![0, 1], vec![2, 3]]);
+        assert_eq!(groups(&[1.0, 2.1e-3, 2.0]), [vec![0, 1, 2]]);
+        assert_eq!(
+            groups(&[1e-15, 3e-16, 1.0, 0.0]),
+            [vec![2], vec![0, 1], vec![3]]
+        );
+        let many: Vec<f64> = (0..20).map(|k| 0.1f64.powi(4 * k)).collect();
+        assert_eq!(groups(&many).len(), MOST_GROUPS);
+        assert_eq!(groups(&many)[MOST_GROUPS - 1].len(), 13);
     }
 }

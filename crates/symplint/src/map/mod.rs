@@ -13,7 +13,7 @@ pub use constraint::{Constraint, ProjectedLoop};
 pub(crate) use evaluator::{EvaluationCount, Evaluator};
 pub(crate) use grain::Grain;
 pub(crate) use image_loop::ImageLoop;
-pub(crate) use loop_size::LoopSize;
+pub(crate) use loop_size::{ActionGroup, LoopSize};
 pub use loop_size::{BalancedRadii, balanced_radii};
 pub use tangent::TangentMap;
 

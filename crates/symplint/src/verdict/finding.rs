@@ -283,6 +283,23 @@ pub enum Finding {
         /// The step.
         step: Step,
     },
+    /// How large the defects in a group of degrees of freedom of similar action may be.
+    Group {
+        /// Which group, the one with the largest actions first.
+        index: usize,
+        /// All groups.
+        of: usize,
+        /// Its degrees of freedom.
+        dofs: Vec<usize>,
+        /// Its largest action, as a part of the largest of all.
+        action: f64,
+        /// Loops that move it.
+        loops: usize,
+        /// The bound of these loops.
+        by_loops: Option<f64>,
+        /// The bound of the Jacobian.
+        by_jacobian: Option<f64>,
+    },
     /// The map failed on a loop.
     LoopFailed {
         /// Which loop.
@@ -415,6 +432,8 @@ pub enum Advice {
     MoreSamplesAndLargerSteps,
     /// Add loops that can be contracted.
     ContractibleLoops,
+    /// Give larger radii to a group of degrees of freedom.
+    LargerRadiiOfGroup,
     /// Give a loop on the constraint manifold.
     LoopOnManifold,
     /// Give a projection onto the constraint manifold.

@@ -240,6 +240,7 @@ mod tests {
             projected: false,
             worst: Some(worst),
             bound: Some(2e-13),
+            bounds_of_groups: vec![Some(2e-13)],
             deformation: 1.0,
             noise: 1e-16,
             evaluations: 100,

@@ -2,6 +2,7 @@
 
 mod broken;
 mod conserved;
+mod groups;
 mod undecided;
 
 use super::finding::{Advice, Change, Finding, Step, StepRange};

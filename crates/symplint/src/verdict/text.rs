@@ -352,6 +352,30 @@ impl Display for Finding {
                     _ => write!(f, "{name} ({by}) {step}: E is not known."),
                 }
             }
+            Finding::Group {
+                index,
+                of,
+                dofs,
+                action,
+                loops,
+                by_loops,
+                by_jacobian,
+            } => {
+                write!(
+                    f,
+                    "Group {} of {of}, {}, with actions of {action:.0e} of the largest and below: ",
+                    index + 1,
+                    degrees_of_freedom(dofs)
+                )?;
+                match by_loops {
+                    Some(bound) => write!(f, "|E| ≤ {bound:.1e} on {loops} loops")?,
+                    None => f.write_str("no loop bounds its defect")?,
+                }
+                match by_jacobian {
+                    Some(bound) => write!(f, ", and ≤ {bound:.1e} by the Jacobian."),
+                    None => f.write_str("."),
+                }
+            }
             Finding::LoopFailed { loop_index, reason } => write!(
                 f,
                 "{} was not measured, the map fails on it: {reason}.",
@@ -596,4 +620,16 @@ fn little_motion(f: &mut Formatter<'_>, motion: &Motion) -> Result {
             motion.phase_advance
         )
     }
+}
+
+/// Some of them by number.
+fn degrees_of_freedom(dofs: &[usize]) -> String {
+    const NAMED: usize = 4;
+    let named: Vec<String> = dofs.iter().take(NAMED).map(usize::to_string).collect();
+    let further = match dofs.len().checked_sub(NAMED + 1) {
+        Some(_) => format!(" and {} more", dofs.len() - NAMED),
+        None => String::new(),
+    };
+    let plural = if dofs.len() == 1 { "degree" } else { "degrees" };
+    format!("{plural} of freedom {}{further}", named.join(", "))
 }

@@ -29,7 +29,7 @@ impl Diagnostic {
         let seed = self.seed.wrapping_add(found.index as u64);
         let random = match found.kind {
             LoopKind::Given => None,
-            kind => loop_of_kind(kind, size, subject.coordinates(), seed)?
+            kind => loop_of_kind(kind, found.group, size, subject.coordinates(), seed)?
                 .map(|random| subject.evaluator.on_manifold(random)),
         };
         let subject = Subject {

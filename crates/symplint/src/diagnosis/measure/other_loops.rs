@@ -7,11 +7,30 @@ use crate::diagnosis::plan;
 use crate::diagnosis::random_loops::{loop_of_kind, random_kind};
 use crate::diagnosis::resolve::Resolution;
 use crate::error::Error;
-use crate::evidence::{LoopEvidence, LoopKind, Omission, StepEvidence, Sweep};
+use crate::evidence::{DofGroup, LoopEvidence, LoopKind, Omission, StepEvidence, Sweep};
 use crate::map::{ImageLoop, LoopSize};
 use crate::rules::{RuleKind, Subject};
 use crate::state::Ensemble;
 use crate::survey;
+
+/// Random loops for each group of degrees of freedom but the first.
+const LOOPS_OF_GROUP: usize = 2;
+
+/// A loop beside the given one.
+pub(super) struct Other {
+    index: usize,
+    kind: LoopKind,
+    group: Option<usize>,
+}
+
+impl Other {
+    fn evidence(&self) -> LoopEvidence {
+        LoopEvidence {
+            group: self.group,
+            ..LoopEvidence::new(self.index, self.kind)
+        }
+    }
+}
 
 impl Run<'_> {
     /// Random loops at the largest step size, and a loop that winds round a period; the first that shows a defect
@@ -24,51 +43,37 @@ impl Run<'_> {
         let start = self.count.made();
         let diagnostic = self.diagnostic;
         let count = diagnostic.loops - 1;
-        for index in 1..=count {
+        let mut others: Vec<Other> = (1..=count)
+            .map(|index| Other {
+                index,
+                kind: random_kind(&given.size, index),
+                group: None,
+            })
+            .collect();
+        let groups = &given.size.groups;
+        if count > 0 && groups.len() > 1 {
+            self.evidence.groups = (groups.iter())
+                .map(|group| DofGroup {
+                    dofs: group.dofs.clone(),
+                    action: group.action,
+                })
+                .collect();
+            // In loops that move all, the group of the largest actions is what shows.
+            let of_groups = (1..groups.len()).flat_map(|group| [group; LOOPS_OF_GROUP]);
+            others.extend(of_groups.enumerate().map(|(k, group)| Other {
+                index: diagnostic.loops + 1 + k,
+                kind: LoopKind::Group,
+                group: Some(group),
+            }));
+        }
+        for (k, other) in others.iter().enumerate() {
             if self.is_settled() {
                 break;
             }
-            // A loop that cannot be resolved as the given one was is no evidence.
-            let least = if self.plan.is_tight() { given.cost } else { 0 };
-            if self.left() < least.max(self.plan.first_samples) {
-                let omitted = count + 1 - index;
+            if !self.try_loop(subject, given, other)? {
+                let omitted = others.len() - k;
                 self.omit(Omission::RandomLoops { count: omitted });
                 break;
-            }
-            let seed = diagnostic.seed.wrapping_add(index as u64);
-            let kind = random_kind(&given.size, index);
-            let Some(random) = loop_of_kind(kind, &given.size, subject.coordinates(), seed)? else {
-                continue;
-            };
-            let subject = Subject {
-                phase_loop: &subject.evaluator.on_manifold(random),
-                ..subject
-            };
-            // The order is that of a full sweep, and a symmetric loop hides terms of lower
-            // order: the given loop and one random one are worth it.
-            let known = (self.evidence.loops[1..].iter()).any(LoopEvidence::shows_defect);
-            match self.random_loop(index, kind, subject, known) {
-                Ok(()) if self.is_unresolved() => {
-                    self.evidence.loops.pop();
-                    let omitted = count + 1 - index;
-                    self.omit(Omission::RandomLoops { count: omitted });
-                    break;
-                }
-                Ok(()) => {}
-                Err(Error::BudgetSpent { .. }) => {
-                    let omitted = count + 1 - index;
-                    self.omit(Omission::RandomLoops { count: omitted });
-                    break;
-                }
-                // A loop that nobody asked for may leave the map's domain.
-                Err(error) if of_the_map(&error) => self.failed(index, kind, &error),
-                // What nobody asked to move may be lost in rounding where it lies.
-                Err(error @ (Error::NoArea { .. } | Error::LostInRounding { .. }))
-                    if kind == LoopKind::Extended =>
-                {
-                    self.failed(index, kind, &error);
-                }
-                Err(error) => return Err(error),
             }
         }
         let winds = self.evidence.loops[0].winds;
@@ -78,6 +83,50 @@ impl Run<'_> {
         }
         self.evidence.evaluations.random_loops = self.count.made() - start;
         Ok(())
+    }
+
+    /// A random loop; whether the budget allowed it.
+    fn try_loop(
+        &mut self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+        other: &Other,
+    ) -> Result<bool, Error> {
+        // A loop that cannot be resolved as the given one was is no evidence.
+        let least = if self.plan.is_tight() { given.cost } else { 0 };
+        if self.left() < least.max(self.plan.first_samples) {
+            return Ok(false);
+        }
+        let seed = self.diagnostic.seed.wrapping_add(other.index as u64);
+        let (kind, coordinates) = (other.kind, subject.coordinates());
+        let Some(random) = loop_of_kind(kind, other.group, &given.size, coordinates, seed)? else {
+            return Ok(true);
+        };
+        let subject = Subject {
+            phase_loop: &subject.evaluator.on_manifold(random),
+            ..subject
+        };
+        // The order is that of a full sweep, and a symmetric loop hides terms of lower
+        // order: the given loop and one random one are worth it.
+        let known = (self.evidence.loops[1..].iter()).any(LoopEvidence::shows_defect);
+        match self.random_loop(other, subject, known) {
+            Ok(()) if self.is_unresolved() => {
+                self.evidence.loops.pop();
+                return Ok(false);
+            }
+            Ok(()) => {}
+            Err(Error::BudgetSpent { .. }) => return Ok(false),
+            // A loop that nobody asked for may leave the map's domain.
+            Err(error) if of_the_map(&error) => self.failed(other, &error),
+            // What nobody asked to move apart may be lost in rounding where it lies.
+            Err(error @ (Error::NoArea { .. } | Error::LostInRounding { .. }))
+                if matches!(kind, LoopKind::Extended | LoopKind::Group) =>
+            {
+                self.failed(other, &error);
+            }
+            Err(error) => return Err(error),
+        }
+        Ok(true)
     }
 
     /// Whether a tight budget was spent before the last loop was resolved as the given one was: it is no evidence.
@@ -109,15 +158,20 @@ impl Run<'_> {
                 .seed
                 .wrapping_add(self.diagnostic.loops as u64),
         );
-        let found = loop_of_kind(LoopKind::Winding, size, subject.coordinates(), seed)?;
-        let Some(winding) = found else {
+        let winding = Other {
+            index,
+            kind: LoopKind::Winding,
+            group: None,
+        };
+        let found = loop_of_kind(winding.kind, None, size, subject.coordinates(), seed)?;
+        let Some(random) = found else {
             return Ok(());
         };
         let subject = Subject {
-            phase_loop: &subject.evaluator.on_manifold(winding),
+            phase_loop: &subject.evaluator.on_manifold(random),
             ..subject
         };
-        match self.random_loop(index, LoopKind::Winding, subject, true) {
+        match self.random_loop(&winding, subject, true) {
             Err(error @ (Error::NoArea { .. } | Error::LostInRounding { .. })) => {
                 let _ = error;
                 Ok(())
@@ -136,12 +190,23 @@ impl Run<'_> {
             evaluator: subject.evaluator,
             h: self.largest,
         };
-        let index = self.evidence.loops.last().map_or(0, |last| last.index) + 1;
+        let of_image = Other {
+            index: self
+                .evidence
+                .loops
+                .iter()
+                .map(|found| found.index)
+                .max()
+                .unwrap_or(0)
+                + 1,
+            kind: LoopKind::Image,
+            group: None,
+        };
         let subject = Subject {
             phase_loop: &image,
             ..subject
         };
-        match self.random_loop(index, LoopKind::Image, subject, true) {
+        match self.random_loop(&of_image, subject, true) {
             // It may have lost its area, or the budget may be spent: the given loop has to do.
             Err(
                 Error::NoArea { .. } | Error::LostInRounding { .. } | Error::BudgetSpent { .. },
@@ -154,8 +219,7 @@ impl Run<'_> {
     /// A random loop at the largest step size; at all if it shows a defect and none did before.
     fn random_loop(
         &mut self,
-        index: usize,
-        kind: LoopKind,
+        other: &Other,
         subject: Subject<'_>,
         known: bool,
     ) -> Result<(), Error> {
@@ -180,7 +244,7 @@ impl Run<'_> {
         let samples = &mut InitialSamples::new(subject);
         let first = probe.measure(samples, self.largest, &mut look)?;
         (self.watch)(Event::Planned(1));
-        let mut found = LoopEvidence::new(index, kind);
+        let mut found = other.evidence();
         found.rule = match probe.rule.kind() {
             RuleKind::Auto => RuleKind::Pseudospectral,
             kind => kind,
@@ -188,7 +252,7 @@ impl Run<'_> {
         found.samples = probe.samples;
         found.winds = survey::winds(subject.phase_loop, subject.coordinates())?;
         self.evidence.loops.push(found);
-        self.record(index, Sweep::StepSize, &probe, &first);
+        self.record(other.index, Sweep::StepSize, &probe, &first);
         self.moved(seen.and_then(|seen| seen.motion));
         let shows = (self.evidence.loops.last()).is_some_and(LoopEvidence::shows_defect);
         if !shows || known {
@@ -204,17 +268,17 @@ impl Run<'_> {
             }
             match probe.measure(samples, h, &mut |_| {}) {
                 Err(Error::BudgetSpent { .. }) => break,
-                measured => self.record(index, Sweep::StepSize, &probe, &measured?),
+                measured => self.record(other.index, Sweep::StepSize, &probe, &measured?),
             }
         }
         Ok(())
     }
 
     /// A loop on which the map failed.
-    fn failed(&mut self, index: usize, kind: LoopKind, error: &Error) {
+    fn failed(&mut self, other: &Other, error: &Error) {
         // It may have been recorded at some step sizes before the map failed at another.
-        self.evidence.loops.retain(|found| found.index != index);
-        let mut found = LoopEvidence::new(index, kind);
+        (self.evidence.loops).retain(|found| found.index != other.index);
+        let mut found = other.evidence();
         found.failure = Some(error.to_string());
         self.evidence.loops.push(found);
     }

@@ -40,6 +40,7 @@ impl Case<'_> {
             true => self.bounds_of_samples(),
             false => self.bounds_of_loops(),
         };
+        findings.extend(self.groups());
         let samples = self.loops.first().map_or(0, |given| given.samples);
         findings.push(Finding::Resolution { samples });
         let motion = self.strongest_motion();

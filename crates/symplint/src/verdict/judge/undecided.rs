@@ -7,7 +7,7 @@ use crate::verdict::finding::{Advice, Finding};
 use crate::verdict::thresholds::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_LARGER};
 
 impl Case<'_> {
-    fn because(&self, because: Finding, advice: Vec<Advice>) -> Decision {
+    pub(super) fn because(&self, because: Finding, advice: Vec<Advice>) -> Decision {
         let mut decision = Decision::new(VerdictKind::Undecided, because);
         decision.findings = self.bounds();
         decision.advice = advice;
@@ -86,7 +86,9 @@ impl Case<'_> {
         if all_wind && self.steps().any(|(_, step)| step.is_unexplained()) {
             return Some(self.because(Finding::AllLoopsWind, vec![Advice::ContractibleLoops]));
         }
-        (self.weak_bound()).or_else(|| self.refuted())
+        (self.weak_bound())
+            .or_else(|| self.unknown_group())
+            .or_else(|| self.refuted())
     }
 
     fn advice_on_motion(&self, motion: Motion, step_size: Option<f64>) -> Advice {

@@ -130,6 +130,9 @@ impl Display for Advice {
             Advice::ContractibleLoops => {
                 f.write_str("Add loops that can be contracted: set loops to 8.")
             }
+            Advice::LargerRadiiOfGroup => f.write_str(
+                "Give larger radii to these degrees of freedom, well above the rounding of their states, or leave them at rest.",
+            ),
             Advice::LoopOnManifold => f.write_str(
                 "Give a projection onto the constraint manifold (`with_projection`, `project`), which puts all loops there, or \
                  a loop that lies on it.",

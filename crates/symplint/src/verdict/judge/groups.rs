@@ -1,0 +1,54 @@
+//! Groups of degrees of freedom of similar action: what is known of each.
+
+use super::{Case, Decision};
+use crate::evidence::{LoopEvidence, StepEvidence, WEAKEST_BOUND};
+use crate::verdict::finding::{Advice, Finding};
+
+impl Case<'_> {
+    /// What no defect in each group exceeds, where there are several.
+    pub(super) fn groups(&self) -> Vec<Finding> {
+        let groups = self.evidence.groups.iter().enumerate();
+        groups.map(|(index, _)| self.group(index)).collect()
+    }
+
+    fn group(&self, index: usize) -> Finding {
+        let group = &self.evidence.groups[index];
+        let counted = |found: &&LoopEvidence| {
+            found.group.unwrap_or(0) == index && !found.winds && found.is_bounded()
+        };
+        let loops: Vec<&LoopEvidence> = self.loops.iter().filter(counted).collect();
+        let steps = || loops.iter().flat_map(|found| &found.steps);
+        let by_jacobian = (self.evidence.jacobian.as_ref())
+            .and_then(|jacobian| *jacobian.bounds_of_groups.get(index)?);
+        Finding::Group {
+            index,
+            of: self.evidence.groups.len(),
+            dofs: group.dofs.clone(),
+            action: group.action,
+            loops: loops.len(),
+            by_loops: steps().map(StepEvidence::bound).reduce(f64::max),
+            by_jacobian,
+        }
+    }
+
+    /// A group of which neither its loops nor the Jacobian bound a defect.
+    pub(super) fn unknown_group(&self) -> Option<Decision> {
+        let unknown = self.groups().into_iter().find(|group| {
+            let Finding::Group {
+                by_loops,
+                by_jacobian,
+                ..
+            } = group
+            else {
+                return false;
+            };
+            let known = |bound: &Option<f64>| bound.is_some_and(|bound| bound <= WEAKEST_BOUND);
+            !known(by_loops) && !known(by_jacobian)
+        })?;
+        let mut decision = self.because(unknown, vec![Advice::LargerRadiiOfGroup]);
+        decision
+            .findings
+            .retain(|finding| *finding != decision.because);
+        Some(decision)
+    }
+}
