@@ -226,7 +226,7 @@ fn samples_have_to_be_half_a_cell_apart_or_nearer() {
 
 #[test]
 fn a_break_of_any_loop_breaks_and_closing_says_whether_that_is_all() {
-    let closing = |signed: f64, uncertainty: f64| {
+    let closing = |signed: f64, uncertainty: f64, straight: bool| {
         let mut evidence = of_map(vec![step(0.5, -3.0, 1e-10)]);
         let step = &mut evidence.loops[0].steps[0];
         step.jump = Some(JUMP);
@@ -234,6 +234,7 @@ fn a_break_of_any_loop_breaks_and_closing_says_whether_that_is_all() {
             breaks: 2,
             chord: 3.0,
             closed: defect(signed, uncertainty),
+            straight,
         });
         judge(&evidence)
     };
@@ -244,7 +245,7 @@ fn a_break_of_any_loop_breaks_and_closing_says_whether_that_is_all() {
         (0.0, 0.9e-6, Some(true)),
         (0.0, 1.1e-6, None),
     ] {
-        let verdict = closing(signed, uncertainty);
+        let verdict = closing(signed, uncertainty, false);
         assert_eq!(verdict.kind, BrokenLoops);
         assert_eq!(
             verdict.conserved_once_closed, conserved,
@@ -255,6 +256,12 @@ fn a_break_of_any_loop_breaks_and_closing_says_whether_that_is_all() {
             .contains("conserved once breaks are closed");
         assert_eq!(told, conserved == Some(true));
     }
+    // By straight chords across the whole step a change proves nothing.
+    assert_eq!(closing(11e-14, 1e-14, true).conserved_once_closed, None);
+    assert_eq!(
+        closing(9e-14, 1e-14, true).conserved_once_closed,
+        Some(true)
+    );
     let mut random = of_map(vec![step(0.5, 0.0, 1e-15)]);
     random.loops[1].steps[0].jump = Some(JUMP);
     assert_eq!(kind(&random), BrokenLoops);

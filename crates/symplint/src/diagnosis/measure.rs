@@ -1,5 +1,6 @@
 //! Carrying out the plan: fills the evidence.
 
+mod domain;
 mod other_loops;
 
 use super::initial_samples::InitialSamples;
@@ -14,7 +15,7 @@ use crate::error::Error;
 use crate::evidence::{
     BreakAt, Evidence, LoopEvidence, LoopKind, Motion, Omission, Point, StepEvidence, Sweep,
 };
-use crate::jacobian::{JacobianEvidence, JacobianTest};
+use crate::jacobian::JacobianTest;
 use crate::loops::{Loop, check_closed};
 use crate::map::{EvaluationCount, Evaluator, LoopSize, TimeAdvance};
 use crate::rules::{Rule, RuleKind, Subject};
@@ -99,6 +100,7 @@ impl Diagnostic {
         run.long_time(&given)?;
         run.jacobian(subject, &given);
         run.look_for_manifold(subject, &given)?;
+        run.contract(subject, &given)?;
         run.localise(subject, &given);
         if let Some(sweep) = &self.sample_sweep {
             run.sweep_samples(&given.probe, sweep)?;
@@ -195,7 +197,8 @@ impl Run<'_> {
             given.rule = RuleKind::Pseudospectral;
         }
         given.samples = probe.samples;
-        given.winds = survey::winds(subject.phase_loop, subject.coordinates())?;
+        given.wound = survey::wound(subject.phase_loop, subject.coordinates())?;
+        given.winds = !given.wound.is_empty();
         self.evidence.loops.push(given);
         let affordable = self.affordable_steps(cost);
         (self.watch)(Event::Planned(affordable.len()));
@@ -373,7 +376,7 @@ impl Run<'_> {
             None => self.omit(Omission::JacobianBudget),
             Some(test) => {
                 // Further groups of degrees of freedom, and tracing a defect, take as much again.
-                let further = planned.saturating_mul(1 + given.size.groups.len());
+                let further = planned.saturating_mul(1 + given.size.groups.len().max(1));
                 let test = JacobianTest {
                     budget: left.min(further),
                     ..test
@@ -388,36 +391,6 @@ impl Run<'_> {
             }
         }
         self.evidence.evaluations.jacobian = self.count.made() - start;
-    }
-
-    /// Where something has a defect, looks whether it lies outside the domain of the map: whether the map projects onto a
-    /// manifold. If the given loop has one, its image, which lies on the manifold, is advanced, too.
-    fn look_for_manifold(&mut self, subject: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
-        let suspect = |found: &LoopEvidence| {
-            !found.winds && (found.failure.is_some() || found.shows_defect())
-        };
-        let by_jacobian = self.evidence.jacobian.as_ref();
-        let shown = self.evidence.loops.iter().any(suspect)
-            || by_jacobian.is_some_and(JacobianEvidence::shows_defect);
-        let of_given = self.evidence.loops[0].shows_defect();
-        // With a projection all loops lie on the manifold.
-        let projected = subject.evaluator.constraint().is_some();
-        let affordable = self.count.left() >= survey::singular_cost(subject.dof());
-        if !shown || projected || !affordable {
-            return Ok(());
-        }
-        let start = self.count.made();
-        match survey::singular_jacobian(subject, &given.size, self.largest) {
-            Ok(found) => self.evidence.survey.singular = found,
-            // Beside the loop the map need not be defined.
-            Err(error) if of_the_map(&error) => {}
-            Err(error) => return Err(error),
-        }
-        if self.evidence.survey.singular.is_some() && of_given {
-            self.image_loop(subject)?;
-        }
-        self.evidence.evaluations.manifold = self.count.made() - start;
-        Ok(())
     }
 
     /// Looks where a defect comes from, on the first loop that shows it.
@@ -455,7 +428,7 @@ impl Run<'_> {
                 reason: error.to_string(),
             }),
         }
-        self.evidence.evaluations.localisation = self.count.made() - start;
+        self.evidence.evaluations.localisation += self.count.made() - start;
     }
 }
 

@@ -163,6 +163,7 @@ impl<'a> Probe<'a> {
                 breaks: closed.breaks,
                 chord: closed.chord,
                 closed: closed.defect,
+                straight: closed.straight,
             }),
             omitted_cells: advanced.integral.omitted.as_ref().map(Vec::len),
             cells_apart: advanced.cells_apart,

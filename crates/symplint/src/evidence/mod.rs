@@ -10,7 +10,7 @@ mod point;
 mod step;
 mod survey;
 
-pub use localisation::{Localisation, Sector, SubstepDefect};
+pub use localisation::{Contraction, Localisation, Sector, SubstepDefect};
 pub use long_time::LongTime;
 pub use motion::Motion;
 pub use point::{BreakAt, Point, Sweep};
@@ -47,6 +47,9 @@ pub struct Evidence {
     pub survey: Survey,
     /// Defects of the substeps of the map and of parts of a loop.
     pub localisation: Option<Localisation>,
+    /// Where the change of the integral of the loop with the largest defect sits, where the Jacobian does not show it.
+    #[serde(default)]
+    pub contraction: Option<Contraction>,
     /// The given loop after many steps.
     pub long_time: Option<LongTime>,
     /// The Jacobian of the largest step at points of the given loop.
@@ -115,6 +118,9 @@ pub struct LoopEvidence {
     /// Whether a position gains whole periods round the loop: the loop cannot be contracted then, and a
     /// symplectic map may change its integral (by the flux, of a map that is not exact).
     pub winds: bool,
+    /// The degrees of freedom whose positions do.
+    #[serde(default)]
+    pub wound: Vec<usize>,
     /// A break of the loop before any step: it is no closed loop, or not unwrapped.
     pub broken_before: Option<Break>,
     /// A position that jumps by its whole range before any step.

@@ -52,6 +52,10 @@ pub struct Closing {
     pub chord: f64,
     /// Change of the closed loop integral.
     pub closed: Defect,
+    /// Whether the closing segments are straight after the whole step, as its substeps are not known: a step may bend
+    /// what closes a break.
+    #[serde(default)]
+    pub straight: bool,
 }
 
 /// Cells of a sampled loop in which a coordinate jumps, as far as samples can tell.

@@ -170,7 +170,7 @@ impl JacobianTest {
             projected,
             worst,
             bound,
-            bounds_of_groups: bounds_of_groups(&outcomes, groups.len()),
+            bounds_of_groups: bounds_of_groups(&outcomes, groups.len().max(1)),
             deformation: (outcomes.iter().map(|o| o.deformation)).fold(0.0, f64::max),
             noise: sampler.largest_noise(),
             evaluations: sampler.made(),
@@ -189,7 +189,7 @@ impl JacobianTest {
         // The first group is planned for; further ones are looked at where there are evaluations to spare.
         let further = match full {
             true => 0,
-            false => (groups.len() - 1) * self.directions * sampler.cost(),
+            false => groups.len().saturating_sub(1) * self.directions * sampler.cost(),
         };
         let of_point = self.count(dof) * sampler.cost() + further;
         let at_a_time = sampler.in_a_batch(of_point);

@@ -73,7 +73,10 @@ struct PerSampleProjection<P>(P);
 
 impl<P: Fn(&mut [f64], &mut [f64]) + Send + Sync> Constraint for PerSampleProjection<P> {
     fn project(&self, block: &mut Block<'_>) {
-        let Ok(()) = each_state(block, |q, p| Ok::<(), Infallible>((self.0)(q, p)));
+        let Ok(()) = each_state(block, |q, p| {
+            (self.0)(q, p);
+            Ok::<(), Infallible>(())
+        });
     }
 }
 

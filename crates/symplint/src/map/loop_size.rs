@@ -105,7 +105,8 @@ pub(crate) struct LoopSize {
     pub radius: [Vec<f64>; 2],
     /// Degrees of freedom that the loop leaves at rest.
     pub at_rest: Vec<bool>,
-    /// Degrees of freedom in groups of similar action, weight × radius in q × radius in p, the largest first.
+    /// Degrees of freedom in groups of similar action, weight × radius in q × radius in p, the largest first; none
+    /// where there is only one.
     pub groups: Vec<ActionGroup>,
 }
 
@@ -119,8 +120,13 @@ pub(crate) struct ActionGroup {
 }
 
 impl ActionGroup {
-    /// Groups of degrees of freedom with these actions.
+    /// Groups of degrees of freedom with these actions; none where there is only one.
     fn of(actions: &[f64]) -> Vec<ActionGroup> {
+        let lowest = actions.iter().copied().fold(f64::INFINITY, f64::min);
+        let highest = actions.iter().copied().fold(0.0, f64::max);
+        if lowest * SIMILAR >= highest {
+            return Vec::new();
+        }
         let mut order: Vec<usize> = (0..actions.len()).collect();
         order.sort_by(|&a, &b| actions[b].total_cmp(&actions[a]));
         let largest = order.first().map_or(1.0, |&i| actions[i]);
@@ -351,7 +357,7 @@ mod tests {
             groups.into_iter().map(|group| group.dofs).collect()
         };
         assert_eq!(groups(&[1.0, 2.0, 1.1e-3, 1e-3]), [vec![0, 1], vec![2, 3]]);
-        assert_eq!(groups(&[1.0, 2.1e-3, 2.0]), [vec![0, 1, 2]]);
+        assert!(groups(&[1.0, 2.1e-3, 2.0]).is_empty());
         assert_eq!(
             groups(&[1e-15, 3e-16, 1.0, 0.0]),
             [vec![2], vec![0, 1], vec![3]]

@@ -109,6 +109,8 @@ pub(crate) struct Closed {
     /// What the closing segments contribute to the loop integral.
     pub chord: f64,
     pub defect: Defect,
+    /// Whether the segments are straight after the whole step, and not in the substep that breaks the loop.
+    pub straight: bool,
 }
 
 impl Advanced {

@@ -129,6 +129,7 @@ fn evidence(initial: &Initial<'_>, step: &Compared, samples: usize) -> StepEvide
             breaks: broken.confirmed,
             chord: broken.chord,
             closed: broken.closed_defect,
+            straight: true,
         }),
         jumping: step.broken.map(|broken| JumpingCells {
             cells: broken.cells,

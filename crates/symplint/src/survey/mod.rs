@@ -10,7 +10,7 @@ mod windings;
 pub(crate) use inner_precision::{STATES as PRECISION_STATES, is_single_inside};
 pub(crate) use purity::check_purity;
 pub(crate) use singular::{cost as singular_cost, singular_jacobian};
-pub(crate) use windings::winds;
+pub(crate) use windings::wound;
 
 use crate::error::Error;
 use crate::evidence::{Motion, OutputPrecision};

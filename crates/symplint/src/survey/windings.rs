@@ -1,16 +1,16 @@
-//! Whether a loop winds round the period of a position.
+//! Which periods a loop winds round.
 
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::signal::Turns;
 use crate::state::{Coordinates, Ensemble};
 
-/// Whether a position gains whole periods round the loop.
-pub(crate) fn winds(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<bool, Error> {
+/// The degrees of freedom whose position gains whole periods round the loop.
+pub(crate) fn wound(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<Vec<usize>, Error> {
     const SAMPLES: usize = 64;
     let dof = coordinates.dof();
     if (0..dof).all(|i| coordinates.period(i) == 0.0) {
-        return Ok(false);
+        return Ok(Vec::new());
     }
     let mut first = Vec::new();
     let mut turns = vec![Turns::default(); dof];
@@ -28,9 +28,9 @@ pub(crate) fn winds(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<
     })?;
     // Back to the first sample.
     let returns = turns.iter_mut().zip(&first).enumerate();
-    let mut winding = returns.map(|(i, (turns, &q))| {
+    let winding = returns.filter_map(|(i, (turns, &q))| {
         turns.unwrap(q, coordinates.period(i));
-        turns.turns
+        (turns.turns != 0.0).then_some(i)
     });
-    Ok(winding.any(|turns| turns != 0.0))
+    Ok(winding.collect())
 }

@@ -6,7 +6,9 @@ use super::jacobian::JacobianFinding;
 use super::long_time::Growth;
 use super::order::Fit;
 use crate::breaks::Break;
-use crate::evidence::{LongTime, Motion, Omission, OutputPrecision, Sector, SubstepDefect};
+use crate::evidence::{
+    Contraction, LongTime, Motion, Omission, OutputPrecision, Sector, SubstepDefect,
+};
 
 /// Which advanced loop a finding speaks of.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -172,6 +174,17 @@ pub enum Finding {
     },
     /// Loops are conserved, but the Jacobian is not symplectic.
     JacobianRefutes,
+    /// A loop integral changes, and all of the change sits at one point of the disc within the loop.
+    ChangesAtAPoint {
+        /// Which loop.
+        loop_index: usize,
+        /// By how much.
+        change: Change,
+        /// The step.
+        step: Step,
+        /// Where it sits.
+        contraction: Contraction,
+    },
     /// The map projects onto a manifold, and the given loop does not lie on it.
     LoopBesideManifold {
         /// The smallest singular value of the Jacobian.
@@ -235,6 +248,9 @@ pub enum Finding {
     ClosedConserved {
         /// No closed defect exceeds this.
         bound: f64,
+        /// Whether they are closed by straight chords, as substeps are not known.
+        #[serde(default)]
+        straight: bool,
         /// The loop with the largest.
         loop_index: usize,
         /// The step.
@@ -244,6 +260,9 @@ pub enum Finding {
     ClosedChanges {
         /// By how much.
         change: Change,
+        /// Whether it is closed by straight chords, as substeps are not known: that proves nothing.
+        #[serde(default)]
+        straight: bool,
         /// Which loop.
         loop_index: usize,
         /// The step.
@@ -311,15 +330,21 @@ pub enum Finding {
     NotExact {
         /// Which loop.
         loop_index: usize,
+        /// The degrees of freedom round whose periods it winds.
+        #[serde(default)]
+        wound: Vec<usize>,
         /// By how much.
         change: Change,
         /// The step.
         step: Step,
     },
-    /// A loop that winds is conserved: the map is exact.
+    /// A loop that winds is conserved: round these periods the map is exact.
     Exact {
         /// Which loop.
         loop_index: usize,
+        /// The degrees of freedom round whose periods it winds.
+        #[serde(default)]
+        wound: Vec<usize>,
     },
     /// Features narrower than the distance of samples are not resolved.
     Resolution {
@@ -432,6 +457,8 @@ pub enum Advice {
     MoreSamplesAndLargerSteps,
     /// Add loops that can be contracted.
     ContractibleLoops,
+    /// Take a loop that does not run round that point.
+    LoopBesidePoint,
     /// Give larger radii to a group of degrees of freedom.
     LargerRadiiOfGroup,
     /// Give a loop on the constraint manifold.

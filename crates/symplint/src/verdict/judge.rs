@@ -94,6 +94,7 @@ impl<'a> Case<'a> {
         (self.no_closed_loop())
             .or_else(|| self.beside_manifold())
             .or_else(|| self.broken())
+            .or_else(|| self.not_contracted())
             .or_else(|| self.not_symplectic())
             .or_else(|| self.projects())
             .or_else(|| self.undecided())

@@ -221,6 +221,21 @@ impl Display for Finding {
             Finding::JacobianRefutes => f.write_str(
                 "The loops are conserved, but the Jacobian of a step is not symplectic.",
             ),
+            Finding::ChangesAtAPoint {
+                loop_index,
+                change,
+                step,
+                contraction,
+            } => write!(
+                f,
+                "The integral of {} changes by {change} {step}, but all of the change comes from a patch of {:.0e} of the \
+                 disc within it, near s = {:.3}, {:.0} % of the way from the centre. A map that is singular there may \
+                 change it, and be symplectic everywhere else: the loop cannot be contracted in its domain.",
+                loop_name(*loop_index),
+                contraction.area,
+                middle(contraction.s),
+                100.0 * middle(contraction.r)
+            ),
             Finding::LoopBesideManifold {
                 smallest,
                 first,
@@ -295,23 +310,34 @@ impl Display for Finding {
             }
             Finding::ClosedConserved {
                 bound,
+                straight,
                 loop_index,
                 step,
             } => write!(
                 f,
-                "With their breaks closed all loop integrals are conserved to {bound:.1e} (worst case: {}, \
-                 {step}).",
+                "With their breaks closed{} all loop integrals are conserved to {bound:.1e} (worst case: {}, {step}).",
+                by_chords(*straight),
                 loop_name(*loop_index)
             ),
             Finding::ClosedChanges {
                 change,
+                straight,
                 loop_index,
                 step,
-            } => write!(
-                f,
-                "With its breaks closed the integral of {} still changes by {change} {step}.",
-                loop_name(*loop_index)
-            ),
+            } => {
+                let (by_chords, name) = (by_chords(*straight), loop_name(*loop_index));
+                match straight {
+                    false => write!(
+                        f,
+                        "With its breaks closed the integral of {name} still changes by {change} {step}."
+                    ),
+                    true => write!(
+                        f,
+                        "With its breaks closed{by_chords} the integral of {name} differs by {change} {step}. That proves \
+                         nothing: a step may bend what closes a break."
+                    ),
+                }
+            }
             Finding::SamplesAreNoProof { samples } => write!(
                 f,
                 "Samples do not prove a jump: a slope steeper than 1/{samples} of the loop looks the same."
@@ -383,19 +409,23 @@ impl Display for Finding {
             ),
             Finding::NotExact {
                 loop_index,
+                wound,
                 change,
                 step,
             } => write!(
                 f,
-                "{} winds round a period, and its integral changes by {:+.3e} {step}: the map is not exact; no \
+                "{} winds round {}, and its integral changes by {:+.3e} {step}: the map is not exact; no \
                  Hamiltonian of that period generates it.",
                 capitalised(&loop_name(*loop_index)),
+                periods(wound),
                 change.signed
             ),
-            Finding::Exact { loop_index } => write!(
+            Finding::Exact { loop_index, wound } => write!(
                 f,
-                "{} winds round a period, cannot be contracted, and is conserved, too: the map is exact.",
-                capitalised(&loop_name(*loop_index))
+                "{} winds round {}, cannot be contracted, and is conserved, too: round that period the map is \
+                 exact.",
+                capitalised(&loop_name(*loop_index)),
+                periods(wound)
             ),
             Finding::Resolution { samples } => write!(
                 f,
@@ -632,4 +662,24 @@ fn degrees_of_freedom(dofs: &[usize]) -> String {
     };
     let plural = if dofs.len() == 1 { "degree" } else { "degrees" };
     format!("{plural} of freedom {}{further}", named.join(", "))
+}
+
+/// How breaks are closed, where it is not in the substeps that cause them.
+fn by_chords(straight: bool) -> &'static str {
+    match straight {
+        true => " by straight chords (substeps unknown)",
+        false => "",
+    }
+}
+
+/// The periods of these degrees of freedom.
+fn periods(dofs: &[usize]) -> String {
+    match dofs {
+        [] => "a period".to_owned(),
+        dofs => format!("the period of {}", degrees_of_freedom(dofs)),
+    }
+}
+
+fn middle([from, to]: [f64; 2]) -> f64 {
+    0.5 * (from + to)
 }

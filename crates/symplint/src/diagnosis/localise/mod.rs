@@ -1,15 +1,20 @@
 //! Where a defect comes from: which substep of the map, which part of the loop.
 
+mod halving;
+mod patch;
 mod sectors;
 mod substeps;
+
+pub(super) use halving::{FEWEST_EVALUATIONS as FEWEST_OF_HALVING, contraction};
 
 use super::Diagnostic;
 use super::memory::fits;
 use super::plan::Plan;
 use super::random_loops::loop_of_kind;
 use crate::error::Error;
-use crate::evidence::{Localisation, LoopEvidence, LoopKind};
-use crate::map::LoopSize;
+use crate::evidence::{Localisation, LoopEvidence};
+use crate::loops::FourierLoop;
+use crate::map::{LoopSize, ProjectedLoop};
 use crate::rules::{Rule, RuleKind, Subject};
 
 impl Diagnostic {
@@ -26,12 +31,7 @@ impl Diagnostic {
         h: f64,
         plan: &Plan,
     ) -> Result<Localisation, Error> {
-        let seed = self.seed.wrapping_add(found.index as u64);
-        let random = match found.kind {
-            LoopKind::Given => None,
-            kind => loop_of_kind(kind, found.group, size, subject.coordinates(), seed)?
-                .map(|random| subject.evaluator.on_manifold(random)),
-        };
+        let random = self.random_loop_of(found, size, subject)?;
         let subject = Subject {
             phase_loop: (random.as_ref()).map_or(subject.phase_loop, |random| random),
             ..subject
@@ -64,5 +64,17 @@ impl Diagnostic {
             localisation.sectors = sectors::sectors(subject, &piecewise, h)?;
         }
         Ok(localisation)
+    }
+
+    /// The random loop that was measured; `None` for the given one.
+    pub(super) fn random_loop_of<'a>(
+        &self,
+        found: &LoopEvidence,
+        size: &LoopSize,
+        subject: Subject<'a>,
+    ) -> Result<Option<ProjectedLoop<'a, FourierLoop>>, Error> {
+        let seed = self.seed.wrapping_add(found.index as u64);
+        let random = loop_of_kind(found.kind, found.group, size, subject.coordinates(), seed)?;
+        Ok(random.map(|random| subject.evaluator.on_manifold(random)))
     }
 }

@@ -51,7 +51,7 @@ impl Run<'_> {
             })
             .collect();
         let groups = &given.size.groups;
-        if count > 0 && groups.len() > 1 {
+        if count > 0 && !groups.is_empty() {
             self.evidence.groups = (groups.iter())
                 .map(|group| DofGroup {
                     dofs: group.dofs.clone(),
@@ -250,7 +250,8 @@ impl Run<'_> {
             kind => kind,
         };
         found.samples = probe.samples;
-        found.winds = survey::winds(subject.phase_loop, subject.coordinates())?;
+        found.wound = survey::wound(subject.phase_loop, subject.coordinates())?;
+        found.winds = !found.wound.is_empty();
         self.evidence.loops.push(found);
         self.record(other.index, Sweep::StepSize, &probe, &first);
         self.moved(seen.and_then(|seen| seen.motion));

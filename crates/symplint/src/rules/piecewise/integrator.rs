@@ -1,6 +1,6 @@
 //! The piecewise rule in a diagnosis: pieces beside equispaced samples, which show what pieces may miss.
 
-use super::{Piecewise, PiecewiseIntegral};
+use super::{Closure, Piecewise, PiecewiseIntegral};
 use crate::breaks::Search;
 use crate::error::Error;
 use crate::map::{EvaluationCount, Evaluator, StepFailure, TimeAdvance};
@@ -66,6 +66,7 @@ impl LoopIntegrator for Piecewise {
                 breaks: breaks.len(),
                 chord: closing.iter().sum(),
                 defect: Defect::between(initial, &closed)?,
+                straight: self.closure == Closure::Chords || subject.evaluator.substeps() == 1,
             }),
             integral,
             breaks,

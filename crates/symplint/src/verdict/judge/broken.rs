@@ -10,7 +10,7 @@ use crate::verdict::thresholds::{LEAST_SAMPLED_JUMP, SHUFFLED, TREND};
 /// The worst of the loops whose breaks are closed.
 struct Closed {
     finding: Finding,
-    conserved: bool,
+    conserved: Option<bool>,
 }
 
 impl Case<'_> {
@@ -56,7 +56,7 @@ impl Case<'_> {
         let (found, step, jump) =
             (self.steps()).find_map(|(found, step)| Some((found, step, step.jump?)))?;
         let closed = self.closed();
-        let conserved = closed.as_ref().map(|closed| closed.conserved);
+        let conserved = closed.as_ref().and_then(|closed| closed.conserved);
         let because = Finding::Discontinuous { jump, conserved };
         let mut decision = Decision::new(VerdictKind::BrokenLoops, because);
         decision.conserved_once_closed = conserved;
@@ -92,30 +92,33 @@ impl Case<'_> {
     /// What the loops do whose breaks are closed; `None` where that is not known.
     fn closed(&self) -> Option<Closed> {
         let closed = self.steps().filter_map(|(found, step)| {
-            let defect = step.closing.filter(|_| !found.winds)?.closed;
-            Some((found, step, defect))
+            let closing = step.closing.filter(|_| !found.winds)?;
+            Some((found, step, closing.closed, closing.straight))
         });
-        let (found, step, defect) =
+        let (found, step, defect, straight) =
             closed.max_by(|a, b| a.2.magnitude().total_cmp(&b.2.magnitude()))?;
         let (loop_index, name) = (found.index, self.name(found, step));
         if defect.magnitude() > crate::evidence::SIGNIFICANT * defect.uncertainty() {
             return Some(Closed {
                 finding: Finding::ClosedChanges {
                     change: change(&defect),
+                    straight,
                     loop_index,
                     step: name,
                 },
-                conserved: false,
+                // A step may bend what closes a break.
+                conserved: (!straight).then_some(false),
             });
         }
         let bound = defect.magnitude() + defect.uncertainty();
         (bound <= WEAKEST_BOUND).then_some(Closed {
             finding: Finding::ClosedConserved {
                 bound,
+                straight,
                 loop_index,
                 step: name,
             },
-            conserved: true,
+            conserved: Some(true),
         })
     }
 

@@ -90,6 +90,7 @@ impl Case<'_> {
         let flux = (self.steps()).find(|(found, step)| found.winds && step.is_significant());
         findings.extend(flux.map(|(found, step)| Finding::NotExact {
             loop_index: found.index,
+            wound: found.wound.clone(),
             change: change(&step.defect),
             step: self.name(found, step),
         }));
@@ -100,6 +101,7 @@ impl Case<'_> {
             .find(conserved);
         findings.extend(exact.map(|found| Finding::Exact {
             loop_index: found.index,
+            wound: found.wound.clone(),
         }));
         findings
     }

@@ -1,10 +1,12 @@
 //! Reasons for which the numbers do not decide.
 
-use super::{Case, Decision};
+use super::{Case, Decision, change};
 use crate::evidence::{LoopEvidence, LoopKind, Motion, StepEvidence};
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding};
-use crate::verdict::thresholds::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_LARGER};
+use crate::verdict::thresholds::{
+    LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_LARGER, POINT_OF_DISC,
+};
 
 impl Case<'_> {
     pub(super) fn because(&self, because: Finding, advice: Vec<Advice>) -> Decision {
@@ -32,6 +34,22 @@ impl Case<'_> {
             beside,
         };
         Some(self.because(because, vec![Advice::Project]))
+    }
+
+    /// All of the change sits at one point of the disc within the loop: it need not be a loop that can be contracted.
+    pub(super) fn not_contracted(&self) -> Option<Decision> {
+        let contraction = self.evidence.contraction?;
+        if contraction.area > POINT_OF_DISC || self.jacobian_refutes() {
+            return None;
+        }
+        let (found, step) = self.worst(StepEvidence::is_significant)?;
+        let because = Finding::ChangesAtAPoint {
+            loop_index: found.index,
+            change: change(&step.defect),
+            step: self.name(found, step),
+            contraction,
+        };
+        Some(self.because(because, vec![Advice::LoopBesidePoint]))
     }
 
     /// The map projects onto a manifold, and the given loop does not lie on it: on the manifold it is conserved.

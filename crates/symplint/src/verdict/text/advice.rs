@@ -130,6 +130,9 @@ impl Display for Advice {
             Advice::ContractibleLoops => {
                 f.write_str("Add loops that can be contracted: set loops to 8.")
             }
+            Advice::LoopBesidePoint => f.write_str(
+                "Take a smaller loop, or one elsewhere, that does not run round that point.",
+            ),
             Advice::LargerRadiiOfGroup => f.write_str(
                 "Give larger radii to these degrees of freedom, well above the rounding of their states, or leave them at rest.",
             ),

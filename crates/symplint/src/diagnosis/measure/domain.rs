@@ -1,0 +1,93 @@
+//! Whether what has a defect lies in the domain of the map.
+
+use super::{Given, Run, of_the_map};
+use crate::diagnosis::localise::{FEWEST_OF_HALVING, contraction};
+use crate::error::Error;
+use crate::evidence::{LoopEvidence, LoopKind};
+use crate::jacobian::JacobianEvidence;
+use crate::rules::Subject;
+use crate::survey;
+
+impl Run<'_> {
+    /// Where something has a defect, looks whether it lies outside the domain of the map: whether the map projects onto a
+    /// manifold. If the given loop has one, its image, which lies on the manifold, is advanced, too.
+    pub(super) fn look_for_manifold(
+        &mut self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+    ) -> Result<(), Error> {
+        let suspect = |found: &LoopEvidence| {
+            !found.winds && (found.failure.is_some() || found.shows_defect())
+        };
+        let by_jacobian = self.evidence.jacobian.as_ref();
+        let shown = self.evidence.loops.iter().any(suspect)
+            || by_jacobian.is_some_and(JacobianEvidence::shows_defect);
+        let of_given = self.evidence.loops[0].shows_defect();
+        // With a projection all loops lie on the manifold.
+        let projected = subject.evaluator.constraint().is_some();
+        let affordable = self.count.left() >= survey::singular_cost(subject.dof());
+        if !shown || projected || !affordable {
+            return Ok(());
+        }
+        let start = self.count.made();
+        match survey::singular_jacobian(subject, &given.size, self.largest) {
+            Ok(found) => self.evidence.survey.singular = found,
+            // Beside the loop the map need not be defined.
+            Err(error) if of_the_map(&error) => {}
+            Err(error) => return Err(error),
+        }
+        if self.evidence.survey.singular.is_some() && of_given {
+            self.image_loop(subject)?;
+        }
+        self.evidence.evaluations.manifold = self.count.made() - start;
+        Ok(())
+    }
+
+    /// Where a loop integral changes and the Jacobian does not show why, looks whether the loop can be contracted in the
+    /// domain of the map.
+    pub(super) fn contract(
+        &mut self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+    ) -> Result<(), Error> {
+        let smooth = |found: &&LoopEvidence| {
+            !found.winds
+                && found.steps.iter().all(|step| step.jump.is_none())
+                && found.shows_defect()
+        };
+        let largest = |found: &LoopEvidence| {
+            let defects = found.steps.iter().map(|step| step.defect.magnitude());
+            defects.fold(0.0, f64::max)
+        };
+        let worst = (self.evidence.loops.iter().filter(smooth))
+            .max_by(|a, b| largest(a).total_cmp(&largest(b)));
+        let of_jacobian = self.evidence.jacobian.as_ref();
+        let Some(found) = worst.filter(|found| {
+            !of_jacobian.is_some_and(JacobianEvidence::shows_defect)
+                && self.evidence.survey.singular.is_none()
+                && found.kind != LoopKind::Image
+                && self.count.left() >= FEWEST_OF_HALVING
+                && !given.probe.is_beyond_memory()
+        }) else {
+            return Ok(());
+        };
+        let start = self.count.made();
+        let random = self
+            .diagnostic
+            .random_loop_of(found, &given.size, subject)?;
+        let subject = Subject {
+            phase_loop: (random.as_ref()).map_or(subject.phase_loop, |random| random),
+            ..subject
+        };
+        subject.evaluator.begin_loop();
+        match contraction(subject, &given.size, self.largest) {
+            Ok(found) => self.evidence.contraction = found,
+            // Within the loop the map need not be defined, and no more evaluations may be left.
+            Err(Error::BudgetSpent { .. }) => {}
+            Err(error) if of_the_map(&error) => {}
+            Err(error) => return Err(error),
+        }
+        self.evidence.evaluations.localisation += self.count.made() - start;
+        Ok(())
+    }
+}
