@@ -4,10 +4,10 @@ use VerdictKind::{BrokenLoops, NotSymplectic, Symplectic, Undecided};
 use symplint::breaks::Break;
 use symplint::evidence::LongTime;
 use symplint::evidence::{
-    Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, Motion, Omission, Origin,
-    StepEvidence, Wrap,
+    Closing, Contraction, DofGroup, Evidence, JumpingCells, LoopEvidence, LoopKind, Motion,
+    Omission, Origin, SingularJacobian, StepEvidence, Wrap,
 };
-use symplint::verdict::{Finding, Growth, Verdict};
+use symplint::verdict::{Advice, Finding, Growth, Verdict};
 use symplint::{Defect, VerdictKind, judge};
 
 const JUMP: Break = Break {
@@ -265,6 +265,81 @@ fn a_break_of_any_loop_breaks_and_closing_says_whether_that_is_all() {
     let mut random = of_map(vec![step(0.5, 0.0, 1e-15)]);
     random.loops[1].steps[0].jump = Some(JUMP);
     assert_eq!(kind(&random), BrokenLoops);
+}
+
+#[test]
+fn beside_a_manifold_that_a_map_projects_onto_nothing_convicts() {
+    let singular = SingularJacobian {
+        s: 0.1,
+        smallest: 1e-9,
+        largest: 2.0,
+        uncertainty: 1e-9,
+    };
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-14)]);
+    evidence.loops[1].steps = vec![step(0.5, -1.0, 1e-12)];
+    assert_eq!(kind(&evidence), NotSymplectic);
+    evidence.survey.singular = Some(singular);
+    let expected = Finding::Projects {
+        smallest: 1e-9,
+        given: Some(1e-14),
+        beside: Some((1, 1.0)),
+    };
+    assert_eq!(kind(&evidence), Undecided);
+    assert_eq!(decides(&evidence), expected);
+    assert_eq!(judge(&evidence).advice, [Advice::Project]);
+
+    // The given loop convicts, unless what comes of it, which lies on the manifold, is conserved.
+    let mut evidence = of_map(vec![step(0.5, 0.1, 1e-12)]);
+    evidence.survey.singular = Some(singular);
+    assert_eq!(kind(&evidence), NotSymplectic);
+    for (second, expected) in [(0.05, NotSymplectic), (1e-13, Undecided)] {
+        let image = of_loop(9, LoopKind::Image, vec![step(0.5, second, 1e-12)]);
+        let mut evidence = evidence.clone();
+        evidence.loops.push(image);
+        assert_eq!(kind(&evidence), expected, "{second}");
+    }
+}
+
+#[test]
+fn a_change_at_one_point_of_the_disc_convicts_nobody() {
+    let mut evidence = of_map(vec![step(0.5, 0.1, 1e-12)]);
+    for (area, expected) in [(0.99e-3, Undecided), (1.01e-3, NotSymplectic)] {
+        evidence.contraction = Some(Contraction {
+            s: [0.2, 0.21],
+            r: [0.3, 0.31],
+            area,
+        });
+        assert_eq!(kind(&evidence), expected, "{area}");
+    }
+}
+
+#[test]
+fn every_group_of_degrees_of_freedom_has_to_be_bounded() {
+    let group = |dofs: &[usize], action: f64| DofGroup {
+        dofs: dofs.to_vec(),
+        action,
+    };
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-14)]);
+    evidence.groups = vec![group(&[0, 1], 1.0), group(&[2, 3], 1e-15)];
+    let decided = decides(&evidence);
+    assert!(
+        matches!(
+            decided,
+            Finding::Group {
+                index: 1,
+                by_loops: None,
+                ..
+            }
+        ),
+        "{decided:?}"
+    );
+    for (uncertainty, expected) in [(0.99e-6, Symplectic), (1.01e-6, Undecided)] {
+        let mut light = of_loop(9, LoopKind::Group, vec![step(0.5, 0.0, uncertainty)]);
+        light.group = Some(1);
+        let mut evidence = evidence.clone();
+        evidence.loops.push(light);
+        assert_eq!(kind(&evidence), expected, "{uncertainty}");
+    }
 }
 
 #[test]

@@ -4,7 +4,10 @@ use symplint::verdict::{Advice, Finding};
 use symplint::{Circle, Diagnostic, PerSample, TimeAdvance, Verdict, VerdictKind};
 
 fn verdict(map: &dyn TimeAdvance, circle: &Circle) -> Verdict {
-    Diagnostic::halving(-1, -4).run(map, circle).unwrap().verdict
+    Diagnostic::halving(-1, -4)
+        .run(map, circle)
+        .unwrap()
+        .verdict
 }
 
 /// A kick along the gradient of the angle round an axis at (0.2, −0.1) of the plane of positions: a closed field of forces
@@ -22,7 +25,9 @@ fn vortex(strength: f64) -> impl TimeAdvance {
 
 /// A circle in the plane of positions, of which the momenta follow.
 fn circle(q0: Vec<f64>) -> Circle {
-    Circle::new(q0, vec![0.3, -0.2], 1.0).unwrap().with_random_phases(4)
+    Circle::new(q0, vec![0.3, -0.2], 1.0)
+        .unwrap()
+        .with_random_phases(4)
 }
 
 #[test]
@@ -30,10 +35,18 @@ fn a_closed_kick_round_an_axis_convicts_nobody() {
     for strength in [1.0, 1e-3] {
         let around = verdict(&vortex(strength), &circle(vec![0.1, 0.0]));
         assert_eq!(around.kind, VerdictKind::Undecided, "{around}");
-        let Finding::ChangesAtAPoint { contraction, change, .. } = &around.findings[0] else {
+        let Finding::ChangesAtAPoint {
+            contraction,
+            change,
+            ..
+        } = &around.findings[0]
+        else {
             panic!("{around}");
         };
-        assert!(contraction.area < 1e-3 && change.signed.abs() > 1e-5, "{around}");
+        assert!(
+            contraction.area < 1e-3 && change.signed.abs() > 1e-5,
+            "{around}"
+        );
         assert_eq!(around.advice, [Advice::LoopBesidePoint]);
         // Following the advice decides.
         let beside = verdict(&vortex(strength), &circle(vec![4.0, 0.0]));

@@ -174,7 +174,8 @@ fn the_standard_map_is_exact() {
     );
     let verdict = &found.verdict;
     assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
-    let exact = (verdict.evidence().iter()).any(|line| line.contains("the map is exact"));
+    let exact =
+        (verdict.evidence().iter()).any(|line| line.contains("round that period the map is exact"));
     assert!(exact, "{verdict:?}");
     // ∮ p dq round the cylinder is 2π times a mean momentum, and not an area.
     let winding = found
