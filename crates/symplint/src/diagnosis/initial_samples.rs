@@ -54,7 +54,7 @@ impl<'a> InitialSamples<'a> {
                 sample_block(phase_loop, |k| k as f64 / samples as f64, first, block)
             })?,
         }
-        evaluator.learn_grain(samples, |c, k| coordinate(after, c)[k]);
+        evaluator.learn_grain(phase_loop, samples, |c, k| coordinate(after, c)[k]);
         Ok(after)
     }
 }

@@ -75,7 +75,8 @@ impl Diagnostic {
         evidence.evaluations.step_sizes = count.made();
         let largest = diagnostic.largest_step();
         let plan = Plan::new(diagnostic, budget, &evaluator);
-        survey::check_purity(&evaluator, phase_loop, largest, plan.purity_samples)?;
+        evidence.survey.scatter =
+            survey::check_purity(&evaluator, &given, largest, plan.purity_samples)?;
         if budget >= LEAST_FOR_PRECISION {
             match survey::is_single_inside(subject, largest) {
                 Ok(true) => evaluator.note_single_inside(),

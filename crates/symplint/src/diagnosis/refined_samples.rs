@@ -20,7 +20,8 @@ impl<'a> RefinedSamples<'a> {
         let before = Ensemble::sample(subject.phase_loop, samples)?;
         let mut after = before.clone();
         subject.evaluator.advance(&mut after, h)?;
-        (subject.evaluator).learn_grain(samples, |c, k| coordinate(&after, c)[k]);
+        (subject.evaluator)
+            .learn_grain(subject.phase_loop, samples, |c, k| coordinate(&after, c)[k]);
         Ok(RefinedSamples {
             subject,
             h,

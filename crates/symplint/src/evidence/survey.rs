@@ -8,10 +8,24 @@ use serde::{Deserialize, Serialize};
 pub struct Survey {
     /// How coarsely the map rounds the states that it returns, if it does more than double precision does.
     pub output_precision: Option<OutputPrecision>,
+    /// By how much repeated runs of one state differ by chance, if they do.
+    #[serde(default)]
+    pub scatter: Option<Scatter>,
     /// Whether the Jacobian of a step is singular at points of the given loop. It is looked at where random loops or the
     /// Jacobian show a defect that the given loop does not have.
     #[serde(default)]
     pub singular: Option<SingularJacobian>,
+}
+
+/// Repeated runs of one state differ, as sums do that many cores take in any order: noise of the map.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scatter {
+    /// `'q'` or `'p'`: the coordinate that scatters most, relative to its range on the loop.
+    pub coordinate: char,
+    /// Degree of freedom.
+    pub dof: usize,
+    /// The standard deviation.
+    pub size: f64,
 }
 
 /// A Jacobian with a direction that the step projects away, as that of a map onto a constraint manifold. In canonical
@@ -52,4 +66,9 @@ pub enum OutputFormat {
     },
     /// Single precision.
     Single,
+    /// Binary numbers of so many significant digits: 11 of half precision, 8 of bfloat16.
+    Binary {
+        /// Digits.
+        digits: usize,
+    },
 }

@@ -210,10 +210,16 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Takes note of coordinates c of states k round a loop that the map returned, if its grain is not known yet.
-    pub fn learn_grain(&self, samples: usize, value: impl Fn(usize, usize) -> f64) {
+    pub fn learn_grain(
+        &self,
+        phase_loop: &dyn Loop,
+        samples: usize,
+        value: impl Fn(usize, usize) -> f64,
+    ) {
         if self.grain().is_none() {
             let single_inside = self.single_inside.load(Ordering::Relaxed);
-            let found = Grain::of(samples, &self.coordinates, single_inside, value);
+            let found = Grain::of(samples, &self.coordinates, single_inside, value)
+                .map(|grain| grain.beside(phase_loop));
             *self.grain.write().unwrap_or_else(PoisonError::into_inner) = found.map(Arc::new);
         }
     }

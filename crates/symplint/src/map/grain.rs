@@ -1,7 +1,8 @@
 //! The grain of a map: the distance of neighbouring values that it returns.
 
-use crate::signal::{Digits, Extent, Turns};
-use crate::state::{Coordinates, period};
+use crate::loops::Loop;
+use crate::signal::{Digits, Extent, Format, SINGLE, Turns};
+use crate::state::{Coordinates, Ensemble, coordinate, period};
 
 /// Samples that are looked at: more than the different values that tell a format.
 const SAMPLES: usize = 64;
@@ -73,6 +74,28 @@ impl Grain {
             sizes,
             ranges,
         })
+    }
+
+    /// Without those of coordinates that have few digits before the step: what comes of few digits may have few itself,
+    /// and is not rounded. Numbers of single precision are: a code that works in it reads such ones.
+    pub fn beside(mut self, phase_loop: &dyn Loop) -> Self {
+        if self.units.iter().all(|unit| *unit == 0.0) {
+            return self;
+        }
+        let dof = phase_loop.dof();
+        let s: Vec<f64> = (0..SAMPLES).map(|k| k as f64 / SAMPLES as f64).collect();
+        let mut states = Ensemble::zeros(dof, SAMPLES);
+        phase_loop.sample(&s, &mut states.block());
+        for (c, unit) in self.units.iter_mut().enumerate() {
+            let mut digits = Digits::default();
+            coordinate(&states, c).iter().for_each(|&x| digits.add(x));
+            let single = Format::Binary(SINGLE);
+            if *unit > 0.0 && digits.few().is_some_and(|(format, _)| format != single) {
+                *unit = 0.0;
+            }
+        }
+        self.sizes = spread(&self.units, &self.ranges);
+        self
     }
 
     /// Whether a grain of so many degrees of freedom fits into little memory.

@@ -5,12 +5,18 @@
 pub(crate) enum Format {
     /// Decimal numbers of so many significant digits.
     Decimal(usize),
-    /// Single precision.
-    Single,
+    /// Binary numbers of so many significant digits: 24 are single precision.
+    Binary(usize),
 }
+
+/// Binary digits of single precision.
+pub(crate) const SINGLE: usize = 24;
 
 /// Decimal digits that doubles do not have by accident: of 64 random ones, none has so few.
 const FEW: u8 = 10;
+
+/// The same of binary digits.
+const FEW_BITS: i64 = 40;
 
 /// Different values that are needed to tell.
 const ENOUGH: u32 = 16;
@@ -26,8 +32,10 @@ pub(crate) struct Digits {
     /// The exponent of the power of ten of which all of them are multiples, as far as it is above that of [`FEW`]
     /// digits of the largest.
     place: i16,
-    /// Whether all are numbers of single precision.
-    single: bool,
+    /// Binary digits that are enough for all of them.
+    bits: i16,
+    /// The exponent of the power of two of which all of them are multiples.
+    lowest: i16,
     largest: f64,
     /// One of 64 bits for each value, by its hash: as many different ones, at least. There may be millions of
     /// coordinates.
@@ -39,7 +47,8 @@ impl Default for Digits {
         Digits {
             decimal: 1,
             place: i16::MAX,
-            single: true,
+            bits: 0,
+            lowest: i16::MAX,
             largest: 0.0,
             seen: 0,
         }
@@ -58,7 +67,9 @@ impl Digits {
                 self.place -= 1;
             }
         }
-        self.single &= f64::from(value as f32) == value;
+        let (lowest, bits) = binary(value);
+        self.lowest = self.lowest.min(lowest);
+        self.bits = self.bits.max(bits);
         self.largest = self.largest.max(value.abs());
         // The fractional part of a multiple of the golden ratio spreads neighbours.
         self.seen |= 1 << (value.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58);
@@ -66,6 +77,9 @@ impl Digits {
 
     /// The format, and how far apart neighbouring values are, if their digits are few.
     pub fn few(&self) -> Option<(Format, f64)> {
+        if !(self.largest > 0.0 && self.largest.is_finite()) {
+            return None;
+        }
         let different = self.seen.count_ones();
         // A loop as small as a few roundings has few values.
         let long = self.decimal >= LONG && different > 1;
@@ -84,9 +98,41 @@ impl Digits {
             let unit = 10f64.powi(i32::from(first) + 1 - digits as i32);
             return Some((Format::Decimal(digits), unit));
         }
-        let unit = self.largest * f64::from(f32::EPSILON);
-        self.single.then_some((Format::Single, unit))
+        // As of decimals: numbers on a lattice have as many digits as the largest one needs.
+        let on_lattice = i64::from(first_bit(self.largest)) + 1 - i64::from(self.lowest);
+        let (digits, unit) = match on_lattice <= i64::from(self.bits) {
+            true => (on_lattice, 2f64.powi(self.lowest.into())),
+            false => {
+                let bits = i32::from(self.bits);
+                (i64::from(bits), self.largest * 2f64.powi(1 - bits))
+            }
+        };
+        (1..=FEW_BITS)
+            .contains(&digits)
+            .then_some((Format::Binary(digits as usize), unit))
     }
+}
+
+/// The exponent of the first binary digit of a number that is not 0.
+fn first_bit(value: f64) -> i16 {
+    let (lowest, digits) = binary(value);
+    lowest.saturating_add(digits - 1)
+}
+
+/// The exponent of the last binary digit of a number that is not 0, and how many digits it has.
+fn binary(value: f64) -> (i16, i16) {
+    if value == 0.0 || !value.is_finite() {
+        return (i16::MAX, 0);
+    }
+    let bits = value.to_bits();
+    let (exponent, fraction) = ((bits >> 52 & 0x7FF) as i16, bits & ((1 << 52) - 1));
+    let (exponent, significand) = match exponent {
+        0 => (-1074, fraction),
+        _ => (exponent - 1075, fraction | 1 << 52),
+    };
+    let zeros = significand.trailing_zeros() as i16;
+    let digits = 64 - significand.leading_zeros() as i16 - zeros;
+    (exponent + zeros, digits)
 }
 
 /// Whether a number is a multiple of a power of ten, but for rounding.
@@ -132,9 +178,26 @@ mod tests {
         close(few(printed), Format::Decimal(6), 1e-6);
         close(
             few(|x| f64::from((3.0 * x) as f32)),
-            Format::Single,
+            Format::Binary(24),
             3.0 * f64::from(f32::EPSILON),
         );
+        // Half precision, bfloat16, and fixed-point numbers.
+        let to_bits = |x: f64, bits: i32| {
+            let unit = 2f64.powi(x.abs().log2().floor() as i32 + 1 - bits);
+            (x / unit).round() * unit
+        };
+        close(
+            few(|x| to_bits(3.0 * x, 11)),
+            Format::Binary(11),
+            3.0 * 2f64.powi(-10),
+        );
+        close(
+            few(|x| to_bits(3.0 * x, 8)),
+            Format::Binary(8),
+            3.0 * 2f64.powi(-7),
+        );
+        let lattice = |x: f64| (3.0 * x * 2f64.powi(20)).round() / 2f64.powi(20);
+        close(few(lattice), Format::Binary(22), 2f64.powi(-20));
         assert_eq!(few(|x| x), None);
         assert_eq!(few(|x| x.round()), None, "too few values");
     }

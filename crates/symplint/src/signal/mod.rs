@@ -11,7 +11,7 @@ mod unwrap;
 
 pub(crate) use barycentric::Barycentric;
 pub(crate) use compensated_sum::{CompensatedSum, UNIT_ROUNDOFF};
-pub(crate) use digits::{Digits, Format};
+pub(crate) use digits::{Digits, Format, SINGLE};
 pub(crate) use extent::Extent;
 pub(crate) use largest::largest;
 pub(crate) use random::unit;

@@ -4,6 +4,7 @@ mod inner_precision;
 mod motion;
 mod precision;
 mod purity;
+mod scatter;
 mod singular;
 mod windings;
 

@@ -3,7 +3,7 @@
 //! Such a map is symplectic to its rounding at best, which a verdict of few digits does not explain.
 
 use crate::evidence::{OutputFormat, OutputPrecision};
-use crate::signal::{Digits, Format};
+use crate::signal::{Digits, Format, SINGLE};
 use crate::state::Ensemble;
 
 /// The digits of the coordinates of a few samples before and after a step.
@@ -50,7 +50,8 @@ impl Precision {
                     dof,
                     format: match format {
                         Format::Decimal(digits) => OutputFormat::Decimal { digits },
-                        Format::Single => OutputFormat::Single,
+                        Format::Binary(SINGLE) => OutputFormat::Single,
+                        Format::Binary(digits) => OutputFormat::Binary { digits },
                     },
                     unit,
                 })

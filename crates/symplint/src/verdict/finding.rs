@@ -7,7 +7,7 @@ use super::long_time::Growth;
 use super::order::Fit;
 use crate::breaks::Break;
 use crate::evidence::{
-    Contraction, LongTime, Motion, Omission, OutputPrecision, Sector, SubstepDefect,
+    Contraction, LongTime, Motion, Omission, OutputPrecision, Scatter, Sector, SubstepDefect,
 };
 
 /// Which advanced loop a finding speaks of.
@@ -365,6 +365,8 @@ pub enum Finding {
     },
     /// The map rounds what it returns.
     Precision(OutputPrecision),
+    /// Repeated runs of one state differ by chance.
+    Scatter(Scatter),
     /// What becomes of the defect in many steps.
     ManySteps {
         /// What was measured.

@@ -237,6 +237,7 @@ impl<'a> Case<'a> {
             findings.push(Finding::Regularity { exponent, step });
         }
         findings.extend(evidence.survey.output_precision.map(Finding::Precision));
+        findings.extend(evidence.survey.scatter.map(Finding::Scatter));
         findings.extend(evidence.long_time.map(|steps| Finding::ManySteps {
             growth: long_time::growth(&steps),
             steps,

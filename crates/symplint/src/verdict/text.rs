@@ -449,6 +449,12 @@ impl Display for Finding {
                 roughness(*exponent).unwrap_or("as of a smooth function")
             ),
             Finding::Precision(precision) => fmt_precision(f, precision),
+            Finding::Scatter(scatter) => write!(
+                f,
+                "Repeated runs of one state differ by chance, by {:.0e} in {} of degree of freedom {}, as sums do that \
+                 many cores take in any order. That is noise of the map: figures differ from run to run.",
+                scatter.size, scatter.coordinate, scatter.dof
+            ),
             Finding::ManySteps { steps, growth } => fmt_long_time(f, steps, *growth),
             Finding::Substeps { substeps, step } => fmt_substeps(f, substeps, step),
             Finding::Sectors { sectors, step } => fmt_sectors(f, sectors, step),
@@ -501,6 +507,9 @@ fn fmt_precision(f: &mut Formatter<'_>, precision: &OutputPrecision) -> Result {
     let format = match precision.format {
         OutputFormat::Decimal { digits } => format!("has no more than {digits} decimal digits"),
         OutputFormat::Single => "is a number of single precision".into(),
+        OutputFormat::Binary { digits: 11 } => "is a number of half precision".into(),
+        OutputFormat::Binary { digits: 8 } => "is a number of bfloat16".into(),
+        OutputFormat::Binary { digits } => format!("has no more than {digits} binary digits"),
     };
     write!(
         f,

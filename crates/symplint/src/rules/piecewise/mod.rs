@@ -213,7 +213,7 @@ impl Piecewise {
             .iter()
             .flat_map(|piece| (0..lobatto::NODES).map(|k| piece.image(k)));
         let at_nodes: Vec<&Image> = at_nodes.collect();
-        evaluator.learn_grain(at_nodes.len(), |c, k| at_nodes[k].after()[c]);
+        evaluator.learn_grain(phase_loop, at_nodes.len(), |c, k| at_nodes[k].after()[c]);
         let scales = Scales::new(
             &at_nodes,
             coordinates,
