@@ -18,7 +18,7 @@ const ROUNDS: usize = 3;
 pub enum Followed {
     /// The right verdict.
     Decides,
-    /// The right verdict of the same map in double precision: the advice is to return more digits.
+    /// The right verdict of the same map in double precision, or solved to round-off, as the advice says.
     InFullPrecision,
     /// Still undecided, and after which advice.
     Open(String),
@@ -97,11 +97,11 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                 Advice::SmallerLoopInDomain => *on = Arc::new(Stretched::new(on, 0.3)),
                 Advice::MoreSamplesOrSmallerLoop | Advice::SamplesInCells => more(diagnostic),
                 Advice::MoreSamplesAndLargerSteps => {
-                    *diagnostic = larger_steps(diagnostic, largest, 2.0);
+                    *diagnostic = larger_steps(diagnostic, largest, 1.5);
                     more(diagnostic);
                 }
                 Advice::OtherLoops => (diagnostic.seed, diagnostic.loops) = (77, 24),
-                Advice::MoreDigits => {
+                Advice::MoreDigits | Advice::TightenSolver => {
                     *map = full.clone()?;
                     exact = true;
                 }
@@ -150,20 +150,47 @@ fn more(diagnostic: &mut Diagnostic) {
     diagnostic.budget = Some(20_000_000);
 }
 
-/// Follows the first advice that can be followed, again and again.
+/// Follows advice, again and again: first what the same map can do, then more digits or a tighter solver.
 pub fn follow(member: &Member, diagnosis: &Diagnosis) -> Followed {
+    let of_map = followed(member, diagnosis, |advice| !lifts_a_limit(advice));
+    match of_map {
+        Followed::Open(why) => match followed(member, diagnosis, |_| true) {
+            Followed::Open(_) => Followed::Open(why),
+            other => other,
+        },
+        other => other,
+    }
+}
+
+/// Whether an advice is to change the precision of the map.
+fn lifts_a_limit(advice: &Advice) -> bool {
+    matches!(advice, Advice::MoreDigits | Advice::TightenSolver)
+}
+
+fn followed(member: &Member, diagnosis: &Diagnosis, wanted: impl Fn(&Advice) -> bool) -> Followed {
     let (mut member, mut found) = (member.clone(), diagnosis.clone());
     let mut exact = false;
     for _ in 0..ROUNDS {
-        let advice = &found.verdict.advice;
+        // What lifts a limit comes first, where it is wanted.
+        let mut advice: Vec<Advice> = found.verdict.advice.clone();
+        advice.retain(&wanted);
+        advice.sort_by_key(|advice| !lifts_a_limit(advice));
         let next = advice
             .iter()
             .find_map(|advice| changed(&member.subject, advice, &found));
         let Some((subject, now_exact)) = next else {
-            return Followed::Open(format!("advice {advice:?}"));
+            return Followed::Open(format!(
+                "{} Advice {:?}",
+                found.verdict, found.verdict.advice
+            ));
         };
         exact |= now_exact;
         member.subject = subject;
+        member.truth.expected = if exact {
+            member.truth.expected.in_full_precision()
+        } else {
+            member.truth.expected
+        };
         found = match diagnose(&member.subject) {
             Ok(found) => found,
             Err(error) => return Followed::Open(format!("{advice:?}: {error}")),
@@ -171,9 +198,13 @@ pub fn follow(member: &Member, diagnosis: &Diagnosis) -> Followed {
         match outcome(&member, &found) {
             Outcome::Right if exact => return Followed::InFullPrecision,
             Outcome::Right => return Followed::Decides,
-            Outcome::Wrong(why) => return Followed::Wrong(why),
+            Outcome::Wrong(why) => return Followed::Wrong(format!("{why} Advice {advice:?}")),
             Outcome::Undecided => {}
         }
     }
-    Followed::Open(format!("after three rounds {}", found.verdict))
+    let (verdict, first) = (&found.verdict, &diagnosis.verdict);
+    Followed::Open(format!(
+        "{} Advice {:?}; after three rounds {verdict}",
+        first, first.advice
+    ))
 }

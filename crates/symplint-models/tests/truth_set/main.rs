@@ -14,6 +14,7 @@ mod methods;
 mod networks;
 mod orders;
 mod outcome;
+mod periodic;
 mod precision;
 mod random;
 mod ratios;
@@ -53,7 +54,7 @@ macro_rules! families {
 }
 
 const FAMILIES: &[Family] = families![
-    units, precision, tolerance, constraint, sizes, orders, small, breaks, rules
+    units, precision, tolerance, constraint, sizes, orders, small, breaks, rules, periodic
 ];
 
 /// One in so many members runs in the normal tests.
@@ -82,7 +83,8 @@ fn line(family: &Family, index: usize) -> Line {
             }
             line.order = order(&member.truth, found);
             let known = member.truth.breaks.as_ref().map(Vec::len);
-            line.breaks = known.zip(ratios::given_breaks(found).map(|breaks| breaks.len()));
+            let counted = ratios::given_breaks(found).map(|breaks| breaks.len());
+            line.breaks = known.map(|known| (known, counted));
             line.ratios = ratios::ratios(&member, found);
         }
         // An error says what to do, and decides nothing.

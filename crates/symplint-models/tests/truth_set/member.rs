@@ -41,6 +41,16 @@ pub enum Expected {
     },
 }
 
+impl Expected {
+    /// The right verdict of the same map without rounding, or solved to round-off.
+    pub fn in_full_precision(self) -> Self {
+        match self {
+            Expected::Symplectic { .. } | Expected::Tolerance { .. } => SYMPLECTIC,
+            other => other,
+        }
+    }
+}
+
 /// Symplectic to any number of digits.
 pub const SYMPLECTIC: Expected = Expected::Symplectic {
     most_digits: f64::INFINITY,
@@ -68,8 +78,8 @@ pub struct Truth {
     pub of_all_loops: bool,
     /// I(0) of the given loop.
     pub initial: Option<f64>,
-    /// The order of the defect.
-    pub order: Option<f64>,
+    /// The order of the defect; several where terms of different order rule on different loops; none where theory gives none.
+    pub orders: Vec<f64>,
     /// All breaks of the given loop after the largest step.
     pub breaks: Option<Vec<KnownBreak>>,
 }
@@ -82,7 +92,7 @@ impl Truth {
             change: None,
             of_all_loops: false,
             initial: None,
-            order: None,
+            orders: Vec::new(),
             breaks: None,
         }
     }
@@ -94,9 +104,9 @@ impl Truth {
         self
     }
 
-    /// With the order of the defect.
-    pub fn with_order(mut self, order: f64) -> Self {
-        self.order = Some(order);
+    /// With the order of the defect, or several.
+    pub fn with_orders(mut self, orders: &[f64]) -> Self {
+        self.orders = orders.to_vec();
         self
     }
 }
@@ -109,7 +119,8 @@ pub enum Subject {
         map: Arc<dyn TimeAdvance>,
         on: Arc<dyn Loop>,
         diagnostic: Diagnostic,
-        /// The same map in double precision, where it works with fewer digits.
+        /// The same map in double precision, where it works with fewer digits; solved to round-off, where a solver
+        /// stops at a tolerance.
         full: Option<Arc<dyn TimeAdvance>>,
     },
     /// Loops of another code, which are written with few digits.
@@ -151,7 +162,7 @@ impl Member {
         }
     }
 
-    /// With the same map in double precision.
+    /// With the same map in double precision, or solved to round-off.
     pub fn in_full_precision(mut self, same: Arc<dyn TimeAdvance>) -> Self {
         if let Subject::Map { full, .. } = &mut self.subject {
             *full = Some(same);

@@ -36,42 +36,43 @@ pub struct Tableau {
     /// Rows of A below the diagonal.
     a: &'static [&'static [f64]],
     b: &'static [f64],
-    pub orders: [f64; 2],
+    orders: [&'static [f64]; 2],
 }
 
 /// HLW, section II.1.1; the last is Butcher's of order 5 (HNW, section II.5). Orders of the defect: one more than that of
-/// the method, but for Heun's, whose remainder is −h²/4 (dk₁ − dk₂)∧(dk₁ − dk₂), and the classical one in one degree
-/// of freedom, where the divergence of its h⁵ term vanishes.
+/// the method, but for Heun's, whose remainder is −h²/4 (dk₁ − dk₂)∧(dk₁ − dk₂), and the classical one. Its h⁵ term is
+/// a sum of dq_i∧dq_j: it vanishes in one degree of freedom, and on loops whose planes are in phase, as the ellipses here are.
+/// On random loops it may be so small beside h⁶ that doubles do not show it: both orders are right there.
 pub const TABLEAUS: [Tableau; 6] = [
     Tableau {
         name: "euler",
         a: &[&[]],
         b: &[1.0],
-        orders: [2.0, 2.0],
+        orders: [&[2.0], &[2.0]],
     },
     Tableau {
         name: "midpoint",
         a: &[&[], &[0.5]],
         b: &[0.0, 1.0],
-        orders: [3.0, 3.0],
+        orders: [&[3.0], &[3.0]],
     },
     Tableau {
         name: "heun",
         a: &[&[], &[1.0]],
         b: &[0.5, 0.5],
-        orders: [4.0, 4.0],
+        orders: [&[4.0], &[4.0]],
     },
     Tableau {
         name: "kutta3",
         a: &[&[], &[0.5], &[-1.0, 2.0]],
         b: &[1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
-        orders: [4.0, 4.0],
+        orders: [&[4.0], &[4.0]],
     },
     Tableau {
         name: "rk4",
         a: &[&[], &[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0]],
         b: &[1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0],
-        orders: [6.0, 5.0],
+        orders: [&[6.0], &[5.0, 6.0]],
     },
     Tableau {
         name: "butcher5",
@@ -91,9 +92,16 @@ pub const TABLEAUS: [Tableau; 6] = [
             32.0 / 90.0,
             7.0 / 90.0,
         ],
-        orders: [6.0, 6.0],
+        orders: [&[6.0], &[6.0]],
     },
 ];
+
+impl Tableau {
+    /// The orders of the defect.
+    pub fn orders(&self, dof: usize) -> &'static [f64] {
+        self.orders[usize::from(dof > 1)]
+    }
+}
 
 /// The method of this name.
 pub fn tableau(name: &str) -> &'static Tableau {

@@ -25,8 +25,7 @@ pub fn member(index: usize) -> Member {
         }
         _ => {
             let method = &TABLEAUS[random.whole(0, TABLEAUS.len() - 1)];
-            let order = method.orders[usize::from(system.dof() > 1)];
-            let truth = Truth::of(Expected::NotSymplectic).with_order(order);
+            let truth = Truth::of(Expected::NotSymplectic).with_orders(method.orders(system.dof()));
             (method.name, runge_kutta(&system, method), truth)
         }
     };

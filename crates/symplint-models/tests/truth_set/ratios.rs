@@ -108,14 +108,17 @@ pub fn given_breaks(diagnosis: &Diagnosis) -> Option<Vec<f64>> {
 }
 
 fn order(truth: &Truth, diagnosis: &Diagnosis) -> Option<(String, f64)> {
-    let known = truth.order?;
+    let [known] = truth.orders[..] else {
+        return None;
+    };
     diagnosis.verdict.order?;
     let fit = (diagnosis.fits().iter())
         .filter(|fit| fit.slope > 0.5)
         .min_by(|a, b| a.slope.total_cmp(&b.slope))?;
+    let error = (fit.slope - known).abs();
     Some((
         "slope of a stated order".into(),
-        ratio((fit.slope - known).abs(), fit.uncertainty),
+        ratio(error, fit.uncertainty),
     ))
 }
 

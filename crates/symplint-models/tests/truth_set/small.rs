@@ -34,7 +34,7 @@ pub fn member(index: usize) -> Member {
     let mut truth = Truth::of(Expected::SmallDefect(found)).with_change(law);
     truth.initial = Some(system.on.integral());
     if power > 0 && found > 1e-9 {
-        truth.order = Some(f64::from(power));
+        truth.orders = vec![f64::from(power)];
     }
     let label = format!(
         "{} d = {}, det − 1 = {found:.0e} × h^{power}",

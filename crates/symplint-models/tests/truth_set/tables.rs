@@ -15,7 +15,7 @@ pub struct Line {
     pub followed: Option<Followed>,
     pub order: Option<Order>,
     /// Breaks: true ones, and those found, where all are said to be known.
-    pub breaks: Option<(usize, usize)>,
+    pub breaks: Option<(usize, Option<usize>)>,
     pub ratios: Vec<(String, f64)>,
     pub seconds: f64,
 }
@@ -23,7 +23,7 @@ pub struct Line {
 /// The confusion matrix by family.
 pub fn confusion(lines: &[Line]) -> String {
     let mut text =
-        "| family | members | right | undecided | advice decides | decides in full precision | \
+        "| family | members | right | undecided | advice decides | decides with more digits or a tighter solver | \
                     advice leaves it open | advice leads to a wrong verdict | wrong |\n"
             .to_string();
     text += "|---|---|---|---|---|---|---|---|---|\n";
@@ -92,7 +92,7 @@ pub fn counts(lines: &[Line]) -> String {
             .filter(|line| line.order.as_ref().is_some_and(is))
             .count()
     };
-    let breaks = |family: &str, is: fn(usize, usize) -> bool| {
+    let breaks = |family: &str, is: fn(usize, Option<usize>) -> bool| {
         (lines.iter().filter(|line| line.family == family))
             .filter(|line| line.breaks.is_some_and(|(known, found)| is(known, found)))
             .count()
@@ -102,9 +102,11 @@ pub fn counts(lines: &[Line]) -> String {
     let wrong = order(|o| matches!(o, Order::Wrong(_)));
     writeln!(text, "| order | {right} | {open} | {wrong} |").unwrap();
     for family in ["breaks", "tolerance"] {
-        let with = lines.iter().filter(|line| line.family == family).count();
-        let (right, wrong) = (breaks(family, |a, b| a == b), breaks(family, |a, b| a != b));
-        let open = with - right - wrong;
+        let (right, open) = (
+            breaks(family, |a, b| Some(a) == b),
+            breaks(family, |_, b| b.is_none()),
+        );
+        let wrong = breaks(family, |a, b| b.is_some_and(|b| a != b));
         writeln!(
             text,
             "| number of breaks, {family} | {right} | {open} | {wrong} |"
@@ -135,7 +137,9 @@ pub fn faults(lines: &[Line]) -> String {
         if let Some(Order::Wrong(found)) = line.order {
             say(format!("ORDER {found}"));
         }
-        if let Some((known, found)) = line.breaks.filter(|(known, found)| known != found) {
+        if let Some((known, Some(found))) =
+            line.breaks.filter(|(known, found)| Some(*known) != *found)
+        {
             say(format!("BREAKS {found} found of {known}"));
         }
         let worst = line.ratios.iter().max_by(|a, b| a.1.total_cmp(&b.1));

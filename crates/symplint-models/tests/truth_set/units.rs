@@ -12,12 +12,14 @@ use crate::systems::{self, MOST, System};
 
 pub const COUNT: usize = 600;
 
-/// q is `a[i]` times as large, p is `b[i]` times, a step takes `time` times as long. All `a[i] b[i]` are the same.
+/// q is `a[i]` times as large and measured from a point `origin` units away, p is `b[i]` times as large, a step takes
+/// `time` times as long. All `a[i] b[i]` are the same.
 #[derive(Clone)]
 struct Units {
     a: Vec<f64>,
     b: Vec<f64>,
     time: f64,
+    origin: f64,
 }
 
 impl Units {
@@ -35,28 +37,33 @@ impl Units {
             b: a.iter().map(|a| length * momentum / a).collect(),
             a,
             time: random.log_between(1e-12, 1e12),
+            origin: match random.chance(0.2) {
+                true => random.sign() * random.log_between(1.0, 1e5),
+                false => 0.0,
+            },
         }
     }
 
     fn step(&self, step: Step) -> Step {
-        let Units { a, b, time } = self.clone();
+        let Units { a, b, time, origin } = self.clone();
         Arc::new(move |h, q, p| {
             let dof = q.len();
             let (mut x, mut y) = ([0.0; MOST], [0.0; MOST]);
             for i in 0..dof {
-                (x[i], y[i]) = (q[i] / a[i], p[i] / b[i]);
+                (x[i], y[i]) = (q[i] / a[i] - origin, p[i] / b[i]);
             }
             step(h / time, &mut x[..dof], &mut y[..dof]);
             for i in 0..dof {
-                (q[i], p[i]) = (a[i] * x[i], b[i] * y[i]);
+                (q[i], p[i]) = (a[i] * (x[i] + origin), b[i] * y[i]);
             }
         })
     }
 
     fn ellipses(&self, on: &Ellipses) -> Ellipses {
         let times = |x: &[f64], unit: &[f64]| x.iter().zip(unit).map(|(x, u)| x * u).collect();
+        let q0: Vec<f64> = on.q0.iter().map(|q| q + self.origin).collect();
         Ellipses {
-            q0: times(&on.q0, &self.a),
+            q0: times(&q0, &self.a),
             p0: times(&on.p0, &self.b),
             radii_q: times(&on.radii_q, &self.a),
             radii_p: times(&on.radii_p, &self.b),
@@ -81,11 +88,10 @@ fn method(random: &mut Random, system: &System) -> (String, Step, Truth) {
     }
     let name = random.pick(&["euler", "midpoint", "heun", "kutta3", "rk4"]);
     let method = tableau(name);
-    let order = method.orders[usize::from(system.dof() > 1)];
     (
         name.into(),
         runge_kutta(system, method),
-        truth.with_order(order),
+        truth.with_orders(method.orders(system.dof())),
     )
 }
 
@@ -122,6 +128,12 @@ pub fn member(index: usize) -> Member {
         system.name,
         system.dof()
     );
+    let far = if units.origin == 0.0 {
+        "".into()
+    } else {
+        format!(", origin at {:.0e}", units.origin)
+    };
+    let label = format!("{label}{far}");
     let truth = Truth {
         initial: Some(on.integral()),
         ..truth
