@@ -109,18 +109,17 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
             }
         }
         Subject::Samples {
-            on,
             samples,
             step_sizes,
             rounding,
             ..
         } => match advice {
-            Advice::MoreDigits => {
+            // A larger loop "and states in double precision".
+            Advice::MoreDigits | Advice::LargerLoop => {
                 *rounding = Rounding::None;
                 exact = true;
             }
             Advice::MoreSamplesOfFile => *samples *= 4,
-            Advice::LargerLoop => *on = Arc::new(Stretched::new(on, 3.0)),
             Advice::LargerSteps {
                 factor: Some(factor),
                 ..
@@ -148,6 +147,25 @@ fn more(diagnostic: &mut Diagnostic) {
         SampleCount::Auto => SampleCount::Fixed(1 << 16),
     };
     diagnostic.budget = Some(20_000_000);
+}
+
+/// A map that fails on the given loop: its error wants a smaller one.
+pub fn follow_error(member: &Member, error: &symplint::Error) -> Followed {
+    let mut member = member.clone();
+    for _ in 0..5 {
+        if let Subject::Map { on, .. } = &mut member.subject {
+            *on = Arc::new(Stretched::new(on, 0.1));
+        }
+        let Ok(found) = diagnose(&member.subject) else {
+            continue;
+        };
+        return match outcome(&member, &found) {
+            Outcome::Right => Followed::Decides,
+            Outcome::Undecided => follow(&member, &found),
+            Outcome::Wrong(why) => Followed::Wrong(why),
+        };
+    }
+    Followed::Open(format!("error: {error}"))
 }
 
 /// Follows advice, again and again: first what the same map can do, then more digits or a tighter solver.

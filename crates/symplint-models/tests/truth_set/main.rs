@@ -31,7 +31,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use follow::{Followed, follow};
+use follow::{follow, follow_error};
 use member::Member;
 use outcome::{Outcome, diagnose, order, outcome};
 use tables::Line;
@@ -56,6 +56,9 @@ macro_rules! families {
 const FAMILIES: &[Family] = families![
     units, precision, tolerance, constraint, sizes, orders, small, breaks, rules, periodic
 ];
+
+/// Families with wrong verdicts that are known: docs/truth.md names the reasons. To be emptied.
+const KNOWN_FAULTS: &[&str] = &["tolerance", "constraint"];
 
 /// One in so many members runs in the normal tests.
 const PART: usize = 20;
@@ -88,7 +91,7 @@ fn line(family: &Family, index: usize) -> Line {
             line.ratios = ratios::ratios(&member, found);
         }
         // An error says what to do, and decides nothing.
-        Err(error) => line.followed = Some(Followed::Open(format!("error: {error}"))),
+        Err(error) => line.followed = Some(follow_error(&member, error)),
     }
     line.seconds = started.elapsed().as_secs_f64();
     line
@@ -125,20 +128,23 @@ fn the_set_is_large() {
 
 #[test]
 fn every_twentieth_member() {
-    print(&run(PART, |_| true));
+    let lines = run(PART, |_| true);
+    print(&lines);
+    let wrong = lines
+        .iter()
+        .filter(|line| !KNOWN_FAULTS.contains(&line.family));
+    let wrong: Vec<&Line> = wrong.filter(|line| line.is_wrong()).collect();
+    assert!(wrong.is_empty(), "{}", tables::faults(&lines));
 }
 
 #[test]
 #[ignore = "minutes: prints the tables of docs/truth.md"]
 fn all_members() {
+    let mut lines = Vec::new();
     for family in FAMILIES {
         let started = Instant::now();
-        let lines = run(1, |name| name == family.name);
-        println!(
-            "## {} [{:.0} s]\n",
-            family.name,
-            started.elapsed().as_secs_f64()
-        );
-        print(&lines);
+        lines.extend(run(1, |name| name == family.name));
+        eprintln!("{}: {:.0} s", family.name, started.elapsed().as_secs_f64());
     }
+    print(&lines);
 }

@@ -34,10 +34,12 @@ pub enum Expected {
     Broken { closed: Option<bool> },
     /// A solver stops at a tolerance: loops break and their integrals change, both by little.
     Tolerance {
-        /// Of the loop integral between the breaks, at the largest step, relative.
+        /// Of the loop integral between the breaks, at the largest step, relative, at least.
         defect: f64,
         /// Breaks.
         breaks: usize,
+        /// Whether the map is symplectic but for its breaks.
+        whole: bool,
     },
 }
 

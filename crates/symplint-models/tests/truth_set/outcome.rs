@@ -102,7 +102,7 @@ pub fn outcome(member: &Member, diagnosis: &Diagnosis) -> Outcome {
         (Expected::Tolerance { breaks, .. }, VerdictKind::BrokenLoops) => {
             right(breaks > 0 || given_breaks(diagnosis).is_none_or(|found| found.is_empty()))
         }
-        (Expected::Tolerance { defect, .. }, VerdictKind::NotSymplectic) => right(defect > 1e-14),
+        (Expected::Tolerance { whole, .. }, VerdictKind::NotSymplectic) => right(!whole),
         (Expected::Tolerance { defect, .. }, VerdictKind::Symplectic) => right(honest(defect)),
     }
 }

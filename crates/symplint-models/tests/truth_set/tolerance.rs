@@ -17,7 +17,16 @@ pub const COUNT: usize = 240;
 /// States of the scan.
 const SCAN: usize = 1 << 13;
 
-/// A defect that the control, which is good to 1e-14, knows to three digits.
+/// Narrower pieces are not asked for.
+const NARROW: f64 = 1e-7;
+
+/// Parts of a piece that are looked at for a minimum of the change.
+const LOOKS: usize = 64;
+
+/// What sums over pieces may be off, relative to the integral of the loop.
+const CONTROL: f64 = 1e-14;
+
+/// A defect that the control knows to three digits.
 const CLEAR: f64 = 1e-11;
 
 /// The implicit midpoint rule by fixed-point iterations that stop.
@@ -82,49 +91,166 @@ impl Solver {
 
     /// Breaks of the loop, and the relative change of the integral between them.
     fn scan(&self, on: &dyn Loop, h: f64) -> (Vec<KnownBreak>, f64) {
-        let count = |s: f64| self.after(on, h, s, None).count;
-        let counts: Vec<usize> = (0..SCAN).map(|k| count(k as f64 / SCAN as f64)).collect();
-        let mut breaks = Vec::new();
-        for (k, &before) in counts.iter().enumerate() {
-            if before == counts[(k + 1) % SCAN] {
-                continue;
-            }
-            let (mut low, mut high) = (k as f64 / SCAN as f64, (k + 1) as f64 / SCAN as f64);
-            loop {
-                let middle = 0.5 * (low + high);
-                if !(low < middle && middle < high) {
-                    break;
-                }
-                match count(middle) == before {
-                    true => low = middle,
-                    false => high = middle,
-                }
-            }
-            // How far a rounding of the last change moves the break.
-            let last = Some(before.min(count(high)));
-            let change = |s: f64| self.after(on, h, s, last).change;
-            let slope = (change(high + 1e-6) - change(high - 1e-6)) / 2e-6;
-            breaks.push(KnownBreak {
-                s: high,
-                rounding: 1e-15 / slope.abs() + 2.0 * f64::EPSILON,
-            });
-        }
-        let piece = |from: f64, to: f64| {
-            let last = Some(count(0.5 * (from + to)));
-            control::integral(&|s| self.after(on, h, s, last).state, from, to)
+        let counted = Counted {
+            solver: self,
+            on,
+            h,
         };
-        let ends = breaks.iter().skip(1).map(|at| at.s);
-        let ends = ends.chain(breaks.first().map(|at| at.s + 1.0));
-        let sum: f64 = match breaks.is_empty() {
-            true => piece(0.0, 1.0),
-            false => breaks
-                .iter()
-                .zip(ends)
-                .map(|(at, end)| piece(at.s, end))
-                .sum(),
-        };
+        let pieces = counted.pieces();
+        let sum: f64 = pieces.iter().map(|piece| counted.integral(piece)).sum();
+        // Where two pieces meet, rounding may change the count to and fro: those stretches are no pieces to be found.
+        let wide: Vec<(Piece, KnownBreak)> = (pieces.iter())
+            .map(|piece| (*piece, counted.known(piece)))
+            .filter(|(piece, known)| piece.to - piece.from > known.rounding.max(NARROW))
+            .collect();
+        let before = wide.iter().cycle().skip(wide.len().saturating_sub(1));
+        let breaks = (wide.iter().zip(before))
+            .filter(|((piece, _), (before, _))| piece.count != before.count)
+            .map(|((_, known), _)| *known)
+            .collect();
         let initial = self.system.on.integral();
         (breaks, (sum - initial) / initial)
+    }
+}
+
+/// A stretch of the loop on which the number of iterations is the same.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    from: f64,
+    to: f64,
+    count: usize,
+}
+
+/// Numbers of iterations along a loop.
+struct Counted<'a> {
+    solver: &'a Solver,
+    on: &'a dyn Loop,
+    h: f64,
+}
+
+impl Counted<'_> {
+    fn count(&self, s: f64) -> usize {
+        self.solver.after(self.on, self.h, s, None).count
+    }
+
+    /// What iteration `count` changes.
+    fn change(&self, s: f64, count: usize) -> f64 {
+        self.solver.after(self.on, self.h, s, Some(count)).change
+    }
+
+    fn integral(&self, piece: &Piece) -> f64 {
+        let state = |s: f64| {
+            self.solver
+                .after(self.on, self.h, s, Some(piece.count))
+                .state
+        };
+        control::integral(&state, piece.from, piece.to)
+    }
+
+    /// The break at which a piece begins, and how far a rounding of the last change moves it.
+    fn known(&self, piece: &Piece) -> KnownBreak {
+        let last = piece.count.min(self.count(piece.from - 4.0 * f64::EPSILON));
+        let e = 1e-3 * (piece.to - piece.from);
+        let slope = (self.change(piece.from + e, last) - self.change(piece.from, last)) / e;
+        KnownBreak {
+            s: piece.from.rem_euclid(1.0),
+            rounding: 1e-15 / slope.abs() + 4.0 * f64::EPSILON,
+        }
+    }
+
+    /// The first double after a break between `low`, where the count is `count`, and `high`, where it is another one.
+    fn end(&self, mut low: f64, mut high: f64, count: usize) -> f64 {
+        loop {
+            let middle = 0.5 * (low + high);
+            if !(low.min(high) < middle && middle < low.max(high)) {
+                return high;
+            }
+            match self.count(middle) == count {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+    }
+
+    /// All pieces in their order, from the first break on.
+    fn pieces(&self) -> Vec<Piece> {
+        let counts: Vec<usize> = (0..SCAN)
+            .map(|k| self.count(k as f64 / SCAN as f64))
+            .collect();
+        let Some(first) = (1..SCAN).find(|&k| counts[k] != counts[k - 1]) else {
+            let whole = Piece {
+                from: 0.0,
+                to: 1.0,
+                count: counts[0],
+            };
+            return self.nested(whole);
+        };
+        let at = |k: usize| k as f64 / SCAN as f64;
+        let mut from = self.end(at(first - 1), at(first), counts[first - 1]);
+        let last = from + 1.0;
+        let mut pieces = Vec::new();
+        for k in first..=first + SCAN {
+            let (high, wanted) = match k == first + SCAN {
+                true => (last, self.count(last)),
+                false => (at(k), counts[k % SCAN]),
+            };
+            let mut count = self.count(from);
+            while count != wanted {
+                let to = self.end(high.min(at(k.max(1) - 1)).max(from), high, count);
+                pieces.extend(self.nested(Piece { from, to, count }));
+                (from, count) = (to, self.count(to));
+            }
+        }
+        if from < last {
+            let count = self.count(from);
+            pieces.extend(self.nested(Piece {
+                from,
+                to: last,
+                count,
+            }));
+        }
+        pieces
+    }
+
+    /// A piece without the narrow ones inside it: where the change passes through zero, one iterate is exact by chance,
+    /// and round that point fewer and fewer iterations are made.
+    fn nested(&self, piece: Piece) -> Vec<Piece> {
+        let Piece { from, to, count } = piece;
+        if count < 2 || to - from < 1e-14 {
+            return vec![piece];
+        }
+        let before = |s: f64| self.change(s, count - 1);
+        let width = (to - from) / LOOKS as f64;
+        let lowest = (1..LOOKS)
+            .map(|k| from + k as f64 * width)
+            .min_by(|a, b| before(*a).total_cmp(&before(*b)))
+            .unwrap();
+        let (mut low, mut high) = (lowest - width, lowest + width);
+        // Thirds: the change has one minimum here.
+        while high - low > 1e-15 {
+            let third = (high - low) / 3.0;
+            match before(low + third) < before(high - third) {
+                true => high -= third,
+                false => low += third,
+            }
+        }
+        let middle = 0.5 * (low + high);
+        if self.count(middle) == count {
+            return vec![piece];
+        }
+        let left = self.end(from, middle, count);
+        // The last double of the inner stretch.
+        let right = self.end(to - 4.0 * f64::EPSILON, middle, count);
+        let outer = |from, to| Piece { from, to, count };
+        let mut pieces = vec![outer(from, left)];
+        let inside = Piece {
+            from: left,
+            to: right,
+            count: self.count(left),
+        };
+        pieces.extend(self.nested(inside));
+        pieces.push(outer(right, to));
+        pieces
     }
 }
 
@@ -198,8 +324,9 @@ pub fn member(index: usize) -> Member {
         // Only at the largest step.
         change: Some(Arc::new(move |at| if at == h { change } else { f64::NAN })),
         ..Truth::of(Expected::Tolerance {
-            defect: change.abs(),
+            defect: (change.abs() - CONTROL).max(0.0),
             breaks: breaks.len(),
+            whole: dof == 1 && !solver.predicts,
         })
     };
     let truth = Truth {
