@@ -1,0 +1,53 @@
+//! Maps on a constraint manifold, with loops on it.
+
+use std::sync::Arc;
+
+use symplint::{Loop, TimeAdvance};
+
+use crate::control;
+use crate::links::{Links, OnLinks};
+use crate::member::{Expected, Member, SYMPLECTIC, Step, Truth, halvings, map_of};
+use crate::random::Random;
+
+pub const COUNT: usize = 240;
+
+/// The map of a step on the manifold: the place where a projection is attached, once a map can have one.
+fn on_manifold(links: &Links, step: Step) -> Arc<dyn TimeAdvance> {
+    map_of(links.dof(), step)
+}
+
+pub fn member(index: usize) -> Member {
+    let random = &mut Random::of(4, index);
+    let links = Links::random(random);
+    let on = OnLinks::random(random, &links);
+    let h = random.between(0.3, 0.8) / links.omega();
+    let (name, step, truth) = match index % 4 {
+        0 | 1 => {
+            let mut truth = Truth::of(SYMPLECTIC);
+            truth.change = Some(Arc::new(|_| 0.0));
+            ("RATTLE".into(), links.rattle(), truth)
+        }
+        _ => {
+            let classical = random.chance(0.5);
+            let step = links.projected(classical);
+            let shared: Arc<dyn Loop> = Arc::new(on.clone());
+            let defect = control::change(&step, &shared, h).abs();
+            let method = if classical { "RK4" } else { "Heun" };
+            let truth = Truth::of(Expected::SmallDefect(defect));
+            (
+                format!("{method} and projection, defect {defect:.0e}"),
+                step,
+                truth,
+            )
+        }
+    };
+    let mut diagnostic = halvings(h, 8);
+    let mut alone = "";
+    if index % 2 == 1 {
+        alone = ", this loop alone";
+        diagnostic.loops = 1;
+        diagnostic.jacobian = false;
+    }
+    let label = format!("{}, {name}{alone}", links.name());
+    Member::new(label, on_manifold(&links, step), on, diagnostic, truth)
+}

@@ -1,0 +1,228 @@
+//! Follows the advice of an undecided verdict until it is decided.
+
+use std::sync::Arc;
+
+use symplint::diagnosis::SampleCount;
+use symplint::verdict::Advice;
+use symplint::{Block, Diagnosis, Diagnostic, Ensemble, Loop};
+
+use crate::member::{Member, Subject};
+use crate::outcome::{Outcome, diagnose, outcome};
+use crate::rounding::Rounding;
+
+/// Advice is followed so many times.
+const ROUNDS: usize = 3;
+
+/// What came of it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Followed {
+    /// The right verdict.
+    Decides,
+    /// The right verdict of the same map in double precision, or solved to round-off, as the advice says.
+    InFullPrecision,
+    /// Still undecided, and after which advice.
+    Open(String),
+    /// A wrong verdict.
+    Wrong(String),
+}
+
+/// A loop, larger or smaller round its centre.
+struct Stretched {
+    of: Arc<dyn Loop>,
+    factor: f64,
+    centre: [Vec<f64>; 2],
+}
+
+impl Stretched {
+    fn new(of: &Arc<dyn Loop>, factor: f64) -> Self {
+        let samples = Ensemble::sample(of, 64).expect("a loop that can be sampled");
+        let mean = |rows: symplint::state::Rows<'_>| {
+            (0..rows.count())
+                .map(|i| rows.row(i).iter().sum::<f64>() / 64.0)
+                .collect()
+        };
+        Stretched {
+            of: of.clone(),
+            factor,
+            centre: [mean(samples.q()), mean(samples.p())],
+        }
+    }
+}
+
+impl Loop for Stretched {
+    fn dof(&self) -> usize {
+        self.of.dof()
+    }
+
+    fn sample(&self, s: &[f64], block: &mut Block<'_>) {
+        self.of.sample(s, block);
+        for i in 0..self.dof() {
+            for (rows, centre) in [
+                (&mut block.q, &self.centre[0]),
+                (&mut block.p, &self.centre[1]),
+            ] {
+                for x in rows.row_mut(i) {
+                    *x = centre[i] + self.factor * (*x - centre[i]);
+                }
+            }
+        }
+    }
+}
+
+/// The member as the advice wants it, and whether it is in full precision now; `None` where the advice cannot be
+/// followed.
+fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Subject, bool)> {
+    let mut changed = subject.clone();
+    let mut exact = false;
+    match &mut changed {
+        Subject::Map {
+            map,
+            on,
+            diagnostic,
+            full,
+        } => {
+            let largest = found
+                .points()
+                .iter()
+                .map(|at| at.step_size.abs())
+                .fold(0.0, f64::max);
+            match advice {
+                Advice::LargerSteps { factor, .. } => {
+                    *diagnostic = larger_steps(diagnostic, largest, factor.unwrap_or(100.0));
+                }
+                Advice::MoreEvaluations { wanted } => {
+                    diagnostic.budget = Some(found.evidence.evaluations.budget + wanted);
+                }
+                Advice::LargerLoop => *on = Arc::new(Stretched::new(on, 10.0)),
+                Advice::SmallerLoopInDomain => *on = Arc::new(Stretched::new(on, 0.3)),
+                Advice::MoreSamplesOrSmallerLoop | Advice::SamplesInCells => more(diagnostic),
+                Advice::MoreSamplesAndLargerSteps => {
+                    *diagnostic = larger_steps(diagnostic, largest, 1.5);
+                    more(diagnostic);
+                }
+                Advice::OtherLoops => (diagnostic.seed, diagnostic.loops) = (77, 24),
+                Advice::MoreDigits | Advice::TightenSolver => {
+                    *map = full.clone()?;
+                    exact = true;
+                }
+                _ => return None,
+            }
+        }
+        Subject::Samples {
+            samples,
+            step_sizes,
+            rounding,
+            ..
+        } => match advice {
+            // A larger loop "and states in double precision".
+            Advice::MoreDigits | Advice::LargerLoop => {
+                *rounding = Rounding::None;
+                exact = true;
+            }
+            Advice::MoreSamplesOfFile => *samples *= 4,
+            Advice::LargerSteps {
+                factor: Some(factor),
+                ..
+            } => {
+                step_sizes.iter_mut().for_each(|h| *h *= factor);
+            }
+            _ => return None,
+        },
+    }
+    Some((changed, exact))
+}
+
+fn larger_steps(diagnostic: &Diagnostic, largest: f64, factor: f64) -> Diagnostic {
+    Diagnostic {
+        step_sizes: (0..10).map(|m| factor * largest * 0.5f64.powi(m)).collect(),
+        typical_step: None,
+        ..diagnostic.clone()
+    }
+}
+
+/// Four times the samples, and the budget for them.
+fn more(diagnostic: &mut Diagnostic) {
+    diagnostic.samples = match diagnostic.samples {
+        SampleCount::Fixed(count) => SampleCount::Fixed(4 * count),
+        SampleCount::Auto => SampleCount::Fixed(1 << 16),
+    };
+    diagnostic.budget = Some(20_000_000);
+}
+
+/// A map that fails on the given loop: its error wants a smaller one.
+pub fn follow_error(member: &Member, error: &symplint::Error) -> Followed {
+    let mut member = member.clone();
+    for _ in 0..5 {
+        if let Subject::Map { on, .. } = &mut member.subject {
+            *on = Arc::new(Stretched::new(on, 0.1));
+        }
+        let Ok(found) = diagnose(&member.subject) else {
+            continue;
+        };
+        return match outcome(&member, &found) {
+            Outcome::Right => Followed::Decides,
+            Outcome::Undecided => follow(&member, &found),
+            Outcome::Wrong(why) => Followed::Wrong(why),
+        };
+    }
+    Followed::Open(format!("error: {error}"))
+}
+
+/// Follows advice, again and again: first what the same map can do, then more digits or a tighter solver.
+pub fn follow(member: &Member, diagnosis: &Diagnosis) -> Followed {
+    let of_map = followed(member, diagnosis, |advice| !lifts_a_limit(advice));
+    match of_map {
+        Followed::Open(why) => match followed(member, diagnosis, |_| true) {
+            Followed::Open(_) => Followed::Open(why),
+            other => other,
+        },
+        other => other,
+    }
+}
+
+/// Whether an advice is to change the precision of the map.
+fn lifts_a_limit(advice: &Advice) -> bool {
+    matches!(advice, Advice::MoreDigits | Advice::TightenSolver)
+}
+
+fn followed(member: &Member, diagnosis: &Diagnosis, wanted: impl Fn(&Advice) -> bool) -> Followed {
+    let (mut member, mut found) = (member.clone(), diagnosis.clone());
+    let mut exact = false;
+    for _ in 0..ROUNDS {
+        // What lifts a limit comes first, where it is wanted.
+        let mut advice: Vec<Advice> = found.verdict.advice.clone();
+        advice.retain(&wanted);
+        advice.sort_by_key(|advice| !lifts_a_limit(advice));
+        let next = advice
+            .iter()
+            .find_map(|advice| changed(&member.subject, advice, &found));
+        let Some((subject, now_exact)) = next else {
+            return Followed::Open(format!(
+                "{} Advice {:?}",
+                found.verdict, found.verdict.advice
+            ));
+        };
+        exact |= now_exact;
+        member.subject = subject;
+        member.truth.expected = if exact {
+            member.truth.expected.in_full_precision()
+        } else {
+            member.truth.expected
+        };
+        found = match diagnose(&member.subject) {
+            Ok(found) => found,
+            Err(error) => return Followed::Open(format!("{advice:?}: {error}")),
+        };
+        match outcome(&member, &found) {
+            Outcome::Right if exact => return Followed::InFullPrecision,
+            Outcome::Right => return Followed::Decides,
+            Outcome::Wrong(why) => return Followed::Wrong(format!("{why} Advice {advice:?}")),
+            Outcome::Undecided => {}
+        }
+    }
+    let (verdict, first) = (&found.verdict, &diagnosis.verdict);
+    Followed::Open(format!(
+        "{} Advice {:?}; after three rounds {verdict}",
+        first, first.advice
+    ))
+}

@@ -1,0 +1,146 @@
+//! True errors over stated ones, and their quantiles.
+
+use std::collections::BTreeMap;
+
+use symplint::{Diagnosis, VerdictKind};
+
+use crate::member::{Expected, Member, Truth};
+
+/// Ratios by what they are of.
+pub type Ratios = BTreeMap<String, Vec<f64>>;
+
+/// All ratios of a member.
+pub fn ratios(member: &Member, diagnosis: &Diagnosis) -> Vec<(String, f64)> {
+    let mut found = integrals(&member.truth, diagnosis);
+    found.extend(breaks(&member.truth, diagnosis));
+    found.extend(order(&member.truth, diagnosis));
+    found.extend(digits(&member.truth, diagnosis));
+    found
+}
+
+/// 0 for no error, infinite for an error where none is stated.
+fn ratio(error: f64, stated: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / stated }
+}
+
+fn kind(truth: &Truth) -> &'static str {
+    match truth.expected {
+        Expected::Broken { .. } => ", broken loops",
+        Expected::Tolerance { .. } => ", solver tolerance",
+        _ => "",
+    }
+}
+
+fn integrals(truth: &Truth, diagnosis: &Diagnosis) -> Vec<(String, f64)> {
+    let Some(change) = &truth.change else {
+        return Vec::new();
+    };
+    // Rounded maps have a rounded truth.
+    let mut found = Vec::new();
+    for of_loop in &diagnosis.evidence.loops {
+        if of_loop.winds || (of_loop.index > 0 && !truth.of_all_loops) {
+            continue;
+        }
+        for step in &of_loop.steps {
+            let (Some(h), Some(_)) = (step.step_size, step.defect.quadrature_error) else {
+                continue;
+            };
+            let known = change(h);
+            if known.is_nan() {
+                continue;
+            }
+            let stated = step.defect.uncertainty();
+            let name = format!("{}{}", step.rule, kind(truth));
+            let of_change = ratio((step.defect.signed - known).abs(), stated);
+            found.push((format!("change, {name}"), of_change));
+            if let (Some(initial), 0) = (truth.initial, of_loop.index) {
+                let after = initial + known * initial.abs();
+                let of_integral = ratio((step.advanced - after).abs(), stated * initial.abs());
+                found.push((format!("integral after the step, {name}"), of_integral));
+            }
+            if let (Some(closing), Expected::Broken { closed: Some(true) }) =
+                (step.closing, truth.expected)
+            {
+                let closed = closing.closed;
+                let name = format!("change once closed, {}", step.rule);
+                found.push((name, ratio(closed.magnitude(), closed.uncertainty())));
+            }
+        }
+    }
+    found
+}
+
+/// Positions, where as many breaks were found as there are, or more: some are too narrow to be asked for.
+fn breaks(truth: &Truth, diagnosis: &Diagnosis) -> Vec<(String, f64)> {
+    let Some((positions, known)) = given_breaks(diagnosis).zip(truth.breaks.as_ref()) else {
+        return Vec::new();
+    };
+    if positions.len() < known.len() {
+        return Vec::new();
+    }
+    (known.iter())
+        .map(|at| {
+            let distance = (positions.iter())
+                .map(|s| ((s - at.s + 0.5).rem_euclid(1.0) - 0.5).abs())
+                .fold(f64::INFINITY, f64::min);
+            let name = format!("break position over its rounding{}", kind(truth));
+            (name, ratio(distance, at.rounding))
+        })
+        .collect()
+}
+
+/// The positions of all breaks of the given loop after the largest step, where they are known.
+pub fn given_breaks(diagnosis: &Diagnosis) -> Option<Vec<f64>> {
+    let given = diagnosis.evidence.loops.first()?;
+    let largest = given
+        .steps
+        .iter()
+        .map(|step| step.step_size.unwrap_or(0.0))
+        .fold(0.0, f64::max);
+    let step = given
+        .steps
+        .iter()
+        .find(|step| step.step_size == Some(largest))?;
+    step.closing?;
+    let of_step = (diagnosis.evidence.breaks.iter())
+        .filter(|at| at.loop_index == 0 && at.step_size == Some(largest));
+    Some(of_step.map(|at| at.found.s).collect())
+}
+
+fn order(truth: &Truth, diagnosis: &Diagnosis) -> Option<(String, f64)> {
+    let [known] = truth.orders[..] else {
+        return None;
+    };
+    diagnosis.verdict.order?;
+    let fit = (diagnosis.fits().iter())
+        .filter(|fit| fit.slope > 0.5)
+        .min_by(|a, b| a.slope.total_cmp(&b.slope))?;
+    let error = (fit.slope - known).abs();
+    Some((
+        "slope of a stated order".into(),
+        ratio(error, fit.uncertainty),
+    ))
+}
+
+/// The true defect over the bound that the digits state.
+fn digits(truth: &Truth, diagnosis: &Diagnosis) -> Option<(String, f64)> {
+    let change = truth.change.as_ref()?;
+    let digits = diagnosis.verdict.digits?;
+    let defect = (diagnosis.points().iter())
+        .map(|at| change(at.step_size).abs())
+        .filter(|defect| defect.is_finite())
+        .fold(0.0, f64::max);
+    let known = diagnosis.verdict.kind == VerdictKind::Symplectic && defect > 0.0;
+    known.then(|| {
+        (
+            "defect over the bound of the digits".into(),
+            defect * 10f64.powf(digits),
+        )
+    })
+}
+
+/// The quantile of sorted numbers, by the nearest rank.
+pub fn quantile(sorted: &[f64], part: f64) -> f64 {
+    let rank = (part * sorted.len() as f64).ceil() as usize;
+    sorted[rank.clamp(1, sorted.len()) - 1]
+}
