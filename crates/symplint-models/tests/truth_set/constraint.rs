@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use symplint::{Loop, TimeAdvance};
+use symplint::{Loop, PerSample, TimeAdvance};
 
 use crate::control;
 use crate::links::{Links, OnLinks};
@@ -11,9 +11,12 @@ use crate::random::Random;
 
 pub const COUNT: usize = 240;
 
-/// The map of a step on the manifold: the place where a projection is attached, once a map can have one.
+/// The map of a step with a projection onto the manifold.
 fn on_manifold(links: &Links, step: Step) -> Arc<dyn TimeAdvance> {
-    map_of(links.dof(), step)
+    let advance = move |h: f64, q: &mut [f64], p: &mut [f64]| step(h, q, p);
+    let onto = links.clone();
+    let map = PerSample::new(links.dof(), advance);
+    Arc::new(map.with_projection(move |q, p| onto.project(q, p)))
 }
 
 pub fn member(index: usize) -> Member {
@@ -48,6 +51,12 @@ pub fn member(index: usize) -> Member {
         diagnostic.loops = 1;
         diagnostic.jacobian = false;
     }
-    let label = format!("{}, {name}{alone}", links.name());
-    Member::new(label, on_manifold(&links, step), on, diagnostic, truth)
+    let projected = on_manifold(&links, step.clone());
+    // Every second map says nothing of its manifold.
+    let (map, projection) = match index % 8 < 4 {
+        true => (map_of(links.dof(), step), ""),
+        false => (projected.clone(), ", with a projection"),
+    };
+    let label = format!("{}, {name}{alone}{projection}", links.name());
+    Member::new(label, map, on, diagnostic, truth).on_manifold(projected)
 }

@@ -80,6 +80,7 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
             on,
             diagnostic,
             full,
+            projected,
         } => {
             let largest = found
                 .points()
@@ -101,6 +102,7 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                     more(diagnostic);
                 }
                 Advice::OtherLoops => (diagnostic.seed, diagnostic.loops) = (77, 24),
+                Advice::Project | Advice::LoopOnManifold => *map = projected.clone()?,
                 Advice::MoreDigits | Advice::TightenSolver => {
                     *map = full.clone()?;
                     exact = true;

@@ -156,6 +156,13 @@ impl Links {
         total
     }
 
+    /// Puts a state on the manifold.
+    pub fn project(&self, q: &mut [f64], p: &mut [f64]) {
+        let along = self.gradient(q);
+        self.onto(q, &along);
+        self.tangent(q, p);
+    }
+
     /// The RATTLE step, HLW section VII.1.4: symplectic on the manifold.
     pub fn rattle(&self) -> Step {
         let links = self.clone();
@@ -229,9 +236,7 @@ impl Links {
                 q[i] += h * sum_v[i];
                 p[i] += h * sum_f[i];
             }
-            let along = links.gradient(q);
-            links.onto(q, &along);
-            links.tangent(q, p);
+            links.project(q, p);
         })
     }
 }

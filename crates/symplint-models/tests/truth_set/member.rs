@@ -124,6 +124,8 @@ pub enum Subject {
         /// The same map in double precision, where it works with fewer digits; solved to round-off, where a solver
         /// stops at a tolerance.
         full: Option<Arc<dyn TimeAdvance>>,
+        /// The same map with a projection onto its manifold.
+        projected: Option<Arc<dyn TimeAdvance>>,
     },
     /// Loops of another code, which are written with few digits.
     Samples {
@@ -159,9 +161,18 @@ impl Member {
                 on: Arc::new(on),
                 diagnostic,
                 full: None,
+                projected: None,
             },
             truth,
         }
+    }
+
+    /// With the same map, which names its manifold.
+    pub fn on_manifold(mut self, same: Arc<dyn TimeAdvance>) -> Self {
+        if let Subject::Map { projected, .. } = &mut self.subject {
+            *projected = Some(same);
+        }
+        self
     }
 
     /// With the same map in double precision, or solved to round-off.

@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 pub struct Survey {
     /// How coarsely the map rounds the states that it returns, if it does more than double precision does.
     pub output_precision: Option<OutputPrecision>,
+    /// The relative rounding error of the states, where it was stated and is above that of double precision.
+    #[serde(default)]
+    pub stated_roundoff: Option<f64>,
     /// By how much repeated runs of one state differ by chance, if they do.
     #[serde(default)]
     pub scatter: Option<Scatter>,
@@ -15,6 +18,13 @@ pub struct Survey {
     /// Jacobian show a defect that the given loop does not have.
     #[serde(default)]
     pub singular: Option<SingularJacobian>,
+}
+
+impl Survey {
+    /// Whether states have fewer digits than double precision.
+    pub fn is_rounded(&self) -> bool {
+        self.output_precision.is_some() || self.stated_roundoff.is_some()
+    }
 }
 
 /// Repeated runs of one state differ, as sums do that many cores take in any order: noise of the map.

@@ -89,6 +89,10 @@ const STEEP: f64 = 20.0;
 /// Pairs of neighbouring cells that are summed side by side: one in each lane of the widest vector register.
 const PAIRS: usize = 8;
 
+/// The sum over every second cell is off by twice as much, so that their difference is the error of the rule to leading
+/// order: this many times it covers the terms that follow. In the truth set the largest ratio is 1.31.
+const MARGIN: f64 = 2.0;
+
 /// Cells of so many pairs.
 const CELLS: usize = 2 * PAIRS;
 
@@ -337,7 +341,7 @@ fn integrate(q: &[f64], gain: f64, p: &[f64], cutoffs: &Cutoffs) -> RowIntegral 
         UNIT_ROUNDOFF * (row.q.largest * p_squared.sqrt() + row.p.largest * q_squared.sqrt());
     RowIntegral {
         value,
-        quadrature_error: (q.len() >= 6).then(|| (value - coarse).abs() + sums.doubtful),
+        quadrature_error: (q.len() >= 6).then(|| MARGIN * (value - coarse).abs() + sums.doubtful),
         roundoff: stored + 2.0 * UNIT_ROUNDOFF * scale,
         scale,
         omitted: sums.omitted,

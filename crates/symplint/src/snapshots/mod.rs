@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::breaks::Break;
 use crate::error::Error;
 use crate::evidence::{
-    BreakAt, Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, Origin, StepEvidence,
+    BreakAt, Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, Origin, StepEvidence, Survey,
 };
 use crate::rules::RuleKind;
 use crate::state::{Coordinates, Ensemble};
@@ -99,8 +99,16 @@ pub fn measure_snapshots(
     given.steps = (compared.iter())
         .map(|step| evidence(&initial, step, samples))
         .collect();
+    let stated = std::iter::once(before)
+        .chain(after)
+        .map(|snapshot| snapshot.unit_roundoff);
+    let mut survey = Survey::default();
+    survey.stated_roundoff = stated
+        .reduce(f64::max)
+        .filter(|&stated| stated > Snapshot::DOUBLE);
     Ok(Evidence {
         origin: Origin::Samples,
+        survey,
         breaks: compared.iter().flat_map(breaks_at).collect(),
         loops: vec![given],
         ..Evidence::default()

@@ -471,6 +471,8 @@ pub enum Advice {
     SmallerLoopInDomain,
     /// Take more samples, or a smaller loop.
     MoreSamplesOrSmallerLoop,
+    /// Take another rule than finite differences, which are of first order.
+    RuleAuto,
     /// Take a larger loop: round-off makes the bound weak.
     LargerLoop,
     /// Return more digits.

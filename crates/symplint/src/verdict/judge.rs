@@ -31,12 +31,17 @@ pub fn judge(evidence: &Evidence) -> Verdict {
         fits: &fits,
     };
     let mut decision = case.decide();
-    let rounded = evidence.survey.output_precision.is_some();
-    if rounded
+    if evidence.survey.is_rounded()
         && decision.kind != VerdictKind::NotSymplectic
         && !decision.advice.contains(&Advice::MoreDigits)
     {
-        decision.advice.push(Advice::MoreDigits);
+        // Where rounding is what hides an answer, that comes first.
+        let first = matches!(
+            decision.because,
+            Finding::WeakBound { .. } | Finding::Unexplained { .. } | Finding::SmallJumps { .. }
+        );
+        let place = if first { 0 } else { decision.advice.len() };
+        decision.advice.insert(place, Advice::MoreDigits);
     }
     let mut findings = vec![decision.because];
     findings.append(&mut decision.findings);

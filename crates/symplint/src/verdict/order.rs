@@ -96,7 +96,12 @@ fn polynomial_law(data: &[Datum]) -> Option<(f64, f64)> {
         exponents(highest - 0.5, highest)
             .min_by(|&a, &b| misfit(data, a).total_cmp(&misfit(data, b)))
     })?;
-    Some((slope, (highest - slope).max(0.0)))
+    // Orders of smooth maps are whole: where none fits, the law leaves something out.
+    let from_whole = match whole {
+        Some(_) => 0.0,
+        None => (slope - slope.round()).abs(),
+    };
+    Some((slope, (highest - slope).max(from_whole)))
 }
 
 /// The mean slope of log |E| over log h, and half the spread of the local slopes.

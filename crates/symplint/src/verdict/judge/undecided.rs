@@ -2,10 +2,11 @@
 
 use super::{Case, Decision, change};
 use crate::evidence::{LoopEvidence, LoopKind, Motion, StepEvidence};
+use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding};
 use crate::verdict::thresholds::{
-    LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_LARGER, POINT_OF_DISC,
+    LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_LARGER, POINT_OF_DISC, SMALL,
 };
 
 impl Case<'_> {
@@ -90,7 +91,10 @@ impl Case<'_> {
         {
             return Some(decision);
         }
-        if let Some((found, step)) = self.worst(StepEvidence::is_unexplained) {
+        // A defect that would have to be confirmed is part of the bound.
+        let counts =
+            |step: &StepEvidence| step.is_unexplained() && step.defect.magnitude() >= SMALL;
+        if let Some((found, step)) = self.worst(counts) {
             return Some(self.because(
                 Finding::Unexplained {
                     defect: step.defect.magnitude(),
@@ -172,8 +176,10 @@ impl Case<'_> {
                 roundoff,
             };
             let advice = match (roundoff, self.is_sampled()) {
+                (true, _) if self.evidence.survey.is_rounded() => Advice::MoreDigits,
                 (true, _) => Advice::LargerLoop,
                 (false, true) => Advice::MoreSamplesOfFile,
+                (false, false) if found.rule == RuleKind::FiniteDifference => Advice::RuleAuto,
                 (false, false) => Advice::MoreSamplesOrSmallerLoop,
             };
             self.because(because, vec![advice])

@@ -148,7 +148,10 @@ impl Display for Advice {
                 "Take a smaller loop, well inside the domain of the map, or set loops to 1.",
             ),
             Advice::MoreSamplesOrSmallerLoop => f.write_str(
-                "Take more samples or a smaller loop; finite differences are only good to a few digits.",
+                "Take more samples or a smaller loop.",
+            ),
+            Advice::RuleAuto => f.write_str(
+                "Set rule to \"auto\": finite differences are of first order, and only good to a few digits.",
             ),
             Advice::LargerLoop => f.write_str(
                 "Round-off makes most of the bound: take a larger loop, nearer to the origin, and states in double \
