@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use symplint::diagnosis::SampleCount;
 use symplint::verdict::Advice;
-use symplint::{Block, Diagnosis, Diagnostic, Ensemble, Loop};
+use symplint::{Block, Diagnosis, Diagnostic, Ensemble, Loop, Rule};
 
 use crate::member::{Member, Subject};
 use crate::outcome::{Outcome, diagnose, outcome};
@@ -102,6 +102,9 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                     more(diagnostic);
                 }
                 Advice::OtherLoops => (diagnostic.seed, diagnostic.loops) = (77, 24),
+                Advice::RuleAuto => {
+                    (diagnostic.rule, diagnostic.samples) = (Rule::Auto, SampleCount::Auto);
+                }
                 Advice::Project | Advice::LoopOnManifold => *map = projected.clone()?,
                 Advice::MoreDigits | Advice::TightenSolver => {
                     *map = full.clone()?;

@@ -30,6 +30,9 @@ const SIMILAR: f64 = 1e3;
 /// Groups at most; the last one holds all smaller actions.
 const MOST_GROUPS: usize = 8;
 
+/// The motion on which a centre lies may be so many times as large as what a step shows of it.
+const WITHIN: f64 = 2.0;
+
 /// A state this much smaller than others is what rounding leaves of zero.
 const ROUNDING: f64 = 1e-14;
 
@@ -50,7 +53,8 @@ pub struct BalancedRadii {
 ///
 /// In each degree of freedom the ratio ρ of the radius in q to that in p is balanced: displaced by its radius, q changes
 /// p by as large a part of the radius of p as p changes q. The size is a tenth of that of the centre, √(q²/ρ + ρp²) with
-/// the ratio taken out; of a periodic position, one radian counts in place of q. A degree of freedom that is at the
+/// the ratio taken out, or of the motion that a step shows of it, (Δq²/ρ + ρΔp²)/(hω)² times 4, where this is smaller: an
+/// origin may be far away. Of a periodic position, one radian counts in place of q. A degree of freedom that is at the
 /// origin is given the area of the largest of the others; if all are there, radii whose product is 1. The proportions
 /// are the same in all units.
 ///
@@ -208,9 +212,19 @@ impl LoopSize {
             open,
             h,
         };
-        let mut ratios = self.first_ratios(&displaced);
+        let motion = displaced.motion().ok();
+        let mut ratios = self.first_ratios(&displaced, motion.as_ref());
+        // Advanced by a radian in a step, until it is known.
+        let mut squared_advances = vec![1.0; open.len()];
         for repetition in 0..=REPETITIONS {
-            self.take(&given, open, &ratios, action, coordinates);
+            let of_centres = (open.iter().zip(&ratios).enumerate())
+                .map(|(k, (&i, &ratio))| {
+                    let moved = motion.as_ref().map(|[q, p]| [q[k], p[k]]);
+                    let weight = coordinates.weight(i).abs();
+                    weight * self.of_centre(i, ratio, moved, squared_advances[k], coordinates)
+                })
+                .collect();
+            self.take(&given, open, &ratios, of_centres, action, coordinates);
             if repetition == REPETITIONS {
                 break;
             }
@@ -218,22 +232,45 @@ impl LoopSize {
             let Ok(balanced) = displaced.balanced(&self.radius) else {
                 break;
             };
-            for (ratio, balanced) in ratios.iter_mut().zip(balanced) {
-                *ratio = balanced.unwrap_or(*ratio);
+            for (k, balanced) in balanced.into_iter().enumerate() {
+                if let Some((ratio, squared_advance)) = balanced {
+                    (ratios[k], squared_advances[k]) = (ratio, squared_advance);
+                }
             }
         }
     }
 
+    /// The action, without the weight, of a loop of a tenth of the size of the centre: of its distance from the origin, or
+    /// of the motion that a step of (hω)² = `squared_advance` moves along, where this is smaller. An origin may be far
+    /// away.
+    fn of_centre(
+        &self,
+        i: usize,
+        ratio: f64,
+        moved: Option<[f64; 2]>,
+        squared_advance: f64,
+        coordinates: &Coordinates,
+    ) -> f64 {
+        let squared = |q: f64, p: f64| q * q / ratio + ratio * p * p;
+        let of_origin = match coordinates.period(i) {
+            0.0 => squared(self.centre[0][i], self.centre[1][i]),
+            period => squared(period / TAU, self.centre[1][i]),
+        };
+        let of_motion = moved.map(|[q, p]| squared(q, p) / squared_advance);
+        let within = of_motion.map(|squared| WITHIN * WITHIN * squared);
+        let smaller = within.filter(|&within| within > ROUNDING * of_origin && within < of_origin);
+        PART_OF_CENTRE * PART_OF_CENTRE * smaller.unwrap_or(of_origin)
+    }
+
     /// Ratios of the size of q to that of p that change with units as they should: of the motions in a step, or of
     /// the state; else the ratio of the largest sizes of the loop.
-    fn first_ratios(&self, displaced: &Displaced<'_>) -> Vec<f64> {
+    fn first_ratios(&self, displaced: &Displaced<'_>, motion: Option<&[Vec<f64>; 2]>) -> Vec<f64> {
         let largest = [0, 1].map(|c: usize| self.radius[c].iter().copied().fold(0.0, f64::max));
         let usable = |ratio: &f64| ratio.is_normal();
         let typical = Some(largest[0] / largest[1]).filter(usable).unwrap_or(1.0);
-        let motion = displaced.motion().ok();
         (displaced.open.iter().enumerate())
             .map(|(k, &i)| {
-                let of_motion = motion.as_ref().map(|[q, p]| (q[k] / p[k]).abs());
+                let of_motion = motion.map(|[q, p]| (q[k] / p[k]).abs());
                 let of_state =
                     (displaced.state.q().row(i)[0] / displaced.state.p().row(i)[0]).abs();
                 (of_motion.filter(usable))
@@ -249,18 +286,10 @@ impl LoopSize {
         given: &[Vec<f64>; 2],
         open: &[usize],
         ratios: &[f64],
+        of_centres: Vec<f64>,
         action: f64,
         coordinates: &Coordinates,
     ) {
-        let of_centre = |(&i, ratio): (&usize, &f64)| {
-            let q = match coordinates.period(i) {
-                0.0 => self.centre[0][i],
-                period => period / TAU,
-            };
-            let squared = q * q / ratio + ratio * self.centre[1][i].powi(2);
-            coordinates.weight(i).abs() * PART_OF_CENTRE * PART_OF_CENTRE * squared
-        };
-        let of_centres: Vec<f64> = open.iter().zip(ratios).map(of_centre).collect();
         let largest = of_centres.iter().copied().fold(0.0, f64::max);
         for (k, (&i, ratio)) in open.iter().zip(ratios).enumerate() {
             let radii = match [given[0][i], given[1][i]] {
@@ -307,9 +336,9 @@ impl Displaced<'_> {
         }))
     }
 
-    /// The ratio ρ of both radii at which displacements by them have equal effects on each other, where both have one:
-    /// ρ² = |∂q'/∂p| / |∂p'/∂q|.
-    fn balanced(&self, radius: &[Vec<f64>; 2]) -> Result<Vec<Option<f64>>, Error> {
+    /// The ratio ρ of both radii at which displacements by them have equal effects on each other, where both have one,
+    /// ρ² = |∂q'/∂p| / |∂p'/∂q|, and the square of what they advance, |∂q'/∂p| |∂p'/∂q|: (hω)² of an oscillation.
+    fn balanced(&self, radius: &[Vec<f64>; 2]) -> Result<Vec<Option<(f64, f64)>>, Error> {
         let dof = self.state.dof();
         // Two samples displaced in q, two in p.
         let mut states = Ensemble::zeros(dof, 4);
@@ -340,9 +369,12 @@ impl Displaced<'_> {
             let period = period(self.evaluator.coordinates(), c);
             (nearest(apart, period) / radius[kind][i]).abs()
         };
-        let ratio =
-            |&i: &usize| Some((slope(1, i) / slope(0, i)).sqrt()).filter(|ratio| ratio.is_normal());
-        Ok(self.open.iter().map(ratio).collect())
+        let of_dof = |&i: &usize| {
+            let [of_q, of_p] = [0, 1].map(|kind| slope(kind, i) / (2.0 * DISTANCE));
+            let (ratio, squared_advance) = ((of_p / of_q).sqrt(), of_p * of_q);
+            (ratio.is_normal() && squared_advance.is_normal()).then_some((ratio, squared_advance))
+        };
+        Ok(self.open.iter().map(of_dof).collect())
     }
 }
 

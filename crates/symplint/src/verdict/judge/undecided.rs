@@ -91,9 +91,10 @@ impl Case<'_> {
         {
             return Some(decision);
         }
-        // A defect that would have to be confirmed is part of the bound.
-        let counts =
-            |step: &StepEvidence| step.is_unexplained() && step.defect.magnitude() >= SMALL;
+        // A small defect that is not even significant is part of the bound.
+        let counts = |step: &StepEvidence| {
+            step.is_unexplained() && (step.defect.magnitude() >= SMALL || step.is_significant())
+        };
         if let Some((found, step)) = self.worst(counts) {
             return Some(self.because(
                 Finding::Unexplained {
