@@ -11,8 +11,8 @@ mod limits;
 mod residual;
 mod search;
 
-pub(crate) use bracket::{Bracket, End, Progress, scatter};
-pub(crate) use limits::LOOKS;
+pub(crate) use bracket::{Bracket, End, Progress, flickers, is_between_levels, scatter};
+pub(crate) use limits::{AROUND_A_ZONE, DISTANCES_AROUND, LOOKS};
 pub(crate) use residual::{
     Coordinate, GROUP, REACH, Residuals, Suspect, Window, most_outstanding, rounding,
 };
@@ -118,8 +118,8 @@ pub(crate) fn follow_up(
             return Ok(Search::Unaffordable);
         }
         let found = follow::follow(evaluator, phase_loop, h, suspect, samples, known)?;
-        if let Some(found) = found {
-            return Ok(Search::Found(found));
+        if found != Search::Clean {
+            return Ok(found);
         }
     }
     Ok(Search::Clean)

@@ -70,6 +70,8 @@ pub(super) struct Found {
     pub sides: [f64; 2],
     /// Their images.
     pub images: [Image; 2],
+    /// So far on both sides of it rounding decides whether states are before it or after it.
+    pub zone: f64,
     /// The substep that breaks the curve, where the step has several.
     pub substep: Option<usize>,
 }
@@ -281,10 +283,15 @@ impl<'a> Refinement<'a> {
     }
 
     /// Takes a jump for a break if it stands out of the noise on both sides.
-    fn confirm(&self, jump: Box<Jump>) -> Outcome {
+    fn confirm(&self, mut jump: Box<Jump>) -> Outcome {
         let judgement = jump.judge(&self.scales, self.coordinates);
-        if let Judgement::LookAgain = judgement {
-            return self.go_on(Task::Confirm(jump));
+        match judgement {
+            Judgement::LookAgain => return self.go_on(Task::Confirm(jump)),
+            Judgement::LookAround if jump.look_around() => {
+                let unresolved = jump.fallback.clone();
+                return Outcome::then(vec![Task::Confirm(jump)], unresolved);
+            }
+            _ => {}
         }
         let piece = &jump.piece;
         let mut outcome = Outcome {
@@ -302,13 +309,14 @@ impl<'a> Refinement<'a> {
                     curve: piece.curve,
                     sides,
                     images,
+                    zone: jump.zone(),
                     substep: None,
                 });
                 let parts = [left, right].into_iter();
                 parts.filter(|part| part.b > part.a).collect()
             }
             Judgement::Wrap => piece.cut(&jump.gap),
-            Judgement::Noise | Judgement::LookAgain => {
+            Judgement::Noise | Judgement::LookAgain | Judgement::LookAround => {
                 let noise = jump.noise(self.coordinates).into_iter();
                 let allowance: Arc<[f64]> = noise.map(|noise| SAFETY * noise).collect();
                 let mut parts = piece.cut(&jump.gap);
