@@ -344,6 +344,37 @@ fn every_group_of_degrees_of_freedom_has_to_be_bounded() {
 }
 
 #[test]
+fn breaks_about_which_rounding_decides_point_to_a_solver() {
+    for (flickering, breaks, expected) in [
+        (0, 4, false),
+        (1, 4, false),
+        (2, 4, true),
+        (2, 16, true),
+        (2, 17, false),
+    ] {
+        let mut evidence = of_map(vec![step(0.5, 1e-9, 1e-14)]);
+        let step = &mut evidence.loops[0].steps[0];
+        step.jump = Some(JUMP);
+        step.flickering = flickering;
+        step.closing = Some(Closing {
+            breaks,
+            chord: 1e-9,
+            closed: defect(0.0, 1e-14),
+            straight: false,
+        });
+        let advice = judge(&evidence).advice;
+        let of_solver = Advice::SolverTolerance {
+            flickering,
+            breaks,
+            largest: 0.2,
+        };
+        let what = format!("{flickering} of {breaks}");
+        assert_eq!(advice.contains(&of_solver), expected, "{what}");
+        assert_eq!(advice.contains(&Advice::SmootherForce), !expected, "{what}");
+    }
+}
+
+#[test]
 fn loops_that_wind_prove_nothing_but_that_a_map_is_not_exact() {
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
     let mut winding = of_loop(2, LoopKind::Winding, vec![step(0.5, 0.1, 1e-15)]);

@@ -1,6 +1,8 @@
 //! Bisection of a jump, and how a jump is told from noise and from a steep stretch.
 
-use super::limits::{LOOKS, NARROWEST, NOISES_OF_A_JUMP, PATIENCE, SPACING, STAYS_ON_HALVING};
+use super::limits::{
+    AROUND_A_ZONE, LOOKS, NARROWEST, NOISES_OF_A_JUMP, PATIENCE, SPACING, STAYS_ON_HALVING,
+};
 
 /// Two parameters with a jump between them, of a function that is continuous on both sides of it.
 #[derive(Clone, Debug)]
@@ -102,6 +104,15 @@ impl Bracket {
         (0..LOOKS[look]).map(move |k| from + k as f64 * outwards)
     }
 
+    /// Parameters of states at this `distance` from each other, from its `end` outwards; the first is the end itself.
+    pub fn around(&self, end: End, distance: f64) -> impl Iterator<Item = f64> + use<> {
+        let (from, outwards) = match end {
+            End::Low => (self.low, -distance),
+            End::High => (self.high, distance),
+        };
+        (0..AROUND_A_ZONE).map(move |k| from + k as f64 * outwards)
+    }
+
     /// Whether a `jump` stands out of the values beside the bracket, each side from its end outwards: of their
     /// noise, and of what their slope makes of the width of the bracket.
     pub fn stands_out(&self, jump: f64, sides: [&[f64]; 2]) -> bool {
@@ -110,6 +121,27 @@ impl Bracket {
         let climb = steepest * (self.high - self.low) / SPACING;
         jump > NOISES_OF_A_JUMP * scatter(sides).max(climb)
     }
+}
+
+/// Whether the values on the sides of a `jump`, each side from its end outwards, are those before the jump and those
+/// after it, and no others: rounding decides on which side of a threshold a state is, such as the tolerance at which a
+/// solver stops. Noise has any values.
+pub(crate) fn flickers(jump: f64, sides: [&[f64]; 2]) -> bool {
+    let little = jump.abs() / NOISES_OF_A_JUMP;
+    let is_of_a_level = |side: &[f64], other: f64| {
+        let off = |x: &f64| (x - side[0]).abs().min((x - side[0] - other).abs());
+        side.iter().all(|x| off(x) < little)
+    };
+    is_of_a_level(sides[0], jump) && is_of_a_level(sides[1], -jump)
+}
+
+/// Whether the values on both sides of a `jump`, at equal distances from its end outwards, are smooth: none of them is
+/// on the other side of the jump.
+pub(crate) fn is_between_levels(jump: f64, sides: [&[f64]; 2]) -> bool {
+    let third_difference = |x: &[f64]| (x[3] - x[0] - 3.0 * (x[2] - x[1])).abs();
+    let differences = sides.iter().flat_map(|side| side.windows(4));
+    let largest = differences.map(third_difference).fold(0.0, f64::max);
+    jump.abs() > NOISES_OF_A_JUMP * largest
 }
 
 /// How far the values on the sides of a jump scatter, on the side where they do so more.

@@ -1,9 +1,9 @@
 //! Closing in on a suspected jump, one state at a time.
 
-use super::Break;
-use super::bracket::{Bracket, End, Progress};
-use super::limits::LOOKS;
+use super::bracket::{Bracket, End, Progress, flickers, is_between_levels};
+use super::limits::{AROUND_A_ZONE, DISTANCES_AROUND, LOOKS};
 use super::residual::{Coordinate, Suspect};
+use super::{Break, Search};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::Evaluator;
@@ -35,8 +35,8 @@ impl Point {
 
 /// Evaluates the map on ever shorter stretches round a suspected jump.
 ///
-/// The six samples round it are taken from `known`, if they are in memory. Returns the break if the two sides are
-/// still apart when no double lies between, `None` if they meet (the loop is steep but continuous there) or the
+/// The six samples round it are taken from `known`, if they are in memory. Finds a break if the two sides are
+/// still apart when no double lies between, and none if they meet (the loop is steep but continuous there) or the
 /// jump does not stand out of the noise.
 pub(super) fn follow(
     evaluator: &Evaluator<'_>,
@@ -45,7 +45,7 @@ pub(super) fn follow(
     suspect: &Suspect,
     samples: usize,
     known: Option<&Ensemble>,
-) -> Result<Option<Break>, Error> {
+) -> Result<Search, Error> {
     let dof = suspect.dof;
     let period = match suspect.coordinate {
         Coordinate::Q => evaluator.coordinates().period(dof),
@@ -85,41 +85,61 @@ pub(super) fn follow(
         };
         sides.add(end, point);
         if bracket.halve(end, step) == Progress::Continuous {
-            return Ok(None);
+            return Ok(Search::Clean);
         }
     }
     let ends = [sides.left[0], sides.right[0]];
-    let jump = nearest(ends[1].value - ends[0].value, period).abs();
+    let jump = nearest(ends[1].value - ends[0].value, period);
     let jump_q = nearest(ends[1].q - ends[0].q, evaluator.coordinates().period(dof));
     let jump_p = ends[1].p - ends[0].p;
     let dofs = evaluator.dof();
     let is_rounding = evaluator.grain().is_some_and(|grain| {
         !grain.is_exceeded(dof, jump_q) && !grain.is_exceeded(dofs + dof, jump_p)
     });
-    if is_rounding || bracket.is_little(jump) || !suspect.stands_out(jump) {
-        return Ok(None);
+    if is_rounding || bracket.is_little(jump) || !suspect.stands_out(jump.abs()) {
+        return Ok(Search::Clean);
     }
-    let mut beside = ends.map(|point| vec![point.value]);
+    let found = Search::Found(Break {
+        s: bracket.high.rem_euclid(1.0),
+        dof,
+        jump_q,
+        jump_p,
+        substep: None,
+    });
+    // Values on one side, from its end outwards.
+    let beside = |end: End, s: &[f64]| -> Result<Vec<f64>, Error> {
+        let origin = ends[end as usize].value;
+        let points = image(s)?.into_iter();
+        let from_end = |point: Point| origin + nearest(sides.sign * point.value - origin, period);
+        Ok(points.map(from_end).collect())
+    };
+    let mut close = ends.map(|point| vec![point.value]);
     for look in 0..LOOKS.len() {
-        for (side, end) in beside.iter_mut().zip([End::Low, End::High]) {
+        for (side, end) in close.iter_mut().zip([End::Low, End::High]) {
             let s: Vec<f64> = bracket.beside(end, look).skip(side.len()).collect();
-            let origin = side[0];
-            let more = image(&s)?.into_iter();
-            side.extend(
-                more.map(|point| origin + nearest(sides.sign * point.value - origin, period)),
-            );
+            side.extend(beside(end, &s)?);
         }
-        if bracket.stands_out(jump, [&beside[0], &beside[1]]) {
-            return Ok(Some(Break {
-                s: bracket.high.rem_euclid(1.0),
-                dof,
-                jump_q,
-                jump_p,
-                substep: None,
-            }));
+        if bracket.stands_out(jump.abs(), [&close[0], &close[1]]) {
+            return Ok(found);
         }
     }
-    Ok(None)
+    if !flickers(jump, [&close[0], &close[1]]) {
+        return Ok(Search::Clean);
+    }
+    for distance in DISTANCES_AROUND {
+        if evaluator.count().left() < 2 * (AROUND_A_ZONE - 1) {
+            return Ok(Search::Unaffordable);
+        }
+        let mut around = ends.map(|point| vec![point.value]);
+        for (side, end) in around.iter_mut().zip([End::Low, End::High]) {
+            let s: Vec<f64> = bracket.around(end, distance).skip(1).collect();
+            side.extend(beside(end, &s)?);
+        }
+        if is_between_levels(jump, [&around[0], &around[1]]) {
+            return Ok(found);
+        }
+    }
+    Ok(Search::Clean)
 }
 
 /// The three points nearest to a jump on each side of it, the nearest first.

@@ -40,6 +40,24 @@ pub(crate) const LOOKS: [usize; 2] = [3, 6];
 /// Their distance: 32 doubles, so that the rounding of s is none of the noise, and nothing on the scale of a loop.
 pub(super) const SPACING: f64 = 32.0 * f64::EPSILON;
 
+/// How far from a jump these states reach.
+pub(crate) const REACH_BESIDE: f64 = (LOOKS[1] - 1) as f64 * SPACING;
+
+/// States on each side of a zone, the end of the bracket among them: a quadratic function takes each of two values at
+/// two points at most, so that no flicker between them looks smooth at five.
+pub(crate) const AROUND_A_ZONE: usize = 5;
+
+/// Their distances, the widest first. A threshold that is met to a rounding ε of what is compared with it is met in a
+/// zone of ε/J of the loop, where J is the jump, which is `LEAST_JUMP` or more: 1e-5. In between, factors of 64: other
+/// breaks may be as near as the zone is wide.
+pub(crate) const DISTANCES_AROUND: [f64; 5] = [
+    SPACING * 1_073_741_824.0,
+    SPACING * 16_777_216.0,
+    SPACING * 262_144.0,
+    SPACING * 4_096.0,
+    SPACING * 64.0,
+];
+
 /// A break is this many times the noise beside it, and what the slope makes of its width.
 pub(super) const NOISES_OF_A_JUMP: f64 = 8.0;
 

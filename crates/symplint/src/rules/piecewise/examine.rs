@@ -1,12 +1,13 @@
 //! What the states of a piece say of it.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-use super::fit::{Fit, POINTS, turning_point};
+use super::fit::{Fit, POINTS, ends_of_tail, turning_point};
 use super::jump::Jump;
 use super::limits::{
     AND_MOTION, AS_GOOD, CHECKS, DECAYS, ELSEWHERE, EXPLAINS, FULL, KINK_SAFETY,
-    MOST_TURNING_POINTS, NOISES, ROUNDING, SAME_TURNING_POINT, SMOOTH, TERMS, VANISHES,
+    MOST_TURNING_POINTS, NOISES, ROUNDING, SAFETY, SAME_TURNING_POINT, SMOOTH, TERMS, VANISHES,
 };
 use super::lobatto::{DEGREE, LOBATTO, NODES, Values, evaluate, polynomial, tail_squared};
 use super::piece::{Piece, Smooth};
@@ -197,6 +198,7 @@ impl<'a> View<'a> {
             exposure: 0.0,
             error: 0.0,
             error_of_jump: 0.0,
+            error_of_noise: 0.0,
             resolved,
         };
         for i in 0..dof {
@@ -210,7 +212,9 @@ impl<'a> View<'a> {
                 .push(weight * LOBATTO.area(&from_reference, &from_start));
             smooth.gains.push(q.values[DEGREE] - q.values[0]);
             let largest = |values: &Values| Extent::of(values).magnitude();
-            smooth.error += weight.abs() * (q.error * p.range() + p.error * q.range());
+            // What is taken for noise may be a jump, as large as states scatter.
+            let scatter = |noise: &Arc<[f64]>| noise[i] / SAFETY;
+            let scatter = self.piece.noise.as_ref().map_or(0.0, scatter);
             // Any part of it may be a jump, which is missing where the reference is accounted for; of a straight
             // line, no more than its points are off.
             let jump = if short {
@@ -220,6 +224,8 @@ impl<'a> View<'a> {
             };
             let anywhere = p.range() + largest(&from_reference) + reference.abs();
             smooth.error_of_jump += weight.abs() * AND_MOTION * jump * anywhere;
+            smooth.error += weight.abs() * (q.error * p.range() + p.error * q.range());
+            smooth.error_of_noise += weight.abs() * scatter.min(q.range()) * anywhere;
             smooth.exposure +=
                 weight.abs() * (largest(&q.values) * p.range() + largest(&p.values) * q.range());
         }
@@ -353,12 +359,9 @@ impl<'a> View<'a> {
         let (mut early, mut late) = (0.0, 0.0);
         for (c, fit) in self.fits.iter().enumerate() {
             let weight = self.scales.weight(c).powi(2);
-            let square = |range: std::ops::Range<usize>| {
-                let part = &fit.coefficients[range];
-                weight * part.iter().map(|a| a * a).sum::<f64>()
-            };
-            early += square(SMOOTH..SMOOTH + 3);
-            late += square(DEGREE - 2..DEGREE + 1);
+            let [first, last] = ends_of_tail(&fit.coefficients);
+            early += weight * first;
+            late += weight * last;
         }
         late < DECAYS * early
     }

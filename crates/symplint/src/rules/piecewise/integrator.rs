@@ -1,10 +1,10 @@
 //! The piecewise rule in a diagnosis: pieces beside equispaced samples, which show what pieces may miss.
 
 use super::{Closure, Piecewise, PiecewiseIntegral};
-use crate::breaks::Search;
+use crate::breaks::{Search, little_jumps};
 use crate::error::Error;
 use crate::map::{EvaluationCount, Evaluator, StepFailure, TimeAdvance};
-use crate::rules::sampled::{cells_apart, ranges_of, substantial_break};
+use crate::rules::sampled::{cells_apart, jumps, ranges_of};
 use crate::rules::{
     Advanced, Closed, Defect, LoopIntegral, LoopIntegrator, RuleKind, Samples, Subject,
 };
@@ -43,27 +43,42 @@ impl LoopIntegrator for Piecewise {
             continuous: mut integral,
             mut breaks,
             closing,
+            flickering,
+            insubstantial,
             ..
         } = pieces;
+        let mut little = 0.0;
+        if !breaks.is_empty() {
+            let known: Vec<f64> = breaks.iter().map(|found| found.s).collect();
+            little = little_jumps(after, subject.coordinates(), &known);
+        }
         let mut ranges = vec![None; after.dof()];
-        breaks.retain(|found| {
+        let broken = breaks.iter().any(|found| {
             let ranges = ranges[found.dof].get_or_insert_with(|| ranges_of(after, found.dof));
             found.is_substantial(*ranges)
         });
+        // Small jumps alone break no loop.
+        if !broken {
+            breaks.clear();
+            little += insubstantial;
+        }
         if breaks.is_empty() {
-            let search = substantial_break(subject, h, after)?;
-            if search != Search::Clean {
+            let search = jumps(subject, h, after)?;
+            little = little.max(search.little);
+            if search.found != Search::Clean {
                 (integral.quadrature_error, closed.quadrature_error) = (None, None);
             }
-            if let Search::Found(found) = search {
+            if let Search::Found(found) = search.found {
                 breaks.push(found);
             }
         }
+        integral.quadrature_error = integral.quadrature_error.map(|error| error + little);
         Ok(Advanced {
             defect: Defect::between(initial, &integral)?,
             regularity: integral.regularity,
             closed: Some(Closed {
                 breaks: breaks.len(),
+                flickering,
                 chord: closing.iter().sum(),
                 defect: Defect::between(initial, &closed)?,
                 straight: self.closure == Closure::Chords || subject.evaluator.substeps() == 1,

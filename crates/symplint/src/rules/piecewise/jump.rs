@@ -5,7 +5,10 @@ use super::limits::{LARGE, SMOOTH, TERMS};
 use super::lobatto::{evaluate, polynomial};
 use super::piece::{Piece, Smooth};
 use super::scales::Scales;
-use crate::breaks::{Bracket, End, LOOKS, Progress, scatter};
+use crate::breaks::{
+    AROUND_A_ZONE, Bracket, DISTANCES_AROUND, End, LOOKS, Progress, flickers, is_between_levels,
+    scatter,
+};
 use crate::signal::nearest;
 use crate::state::{Coordinates, period};
 
@@ -22,6 +25,10 @@ pub(super) struct Jump {
     beside: [Vec<Image>; 2],
     /// How often these were looked at.
     pub looks: usize,
+    /// Images of the states round the zone in which the map may flicker, from each end outwards.
+    around: [Vec<Image>; 2],
+    /// Which of [`DISTANCES_AROUND`] they have, if the map flickers beside it.
+    zone: Option<usize>,
     /// Where the jump points, for each coordinate.
     direction: Vec<f64>,
     /// A state nearby, from which coordinates are counted.
@@ -56,6 +63,8 @@ impl Jump {
             bracket,
             beside: ends.map(|end| vec![end]),
             looks: 0,
+            around: [Vec::new(), Vec::new()],
+            zone: None,
             direction,
             reference,
             left,
@@ -102,46 +111,95 @@ impl Jump {
         self.bracket.halve(end, difference)
     }
 
-    /// The states beside it that the next look needs and that are not known yet.
+    /// The states beside it, or round its zone, that the next look needs and that are not known yet.
     pub fn surroundings(&self) -> impl Iterator<Item = At> {
+        let within = |s: f64| s.clamp(self.piece.a, self.piece.b);
+        let at = move |s: f64| At {
+            curve: self.piece.curve,
+            s: within(s),
+        };
         [End::Low, End::High].into_iter().flat_map(move |end| {
-            let known = self.beside[end as usize].len();
-            let within = |s: f64| s.clamp(self.piece.a, self.piece.b);
-            let more = self.bracket.beside(end, self.looks).skip(known);
-            more.map(move |s| At {
-                curve: self.piece.curve,
-                s: within(s),
-            })
+            let states: Vec<f64> = match self.zone {
+                None => {
+                    let known = self.beside[end as usize].len();
+                    self.bracket.beside(end, self.looks).skip(known).collect()
+                }
+                Some(k) => (self.bracket.around(end, DISTANCES_AROUND[k]))
+                    .skip(1)
+                    .collect(),
+            };
+            states.into_iter().map(at)
         })
     }
 
     /// How many they are.
     pub fn missing(&self) -> usize {
-        self.beside
-            .iter()
-            .map(|side| LOOKS[self.looks] - side.len())
-            .sum()
+        match self.zone {
+            None => (self.beside.iter())
+                .map(|side| LOOKS[self.looks] - side.len())
+                .sum(),
+            Some(_) => 2 * (AROUND_A_ZONE - 1),
+        }
+    }
+
+    /// How many of them were not granted with the jump.
+    pub fn extra(&self) -> usize {
+        self.zone.map_or(0, |_| self.missing())
     }
 
     /// Takes their images in.
     pub fn look(&mut self, images: &[Image]) {
         let (left, right) = images.split_at(images.len() / 2);
-        self.beside[0].extend_from_slice(left);
-        self.beside[1].extend_from_slice(right);
-        self.looks += 1;
+        for (k, images) in [left, right].into_iter().enumerate() {
+            match self.zone {
+                None => self.beside[k].extend_from_slice(images),
+                Some(_) => {
+                    let end = self.beside[k][..1].iter();
+                    self.around[k] = end.chain(images).cloned().collect();
+                }
+            }
+        }
+        if self.zone.is_none() {
+            self.looks += 1;
+        }
     }
 
-    /// What the states beside it say of it.
-    pub fn judge(&self, scales: &Scales, coordinates: &Coordinates) -> Judgement {
-        // Each side from its own end, so that a wrap in between is none of it.
-        let projected = self.beside.each_ref().map(|side| -> Vec<f64> {
+    /// Goes on to states round the zone, or nearer to it; whether there is room for them in the piece.
+    pub fn look_around(&mut self) -> bool {
+        let room = (self.bracket.low - self.piece.a).min(self.piece.b - self.bracket.high);
+        let first = self.zone.map_or(0, |k| k + 1);
+        let fits = |k: &usize| (AROUND_A_ZONE - 1) as f64 * DISTANCES_AROUND[*k] <= room;
+        self.zone = (first..DISTANCES_AROUND.len()).find(fits);
+        self.zone.is_some()
+    }
+
+    /// Whether rounding decides on which side of it the states beside it are.
+    pub fn flickers(&self) -> bool {
+        self.zone.is_some()
+    }
+
+    /// The states of each side in the direction of the jump, from its own end, so that a wrap in between is none
+    /// of it.
+    fn projected(&self, sides: &[Vec<Image>; 2], coordinates: &Coordinates) -> [Vec<f64>; 2] {
+        sides.each_ref().map(|side| {
             let origin = side[0].after();
             let each = side.iter();
             each.map(|image| self.project(image.after(), origin, coordinates))
                 .collect()
-        });
+        })
+    }
+
+    /// What the states beside it say of it.
+    pub fn judge(&self, scales: &Scales, coordinates: &Coordinates) -> Judgement {
         let [low, high] = self.ends().map(Image::after);
-        let jump = self.project(high, low, coordinates).abs();
+        let jump = self.project(high, low, coordinates);
+        if self.zone.is_some() {
+            let [left, right] = self.projected(&self.around, coordinates);
+            return match is_between_levels(jump, [&left, &right]) {
+                true => Judgement::Break,
+                false => Judgement::LookAround,
+            };
+        }
         let apart = |c: usize| nearest(high[c] - low[c], period(coordinates, c)).abs();
         let mut all = 0..2 * coordinates.dof();
         let is_rounding = (scales.grain.as_ref())
@@ -149,15 +207,18 @@ impl Jump {
         let large = (all.clone()).any(|c| scales.weight(c) * apart(c) > LARGE);
         // The steps of a grid are jumps with nothing beside them, and noise all the same.
         let no_step = all.any(|c| apart(c) > self.piece.allowance(c, scales));
-        let sides = [&projected[0][..], &projected[1][..]];
+        let [left, right] = self.projected(&self.beside, coordinates);
+        let sides = [&left[..], &right[..]];
         if is_rounding {
             Judgement::Noise
-        } else if large || (self.bracket.stands_out(jump, sides) && no_step) {
+        } else if large || (self.bracket.stands_out(jump.abs(), sides) && no_step) {
             Judgement::Break
         } else if self.bracket.is_little(jump) {
             Judgement::Wrap
         } else if self.looks < LOOKS.len() {
             Judgement::LookAgain
+        } else if no_step && flickers(jump, sides) {
+            Judgement::LookAround
         } else {
             Judgement::Noise
         }
@@ -186,5 +247,7 @@ pub(super) enum Judgement {
     Wrap,
     /// It may be noise: more states tell.
     LookAgain,
+    /// Rounding decides on which side of it the states beside it are: those further away tell.
+    LookAround,
     Noise,
 }

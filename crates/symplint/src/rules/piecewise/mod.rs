@@ -119,10 +119,15 @@ pub struct PiecewiseIntegral {
     /// The part of its quadrature error that stands for breaks whose position is uncertain: where the loop only
     /// grazes what breaks it, rounding moves the breaks along s. The closed integral has none of it.
     pub break_uncertainty: f64,
+    /// What breaks contribute at most that are so small that rounding inside the map may be their cause.
+    pub insubstantial: f64,
     /// Contribution of the closing segments in each degree of freedom.
     pub closing: Vec<f64>,
     /// Every break, by its s.
     pub breaks: Vec<Break>,
+    /// Breaks at which rounding decides on which side of them a state is, hundreds of roundings of s away from them:
+    /// what the map compares there is small, such as what a solver leaves.
+    pub flickering: usize,
     /// Pieces that the loop was cut into.
     pub pieces: usize,
     /// Stretches of s that could not be resolved; their error is in `quadrature_error`.

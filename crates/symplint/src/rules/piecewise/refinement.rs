@@ -13,7 +13,7 @@ use super::noise;
 use super::piece::{Piece, Smooth};
 use super::scales::Scales;
 use super::task::{OF_A_BREAK, Outcome, Task};
-use crate::breaks::{Break, Progress};
+use crate::breaks::{Break, Progress, REACH_BESIDE};
 use crate::error::Error;
 use crate::signal::nearest;
 use crate::state::{Coordinates, Ensemble, period};
@@ -70,6 +70,8 @@ pub(super) struct Found {
     pub sides: [f64; 2],
     /// Their images.
     pub images: [Image; 2],
+    /// Whether rounding decides on which side of it the states beside it are, and not that of the states themselves.
+    pub flickers: bool,
     /// The substep that breaks the curve, where the step has several.
     pub substep: Option<usize>,
 }
@@ -281,10 +283,15 @@ impl<'a> Refinement<'a> {
     }
 
     /// Takes a jump for a break if it stands out of the noise on both sides.
-    fn confirm(&self, jump: Box<Jump>) -> Outcome {
+    fn confirm(&self, mut jump: Box<Jump>) -> Outcome {
         let judgement = jump.judge(&self.scales, self.coordinates);
-        if let Judgement::LookAgain = judgement {
-            return self.go_on(Task::Confirm(jump));
+        match judgement {
+            Judgement::LookAgain => return self.go_on(Task::Confirm(jump)),
+            Judgement::LookAround if jump.look_around() => {
+                let unresolved = jump.fallback.clone();
+                return Outcome::then(vec![Task::Confirm(jump)], unresolved);
+            }
+            _ => {}
         }
         let piece = &jump.piece;
         let mut outcome = Outcome {
@@ -302,13 +309,15 @@ impl<'a> Refinement<'a> {
                     curve: piece.curve,
                     sides,
                     images,
+                    // The rounding of a state far from the origin is enough to make it.
+                    flickers: jump.flickers() && self.scales.input_rounding < REACH_BESIDE,
                     substep: None,
                 });
                 let parts = [left, right].into_iter();
                 parts.filter(|part| part.b > part.a).collect()
             }
             Judgement::Wrap => piece.cut(&jump.gap),
-            Judgement::Noise | Judgement::LookAgain => {
+            Judgement::Noise | Judgement::LookAgain | Judgement::LookAround => {
                 let noise = jump.noise(self.coordinates).into_iter();
                 let allowance: Arc<[f64]> = noise.map(|noise| SAFETY * noise).collect();
                 let mut parts = piece.cut(&jump.gap);

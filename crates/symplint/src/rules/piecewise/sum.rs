@@ -51,6 +51,14 @@ pub(super) fn sum(
         exposure += piece.exposure;
         scale += piece.areas.iter().map(|area| area.abs()).sum::<f64>();
     }
+    // Neighbours share the state between them: what noise adds to one it takes from the other.
+    let is_noisy = |piece: &Smooth| piece.error_of_noise > 0.0;
+    for run in smooth.chunk_by(|x, y| is_noisy(x) && is_noisy(y) && x.b == y.a) {
+        error += run
+            .iter()
+            .map(|piece| piece.error_of_noise)
+            .fold(0.0, f64::max);
+    }
     let mut contributions = Vec::with_capacity(dof);
     let mut of_closing = Vec::with_capacity(dof);
     let mut total = CompensatedSum::default();
@@ -89,10 +97,25 @@ pub(super) fn sum(
         .map(|piece| (piece.a, piece.b))
         .collect();
     unresolved.dedup();
-    let mut breaks: Vec<Break> = (refinement.breaks.iter())
-        .filter(|found| found.curve == 0)
-        .map(|found| found.summary(scales, coordinates))
-        .collect();
+    let is_substantial = |found: &Break| {
+        let range = |c: usize| 2.0 * scales.size[c];
+        found.is_substantial([range(found.dof), range(dof + found.dof)])
+    };
+    let mut breaks = Vec::new();
+    let (mut insubstantial, mut flickering) = (0.0, 0);
+    for found in refinement.breaks.iter().filter(|found| found.curve == 0) {
+        let summary = found.summary(scales, coordinates);
+        if !is_substantial(&summary) {
+            let chord = found.chord(scales, coordinates);
+            let reference = |i: usize| coordinates.weight(i) * scales.p_reference[i];
+            let parts = chord.areas.iter().zip(&chord.gains).enumerate();
+            insubstantial += parts
+                .map(|(i, (area, gain))| (area + reference(i) * gain).abs())
+                .sum::<f64>();
+        }
+        flickering += usize::from(found.flickers);
+        breaks.push(summary);
+    }
     breaks.sort_by(|a, b| a.s.total_cmp(&b.s));
     // A force that has a value of its own where it jumps breaks the loop twice round one double.
     breaks.dedup_by(|next, found| {
@@ -103,10 +126,7 @@ pub(super) fn sum(
         }
         one
     });
-    let broken = breaks.iter().any(|found| {
-        let range = |c: usize| 2.0 * scales.size[c];
-        found.is_substantial([range(found.dof), range(dof + found.dof)])
-    });
+    let broken = breaks.iter().any(is_substantial);
     let (of_spikes, regularity) = spikes(refinement, value, broken)?;
     Ok(PiecewiseIntegral {
         continuous: LoopIntegral {
@@ -119,8 +139,10 @@ pub(super) fn sum(
             regularity,
         },
         break_uncertainty,
+        insubstantial,
         closing: of_closing,
         breaks,
+        flickering,
         pieces: of_loop,
         unresolved,
         evaluations: refinement.budget.made,

@@ -79,7 +79,8 @@ impl Task {
     pub fn price(&self) -> usize {
         match self {
             Task::Halve(jump) if jump.bracket.halvings() == 0 => jump.price,
-            Task::Halve(_) | Task::Confirm(_) => 0,
+            Task::Halve(_) => 0,
+            Task::Confirm(jump) => jump.extra(),
             other => other.cost(),
         }
     }
