@@ -3,16 +3,19 @@
 //! Samples alone cannot tell a jump from a steep but smooth stretch. Where a map can be evaluated at any s,
 //! every cell in which samples look discontinuous (`residual`) is followed (`follow`) by bisection
 //! (`bracket`) until no double lies between: what is still a jump there is a break. Where samples are all that is
-//! known, all cells that look so are searched for (`search`).
+//! known, all cells that look so are searched for (`search`). Jumps too small to break a loop bound its digits
+//! (`little`).
 
 mod bracket;
 mod follow;
 mod limits;
+mod little;
 mod residual;
 mod search;
 
 pub(crate) use bracket::{Bracket, End, Progress, flickers, is_between_levels, scatter};
 pub(crate) use limits::{AROUND_A_ZONE, DISTANCES_AROUND, LOOKS};
+pub(crate) use little::little_jumps;
 pub(crate) use residual::{
     Coordinate, GROUP, REACH, Residuals, Suspect, Window, most_outstanding, rounding,
 };

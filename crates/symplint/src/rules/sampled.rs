@@ -1,7 +1,7 @@
 //! The rules that integrate equispaced samples: pseudospectral and finite differences.
 
 use super::{Advanced, Defect, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject};
-use crate::breaks::{Break, Search, find_break_with};
+use crate::breaks::{Break, Search, find_break_with, little_jumps};
 use crate::error::Error;
 use crate::signal::Extent;
 use crate::state::{Coordinates, Ensemble};
@@ -26,7 +26,7 @@ impl LoopIntegrator for Sampled {
         initial: &LoopIntegral,
     ) -> Result<Advanced, Error> {
         let after = samples.kept();
-        let found = substantial_break(subject, h, after)?;
+        let Jumps { found, little } = jumps(subject, h, after)?;
         let mut integral = self.before(subject, samples)?;
         integral.quadrature_error = match (&found, self.0) {
             (Search::Unaffordable, _) => None,
@@ -39,6 +39,7 @@ impl LoopIntegrator for Sampled {
             (Search::Clean, Rule::FiniteDifference(_)) => cross_checked(subject, after, &integral)?,
             _ => integral.quadrature_error,
         };
+        integral.quadrature_error = integral.quadrature_error.map(|error| error + little);
         advanced(subject, after, initial, integral, found)
     }
 }
@@ -77,17 +78,25 @@ fn cross_checked(
     Ok(errors.map(|(own, of_other)| own.max(distance + of_other)))
 }
 
-/// A break of more than rounding, if advanced samples lead to one.
-pub(super) fn substantial_break(
-    subject: &Subject<'_>,
-    h: f64,
-    after: &Ensemble,
-) -> Result<Search, Error> {
-    let search = find_break_with(subject.evaluator, subject.phase_loop, h, after)?;
-    Ok(match search {
+/// What advanced samples lead to.
+pub(super) struct Jumps {
+    /// A break of more than rounding.
+    pub found: Search,
+    /// What jumps contribute at most that are less than that.
+    pub little: f64,
+}
+
+/// Looks for a break where advanced samples show one.
+pub(super) fn jumps(subject: &Subject<'_>, h: f64, after: &Ensemble) -> Result<Jumps, Error> {
+    let found = match find_break_with(subject.evaluator, subject.phase_loop, h, after)? {
         Search::Found(found) if !found.is_substantial(ranges_of(after, found.dof)) => Search::Clean,
-        search => search,
-    })
+        found => found,
+    };
+    let little = match found {
+        Search::Clean => little_jumps(after, subject.coordinates(), &[]),
+        Search::Found(_) | Search::Unaffordable => 0.0,
+    };
+    Ok(Jumps { found, little })
 }
 
 /// The ranges of q and p of a degree of freedom.

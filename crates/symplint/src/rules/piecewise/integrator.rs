@@ -1,10 +1,10 @@
 //! The piecewise rule in a diagnosis: pieces beside equispaced samples, which show what pieces may miss.
 
 use super::{Piecewise, PiecewiseIntegral};
-use crate::breaks::Search;
+use crate::breaks::{Search, little_jumps};
 use crate::error::Error;
 use crate::map::{EvaluationCount, Evaluator, StepFailure, TimeAdvance};
-use crate::rules::sampled::{cells_apart, ranges_of, substantial_break};
+use crate::rules::sampled::{cells_apart, jumps, ranges_of};
 use crate::rules::{
     Advanced, Closed, Defect, LoopIntegral, LoopIntegrator, RuleKind, Samples, Subject,
 };
@@ -43,22 +43,32 @@ impl LoopIntegrator for Piecewise {
             continuous: mut integral,
             mut breaks,
             closing,
+            insubstantial,
             ..
         } = pieces;
+        let mut little = match breaks.is_empty() {
+            true => 0.0,
+            false => {
+                let known: Vec<f64> = breaks.iter().map(|found| found.s).collect();
+                insubstantial + little_jumps(after, subject.coordinates(), &known)
+            }
+        };
         let mut ranges = vec![None; after.dof()];
         breaks.retain(|found| {
             let ranges = ranges[found.dof].get_or_insert_with(|| ranges_of(after, found.dof));
             found.is_substantial(*ranges)
         });
         if breaks.is_empty() {
-            let search = substantial_break(subject, h, after)?;
-            if search != Search::Clean {
+            let search = jumps(subject, h, after)?;
+            little = little.max(search.little);
+            if search.found != Search::Clean {
                 (integral.quadrature_error, closed.quadrature_error) = (None, None);
             }
-            if let Search::Found(found) = search {
+            if let Search::Found(found) = search.found {
                 breaks.push(found);
             }
         }
+        integral.quadrature_error = integral.quadrature_error.map(|error| error + little);
         Ok(Advanced {
             defect: Defect::between(initial, &integral)?,
             regularity: integral.regularity,

@@ -119,6 +119,8 @@ pub struct PiecewiseIntegral {
     /// The part of its quadrature error that stands for breaks whose position is uncertain: where the loop only
     /// grazes what breaks it, rounding moves the breaks along s. The closed integral has none of it.
     pub break_uncertainty: f64,
+    /// What breaks contribute at most that are so small that rounding inside the map may be their cause.
+    pub insubstantial: f64,
     /// Contribution of the closing segments in each degree of freedom.
     pub closing: Vec<f64>,
     /// Every break, by its s.

@@ -89,10 +89,24 @@ pub(super) fn sum(
         .map(|piece| (piece.a, piece.b))
         .collect();
     unresolved.dedup();
-    let mut breaks: Vec<Break> = (refinement.breaks.iter())
-        .filter(|found| found.curve == 0)
-        .map(|found| found.summary(scales, coordinates))
-        .collect();
+    let is_substantial = |found: &Break| {
+        let range = |c: usize| 2.0 * scales.size[c];
+        found.is_substantial([range(found.dof), range(dof + found.dof)])
+    };
+    let mut breaks = Vec::new();
+    let mut insubstantial = 0.0;
+    for found in refinement.breaks.iter().filter(|found| found.curve == 0) {
+        let summary = found.summary(scales, coordinates);
+        if !is_substantial(&summary) {
+            let chord = found.chord(scales, coordinates);
+            let reference = |i: usize| coordinates.weight(i) * scales.p_reference[i];
+            let parts = chord.areas.iter().zip(&chord.gains).enumerate();
+            insubstantial += parts
+                .map(|(i, (area, gain))| (area + reference(i) * gain).abs())
+                .sum::<f64>();
+        }
+        breaks.push(summary);
+    }
     breaks.sort_by(|a, b| a.s.total_cmp(&b.s));
     // A force that has a value of its own where it jumps breaks the loop twice round one double.
     breaks.dedup_by(|next, found| {
@@ -103,10 +117,7 @@ pub(super) fn sum(
         }
         one
     });
-    let broken = breaks.iter().any(|found| {
-        let range = |c: usize| 2.0 * scales.size[c];
-        found.is_substantial([range(found.dof), range(dof + found.dof)])
-    });
+    let broken = breaks.iter().any(is_substantial);
     let (of_spikes, regularity) = spikes(refinement, value, broken)?;
     Ok(PiecewiseIntegral {
         continuous: LoopIntegral {
@@ -119,6 +130,7 @@ pub(super) fn sum(
             regularity,
         },
         break_uncertainty,
+        insubstantial,
         closing: of_closing,
         breaks,
         pieces: of_loop,
