@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::fit::{Fit, POINTS, turning_point};
+use super::fit::{Fit, POINTS, ends_of_tail, turning_point};
 use super::jump::Jump;
 use super::limits::{
     AND_MOTION, AS_GOOD, CHECKS, DECAYS, ELSEWHERE, EXPLAINS, FULL, KINK_SAFETY,
@@ -210,7 +210,8 @@ impl<'a> View<'a> {
                 .push(weight * LOBATTO.area(&from_reference, &from_start));
             smooth.gains.push(q.values[DEGREE] - q.values[0]);
             let largest = |values: &Values| Extent::of(values).magnitude();
-            smooth.error += weight.abs() * (q.error * p.range() + p.error * q.range());
+            // What is taken for noise may be a jump.
+            let noise = self.piece.noise.as_ref().map_or(0.0, |noise| noise[i]);
             // Any part of it may be a jump, which is missing where the reference is accounted for; of a straight
             // line, no more than its points are off.
             let jump = if short {
@@ -220,6 +221,8 @@ impl<'a> View<'a> {
             };
             let anywhere = p.range() + largest(&from_reference) + reference.abs();
             smooth.error_of_jump += weight.abs() * AND_MOTION * jump * anywhere;
+            smooth.error += weight.abs()
+                * (q.error * p.range() + p.error * q.range() + noise.min(q.range()) * anywhere);
             smooth.exposure +=
                 weight.abs() * (largest(&q.values) * p.range() + largest(&p.values) * q.range());
         }
@@ -353,12 +356,9 @@ impl<'a> View<'a> {
         let (mut early, mut late) = (0.0, 0.0);
         for (c, fit) in self.fits.iter().enumerate() {
             let weight = self.scales.weight(c).powi(2);
-            let square = |range: std::ops::Range<usize>| {
-                let part = &fit.coefficients[range];
-                weight * part.iter().map(|a| a * a).sum::<f64>()
-            };
-            early += square(SMOOTH..SMOOTH + 3);
-            late += square(DEGREE - 2..DEGREE + 1);
+            let [first, last] = ends_of_tail(&fit.coefficients);
+            early += weight * first;
+            late += weight * last;
         }
         late < DECAYS * early
     }

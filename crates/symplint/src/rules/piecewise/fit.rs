@@ -1,7 +1,7 @@
 //! The interpolant of a coordinate on a piece, and how far off it may be.
 
-use super::limits::{CHECKS, DEGREES, FULL, OF_A_CHECK, OF_A_JUMP};
-use super::lobatto::{DEGREE, LOBATTO, NODES, Values, derivative, evaluate};
+use super::limits::{CHECKS, DECAYS, DEGREES, FULL, OF_A_CHECK, OF_A_JUMP, SMOOTH};
+use super::lobatto::{DEGREE, LOBATTO, NODES, Values, derivative, evaluate, tail_squared};
 use crate::signal::Extent;
 
 /// States of a piece that are looked at: nodes, then checks.
@@ -32,10 +32,15 @@ impl Fit {
         let misses = CHECKS.iter().zip(&points[NODES..]);
         let misfit = misses.map(|(&x, value)| (evaluate(&coefficients, x) - value).abs());
         let misfit = misfit.fold(0.0, f64::max);
+        // The last coefficient and the checks can miss a jump 25 times their size; the tail as a whole does not.
+        let tail = match level == FULL && !decays(&coefficients) {
+            true => tail_squared(&coefficients).sqrt(),
+            false => last,
+        };
         Fit {
             values,
             coefficients,
-            off: last.max(misfit),
+            off: tail.max(misfit),
             error: OF_A_CHECK * misfit,
         }
     }
@@ -60,6 +65,20 @@ impl Fit {
     pub fn range(&self) -> f64 {
         Extent::of(&self.values).length()
     }
+}
+
+/// Sums of squares of coefficients at the beginning and at the end of the tail.
+pub(super) fn ends_of_tail(coefficients: &Values) -> [f64; 2] {
+    [SMOOTH..SMOOTH + 3, DEGREE - 2..DEGREE + 1].map(|range| {
+        let part = &coefficients[range];
+        part.iter().map(|a| a * a).sum()
+    })
+}
+
+/// Whether the tail falls as that of a smooth function does.
+fn decays(coefficients: &Values) -> bool {
+    let [early, late] = ends_of_tail(coefficients);
+    late < DECAYS * early
 }
 
 /// The turning point of the interpolant, if it has one.

@@ -46,18 +46,21 @@ impl LoopIntegrator for Piecewise {
             insubstantial,
             ..
         } = pieces;
-        let mut little = match breaks.is_empty() {
-            true => 0.0,
-            false => {
-                let known: Vec<f64> = breaks.iter().map(|found| found.s).collect();
-                insubstantial + little_jumps(after, subject.coordinates(), &known)
-            }
-        };
+        let mut little = 0.0;
+        if !breaks.is_empty() {
+            let known: Vec<f64> = breaks.iter().map(|found| found.s).collect();
+            little = little_jumps(after, subject.coordinates(), &known);
+        }
         let mut ranges = vec![None; after.dof()];
-        breaks.retain(|found| {
+        let broken = breaks.iter().any(|found| {
             let ranges = ranges[found.dof].get_or_insert_with(|| ranges_of(after, found.dof));
             found.is_substantial(*ranges)
         });
+        // Small jumps alone break no loop.
+        if !broken {
+            breaks.clear();
+            little += insubstantial;
+        }
         if breaks.is_empty() {
             let search = jumps(subject, h, after)?;
             little = little.max(search.little);

@@ -173,11 +173,6 @@ impl Jump {
         self.zone.is_some()
     }
 
-    /// How far from it the states are clean, if it was found between two levels.
-    pub fn zone(&self) -> f64 {
-        self.zone.map_or(0.0, |k| DISTANCES_AROUND[k])
-    }
-
     /// The states of each side in the direction of the jump, from its own end, so that a wrap in between is none
     /// of it.
     fn projected(&self, sides: &[Vec<Image>; 2], coordinates: &Coordinates) -> [Vec<f64>; 2] {

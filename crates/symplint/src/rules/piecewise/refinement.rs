@@ -70,8 +70,6 @@ pub(super) struct Found {
     pub sides: [f64; 2],
     /// Their images.
     pub images: [Image; 2],
-    /// So far on both sides of it rounding decides whether states are before it or after it.
-    pub zone: f64,
     /// The substep that breaks the curve, where the step has several.
     pub substep: Option<usize>,
 }
@@ -309,7 +307,6 @@ impl<'a> Refinement<'a> {
                     curve: piece.curve,
                     sides,
                     images,
-                    zone: jump.zone(),
                     substep: None,
                 });
                 let parts = [left, right].into_iter();
