@@ -40,6 +40,9 @@ pub(crate) const LOOKS: [usize; 2] = [3, 6];
 /// Their distance: 32 doubles, so that the rounding of s is none of the noise, and nothing on the scale of a loop.
 pub(super) const SPACING: f64 = 32.0 * f64::EPSILON;
 
+/// How far from a jump these states reach.
+pub(crate) const REACH_BESIDE: f64 = (LOOKS[1] - 1) as f64 * SPACING;
+
 /// States on each side of a zone, the end of the bracket among them: a quadratic function takes each of two values at
 /// two points at most, so that no flicker between them looks smooth at five.
 pub(crate) const AROUND_A_ZONE: usize = 5;

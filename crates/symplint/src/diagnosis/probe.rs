@@ -159,6 +159,7 @@ impl<'a> Probe<'a> {
             advanced: advanced.integral.value,
             defect: advanced.defect,
             jump: advanced.largest_break(),
+            flickering: advanced.closed.map_or(0, |closed| closed.flickering),
             closing: advanced.closed.map(|closed| Closing {
                 breaks: closed.breaks,
                 chord: closed.chord,

@@ -26,6 +26,9 @@ pub struct StepEvidence {
     pub jump: Option<Break>,
     /// What closing the breaks gives, where all of them are known.
     pub closing: Option<Closing>,
+    /// Those of its breaks at which rounding decides on which side of them a state is.
+    #[serde(default)]
+    pub flickering: usize,
     /// Cells that jump, for samples that cannot be looked at in between.
     pub jumping: Option<JumpingCells>,
     /// A position that jumps by its whole range, as one in a periodic box does.

@@ -106,6 +106,8 @@ pub(crate) struct Advanced {
 #[derive(Clone, Copy)]
 pub(crate) struct Closed {
     pub breaks: usize,
+    /// Those at which rounding decides on which side of them a state is.
+    pub flickering: usize,
     /// What the closing segments contribute to the loop integral.
     pub chord: f64,
     pub defect: Defect,

@@ -135,6 +135,7 @@ fn evidence(initial: &Initial<'_>, step: &Compared, samples: usize) -> StepEvide
             confirmed: broken.confirmed,
             largest: step.largest_jump,
         }),
+        flickering: 0,
         wrap: step.wrapped,
         omitted_cells: step.integral.omitted.as_ref().map(Vec::len),
         cells_apart: 0.0,

@@ -373,6 +373,15 @@ pub enum Advice {
     SmootherForce,
     /// Tighten the tolerance of a solver inside the map.
     TightenSolver,
+    /// A solver inside the map that stops at a tolerance is the likely cause of the breaks: tighten it.
+    SolverTolerance {
+        /// Breaks at which rounding decides on which side of them a state is.
+        flickering: usize,
+        /// All breaks of that loop.
+        breaks: usize,
+        /// The most that a coordinate jumps by.
+        largest: f64,
+    },
     /// Give more step sizes to learn the order.
     MoreStepSizes {
         /// Step sizes measured.

@@ -1,12 +1,13 @@
 //! What the states of a piece say of it.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use super::fit::{Fit, POINTS, ends_of_tail, turning_point};
 use super::jump::Jump;
 use super::limits::{
     AND_MOTION, AS_GOOD, CHECKS, DECAYS, ELSEWHERE, EXPLAINS, FULL, KINK_SAFETY,
-    MOST_TURNING_POINTS, NOISES, ROUNDING, SAME_TURNING_POINT, SMOOTH, TERMS, VANISHES,
+    MOST_TURNING_POINTS, NOISES, ROUNDING, SAFETY, SAME_TURNING_POINT, SMOOTH, TERMS, VANISHES,
 };
 use super::lobatto::{DEGREE, LOBATTO, NODES, Values, evaluate, polynomial, tail_squared};
 use super::piece::{Piece, Smooth};
@@ -197,6 +198,7 @@ impl<'a> View<'a> {
             exposure: 0.0,
             error: 0.0,
             error_of_jump: 0.0,
+            error_of_noise: 0.0,
             resolved,
         };
         for i in 0..dof {
@@ -210,8 +212,9 @@ impl<'a> View<'a> {
                 .push(weight * LOBATTO.area(&from_reference, &from_start));
             smooth.gains.push(q.values[DEGREE] - q.values[0]);
             let largest = |values: &Values| Extent::of(values).magnitude();
-            // What is taken for noise may be a jump.
-            let noise = self.piece.noise.as_ref().map_or(0.0, |noise| noise[i]);
+            // What is taken for noise may be a jump, as large as states scatter.
+            let scatter = |noise: &Arc<[f64]>| noise[i] / SAFETY;
+            let scatter = self.piece.noise.as_ref().map_or(0.0, scatter);
             // Any part of it may be a jump, which is missing where the reference is accounted for; of a straight
             // line, no more than its points are off.
             let jump = if short {
@@ -221,8 +224,8 @@ impl<'a> View<'a> {
             };
             let anywhere = p.range() + largest(&from_reference) + reference.abs();
             smooth.error_of_jump += weight.abs() * AND_MOTION * jump * anywhere;
-            smooth.error += weight.abs()
-                * (q.error * p.range() + p.error * q.range() + noise.min(q.range()) * anywhere);
+            smooth.error += weight.abs() * (q.error * p.range() + p.error * q.range());
+            smooth.error_of_noise += weight.abs() * scatter.min(q.range()) * anywhere;
             smooth.exposure +=
                 weight.abs() * (largest(&q.values) * p.range() + largest(&p.values) * q.range());
         }

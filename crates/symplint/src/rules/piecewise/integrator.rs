@@ -43,6 +43,7 @@ impl LoopIntegrator for Piecewise {
             continuous: mut integral,
             mut breaks,
             closing,
+            flickering,
             insubstantial,
             ..
         } = pieces;
@@ -77,6 +78,7 @@ impl LoopIntegrator for Piecewise {
             regularity: integral.regularity,
             closed: Some(Closed {
                 breaks: breaks.len(),
+                flickering,
                 chord: closing.iter().sum(),
                 defect: Defect::between(initial, &closed)?,
             }),

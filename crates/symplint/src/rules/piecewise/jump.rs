@@ -173,6 +173,11 @@ impl Jump {
         self.zone.is_some()
     }
 
+    /// Whether rounding decides on which side of it the states beside it are.
+    pub fn flickers(&self) -> bool {
+        self.zone.is_some()
+    }
+
     /// The states of each side in the direction of the jump, from its own end, so that a wrap in between is none
     /// of it.
     fn projected(&self, sides: &[Vec<Image>; 2], coordinates: &Coordinates) -> [Vec<f64>; 2] {

@@ -125,6 +125,9 @@ pub struct PiecewiseIntegral {
     pub closing: Vec<f64>,
     /// Every break, by its s.
     pub breaks: Vec<Break>,
+    /// Breaks at which rounding decides on which side of them a state is, hundreds of roundings of s away from them:
+    /// what the map compares there is small, such as what a solver leaves.
+    pub flickering: usize,
     /// Pieces that the loop was cut into.
     pub pieces: usize,
     /// Stretches of s that could not be resolved; their error is in `quadrature_error`.

@@ -163,6 +163,8 @@ pub(super) struct Smooth {
     pub error: f64,
     /// That bound if the piece hides a jump.
     pub error_of_jump: f64,
+    /// What the noise that was allowed for here and not everywhere may hide: a jump as large as states scatter.
+    pub error_of_noise: f64,
     /// Whether it is as good as wanted.
     pub resolved: bool,
 }

@@ -13,7 +13,7 @@ use super::noise;
 use super::piece::{Piece, Smooth};
 use super::scales::Scales;
 use super::task::{OF_A_BREAK, Outcome, Task};
-use crate::breaks::{Break, Progress};
+use crate::breaks::{Break, Progress, REACH_BESIDE};
 use crate::error::Error;
 use crate::signal::nearest;
 use crate::state::{Coordinates, Ensemble, period};
@@ -70,6 +70,8 @@ pub(super) struct Found {
     pub sides: [f64; 2],
     /// Their images.
     pub images: [Image; 2],
+    /// Whether rounding decides on which side of it the states beside it are, and not that of the states themselves.
+    pub flickers: bool,
     /// The substep that breaks the curve, where the step has several.
     pub substep: Option<usize>,
 }
@@ -307,6 +309,8 @@ impl<'a> Refinement<'a> {
                     curve: piece.curve,
                     sides,
                     images,
+                    // The rounding of a state far from the origin is enough to make it.
+                    flickers: jump.flickers() && self.scales.input_rounding < REACH_BESIDE,
                     substep: None,
                 });
                 let parts = [left, right].into_iter();

@@ -51,6 +51,14 @@ pub(super) fn sum(
         exposure += piece.exposure;
         scale += piece.areas.iter().map(|area| area.abs()).sum::<f64>();
     }
+    // Neighbours share the state between them: what noise adds to one it takes from the other.
+    let is_noisy = |piece: &Smooth| piece.error_of_noise > 0.0;
+    for run in smooth.chunk_by(|x, y| is_noisy(x) && is_noisy(y) && x.b == y.a) {
+        error += run
+            .iter()
+            .map(|piece| piece.error_of_noise)
+            .fold(0.0, f64::max);
+    }
     let mut contributions = Vec::with_capacity(dof);
     let mut of_closing = Vec::with_capacity(dof);
     let mut total = CompensatedSum::default();
@@ -94,7 +102,7 @@ pub(super) fn sum(
         found.is_substantial([range(found.dof), range(dof + found.dof)])
     };
     let mut breaks = Vec::new();
-    let mut insubstantial = 0.0;
+    let (mut insubstantial, mut flickering) = (0.0, 0);
     for found in refinement.breaks.iter().filter(|found| found.curve == 0) {
         let summary = found.summary(scales, coordinates);
         if !is_substantial(&summary) {
@@ -105,6 +113,7 @@ pub(super) fn sum(
                 .map(|(i, (area, gain))| (area + reference(i) * gain).abs())
                 .sum::<f64>();
         }
+        flickering += usize::from(found.flickers);
         breaks.push(summary);
     }
     breaks.sort_by(|a, b| a.s.total_cmp(&b.s));
@@ -133,6 +142,7 @@ pub(super) fn sum(
         insubstantial,
         closing: of_closing,
         breaks,
+        flickering,
         pieces: of_loop,
         unresolved,
         evaluations: refinement.budget.made,

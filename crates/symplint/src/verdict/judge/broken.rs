@@ -81,11 +81,14 @@ impl Case<'_> {
         decision
             .findings
             .extend(closed.map(|closed| closed.finding));
-        decision.advice = vec![
-            Advice::SmootherForce,
-            Advice::PeriodIfPeriodic,
-            Advice::TightenSolver,
-        ];
+        decision.advice = match of_solver(step) {
+            Some(tolerance) => vec![tolerance],
+            None => vec![
+                Advice::SmootherForce,
+                Advice::PeriodIfPeriodic,
+                Advice::TightenSolver,
+            ],
+        };
         Some(decision)
     }
 
@@ -179,4 +182,16 @@ impl Case<'_> {
             closed: change(&closing.closed),
         })
     }
+}
+
+/// Advice where a solver that stops at a tolerance is the likely cause of the breaks. A force that jumps does so at a
+/// position, which is known to its rounding, as s is; what a solver compares is as small as its tolerance, and rounding
+/// decides about it in a wide stretch.
+fn of_solver(step: &StepEvidence) -> Option<Advice> {
+    let (jump, closing) = (step.jump?, step.closing?);
+    (2 * step.flickering > closing.breaks).then(|| Advice::SolverTolerance {
+        flickering: step.flickering,
+        breaks: closing.breaks,
+        largest: jump.jump_q.abs().max(jump.jump_p.abs()),
+    })
 }

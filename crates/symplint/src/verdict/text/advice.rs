@@ -5,7 +5,7 @@ use std::fmt::{Display, Formatter, Result};
 use super::plural;
 use crate::evidence::Omission;
 use crate::verdict::finding::Advice;
-use crate::verdict::number::{loop_name, one_digit};
+use crate::verdict::number::{loop_name, one_digit, short};
 
 impl Display for Omission {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -80,6 +80,17 @@ impl Display for Advice {
             Advice::TightenSolver => {
                 f.write_str("If a solver inside the map stops at a tolerance, tighten it.")
             }
+            Advice::SolverTolerance {
+                flickering,
+                breaks,
+                largest,
+            } => write!(
+                f,
+                "A solver inside the map that stops at a tolerance is the likely cause: at {flickering} of {breaks} \
+                 breaks rounding decides on which side of the jump a state is. Tighten the tolerance until the \
+                 jumps are gone, or compare results to no better than the largest of them, {}.",
+                short(*largest)
+            ),
             Advice::MoreStepSizes { given } => write!(
                 f,
                 "Give four or more step sizes, each half of the one before, to learn the order ({given} measured)."

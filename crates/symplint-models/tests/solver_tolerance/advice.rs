@@ -1,0 +1,71 @@
+//! What the advice says of a tolerance, and of forces that jump.
+
+use std::f64::consts::PI;
+
+use symplint::verdict::Advice;
+use symplint::{Circle, Diagnosis, Diagnostic, PerSample, Rule, TimeAdvance, VerdictKind};
+
+use crate::midpoint::Pendulum;
+use crate::{diagnose, truth};
+
+fn of_a_solver(found: &Diagnosis) -> Option<&Advice> {
+    let mut advice = found.verdict.advice.iter();
+    advice.find(|advice| matches!(advice, Advice::SolverTolerance { .. }))
+}
+
+#[test]
+fn a_tolerance_that_is_the_likely_cause_is_named_with_the_size_of_the_jumps() {
+    let circle = truth::Circle {
+        centre: &[0.3, 0.5],
+        radius: 1.0,
+    };
+    for tolerance in [1e-5, 1e-6, 1e-7, 1e-8, 1e-9] {
+        let found = diagnose::<Pendulum>(&circle, 0.5, tolerance, Rule::Auto);
+        let truth = truth::truth::<Pendulum>(&circle, 0.5, tolerance);
+        let Some(&Advice::SolverTolerance {
+            flickering,
+            breaks,
+            largest,
+        }) = of_a_solver(&found)
+        else {
+            panic!("{tolerance:e}: {}", found.verdict);
+        };
+        assert!(2 * flickering > breaks && breaks == truth.breaks.len());
+        let expected = truth.jumps.iter().copied().fold(0.0, f64::max);
+        assert!((largest / expected - 1.0).abs() < 0.1, "{largest:e}");
+        let said = found.verdict.advice().join(" ");
+        assert!(said.contains("stops at a tolerance"), "{said}");
+        assert!(!said.contains("smoother interpolation"), "{said}");
+    }
+}
+
+/// A kick by a force that jumps by a little where a particle passes q = `at`.
+fn small_wedge(at: f64, jump: f64) -> impl TimeAdvance {
+    PerSample::new(1, move |h: f64, q: &mut [f64], p: &mut [f64]| {
+        q[0] += 0.5 * h * p[0];
+        p[0] -= h * (q[0] - at).sin() + h * jump * (q[0] - at).signum();
+        q[0] += 0.5 * h * p[0];
+    })
+}
+
+#[test]
+fn a_force_that_jumps_a_little_is_no_solver() {
+    for jump in [1e-5, 1e-7, 1e-9] {
+        // Far from the origin the rounding of states is as wide as that of a solver.
+        for at in [0.1, PI, 100.0, 1e4] {
+            let circle = Circle::new(vec![at], vec![0.4], 0.7).unwrap();
+            let diagnostic = Diagnostic {
+                loops: 2,
+                ..Diagnostic::halving(-1, -3)
+            };
+            let found = diagnostic.run(&small_wedge(at, jump), &circle).unwrap();
+            let kind = found.verdict.kind;
+            assert_eq!(kind, VerdictKind::BrokenLoops, "{jump:e} at {at}");
+            assert!(
+                of_a_solver(&found).is_none(),
+                "{jump:e} at {at}: {}",
+                found.verdict
+            );
+        }
+    }
+}
