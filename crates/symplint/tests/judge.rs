@@ -7,7 +7,7 @@ use symplint::evidence::{
     Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, Motion, Omission, Origin,
     StepEvidence, Wrap,
 };
-use symplint::verdict::{Finding, Growth, Verdict};
+use symplint::verdict::{Advice, Finding, Growth, Verdict};
 use symplint::{Defect, VerdictKind, judge};
 
 const JUMP: Break = Break {
@@ -258,6 +258,36 @@ fn a_break_of_any_loop_breaks_and_closing_says_whether_that_is_all() {
     let mut random = of_map(vec![step(0.5, 0.0, 1e-15)]);
     random.loops[1].steps[0].jump = Some(JUMP);
     assert_eq!(kind(&random), BrokenLoops);
+}
+
+#[test]
+fn breaks_about_which_rounding_decides_point_to_a_solver() {
+    for (flickering, breaks, expected) in [
+        (0, 4, false),
+        (1, 4, false),
+        (2, 4, true),
+        (2, 16, true),
+        (2, 17, false),
+    ] {
+        let mut evidence = of_map(vec![step(0.5, 1e-9, 1e-14)]);
+        let step = &mut evidence.loops[0].steps[0];
+        step.jump = Some(JUMP);
+        step.flickering = flickering;
+        step.closing = Some(Closing {
+            breaks,
+            chord: 1e-9,
+            closed: defect(0.0, 1e-14),
+        });
+        let advice = judge(&evidence).advice;
+        let of_solver = Advice::SolverTolerance {
+            flickering,
+            breaks,
+            largest: 0.2,
+        };
+        let what = format!("{flickering} of {breaks}");
+        assert_eq!(advice.contains(&of_solver), expected, "{what}");
+        assert_eq!(advice.contains(&Advice::SmootherForce), !expected, "{what}");
+    }
 }
 
 #[test]

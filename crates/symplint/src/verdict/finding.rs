@@ -375,9 +375,9 @@ pub enum Advice {
     TightenSolver,
     /// A solver inside the map that stops at a tolerance is the likely cause of the breaks: tighten it.
     SolverTolerance {
-        /// Breaks at which rounding decides on which side of them a state is.
+        /// Breaks of all loops and steps at which rounding decides on which side of them a state is.
         flickering: usize,
-        /// All breaks of that loop.
+        /// All breaks of all loops and steps.
         breaks: usize,
         /// The most that a coordinate jumps by.
         largest: f64,

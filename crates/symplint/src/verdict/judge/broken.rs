@@ -5,7 +5,7 @@ use crate::evidence::{LoopEvidence, StepEvidence, WEAKEST_BOUND};
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding, Step};
 use crate::verdict::order::Fit;
-use crate::verdict::thresholds::{LEAST_SAMPLED_JUMP, SHUFFLED, TREND};
+use crate::verdict::thresholds::{FLICKERING, LEAST_SAMPLED_JUMP, SHUFFLED, TREND};
 
 /// The worst of the loops whose breaks are closed.
 struct Closed {
@@ -81,7 +81,7 @@ impl Case<'_> {
         decision
             .findings
             .extend(closed.map(|closed| closed.finding));
-        decision.advice = match of_solver(step) {
+        decision.advice = match self.of_solver() {
             Some(tolerance) => vec![tolerance],
             None => vec![
                 Advice::SmootherForce,
@@ -90,6 +90,27 @@ impl Case<'_> {
             ],
         };
         Some(decision)
+    }
+
+    /// Advice where a solver that stops at a tolerance is the likely cause of the breaks. A force that jumps does so at
+    /// a position, which is known to its rounding, as s is; what a solver compares is as small as its tolerance, and
+    /// rounding decides about it in a wide stretch.
+    fn of_solver(&self) -> Option<Advice> {
+        let (mut flickering, mut breaks, mut largest) = (0, 0, 0.0f64);
+        for (_, step) in self.steps() {
+            let (Some(jump), Some(closing)) = (step.jump, step.closing) else {
+                continue;
+            };
+            flickering += step.flickering;
+            breaks += closing.breaks;
+            largest = largest.max(jump.jump_q.abs()).max(jump.jump_p.abs());
+        }
+        let many = flickering > 1 && flickering as f64 >= FLICKERING * breaks as f64;
+        many.then_some(Advice::SolverTolerance {
+            flickering,
+            breaks,
+            largest,
+        })
     }
 
     /// What the loops do whose breaks are closed; `None` where that is not known.
@@ -182,16 +203,4 @@ impl Case<'_> {
             closed: change(&closing.closed),
         })
     }
-}
-
-/// Advice where a solver that stops at a tolerance is the likely cause of the breaks. A force that jumps does so at a
-/// position, which is known to its rounding, as s is; what a solver compares is as small as its tolerance, and rounding
-/// decides about it in a wide stretch.
-fn of_solver(step: &StepEvidence) -> Option<Advice> {
-    let (jump, closing) = (step.jump?, step.closing?);
-    (2 * step.flickering > closing.breaks).then(|| Advice::SolverTolerance {
-        flickering: step.flickering,
-        breaks: closing.breaks,
-        largest: jump.jump_q.abs().max(jump.jump_p.abs()),
-    })
 }

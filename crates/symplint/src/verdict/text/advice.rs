@@ -87,8 +87,9 @@ impl Display for Advice {
             } => write!(
                 f,
                 "A solver inside the map that stops at a tolerance is the likely cause: at {flickering} of {breaks} \
-                 breaks rounding decides on which side of the jump a state is. Tighten the tolerance until the \
-                 jumps are gone, or compare results to no better than the largest of them, {}.",
+                 breaks, all loops and steps together, rounding decides on which side of the jump a state is. \
+                 Tighten the tolerance until the jumps are gone, or compare results to no better than the largest \
+                 of them, {}.",
                 short(*largest)
             ),
             Advice::MoreStepSizes { given } => write!(
