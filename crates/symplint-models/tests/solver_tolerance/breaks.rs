@@ -56,3 +56,17 @@ fn all_breaks_are_found_and_the_integral_between_them_is_known() {
     let median = ratios[ratios.len() / 2];
     assert!(ratios.len() > 80 && median > 0.01, "{median}");
 }
+
+#[test]
+fn the_truth_of_a_converged_symplectic_step_is_no_defect() {
+    let circle = |centre, radius| Circle { centre, radius };
+    let defects = [
+        truth::<Pendulum>(&circle(&[0.3, 0.5], 1.0), 0.5, 1e-14).defect,
+        truth::<HenonHeiles>(&circle(&[0.1, 0.05, 0.2, -0.1], 0.2), 0.5, 1e-14).defect,
+        truth::<Charged>(&circle(&[0.1, 0.3, 0.4, 0.2], 0.5), 0.5, 1e-14).defect,
+    ];
+    assert!(
+        defects.iter().all(|defect| defect.abs() < 2e-14),
+        "{defects:?}"
+    );
+}
