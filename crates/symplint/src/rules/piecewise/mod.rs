@@ -24,6 +24,7 @@ mod integrator;
 mod jump;
 mod limits;
 mod lobatto;
+mod nested;
 mod noise;
 mod piece;
 mod refinement;
@@ -44,6 +45,7 @@ use closure::close;
 use curves::{At, Curves, Image};
 pub(crate) use integrator::Identity;
 use limits::{AROUND, FULL};
+use nested::search_nested;
 use piece::Piece;
 use refinement::{Budget, Refinement};
 use scales::Scales;
@@ -228,6 +230,7 @@ impl Piecewise {
         let budget = Budget::new(most_evaluations, evaluations);
         let mut refinement = Refinement::new(curves, coordinates, scales, budget, samples);
         refinement.run(0, pieces)?;
+        search_nested(&mut refinement)?;
         let chords = close(&mut refinement, self.closure)?;
         let break_uncertainty = break_uncertainty(&mut refinement)?;
         sum::sum(&refinement, &chords, break_uncertainty)

@@ -17,6 +17,7 @@ mod transform;
 
 use std::cell::Cell;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
@@ -102,6 +103,19 @@ fn noise_of_mode(samples: usize, scaling: &Scaling) -> f64 {
     margin * UNIT_ROUNDOFF * n.sqrt() * (scaling.largest / scaling.unit).max(1.0)
 }
 
+/// Sobolev exponents of functions that jump: ½ by theory. Noise has −½, kinks have 3/2.
+const JUMPING: Range<f64> = 0.25..1.0;
+
+/// The uncertainty that jumps make, in units of the largest momentum times the root of the sum of their squares: that of
+/// sixteen equal ones that all add up.
+const OF_JUMPS: f64 = 4.0;
+
+/// √(Σ J²) of the jumps J of a function from the energy Σ |c_k|² of its octave `first` ≤ k < 2 `first`: far up, c_k is a sum
+/// of J/(2πik), each with a phase of its own, and Σ 1/k² over an octave is about 1/(2 first).
+fn jump_size(first: usize, energy: f64) -> f64 {
+    PI * (8.0 * first as f64 * energy).sqrt()
+}
+
 /// Octaves of modes that a transform may have.
 const MOST_OCTAVES: usize = usize::BITS as usize;
 
@@ -137,10 +151,18 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
         + of_p.largest * of_q.unit * (noise * all.q_slope_squared.sqrt());
     let transformed = UNIT_ROUNDOFF * n.log2() * scale;
     let winding = 2.0 * UNIT_ROUNDOFF * gain.abs() * of_p.largest;
-    let regularity = least(
-        sobolev_exponent(&q_energies[..octaves], noise_of_mode(samples, of_q)),
-        sobolev_exponent(&p_energies[..octaves], noise_of_mode(samples, of_p)),
-    );
+    let of_positions = sobolev_exponent(&q_energies[..octaves], noise_of_mode(samples, of_q));
+    let of_momenta = sobolev_exponent(&p_energies[..octaves], noise_of_mode(samples, of_p));
+    // What the integral of the loop with its jumps closed has more than that between them.
+    let jumps = match of_positions {
+        Some(exponent) if JUMPING.contains(&exponent) => {
+            let (last, energy) = (octaves - 1, q_energies[octaves - 1]);
+            let size = jump_size(1 << last, energy / (n * n));
+            OF_JUMPS * of_p.largest * of_q.unit * size
+        }
+        _ => 0.0,
+    };
+    let regularity = least(of_positions, of_momenta);
 
     let quadrature_error = (samples / 2 >= 3).then(|| {
         // Root mean squares of the highest quarter of the modes: a jump or kink that the samples do
@@ -162,7 +184,7 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
         let change = factor * (all.value - coarse).abs();
         // The highest modes fold back into the mean as into every other mode.
         let mean_change = (mean - half[0].im / n).abs().max(p_top / n);
-        unit * change.max(tail).max(folded) + gain.abs() * of_p.unit * mean_change
+        unit * change.max(tail).max(folded) + gain.abs() * of_p.unit * mean_change + jumps
     });
     RowIntegral {
         value: unit * (factor * all.value) + gain * p_mean,
