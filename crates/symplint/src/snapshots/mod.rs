@@ -102,10 +102,11 @@ pub fn measure_snapshots(
     let stated = std::iter::once(before)
         .chain(after)
         .map(|snapshot| snapshot.unit_roundoff);
-    let mut survey = Survey::default();
-    survey.stated_roundoff = stated
-        .reduce(f64::max)
-        .filter(|&stated| stated > Snapshot::DOUBLE);
+    let largest = stated.reduce(f64::max);
+    let survey = Survey {
+        stated_roundoff: largest.filter(|&stated| stated > Snapshot::DOUBLE),
+        ..Survey::default()
+    };
     Ok(Evidence {
         origin: Origin::Samples,
         survey,

@@ -43,16 +43,17 @@ pub enum StepRange {
     Between(f64, f64),
 }
 
-/// One statement about the evidence. Its sentence is its `Display`.
+/// One statement about the evidence. Its sentence is its `Display`, and each variant says under which condition it is made;
+/// [`crate::verdict`] has the numbers.
 ///
 /// The first finding of a verdict decides it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 #[non_exhaustive]
 pub enum Finding {
-    /// There is no evidence.
+    /// There is no evidence: no loop was advanced, and none failed.
     NothingMeasured,
-    /// A position jumps by its whole range, before the step or after it: its period is not stated.
+    /// A position without a stated period jumps by its whole range, before the step or after it, as samples show it.
     Wrapped {
         /// Degree of freedom.
         dof: usize,
@@ -61,19 +62,21 @@ pub enum Finding {
         /// `None` before the step.
         step: Option<Step>,
     },
-    /// The loop before the step jumps: it is not closed.
+    /// The samples before the step jump: they form no closed loop.
     NotClosed {
         /// The jump.
         jump: Break,
     },
-    /// The map is discontinuous: an advanced loop jumps.
+    /// The map is discontinuous: an advanced loop jumps, by more than the rounding of the map, where no double lies
+    /// between the two sides, and the jump stands out of the noise beside it.
     Discontinuous {
         /// The largest jump of the loop that shows it.
         jump: Break,
         /// Whether the closed integrals are conserved, where that is known.
         conserved: Option<bool>,
     },
-    /// Loops that are known by their samples only jump between neighbouring samples.
+    /// Loops that are known by their samples only jump between neighbouring samples, by more than 1e-6 of a coordinate's
+    /// range, and by as much with every second and every fourth sample.
     JumpingSamples {
         /// Loops that jump.
         loops: usize,
@@ -86,7 +89,8 @@ pub enum Finding {
         /// Samples of each loop.
         samples: usize,
     },
-    /// The map changes a loop integral.
+    /// The map changes the integral of a loop that does not wind: by more than ten times its uncertainty, and, if it is
+    /// below 1e-10, with a law in h, at two step sizes, or by a hundred times its uncertainty.
     Changes {
         /// |E|.
         defect: f64,
@@ -95,7 +99,7 @@ pub enum Finding {
         /// How it falls with h, where that is known.
         law: Option<Fit>,
     },
-    /// No defect was found.
+    /// No defect was found, on loops that bound it to 1e-6 or better and that a step moves enough to show one.
     Conserved {
         /// No defect exceeds this.
         bound: f64,
@@ -106,12 +110,13 @@ pub enum Finding {
         /// Whether the given loop counts: a loop that winds does not.
         given: bool,
     },
-    /// The largest step hardly moves the loops: no method would show a defect.
+    /// The largest step advances the motions of no loop by 0.05 rad (a kick or a free flight alone deforms none by 0.2 of its
+    /// size): no method would show a defect.
     LittleMotion {
         /// The strongest motion of a loop.
         motion: Motion,
     },
-    /// The samples do not resolve the grid of the map.
+    /// Neighbouring samples are more than half a cell of the map's grid, or a quarter of a period, apart.
     MissesGrid {
         /// Which loop.
         loop_index: usize,
@@ -127,7 +132,7 @@ pub enum Finding {
         /// The step.
         step: Step,
     },
-    /// Cells that look like jumps, at too few samples to tell.
+    /// Cells that look like jumps and are not confirmed with fewer samples: too few to tell.
     TooFewForJumps {
         /// Cells.
         cells: usize,
@@ -145,12 +150,12 @@ pub enum Finding {
         /// Whether there are too few samples to tell at all.
         too_few: bool,
     },
-    /// Rows look shuffled: sorted along the loop, neighbours are much nearer to each other.
+    /// Rows look shuffled: sorted along the loop, neighbours are four times nearer to each other, or more.
     Shuffled {
         /// Mean distance of neighbouring samples over that of sorted ones.
         ratio: f64,
     },
-    /// A defect between what its uncertainty explains and what is significant.
+    /// A defect of 3 to 10 times its uncertainty, 1e-10 or larger; or a smaller one that is significant and not confirmed.
     Unexplained {
         /// |E|.
         defect: f64,
@@ -163,7 +168,7 @@ pub enum Finding {
     AllLoopsWind,
     /// The map fails on every random loop.
     RandomLoopsFail,
-    /// The quadrature bounds the defect too weakly.
+    /// The given loop, or every random one, bounds the defect by no more than 1e-6.
     WeakBound {
         /// The bound.
         bound: f64,
@@ -172,9 +177,10 @@ pub enum Finding {
         /// Whether round-off makes most of it.
         roundoff: bool,
     },
-    /// Loops are conserved, but the Jacobian is not symplectic.
+    /// Loops are conserved, but the Jacobian has a defect of more than ten times its uncertainty.
     JacobianRefutes,
-    /// A loop integral changes, and all of the change sits at one point of the disc within the loop.
+    /// A loop integral changes, the Jacobian does not show why, and nine tenths of the change come from less than a
+    /// thousandth of the disc within the loop.
     ChangesAtAPoint {
         /// Which loop.
         loop_index: usize,
@@ -185,7 +191,8 @@ pub enum Finding {
         /// Where it sits.
         contraction: Contraction,
     },
-    /// The map projects onto a manifold, and the given loop does not lie on it.
+    /// The map projects onto a manifold (its Jacobian is singular at the loop), and the given loop does not lie on it: its
+    /// integral changes significantly in one step, and in the step after that it does not.
     LoopBesideManifold {
         /// The smallest singular value of the Jacobian.
         smallest: f64,
@@ -194,7 +201,8 @@ pub enum Finding {
         /// What its defect in another step does not exceed.
         second: f64,
     },
-    /// The map projects onto a manifold, and only what leaves the manifold has a defect.
+    /// The map projects onto a manifold (its Jacobian is singular at the loop), and only random loops or tangent vectors,
+    /// which leave the manifold, have a defect.
     Projects {
         /// The smallest singular value of the Jacobian.
         smallest: f64,
