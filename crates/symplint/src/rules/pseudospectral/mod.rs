@@ -16,7 +16,7 @@ mod sums;
 mod transform;
 
 use std::cell::Cell;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -155,7 +155,11 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
     let of_momenta = sobolev_exponent(&p_energies[..octaves], noise_of_mode(samples, of_p));
     // What the integral of the loop with its jumps closed has more than that between them.
     let jumps = match of_positions {
-        Some(exponent) if JUMPING.contains(&exponent) => {
+        // Where the last octave does not fall, it is noise: of single precision, say.
+        Some(exponent)
+            if JUMPING.contains(&exponent)
+                && SQRT_2 * q_energies[octaves - 1] < q_energies[octaves - 2] =>
+        {
             let (last, energy) = (octaves - 1, q_energies[octaves - 1]);
             let size = jump_size(1 << last, energy / (n * n));
             OF_JUMPS * of_p.largest * of_q.unit * size
