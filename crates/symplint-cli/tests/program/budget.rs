@@ -22,6 +22,7 @@ fn made(report: &Value) -> usize {
         "given_loop",
         "random_loops",
         "jacobian",
+        "manifold",
         "localisation",
         "long_time",
     ];
