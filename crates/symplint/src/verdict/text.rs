@@ -1,6 +1,7 @@
 //! The sentences of findings: all English of a verdict is here and in the folder beside this file.
 
 mod advice;
+mod domain;
 mod jacobian;
 
 use std::fmt::{Display, Formatter, Result};
@@ -13,6 +14,7 @@ use crate::breaks::Break;
 use crate::evidence::{
     LongTime, Motion, OutputFormat, OutputPrecision, SIGNIFICANT, Sector, SubstepDefect,
 };
+use domain::degrees_of_freedom;
 
 impl Display for Step {
     /// `at h = 2^-1`, `after the step`, `in loop 2 after the step`.
@@ -226,49 +228,17 @@ impl Display for Finding {
                 change,
                 step,
                 contraction,
-            } => write!(
-                f,
-                "The integral of {} changes by {change} {step}, but all of the change comes from a patch of {:.0e} of the \
-                 disc within it, near s = {:.3}, {:.0} % of the way from the centre. A map that is singular there may \
-                 change it, and be symplectic everywhere else: the loop cannot be contracted in its domain.",
-                loop_name(*loop_index),
-                contraction.area,
-                middle(contraction.s),
-                100.0 * middle(contraction.r)
-            ),
+            } => domain::at_a_point(f, *loop_index, change, step, contraction),
             Finding::LoopBesideManifold {
                 smallest,
                 first,
                 second,
-            } => write!(
-                f,
-                "The map projects onto a manifold: its Jacobian is singular at the loop (a direction shrinks to \
-                 {smallest:.1e}), and the loop does not lie on the manifold. Its integral changes by {first:.1e} in the \
-                 step that takes it there, and by less than {second:.1e} in the next one."
-            ),
+            } => domain::beside_manifold(f, *smallest, [*first, *second]),
             Finding::Projects {
                 smallest,
                 given,
                 beside,
-            } => {
-                write!(
-                    f,
-                    "The map projects onto a manifold: its Jacobian is singular at the loop (a direction shrinks to \
-                     {smallest:.1e}). "
-                )?;
-                match given {
-                    Some(bound) => write!(f, "The given loop is conserved to {bound:.1e}")?,
-                    None => f.write_str("The defect of the given loop is not bounded")?,
-                }
-                match beside {
-                    Some((loop_index, defect)) => write!(
-                        f,
-                        "; {}, which leaves the manifold, changes by {defect:.1e}, which proves nothing.",
-                        loop_name(*loop_index)
-                    ),
-                    None => f.write_str("; what leaves the manifold proves nothing."),
-                }
-            }
+            } => domain::projects(f, *smallest, *given, *beside),
             Finding::Jump {
                 loop_index,
                 step,
@@ -386,22 +356,14 @@ impl Display for Finding {
                 loops,
                 by_loops,
                 by_jacobian,
-            } => {
-                write!(
-                    f,
-                    "Group {} of {of}, {}, with actions of {action:.0e} of the largest and below: ",
-                    index + 1,
-                    degrees_of_freedom(dofs)
-                )?;
-                match by_loops {
-                    Some(bound) => write!(f, "|E| ≤ {bound:.1e} on {loops} loops")?,
-                    None => f.write_str("no loop bounds its defect")?,
-                }
-                match by_jacobian {
-                    Some(bound) => write!(f, ", and ≤ {bound:.1e} by the Jacobian."),
-                    None => f.write_str("."),
-                }
-            }
+            } => domain::group(
+                f,
+                [*index, *of],
+                dofs,
+                *action,
+                (*loops, *by_loops),
+                *by_jacobian,
+            ),
             Finding::LoopFailed { loop_index, reason } => write!(
                 f,
                 "{} was not measured, the map fails on it: {reason}.",
@@ -661,18 +623,6 @@ fn little_motion(f: &mut Formatter<'_>, motion: &Motion) -> Result {
     }
 }
 
-/// Some of them by number.
-fn degrees_of_freedom(dofs: &[usize]) -> String {
-    const NAMED: usize = 4;
-    let named: Vec<String> = dofs.iter().take(NAMED).map(usize::to_string).collect();
-    let further = match dofs.len().checked_sub(NAMED + 1) {
-        Some(_) => format!(" and {} more", dofs.len() - NAMED),
-        None => String::new(),
-    };
-    let plural = if dofs.len() == 1 { "degree" } else { "degrees" };
-    format!("{plural} of freedom {}{further}", named.join(", "))
-}
-
 /// How breaks are closed, where it is not in the substeps that cause them.
 fn by_chords(straight: bool) -> &'static str {
     match straight {
@@ -687,8 +637,4 @@ fn periods(dofs: &[usize]) -> String {
         [] => "a period".to_owned(),
         dofs => format!("the period of {}", degrees_of_freedom(dofs)),
     }
-}
-
-fn middle([from, to]: [f64; 2]) -> f64 {
-    0.5 * (from + to)
 }
