@@ -12,9 +12,9 @@ use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 /// Loop parameters at which the Jacobian is looked at: a map that projects does so at both.
 const SITES: [f64; 2] = [0.137, 0.755];
 
-/// Distances of the two central differences, in sizes of the loop: small, as a map may not work far from its manifold,
+/// Distances of the central differences, in sizes of the loop: small, as a map may not work far from its manifold,
 /// and far above the rounding of single precision.
-const DISTANCES: [f64; 2] = [1.0 / 64.0, 1.0 / 128.0];
+const DISTANCES: [f64; 3] = [1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
 
 /// States that are advanced for each column.
 const STATES: usize = 2 * DISTANCES.len();
@@ -26,7 +26,7 @@ const STRETCHES: usize = 4;
 
 /// A direction that one step shrinks to this part, beyond what the step's expansion of another one explains, is
 /// projected away. A symplectic step shrinks one direction by what it expands another: their product is 1.
-const PROJECTED: f64 = 1e-3;
+const PROJECTED: f64 = 1e-5;
 
 /// Differences whose errors are larger than this part do not show it.
 const MOST_ERROR: f64 = 0.05;
@@ -135,11 +135,13 @@ impl Columns {
                 difference(row, column, level)
             })
         };
-        let [wide, narrow] = [at(0), at(1)];
-        // The error of central differences falls by four.
+        let [wide, middle, narrow] = [at(0), at(1), at(2)];
+        // Errors of central differences fall by four, and those of what is extrapolated from two by sixteen.
+        let first = (&middle * 4.0 - wide) / 3.0;
+        let second = (narrow * 4.0 - middle) / 3.0;
         Ok(Columns {
-            error: (&narrow - &wide).norm(),
-            value: (narrow * 4.0 - wide) / 3.0,
+            error: (&second - &first).norm(),
+            value: (second * 16.0 - first) / 15.0,
         })
     }
 

@@ -26,7 +26,7 @@ impl Run<'_> {
         // With a projection all loops lie on the manifold.
         let projected = subject.evaluator.constraint().is_some();
         let affordable = self.count.left() >= survey::singular_cost(subject.dof());
-        if !shown || projected || !affordable {
+        if !shown || projected || !affordable || given.probe.is_beyond_memory() {
             return Ok(());
         }
         let start = self.count.made();
