@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-
-use crate::config::parse_number;
+use symplint_config::parse_number;
 
 /// Tells whether a time-advance map is symplectic.
 ///

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use symplint::{VerdictKind, judge};
+use symplint_config::Config;
 use symplint_report::figures::check_figures;
 use symplint_report::report::Report;
 use symplint_report::run_folder::PointLog;
@@ -11,7 +12,6 @@ use symplint_report::table::{degrees_of_freedom, points_table};
 use super::Failure;
 use super::run_output::RunOutput;
 use crate::cli::CheckArgs;
-use crate::config::Config;
 use crate::output::{Progress, say, verdict_text};
 use crate::provenance;
 

@@ -6,9 +6,8 @@ use std::fs;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use symplint_config::parse_number;
 use symplint_report::report::to_json;
-
-use crate::config::parse_number;
 
 /// The beginning of a `config.toml` in a run folder; the command follows.
 const MARKER: &str = "# symplint run folder: ";

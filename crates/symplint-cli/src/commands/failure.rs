@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use symplint_config::{ConfigError, Place};
 use symplint_paper::PaperError;
 use symplint_report::figure::FigureError;
 use symplint_report::loop_file::LoopFileError;
@@ -9,7 +10,6 @@ use symplint_report::report::ReportError;
 use symplint_report::run_folder::WriteError;
 
 use super::earlier_run::OccupiedError;
-use crate::config::{ConfigError, Place};
 
 /// Errors of commands.
 #[derive(Debug, thiserror::Error)]

@@ -2,8 +2,9 @@
 
 use std::process::ExitCode;
 
+use symplint_config::{SYSTEMS, suggestion, template};
+
 use super::Failure;
-use crate::config::{SYSTEMS, suggestion, template};
 use crate::output::say;
 
 /// Prints a starter configuration.

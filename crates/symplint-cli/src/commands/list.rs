@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use symplint_config::{RULES, SYSTEMS};
 use symplint_models::integrators::aliases::ALIASES;
 use symplint_models::integrators::catalogue::{CATALOGUE, IntegratorInfo};
 use symplint_paper::ITEMS;
@@ -9,7 +10,6 @@ use symplint_report::table::definitions;
 
 use super::Failure;
 use crate::cli::What;
-use crate::config::{RULES, SYSTEMS};
 use crate::output::{say, width};
 
 /// Prints the systems, integrators, rules or items of the paper.

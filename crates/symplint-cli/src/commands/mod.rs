@@ -4,6 +4,7 @@ mod check;
 mod earlier_run;
 mod failure;
 mod init;
+mod item_settings;
 mod judge;
 mod list;
 mod loop_shape;

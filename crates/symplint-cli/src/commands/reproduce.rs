@@ -2,14 +2,15 @@
 
 use std::process::ExitCode;
 
+use symplint_config::suggestion;
 use symplint_paper::{ITEMS, Item, Settings, Value, claims_summary};
 use symplint_report::report::to_json;
 
 use super::Failure;
+use super::item_settings::item_settings;
 use super::list::list;
 use super::run_output::RunOutput;
 use crate::cli::{ReproduceArgs, What};
-use crate::config::{item_settings, suggestion};
 use crate::output::{Progress, say};
 use crate::provenance;
 

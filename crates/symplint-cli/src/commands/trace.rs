@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use symplint::state::Rows;
 use symplint::trace::{Observable, Orbit, TraceRecord};
 use symplint::{Rule, Trace};
+use symplint_config::{Config, ConfigError};
 use symplint_report::figures::trace_figures;
 use symplint_report::report::TraceReport;
 use symplint_report::table::trace_table;
@@ -13,7 +14,6 @@ use super::Failure;
 use super::earlier_run::loop_file;
 use super::run_output::RunOutput;
 use crate::cli::TraceArgs;
-use crate::config::{Config, ConfigError};
 use crate::output::{Progress, say};
 use crate::provenance;
 

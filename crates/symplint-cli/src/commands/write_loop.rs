@@ -7,13 +7,13 @@ use std::process::ExitCode;
 use serde::Serialize;
 use symplint::diagnosis::SampleCount;
 use symplint::{Coordinates, Ensemble, Loop, Snapshot};
+use symplint_config::Config;
 use symplint_report::loop_file::LoopFile;
 use symplint_report::report::to_json;
 use symplint_report::table::degrees_of_freedom;
 
 use super::{Failure, loop_shape};
 use crate::cli::LoopArgs;
-use crate::config::Config;
 use crate::output::say;
 
 /// The default number of samples. Smooth loops need no more.

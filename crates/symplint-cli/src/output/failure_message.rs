@@ -52,7 +52,7 @@ fn folded(text: &str, before: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::document::parse;
+    use symplint_config::document::parse;
 
     /// The message of a configuration that is not valid, without colours.
     fn message(text: &str) -> Option<String> {

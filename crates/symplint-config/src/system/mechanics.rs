@@ -6,8 +6,8 @@ use symplint_models::Model;
 use symplint_models::systems::{ChargedParticle, DoublePendulum, Kepler, RotationalForce};
 
 use super::{STRANG, System, SystemInfo, refused};
-use crate::config::ConfigError;
-use crate::config::section::{Accept, Key, Section};
+use crate::ConfigError;
+use crate::section::{Accept, Key, Section};
 
 const fn q0(default: &'static str) -> Key {
     Key::new("q0", default, "centre of the loop, positions")

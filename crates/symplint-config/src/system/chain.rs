@@ -8,8 +8,8 @@ use symplint_models::systems::{Bond, Chain, Ends, FputBond, TodaBond};
 
 use super::initial::{Initial, initial};
 use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
-use crate::config::ConfigError;
-use crate::config::section::{Accept, Key, Section};
+use crate::ConfigError;
+use crate::section::{Accept, Key, Section};
 
 const MASSES: Key = Key::new("masses", "32", "number of masses, the degrees of freedom");
 const ENDS: Key = Key::new("ends", "\"fixed\"", "\"fixed\" to walls or \"periodic\"");

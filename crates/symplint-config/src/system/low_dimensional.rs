@@ -9,8 +9,8 @@ use symplint_models::systems::{
 use symplint_models::{Model, ModelError, Separable};
 
 use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
-use crate::config::ConfigError;
-use crate::config::section::{Accept, Key, Section};
+use crate::ConfigError;
+use crate::section::{Accept, Key, Section};
 
 const Q0: Key = Key::new("q0", "0.0", "centre of the loop, position");
 const P0: Key = Key::new("p0", "0.0", "centre of the loop, momentum");

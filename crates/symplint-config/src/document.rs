@@ -15,24 +15,33 @@ pub const SETTING: &str = "--set";
 /// A value and its position.
 #[derive(Clone, Debug)]
 pub struct Node {
+    /// The value.
     pub value: Value,
+    /// Where it is written.
     pub place: Place,
 }
 
 /// A TOML value, other than a date.
 #[derive(Clone, Debug)]
 pub enum Value {
+    /// A string.
     Text(String),
+    /// A whole number.
     Integer(i64),
+    /// Any other number.
     Float(f64),
+    /// True or false.
     Boolean(bool),
+    /// A list.
     List(Vec<Node>),
+    /// A table.
     Table(Table),
 }
 
 /// The keys of a table with their positions.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
+    /// By name: where the key is written, and its value.
     pub entries: BTreeMap<String, (Place, Node)>,
 }
 

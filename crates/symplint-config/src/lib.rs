@@ -4,11 +4,10 @@ mod diagnostic;
 pub mod document;
 mod error;
 mod integrator;
-mod item_settings;
 mod number;
 mod phase_loop;
 mod rules;
-mod section;
+pub mod section;
 mod state_file;
 mod system;
 mod template;
@@ -19,12 +18,11 @@ use std::sync::Arc;
 
 use symplint::{Diagnostic, Loop, TimeAdvance};
 
-pub use error::{ConfigError, Place};
-pub use item_settings::item_settings;
+pub use error::{ConfigError, Place, Source};
 pub use number::parse as parse_number;
 pub use rules::RULES;
 pub use section::suggestion;
-pub use system::{SYSTEMS, System};
+pub use system::{SYSTEMS, System, SystemInfo};
 pub use template::template;
 pub use trace::TraceSettings;
 

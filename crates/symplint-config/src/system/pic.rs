@@ -10,8 +10,8 @@ use symplint_models::{Model, ModelError, Separable};
 
 use super::initial::{Initial, initial};
 use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
-use crate::config::ConfigError;
-use crate::config::section::{Accept, Key, Section};
+use crate::ConfigError;
+use crate::section::{Accept, Key, Section};
 
 pub const PIC_1D: SystemInfo = SystemInfo {
     name: "pic-1d",

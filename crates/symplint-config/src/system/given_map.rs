@@ -7,8 +7,8 @@ use symplint_models::Model;
 use symplint_models::discrete::{HenonMap, PendulumRattle, StandardMap};
 
 use super::{System, SystemInfo, refused};
-use crate::config::ConfigError;
-use crate::config::section::{Accept, Key, Section};
+use crate::ConfigError;
+use crate::section::{Accept, Key, Section};
 
 /// The name of the integrator of a system that is a map.
 pub const NOTHING: &str = "none";

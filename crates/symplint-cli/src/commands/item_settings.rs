@@ -1,10 +1,9 @@
 //! Settings of an item of the paper: `--set` over its defaults.
 
+use symplint_config::ConfigError;
+use symplint_config::document::{self, Table, Value as Written};
+use symplint_config::section::{self, Accept, read_number, suggestion};
 use symplint_paper::{Item, Kind, SettingError, Settings, Value};
-
-use super::document::{self, Table, Value as Written};
-use super::error::ConfigError;
-use super::section::{self, Accept, read_number, suggestion};
 
 /// All settings of an item: its defaults, changed by `--set` settings.
 ///

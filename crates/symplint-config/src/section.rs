@@ -9,6 +9,7 @@ use super::number;
 /// A key of a section.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
+    /// Its name.
     pub name: &'static str,
     /// The default, as TOML; for an optional key, an example.
     pub value: &'static str,
@@ -43,8 +44,11 @@ impl Key {
 /// Numbers that a key accepts.
 #[derive(Clone, Copy, Debug)]
 pub enum Accept {
+    /// Every finite number.
     Finite,
+    /// Finite numbers above 0.
     Positive,
+    /// Finite numbers from 0.
     NotNegative,
 }
 

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::super::document::Value;
 use super::super::state_file::read_state;
-use crate::config::ConfigError;
-use crate::config::section::{Key, Section};
+use crate::ConfigError;
+use crate::section::{Key, Section};
 
 /// The value of `initial`.
 pub enum Initial {

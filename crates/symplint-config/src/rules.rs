@@ -60,7 +60,7 @@ pub const RULES: &[RuleInfo] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::diagnostic::KEYS;
+    use crate::diagnostic::KEYS;
 
     #[test]
     fn each_has_the_name_of_its_kind_and_stands_in_the_key() {

@@ -8,8 +8,8 @@ use symplint_models::systems::PendulumArray;
 
 use super::initial::{Initial, initial};
 use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
-use crate::config::ConfigError;
-use crate::config::section::{Accept, Key, Section};
+use crate::ConfigError;
+use crate::section::{Accept, Key, Section};
 
 pub const PENDULUM_ARRAY: SystemInfo = SystemInfo {
     name: "pendulum-array",
