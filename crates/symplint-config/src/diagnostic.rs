@@ -48,7 +48,7 @@ pub const KEYS: &[Key] = &[
     ),
     Key::new(
         "half_width",
-        "8",
+        "10",
         "m of the streaming rule, 8 to 16: differences of order 2m use m samples on either side",
     ),
     Key::optional(

@@ -45,7 +45,7 @@ pub const RULES: &[RuleInfo] = &[
     },
     RuleInfo {
         name: "streaming",
-        summary: "Differences of order 16 along the loop, of samples that are made, advanced and dropped one after \
+        summary: "Differences of order 20 along the loop, of samples that are made, advanced and dropped one after \
                   another. For ensembles that do not fit into memory: a few dozen states are kept.",
         make: |settings| Rule::Streaming(settings.streaming),
     },

@@ -87,13 +87,13 @@ fn the_streaming_rule_has_the_verdicts_of_the_others() {
         for setting in [
             "system.pendula=16",
             "diagnostic.rule=streaming",
-            "diagnostic.half_width=10",
+            "diagnostic.half_width=9",
         ] {
             arguments.extend(["--set", setting]);
         }
         assert_eq!(symplint(&arguments).status.code(), Some(status));
         let report = report(&arguments);
-        assert_eq!(report["config"]["diagnostic"]["half_width"], 10);
+        assert_eq!(report["config"]["diagnostic"]["half_width"], 9);
         for point in report["points"].as_array().unwrap() {
             assert_eq!(point["rule"], "streaming");
             // The stencil's half width is advanced twice.

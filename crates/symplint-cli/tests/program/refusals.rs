@@ -167,7 +167,7 @@ fn bad_settings_are_refused_with_place_and_remedy() {
         PENDULUM,
         &["diagnostic.rule=streaming", "diagnostic.samples=16"],
         &[
-            "half width 8 spans 17 samples",
+            "half width 10 spans 21 samples",
             "the loop has 16",
             "more samples",
         ],

@@ -18,6 +18,9 @@ pub fn ratios(member: &Member, diagnosis: &Diagnosis) -> Vec<(String, f64)> {
     found
 }
 
+/// Truths and results are known to one rounding, in units of the loop integral; errors below that count as that much.
+const ROUNDING: f64 = 0.5 * f64::EPSILON;
+
 /// 0 for no error, infinite for an error where none is stated.
 fn ratio(error: f64, stated: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / stated }
@@ -51,11 +54,13 @@ fn integrals(truth: &Truth, diagnosis: &Diagnosis) -> Vec<(String, f64)> {
             }
             let stated = step.defect.uncertainty();
             let name = format!("{}{}", step.rule, kind(truth));
-            let of_change = ratio((step.defect.signed - known).abs(), stated);
+            let error = (step.defect.signed - known).abs();
+            let of_change = ratio(error.max(ROUNDING), stated);
             found.push((format!("change, {name}"), of_change));
             if let (Some(initial), 0) = (truth.initial, of_loop.index) {
                 let after = initial + known * initial.abs();
-                let of_integral = ratio((step.advanced - after).abs(), stated * initial.abs());
+                let error = (step.advanced - after).abs() / initial.abs();
+                let of_integral = ratio(error.max(ROUNDING), stated);
                 found.push((format!("integral after the step, {name}"), of_integral));
             }
             if let (Some(closing), Expected::Broken { closed: Some(true) }) =
@@ -63,7 +68,10 @@ fn integrals(truth: &Truth, diagnosis: &Diagnosis) -> Vec<(String, f64)> {
             {
                 let closed = closing.closed;
                 let name = format!("change once closed, {}", step.rule);
-                found.push((name, ratio(closed.magnitude(), closed.uncertainty())));
+                found.push((
+                    name,
+                    ratio(closed.magnitude().max(ROUNDING), closed.uncertainty()),
+                ));
             }
         }
     }

@@ -68,6 +68,10 @@ pub fn quantiles(lines: &[Line]) -> String {
     let mut all = Ratios::new();
     for (name, ratio) in lines.iter().flat_map(|line| &line.ratios) {
         all.entry(name.clone()).or_default().push(*ratio);
+        if let Some(rule) = rule_of(name) {
+            let of_rule = format!("all integrals, {rule}");
+            all.entry(of_rule).or_default().push(*ratio);
+        }
     }
     let mut text =
         "| true error / stated error | numbers | 50% | 90% | 99% | 99.9% | largest | within |\n\
@@ -91,6 +95,13 @@ pub fn quantiles(lines: &[Line]) -> String {
         .unwrap();
     }
     text
+}
+
+/// The rule of an integral, if the ratio is of one.
+fn rule_of(name: &str) -> Option<&str> {
+    let (what, rest) = name.split_once(", ")?;
+    let is_integral = what.starts_with("change") || what.starts_with("integral");
+    is_integral.then(|| rest.split(',').next().expect("a split has a first part"))
 }
 
 /// Orders and numbers of breaks.

@@ -43,15 +43,15 @@ use window::{Source, Window};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Streaming {
-    /// m: neighbours on either side in the stencil, from 8 to 16. Jumps are looked for with 8 samples, so
-    /// narrower stencils would save nothing.
+    /// m: neighbours on either side in the stencil, from 8 to 16. Jumps are looked for with 10 samples, so
+    /// narrower stencils save no memory.
     pub half_width: usize,
 }
 
 impl Default for Streaming {
-    /// Order 16.
+    /// Order 20, which takes as many samples as the detector of jumps.
     fn default() -> Self {
-        Streaming { half_width: 8 }
+        Streaming { half_width: REACH }
     }
 }
 
