@@ -232,6 +232,15 @@ pub enum Error {
         /// The widest gap of all coordinates.
         gap: f64,
     },
+    /// A loop that winds round a torus, on which ∮ p·dq has no value.
+    #[error(
+        "the loop winds round a period of degree of freedom {dof}, whose momentum is periodic: ∮ p·dq has no value \
+         there; take a loop that can be contracted to a point"
+    )]
+    WindsRoundTorus {
+        /// Degree of freedom.
+        dof: usize,
+    },
     /// The loop integral of the initial loop vanishes, so a relative defect has no meaning.
     #[error(
         "the initial loop encloses no area: its loop integral is {integral:e} where its size would \

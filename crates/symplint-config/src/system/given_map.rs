@@ -41,13 +41,18 @@ pub const HENON_MAP: SystemInfo = SystemInfo {
 
 pub const STANDARD_MAP: SystemInfo = SystemInfo {
     name: "standard-map",
-    summary: "the standard map on the cylinder, p += K h sin q, then q += h p mod 2π; a map, \
+    summary: "the standard map, p += K h sin q, then q += h p mod 2π, on the cylinder or the torus; a map, \
               without integrator",
     keys: &[
         Key::new(
             "strength",
             "0.971635",
             "K; the standard map is the step h = 1",
+        ),
+        Key::new(
+            "torus",
+            "false",
+            "whether p is taken mod 2π, too; step sizes are whole numbers then",
         ),
         Key::new("q0", "\"pi\"", "centre of the loop, angle"),
         P0,
@@ -56,6 +61,10 @@ pub const STANDARD_MAP: SystemInfo = SystemInfo {
     build: |section, _| {
         let strength = section.number("strength", Accept::Finite)?;
         let map = StandardMap::new(strength).map_err(|e| refused(section, "strength", e))?;
+        let map = match section.flag("torus")? {
+            true => map.on_torus(),
+            false => map,
+        };
         given(section, "standard-map", map)
     },
 };

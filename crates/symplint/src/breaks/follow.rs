@@ -49,7 +49,7 @@ pub(super) fn follow(
     let dof = suspect.dof;
     let period = match suspect.coordinate {
         Coordinate::Q => evaluator.coordinates().period(dof),
-        Coordinate::P => 0.0,
+        Coordinate::P => evaluator.coordinates().momentum_period(dof),
     };
     let image = |s: &[f64]| -> Result<Vec<Point>, Error> {
         let on_loop: Vec<f64> = s.iter().map(|s| s.rem_euclid(1.0)).collect();
@@ -91,7 +91,10 @@ pub(super) fn follow(
     let ends = [sides.left[0], sides.right[0]];
     let jump = nearest(ends[1].value - ends[0].value, period);
     let jump_q = nearest(ends[1].q - ends[0].q, evaluator.coordinates().period(dof));
-    let jump_p = ends[1].p - ends[0].p;
+    let jump_p = nearest(
+        ends[1].p - ends[0].p,
+        evaluator.coordinates().momentum_period(dof),
+    );
     let dofs = evaluator.dof();
     let is_rounding = evaluator.grain().is_some_and(|grain| {
         !grain.is_exceeded(dof, jump_q) && !grain.is_exceeded(dofs + dof, jump_p)

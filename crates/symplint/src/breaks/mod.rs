@@ -139,7 +139,7 @@ fn suspects(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<Suspect> {
             let (q, p) = (ensemble.q().row(dof), ensemble.p().row(dof));
             let rows = [
                 (Coordinate::Q, q, coordinates.period(dof)),
-                (Coordinate::P, p, 0.0),
+                (Coordinate::P, p, coordinates.momentum_period(dof)),
             ];
             rows.map(|(coordinate, row, period)| suspect(buffer, dof, coordinate, row, period))
         })

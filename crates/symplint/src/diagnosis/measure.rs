@@ -58,6 +58,7 @@ impl Diagnostic {
         }
         evaluator.check_dof(phase_loop.dof())?;
         check_closed(phase_loop, evaluator.coordinates())?;
+        survey::wound(phase_loop, evaluator.coordinates())?;
         let given = evaluator.on_manifold(phase_loop);
         let subject = Subject {
             evaluator: &evaluator,

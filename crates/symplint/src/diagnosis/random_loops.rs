@@ -42,7 +42,7 @@ pub(super) fn loop_of_kind(
     }
 }
 
-/// A random loop that winds round the period of the first position that has one.
+/// A random loop that winds round the period of the first position that has one, and whose momentum has none.
 ///
 /// It runs on one side of p = 0 there, so that ∮ p·dq does not vanish.
 fn winding_loop(
@@ -50,7 +50,9 @@ fn winding_loop(
     coordinates: &Coordinates,
     seed: u64,
 ) -> Result<Option<FourierLoop>, Error> {
-    let Some(dof) = (0..coordinates.dof()).find(|&i| coordinates.period(i) > 0.0) else {
+    let Some(dof) = (0..coordinates.dof())
+        .find(|&i| coordinates.period(i) > 0.0 && coordinates.momentum_period(i) == 0.0)
+    else {
         return Ok(None);
     };
     let [q0, mut p0] = size.centre.clone();

@@ -1,13 +1,11 @@
 //! Tangent vectors in units of the loop, and the symplectic form on them.
 
-use std::iter::repeat_n;
-
 use super::constants::CONSTANTS;
 use super::derivative::Derivative;
 use crate::error::Error;
 use crate::map::LoopSize;
 use crate::signal::{CompensatedSum, UNIT_ROUNDOFF};
-use crate::state::Coordinates;
+use crate::state::{Coordinates, period};
 
 /// Units in which tangent vectors are given: a component of 1 is half the range of that coordinate on
 /// the loop, or what [`LoopSize`] takes of one at rest. Positions come first, then momenta.
@@ -34,8 +32,7 @@ impl Frame {
     /// If an area is not a normal number.
     pub fn new(loop_size: &LoopSize, coordinates: &Coordinates) -> Result<Self, Error> {
         let dof = coordinates.dof();
-        let of_positions = (0..dof).map(|i| coordinates.period(i));
-        let period: Vec<f64> = of_positions.chain(repeat_n(0.0, dof)).collect();
+        let period: Vec<f64> = (0..2 * dof).map(|c| period(coordinates, c)).collect();
         let size = loop_size.radius.concat();
         let area: Vec<f64> = (0..dof)
             .map(|i| coordinates.weight(i) * size[i] * size[dof + i])

@@ -37,7 +37,7 @@ struct Interpolant {
 impl SampledLoop {
     /// Interpolates the loop whose samples are `ensemble`, sample k at s = k/N_s.
     ///
-    /// Positions with a period (see [`Coordinates`]) are unwrapped first.
+    /// Coordinates with a period (see [`Coordinates`]) are unwrapped first.
     ///
     /// # Errors
     /// If there are fewer than 3 samples, one is not finite, or `coordinates` has
@@ -68,7 +68,9 @@ impl SampledLoop {
             let period = coordinates.period(i);
             let winding = unwrap_row(block.q.row_mut(i), period);
             rows.push(interpolant(block.q.row(i), winding as f64 * period));
-            rows.push(interpolant(block.p.row(i), 0.0));
+            let period = coordinates.momentum_period(i);
+            let winding = unwrap_row(block.p.row_mut(i), period);
+            rows.push(interpolant(block.p.row(i), winding as f64 * period));
         }
         Ok(SampledLoop {
             grid: Arc::new(ensemble),
@@ -109,7 +111,7 @@ impl Loop for SampledLoop {
                     let column = nearest as usize;
                     (
                         self.grid.q().row(i)[column] + turns * q.gain,
-                        self.grid.p().row(i)[column],
+                        self.grid.p().row(i)[column] + turns * p.gain,
                     )
                 } else {
                     (q.at(s, samples), p.at(s, samples))

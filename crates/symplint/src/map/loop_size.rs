@@ -163,13 +163,15 @@ impl LoopSize {
         let dof = phase_loop.dof();
         let coordinates = evaluator.coordinates();
         let mut extents = vec![[Extent::default(); 2]; dof];
-        let mut turns = vec![Turns::default(); dof];
+        let mut turns = vec![[Turns::default(); 2]; dof];
         Ensemble::in_parts(phase_loop, SAMPLES, |part| {
             for (i, [of_q, of_p]) in extents.iter_mut().enumerate() {
                 for &q in part.q().row(i) {
-                    of_q.include(turns[i].unwrap(q, coordinates.period(i)));
+                    of_q.include(turns[i][0].unwrap(q, coordinates.period(i)));
                 }
-                part.p().row(i).iter().for_each(|&p| of_p.include(p));
+                for &p in part.p().row(i) {
+                    of_p.include(turns[i][1].unwrap(p, coordinates.momentum_period(i)));
+                }
             }
             Ok(())
         })?;

@@ -148,7 +148,8 @@ impl LoopIntegral {
 
     /// Integrates with the periods and weights of `coordinates`.
     ///
-    /// Positions with a period are unwrapped and may wind. States must be finite: an
+    /// Coordinates with a period are unwrapped, and positions may wind; where momenta are periodic and either winds, the
+    /// quadrature error is not known. States must be finite: an
     /// [`Ensemble`] from a loop or a map was checked when it was made. Rows are spread over the threads
     /// of the current Rayon pool; the result does not depend on their number. The last bits of the
     /// pseudospectral rule depend on the processor: transforms and sums use the instructions that it has.
@@ -167,7 +168,9 @@ impl LoopIntegral {
                 samples: ensemble.samples(),
             });
         }
-        let rows = match rule {
+        let (unwrapped, winding) = ensemble.unwrap_momenta(coordinates);
+        let ensemble = &*unwrapped;
+        let mut rows = match rule {
             Rule::Auto | Rule::Pseudospectral => pseudospectral::rows(ensemble, coordinates),
             Rule::FiniteDifference(cutoffs) => {
                 cutoffs.check()?;
@@ -179,6 +182,9 @@ impl LoopIntegral {
                 });
             }
         };
+        for dof in winding {
+            rows[dof].quadrature_error = None;
+        }
         for (dof, row) in rows.iter().enumerate() {
             let weight = coordinates.weight(dof).abs();
             let estimate = row.quadrature_error.unwrap_or(0.0);

@@ -137,7 +137,8 @@ fn rows(snapshot: &Snapshot, coordinates: &Coordinates) -> Vec<Row> {
                 of_grain(i).max(stored * largest[0]),
                 of_grain(dof + i).max(stored * largest[1]),
             ];
-            let increments = Increments::of(states, i, coordinates.period(i), rounding);
+            let periods = [coordinates.period(i), coordinates.momentum_period(i)];
+            let increments = Increments::of(states, i, periods, rounding);
             let roughness = increments
                 .each_ref()
                 .map(|x| find_jumps(&x.values, x.floor));
@@ -266,7 +267,7 @@ impl<'a> Initial<'a> {
     }
 
     fn across_jumps(&self, after: &Snapshot, rows: &[Row]) -> Result<Compared, Error> {
-        let states = &after.states;
+        let (states, _) = after.states.unwrap_momenta(self.coordinates);
         let samples = states.samples();
         let parts: Vec<Pieces> = (rows.par_iter().enumerate())
             .map(|(dof, row)| {
@@ -347,9 +348,9 @@ impl<'a> Initial<'a> {
                 closed_defect: Defect::between(&self.integral, &closed)?,
             }),
             integral,
-            largest_jump: largest_jump(rows, states),
+            largest_jump: largest_jump(rows, &states),
             breaks: found,
-            wrapped: wrap(rows, states, self.coordinates),
+            wrapped: wrap(rows, &states, self.coordinates),
             motion: motion(&self.snapshot.states, &after.states, self.coordinates),
         })
     }

@@ -36,10 +36,10 @@ impl Increments {
     }
 
     /// Positions and momenta of one degree of freedom.
-    pub fn of(ensemble: &Ensemble, dof: usize, period: f64, errors: [f64; 2]) -> [Self; 2] {
+    pub fn of(ensemble: &Ensemble, dof: usize, periods: [f64; 2], errors: [f64; 2]) -> [Self; 2] {
         [
-            Increments::new(ensemble.q().row(dof), period, errors[0]),
-            Increments::new(ensemble.p().row(dof), 0.0, errors[1]),
+            Increments::new(ensemble.q().row(dof), periods[0], errors[0]),
+            Increments::new(ensemble.p().row(dof), periods[1], errors[1]),
         ]
     }
 }

@@ -4,7 +4,7 @@ use crate::state::{Coordinates, Ensemble};
 
 /// Mean distance of neighbouring samples over that of samples sorted by the angle round their centre, in the plane
 /// (q_i, p_i) in which the loop is largest: 1 for rows in the order of the loop, about a third of their number for
-/// shuffled ones. `None` where a position is periodic, or the loop is flat in every plane.
+/// shuffled ones. `None` where all planes are periodic, or the loop is flat in every plane.
 pub(super) fn shuffled(states: &Ensemble, coordinates: &Coordinates) -> Option<f64> {
     let samples = states.samples() as f64;
     let spread = |row: &[f64]| {
@@ -13,7 +13,7 @@ pub(super) fn shuffled(states: &Ensemble, coordinates: &Coordinates) -> Option<f
     };
     let of_plane = |i: usize| (spread(states.q().row(i)), spread(states.p().row(i)));
     let (dof, (q_spread, p_spread)) = (0..states.dof())
-        .filter(|&i| coordinates.period(i) == 0.0)
+        .filter(|&i| coordinates.period(i) == 0.0 && coordinates.momentum_period(i) == 0.0)
         .map(|i| (i, of_plane(i)))
         .max_by(|(_, a), (_, b)| (a.0 * a.1).total_cmp(&(b.0 * b.1)))?;
     if !(q_spread > 0.0 && p_spread > 0.0) {

@@ -5,6 +5,8 @@ use crate::error::Error;
 /// Periods and grids of the positions and weights of the momenta.
 ///
 /// * `period(i)` is the period of q_i, or 0 where q_i is not periodic.
+/// * `momentum_period(i)` is the same of p_i, as of the standard map on the torus. ∮ p·dq has a value on loops that
+///   wind round neither period of such a degree of freedom, and is of momenta unwrapped along the loop.
 /// * The canonical momentum of degree of freedom i is `weight(i)` × p_i: a code that
 ///   carries velocities states its masses or particle weights here.
 /// * `grid_spacing()` is the cell width of the grid on which the map interpolates positions, or 0
@@ -13,6 +15,7 @@ use crate::error::Error;
 pub struct Coordinates {
     dof: usize,
     periods: Option<Vec<f64>>,
+    momentum_periods: Option<Vec<f64>>,
     weights: Option<Vec<f64>>,
     grid_spacing: f64,
 }
@@ -23,6 +26,7 @@ impl Coordinates {
         Coordinates {
             dof,
             periods: None,
+            momentum_periods: None,
             weights: None,
             grid_spacing: 0.0,
         }
@@ -33,19 +37,34 @@ impl Coordinates {
     /// # Errors
     /// If the number of periods is not d, or one is negative or not finite.
     pub fn with_periods(mut self, periods: Vec<f64>) -> Result<Self, Error> {
-        Error::check_length("periods", self.dof, periods.len())?;
+        self.check_periods("periods", &periods)?;
+        self.periods = Some(periods);
+        Ok(self)
+    }
+
+    /// States the period of every momentum; 0 where there is none.
+    ///
+    /// # Errors
+    /// If the number of periods is not d, or one is negative or not finite.
+    pub fn with_momentum_periods(mut self, periods: Vec<f64>) -> Result<Self, Error> {
+        self.check_periods("periods of momenta", &periods)?;
+        self.momentum_periods = Some(periods);
+        Ok(self)
+    }
+
+    fn check_periods(&self, what: &'static str, periods: &[f64]) -> Result<(), Error> {
+        Error::check_length(what, self.dof, periods.len())?;
         for (dof, &value) in periods.iter().enumerate() {
             if !(value.is_finite() && value >= 0.0) {
                 return Err(Error::BadCoordinate {
                     what: "period",
                     dof,
                     value,
-                    remedy: "give a finite period, or 0 for a position that is not periodic",
+                    remedy: "give a finite period, or 0 for a coordinate that is not periodic",
                 });
             }
         }
-        self.periods = Some(periods);
-        Ok(self)
+        Ok(())
     }
 
     /// States the weight of every momentum.
@@ -101,6 +120,22 @@ impl Coordinates {
     /// If periods are stated and `i` is none of the degrees of freedom.
     pub fn period(&self, i: usize) -> f64 {
         self.periods.as_ref().map_or(0.0, |periods| periods[i])
+    }
+
+    /// Period of p_i, 0 where it is not periodic.
+    ///
+    /// # Panics
+    /// If periods of momenta are stated and `i` is none of the degrees of freedom.
+    pub fn momentum_period(&self, i: usize) -> f64 {
+        self.momentum_periods
+            .as_ref()
+            .map_or(0.0, |periods| periods[i])
+    }
+
+    /// Whether any momentum is periodic.
+    pub(crate) fn has_momentum_periods(&self) -> bool {
+        let periods = self.momentum_periods.as_ref();
+        periods.is_some_and(|periods| periods.iter().any(|&period| period > 0.0))
     }
 
     /// Weight of p_i.

@@ -1,6 +1,9 @@
 //! All samples at one time.
 
+use std::borrow::Cow;
+
 use crate::error::{Error, StateAt};
+use crate::signal::unwrap_row;
 use crate::state::{Block, Coordinates};
 use crate::state::{Rows, RowsMut};
 
@@ -120,6 +123,27 @@ impl Ensemble {
         (self.samples, self.stride) = (2 * samples, stride);
     }
 
+    /// The samples of a loop with periodic momenta unwrapped, and the degrees of freedom in which they gain whole periods
+    /// round the loop or the positions do: there ∮ p·dq has no value.
+    pub(crate) fn unwrap_momenta(&self, coordinates: &Coordinates) -> (Cow<'_, Self>, Vec<usize>) {
+        if !coordinates.has_momentum_periods() {
+            return (Cow::Borrowed(self), Vec::new());
+        }
+        let mut unwrapped = self.clone();
+        let mut winding = Vec::new();
+        for i in 0..self.dof {
+            let period = coordinates.momentum_period(i);
+            if period > 0.0 {
+                let of_q = unwrap_row(&mut self.q().row(i).to_vec(), coordinates.period(i));
+                let of_p = unwrap_row(unwrapped.block().p.row_mut(i), period);
+                if of_q != 0 || of_p != 0 {
+                    winding.push(i);
+                }
+            }
+        }
+        (Cow::Owned(unwrapped), winding)
+    }
+
     /// Refuses what no machine holds, before the allocation fails.
     pub(crate) fn check_size(dof: usize, samples: usize) -> Result<(), Error> {
         let values = row_stride(samples).checked_mul(2);
@@ -236,11 +260,12 @@ pub(crate) fn coordinate_mut<'b>(block: &'b mut Block<'_>, c: usize) -> &'b mut 
     }
 }
 
-/// Period of a coordinate: momenta have none.
+/// Period of a coordinate: positions first, then momenta.
 pub(crate) fn period(coordinates: &Coordinates, c: usize) -> f64 {
-    if c < coordinates.dof() {
+    let dof = coordinates.dof();
+    if c < dof {
         coordinates.period(c)
     } else {
-        0.0
+        coordinates.momentum_period(c - dof)
     }
 }

@@ -26,7 +26,7 @@ impl Motions {
             plane.add(
                 [before.q().row(i), before.p().row(i)],
                 [after.q().row(i), after.p().row(i)],
-                coordinates.period(i),
+                [coordinates.period(i), coordinates.momentum_period(i)],
             );
         }
     }
@@ -64,8 +64,9 @@ struct Plane {
     of_changes: Moments,
     /// The first position; infinite before there is one.
     first: f64,
-    turns_before: Turns,
-    turns: Turns,
+    /// Of q and p.
+    turns_before: [Turns; 2],
+    turns: [Turns; 2],
 }
 
 impl Plane {
@@ -74,25 +75,29 @@ impl Plane {
             of_loop: Moments::default(),
             of_changes: Moments::default(),
             first: f64::INFINITY,
-            turns_before: Turns::default(),
-            turns: Turns::default(),
+            turns_before: Default::default(),
+            turns: Default::default(),
         }
     }
 
-    fn add(&mut self, [q, p]: [&[f64]; 2], [new_q, new_p]: [&[f64]; 2], period: f64) {
-        if let (f64::INFINITY, Some(&first)) = (self.first, q.first()) {
+    fn add(&mut self, before: [&[f64]; 2], after: [&[f64]; 2], periods: [f64; 2]) {
+        if let (f64::INFINITY, Some(&first)) = (self.first, before[0].first()) {
             self.first = first;
         }
-        for k in 0..q.len() {
-            self.of_loop
-                .add([self.turns_before.unwrap(q[k], period), p[k]]);
-            self.of_changes
-                .add([self.turns.unwrap(new_q[k] - q[k], period), new_p[k] - p[k]]);
+        for k in 0..before[0].len() {
+            let (mut state, mut change) = ([0.0; 2], [0.0; 2]);
+            for c in 0..2 {
+                let [old, new] = [before[c][k], after[c][k]];
+                state[c] = self.turns_before[c].unwrap(old, periods[c]);
+                change[c] = self.turns[c].unwrap(new - old, periods[c]);
+            }
+            self.of_loop.add(state);
+            self.of_changes.add(change);
         }
     }
 
     fn winds(&self, period: f64) -> bool {
-        let mut turns = self.turns_before;
+        let mut turns = self.turns_before[0];
         turns.unwrap(self.first, period);
         turns.turns != 0.0
     }

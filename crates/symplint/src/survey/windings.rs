@@ -3,34 +3,47 @@
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::signal::Turns;
-use crate::state::{Coordinates, Ensemble};
+use crate::state::{Coordinates, Ensemble, coordinate, period};
 
 /// The degrees of freedom whose position gains whole periods round the loop.
+///
+/// # Errors
+/// Where a momentum is periodic, and it or its position gains whole periods.
 pub(crate) fn wound(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<Vec<usize>, Error> {
     const SAMPLES: usize = 64;
     let dof = coordinates.dof();
-    if (0..dof).all(|i| coordinates.period(i) == 0.0) {
+    let periodic: Vec<usize> = (0..2 * dof)
+        .filter(|&c| period(coordinates, c) > 0.0)
+        .collect();
+    if periodic.is_empty() {
         return Ok(Vec::new());
     }
     let mut first = Vec::new();
-    let mut turns = vec![Turns::default(); dof];
+    let mut turns = vec![Turns::default(); periodic.len()];
     Ensemble::in_parts(phase_loop, SAMPLES, |part| {
-        let q = part.q();
         if first.is_empty() {
-            first.extend((0..dof).map(|i| q.row(i)[0]));
+            first.extend(periodic.iter().map(|&c| coordinate(&part, c)[0]));
         }
-        for (i, turns) in turns.iter_mut().enumerate() {
-            for &q in q.row(i) {
-                turns.unwrap(q, coordinates.period(i));
+        for (&c, turns) in periodic.iter().zip(&mut turns) {
+            for &value in coordinate(&part, c) {
+                turns.unwrap(value, period(coordinates, c));
             }
         }
         Ok(())
     })?;
     // Back to the first sample.
-    let returns = turns.iter_mut().zip(&first).enumerate();
-    let winding = returns.filter_map(|(i, (turns, &q))| {
-        turns.unwrap(q, coordinates.period(i));
-        (turns.turns != 0.0).then_some(i)
+    let returns = turns.iter_mut().zip(&first).zip(&periodic);
+    let winding = returns.filter_map(|((turns, &value), &c)| {
+        turns.unwrap(value, period(coordinates, c));
+        (turns.turns != 0.0).then_some(c)
     });
-    Ok(winding.collect())
+    let winding: Vec<usize> = winding.collect();
+    match winding
+        .iter()
+        .map(|c| c % dof)
+        .find(|&i| coordinates.momentum_period(i) > 0.0)
+    {
+        Some(dof) => Err(Error::WindsRoundTorus { dof }),
+        None => Ok(winding),
+    }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::lift::Lift;
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::Evaluator;
@@ -18,6 +19,8 @@ pub(super) struct Curves<'a> {
     pub phase_loop: &'a dyn Loop,
     /// Segments that close breaks; curve 0 is the loop, curve k is `segments[k − 1]`.
     pub segments: Vec<Segment>,
+    /// Unwraps the momenta of images.
+    pub lift: Lift,
 }
 
 /// A straight segment of states, t in [0, 1], between substeps of the map.
@@ -143,6 +146,18 @@ impl Curves<'_> {
         for k in substep..self.evaluator.substeps() {
             stages.push(states.clone());
             (self.evaluator.advance_substep(&mut states, k, self.h)).map_err(at)?;
+        }
+        let ends = |curve: usize| self.segments[curve - 1].ends.each_ref().map(Image::after);
+        for (sample, point) in points.iter().enumerate() {
+            (self.lift).unwrap(
+                &mut states,
+                sample,
+                point.s,
+                match point.curve {
+                    0 => None,
+                    curve => Some(ends(curve)),
+                },
+            );
         }
         stages.push(states);
         let width = 2 * self.dof();

@@ -85,6 +85,9 @@ pub(super) const SMALLEST: f64 = 1e-140;
 /// degree, and what several operations of a step make of it.
 pub(super) const GRAINS: f64 = 4.0;
 
+/// Samples by which periodic momenta are unwrapped where there are no others.
+pub(super) const SAMPLES_TO_UNWRAP: usize = 256;
+
 /// Unexplained stretches shorter than this part of the loop suggest that the map has noise.
 pub(super) const NOISE_LENGTH: f64 = 1e-3;
 

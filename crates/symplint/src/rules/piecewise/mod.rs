@@ -22,6 +22,7 @@ mod fit;
 mod grid;
 mod integrator;
 mod jump;
+mod lift;
 mod limits;
 mod lobatto;
 mod nested;
@@ -44,7 +45,8 @@ use break_uncertainty::break_uncertainty;
 use closure::close;
 use curves::{At, Curves, Image};
 pub(crate) use integrator::Identity;
-use limits::{AROUND, FULL};
+use lift::Lift;
+use limits::{AROUND, FULL, SAMPLES_TO_UNWRAP};
 use nested::search_nested;
 use piece::Piece;
 use refinement::{Budget, Refinement};
@@ -182,7 +184,17 @@ impl Piecewise {
         h: f64,
     ) -> Result<PiecewiseIntegral, Error> {
         let count = EvaluationCount::unlimited();
-        self.integrate_beside(&Evaluator::new(map, &count)?, phase_loop, h, None)
+        let evaluator = Evaluator::new(map, &count)?;
+        let samples = match evaluator.coordinates().has_momentum_periods() {
+            true => {
+                self.check(&evaluator, phase_loop)?;
+                let mut samples = Ensemble::sample(phase_loop, SAMPLES_TO_UNWRAP)?;
+                evaluator.advance(&mut samples, h)?;
+                Some(samples)
+            }
+            false => None,
+        };
+        self.integrate_beside(&evaluator, phase_loop, h, samples.as_ref())
     }
 
     /// The same beside equispaced `samples` of the advanced loop. Every piece has to agree with them, so that nothing
@@ -203,6 +215,7 @@ impl Piecewise {
             h,
             phase_loop,
             segments: Vec::new(),
+            lift: samples.map_or_else(Lift::default, |samples| Lift::new(samples, coordinates)),
         };
         let known = evaluator.known_breaks(phase_loop, h);
         let mut pieces = self.first_pieces(&known, most_evaluations);
@@ -233,7 +246,11 @@ impl Piecewise {
         search_nested(&mut refinement)?;
         let chords = close(&mut refinement, self.closure)?;
         let break_uncertainty = break_uncertainty(&mut refinement)?;
-        sum::sum(&refinement, &chords, break_uncertainty)
+        let mut integral = sum::sum(&refinement, &chords, break_uncertainty)?;
+        if refinement.curves.lift.winds {
+            integral.continuous.quadrature_error = None;
+        }
+        Ok(integral)
     }
 
     /// A few pieces of one length, cut round the breaks that are known; fewer where their states are more than may

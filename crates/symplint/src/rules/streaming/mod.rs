@@ -180,15 +180,16 @@ impl Streaming {
         let mut rows = vec![Row::default(); dof];
         let mut cells_apart = 0.0f64;
 
+        let periods = |i: usize| [coordinates.period(i), coordinates.momentum_period(i)];
         window.begin(source, 0, old)?;
         window.consume(0, &mut rows, |i, row, q, p| {
-            row.begin(q, p, coordinates.period(i));
+            row.begin(q, p, periods(i));
             0.0
         });
         let mut next = old;
         let mut use_up = |window: &mut Window, next: usize, count: usize| {
             let furthest = window.consume(count, &mut rows, |i, row, q, p| {
-                let furthest = row.add(&stencil, [old, next], q, p, coordinates.period(i));
+                let furthest = row.add(&stencil, [old, next], q, p, periods(i));
                 furthest / spacing(coordinates, i)
             });
             cells_apart = cells_apart.max(furthest);
@@ -287,21 +288,24 @@ impl Revolution {
     ) -> Result<Self, Error> {
         let mut contributions = Vec::with_capacity(rows.len());
         let mut total = CompensatedSum::default();
-        let (mut quadrature_error, mut roundoff, mut scale) = (0.0, 0.0, 0.0);
+        let (mut quadrature_error, mut roundoff, mut scale) = (Some(0.0), 0.0, 0.0);
         let mut suspects = Vec::new();
         for (dof, row) in rows.iter().enumerate() {
             let (q, p) = window.history(dof);
-            let of_row = row.integral(stencil, q, p, coordinates.period(dof));
+            let periods = [coordinates.period(dof), coordinates.momentum_period(dof)];
+            let of_row = row.integral(stencil, q, p, periods);
             let weight = coordinates.weight(dof);
             let contribution = weight * of_row.value;
-            let all = of_row.value.abs() + of_row.scale + of_row.roundoff + of_row.quadrature_error;
+            let error = of_row.quadrature_error.unwrap_or(0.0);
+            let all = of_row.value.abs() + of_row.scale + of_row.roundoff + error;
             let value = weight.abs() * all;
             if !value.is_finite() {
                 return Err(Error::Overflow { dof, value });
             }
             total.add(contribution);
             contributions.push(contribution);
-            quadrature_error += weight.abs() * of_row.quadrature_error;
+            quadrature_error = (quadrature_error.zip(of_row.quadrature_error))
+                .map(|(sum, error): (f64, f64)| sum + weight.abs() * error);
             roundoff += weight.abs() * of_row.roundoff;
             scale += weight.abs() * of_row.scale;
             suspects.extend(row.suspects(dof, source.samples, q.len()));
@@ -312,7 +316,7 @@ impl Revolution {
             integral: LoopIntegral {
                 value,
                 contributions,
-                quadrature_error: Some(quadrature_error),
+                quadrature_error,
                 roundoff: roundoff + f64::EPSILON * value.abs(),
                 scale,
                 omitted: None,

@@ -43,7 +43,8 @@ pub(super) struct Row {
 /// ∮ p dq of one degree of freedom, without its weight.
 pub(super) struct RowIntegral {
     pub value: f64,
-    pub quadrature_error: f64,
+    /// `None` where momenta are periodic and the loop winds.
+    pub quadrature_error: Option<f64>,
     pub roundoff: f64,
     pub scale: f64,
 }
@@ -59,9 +60,10 @@ fn unwrap(row: &mut [f64], from: usize, period: f64) {
 
 impl Row {
     /// Begins with the first samples of the loop.
-    pub fn begin(&mut self, q: &mut [f64], p: &[f64], period: f64) {
+    pub fn begin(&mut self, q: &mut [f64], p: &mut [f64], periods: [f64; 2]) {
         (self.q.first, self.p.first) = (q[0], p[0]);
-        unwrap(q, 1, period);
+        unwrap(q, 1, periods[0]);
+        unwrap(p, 1, periods[1]);
     }
 
     /// Adds the new samples, which come after `old` ones, at least as many as the half width of the stencil and
@@ -73,10 +75,11 @@ impl Row {
         stencil: &Stencil,
         [old, next]: [usize; 2],
         q: &mut [f64],
-        p: &[f64],
-        period: f64,
+        p: &mut [f64],
+        periods: [f64; 2],
     ) -> f64 {
-        unwrap(q, old, period);
+        unwrap(q, old, periods[0]);
+        unwrap(p, old, periods[1]);
         let mut furthest: f64 = 0.0;
         for start in (old..q.len()).step_by(GROUP) {
             let end = (start + GROUP).min(q.len());
@@ -134,13 +137,22 @@ impl Row {
 
     /// The integral after one revolution; `q` and `p` are the samples that follow the last one, which are the first
     /// ones again.
-    pub fn integral(&self, stencil: &Stencil, q: &[f64], p: &[f64], period: f64) -> RowIntegral {
+    pub fn integral(
+        &self,
+        stencil: &Stencil,
+        q: &[f64],
+        p: &[f64],
+        periods: [f64; 2],
+    ) -> RowIntegral {
         let mut value = self.value;
         let (mut scale, mut roundoff) = (self.scale, 0.0);
-        let gain = match period > 0.0 {
-            true => period * ((q[0] - self.q.first) / period).round(),
+        let gained = |distance: f64, period: f64| match period > 0.0 {
+            true => period * (distance / period).round(),
             false => 0.0,
         };
+        let gain = gained(q[0] - self.q.first, periods[0]);
+        let has_value =
+            periods[1] == 0.0 || (gain == 0.0 && gained(p[0] - self.p.first, periods[1]) == 0.0);
         if gain != 0.0 {
             // Where q has gained whole periods, products across the end of the loop miss them.
             for (j, c) in (1..).zip(&stencil.centred) {
@@ -158,7 +170,7 @@ impl Row {
         let folded = FOLDED * (q_rough * self.p.steepest + p_rough * self.q.steepest);
         RowIntegral {
             value: value.total(),
-            quadrature_error: stencil.miss(q_rough, p_rough) + folded,
+            quadrature_error: has_value.then(|| stencil.miss(q_rough, p_rough) + folded),
             roundoff,
             scale,
         }
