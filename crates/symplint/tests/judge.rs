@@ -7,6 +7,7 @@ use symplint::evidence::{
     Closing, Contraction, DofGroup, Evidence, JumpingCells, LoopEvidence, LoopKind, Motion,
     Omission, Origin, SingularJacobian, StepEvidence, Wrap,
 };
+use symplint::jacobian::{JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect};
 use symplint::verdict::{Advice, Finding, Growth, Verdict};
 use symplint::{Defect, VerdictKind, judge};
 
@@ -306,11 +307,70 @@ fn a_change_at_one_point_of_the_disc_convicts_nobody() {
     let mut evidence = of_map(vec![step(0.5, 0.1, 1e-12)]);
     for (area, expected) in [(0.99e-3, Undecided), (1.01e-3, NotSymplectic)] {
         evidence.contraction = Some(Contraction {
+            points: 1,
             s: [0.2, 0.21],
             r: [0.3, 0.31],
             area,
         });
         assert_eq!(kind(&evidence), expected, "{area}");
+    }
+}
+
+#[test]
+fn what_may_lie_outside_the_domain_of_the_map_convicts_nobody() {
+    // Beside a manifold, of which nothing is known.
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-14)]);
+    evidence.loops[1].steps = vec![step(0.5, -1.0, 1e-12)];
+    evidence.omissions.push(Omission::ManifoldBudget);
+    evidence.evaluations.wanted = 480;
+    assert_eq!(kind(&evidence), Undecided);
+    assert!(matches!(
+        decides(&evidence),
+        Finding::ManifoldUnknown { loop_index: 1, .. }
+    ));
+    assert_eq!(
+        judge(&evidence).advice[0],
+        Advice::MoreEvaluations { wanted: 480 }
+    );
+    evidence.loops[0].steps = vec![step(0.5, -1.0, 1e-12)];
+    assert_eq!(kind(&evidence), NotSymplectic);
+
+    // Round a point at which it may be singular: the Jacobian is symplectic to a digit more than the change, or not.
+    for (signed, expected) in [(1.1e-6, Undecided), (0.9e-6, NotSymplectic)] {
+        let mut evidence = of_map(vec![step(0.5, signed, 1e-12)]);
+        evidence.omissions.push(Omission::ContractionBudget);
+        assert_eq!(kind(&evidence), NotSymplectic);
+        evidence.jacobian = Some(symplectic_jacobian(1e-7));
+        assert_eq!(kind(&evidence), expected, "{signed}");
+    }
+}
+
+/// A Jacobian without a defect above a bound.
+fn symplectic_jacobian(bound: f64) -> JacobianEvidence {
+    let worst = TangentDefect {
+        s: 0.25,
+        signed: 0.0,
+        uncertainty: bound,
+        dofs: None,
+    };
+    let point = JacobianPoint {
+        s: worst.s,
+        worst: Some(worst),
+        bound: Some(bound),
+    };
+    JacobianEvidence {
+        step_size: 0.5,
+        method: JacobianMethod::CentralDifferences { rejected: None },
+        points: vec![point; 4],
+        not_differentiable: 0,
+        full: true,
+        projected: false,
+        worst: Some(worst),
+        bound: Some(bound),
+        bounds_of_groups: vec![Some(bound)],
+        deformation: 1.0,
+        noise: 1e-16,
+        evaluations: 100,
     }
 }
 

@@ -55,6 +55,13 @@ pub(super) const PURITY_SAMPLES: [usize; 2] = [4, 16];
 /// The part of a budget that the Jacobian may take at most.
 pub(super) const JACOBIAN_PART: usize = 5;
 
+/// The part of a budget that is kept for finding out whether what shows a defect lies in the domain of the map.
+pub(super) const DOMAIN_PART: usize = 10;
+
+/// Evaluations that contracting a loop takes, about: twelve halvings of the disc, of which the boundaries come near to
+/// one or two singular points.
+pub(super) const CONTRACTION: usize = 6_000;
+
 /// Coordinates that the map advances for the Jacobian at most: in many degrees of freedom fewer tangent vectors have
 /// to do.
 pub(super) const MOST_JACOBIAN: usize = 1 << 19;

@@ -160,9 +160,10 @@ struct Given<'a> {
 }
 
 impl Run<'_> {
-    /// Evaluations left for loops: what the Jacobian will take is kept.
+    /// Evaluations left for loops: what the Jacobian and the domain of the map will take is kept.
     fn left(&self) -> usize {
-        self.count.left().saturating_sub(self.plan.jacobian)
+        let kept = self.plan.jacobian + self.plan.domain;
+        self.count.left().saturating_sub(kept)
     }
 
     /// The given loop at all step sizes that the budget allows, the largest first of all.
@@ -373,7 +374,8 @@ impl Run<'_> {
             evaluator,
             phase_loop,
         } = subject;
-        let (left, planned) = (self.count.left(), self.plan.jacobian);
+        let left = self.count.left().saturating_sub(self.plan.domain);
+        let planned = self.plan.jacobian;
         match JacobianTest::within(left.min(planned), evaluator.dof(), evaluator.has_tangent()) {
             None => self.omit(Omission::JacobianBudget),
             Some(test) => {

@@ -6,12 +6,13 @@
 //! small: the next budget then says more.
 
 use super::limits::{
-    LARGEST_BUDGET, LEAST_FOR_PRECISION, MOST_SAMPLES, OF_PIECES, STEEPER, STRETCHED, TWO_DOUBLINGS,
+    CONTRACTION, DOMAIN_PART, LARGEST_BUDGET, LEAST_FOR_PRECISION, MOST_SAMPLES, OF_PIECES,
+    STEEPER, STRETCHED, TWO_DOUBLINGS,
 };
 use super::plan::Plan;
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
-use crate::evidence::{Evidence, LoopEvidence, MOST_CELLS_APART, StepEvidence};
+use crate::evidence::{Evidence, LoopEvidence, MOST_CELLS_APART, Omission, StepEvidence};
 use crate::rules::{Rule, Subject, cells_apart};
 use crate::state::Ensemble;
 use crate::survey;
@@ -29,6 +30,7 @@ impl Diagnostic {
             return Ok(0);
         }
         let budget = evidence.evaluations.budget;
+        let of_domain = budget_for_domain(subject.dof(), evidence).saturating_sub(budget);
         let steps =
             || (evidence.loops.iter()).flat_map(|of| of.steps.iter().map(move |step| (of, step)));
         let given = evidence.loops.first().map_or(0, |given| given.samples);
@@ -46,7 +48,9 @@ impl Diagnostic {
             _ if samples > given => self.least_budget(subject, evidence, samples),
             _ => Some(OF_PIECES.max(2 * budget)),
         };
-        Ok(needed.map_or(0, |needed| needed.saturating_sub(budget)))
+        Ok(needed.map_or(of_domain, |needed| {
+            needed.saturating_sub(budget).max(of_domain)
+        }))
     }
 
     fn plan(&self, subject: Subject<'_>, budget: usize) -> Plan {
@@ -67,7 +71,7 @@ impl Diagnostic {
                 true => evidence.evaluations.purity + survey::PRECISION_STATES,
                 false => evidence.evaluations.purity,
             };
-            let left = budget.saturating_sub(looks + plan.jacobian);
+            let left = budget.saturating_sub(looks + plan.jacobian + plan.domain);
             let most = match self.samples {
                 SampleCount::Fixed(_) => plan.first_samples,
                 SampleCount::Auto => plan
@@ -92,6 +96,21 @@ impl Diagnostic {
             }
         }
         Some(high.max(OF_PIECES)).filter(|_| samples <= MOST_SAMPLES)
+    }
+}
+
+/// The budget in which enough is kept to find out whether what shows a defect lies in the domain of the map; 0 where that
+/// is known.
+fn budget_for_domain(dof: usize, evidence: &Evidence) -> usize {
+    let omitted = |omission: &Omission| evidence.omissions.contains(omission);
+    let manifold = survey::singular_cost(dof);
+    if omitted(&Omission::ContractionBudget) {
+        let of_more = 2 * evidence.evaluations.budget;
+        (DOMAIN_PART * (manifold + CONTRACTION)).max(of_more)
+    } else if omitted(&Omission::ManifoldBudget) {
+        DOMAIN_PART * manifold
+    } else {
+        0
     }
 }
 

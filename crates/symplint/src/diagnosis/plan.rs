@@ -1,14 +1,16 @@
 //! How a budget of evaluations is spent.
 
 use super::limits::{
-    DEFAULT_BUDGET, FEWEST_JACOBIAN, FEWEST_SAMPLES, FEWEST_TIGHT_SAMPLES, FINE_SAMPLES,
-    FINE_SAMPLES_OF_MANY, FIRST_PART, FIXED_PART, FOLDED, JACOBIAN_PART, MOST_JACOBIAN,
-    PURITY_SAMPLES, SMALL, TIGHT, TIGHT_SAMPLES_PART, TIGHT_TOLERANCE,
+    CONTRACTION, DEFAULT_BUDGET, DOMAIN_PART, FEWEST_JACOBIAN, FEWEST_SAMPLES,
+    FEWEST_TIGHT_SAMPLES, FINE_SAMPLES, FINE_SAMPLES_OF_MANY, FIRST_PART, FIXED_PART, FOLDED,
+    JACOBIAN_PART, MOST_JACOBIAN, PURITY_SAMPLES, SMALL, TIGHT, TIGHT_SAMPLES_PART,
+    TIGHT_TOLERANCE,
 };
 use super::memory::fits;
 use super::{Diagnostic, SampleCount};
 use crate::jacobian::JacobianTest;
 use crate::map::Evaluator;
+use crate::survey;
 
 /// The budget where none is given. It allows the many steps that are asked for and, where the number of samples is
 /// given, the sweeps.
@@ -39,6 +41,8 @@ pub(super) struct Plan {
     pub purity_samples: usize,
     /// Evaluations that are kept for the Jacobian, which may take no more.
     pub jacobian: usize,
+    /// Evaluations that are kept for the domain of the map.
+    pub domain: usize,
     /// What interpolants of the piecewise rule may be off, at least.
     pub tolerance: f64,
 }
@@ -66,6 +70,7 @@ impl Plan {
                 }
                 false => 0,
             },
+            domain: (survey::singular_cost(dof) + CONTRACTION).min(budget / DOMAIN_PART),
             tolerance: if tight { TIGHT_TOLERANCE } else { 0.0 },
         }
     }

@@ -21,12 +21,14 @@ pub struct Localisation {
 /// Where the change of a loop integral sits in the disc that the loop bounds, the fan of segments from a point within.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contraction {
-    /// The loop parameters between which the patch lies that carries it.
+    /// The loop parameters between which the patch lies that carries most of it.
     pub s: [f64; 2],
     /// How far from the centre: 0 there and 1 on the loop.
     pub r: [f64; 2],
-    /// The area of the patch as a part of that of the disc. The disc is halved as long as one half carries nine tenths of
-    /// the change: of a map whose defect is spread over an area it is large.
+    /// How many patches carry nine tenths of it.
+    pub points: usize,
+    /// Their area as a part of that of the disc. The disc is halved as long as few halves carry the change: of a map
+    /// whose defect is spread over an area it is large.
     pub area: f64,
 }
 

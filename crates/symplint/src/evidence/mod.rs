@@ -176,6 +176,10 @@ pub enum Omission {
     },
     /// Where a defect comes from: the budget was spent.
     LocalisationBudget,
+    /// Whether the map projects onto a manifold, and what has a defect leaves it: the budget was spent.
+    ManifoldBudget,
+    /// Whether a loop whose integral changes can be contracted in the domain of the map: the budget was spent.
+    ContractionBudget,
     /// Many steps: this many samples would have to stay in memory.
     LongTimeMemory {
         /// Samples.

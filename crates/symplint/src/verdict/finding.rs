@@ -179,8 +179,8 @@ pub enum Finding {
     },
     /// Loops are conserved, but the Jacobian has a defect of more than ten times its uncertainty.
     JacobianRefutes,
-    /// A loop integral changes, the Jacobian does not show why, and nine tenths of the change come from less than a
-    /// thousandth of the disc within the loop.
+    /// A loop integral changes, the Jacobian does not show why, and nine tenths of the change come from a few points, less
+    /// than a thousandth of the disc within the loop.
     ChangesAtAPoint {
         /// Which loop.
         loop_index: usize,
@@ -190,6 +190,28 @@ pub enum Finding {
         step: Step,
         /// Where it sits.
         contraction: Contraction,
+    },
+    /// A loop integral changes by much more than the Jacobian of the step allows, and whether the loop can be contracted in
+    /// the domain of the map is not known.
+    ContractionUnknown {
+        /// Which loop.
+        loop_index: usize,
+        /// By how much.
+        change: Change,
+        /// The step.
+        step: Step,
+        /// What no defect of the Jacobian exceeds.
+        bound: f64,
+    },
+    /// Only loops that were not given change, and whether the map projects onto a manifold, beside which that proves
+    /// nothing, is not known.
+    ManifoldUnknown {
+        /// Which loop.
+        loop_index: usize,
+        /// By how much.
+        change: Change,
+        /// The step.
+        step: Step,
     },
     /// The map projects onto a manifold (its Jacobian is singular at the loop), and the given loop does not lie on it: its
     /// integral changes significantly in one step, and in the step after that it does not.

@@ -100,6 +100,7 @@ impl<'a> Case<'a> {
             .or_else(|| self.beside_manifold())
             .or_else(|| self.broken())
             .or_else(|| self.not_contracted())
+            .or_else(|| self.outside_its_domain())
             .or_else(|| self.not_symplectic())
             .or_else(|| self.projects())
             .or_else(|| self.undecided())
@@ -314,6 +315,8 @@ impl<'a> Case<'a> {
                     | Omission::Samples { .. }
                     | Omission::JacobianBudget
                     | Omission::LocalisationBudget
+                    | Omission::ManifoldBudget
+                    | Omission::ContractionBudget
                     | Omission::LongTimeBudget
             )
         };

@@ -229,6 +229,17 @@ impl Display for Finding {
                 step,
                 contraction,
             } => domain::at_a_point(f, *loop_index, change, step, contraction),
+            Finding::ContractionUnknown {
+                loop_index,
+                change,
+                step,
+                bound,
+            } => domain::contraction_unknown(f, *loop_index, change, step, *bound),
+            Finding::ManifoldUnknown {
+                loop_index,
+                change,
+                step,
+            } => domain::manifold_unknown(f, *loop_index, change, step),
             Finding::LoopBesideManifold {
                 smallest,
                 first,

@@ -85,6 +85,10 @@ pub(super) const STAYED: f64 = 1.8;
 /// A bounded defect returns to this part of its largest value.
 pub(super) const RETURNS: f64 = 0.5;
 
-/// A patch of the disc within a loop that is smaller than this part of it is a point, and what it alone changes no sign of a
-/// defect. Conventional: ten halvings. Defects of methods are spread over the disc.
+/// A Jacobian that is symplectic to less than this part of the change of a loop integral contradicts it. Conventional: one
+/// digit, as both are relative to the size of the loop.
+pub(super) const CONTRADICTS: f64 = 10.0;
+
+/// Patches of the disc within a loop that are smaller than this part of it are points, and what they alone change no sign
+/// of a defect. Conventional: ten halvings. Defects of methods are spread over the disc.
 pub(super) const POINT_OF_DISC: f64 = 1e-3;

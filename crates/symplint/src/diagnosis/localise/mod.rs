@@ -5,7 +5,9 @@ mod patch;
 mod sectors;
 mod substeps;
 
-pub(super) use halving::{FEWEST_EVALUATIONS as FEWEST_OF_HALVING, contraction};
+pub(super) use halving::{
+    FEWEST_EVALUATIONS as FEWEST_OF_HALVING, MOST_EVALUATIONS as MOST_OF_A_BOUNDARY, contraction,
+};
 
 use super::Diagnostic;
 use super::memory::fits;

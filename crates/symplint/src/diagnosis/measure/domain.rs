@@ -1,9 +1,9 @@
 //! Whether what has a defect lies in the domain of the map.
 
 use super::{Given, Run, of_the_map};
-use crate::diagnosis::localise::{FEWEST_OF_HALVING, contraction};
+use crate::diagnosis::localise::{FEWEST_OF_HALVING, MOST_OF_A_BOUNDARY, contraction};
 use crate::error::Error;
-use crate::evidence::{LoopEvidence, LoopKind};
+use crate::evidence::{LoopEvidence, LoopKind, Omission};
 use crate::jacobian::JacobianEvidence;
 use crate::rules::Subject;
 use crate::survey;
@@ -25,8 +25,11 @@ impl Run<'_> {
         let of_given = self.evidence.loops[0].shows_defect();
         // With a projection all loops lie on the manifold.
         let projected = subject.evaluator.constraint().is_some();
-        let affordable = self.count.left() >= survey::singular_cost(subject.dof());
-        if !shown || projected || !affordable || given.probe.is_beyond_memory() {
+        if !shown || projected || given.probe.is_beyond_memory() {
+            return Ok(());
+        }
+        if self.count.left() < survey::singular_cost(subject.dof()) {
+            self.omit(Omission::ManifoldBudget);
             return Ok(());
         }
         let start = self.count.made();
@@ -66,11 +69,14 @@ impl Run<'_> {
             !of_jacobian.is_some_and(JacobianEvidence::shows_defect)
                 && self.evidence.survey.singular.is_none()
                 && found.kind != LoopKind::Image
-                && self.count.left() >= FEWEST_OF_HALVING
                 && !given.probe.is_beyond_memory()
         }) else {
             return Ok(());
         };
+        if self.count.left() < FEWEST_OF_HALVING {
+            self.omit(Omission::ContractionBudget);
+            return Ok(());
+        }
         let start = self.count.made();
         let random = self
             .diagnostic
@@ -81,9 +87,13 @@ impl Run<'_> {
         };
         subject.evaluator.begin_loop();
         match contraction(subject, &given.size, self.largest) {
+            // A boundary was not resolved, as no more evaluations were left.
+            Ok(None) if self.count.left() < MOST_OF_A_BOUNDARY => {
+                self.omit(Omission::ContractionBudget);
+            }
             Ok(found) => self.evidence.contraction = found,
-            // Within the loop the map need not be defined, and no more evaluations may be left.
-            Err(Error::BudgetSpent { .. }) => {}
+            Err(Error::BudgetSpent { .. }) => self.omit(Omission::ContractionBudget),
+            // Within the loop the map need not be defined.
             Err(error) if of_the_map(&error) => {}
             Err(error) => return Err(error),
         }

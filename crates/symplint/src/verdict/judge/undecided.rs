@@ -1,12 +1,13 @@
 //! Reasons for which the numbers do not decide.
 
 use super::{Case, Decision, change};
-use crate::evidence::{LoopEvidence, LoopKind, Motion, StepEvidence};
+use crate::evidence::{LoopEvidence, LoopKind, Motion, Omission, StepEvidence};
 use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding};
+use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
-    LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_LARGER, POINT_OF_DISC, SMALL,
+    CONTRADICTS, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_LARGER, POINT_OF_DISC, SMALL,
 };
 
 impl Case<'_> {
@@ -51,6 +52,44 @@ impl Case<'_> {
             contraction,
         };
         Some(self.because(because, vec![Advice::LoopBesidePoint]))
+    }
+
+    /// It is not known whether what shows a defect lies in the domain of the map.
+    pub(super) fn outside_its_domain(&self) -> Option<Decision> {
+        let omitted = |omission| self.evidence.omissions.contains(&omission);
+        let (found, step) = self.worst(StepEvidence::is_significant)?;
+        let of_given = (self.loops.first()).is_some_and(LoopEvidence::shows_defect);
+        let change = change(&step.defect);
+        let step = self.name(found, step);
+        if omitted(Omission::ManifoldBudget) && !of_given {
+            let because = Finding::ManifoldUnknown {
+                loop_index: found.index,
+                change,
+                step,
+            };
+            return Some(self.because(because, vec![Advice::Project]));
+        }
+        let bound = self.jacobian_bound()?;
+        let contradicts = change.signed.abs() > CONTRADICTS * bound;
+        if omitted(Omission::ContractionBudget) && contradicts {
+            let because = Finding::ContractionUnknown {
+                loop_index: found.index,
+                change,
+                step,
+                bound,
+            };
+            return Some(self.because(because, vec![Advice::LoopBesidePoint]));
+        }
+        None
+    }
+
+    /// What no defect of the Jacobian exceeds, if it is symplectic.
+    fn jacobian_bound(&self) -> Option<f64> {
+        let jacobian = self.evidence.jacobian.as_ref()?;
+        match jacobian.verdict() {
+            JacobianVerdict::SymplecticAlmostEverywhere { .. } => jacobian.bound,
+            _ => None,
+        }
     }
 
     /// The map projects onto a manifold, and the given loop does not lie on it: on the manifold it is conserved.

@@ -45,6 +45,12 @@ impl Display for Omission {
                     "Where the defect comes from could not be found: {reason}."
                 )
             }
+            Omission::ManifoldBudget => f.write_str(
+                "Whether the map projects onto a constraint manifold was not looked at: the budget was spent.",
+            ),
+            Omission::ContractionBudget => f.write_str(
+                "Whether the loop can be contracted in the domain of the map was not found out: the budget was spent.",
+            ),
             Omission::LocalisationBudget => {
                 f.write_str("Where the defect comes from was not looked for: the budget was spent.")
             }

@@ -16,13 +16,51 @@ pub(super) fn at_a_point(
     let middle = |[from, to]: [f64; 2]| 0.5 * (from + to);
     write!(
         f,
-        "The integral of {} changes by {change} {step}, but all of the change comes from a patch of {:.0e} of the disc \
-         within it, near s = {:.3}, {:.0} % of the way from the centre. A map that is singular there may change it, and be \
+        "The integral of {} changes by {change} {step}, but all of the change comes from {} {:.0e} of the disc within it,{} \
+         near s = {:.3}, {:.0} % of the way from the centre. A map that is singular there may change it, and be \
          symplectic everywhere else: the loop cannot be contracted in its domain.",
         loop_name(loop_index),
+        match contraction.points {
+            1 => "a patch of".to_owned(),
+            points => format!("{points} patches, together"),
+        },
         contraction.area,
+        match contraction.points {
+            1 => "",
+            _ => " most of it",
+        },
         middle(contraction.s),
         100.0 * middle(contraction.r)
+    )
+}
+
+pub(super) fn contraction_unknown(
+    f: &mut Formatter<'_>,
+    loop_index: usize,
+    change: &Change,
+    step: &Step,
+    bound: f64,
+) -> Result {
+    write!(
+        f,
+        "The integral of {} changes by {change} {step}, but the Jacobian is symplectic to {bound:.1e} at all points that were \
+         tried. Both are right for a map that is singular at a point within the loop; whether the change comes from one was \
+         not found out.",
+        loop_name(loop_index)
+    )
+}
+
+pub(super) fn manifold_unknown(
+    f: &mut Formatter<'_>,
+    loop_index: usize,
+    change: &Change,
+    step: &Step,
+) -> Result {
+    write!(
+        f,
+        "The integral of {} changes by {change} {step}, and that of the given loop does not. If the map projects onto a \
+         constraint manifold, loops beside it prove nothing; whether it does was not found out.",
+        loop_name(loop_index)
     )
 }
 
