@@ -38,7 +38,7 @@ pub(super) const FIXED_PART: usize = 4;
 /// cheaper by pieces.
 pub(super) const TIGHT_SAMPLES_PART: usize = 16;
 
-/// The part of a tight budget that is kept while the given loop is resolved: a second step size or a random loop may
+/// The part of a budget that is kept while the given loop is resolved: a second step size or a random loop may
 /// fit into it where samples were enough.
 pub(super) const KEPT_PART: usize = 8;
 

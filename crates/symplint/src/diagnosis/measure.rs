@@ -178,11 +178,7 @@ impl Run<'_> {
             h: self.largest,
             plan: &self.plan,
             most_samples: self.plan.most_samples(diagnostic, budget, left),
-            allowance: if tight {
-                left / KEPT_PART * (KEPT_PART - 1)
-            } else {
-                left
-            },
+            allowance: left / KEPT_PART * (KEPT_PART - 1),
         };
         let probe = diagnostic.resolve(subject, &with, &mut look)?;
         let samples = &mut InitialSamples::new(subject);

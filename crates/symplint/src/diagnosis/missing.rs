@@ -30,7 +30,8 @@ impl Diagnostic {
             return Ok(0);
         }
         let budget = evidence.evaluations.budget;
-        let of_domain = budget_for_domain(subject.dof(), evidence).saturating_sub(budget);
+        let beside = budget_for_domain(subject.dof(), evidence).saturating_sub(budget);
+        let beside = beside.max(random_loops(evidence));
         let steps =
             || (evidence.loops.iter()).flat_map(|of| of.steps.iter().map(move |step| (of, step)));
         let given = evidence.loops.first().map_or(0, |given| given.samples);
@@ -48,9 +49,7 @@ impl Diagnostic {
             _ if samples > given => self.least_budget(subject, evidence, samples),
             _ => Some(OF_PIECES.max(2 * budget)),
         };
-        Ok(needed.map_or(of_domain, |needed| {
-            needed.saturating_sub(budget).max(of_domain)
-        }))
+        Ok(needed.map_or(beside, |needed| needed.saturating_sub(budget).max(beside)))
     }
 
     fn plan(&self, subject: Subject<'_>, budget: usize) -> Plan {
@@ -97,6 +96,21 @@ impl Diagnostic {
         }
         Some(high.max(OF_PIECES)).filter(|_| samples <= MOST_SAMPLES)
     }
+}
+
+/// Evaluations that the random loops would take that were left out: each as many as a step of the given loop.
+fn random_loops(evidence: &Evidence) -> usize {
+    let omitted = evidence
+        .omissions
+        .iter()
+        .find_map(|omission| match omission {
+            Omission::RandomLoops { count } => Some(*count),
+            _ => None,
+        });
+    let steps = evidence.loops.first().map_or(0, |given| given.steps.len());
+    omitted.map_or(0, |count| {
+        count * evidence.evaluations.given_loop / steps.max(1)
+    })
 }
 
 /// The budget in which enough is kept to find out whether what shows a defect lies in the domain of the map; 0 where that

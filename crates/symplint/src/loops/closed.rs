@@ -2,42 +2,55 @@
 
 use super::Loop;
 use crate::error::Error;
-use crate::signal::nearest;
+use crate::signal::{Extent, nearest};
 use crate::state::{Coordinates, Ensemble, coordinate, period};
 
 /// A part of the loop on which it hardly moves: round its end, a loop of a few modes moves by 1e-8 of its size.
 const SHORT: f64 = 1.0 / (1 << 30) as f64;
 
-/// From its last point to its first a loop moves by as much as beside them. It has a gap if it is so many times that,
-/// at a corner, too.
+/// Steps of this length on either side of the end.
+const STEPS: usize = 3;
+
+/// From its last point to its first a loop moves as it does on one of the two sides, or between them at a corner. It has a
+/// gap if it moves otherwise by so many times what the steps of one side differ by.
 const A_GAP: f64 = 64.0;
 
-/// Rounding of the loop's own arithmetic, in units in the last place.
-const ROUNDINGS: f64 = 64.0;
+/// Rounding of the loop's own arithmetic, in units in the last place. Jumps of less are no breaks either.
+const ROUNDINGS: f64 = 1024.0;
 
 /// Checks that a loop ends where it begins, but for whole periods.
 ///
 /// # Errors
 /// Names the coordinate with the widest gap. Those of states that are not finite are left to whoever samples the loop.
 pub(crate) fn check_closed(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<(), Error> {
-    let s = [1.0 - 2.0 * SHORT, 1.0 - SHORT, 0.0, SHORT];
+    let s: Vec<f64> = (1..=STEPS + 1)
+        .rev()
+        .map(|k| 1.0 - k as f64 * SHORT)
+        .chain((0..=STEPS).map(|k| k as f64 * SHORT))
+        .collect();
     let mut states = Ensemble::zeros(phase_loop.dof(), s.len());
     phase_loop.sample(&s, &mut states.block());
     let dof = phase_loop.dof();
     let open = |c: usize| {
         let row = coordinate(&states, c);
-        let step = |k: usize| nearest(row[k + 1] - row[k], period(coordinates, c)).abs();
+        let steps: Vec<f64> = (row.windows(2))
+            .map(|pair| nearest(pair[1] - pair[0], period(coordinates, c)))
+            .collect();
+        let (before, gap, after) = (&steps[..STEPS], steps[STEPS], &steps[STEPS + 1..]);
+        let [before, after] = [before, after].map(Extent::of);
         let magnitude = row.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let moves = step(0).max(step(2)) + ROUNDINGS * f64::EPSILON * magnitude;
-        let gap = step(1);
         // In single precision it does not move on so short a part.
-        let single = f64::from(f32::EPSILON) * magnitude;
-        let moves = if step(0) + step(2) == 0.0 {
-            moves.max(single)
-        } else {
-            moves
+        let rounding = match before.magnitude() + after.magnitude() == 0.0 {
+            true => f64::from(f32::EPSILON),
+            false => f64::EPSILON,
         };
-        (gap > A_GAP * moves).then_some((c, gap))
+        let allowed =
+            A_GAP * before.length().max(after.length()) + ROUNDINGS * rounding * magnitude;
+        let mut beside = before;
+        beside.include(after.middle() - 0.5 * after.length());
+        beside.include(after.middle() + 0.5 * after.length());
+        let off = (gap - beside.middle()).abs() - 0.5 * beside.length();
+        (off > allowed).then_some((c, gap.abs()))
     };
     let widest = (0..2 * dof)
         .filter_map(open)

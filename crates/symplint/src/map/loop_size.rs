@@ -27,8 +27,8 @@ const PART_OF_CENTRE: f64 = 0.1;
 /// smallest one of a group shows three digits less.
 const SIMILAR: f64 = 1e3;
 
-/// Groups at most; the last one holds all smaller actions.
-const MOST_GROUPS: usize = 8;
+/// Groups at most, down to actions of 1e-96 of the largest; the last one holds all smaller ones.
+const MOST_GROUPS: usize = 32;
 
 /// The motion on which a centre lies may be so many times as large as what a step shows of it.
 const WITHIN: f64 = 2.0;
@@ -396,8 +396,8 @@ mod tests {
             groups(&[1e-15, 3e-16, 1.0, 0.0]),
             [vec![2], vec![0, 1], vec![3]]
         );
-        let many: Vec<f64> = (0..20).map(|k| 0.1f64.powi(4 * k)).collect();
+        let many: Vec<f64> = (0..40).map(|k| 0.1f64.powi(4 * k)).collect();
         assert_eq!(groups(&many).len(), MOST_GROUPS);
-        assert_eq!(groups(&many)[MOST_GROUPS - 1].len(), 13);
+        assert_eq!(groups(&many)[MOST_GROUPS - 1].len(), 9);
     }
 }

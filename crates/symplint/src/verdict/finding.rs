@@ -111,10 +111,13 @@ pub enum Finding {
         given: bool,
     },
     /// The largest step advances the motions of no loop by 0.05 rad (a kick or a free flight alone deforms none by 0.2 of its
-    /// size): no method would show a defect.
+    /// size), or by too little for the bound on the defect: a method of order 4 would not show one.
     LittleMotion {
         /// The strongest motion of a loop.
         motion: Motion,
+        /// The group of degrees of freedom whose loops these are, where it is not all.
+        #[serde(default)]
+        group: Option<usize>,
     },
     /// Neighbouring samples are more than half a cell of the map's grid, or a quarter of a period, apart.
     MissesGrid {
@@ -168,6 +171,8 @@ pub enum Finding {
     AllLoopsWind,
     /// The map fails on every random loop.
     RandomLoopsFail,
+    /// The budget left no random loop, and a symmetric given loop can hide a defect.
+    NoRandomLoop,
     /// The given loop, or every random one, bounds the defect by no more than 1e-6.
     WeakBound {
         /// The bound.
@@ -372,6 +377,8 @@ pub enum Finding {
     Exact {
         /// Which loop.
         loop_index: usize,
+        /// What its defect does not exceed.
+        bound: f64,
         /// The degrees of freedom round whose periods it winds.
         #[serde(default)]
         wound: Vec<usize>,

@@ -121,6 +121,8 @@ pub fn judge_jacobian(evidence: &JacobianEvidence) -> JacobianVerdict {
     let (Some(worst), Some(bound)) = (evidence.worst, evidence.bound) else {
         return no_derivative;
     };
+    let of_groups = evidence.bounds_of_groups.iter().flatten().copied();
+    let bound = of_groups.fold(bound, f64::max);
     let exceeds = |times: f64| {
         worst.magnitude() > (evidence.method.least_defect()).max(times * worst.uncertainty)
     };

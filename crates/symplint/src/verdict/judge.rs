@@ -289,20 +289,13 @@ impl<'a> Case<'a> {
     /// The strongest motion of a loop, and the step size that makes it, where it is known. Of shears, the one that
     /// deforms its loop most.
     fn strongest_motion(&self) -> Option<(Motion, Option<f64>)> {
-        let strength = |motion: &Motion| match motion.shear {
-            true => (false, motion.deformation),
-            false => (true, motion.phase_advance),
-        };
         // Loops that wind, or bound no defect, acquit nobody, unless there are no others.
-        let counts = |found: &LoopEvidence| !found.winds && found.is_bounded();
-        let any = self.loops.iter().any(counts);
-        (self.steps())
-            .filter(|(found, _)| !any || counts(found))
-            .filter_map(|(_, step)| Some((step.motion?, step.step_size)))
-            .reduce(|a, b| match strength(&b.0) > strength(&a.0) {
-                true => b,
-                false => a,
-            })
+        let counts = |found: &&LoopEvidence| !found.winds && found.is_bounded();
+        let counted: Vec<&LoopEvidence> = self.loops.iter().filter(counts).collect();
+        match counted.is_empty() {
+            true => strongest_motion(&self.loops.iter().collect::<Vec<_>>()),
+            false => strongest_motion(&counted),
+        }
     }
 
     /// Whether something was left out that evaluations would have told.
@@ -324,6 +317,20 @@ impl<'a> Case<'a> {
         (wanted > 0 && self.evidence.omissions.iter().any(by_budget))
             .then_some(Advice::MoreEvaluations { wanted })
     }
+}
+
+/// The strongest motion of some loops, and the step size that makes it.
+fn strongest_motion(loops: &[&LoopEvidence]) -> Option<(Motion, Option<f64>)> {
+    let strength = |motion: &Motion| match motion.shear {
+        true => (false, motion.deformation),
+        false => (true, motion.phase_advance),
+    };
+    (loops.iter().flat_map(|found| &found.steps))
+        .filter_map(|step| Some((step.motion?, step.step_size)))
+        .reduce(|a, b| match strength(&b.0) > strength(&a.0) {
+            true => b,
+            false => a,
+        })
 }
 
 /// A defect as findings carry it.

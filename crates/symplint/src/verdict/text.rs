@@ -160,7 +160,7 @@ impl Display for Finding {
                     plural(*random)
                 ),
             },
-            Finding::LittleMotion { motion } => little_motion(f, motion),
+            Finding::LittleMotion { motion, group } => little_motion(f, motion, *group),
             Finding::MissesGrid {
                 loop_index,
                 cells_apart,
@@ -217,6 +217,9 @@ impl Display for Finding {
             Finding::RandomLoopsFail => {
                 f.write_str("The map fails on every random loop of the given one's size.")
             }
+            Finding::NoRandomLoop => f.write_str(
+                "Only the given loop was tried, before the budget was spent, and a symmetric loop can hide a defect.",
+            ),
             Finding::WeakBound { bound, step, .. } => {
                 write!(f, "The defect {step} is only bounded by {bound:.1e}.")
             }
@@ -393,10 +396,14 @@ impl Display for Finding {
                 periods(wound),
                 change.signed
             ),
-            Finding::Exact { loop_index, wound } => write!(
+            Finding::Exact {
+                loop_index,
+                bound,
+                wound,
+            } => write!(
                 f,
-                "{} winds round {}, cannot be contracted, and is conserved, too: round that period the map is \
-                 exact.",
+                "{} winds round {}, cannot be contracted, and is conserved to {bound:.1e}, too: round that period the \
+                 map is exact, as far as that tells.",
                 capitalised(&loop_name(*loop_index)),
                 periods(wound)
             ),
@@ -615,7 +622,7 @@ pub(super) fn roughness(exponent: f64) -> Option<&'static str> {
     }
 }
 
-fn little_motion(f: &mut Formatter<'_>, motion: &Motion) -> Result {
+fn little_motion(f: &mut Formatter<'_>, motion: &Motion, group: Option<usize>) -> Result {
     if motion.deformation == 0.0 {
         f.write_str("The step did not move the loop, or only as a whole.")
     } else if motion.shear {
@@ -628,7 +635,11 @@ fn little_motion(f: &mut Formatter<'_>, motion: &Motion) -> Result {
     } else {
         write!(
             f,
-            "The largest step advances the motions on a loop by only {:.1e} rad, too little to show a defect.",
+            "The largest step advances the motions on a loop{} by only {:.1e} rad, too little to show a defect.",
+            match group {
+                None => String::new(),
+                Some(index) => format!(" of group {}", index + 1),
+            },
             motion.phase_advance
         )
     }

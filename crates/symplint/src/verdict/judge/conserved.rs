@@ -8,20 +8,14 @@ use crate::verdict::finding::{Advice, Finding};
 
 impl Case<'_> {
     pub(super) fn symplectic(&self) -> Decision {
-        // A random loop that winds says whether the map is exact, no more.
         let (given, others) = self.loops.split_at(1);
-        let random: Vec<&LoopEvidence> = (others.iter())
-            .filter(|found| !found.winds && found.is_bounded())
-            .collect();
-        let counted = given.iter().filter(|found| found.is_bounded());
-        let bound = (counted.chain(random.iter().copied()))
-            .flat_map(|found| &found.steps)
-            .map(StepEvidence::bound)
-            .fold(f64::EPSILON, f64::max);
+        // A random loop that winds says whether the map is exact, no more.
+        let random = (others.iter()).filter(|found| !found.winds && found.is_bounded());
+        let bound = self.bound_of_loops();
         let because = Finding::Conserved {
             bound,
             range: range(&given[0]),
-            random: random.len(),
+            random: random.count(),
             given: given[0].is_bounded(),
         };
         let mut decision = Decision::new(VerdictKind::Symplectic, because);
@@ -32,6 +26,17 @@ impl Case<'_> {
             false => (!self.has_random_loops()).then_some(Advice::MoreLoops),
         });
         decision
+    }
+
+    /// What no defect exceeds, of loops that bound one: the given loop, and others that do not wind.
+    pub(super) fn bound_of_loops(&self) -> f64 {
+        let (given, others) = self.loops.split_at(1);
+        let others = others.iter().filter(|found| !found.winds);
+        (given.iter().chain(others))
+            .filter(|found| found.is_bounded())
+            .flat_map(|found| &found.steps)
+            .map(StepEvidence::bound)
+            .fold(f64::EPSILON, f64::max)
     }
 
     /// How large the defects may be: of every sampled loop; else of the given loop and of the worst random one.
@@ -101,6 +106,7 @@ impl Case<'_> {
             .find(conserved);
         findings.extend(exact.map(|found| Finding::Exact {
             loop_index: found.index,
+            bound: bound(found),
             wound: found.wound.clone(),
         }));
         findings

@@ -1,6 +1,6 @@
 //! Groups of degrees of freedom of similar action: what is known of each.
 
-use super::{Case, Decision};
+use super::{Case, Decision, strongest_motion};
 use crate::evidence::{LoopEvidence, StepEvidence, WEAKEST_BOUND};
 use crate::verdict::finding::{Advice, Finding};
 
@@ -29,6 +29,24 @@ impl Case<'_> {
             by_loops: steps().map(StepEvidence::bound).reduce(f64::max),
             by_jacobian,
         }
+    }
+
+    /// A group whose motions the largest step advances too little.
+    pub(super) fn slow_group(&self) -> Option<Decision> {
+        (1..self.evidence.groups.len()).find_map(|index| {
+            let of_group = |found: &&LoopEvidence| found.group == Some(index) && found.is_bounded();
+            let loops: Vec<&LoopEvidence> = self.loops.iter().filter(of_group).collect();
+            let (motion, step_size) = strongest_motion(&loops)?;
+            let bounds = loops.iter().flat_map(|found| &found.steps);
+            let bound = bounds.map(StepEvidence::bound).fold(f64::EPSILON, f64::max);
+            (!motion.tests(bound)).then(|| {
+                let group = Some(index);
+                let mut decision =
+                    self.because(Finding::LittleMotion { motion, group }, Vec::new());
+                decision.advice = vec![self.advice_on_motion(motion, step_size)];
+                decision
+            })
+        })
     }
 
     /// A group of which neither its loops nor the Jacobian bound a defect.

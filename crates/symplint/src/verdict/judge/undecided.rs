@@ -8,6 +8,7 @@ use crate::verdict::finding::{Advice, Finding};
 use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
     CONTRADICTS, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_LARGER, POINT_OF_DISC, SMALL,
+    defect_of_order_4,
 };
 
 impl Case<'_> {
@@ -119,9 +120,15 @@ impl Case<'_> {
             ));
         }
         if let Some((motion, step_size)) = self.strongest_motion()
-            && !motion.tests()
+            && !motion.tests(self.bound_of_loops())
         {
-            let mut decision = self.because(Finding::LittleMotion { motion }, Vec::new());
+            let mut decision = self.because(
+                Finding::LittleMotion {
+                    motion,
+                    group: None,
+                },
+                Vec::new(),
+            );
             decision.advice = vec![self.advice_on_motion(motion, step_size)];
             return Some(decision);
         }
@@ -149,11 +156,13 @@ impl Case<'_> {
             return Some(self.because(Finding::AllLoopsWind, vec![Advice::ContractibleLoops]));
         }
         (self.weak_bound())
+            .or_else(|| self.no_random_loop())
             .or_else(|| self.unknown_group())
+            .or_else(|| self.slow_group())
             .or_else(|| self.refuted())
     }
 
-    fn advice_on_motion(&self, motion: Motion, step_size: Option<f64>) -> Advice {
+    pub(super) fn advice_on_motion(&self, motion: Motion, step_size: Option<f64>) -> Advice {
         let factor = match motion.shear {
             true => 2.0 * LEAST_DEFORMATION / motion.deformation,
             false => 1.0 / motion.phase_advance,
@@ -237,6 +246,13 @@ impl Case<'_> {
         Some(weak(given, step))
     }
 
+    /// The budget was spent before a random loop was tried.
+    fn no_random_loop(&self) -> Option<Decision> {
+        let spent = |omission: &Omission| matches!(omission, Omission::RandomLoops { .. });
+        let none = !self.has_random_loops() && self.evidence.omissions.iter().any(spent);
+        none.then(|| self.because(Finding::NoRandomLoop, Vec::new()))
+    }
+
     /// The loops are conserved, and the Jacobian is not symplectic.
     fn refuted(&self) -> Option<Decision> {
         self.jacobian_refutes().then(|| {
@@ -253,12 +269,15 @@ impl Case<'_> {
 }
 
 impl Motion {
-    /// Whether a method that is not symplectic would show a defect. A step that is exactly a kick or a free flight is
-    /// no method's approximation: the map itself is what is judged.
-    fn tests(&self) -> bool {
+    /// Whether a method that is not symplectic would show a defect above this bound. A step that is exactly a kick or a free
+    /// flight is no method's approximation: the map itself is what is judged.
+    pub(super) fn tests(&self, bound: f64) -> bool {
         match self.shear {
             true => self.deformation >= LEAST_DEFORMATION,
-            false => self.phase_advance >= LEAST_PHASE_ADVANCE,
+            false => {
+                self.phase_advance >= LEAST_PHASE_ADVANCE
+                    && defect_of_order_4(self.phase_advance) >= bound
+            }
         }
     }
 }

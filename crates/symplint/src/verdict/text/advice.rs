@@ -71,7 +71,7 @@ impl Display for Advice {
             Advice::MeasureLoop => f.write_str("Measure one loop or more."),
             Advice::StatePeriod => f.write_str("State the period of the position, as an array `period` in the file or as an option."),
             Advice::PeriodIfPeriodic => f.write_str(
-                "If q is an angle or a position in a periodic box, keep it unwrapped or state its period.",
+                "If a coordinate is periodic (an angle, a position in a periodic box, a momentum on a torus), keep it unwrapped or state its period.",
             ),
             Advice::OrderOfSamples => f.write_str(
                 "Give all samples, in their order along a closed loop, the same before and after the step; state \
