@@ -77,7 +77,13 @@ impl Verdict {
             text += &format!(" to {digits} digits");
         }
         if self.conserved_once_closed == Some(true) {
-            text += " (conserved once breaks are closed)";
+            let straight = |finding: &Finding| {
+                matches!(finding, Finding::ClosedConserved { straight: true, .. })
+            };
+            text += match self.findings.iter().any(straight) {
+                true => " (conserved once breaks are closed by straight chords)",
+                false => " (conserved once breaks are closed)",
+            };
         }
         if let Some(order) = self.order {
             text += &format!(", defect of order h^{order}");
