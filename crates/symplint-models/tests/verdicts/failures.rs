@@ -17,7 +17,7 @@ fn states_that_are_not_finite_are_named() {
     });
     let diagnostic = Diagnostic {
         samples: SampleCount::Fixed(1000),
-        ..Diagnostic::halving(-1, -4)
+        ..Diagnostic::halving(-3, -4)
     };
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new()
@@ -26,7 +26,7 @@ fn states_that_are_not_finite_are_named() {
             .unwrap();
         let phase_loop = circle(&[0.0; 2], &[0.0; 2], 1.0);
         let error = pool.install(|| diagnostic.run(&map, &phase_loop).unwrap_err());
-        // sin 2πk/1000 first exceeds 0.95 at k = 200 (0.9511); h = 1/8 is the first below 0.2.
+        // sin 2πk/1000 first exceeds 0.95 at k = 200 (0.9511); at both step sizes, of which the largest is named.
         assert!(
             matches!(
                 error,
@@ -73,6 +73,43 @@ fn failures_of_the_map_are_named() {
         "{error:?}"
     );
     assert!(error.to_string().contains("Newton"));
+}
+
+#[test]
+fn a_map_that_fails_at_some_step_sizes_is_measured_at_the_others() {
+    // Of ten step sizes 2^-1 … 2^-10 the largest, one in the middle, or the smallest.
+    for bad in [1, 4, 10].map(|m| 0.5f64.powi(m)) {
+        for quiet_nan in [false, true] {
+            for (friction, kind) in [
+                (0.0, VerdictKind::Symplectic),
+                (0.1, VerdictKind::NotSymplectic),
+            ] {
+                let map = PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+                    if h == bad && q[0] > 0.3 {
+                        q[0] = f64::NAN;
+                        return if quiet_nan { Ok(()) } else { Err("it hangs") };
+                    }
+                    p[0] -= h * (q[0].sin() + friction * p[0]);
+                    q[0] += h * p[0];
+                    Ok(())
+                });
+                let diagnosis =
+                    diagnose(&Diagnostic::default(), &map, &circle(&[0.2], &[0.4], 1.0));
+                assert_eq!(diagnosis.verdict.kind, kind, "{:?}", diagnosis.verdict);
+                let sizes: Vec<f64> = (diagnosis.evidence.loops[0].steps.iter())
+                    .filter_map(|step| step.step_size)
+                    .collect();
+                assert_eq!((sizes.len(), sizes.contains(&bad)), (9, false));
+                let text = diagnosis.verdict.evidence().join(" ");
+                let exponent = bad.log2() as i32;
+                let named = format!("The step size h = 2^{exponent} was left out");
+                assert!(text.contains(&named), "{text}");
+                assert!(text.contains(if quiet_nan { "NaN" } else { "it hangs" }));
+                let counted = diagnosis.evidence.evaluations;
+                assert!(counted.made <= counted.budget);
+            }
+        }
+    }
 }
 
 #[test]

@@ -35,7 +35,8 @@ impl Diagnostic {
     /// # Errors
     /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, the map gives
     /// different states for the same one, the loop is not closed or encloses no area, or the map fails on the given loop or
-    /// returns states that are not finite.
+    /// returns states that are not finite at every step size: where it does so at some of them, the others are measured and
+    /// those are noted ([`Omission::StepFailed`]).
     pub fn measure(
         &self,
         map: &dyn TimeAdvance,
@@ -74,30 +75,33 @@ impl Diagnostic {
         let mut evidence = Evidence::default();
         evidence.evaluations.budget = budget;
         evidence.evaluations.step_sizes = count.made();
-        let largest = diagnostic.largest_step();
-        let plan = Plan::new(diagnostic, budget, &evaluator);
-        evidence.survey.scatter =
-            survey::check_purity(&evaluator, &given, largest, plan.purity_samples)?;
-        if budget >= LEAST_FOR_PRECISION {
-            match survey::is_single_inside(subject, largest) {
-                Ok(true) => evaluator.note_single_inside(),
-                // Samples of the loop will show it, or miss it.
-                Err(error) if of_the_map(&error) => {}
-                found => {
-                    found?;
+        let mut failed: Vec<FailedStep> = Vec::new();
+        let mut sizes = diagnostic.step_sizes.clone();
+        let (mut run, given) = loop {
+            let largest = largest_of(&sizes);
+            let start = Run {
+                diagnostic,
+                watch,
+                count: &count,
+                plan: Plan::new(diagnostic, budget, &evaluator),
+                largest,
+                failed: failed.clone(),
+                evidence: evidence.clone(),
+            };
+            match start.begin(subject) {
+                // The map need not be able to take every step.
+                Err(error) if of_the_map(&error) => {
+                    sizes.retain(|&h| h != largest);
+                    if sizes.is_empty() {
+                        // Of the largest step size.
+                        return Err(failed.into_iter().next().map_or(error, |first| first.error));
+                    }
+                    evaluator.begin_loop();
+                    failed.push(FailedStep { h: largest, error });
                 }
+                begun => break begun?,
             }
-        }
-        evidence.evaluations.purity = count.made() - evidence.evaluations.step_sizes;
-        let mut run = Run {
-            diagnostic,
-            watch,
-            count: &count,
-            plan,
-            largest,
-            evidence,
         };
-        let given = run.given_loop(subject)?;
         run.random_loops(subject, &given)?;
         run.long_time(&given)?;
         run.jacobian(subject, &given);
@@ -105,18 +109,24 @@ impl Diagnostic {
         run.contract(subject, &given)?;
         run.localise(subject, &given);
         if let Some(sweep) = &self.sample_sweep {
-            run.sweep_samples(&given.probe, sweep)?;
+            match run.sweep_samples(&given.probe, sweep) {
+                Err(error) if of_the_map(&error) => run.omit(Omission::StepFailed {
+                    step_size: sweep.step_size,
+                    reason: error.to_string(),
+                }),
+                swept => swept?,
+            }
         }
         run.evidence.evaluations.made = count.made();
         run.evidence.evaluations.wanted = diagnostic.missing(subject, &run.evidence)?;
         Ok(run.evidence)
     }
+}
 
-    /// The step size of the largest size, of one or more.
-    fn largest_step(&self) -> f64 {
-        let largest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
-        self.step_sizes.iter().copied().fold(0.0, largest)
-    }
+/// The step size of the largest size, of one or more.
+fn largest_of(sizes: &[f64]) -> f64 {
+    let largest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+    sizes.iter().copied().fold(0.0, largest)
 }
 
 fn check_step_sizes(diagnostic: &Diagnostic) -> Result<(), Error> {
@@ -147,8 +157,18 @@ struct Run<'a> {
     watch: &'a dyn Fn(Event<'_>),
     count: &'a EvaluationCount,
     plan: Plan,
+    /// The largest step size that the map can take.
     largest: f64,
+    /// Step sizes at which the map failed on the given loop; it is not asked for them again.
+    failed: Vec<FailedStep>,
     evidence: Evidence,
+}
+
+/// A step size at which the map failed on the given loop.
+#[derive(Clone)]
+struct FailedStep {
+    h: f64,
+    error: Error,
 }
 
 /// The given loop, ready to be advanced again, and what one of its steps costs.
@@ -160,6 +180,41 @@ struct Given<'a> {
 }
 
 impl Run<'_> {
+    /// Checks the map at the largest step size, and measures the given loop.
+    fn begin<'s>(mut self, subject: Subject<'s>) -> Result<(Self, Given<'s>), Error> {
+        let Subject {
+            evaluator,
+            phase_loop,
+        } = subject;
+        let start = self.count.made();
+        self.evidence.survey.scatter = survey::check_purity(
+            evaluator,
+            phase_loop,
+            self.largest,
+            self.plan.purity_samples,
+        )?;
+        if self.count.budget() >= LEAST_FOR_PRECISION {
+            match survey::is_single_inside(subject, self.largest) {
+                Ok(true) => evaluator.note_single_inside(),
+                // Samples of the loop will show it, or miss it.
+                Err(error) if of_the_map(&error) => {}
+                found => {
+                    found?;
+                }
+            }
+        }
+        self.evidence.evaluations.purity = self.count.made() - start;
+        let given = self.given_loop(subject)?;
+        // Step sizes that failed before were tried on the given loop, too.
+        self.evidence.evaluations.given_loop += start - self.evidence.evaluations.step_sizes;
+        Ok((self, given))
+    }
+
+    /// Whether the map failed at this step size on the given loop.
+    fn has_failed(&self, h: f64) -> bool {
+        self.failed.iter().any(|failed| failed.h == h)
+    }
+
     /// Evaluations left for loops: what the Jacobian and the domain of the map will take is kept.
     fn left(&self) -> usize {
         let kept = self.plan.jacobian + self.plan.domain;
@@ -201,7 +256,7 @@ impl Run<'_> {
         self.evidence.loops.push(given);
         let affordable = self.affordable_steps(cost);
         (self.watch)(Event::Planned(affordable.len()));
-        let mut omitted = diagnostic.step_sizes.len() - affordable.len();
+        let mut omitted = diagnostic.step_sizes.len() - self.failed.len() - affordable.len();
         for h in affordable {
             let known = match h == self.largest {
                 true => known.clone(),
@@ -214,10 +269,20 @@ impl Run<'_> {
                         omitted += 1;
                         continue;
                     }
+                    Err(error) if of_the_map(&error) => {
+                        self.failed.push(FailedStep { h, error });
+                        continue;
+                    }
                     known => known?,
                 },
             };
             self.record(0, Sweep::StepSize, &probe, &known);
+        }
+        for FailedStep { h, error } in &self.failed {
+            self.evidence.omissions.push(Omission::StepFailed {
+                step_size: *h,
+                reason: error.to_string(),
+            });
         }
         self.moved(seen.motion);
         if omitted > 0 {
@@ -244,7 +309,9 @@ impl Run<'_> {
         let units = self.left() / cost;
         let random = self.diagnostic.loops - 1;
         let further = (units / 2).max(units.saturating_sub(random));
-        let mut order: Vec<usize> = (0..sizes.len()).collect();
+        let mut order: Vec<usize> = (0..sizes.len())
+            .filter(|&k| !self.has_failed(sizes[k]))
+            .collect();
         order.sort_by(|&a, &b| sizes[b].abs().total_cmp(&sizes[a].abs()));
         order.truncate(1 + further);
         order.sort_unstable();

@@ -144,6 +144,13 @@ pub enum Omission {
         /// How many.
         count: usize,
     },
+    /// A step size: the map failed there on the given loop.
+    StepFailed {
+        /// The step size.
+        step_size: f64,
+        /// The error of the map.
+        reason: String,
+    },
     /// Numbers of samples of the sweep: the budget was spent.
     SampleSweep {
         /// How many.

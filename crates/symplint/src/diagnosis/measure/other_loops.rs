@@ -260,7 +260,7 @@ impl Run<'_> {
             return Ok(());
         }
         let others: Vec<f64> = (diagnostic.step_sizes.iter().copied())
-            .filter(|&h| h != self.largest)
+            .filter(|&h| h != self.largest && !self.has_failed(h))
             .collect();
         (self.watch)(Event::Planned(others.len()));
         for h in others {

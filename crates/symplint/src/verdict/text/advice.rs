@@ -5,7 +5,7 @@ use std::fmt::{Display, Formatter, Result};
 use super::plural;
 use crate::evidence::Omission;
 use crate::verdict::finding::Advice;
-use crate::verdict::number::{loop_name, one_digit, short};
+use crate::verdict::number::{loop_name, one_digit, short, size};
 
 impl Display for Omission {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -14,6 +14,11 @@ impl Display for Omission {
                 f,
                 "The budget was spent before {count} step size{} could be tried.",
                 plural(*count)
+            ),
+            Omission::StepFailed { step_size, reason } => write!(
+                f,
+                "The step size h = {} was left out: {reason}.",
+                size(*step_size)
             ),
             Omission::SampleSweep { count } => write!(
                 f,
