@@ -5,6 +5,7 @@ pub mod document;
 mod error;
 mod integrator;
 mod number;
+mod parts;
 mod phase_loop;
 mod rules;
 pub mod section;
@@ -20,6 +21,7 @@ use symplint::{Diagnostic, Loop, TimeAdvance};
 
 pub use error::{ConfigError, Place, Source};
 pub use number::parse as parse_number;
+pub use parts::{Integrator, read_integrator, read_system};
 pub use rules::RULES;
 pub use section::suggestion;
 pub use system::{SYSTEMS, System, SystemInfo};

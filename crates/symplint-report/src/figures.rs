@@ -86,7 +86,8 @@ fn defects(name: &str, points: &[&Point], style: Style, colors: [usize; 2]) -> V
     ]
 }
 
-fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
+/// The defects of all loops against step sizes, with their uncertainty and the order of the defect.
+pub fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
     let points = diagnosis.points();
     let of_loop = |wanted: fn(usize) -> bool| -> Vec<&Point> {
         (points.iter())

@@ -4,9 +4,27 @@ use std::fs;
 use std::path::Path;
 
 use super::font::Typeface;
+use super::scene::Scene;
 use super::{Figure, FigureError, draw, png, svg};
 
 impl Figure {
+    /// The figure as the text of an SVG file.
+    ///
+    /// # Errors
+    ///
+    /// [`FigureError`] if the figure has no panels or cannot be drawn.
+    pub fn to_svg(&self) -> Result<String, FigureError> {
+        let path = Path::new("figure.svg");
+        if self.panels.is_empty() {
+            return Err(FigureError::NoPanels { path: path.into() });
+        }
+        let face = Typeface::load().map_err(|cause| FigureError::Font {
+            path: path.into(),
+            cause,
+        })?;
+        svg_text(&draw::scene(self, &face), path)
+    }
+
     /// Writes `name.svg` and `name.png` into `folder`, making the folder if need be and
     /// replacing older files. The PNG has two pixels for each unit of the SVG: 1300 for the
     /// width of one panel.
@@ -31,13 +49,17 @@ impl Figure {
         let scene = draw::scene(self, &face);
 
         let path = folder.join(format!("{name}.svg"));
-        let text = svg::paint(&scene).map_err(|error| FigureError::Draw {
-            path: path.clone(),
-            cause: error.to_string(),
-        })?;
+        let text = svg_text(&scene, &path)?;
         fs::write(&path, text).map_err(|source| FigureError::Write { path, source })?;
 
         let path = folder.join(format!("{name}.png"));
         png::write(&scene, &face, &path, self.panels.len())
     }
+}
+
+fn svg_text(scene: &Scene, path: &Path) -> Result<String, FigureError> {
+    svg::paint(scene).map_err(|error| FigureError::Draw {
+        path: path.into(),
+        cause: error.to_string(),
+    })
 }

@@ -263,3 +263,16 @@ fn text_box(text: &Text, face: &Typeface) -> [f64; 4] {
         [x - before, y - up, x - before + width, y + down]
     }
 }
+
+#[test]
+fn the_text_of_a_figure_is_that_of_its_file() {
+    let folder = Folder::new("text");
+    let drawn = figure(vec![troubled(Scale::Log10)]);
+    drawn.save(&folder.0, "file").unwrap();
+    let file = fs::read_to_string(folder.0.join("file.svg")).unwrap();
+    assert_eq!(drawn.to_svg().unwrap(), file);
+    assert!(matches!(
+        figure(Vec::new()).to_svg(),
+        Err(FigureError::NoPanels { .. })
+    ));
+}

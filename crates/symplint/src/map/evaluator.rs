@@ -205,8 +205,8 @@ impl<'a> Evaluator<'a> {
         fill: impl Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync,
     ) -> Result<(), Error> {
         self.check_dof(states.dof())?;
-        let width = Ensemble::block_width(states.dof());
-        self.advance_blocks(states.blocks(), width, 0, h, fill)
+        let width = self.map.block_width().max(1);
+        self.advance_blocks(states.blocks_of(width), width, 0, h, fill)
     }
 
     /// Takes note of coordinates c of states k round a loop that the map returned, if its grain is not known yet.
@@ -282,13 +282,13 @@ impl<'a> Evaluator<'a> {
         if substep + 1 == self.substeps {
             self.count.take(states.samples())?;
         }
-        let width = Ensemble::block_width(states.dof());
+        let width = self.map.block_width().max(1);
         let each = |(b, mut block): (usize, Block<'_>)| {
             let advanced = self.map.advance_substep(substep, h, &mut block);
             let finite = advanced.map(|()| block.all_finite());
             checked(finite, h, b * width, &block)
         };
-        let blocks = states.blocks().into_par_iter().enumerate();
+        let blocks = states.blocks_of(width).into_par_iter().enumerate();
         first_error(blocks.map(each).collect())
     }
 

@@ -18,8 +18,7 @@ pub use loop_size::{BalancedRadii, balanced_radii};
 pub use tangent::TangentMap;
 
 use crate::loops::Loop;
-use crate::state::Block;
-use crate::state::Coordinates;
+use crate::state::{Block, Coordinates, Ensemble};
 
 /// A map from states to states that advances by one step of size h.
 ///
@@ -67,6 +66,13 @@ pub trait TimeAdvance: Send + Sync {
     fn advance_and_look(&self, h: f64, block: &mut Block<'_>) -> Result<bool, StepFailure> {
         self.advance(h, block)?;
         Ok(block.all_finite())
+    }
+
+    /// Samples that [`advance`](Self::advance) is given at once, at most. By default a block fits into the cache of a
+    /// core. A map whose calls are expensive, because they go through another language or start a program, takes more.
+    /// What happens to a sample does not depend on it.
+    fn block_width(&self) -> usize {
+        Ensemble::block_width(self.dof())
     }
 
     /// Number of substeps, for a step that is a composition of maps of phase space, such as
@@ -148,6 +154,9 @@ macro_rules! forward_time_advance {
                 block: &mut Block<'_>,
             ) -> Result<bool, StepFailure> {
                 (**self).advance_and_look(h, block)
+            }
+            fn block_width(&self) -> usize {
+                (**self).block_width()
             }
             fn substeps(&self) -> usize {
                 (**self).substeps()

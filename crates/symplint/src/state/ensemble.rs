@@ -79,7 +79,11 @@ impl Ensemble {
     ///
     /// The cut depends on the shape alone, never on the number of threads.
     pub fn blocks(&mut self) -> Vec<Block<'_>> {
-        let width = Self::block_width(self.dof);
+        self.blocks_of(Self::block_width(self.dof))
+    }
+
+    /// The ensemble cut into blocks of `width` samples.
+    pub(crate) fn blocks_of(&mut self, width: usize) -> Vec<Block<'_>> {
         let whole = self.block();
         let (q, p) = (whole.q.column_blocks(width), whole.p.column_blocks(width));
         q.zip(p).map(|(q, p)| Block::new(q, p)).collect()

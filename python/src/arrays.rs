@@ -1,0 +1,223 @@
+//! Numbers from Python objects, and blocks from arrays of any order.
+
+use numpy::ndarray::{Array2, ArrayView1, ArrayView2, Dimension, Ix1, Ix2};
+use numpy::{
+    PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyUntypedArray, PyUntypedArrayMethods,
+};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyList, PyTuple};
+use symplint::Ensemble;
+use symplint::state::RowsMut;
+
+use crate::error::input_error;
+use crate::memory::Number;
+
+/// Rows and columns that are copied together, so that both lie in the cache.
+const TILE: usize = 64;
+
+/// Copies `source`, of one row for each sample, into rows of one for each degree of freedom.
+pub fn transpose<T: Number>(source: ArrayView2<'_, T>, rows: &mut RowsMut<'_>) {
+    let (samples, dof) = source.dim();
+    for first in (0..dof).step_by(TILE) {
+        let dofs = first..dof.min(first + TILE);
+        for begin in (0..samples).step_by(TILE) {
+            let end = samples.min(begin + TILE);
+            for i in dofs.clone() {
+                let column = source.column(i);
+                let from = column.slice(numpy::ndarray::s![begin..end]);
+                for (to, from) in rows.row_mut(i)[begin..end].iter_mut().zip(from) {
+                    *to = from.value();
+                }
+            }
+        }
+    }
+}
+
+/// What a function returned in place of (q, p): two objects.
+pub fn pair<'py>(
+    result: Bound<'py, PyAny>,
+    what: &str,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    if let Ok(tuple) = result.cast::<PyTuple>()
+        && tuple.len() == 2
+    {
+        return Ok((tuple.get_item(0)?, tuple.get_item(1)?));
+    }
+    let sized = (result.is_instance_of::<PyList>() || result.is_instance_of::<PyUntypedArray>())
+        && result.len()? == 2;
+    if sized {
+        return Ok((result.get_item(0)?, result.get_item(1)?));
+    }
+    let found = match result.len() {
+        Ok(length) => format!("{} of length {length}", result.get_type().name()?),
+        Err(_) => result.get_type().name()?.to_string(),
+    };
+    Err(PyTypeError::new_err(format!(
+        "{what} returned an object of type {found}; return q and p, or change both in place and return None"
+    )))
+}
+
+/// An array of numbers from whatever has some: lists, arrays of other libraries, arrays of other types.
+fn numbers<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    let py = object.py();
+    py.import("symplint._arrays")?
+        .getattr("numbers")?
+        .call1((object, name))
+}
+
+/// The array that an object is, if it is of this type and number of axes, aligned, and of no derived class, which may
+/// have a meaning of its own.
+fn plain<'a, 'py, T: Number, D: Dimension>(
+    object: &'a Bound<'py, PyAny>,
+) -> Option<&'a Bound<'py, PyArray<T, D>>> {
+    let is_base = object
+        .get_type()
+        .is(object.py().get_type::<PyUntypedArray>());
+    let array = object.cast::<PyArray<T, D>>().ok().filter(|_| is_base)?;
+    let mut strides = array.strides().iter();
+    let aligned = array.data().addr().is_multiple_of(align_of::<T>())
+        && strides.all(|stride| stride.unsigned_abs().is_multiple_of(align_of::<T>()));
+    aligned.then_some(array)
+}
+
+/// Copies the coordinates of all samples, an array of one row for each, into rows of one for each degree of freedom.
+///
+/// # Errors
+/// If it is of another shape, or of something else than numbers.
+pub fn read_rows(object: &Bound<'_, PyAny>, name: &str, rows: &mut RowsMut<'_>) -> PyResult<()> {
+    let (samples, dof) = (rows.len(), rows.count());
+    if let Some(array) = plain::<f64, Ix2>(object) {
+        return read_array(array.try_readonly()?, name, rows);
+    }
+    if let Some(array) = plain::<f32, Ix2>(object) {
+        return read_array(array.try_readonly()?, name, rows);
+    }
+    let array = numbers(object, name)?;
+    // One degree of freedom needs no second axis.
+    let array = match array.cast::<PyArray1<f64>>() {
+        Ok(array) if dof == 1 => array.reshape([PyUntypedArrayMethods::len(array), 1])?,
+        _ => array
+            .cast_into::<PyArray2<f64>>()
+            .map_err(|error| wrong_shape(name, &error.into_inner(), (samples, dof)))?,
+    };
+    read_array(array.try_readonly()?, name, rows)
+}
+
+fn read_array<T: Number>(
+    array: PyReadonlyArray2<'_, T>,
+    name: &str,
+    rows: &mut RowsMut<'_>,
+) -> PyResult<()> {
+    let expected = (rows.len(), rows.count());
+    let view = array.as_array();
+    if view.dim() != expected {
+        return Err(wrong_shape(name, array.as_any(), expected));
+    }
+    transpose(view, rows);
+    Ok(())
+}
+
+fn wrong_shape(name: &str, array: &Bound<'_, PyAny>, expected: (usize, usize)) -> PyErr {
+    let shape = match array.getattr("shape") {
+        Ok(shape) => shape.to_string(),
+        Err(error) => return error,
+    };
+    let (samples, dof) = expected;
+    PyValueError::new_err(format!(
+        "{name} has the shape {shape}, and should have the shape ({samples}, {dof}): one row for each sample, one \
+         column for each degree of freedom"
+    ))
+}
+
+/// Copies the coordinates of one sample into its column of the rows.
+///
+/// # Errors
+/// If there are more or fewer than degrees of freedom, or it is something else than numbers.
+pub fn read_column(
+    object: &Bound<'_, PyAny>,
+    name: &str,
+    rows: &mut RowsMut<'_>,
+    sample: usize,
+) -> PyResult<()> {
+    if let Some(array) = plain::<f64, Ix1>(object) {
+        return read_vector(array.try_readonly()?, name, rows, sample);
+    }
+    if let Some(array) = plain::<f32, Ix1>(object) {
+        return read_vector(array.try_readonly()?, name, rows, sample);
+    }
+    let array = numbers(object, name)?;
+    let array = match array.getattr("ndim")?.extract::<usize>()? {
+        0 => array.call_method1("reshape", (1,))?,
+        _ => array,
+    };
+    match array.cast_into::<PyArray1<f64>>() {
+        Ok(array) => read_vector(array.try_readonly()?, name, rows, sample),
+        Err(error) => Err(wrong_length(name, &error.into_inner(), rows.count())),
+    }
+}
+
+fn read_vector<T: Number>(
+    array: PyReadonlyArray1<'_, T>,
+    name: &str,
+    rows: &mut RowsMut<'_>,
+    sample: usize,
+) -> PyResult<()> {
+    let view: ArrayView1<'_, T> = array.as_array();
+    if view.len() != rows.count() {
+        return Err(wrong_length(name, array.as_any(), rows.count()));
+    }
+    for (i, value) in view.iter().enumerate() {
+        rows.row_mut(i)[sample] = value.value();
+    }
+    Ok(())
+}
+
+fn wrong_length(name: &str, array: &Bound<'_, PyAny>, dof: usize) -> PyErr {
+    match array.getattr("shape") {
+        Ok(shape) => PyValueError::new_err(format!(
+            "{name} has the shape {shape}, and should have the shape ({dof},): one number for each degree of freedom"
+        )),
+        Err(error) => error,
+    }
+}
+
+/// States from two arrays of one row for each sample.
+///
+/// # Errors
+/// If their shapes differ.
+pub fn ensemble(
+    py: Python<'_>,
+    q: &PyReadonlyArray2<'_, f64>,
+    p: &PyReadonlyArray2<'_, f64>,
+) -> PyResult<Ensemble> {
+    let (q, p) = (q.as_array(), p.as_array());
+    if q.dim() != p.dim() {
+        let message = format!(
+            "q has the shape {:?} and p the shape {:?}; give one row for each sample and one column for each degree \
+             of freedom in both",
+            q.dim(),
+            p.dim()
+        );
+        return Err(input_error(py, &message));
+    }
+    let (samples, dof) = q.dim();
+    let mut states = Ensemble::zeros(dof, samples);
+    let mut block = states.block();
+    transpose(q, &mut block.q);
+    transpose(p, &mut block.p);
+    Ok(states)
+}
+
+/// States as two arrays of one row for each sample.
+pub fn arrays<'py>(
+    py: Python<'py>,
+    states: &Ensemble,
+) -> (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>) {
+    let of = |rows: symplint::state::Rows<'_>| {
+        let array = Array2::from_shape_fn((rows.len(), rows.count()), |(k, i)| rows.row(i)[k]);
+        PyArray2::from_owned_array(py, array)
+    };
+    (of(states.q()), of(states.p()))
+}

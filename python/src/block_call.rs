@@ -1,0 +1,255 @@
+//! One call of a function of the user for the states of a block, or one for each of them.
+
+use std::ops::Range;
+
+use numpy::ndarray::{Ix1, Ix2};
+use pyo3::prelude::*;
+use symplint::Block;
+use symplint::state::RowsMut;
+
+use crate::arrays::{pair, read_column, read_rows};
+use crate::calls::ends_programs;
+use crate::memory::{Memory, Number};
+
+/// An exception, and the sample of the block that caused it; 0 where that is not known.
+pub struct Failed {
+    pub sample: usize,
+    pub error: PyErr,
+}
+
+/// A function that is called for the states of a block.
+pub struct BlockCall<'py> {
+    pub function: Bound<'py, PyAny>,
+    /// Its third argument, if it has one.
+    pub h: Option<f64>,
+    /// What it is called in messages.
+    pub what: &'static str,
+}
+
+impl<'py> BlockCall<'py> {
+    /// Calls the function for all states at once.
+    ///
+    /// # Errors
+    /// The exception that it raised, or why its result is refused.
+    pub fn all<T: Number>(
+        &self,
+        kept: &mut Option<Py<Memory>>,
+        block: &mut Block<'_>,
+    ) -> Result<(), Failed> {
+        let batch = Batch::<T>::lend(self.function.py(), kept, block, 0..block.len());
+        let called = batch.call(self);
+        let result = match called {
+            Ok(result) => result,
+            Err(error) => {
+                batch.end(kept);
+                let sample = match ends_programs(self.function.py(), &error) {
+                    true => 0,
+                    false => self.first_failure::<T>(kept, block),
+                };
+                return Err(Failed { sample, error });
+            }
+        };
+        let taken = match result.is_none() {
+            true => {
+                batch.copy_to(block);
+                Ok(())
+            }
+            false => self.take(result, block),
+        };
+        batch.end(kept);
+        taken.map_err(|error| Failed { sample: 0, error })
+    }
+
+    fn take(&self, result: Bound<'py, PyAny>, block: &mut Block<'_>) -> PyResult<()> {
+        let (q, p) = pair(result, self.what)?;
+        read_rows(&q, "q", &mut block.q)?;
+        read_rows(&p, "p", &mut block.p)
+    }
+
+    /// The first state that makes the function fail by itself, by bisection; 0 where none does.
+    fn first_failure<T: Number>(
+        &self,
+        kept: &mut Option<Py<Memory>>,
+        block: &mut Block<'_>,
+    ) -> usize {
+        let mut fails = |range: Range<usize>| {
+            let batch = Batch::<T>::lend(self.function.py(), kept, block, range);
+            let failed = batch.call(self).is_err();
+            batch.end(kept);
+            failed
+        };
+        let samples = block.len();
+        // What is wrong with the function itself shows in any state.
+        if samples == 1 || fails(0..1) {
+            return 0;
+        }
+        let (mut low, mut high) = (1, samples);
+        while high - low > 1 {
+            let middle = low + (high - low) / 2;
+            if fails(low..middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        if fails(low..high) { low } else { 0 }
+    }
+
+    /// Calls the function for one state after the other.
+    ///
+    /// # Errors
+    /// The exception that it raised, or why its result is refused.
+    pub fn each<T: Number>(
+        &self,
+        kept: &mut Option<Py<Memory>>,
+        block: &mut Block<'_>,
+    ) -> Result<(), Failed> {
+        let py = self.function.py();
+        let (samples, dof) = (block.len(), block.dof());
+        let memory = take_memory::<T>(py, kept, 2 * samples * dof);
+        let of_p = samples * dof;
+        for (first, rows) in [(0, &block.q), (of_p, &block.p)] {
+            Memory::with(&memory, first, samples * dof, |states: &mut [T]| {
+                for i in 0..dof {
+                    for (state, value) in states.chunks_exact_mut(dof).zip(rows.row(i)) {
+                        state[i] = T::of(*value);
+                    }
+                }
+            });
+        }
+        let advanced = (0..samples).try_for_each(|sample| {
+            let state = |of: usize| {
+                Memory::array::<T, Ix1>(&memory, of + sample * dof, Ix1(dof), Ix1(1)).into_any()
+            };
+            let result = self.call(&state(0), &state(of_p));
+            let taken = result.and_then(|result| match result.is_none() {
+                true => {
+                    for (of, rows) in [(0, &mut block.q), (of_p, &mut block.p)] {
+                        Memory::with(&memory, of + sample * dof, dof, |state: &mut [T]| {
+                            for (i, value) in state.iter().enumerate() {
+                                rows.row_mut(i)[sample] = value.value();
+                            }
+                        });
+                    }
+                    Ok(())
+                }
+                false => {
+                    let (q, p) = pair(result, self.what)?;
+                    read_column(&q, "q", &mut block.q, sample)?;
+                    read_column(&p, "p", &mut block.p, sample)
+                }
+            });
+            taken.map_err(|error| Failed { sample, error })
+        });
+        keep_memory(memory, kept);
+        advanced
+    }
+
+    fn call(&self, q: &Bound<'py, PyAny>, p: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        match self.h {
+            Some(h) => self.function.call1((q, p, h)),
+            None => self.function.call1((q, p)),
+        }
+    }
+}
+
+/// States on loan to a function: rows of one number for each sample, as the library keeps them, of which the function
+/// sees the transpose.
+struct Batch<'py, T> {
+    memory: Bound<'py, Memory>,
+    dof: usize,
+    samples: usize,
+    stride: usize,
+    number: std::marker::PhantomData<T>,
+}
+
+impl<'py, T: Number> Batch<'py, T> {
+    /// Copies some states of a block.
+    fn lend(
+        py: Python<'py>,
+        kept: &mut Option<Py<Memory>>,
+        block: &Block<'_>,
+        range: Range<usize>,
+    ) -> Self {
+        let (dof, samples) = (block.dof(), range.len());
+        let stride = stride(samples);
+        let memory = take_memory::<T>(py, kept, 2 * dof * stride);
+        for (c, rows) in [(0, &block.q), (dof, &block.p)] {
+            for i in 0..dof {
+                Memory::with(&memory, (c + i) * stride, samples, |row: &mut [T]| {
+                    for (to, from) in row.iter_mut().zip(&rows.row(i)[range.clone()]) {
+                        *to = T::of(*from);
+                    }
+                });
+            }
+        }
+        Batch {
+            memory,
+            dof,
+            samples,
+            stride,
+            number: std::marker::PhantomData,
+        }
+    }
+
+    fn call(&self, call: &BlockCall<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let shape = Ix2(self.samples, self.dof);
+        let strides = Ix2(1, self.stride);
+        let of = |first| Memory::array::<T, Ix2>(&self.memory, first, shape, strides).into_any();
+        call.call(&of(0), &of(self.dof * self.stride))
+    }
+
+    /// Copies the states, changed in place, into the block of as many samples.
+    fn copy_to(&self, block: &mut Block<'_>) {
+        let copy = |c: usize, rows: &mut RowsMut<'_>| {
+            for i in 0..self.dof {
+                let first = (c + i) * self.stride;
+                Memory::with(&self.memory, first, self.samples, |row: &mut [T]| {
+                    for (to, from) in rows.row_mut(i).iter_mut().zip(row) {
+                        *to = from.value();
+                    }
+                });
+            }
+        };
+        copy(0, &mut block.q);
+        copy(self.dof, &mut block.p);
+    }
+
+    fn end(self, kept: &mut Option<Py<Memory>>) {
+        keep_memory(self.memory, kept);
+    }
+}
+
+/// Distance of rows that do not compete for the same cache lines, in numbers.
+fn stride(samples: usize) -> usize {
+    const LINE: usize = 8;
+    const PAGE: usize = 512;
+    match samples.is_multiple_of(PAGE) {
+        true => samples + LINE,
+        false => samples,
+    }
+}
+
+/// Memory for so many numbers, used again where no array of the user refers to it.
+fn take_memory<'py, T: Number>(
+    py: Python<'py>,
+    kept: &mut Option<Py<Memory>>,
+    count: usize,
+) -> Bound<'py, Memory> {
+    let words = (count * size_of::<T>()).div_ceil(8);
+    let kept = kept.take().map(|memory| memory.into_bound(py));
+    match kept.filter(|memory| memory.get().words() >= words && Memory::is_unused(memory)) {
+        Some(memory) => memory,
+        None => Bound::new(py, Memory::zeros(words)).expect("memory for an object"),
+    }
+}
+
+/// Keeps memory for later, the larger one of two.
+fn keep_memory(memory: Bound<'_, Memory>, kept: &mut Option<Py<Memory>>) {
+    if kept
+        .as_ref()
+        .is_none_or(|kept| kept.get().words() < memory.get().words())
+    {
+        *kept = Some(memory.unbind());
+    }
+}

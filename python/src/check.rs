@@ -1,0 +1,295 @@
+//! `symplint.check`: a diagnosis of a Python function or of an integrator of the library.
+
+use std::sync::Arc;
+
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use rayon::ThreadPool;
+use symplint::diagnosis::{Event, SampleCount};
+use symplint::map::{ProjectedLoop, balanced_radii};
+use symplint::rules::{Cutoff, Cutoffs, Piecewise, Streaming};
+use symplint::{
+    Circle, Coordinates, Diagnosis, Diagnostic, Ensemble, Error, Loop, Rule, TimeAdvance, judge,
+};
+
+use crate::arrays;
+use crate::calls::{self, Call, Caller};
+use crate::error::{diagnostic_error, input_error, other_error};
+use crate::functions::{Functions, Step};
+use crate::loops::NativeLoop;
+use crate::models::Integrator;
+use crate::report::{self, Report};
+use crate::step::{PythonLoop, PythonMap, Stoppable};
+
+/// What is tested: `symplint.check` has checked the types.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Subject {
+    /// An integrator of the library, or nothing: then a function.
+    integrator: Option<Py<Integrator>>,
+    step: Option<Py<PyAny>>,
+    per_sample: bool,
+    make: bool,
+    reset: Option<Py<PyAny>>,
+    single: bool,
+    project: Option<Py<PyAny>>,
+    dof: usize,
+    period: Option<Vec<f64>>,
+    weight: Option<Vec<f64>>,
+    /// A loop of the library, or nothing: then a function, or else a circle.
+    native_loop: Option<Py<NativeLoop>>,
+    phase_loop: Option<Py<PyAny>>,
+    q0: Vec<f64>,
+    p0: Vec<f64>,
+    /// Radii in q and p of a circle; nothing for those that the map suggests.
+    radii: Option<(Vec<f64>, Vec<f64>)>,
+    threads: Option<usize>,
+}
+
+/// How it is tested.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Settings {
+    step_sizes: Option<Vec<f64>>,
+    typical: Option<f64>,
+    loops: usize,
+    seed: u64,
+    rule: String,
+    samples: Option<usize>,
+    budget: Option<usize>,
+    jacobian: bool,
+}
+
+impl Settings {
+    fn diagnostic(&self, py: Python<'_>) -> PyResult<Diagnostic> {
+        let default = Diagnostic::default();
+        let rule = rule(py, &self.rule)?;
+        Ok(Diagnostic {
+            rule,
+            samples: self.samples.map_or(SampleCount::Auto, SampleCount::Fixed),
+            step_sizes: match (&self.step_sizes, self.typical) {
+                (Some(sizes), _) => sizes.clone(),
+                (None, Some(_)) => Vec::new(),
+                (None, None) => default.step_sizes,
+            },
+            typical_step: self.typical,
+            loops: self.loops,
+            seed: self.seed,
+            jacobian: self.jacobian,
+            budget: self.budget,
+            ..default
+        })
+    }
+}
+
+/// The rule of this name, with the settings that a configuration has by default.
+pub fn rule(py: Python<'_>, name: &str) -> PyResult<Rule> {
+    let cutoff = Cutoff::Relative(1000.0);
+    let rules = [
+        Rule::Auto,
+        Rule::Pseudospectral,
+        Rule::FiniteDifference(Cutoffs {
+            q: cutoff,
+            p: cutoff,
+        }),
+        Rule::Piecewise(Piecewise::default()),
+        Rule::Streaming(Streaming::default()),
+    ];
+    (rules.into_iter().find(|rule| rule.kind().name() == name)).ok_or_else(|| {
+        let known = rules
+            .map(|rule| format!("\"{}\"", rule.kind().name()))
+            .join(", ");
+        input_error(py, &format!("rule is \"{name}\"; give one of {known}"))
+    })
+}
+
+/// What the threads of a diagnosis need to know: no Python objects.
+struct Shared {
+    integrator: Option<Arc<dyn TimeAdvance>>,
+    coordinates: Coordinates,
+    projects: bool,
+    native_loop: Option<Arc<dyn Loop>>,
+    has_loop: bool,
+    q0: Vec<f64>,
+    p0: Vec<f64>,
+    radii: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+impl Subject {
+    fn shared(&self, py: Python<'_>) -> PyResult<Shared> {
+        let integrator = (self.integrator.as_ref()).map(|given| Arc::clone(&given.get().map));
+        let coordinates = Coordinates::plain(self.dof);
+        let coordinates = match &self.period {
+            Some(period) => coordinates.with_periods(period.clone()),
+            None => Ok(coordinates),
+        };
+        let coordinates = coordinates.and_then(|coordinates| match &self.weight {
+            Some(weight) => coordinates.with_weights(weight.clone()),
+            None => Ok(coordinates),
+        });
+        Ok(Shared {
+            integrator,
+            coordinates: coordinates.map_err(|error| diagnostic_error(py, &error, None))?,
+            projects: self.project.is_some(),
+            native_loop: (self.native_loop.as_ref()).map(|given| Arc::clone(&given.get().inner)),
+            has_loop: self.phase_loop.is_some(),
+            q0: self.q0.clone(),
+            p0: self.p0.clone(),
+            radii: self.radii.clone(),
+        })
+    }
+
+    fn functions(&self, py: Python<'_>, progress: Option<Py<PyAny>>) -> Functions {
+        let step = self.step.as_ref().map(|function| Step {
+            function: function.clone_ref(py),
+            per_sample: self.per_sample,
+            make: self.make,
+            reset: self.reset.as_ref().map(|reset| reset.clone_ref(py)),
+            single: self.single,
+        });
+        let clone =
+            |function: &Option<Py<PyAny>>| function.as_ref().map(|function| function.clone_ref(py));
+        Functions::new(
+            step,
+            clone(&self.project),
+            clone(&self.phase_loop),
+            progress,
+        )
+    }
+
+    /// Threads of its own, if their number is given.
+    fn pool(&self, py: Python<'_>) -> PyResult<Option<ThreadPool>> {
+        let Some(threads) = self.threads else {
+            return Ok(None);
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.map(Some)
+            .map_err(|error| other_error(py, &error.to_string()))
+    }
+
+    /// Runs `work` on the threads that were asked for, with the map and the loop; says what it gave and on how many
+    /// threads.
+    fn run<R: Send>(
+        &self,
+        py: Python<'_>,
+        progress: Option<Py<PyAny>>,
+        step_size: f64,
+        work: impl FnOnce(&Caller, &dyn TimeAdvance, &dyn Loop) -> Result<R, Error> + Send,
+    ) -> PyResult<(R, usize, usize)> {
+        let shared = self.shared(py)?;
+        let mut functions = self.functions(py, progress);
+        let pool = self.pool(py)?;
+        let on_pool = |caller: &Caller| match &pool {
+            Some(pool) => pool.install(|| shared.with(caller, step_size, work)),
+            None => shared.with(caller, step_size, work),
+        };
+        let outcome = calls::run(py, on_pool, |py, call| functions.serve(py, call))?;
+        let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
+        match outcome {
+            Ok((result, evaluations)) => Ok((result, evaluations, threads)),
+            Err(error) => {
+                let cause = functions.cause(py, &error);
+                Err(diagnostic_error(py, &error, cause))
+            }
+        }
+    }
+}
+
+impl Shared {
+    /// Calls `work` with the map and the loop, and says how many evaluations were made for radii that the map suggests.
+    fn with<R>(
+        &self,
+        caller: &Caller,
+        step_size: f64,
+        work: impl FnOnce(&Caller, &dyn TimeAdvance, &dyn Loop) -> Result<R, Error>,
+    ) -> Result<(R, usize), Error> {
+        let map: Box<dyn TimeAdvance + '_> = match &self.integrator {
+            Some(map) => Box::new(Stoppable::new(&**map, caller)),
+            None => Box::new(PythonMap::new(
+                caller,
+                self.coordinates.clone(),
+                self.projects,
+            )),
+        };
+        let mut evaluations = 0;
+        let phase_loop: Box<dyn Loop + '_> = match &self.native_loop {
+            Some(given) => Box::new(&**given),
+            None if self.has_loop => Box::new(PythonLoop::new(caller, self.coordinates.dof())),
+            None => {
+                let (radii_q, radii_p) = match &self.radii {
+                    Some(radii) => radii.clone(),
+                    None => {
+                        let found = balanced_radii(&*map, &self.q0, &self.p0, step_size)?;
+                        evaluations = found.evaluations;
+                        (found.q, found.p)
+                    }
+                };
+                let (q0, p0) = (self.q0.clone(), self.p0.clone());
+                Box::new(Circle::with_radii(q0, p0, radii_q, radii_p)?)
+            }
+        };
+        let phase_loop: Box<dyn Loop + '_> = match map.constraint() {
+            Some(_) => Box::new(ProjectedLoop::new(phase_loop, &map)),
+            None => phase_loop,
+        };
+        Ok((work(caller, &*map, &*phase_loop)?, evaluations))
+    }
+}
+
+/// Diagnoses a map.
+#[pyfunction]
+#[pyo3(signature = (subject, settings, title, config, progress=None))]
+pub fn check(
+    py: Python<'_>,
+    subject: Subject,
+    settings: Settings,
+    title: String,
+    config: &str,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Report> {
+    let run = report::start();
+    let config: serde_json::Value =
+        serde_json::from_str(config).map_err(|error| other_error(py, &error.to_string()))?;
+    let diagnostic = settings.diagnostic(py)?;
+    let largest = diagnostic.step_sizes.iter().copied().reduce(f64::max);
+    let step_size = largest.or(diagnostic.typical_step).unwrap_or(1.0);
+    let watched = progress.is_some();
+    let measure = |caller: &Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
+        diagnostic.run_watched(map, phase_loop, &|event| match event {
+            Event::Planned(more) if watched => caller.tell(Call::Planned(more)),
+            Event::Measured(point) if watched => caller.tell(Call::Measured(point.step_size)),
+            _ => {}
+        })
+    };
+    let (mut diagnosis, evaluations, threads): (Diagnosis, _, _) =
+        subject.run(py, progress, step_size, measure)?;
+    if evaluations > 0 {
+        // They were made before the run, beside its budget.
+        let counted = &mut diagnosis.evidence.evaluations;
+        counted.sizes += evaluations;
+        counted.made += evaluations;
+        counted.budget += evaluations;
+        diagnosis.verdict = judge(&diagnosis.evidence);
+    }
+    Ok(Report::new(diagnosis, title, config, &run, threads))
+}
+
+type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+/// Samples of the loop before and after a step of size h.
+#[pyfunction]
+pub fn image<'py>(
+    py: Python<'py>,
+    subject: Subject,
+    h: f64,
+    samples: usize,
+) -> PyResult<(Arrays<'py>, Arrays<'py>)> {
+    let advance = |_: &Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
+        let before = Ensemble::sample(phase_loop, samples)?;
+        let mut after = before.clone();
+        after.advance(map, h)?;
+        Ok((before, after))
+    };
+    let ((before, after), ..) = subject.run(py, None, h, advance)?;
+    Ok((arrays::arrays(py, &before), arrays::arrays(py, &after)))
+}

@@ -1,0 +1,91 @@
+//! Errors as Python exceptions.
+
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+use symplint::Error;
+use symplint::error::StateAt;
+use symplint_config::ConfigError;
+
+/// An exception class of `symplint._errors`.
+fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyType>> {
+    Ok(py.import("symplint._errors")?.getattr(name)?.cast_into()?)
+}
+
+/// An exception of that class, or why there is none.
+fn exception(py: Python<'_>, name: &str, message: &str) -> PyErr {
+    match class(py, name).and_then(|class| class.call1((message,))) {
+        Ok(exception) => PyErr::from_value(exception),
+        Err(error) => error,
+    }
+}
+
+/// An argument that is not valid.
+pub fn input_error(py: Python<'_>, message: &str) -> PyErr {
+    exception(py, "InputError", message)
+}
+
+/// Anything else that went wrong.
+pub fn other_error(py: Python<'_>, message: &str) -> PyErr {
+    exception(py, "SymplintError", message)
+}
+
+/// An error of a configuration: the message and the remedy.
+pub fn config_error(py: Python<'_>, error: &ConfigError) -> PyErr {
+    input_error(py, &format!("{}; {}", error.message, error.remedy))
+}
+
+/// Where and with which step size a map failed.
+struct Failed {
+    h: f64,
+    s: Option<f64>,
+    sample: Option<usize>,
+}
+
+impl Failed {
+    fn at(at: StateAt, h: f64) -> Self {
+        let (s, sample) = match at {
+            StateAt::Sample(sample) => (None, Some(sample)),
+            StateAt::Loop(s) | StateAt::Displaced(s) => (Some(s), None),
+            _ => (None, None),
+        };
+        Failed { h, s, sample }
+    }
+
+    /// That of an error which the map caused.
+    fn of(error: &Error) -> Option<Self> {
+        match error {
+            Error::NotFinite {
+                at,
+                step_size: Some(h),
+                ..
+            } => Some(Self::at(*at, *h)),
+            Error::StepFailed { at, step_size, .. } => Some(Self::at(*at, *step_size)),
+            Error::Memory { s, step_size, .. } => Some(Failed {
+                h: *step_size,
+                s: Some(*s),
+                sample: None,
+            }),
+            Error::InStep { error, .. } => Self::of(error),
+            _ => None,
+        }
+    }
+}
+
+/// The exception for an error of the diagnostic. `cause` is the exception that the map raised.
+pub fn diagnostic_error(py: Python<'_>, error: &Error, cause: Option<PyErr>) -> PyErr {
+    let message = error.to_string();
+    let raised = match Failed::of(error) {
+        None => return input_error(py, &message),
+        Some(Failed { h, s, sample }) => {
+            class(py, "StepError").and_then(|class| class.call1((message, h, s, sample)))
+        }
+    };
+    match raised {
+        Ok(exception) => {
+            let raised = PyErr::from_value(exception);
+            raised.set_cause(py, cause);
+            raised
+        }
+        Err(error) => error,
+    }
+}

@@ -1,0 +1,229 @@
+//! The functions of the user, called on the thread that started the diagnosis.
+
+use std::collections::HashMap;
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use symplint::{Block, Error, StepFailure};
+
+use crate::arrays::{pair, read_rows};
+use crate::block_call::{BlockCall, Failed};
+use crate::calls::{Call, ends_programs};
+use crate::memory::{Loan, Memory};
+
+/// Exceptions that are kept to be the cause of an error of the diagnostic, at most.
+const KEPT: usize = 16;
+
+/// A step as the user gives it.
+pub struct Step {
+    /// The function, or one that makes it for a step size.
+    pub function: Py<PyAny>,
+    /// Whether it advances one state at a time.
+    pub per_sample: bool,
+    /// Whether `function(h)` makes the step for h.
+    pub make: bool,
+    /// Called before every batch of states.
+    pub reset: Option<Py<PyAny>>,
+    /// Whether its arrays are of single precision.
+    pub single: bool,
+}
+
+/// All functions of the user.
+pub struct Functions {
+    pub step: Option<Step>,
+    pub project: Option<Py<PyAny>>,
+    pub phase_loop: Option<Py<PyAny>>,
+    pub progress: Option<Py<PyAny>>,
+    /// Steps made for a step size, by its bits.
+    made: HashMap<u64, Py<PyAny>>,
+    memory: Option<Py<Memory>>,
+    raised: Vec<Raised>,
+    planned: usize,
+    measured: usize,
+}
+
+/// An exception of a function of the user.
+struct Raised {
+    /// The text of the failure that it became; none where it did not become one.
+    reason: Option<String>,
+    h: Option<f64>,
+    error: PyErr,
+}
+
+impl Functions {
+    /// These functions, of which none was called yet.
+    pub fn new(
+        step: Option<Step>,
+        project: Option<Py<PyAny>>,
+        phase_loop: Option<Py<PyAny>>,
+        progress: Option<Py<PyAny>>,
+    ) -> Self {
+        Functions {
+            step,
+            project,
+            phase_loop,
+            progress,
+            made: HashMap::new(),
+            memory: None,
+            raised: Vec::new(),
+            planned: 0,
+            measured: 0,
+        }
+    }
+
+    /// Serves a call.
+    ///
+    /// # Errors
+    /// An exception that stops the diagnosis.
+    pub fn serve(&mut self, py: Python<'_>, call: Call) -> PyResult<()> {
+        match call {
+            Call::Step(h, mut loan) => {
+                let advanced = self.advance(py, h, &mut loan.block());
+                self.answer(py, loan, Some(h), advanced)
+            }
+            Call::Project(mut loan) => {
+                let projected = self.project(py, &mut loan.block());
+                self.answer(py, loan, None, projected)
+            }
+            Call::Loop(s, mut loan) => {
+                let sampled = self.sample(py, s, &mut loan.block());
+                let sampled = sampled.map_err(|error| Failed { sample: 0, error });
+                self.answer(py, loan, None, sampled)
+            }
+            Call::Planned(more) => {
+                self.planned += more;
+                self.tell_progress(py, None)
+            }
+            Call::Measured(h) => {
+                self.measured += 1;
+                self.tell_progress(py, Some(h))
+            }
+            Call::Finished => Ok(()),
+        }
+    }
+
+    /// The exception of the user that became this error of the diagnostic, if one did.
+    pub fn cause(&mut self, py: Python<'_>, error: &Error) -> Option<PyErr> {
+        let became = |raised: &Raised| match error {
+            Error::StepFailed {
+                reason, step_size, ..
+            } => raised.h == Some(*step_size) && raised.reason.as_ref() == Some(reason),
+            // A loop or a projection that fails gives states that are not numbers.
+            Error::NotFinite { .. } => raised.h.is_none(),
+            _ => false,
+        };
+        let error = match error {
+            Error::InStep { error, .. } => return self.cause(py, error),
+            _ => self.raised.iter().rev().find(|raised| became(raised))?,
+        };
+        Some(error.error.clone_ref(py))
+    }
+
+    /// Answers with what a function did. Of exceptions that end programs it is told who started the diagnosis.
+    fn answer(
+        &mut self,
+        py: Python<'_>,
+        loan: Loan<Result<(), StepFailure>>,
+        h: Option<f64>,
+        result: Result<(), Failed>,
+    ) -> PyResult<()> {
+        let Err(Failed { sample, error }) = result else {
+            loan.answer(Ok(()));
+            return Ok(());
+        };
+        if ends_programs(py, &error) {
+            return Err(error);
+        }
+        let reason = error.to_string();
+        loan.answer(Err(StepFailure {
+            sample,
+            reason: reason.clone(),
+        }));
+        if self.raised.len() == KEPT {
+            self.raised.remove(0);
+        }
+        self.raised.push(Raised {
+            reason: Some(reason),
+            h,
+            error,
+        });
+        Ok(())
+    }
+
+    /// Advances the states of a block.
+    fn advance(&mut self, py: Python<'_>, h: f64, block: &mut Block<'_>) -> Result<(), Failed> {
+        let of_batch = |error| Failed { sample: 0, error };
+        let step = self
+            .step
+            .as_ref()
+            .expect("only a Python map asks for a step");
+        if let Some(reset) = &step.reset {
+            reset.call0(py).map_err(of_batch)?;
+        }
+        let function = if step.make {
+            match self.made.get(&h.to_bits()) {
+                Some(made) => made.bind(py).clone(),
+                None => {
+                    let made = step.function.bind(py).call1((h,)).map_err(of_batch)?;
+                    self.made.insert(h.to_bits(), made.clone().unbind());
+                    made
+                }
+            }
+        } else {
+            step.function.bind(py).clone()
+        };
+        let h = (!step.make).then_some(h);
+        let call = BlockCall {
+            function,
+            h,
+            what: if step.make { "advance" } else { "step" },
+        };
+        let memory = &mut self.memory;
+        match (step.per_sample, step.single) {
+            (false, false) => call.all::<f64>(memory, block),
+            (false, true) => call.all::<f32>(memory, block),
+            (true, false) => call.each::<f64>(memory, block),
+            (true, true) => call.each::<f32>(memory, block),
+        }
+    }
+
+    /// Puts the states of a block on the manifold.
+    fn project(&mut self, py: Python<'_>, block: &mut Block<'_>) -> Result<(), Failed> {
+        let project = self
+            .project
+            .as_ref()
+            .expect("only a map that projects asks for it");
+        let call = BlockCall {
+            function: project.bind(py).clone(),
+            h: None,
+            what: "project",
+        };
+        let per_sample = self.step.as_ref().is_some_and(|step| step.per_sample);
+        match per_sample {
+            false => call.all::<f64>(&mut self.memory, block),
+            true => call.each::<f64>(&mut self.memory, block),
+        }
+    }
+
+    /// Writes the states of the loop at the parameters s.
+    fn sample(&self, py: Python<'_>, s: Vec<f64>, block: &mut Block<'_>) -> PyResult<()> {
+        let function = self
+            .phase_loop
+            .as_ref()
+            .expect("only a Python loop is sampled here");
+        let sampled = function.bind(py).call1((PyArray1::from_vec(py, s),))?;
+        let (q, p) = pair(sampled, "loop")?;
+        read_rows(&q, "q of the loop", &mut block.q)?;
+        read_rows(&p, "p of the loop", &mut block.p)
+    }
+
+    fn tell_progress(&self, py: Python<'_>, h: Option<f64>) -> PyResult<()> {
+        match &self.progress {
+            Some(progress) => {
+                progress.call1(py, (self.measured, self.planned, h))?;
+                Ok(())
+            }
+            None => Ok(()),
+        }
+    }
+}

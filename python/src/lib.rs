@@ -1,0 +1,56 @@
+//! The native module of the Python package symplint.
+//!
+//! Python code in `symplint/` checks arguments and documents; what is computed is computed by the crates. This one
+//! passes states between both:
+//!
+//! | module | holds |
+//! | --- | --- |
+//! | `memory` | memory that Rust and numpy arrays share, blocks on loan to another thread; all `unsafe` |
+//! | `calls` | calls of Python functions from the threads of a diagnosis, served by the thread of the user |
+//! | `functions` | the functions of the user |
+//! | `block_call` | one of them called for the states of a block |
+//! | `step` | maps, manifolds and loops made of functions, as the diagnostic sees them |
+//! | `arrays` | numbers from Python objects, and blocks from arrays of any order |
+//! | `loops`, `models` | loops, systems and integrators of the library |
+//! | `check`, `measure` | a diagnosis; a comparison of loops |
+//! | `report`, `html` | what was found |
+//! | `error` | errors as exceptions |
+
+mod arrays;
+mod block_call;
+mod calls;
+mod check;
+mod error;
+mod functions;
+mod html;
+mod loops;
+mod measure;
+mod memory;
+mod models;
+mod report;
+mod step;
+
+/// The native part of symplint.
+#[pyo3::pymodule]
+mod _native {
+    use pyo3::prelude::*;
+
+    /// Adds the version of the package.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+
+    #[pymodule_export]
+    use crate::check::{check, image};
+    #[pymodule_export]
+    use crate::loops::NativeLoop;
+    #[pymodule_export]
+    use crate::measure::{loop_integral, measure};
+    #[pymodule_export]
+    use crate::memory::Memory;
+    #[pymodule_export]
+    use crate::models::{Integrator, System, catalogue};
+    #[pymodule_export]
+    use crate::report::Report;
+}

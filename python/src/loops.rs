@@ -1,0 +1,107 @@
+//! Loops as Python objects.
+
+use std::sync::Arc;
+
+use numpy::{PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+use symplint::{Circle, Coordinates, Ensemble, FourierLoop, Loop, SampledLoop};
+
+use crate::arrays;
+use crate::error::diagnostic_error;
+
+/// A loop of the library.
+#[pyclass(frozen, name = "Loop", module = "symplint._native")]
+pub struct NativeLoop {
+    pub inner: Arc<dyn Loop>,
+}
+
+type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+impl NativeLoop {
+    fn new(py: Python<'_>, made: Result<impl Loop + 'static, symplint::Error>) -> PyResult<Self> {
+        match made {
+            Ok(inner) => Ok(NativeLoop {
+                inner: Arc::new(inner),
+            }),
+            Err(error) => Err(diagnostic_error(py, &error, None)),
+        }
+    }
+}
+
+#[pymethods]
+impl NativeLoop {
+    /// An ellipse in every degree of freedom.
+    #[staticmethod]
+    #[pyo3(signature = (q0, p0, radii_q, radii_p, dofs=None, seed=None))]
+    fn circle(
+        py: Python<'_>,
+        q0: Vec<f64>,
+        p0: Vec<f64>,
+        radii_q: Vec<f64>,
+        radii_p: Vec<f64>,
+        dofs: Option<Vec<usize>>,
+        seed: Option<u64>,
+    ) -> PyResult<Self> {
+        let made = Circle::with_radii(q0, p0, radii_q, radii_p).and_then(|circle| match dofs {
+            Some(dofs) => circle.on(&dofs),
+            None => Ok(circle),
+        });
+        let made = made.map(|circle| match seed {
+            Some(seed) => circle.with_random_phases(seed),
+            None => circle,
+        });
+        Self::new(py, made)
+    }
+
+    /// A random loop of three modes.
+    #[staticmethod]
+    fn fourier(
+        py: Python<'_>,
+        q0: Vec<f64>,
+        p0: Vec<f64>,
+        radii_q: Vec<f64>,
+        radii_p: Vec<f64>,
+        seed: u64,
+    ) -> PyResult<Self> {
+        Self::new(py, FourierLoop::random(q0, p0, &radii_q, &radii_p, seed))
+    }
+
+    /// The trigonometric interpolant of samples.
+    #[staticmethod]
+    #[pyo3(signature = (q, p, period=None))]
+    fn sampled(
+        py: Python<'_>,
+        q: PyReadonlyArray2<'_, f64>,
+        p: PyReadonlyArray2<'_, f64>,
+        period: Option<Vec<f64>>,
+    ) -> PyResult<Self> {
+        let states = arrays::ensemble(py, &q, &p)?;
+        let plain = Coordinates::plain(states.dof());
+        let coordinates = match period {
+            Some(period) => plain.with_periods(period),
+            None => Ok(plain),
+        };
+        let made = coordinates.and_then(|coordinates| SampledLoop::new(states, &coordinates));
+        Self::new(py, made)
+    }
+
+    /// Degrees of freedom.
+    #[getter]
+    fn dof(&self) -> usize {
+        self.inner.dof()
+    }
+
+    /// Equispaced samples.
+    fn sample<'py>(&self, py: Python<'py>, samples: usize) -> PyResult<Arrays<'py>> {
+        let states = py.detach(|| Ensemble::sample(&*self.inner, samples));
+        let states = states.map_err(|error| diagnostic_error(py, &error, None))?;
+        Ok(arrays::arrays(py, &states))
+    }
+
+    /// The states at some parameters s.
+    fn at<'py>(&self, py: Python<'py>, s: Vec<f64>) -> Arrays<'py> {
+        let mut states = Ensemble::zeros(self.inner.dof(), s.len());
+        self.inner.sample(&s, &mut states.block());
+        arrays::arrays(py, &states)
+    }
+}

@@ -1,0 +1,102 @@
+//! `symplint.measure` and `symplint.loop_integral`: loops that another code advanced.
+
+use numpy::PyReadonlyArray2;
+use pyo3::prelude::*;
+use symplint::{Coordinates, LoopIntegral, Snapshot, measure as compare};
+
+use crate::arrays;
+use crate::check::rule;
+use crate::error::{diagnostic_error, other_error};
+use crate::report::{self, Report};
+
+/// A loop as two arrays of one row for each sample, and the relative rounding error of their numbers.
+type Loop<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, bool);
+
+fn coordinates(
+    py: Python<'_>,
+    dof: usize,
+    period: Option<Vec<f64>>,
+    weight: Option<Vec<f64>>,
+) -> PyResult<Coordinates> {
+    let plain = Coordinates::plain(dof);
+    let with_periods = match period {
+        Some(period) => plain.with_periods(period),
+        None => Ok(plain),
+    };
+    let coordinates = with_periods.and_then(|coordinates| match weight {
+        Some(weight) => coordinates.with_weights(weight),
+        None => Ok(coordinates),
+    });
+    coordinates.map_err(|error| diagnostic_error(py, &error, None))
+}
+
+fn snapshot(py: Python<'_>, (q, p, single): &Loop<'_>, h: Option<f64>) -> PyResult<Snapshot> {
+    let states = arrays::ensemble(py, q, p)?;
+    let mut snapshot = Snapshot::new(states);
+    if *single {
+        snapshot = snapshot.with_unit_roundoff(Snapshot::SINGLE);
+    }
+    snapshot.step_size = h;
+    Ok(snapshot)
+}
+
+/// Compares a loop before a step with the same loop after steps.
+#[pyfunction]
+#[pyo3(signature = (before, after, h, period, weight, title, config))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the arguments of symplint.measure"
+)]
+pub fn measure(
+    py: Python<'_>,
+    before: Loop<'_>,
+    after: Vec<Loop<'_>>,
+    h: Vec<Option<f64>>,
+    period: Option<Vec<f64>>,
+    weight: Option<Vec<f64>>,
+    title: String,
+    config: &str,
+) -> PyResult<Report> {
+    let run = report::start();
+    let config: serde_json::Value =
+        serde_json::from_str(config).map_err(|error| other_error(py, &error.to_string()))?;
+    let before = snapshot(py, &before, None)?;
+    let coordinates = coordinates(py, before.states.dof(), period, weight)?;
+    let after = (after.iter().zip(h))
+        .map(|(states, h)| snapshot(py, states, h))
+        .collect::<PyResult<Vec<Snapshot>>>()?;
+    let diagnosis = py.detach(|| compare(&before, &after, &coordinates));
+    let diagnosis = diagnosis.map_err(|error| diagnostic_error(py, &error, None))?;
+    let threads = rayon::current_num_threads();
+    Ok(Report::new(diagnosis, title, config, &run, threads))
+}
+
+/// A loop integral: (value, quadrature error, round-off, contributions of the degrees of freedom).
+type Integral = (f64, Option<f64>, f64, Vec<f64>);
+
+/// The loop integral of samples.
+#[pyfunction]
+#[pyo3(signature = (q, p, rule_name, period, weight))]
+pub fn loop_integral(
+    py: Python<'_>,
+    q: PyReadonlyArray2<'_, f64>,
+    p: PyReadonlyArray2<'_, f64>,
+    rule_name: &str,
+    period: Option<Vec<f64>>,
+    weight: Option<Vec<f64>>,
+) -> PyResult<Integral> {
+    let rule = rule(py, rule_name)?;
+    let states = arrays::ensemble(py, &q, &p)?;
+    let coordinates = coordinates(py, states.dof(), period, weight)?;
+    let integral = py.detach(|| {
+        states.check_finite(None)?;
+        LoopIntegral::in_coordinates(&states, &rule, &coordinates)
+    });
+    let found = integral.map_err(|error| diagnostic_error(py, &error, None))?;
+    Ok((
+        found.value,
+        found.quadrature_error,
+        found.roundoff,
+        found.contributions,
+    ))
+}

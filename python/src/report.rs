@@ -1,0 +1,217 @@
+//! What a diagnosis found, as Python sees it.
+
+use std::path::PathBuf;
+
+use numpy::PyReadonlyArray2;
+use pyo3::prelude::*;
+use symplint::{Diagnosis, Ensemble};
+use symplint_report::figures::{measure_figures, step_sizes};
+use symplint_report::provenance::{Provenance, Run};
+use symplint_report::report::Report as JsonReport;
+use symplint_report::run_folder::RunFolder;
+use symplint_report::table::{points_table, reasons};
+
+use crate::arrays;
+use crate::error::other_error;
+use crate::html;
+
+/// The width of tables and paragraphs, in characters.
+const WIDTH: usize = 100;
+
+/// A report: the verdict, all points, and where they come from.
+#[pyclass(frozen, module = "symplint._native")]
+pub struct Report {
+    diagnosis: Diagnosis,
+    title: String,
+    config: serde_json::Value,
+    provenance: Provenance,
+}
+
+impl Report {
+    /// The report on what `run` found, on so many threads.
+    pub fn new(
+        diagnosis: Diagnosis,
+        title: String,
+        config: serde_json::Value,
+        run: &Run,
+        threads: usize,
+    ) -> Self {
+        let mut provenance = run.provenance(threads);
+        if let Some(seed) = config
+            .pointer("/check/seed")
+            .and_then(serde_json::Value::as_u64)
+        {
+            provenance.seeds.insert("check.seed".into(), seed);
+        }
+        Report {
+            diagnosis,
+            title,
+            config,
+            provenance,
+        }
+    }
+
+    fn json(&self) -> String {
+        JsonReport::new(&self.config, &self.diagnosis, self.provenance.clone()).to_json()
+    }
+
+    /// The page or a part of one: verdict, figure, table, evidence.
+    fn html(&self) -> String {
+        let points = self.diagnosis.points();
+        let has_sizes = points.iter().any(|point| point.step_size.is_finite());
+        // Without a figure the table says the same.
+        let figure = has_sizes.then(|| step_sizes(&self.title, &self.diagnosis).to_svg().ok());
+        html::fragment(
+            &self.diagnosis.verdict,
+            &points_table(&self.title, &self.diagnosis),
+            figure.flatten().as_deref(),
+        )
+    }
+}
+
+/// Starts a run now.
+pub fn start() -> Run {
+    Run::start(env!("CARGO_PKG_VERSION"), None)
+}
+
+#[pymethods]
+impl Report {
+    #[getter]
+    fn kind(&self) -> String {
+        self.diagnosis.verdict.kind.to_string()
+    }
+
+    #[getter]
+    fn digits(&self) -> Option<f64> {
+        self.diagnosis.verdict.digits
+    }
+
+    #[getter]
+    fn order(&self) -> Option<f64> {
+        self.diagnosis.verdict.order
+    }
+
+    #[getter]
+    fn headline(&self) -> String {
+        self.diagnosis.verdict.headline()
+    }
+
+    #[getter]
+    fn summary(&self) -> String {
+        self.diagnosis.verdict.summary()
+    }
+
+    #[getter]
+    fn evidence(&self) -> Vec<String> {
+        self.diagnosis.verdict.evidence()
+    }
+
+    #[getter]
+    fn advice(&self) -> Vec<String> {
+        self.diagnosis.verdict.advice()
+    }
+
+    #[getter]
+    fn evaluations(&self) -> usize {
+        self.diagnosis.evidence.evaluations.made
+    }
+
+    #[getter]
+    fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// The report as JSON, schema `symplint/report/2`.
+    fn to_json(&self) -> String {
+        self.json()
+    }
+
+    /// The table of the points, then the verdict with its reasons.
+    fn text(&self) -> String {
+        let verdict = &self.diagnosis.verdict;
+        format!(
+            "{}\n{}\n{}",
+            points_table(&self.title, &self.diagnosis),
+            verdict.headline(),
+            reasons(verdict, Some(WIDTH))
+        )
+    }
+
+    /// The verdict with its reasons.
+    fn reasons(&self) -> String {
+        let verdict = &self.diagnosis.verdict;
+        format!("{}\n{}", verdict.headline(), reasons(verdict, Some(WIDTH)))
+    }
+
+    /// A part of a page.
+    fn fragment(&self) -> String {
+        self.html()
+    }
+
+    /// A page.
+    fn to_html(&self) -> String {
+        html::page(&self.title, &self.html())
+    }
+
+    /// Writes report.json, report.html, points.csv, config.toml and figures into a folder. `before` and `after` are a
+    /// loop before and after a step of size `h`.
+    #[pyo3(signature = (folder, before=None, after=None, h=None))]
+    fn save(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        before: Option<(PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, f64>)>,
+        after: Option<(PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, f64>)>,
+        h: Option<f64>,
+    ) -> PyResult<()> {
+        let states = |arrays: Option<(PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, f64>)>| {
+            (arrays.map(|(q, p)| arrays::ensemble(py, &q, &p))).transpose()
+        };
+        let (before, after) = (states(before)?, states(after)?);
+        let loops = before.zip(after);
+        py.detach(|| self.write(&folder, loops.as_ref(), h))
+            .map_err(|error| other_error(py, &error))
+    }
+}
+
+impl Report {
+    fn write(
+        &self,
+        folder: &std::path::Path,
+        loops: Option<&(Ensemble, Ensemble)>,
+        h: Option<f64>,
+    ) -> Result<(), String> {
+        let folder = RunFolder::create(folder).map_err(|error| error.to_string())?;
+        let files = || {
+            folder.write_config(&config_text(&self.config))?;
+            folder.write_text("report.json", &(self.json() + "\n"))?;
+            folder.write_text("report.html", &html::page(&self.title, &self.html()))?;
+            folder.write_csv("points.csv", &self.diagnosis.points())
+        };
+        files().map_err(|error| error.to_string())?;
+        let figures = match loops {
+            Some((before, after)) => {
+                measure_figures(&self.title, &self.diagnosis, before, after, h)
+            }
+            None => vec![("step_sizes", step_sizes(&self.title, &self.diagnosis))],
+        };
+        for (name, figure) in figures {
+            (figure.save(&folder.figures(), name)).map_err(|error| error.to_string())?;
+        }
+        Ok(())
+    }
+}
+
+/// The configuration as TOML, which has no null.
+fn config_text(config: &serde_json::Value) -> String {
+    fn without_null(value: &serde_json::Value) -> serde_json::Value {
+        match value {
+            serde_json::Value::Object(entries) => (entries.iter())
+                .filter(|(_, value)| !value.is_null())
+                .map(|(key, value)| (key.clone(), without_null(value)))
+                .collect(),
+            other => other.clone(),
+        }
+    }
+    toml::to_string(&without_null(config)).unwrap_or_default()
+}

@@ -1,0 +1,167 @@
+//! Functions of the user as maps, manifolds and loops: what the threads of a diagnosis see of them.
+
+use symplint::map::Constraint;
+use symplint::{Block, Coordinates, Loop, StepFailure, TimeAdvance};
+
+use crate::calls::{Call, Caller, stopped};
+
+/// Coordinates that are handed to a function at once, at most: 32 MiB of positions and as many of momenta.
+const MOST_VALUES: usize = 1 << 22;
+
+/// A map whose step is a Python function.
+pub struct PythonMap<'a> {
+    caller: &'a Caller,
+    coordinates: Coordinates,
+    projection: Option<Projection<'a>>,
+}
+
+/// A manifold on which a Python function puts states.
+struct Projection<'a>(&'a Caller);
+
+impl<'a> PythonMap<'a> {
+    /// The map; `projects` says whether there is a function that puts states on a manifold.
+    pub fn new(caller: &'a Caller, coordinates: Coordinates, projects: bool) -> Self {
+        PythonMap {
+            caller,
+            coordinates,
+            projection: projects.then_some(Projection(caller)),
+        }
+    }
+}
+
+impl TimeAdvance for PythonMap<'_> {
+    fn dof(&self) -> usize {
+        self.coordinates.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.caller.lend(block, |loan| Call::Step(h, loan))
+    }
+
+    fn block_width(&self) -> usize {
+        (MOST_VALUES / self.dof().max(1)).max(1)
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        self.coordinates.clone()
+    }
+
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        let projection = self.projection.as_ref()?;
+        Some(projection)
+    }
+}
+
+impl Constraint for Projection<'_> {
+    fn project(&self, block: &mut Block<'_>) {
+        if self.0.lend(block, Call::Project).is_err() {
+            invalidate(block);
+        }
+    }
+}
+
+/// A loop that a Python function samples.
+pub struct PythonLoop<'a> {
+    caller: &'a Caller,
+    dof: usize,
+}
+
+impl<'a> PythonLoop<'a> {
+    /// The loop in a phase space of so many degrees of freedom.
+    pub fn new(caller: &'a Caller, dof: usize) -> Self {
+        PythonLoop { caller, dof }
+    }
+}
+
+impl Loop for PythonLoop<'_> {
+    fn dof(&self) -> usize {
+        self.dof
+    }
+
+    fn sample(&self, s: &[f64], block: &mut Block<'_>) {
+        let sampled = self.caller.lend(block, |loan| Call::Loop(s.to_vec(), loan));
+        if sampled.is_err() {
+            invalidate(block);
+        }
+    }
+}
+
+/// States that are not valid: the diagnosis refuses them.
+fn invalidate(block: &mut Block<'_>) {
+    block.q.fill(f64::NAN);
+    block.p.fill(f64::NAN);
+}
+
+/// A compiled map that fails once the user has stopped the diagnosis.
+pub struct Stoppable<'a> {
+    map: &'a dyn TimeAdvance,
+    caller: &'a Caller,
+}
+
+impl<'a> Stoppable<'a> {
+    /// `map`, as long as the diagnosis is not stopped.
+    pub fn new(map: &'a dyn TimeAdvance, caller: &'a Caller) -> Self {
+        Stoppable { map, caller }
+    }
+
+    fn check(&self) -> Result<(), StepFailure> {
+        match self.caller.is_stopped() {
+            true => Err(stopped()),
+            false => Ok(()),
+        }
+    }
+}
+
+impl TimeAdvance for Stoppable<'_> {
+    fn dof(&self) -> usize {
+        self.map.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.check()?;
+        self.map.advance(h, block)
+    }
+
+    fn advance_and_look(&self, h: f64, block: &mut Block<'_>) -> Result<bool, StepFailure> {
+        self.check()?;
+        self.map.advance_and_look(h, block)
+    }
+
+    fn block_width(&self) -> usize {
+        self.map.block_width()
+    }
+
+    fn substeps(&self) -> usize {
+        self.map.substeps()
+    }
+
+    fn advance_substep(
+        &self,
+        substep: usize,
+        h: f64,
+        block: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        self.check()?;
+        self.map.advance_substep(substep, h, block)
+    }
+
+    fn substep_name(&self, substep: usize) -> String {
+        self.map.substep_name(substep)
+    }
+
+    fn known_breaks(&self, phase_loop: &dyn Loop, h: f64) -> Vec<f64> {
+        self.map.known_breaks(phase_loop, h)
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        self.map.coordinates()
+    }
+
+    fn tangent(&self) -> Option<&dyn symplint::map::TangentMap> {
+        self.map.tangent()
+    }
+
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        self.map.constraint()
+    }
+}

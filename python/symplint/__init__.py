@@ -1,0 +1,39 @@
+"""Tells whether a numerical time-advance map is symplectic.
+
+Closed loops of initial states are sent through one step of a map, and the Poincaré loop integrals ∮ p·dq before and
+after are compared: W. Barham and J. W. Burby, "Diagnosing symplecticity in simulations of high-dimensional Hamiltonian
+systems" (2025), arXiv:2512.13951.
+"""
+
+from . import integrators, systems
+from ._check import assert_symplectic, check
+from ._errors import InputError, NotSymplecticError, StepError, SymplintError
+from ._loops import Circle, FourierLoop, Loop, SampledLoop, circle
+from ._measure import LoopIntegral, loop_integral, measure
+from ._native import __version__
+from ._report import Report
+
+__all__ = [
+    "Circle",
+    "FourierLoop",
+    "InputError",
+    "Loop",
+    "LoopIntegral",
+    "NotSymplecticError",
+    "Report",
+    "SampledLoop",
+    "StepError",
+    "SymplintError",
+    "__version__",
+    "assert_symplectic",
+    "check",
+    "circle",
+    "integrators",
+    "loop_integral",
+    "measure",
+    "systems",
+]
+
+for _exception in (InputError, NotSymplecticError, StepError, SymplintError):
+    # Tracebacks name them as users import them.
+    _exception.__module__ = __name__

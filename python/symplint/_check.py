@@ -1,0 +1,374 @@
+"""Diagnosing a map."""
+
+from __future__ import annotations
+
+import json
+import operator
+import os
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._arrays import vector
+from ._errors import InputError, NotSymplecticError
+from ._loops import Loop, centre, radii
+from ._progress import bar
+from ._report import Report
+from .integrators import Integrator
+
+__all__ = ["assert_symplectic", "check"]
+
+#: Evaluations of a map that is called through Python.
+BUDGET = 20_000
+#: Evaluations of a system of the library, as the program has it.
+BUDGET_COMPILED = 1_000_000
+#: Arrays with more numbers than this are not repeated in reports.
+LONGEST = 16
+
+
+def check(
+    step: Callable[..., Any] | Integrator,
+    q0: npt.ArrayLike | None = None,
+    p0: npt.ArrayLike | None = None,
+    *,
+    step_sizes: npt.ArrayLike | None = None,
+    h: float | None = None,
+    radius: Any = 1.0,
+    loop: Loop | Callable[..., Any] | None = None,
+    loops: int = 8,
+    project: Callable[..., Any] | None = None,
+    seed: int = 1,
+    rule: str = "auto",
+    samples: int | str = "auto",
+    budget: int | str = BUDGET,
+    period: npt.ArrayLike | None = None,
+    weight: npt.ArrayLike | None = None,
+    per_sample: bool = False,
+    make: bool = False,
+    reset: Callable[[], object] | None = None,
+    dtype: npt.DTypeLike | None = None,
+    jacobian: bool = True,
+    threads: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    progress: bool | Callable[[int, int, float | None], object] | None = None,
+) -> Report:
+    """Tell whether a time-advance map is symplectic.
+
+    Closed loops of initial states are sent through one step of the map, and the loop integrals ∮ p·dq before and after
+    are compared, while the step size varies.
+
+    Parameters
+    ----------
+    step : callable
+        ``step(q, p, h)`` gets arrays of shape (samples, dof), and returns two, or changes them in place and returns
+        None. A row is one state; what happens to it must depend on nothing but this row and h. Arrays may be kept:
+        they are not used again then. The arrays are neither in C nor in Fortran order. An integrator of
+        `symplint.integrators` runs without Python.
+    q0, p0 : array_like
+        Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library, and where
+        `loop` is one of the library.
+    step_sizes : array_like, optional
+        Step sizes to try; the verdict leans on the largest. By default, 2^-1 … 2^-10.
+    h : float, optional
+        In place of `step_sizes`, a typical step size: the largest step size that tests something is looked for, and
+        halved.
+    radius : float, array_like, pair of them or "auto"
+        Radius of the loop: one for all degrees of freedom, one for each, a tuple of those for q and for p, or as the map
+        suggests.
+    loop : Circle, FourierLoop, SampledLoop or callable, optional
+        The loop, in place of a circle round (q0, p0): also a function that gets an array of s in [0, 1) and returns (q, p)
+        of shape (len(s), dof).
+    loops : int
+        Loops in all, the given one included; the others are random.
+    project : callable, optional
+        ``project(q, p)`` puts states on the constraint manifold of the map, and returns or changes them as `step` does.
+    seed : int
+        Seed of the random loops.
+    rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}
+        How loop integrals are computed.
+    samples : int or "auto"
+        Samples of each loop.
+    budget : int or "auto"
+        The most evaluations, states advanced by one step: 200 or more; "auto" is 20,000, and 1,000,000 for integrators of
+        the library.
+    period : float or array_like, optional
+        Periods of the positions, 0 where a position is not periodic.
+    weight : float or array_like, optional
+        The canonical momentum is weight × p: masses, where p are velocities.
+    per_sample : bool
+        Whether `step` (and `project`) takes and returns one state: arrays of shape (dof,).
+    make : bool
+        Whether ``step(h)`` returns ``advance(q, p)``; it is called once for each h.
+    reset : callable, optional
+        Called before every batch of states, for codes that keep state.
+    dtype : "float32", optional
+        Where the map computes in single precision: `step` then gets arrays of it.
+    jacobian : bool
+        Whether the Jacobian of one step is also checked.
+    threads : int, optional
+        Threads for the work of the library. `step` is called from the calling thread alone.
+    out : path, optional
+        A folder to write the report to, as `Report.save` does.
+    progress : bool or callable, optional
+        True shows a bar on standard error if that is a terminal; a function gets how many points were measured, how many
+        are planned, and the step size of the last one.
+
+    Returns
+    -------
+    Report
+
+    Raises
+    ------
+    InputError
+        If an argument is not valid.
+    StepError
+        If the map fails on the given loop, or returns states that are not finite, or has a memory. Exceptions of `step` are
+        the cause.
+
+    Examples
+    --------
+    >>> import numpy as np, symplint
+    >>> def leapfrog(q, p, h):
+    ...     q = q + 0.5 * h * p
+    ...     p = p - h * np.sin(q)
+    ...     return q + 0.5 * h * p, p
+    >>> report = symplint.check(leapfrog, 1.0, 0.5)
+    >>> report.kind
+    'symplectic'
+
+    The explicit midpoint rule is not:
+
+    >>> def midpoint(q, p, h):
+    ...     dq, dp = p - 0.5 * h * np.sin(q), -np.sin(q + 0.5 * h * p)
+    ...     return q + h * dq, p + h * dp
+    >>> report = symplint.check(midpoint, 1.0, 0.5)
+    >>> report.kind, report.order
+    ('not-symplectic', 3.0)
+    """
+    subject = _subject(
+        step, q0, p0, radius=radius, loop=loop, project=project, period=period, weight=weight,
+        per_sample=per_sample, make=make, reset=reset, dtype=dtype, threads=threads,
+    )  # fmt: skip
+    compiled = subject["integrator"] is not None
+    if step_sizes is not None and h is not None:
+        raise InputError("both step_sizes and h are given; h is a typical step size, from which step sizes are looked for")
+    settings = {
+        "step_sizes": None if step_sizes is None else vector(step_sizes, "step_sizes").tolist(),
+        "typical": None if h is None else _number(h, "h"),
+        "loops": _whole(loops, "loops", 1),
+        "seed": _whole(seed, "seed", 0),
+        "rule": rule,
+        "samples": _whole_or_auto(samples, "samples", 3),
+        "budget": _whole_or_auto(budget, "budget", 200),
+        "jacobian": bool(jacobian),
+    }
+    if settings["budget"] is None and not compiled:
+        settings["budget"] = BUDGET
+    name = _name(step)
+    config = _config(name, subject, settings, loop)
+    dof = subject["dof"]
+    title = f"{name} · {dof} degree{'' if dof == 1 else 's'} of freedom"
+    with bar(progress) as watch:
+        native = _native.check(subject, settings, title, json.dumps(config), watch)
+    report = Report(native, lambda size, samples: _native.image(subject, size, samples))
+    if out is not None:
+        report.save(out)
+    return report
+
+
+def assert_symplectic(
+    step: Callable[..., Any] | Integrator,
+    q0: npt.ArrayLike | None = None,
+    p0: npt.ArrayLike | None = None,
+    *,
+    digits: float | None = None,
+    **arguments: Any,
+) -> Report:
+    """Fail unless a map is symplectic.
+
+    Parameters
+    ----------
+    step, q0, p0, **arguments
+        As those of `check`.
+    digits : float, optional
+        To how many digits the loop integral has to be conserved, at least.
+
+    Returns
+    -------
+    Report
+
+    Raises
+    ------
+    NotSymplecticError
+        If the map is not symplectic, breaks loops, conserves fewer digits, or the numbers do not decide. It is an
+        AssertionError and has the report.
+
+    Examples
+    --------
+    >>> import numpy as np, symplint
+    >>> def kick_and_drift(q, p, h):
+    ...     p -= h * np.sin(q)
+    ...     q += h * p
+    >>> report = symplint.assert_symplectic(kick_and_drift, 1.0, 0.5, digits=10)
+    >>> def with_friction(q, p, h):
+    ...     kick_and_drift(q, p, h)
+    ...     p *= 1.0 - 0.01 * h
+    >>> symplint.assert_symplectic(with_friction, 1.0, 0.5)
+    Traceback (most recent call last):
+        ...
+    symplint.NotSymplecticError: with_friction is not symplectic: not-symplectic, defect of order h^1
+    The map changes a loop integral by 5.0e-3 at h = 2^-1, falling as h^1.
+    ...
+    """
+    report = check(step, q0, p0, **arguments)
+    enough = digits is None or (report.digits is not None and report.digits >= digits)
+    if report.kind == "symplectic" and enough:
+        return report
+    name = _name(step)
+    match report.kind:
+        case "symplectic":
+            text = f"{name} is symplectic to {report.digits} digits only, not to {digits}: "
+        case "undecided":
+            text = f"whether {name} is symplectic could not be decided: "
+        case _:
+            text = f"{name} is not symplectic: "
+    raise NotSymplecticError(text + report.reasons(), report)
+
+
+def _subject(
+    step: Any,
+    q0: Any,
+    p0: Any,
+    *,
+    radius: Any,
+    loop: Any,
+    project: Any,
+    period: Any,
+    weight: Any,
+    per_sample: bool,
+    make: bool,
+    reset: Any,
+    dtype: Any,
+    threads: int | None,
+) -> dict[str, Any]:
+    """What is tested, as the native module takes it."""
+    integrator = step if isinstance(step, Integrator) else None
+    if integrator is None and not callable(step):
+        raise InputError(f"step is an object of type {type(step).__name__}; give a function step(q, p, h)")
+    for name, function in (("project", project), ("reset", reset)):
+        if function is not None and not callable(function):
+            raise InputError(f"{name} is an object of type {type(function).__name__}; give a function")
+    if integrator is not None:
+        of_steps = {
+            "project": project, "period": period, "weight": weight, "reset": reset, "dtype": dtype,
+            "per_sample": per_sample or None, "make": make or None,
+        }  # fmt: skip
+        if refused := [name for name, value in of_steps.items() if value is not None]:
+            raise InputError(f"{refused[0]} is for functions; an integrator of symplint states its own")
+        q0 = integrator.system.q0 if q0 is None else q0
+        p0 = integrator.system.p0 if p0 is None else p0
+    native_loop = loop._native if isinstance(loop, Loop) else None
+    if loop is not None and native_loop is None and not callable(loop):
+        raise InputError(f"loop is an object of type {type(loop).__name__}; give a symplint.Circle or a function of s")
+    if q0 is None and p0 is None and native_loop is not None:
+        dof, centres = native_loop.dof, ([], [])
+    else:
+        if q0 is None or p0 is None:
+            raise InputError("q0 and p0 are missing; give the state round which loops are laid")
+        rows = centre(q0, p0)
+        dof, centres = rows[0].size, (rows[0].tolist(), rows[1].tolist())
+    for other, found in (("the loop", native_loop), ("the system", integrator)):
+        if found is not None and found.dof != dof:
+            raise InputError(f"q0 has {dof} values and {other} {found.dof} degrees of freedom; they must agree")
+    if isinstance(radius, str) and radius != "auto":
+        raise InputError(f'radius is "{radius}"; give a number, or "auto"')
+    of_circle = None
+    if loop is None and not isinstance(radius, str):
+        of_circle = tuple(row.tolist() for row in radii(radius, dof))
+    return {
+        "integrator": None if integrator is None else integrator._native,
+        "step": None if integrator is not None else step,
+        "per_sample": bool(per_sample),
+        "make": bool(make),
+        "reset": reset,
+        "single": _is_single(dtype),
+        "project": project,
+        "dof": dof,
+        "period": None if period is None else vector(period, "period", dof).tolist(),
+        "weight": None if weight is None else vector(weight, "weight", dof).tolist(),
+        "native_loop": native_loop,
+        "phase_loop": loop if native_loop is None else None,
+        "q0": centres[0],
+        "p0": centres[1],
+        "radii": of_circle,
+        "threads": None if threads is None else _whole(threads, "threads", 1),
+    }
+
+
+def _config(name: str, subject: dict[str, Any], settings: dict[str, Any], loop: Any) -> dict[str, Any]:
+    """The arguments, for the report."""
+    own = ("dof", "per_sample", "make", "single", "period", "weight", "q0", "p0", "radii")
+    arguments = {key: subject[key] for key in own} | settings
+    arguments = {
+        key: value
+        for key, value in arguments.items()
+        if not isinstance(value, list | tuple) or len(value) <= LONGEST
+    }
+    config: dict[str, Any] = {"check": {"step": name} | arguments}
+    if loop is not None:
+        config["check"]["loop"] = type(loop).__name__ if isinstance(loop, Loop) else _name(loop)
+    if (integrator := subject["integrator"]) is not None:
+        config["system"] = json.loads(integrator.system.config())
+        config["integrator"] = json.loads(integrator.config())
+    return config
+
+
+def _name(step: Any) -> str:
+    """What a step is called in a report."""
+    if isinstance(step, Integrator):
+        return f"{step.system.name} · {step.name}"
+    return str(getattr(step, "__name__", type(step).__name__))
+
+
+def _is_single(dtype: Any) -> bool:
+    if dtype is None:
+        return False
+    # Of torch and JAX, too.
+    name = str(getattr(dtype, "__name__", dtype)).rsplit(".", 1)[-1]
+    if name in ("float32", "float64"):
+        return name == "float32"
+    try:
+        found = np.dtype(dtype)
+    except TypeError:
+        found = None
+    if found is None or found not in (np.float32, np.float64):
+        raise InputError(f'dtype is {dtype!r}; give "float32" or "float64"')
+    return bool(found == np.float32)
+
+
+def _number(value: Any, name: str) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} is {value!r}; give a number") from None
+
+
+def _whole(value: Any, name: str, least: int) -> int:
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = None
+    if number is None or not least <= number < 2**63:
+        raise InputError(f"{name} is {value!r}; give a whole number, {least} or more")
+    return number
+
+
+def _whole_or_auto(value: Any, name: str, least: int) -> int | None:
+    if value is None or isinstance(value, str):
+        if value in (None, "auto"):
+            return None
+        raise InputError(f'{name} is "{value}"; give "auto" or a whole number, {least} or more')
+    return _whole(value, name, least)

@@ -1,0 +1,62 @@
+"""Exceptions of symplint."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ._report import Report
+
+__all__ = ["InputError", "NotSymplecticError", "StepError", "SymplintError"]
+
+
+class SymplintError(Exception):
+    """Base class of all exceptions of symplint."""
+
+
+class InputError(SymplintError, ValueError):
+    """An argument is not valid; the text says which one and what to give instead."""
+
+
+class StepError(SymplintError, RuntimeError):
+    """The map failed, or returned a state that is not finite.
+
+    The exception that the map raised, if it did, is the ``__cause__``.
+
+    Attributes
+    ----------
+    h : float or None
+        The step size.
+    s : float or None
+        The loop parameter of the state that could not be advanced, from 0 to 1.
+    sample : int or None
+        Its number among the samples of the loop, counted from 0; None where it lies between samples.
+    """
+
+    h: float | None
+    s: float | None
+    sample: int | None
+
+    def __init__(
+        self, message: str, h: float | None = None, s: float | None = None, sample: int | None = None
+    ) -> None:
+        super().__init__(message)
+        self.h = h
+        self.s = s
+        self.sample = sample
+
+
+class NotSymplecticError(SymplintError, AssertionError):
+    """A map that should be symplectic is not, or it was not decided.
+
+    Attributes
+    ----------
+    report : Report
+        The report of the check.
+    """
+
+    report: Report
+
+    def __init__(self, message: str, report: Report) -> None:
+        super().__init__(message)
+        self.report = report

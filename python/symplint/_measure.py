@@ -1,0 +1,153 @@
+"""Loops that another code advanced."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy.typing as npt
+
+from . import _native
+from ._arrays import Array, is_single, samples, vector
+from ._errors import InputError
+from ._report import Report
+
+__all__ = ["LoopIntegral", "loop_integral", "measure"]
+
+
+@dataclasses.dataclass(frozen=True)
+class LoopIntegral:
+    """The loop integral ∮ p·dq of samples of a loop.
+
+    Attributes
+    ----------
+    value : float
+        The integral.
+    quadrature_error : float or None
+        Estimate of its distance from the integral of the loop that the samples belong to; None where they are too few
+        to tell.
+    roundoff : float
+        What double precision alone leaves uncertain.
+    contributions : tuple of float
+        The part of each degree of freedom.
+    """
+
+    value: float
+    quadrature_error: float | None
+    roundoff: float
+    contributions: tuple[float, ...]
+
+    def __float__(self) -> float:
+        return self.value
+
+
+def loop_integral(
+    q: npt.ArrayLike,
+    p: npt.ArrayLike,
+    *,
+    rule: str = "auto",
+    period: npt.ArrayLike | None = None,
+    weight: npt.ArrayLike | None = None,
+) -> LoopIntegral:
+    """The loop integral ∮ p·dq of equispaced samples of a closed loop.
+
+    Parameters
+    ----------
+    q, p : array_like of shape (samples, dof)
+        Row k is the state at s = k/samples.
+    rule : {"auto", "pseudospectral", "finite-difference"}
+        How it is computed; "auto" is pseudospectral.
+    period, weight : float or array_like, optional
+        As those of `check`.
+
+    Returns
+    -------
+    LoopIntegral
+
+    Examples
+    --------
+    >>> import numpy as np, symplint
+    >>> s = np.arange(32) / 32
+    >>> integral = symplint.loop_integral(np.sin(2 * np.pi * s), np.cos(2 * np.pi * s))
+    >>> abs(integral.value - np.pi) < 1e-14
+    True
+    """
+    rows_q, rows_p = samples(q, "q"), samples(p, "p")
+    dof = rows_q.shape[1]
+    value, quadrature_error, roundoff, contributions = _native.loop_integral(
+        rows_q, rows_p, rule, _of_each(period, "period", dof), _of_each(weight, "weight", dof)
+    )
+    return LoopIntegral(value, quadrature_error, roundoff, tuple(contributions))
+
+
+def measure(
+    before: tuple[npt.ArrayLike, npt.ArrayLike],
+    *after: tuple[npt.ArrayLike, npt.ArrayLike],
+    h: float | Sequence[float | None] | None = None,
+    period: npt.ArrayLike | None = None,
+    weight: npt.ArrayLike | None = None,
+) -> Report:
+    """Tell from the samples of a loop before and after a step whether the step is symplectic.
+
+    Parameters
+    ----------
+    before : (q, p)
+        The loop before the step, of shape (samples, dof) both: row k is the state at s = k/samples.
+    *after : (q, p)
+        The same samples after one step; of several step sizes, each taken from `before`.
+    h : float or sequence of float, optional
+        Their step sizes.
+    period, weight : float or array_like, optional
+        As those of `check`.
+
+    Returns
+    -------
+    Report
+
+    Examples
+    --------
+    >>> import numpy as np, symplint
+    >>> q, p = symplint.circle(1.0, 0.5, radius=0.5)
+    >>> q1 = q + 0.1 * p
+    >>> symplint.measure((q, p), (q1, p - 0.1 * np.sin(q1)), h=0.1).kind
+    'symplectic'
+    """
+    if not after:
+        raise InputError("there is no loop after the step; give measure((q, p), (q1, p1))")
+    sizes = [h] if h is None or _is_number(h) else list(h)  # type: ignore[arg-type]
+    if h is None:
+        sizes = [None] * len(after)
+    if len(sizes) != len(after):
+        raise InputError(f"h has {len(sizes)} values for {len(after)} loops after the step; give one for each")
+    loops = [_loop(states, name) for states, name in [(before, "before"), *((states, "after") for states in after)]]
+    dof = loops[0][0].shape[1]
+    periods, weights = _of_each(period, "period", dof), _of_each(weight, "weight", dof)
+    steps = [None if size is None else float(size) for size in sizes]
+    config = {"measure": {"dof": dof, "samples": loops[0][0].shape[0], "h": steps}}
+    title = f"measured · {dof} degree{'' if dof == 1 else 's'} of freedom"
+    native = _native.measure(loops[0], loops[1:], steps, periods, weights, title, json.dumps(config))
+
+    def image(size: float, _: int) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        index = steps.index(size) if size in steps else 0
+        return loops[0][:2], loops[1 + index][:2]
+
+    return Report(native, image)
+
+
+def _is_number(value: Any) -> bool:
+    return getattr(value, "ndim", 0) == 0 and not isinstance(value, Sequence)
+
+
+def _of_each(value: Any, name: str, dof: int) -> list[float] | None:
+    return None if value is None else vector(value, name, dof).tolist()
+
+
+def _loop(states: Any, name: str) -> tuple[Array, Array, bool]:
+    """Samples of a loop, and whether they are of single precision."""
+    try:
+        q, p = states
+    except (TypeError, ValueError):
+        raise InputError(f"the loop {name} the step is not a pair (q, p) of arrays") from None
+    return samples(q, f"q {name} the step"), samples(p, f"p {name} the step"), is_single(q) or is_single(p)

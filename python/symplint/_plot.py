@@ -1,0 +1,74 @@
+"""Figures by matplotlib."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ._arrays import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ._report import Report
+
+#: Relative rounding: smaller defects are drawn there, as a logarithmic axis has no zero.
+FLOOR = 2.0**-53
+
+
+def _axes(ax: Axes | None) -> Axes:
+    if ax is not None:
+        return ax
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError as error:
+        raise ImportError("figures need matplotlib: pip install 'symplint[plot]'") from error
+    return plt.figure(layout="constrained").add_subplot()
+
+
+def plot_defects(report: Report, ax: Axes | None) -> Axes:
+    """Defects against step sizes, with their uncertainty and the fitted order."""
+    ax = _axes(ax)
+    points = report.points
+    points = points[(points["sweep"] == "step-size") & np.isfinite(points["step_size"])]
+    points = points[np.argsort(points["step_size"])]
+    given, others = points[points["loop"] == 0], points[points["loop"] > 0]
+
+    def draw(rows: np.ndarray, field: str, style: str, label: str) -> None:
+        known = rows[np.isfinite(rows[field])]
+        if known.size:
+            ax.loglog(np.abs(known["step_size"]), np.maximum(known[field], FLOOR), style, label=label)
+
+    draw(given, "defect", "o-", "given loop")
+    draw(given, "closed_defect", "d-", "given loop, breaks closed")
+    draw(others, "defect", "x", "random loops")
+    uncertainty = np.nan_to_num(given["quadrature_error"]) + given["roundoff"]
+    if given.size:
+        ax.loglog(np.abs(given["step_size"]), np.maximum(uncertainty, FLOOR), ":", color="0.5", label="uncertainty")
+    if report.order is not None and given.size:
+        sizes, largest = np.abs(given["step_size"]), given[-1]
+        law = largest["defect"] * (sizes / abs(largest["step_size"])) ** report.order
+        ax.loglog(sizes, law, "--", color="0.7", label=f"$h^{{{report.order:g}}}$")
+        ax.set_ylim(bottom=FLOOR / 2)
+    ax.set_xscale("log", base=2)
+    ax.set_xlabel("step size h")
+    ax.set_ylabel("relative loop defect")
+    ax.set_title(report.headline)
+    if ax.has_data():
+        ax.legend()
+    return ax
+
+
+def plot_loop(
+    before: tuple[Array, Array], after: tuple[Array, Array], h: float, dof: int, ax: Axes | None
+) -> Axes:
+    """A loop before and after a step. Points, because a line would hide that a loop is broken."""
+    ax = _axes(ax)
+    label = f"after one step of h = {h:g}" if np.isfinite(h) else "after the step"
+    ax.plot(before[0][:, dof], before[1][:, dof], "-", color="0.6", label="before")
+    ax.plot(after[0][:, dof], after[1][:, dof], ".", label=label)
+    ax.set_xlabel(f"q[{dof}]")
+    ax.set_ylabel(f"p[{dof}]")
+    ax.legend()
+    return ax

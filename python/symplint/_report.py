@@ -1,0 +1,198 @@
+"""What a check or a measurement found."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._arrays import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Report"]
+
+#: Columns of `Report.points`, as in the report's JSON.
+POINTS = [
+    ("sweep", "U9"), ("loop", "i8"), ("step_size", "f8"), ("samples", "i8"), ("rule", "U17"),
+    ("initial", "f8"), ("final", "f8"), ("signed_defect", "f8"), ("defect", "f8"),
+    ("quadrature_error", "f8"), ("roundoff", "f8"), ("omitted_cells", "f8"), ("jumps", "f8"),
+    ("chord", "f8"), ("closed_defect", "f8"), ("regularity", "f8"), ("evaluations", "i8"),
+]  # fmt: skip
+
+#: Columns of `Report.breaks`.
+BREAKS = [
+    ("loop", "i8"), ("step_size", "f8"), ("s", "f8"), ("dof", "i8"), ("jump_q", "f8"), ("jump_p", "f8"),
+    ("substep", "f8"),
+]  # fmt: skip
+
+States = tuple[Array, Array]
+
+
+class Report:
+    """The verdict on a map with all the numbers that led to it.
+
+    Printing it shows a table of the given loop and the verdict with its reasons.
+    """
+
+    def __init__(self, native: _native.Report, image: Callable[[float, int], tuple[States, States]]) -> None:
+        self._native = native
+        self._image = image
+        self._dict: dict[str, Any] | None = None
+
+    @property
+    def kind(self) -> str:
+        """The verdict: "symplectic", "not-symplectic", "broken-loops" or "undecided"."""
+        return self._native.kind
+
+    @property
+    def is_symplectic(self) -> bool | None:
+        """Whether the map is symplectic; None where the numbers do not decide."""
+        return {"symplectic": True, "undecided": None}.get(self.kind, False)
+
+    @property
+    def digits(self) -> float | None:
+        """To how many digits loop integrals are conserved, of a symplectic map."""
+        return self._native.digits
+
+    @property
+    def order(self) -> float | None:
+        """The k of defect ~ h^k, where the defects have a trend."""
+        return self._native.order
+
+    @property
+    def headline(self) -> str:
+        """The verdict in a few words."""
+        return self._native.headline
+
+    @property
+    def summary(self) -> str:
+        """The deciding finding, as a sentence."""
+        return self._native.summary
+
+    @property
+    def evidence(self) -> list[str]:
+        """The other findings, as sentences."""
+        return self._native.evidence
+
+    @property
+    def advice(self) -> list[str]:
+        """What to do next, as sentences."""
+        return self._native.advice
+
+    @property
+    def evaluations(self) -> int:
+        """How many states were advanced by one step."""
+        return self._native.evaluations
+
+    @property
+    def points(self) -> npt.NDArray[np.void]:
+        """All measured points, as a structured array; what a rule does not give is NaN.
+
+        Its fields are those of ``points`` in the JSON: ``step_size``, ``samples``, ``initial`` and ``final`` (loop
+        integrals), ``defect``, ``quadrature_error``, ``roundoff`` (relative to the initial integral) and others. ``loop``
+        is 0 for the given loop.
+        """
+        return _table(self.to_dict()["points"], POINTS)
+
+    @property
+    def breaks(self) -> npt.NDArray[np.void]:
+        """Where advanced loops are broken, as a structured array.
+
+        Its fields are ``loop``, ``step_size``, ``s``, ``dof``, ``jump_q``, ``jump_p`` and ``substep``.
+        """
+        return _table(self.to_dict()["evidence"]["breaks"], BREAKS)
+
+    def to_json(self) -> str:
+        """The report as JSON, schema ``symplint/report/2``."""
+        return self._native.to_json()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The report as a dictionary, with the keys of the JSON."""
+        if self._dict is None:
+            self._dict = json.loads(self.to_json())
+        return self._dict
+
+    def to_html(self) -> str:
+        """The report as a page of HTML, without references to other files."""
+        return self._native.to_html()
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Write report.json, report.html, points.csv, config.toml and figures into a folder.
+
+        Files of the same names are replaced.
+
+        Parameters
+        ----------
+        folder : path
+            It is made if it does not exist.
+        """
+        self._native.save(os.fspath(folder))
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the defects of all loops against step sizes.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where; new ones by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        from ._plot import plot_defects
+
+        return plot_defects(self, ax)
+
+    def plot_loop(self, ax: Axes | None = None, *, dof: int = 0, samples: int = 256) -> Axes:
+        """Draw the given loop before and after one step of the largest size.
+
+        Advances `samples` states by one step.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where; new ones by default.
+        dof : int
+            The degree of freedom whose plane is shown.
+        samples : int
+            How many states are drawn. Of a measurement, all are.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        from ._plot import plot_loop
+
+        points = self.points
+        sizes = points["step_size"][points["sweep"] == "step-size"]
+        known = sizes[np.isfinite(sizes)]
+        largest = float(known[np.argmax(np.abs(known))]) if known.size else float("nan")
+        before, after = self._image(largest, samples)
+        return plot_loop(before, after, largest, dof, ax)
+
+    def reasons(self) -> str:
+        """The verdict with its reasons, as a text."""
+        return self._native.reasons()
+
+    def __str__(self) -> str:
+        return self._native.text()
+
+    def __repr__(self) -> str:
+        return f"<symplint.Report: {self.headline}>"
+
+    def _repr_html_(self) -> str:
+        return self._native.fragment()
+
+
+def _table(records: list[dict[str, Any]], columns: list[tuple[str, str]]) -> npt.NDArray[np.void]:
+    """Records as a structured array; what is not given is NaN."""
+    rows = [tuple(np.nan if record[name] is None else record[name] for name, _ in columns) for record in records]
+    return np.array(rows, dtype=columns)

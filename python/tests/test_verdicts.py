@@ -1,0 +1,197 @@
+"""Verdicts on maps whose answer is known."""
+
+import numpy as np
+import pytest
+import symplint
+
+
+def verlet(q, p, h):
+    p = p + 0.5 * h * -np.sin(q)
+    q = q + h * p
+    return q, p + 0.5 * h * -np.sin(q)
+
+
+def rk4(q, p, h):
+    def slope(q, p):
+        return p, -np.sin(q)
+
+    k1 = slope(q, p)
+    k2 = slope(q + 0.5 * h * k1[0], p + 0.5 * h * k1[1])
+    k3 = slope(q + 0.5 * h * k2[0], p + 0.5 * h * k2[1])
+    k4 = slope(q + h * k3[0], p + h * k3[1])
+    sums = [a + 2 * b + 2 * c + d for a, b, c, d in zip(k1, k2, k3, k4, strict=True)]
+    return q + h / 6 * sums[0], p + h / 6 * sums[1]
+
+
+def rk4_coupled(q, p, h):
+    def slope(q, p):
+        return p, -np.sin(q) + 0.3 * (np.roll(q, 1, axis=1) + np.roll(q, -1, axis=1) - 2 * q)
+
+    k1 = slope(q, p)
+    k2 = slope(q + 0.5 * h * k1[0], p + 0.5 * h * k1[1])
+    k3 = slope(q + 0.5 * h * k2[0], p + 0.5 * h * k2[1])
+    k4 = slope(q + h * k3[0], p + h * k3[1])
+    sums = [a + 2 * b + 2 * c + d for a, b, c, d in zip(k1, k2, k3, k4, strict=True)]
+    return q + h / 6 * sums[0], p + h / 6 * sums[1]
+
+
+def test_velocity_verlet_is_symplectic():
+    report = symplint.check(verlet, 1.0, 0.5)
+    assert report.kind == "symplectic" and report.is_symplectic is True
+    assert report.digits > 13.5
+    assert report.evaluations <= 20_000
+
+
+def test_velocity_verlet_in_single_precision():
+    seen = set()
+
+    def step(q, p, h):
+        seen.update((q.dtype, p.dtype))
+        q, p = verlet(q, p, np.float32(h))
+        assert q.dtype == np.float32
+        return q, p
+
+    report = symplint.check(step, [1.0, -0.4], [0.5, 0.2], step_sizes=[0.5, 0.25, 0.125], dtype="float32")
+    assert seen == {np.dtype("float32")}
+    assert report.kind == "symplectic"
+    assert 5.0 < report.digits < 8.5
+
+
+def test_rk4_has_order_5_and_6_in_one_degree_of_freedom():
+    sizes = 0.5 ** np.arange(1, 7)
+    assert symplint.check(rk4, 1.0, 0.5, step_sizes=sizes).order == 6
+    report = symplint.check(rk4_coupled, [1.0, 0.5, -0.3], [0.5, 0.1, 0.2], step_sizes=sizes)
+    assert report.kind == "not-symplectic" and report.is_symplectic is False
+    assert report.order == 5
+
+
+def test_scipy_steps_are_not_symplectic():
+    integrate = pytest.importorskip("scipy.integrate")
+
+    def step(q, p, h):
+        solution = integrate.solve_ivp(
+            lambda _, state: (state[1], -np.sin(state[0])), (0.0, h), (q[0], p[0]), method="RK45", rtol=1e-3, atol=1e-6
+        )
+        return solution.y[:, -1][:1], solution.y[:, -1][1:]
+
+    report = symplint.check(step, 1.0, 0.5, step_sizes=[1.0, 0.5, 0.25], per_sample=True, budget=2000, loops=3)
+    assert report.kind in ("not-symplectic", "broken-loops")
+
+
+def test_a_leapfrog_with_staggered_velocities():
+    # Velocities belong to times half a step earlier: as a map of the numbers that the code stores, it is symplectic Euler.
+    def step(q, v, h):
+        v = v + h * -np.sin(q)
+        return q + h * v, v
+
+    assert symplint.check(step, 1.0, 0.5).kind == "symplectic"
+
+    # A code that starts each step from velocities of the same time, and returns staggered ones, is not the map of a
+    # Hamiltonian flow to any order, but it is one: a kick by h/2, then a drift.
+    def started_anew(q, v, h):
+        v = v + 0.5 * h * -np.sin(q)
+        return q + h * v, v
+
+    assert symplint.check(started_anew, 1.0, 0.5).kind == "symplectic"
+
+
+def test_masses_are_weights_of_velocities():
+    mass = np.array([1.0, 3.0])
+
+    def step(q, v, h):
+        v = v - h * np.sin(q.sum(axis=1, keepdims=True)) / mass
+        return q + h * v, v
+
+    arguments = {"step_sizes": [0.5, 0.25, 0.125]}
+    assert symplint.check(step, [1.0, 0.3], [0.5, 0.2], **arguments).kind == "not-symplectic"
+    assert symplint.check(step, [1.0, 0.3], [0.5, 0.2], weight=mass, **arguments).kind == "symplectic"
+
+
+def test_a_langevin_thermostat_is_not_symplectic():
+    # Friction and a noise that is the same for all samples: the map with its noise frozen contracts phase space.
+    def step(q, p, h):
+        noise = np.random.default_rng(7).standard_normal(q.shape[1])
+        p = p - 0.5 * h * np.sin(q)
+        q = q + 0.5 * h * p
+        p = np.exp(-0.5 * h) * p + np.sqrt(1.0 - np.exp(-h)) * noise
+        q = q + 0.5 * h * p
+        return q, p - 0.5 * h * np.sin(q)
+
+    report = symplint.check(step, [1.0, 0.2], [0.5, 0.1], step_sizes=[0.5, 0.25, 0.125])
+    assert report.kind == "not-symplectic"
+    assert report.order == 1
+
+
+def test_fresh_noise_is_not_called_symplectic():
+    random = np.random.default_rng(1)
+
+    def step(q, p, h):
+        q, p = verlet(q, p, h)
+        return q, p + 0.1 * h * random.standard_normal(p.shape)
+
+    report = symplint.check(step, 1.0, 0.5)
+    assert report.kind == "undecided"
+
+
+def test_state_that_leaks_between_samples_is_named():
+    class Thermostat:
+        heat = 0.0
+
+        def __call__(self, q, p, h):
+            q, p = verlet(q, p, h)
+            p = p * (1.0 - 1e-3 * h * self.heat)
+            self.heat += float((p**2).mean())
+            return q, p
+
+    with pytest.raises(symplint.StepError, match="the map has a memory") as caught:
+        symplint.check(Thermostat(), 1.0, 0.5)
+    assert caught.value.h == 0.5 and 0.0 <= caught.value.s < 1.0
+
+    # A reset before every batch removes it.
+    code = Thermostat()
+
+    def reset():
+        code.heat = 1.0
+
+    def of_each(q, p, h):
+        q, p = verlet(q, p, h)
+        return q, p * (1.0 - 1e-3 * h * code.heat)
+
+    assert symplint.check(of_each, 1.0, 0.5, reset=reset).kind == "not-symplectic"
+
+
+def test_a_periodic_position_that_is_wrapped():
+    def step(q, p, h):
+        q, p = verlet(q, p, h)
+        return np.mod(q, 2 * np.pi), p
+
+    sizes = [0.5, 0.25, 0.125]
+    assert symplint.check(step, 6.0, 0.5, step_sizes=sizes).kind == "broken-loops"
+    assert symplint.check(step, 6.0, 0.5, step_sizes=sizes, period=2 * np.pi).kind == "symplectic"
+
+
+def test_breaks_are_reported():
+    def step(q, p, h):
+        p = p - h * np.sign(q)
+        return q + h * p, p
+
+    report = symplint.check(step, 0.1, 0.3, step_sizes=[0.5, 0.25])
+    assert report.kind == "broken-loops"
+    breaks = report.breaks[report.breaks["loop"] == 0]
+    # The force changes sign where q does: on the circle q = 0.1 + sin 2πs.
+    expected = np.sort(np.mod([np.arcsin(-0.1) / (2 * np.pi), 0.5 - np.arcsin(-0.1) / (2 * np.pi)], 1.0))
+    largest = breaks[breaks["step_size"] == 0.5]
+    assert np.allclose(np.sort(largest["s"]), expected, atol=1e-12)
+    assert np.allclose(np.abs(largest["jump_p"]), 1.0)
+
+
+def test_many_degrees_of_freedom():
+    dof = 300
+
+    def step(q, p, h):
+        p = p + h * (-np.sin(q) + 0.3 * (np.roll(q, 1, axis=1) + np.roll(q, -1, axis=1) - 2 * q))
+        return q + h * p, p
+
+    q0 = np.linspace(-1.0, 1.0, dof)
+    report = symplint.check(step, q0, np.zeros(dof), step_sizes=[0.25, 0.125], loops=3)
+    assert report.kind == "symplectic"
