@@ -13,11 +13,21 @@ fn verdict(map: &dyn TimeAdvance, circle: &Circle) -> Verdict {
 /// A kick along the gradient of the angle round an axis at (0.2, −0.1) of the plane of positions: a closed field of forces
 /// that no potential of one value has. Then a drift.
 fn vortex(strength: f64) -> impl TimeAdvance {
+    vortices([[0.2, -0.1, strength]])
+}
+
+/// The same with axes at x, y, each of its strength.
+fn vortices<const N: usize>(axes: [[f64; 3]; N]) -> impl TimeAdvance {
     PerSample::new(2, move |h: f64, q: &mut [f64], p: &mut [f64]| {
-        let (x, y) = (q[0] - 0.2, q[1] + 0.1);
-        let squared = x * x + y * y;
-        p[0] -= h * (q[0] - strength * -y / squared);
-        p[1] -= h * (q[1] - strength * x / squared);
+        let (mut along_x, mut along_y) = (-q[0], -q[1]);
+        for [x, y, strength] in axes {
+            let (x, y) = (q[0] - x, q[1] - y);
+            let squared = x * x + y * y;
+            along_x -= strength * y / squared;
+            along_y += strength * x / squared;
+        }
+        p[0] += h * along_x;
+        p[1] += h * along_y;
         q[0] += h * p[0];
         q[1] += h * p[1];
     })
@@ -51,6 +61,31 @@ fn a_closed_kick_round_an_axis_convicts_nobody() {
         // Following the advice decides.
         let beside = verdict(&vortex(strength), &circle(vec![4.0, 0.0]));
         assert_eq!(beside.kind, VerdictKind::Symplectic, "{beside}");
+    }
+}
+
+#[test]
+fn several_axes_convict_nobody_in_any_budget() {
+    let two = vortices([[0.4, 0.0, 1.0], [-0.4, 0.1, 0.7]]);
+    let opposite = vortices([[0.4, 0.0, 1.0], [-0.4, 0.1, -0.5]]);
+    let maps: [&dyn TimeAdvance; 3] = [&vortex(1.0), &two, &opposite];
+    for map in maps {
+        for budget in [200, 500, 1_000, 2_000, 5_000, 20_000, 200_000] {
+            let diagnostic = Diagnostic {
+                budget: Some(budget),
+                ..Diagnostic::halving(-1, -4)
+            };
+            let found = diagnostic.run(map, &circle(vec![0.1, 0.0])).unwrap();
+            let verdict = found.verdict;
+            assert_eq!(verdict.kind, VerdictKind::Undecided, "{budget}: {verdict}");
+            let said = matches!(verdict.findings[0], Finding::ChangesAtAPoint { .. });
+            assert_eq!(said, budget == 200_000, "{budget}: {verdict}");
+            // Both the budget and another loop would decide.
+            assert!(
+                verdict.advice.contains(&Advice::LoopBesidePoint),
+                "{budget}: {verdict}"
+            );
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 //! tables of docs/truth.md.
 
 mod breaks;
+mod budgets;
 mod constraint;
 mod control;
 mod follow;
@@ -131,6 +132,18 @@ fn every_twentieth_member() {
     assert!(wrong.is_empty(), "{}", tables::faults(&lines));
 }
 
+/// Other members than those that run above.
+#[test]
+fn no_budget_makes_a_wrong_verdict() {
+    let found = budgets::run(FAMILIES, PART, PART / 2);
+    println!("{}", budgets::table(&found));
+    assert!(
+        budgets::wrong(&found).is_empty(),
+        "{:#?}",
+        budgets::wrong(&found)
+    );
+}
+
 #[test]
 #[ignore = "minutes: prints the tables of docs/truth.md"]
 fn all_members() {
@@ -144,4 +157,6 @@ fn all_members() {
         eprintln!("{}: {:.0} s", family.name, started.elapsed().as_secs_f64());
     }
     print(&lines);
+    let found = budgets::run(FAMILIES, 1, 0);
+    println!("{}\n{:#?}", budgets::table(&found), budgets::wrong(&found));
 }

@@ -1,0 +1,94 @@
+//! The same members with small budgets: undecided, perhaps, and never wrong.
+
+use std::fmt::Write;
+
+use rayon::prelude::*;
+
+use crate::Family;
+use crate::member::{Expected, Subject};
+use crate::outcome::{Outcome, diagnose, outcome};
+
+/// Evaluations; the last is the default of maps that are called through other languages.
+const BUDGETS: [usize; 4] = [200, 1_000, 5_000, 20_000];
+
+/// What came of a member in a budget.
+pub struct Found {
+    budget: usize,
+    label: String,
+    /// `None` for an error.
+    outcome: Option<Outcome>,
+}
+
+/// Every `part`-th member of all families from `first` on, in all budgets.
+pub fn run(families: &[Family], part: usize, first: usize) -> Vec<Found> {
+    let members = families.iter().flat_map(|family| {
+        (first..family.count)
+            .step_by(part)
+            .map(move |index| (family, index))
+    });
+    let all: Vec<(&Family, usize, usize)> = members
+        .flat_map(|(family, index)| BUDGETS.map(|budget| (family, index, budget)))
+        .collect();
+    (all.par_iter())
+        .filter_map(|(family, index, budget)| found(family, *index, *budget))
+        .collect()
+}
+
+/// `None` for loops of another code, which have no budget.
+fn found(family: &Family, index: usize, budget: usize) -> Option<Found> {
+    let mut member = (family.member)(index);
+    let Subject::Map { diagnostic, .. } = &mut member.subject else {
+        return None;
+    };
+    diagnostic.budget = Some(budget);
+    let outcome = diagnose(&member.subject).ok().map(|found| {
+        match (member.truth.expected, found.verdict.digits) {
+            // A small budget need not find it, as long as the digits that it states are not too many.
+            (Expected::SmallDefect(defect), Some(digits)) if digits <= -defect.log10() => {
+                Outcome::Right
+            }
+            _ => outcome(&member, &found),
+        }
+    });
+    Some(Found {
+        budget,
+        label: format!("{} {index}: {}", family.name, member.label),
+        outcome,
+    })
+}
+
+/// What is wrong, in words.
+pub fn wrong(found: &[Found]) -> Vec<String> {
+    let wrong = found.iter().filter_map(|found| match &found.outcome {
+        Some(Outcome::Wrong(text)) => Some(format!("{}, {}: {text}", found.label, found.budget)),
+        _ => None,
+    });
+    wrong.collect()
+}
+
+/// Outcomes by budget, as markdown.
+pub fn table(found: &[Found]) -> String {
+    let mut text =
+        "| budget | members | right | undecided | refused | wrong |\n|---|---|---|---|---|---|\n"
+            .to_owned();
+    for budget in BUDGETS {
+        let of: Vec<&Found> = found
+            .iter()
+            .filter(|found| found.budget == budget)
+            .collect();
+        let count = |is: &dyn Fn(&Option<Outcome>) -> bool| {
+            of.iter().filter(|found| is(&found.outcome)).count()
+        };
+        writeln!(
+            text,
+            "| {budget} | {} | {} | {} | {} | {} |",
+            of.len(),
+            count(&|outcome| *outcome == Some(Outcome::Right)),
+            count(&|outcome| *outcome == Some(Outcome::Undecided)),
+            count(&Option::is_none),
+            count(&|outcome| matches!(outcome, Some(Outcome::Wrong(_)))),
+        )
+        .unwrap();
+    }
+    text
+}
