@@ -1,6 +1,7 @@
 //! `symplint.check`: a diagnosis of a Python function or of an integrator of the library.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -292,4 +293,29 @@ pub fn image<'py>(
     };
     let ((before, after), ..) = subject.run(py, None, h, advance)?;
     Ok((arrays::arrays(py, &before), arrays::arrays(py, &after)))
+}
+
+/// How many seconds each of several steps of size h took, of all samples of the loop, with everything that happens between
+/// the diagnostic and the step: for `benches/overhead.py`.
+#[pyfunction]
+pub fn advance_seconds(
+    py: Python<'_>,
+    subject: Subject,
+    h: f64,
+    samples: usize,
+    repetitions: usize,
+) -> PyResult<Vec<f64>> {
+    let advance = |_: &Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
+        let before = Ensemble::sample(phase_loop, samples)?;
+        let mut states = before.clone();
+        let mut once = || {
+            states.clone_from(&before);
+            let start = Instant::now();
+            states.advance(map, h)?;
+            Ok(start.elapsed().as_secs_f64())
+        };
+        (0..repetitions).map(|_| once()).collect()
+    };
+    let (seconds, ..) = subject.run(py, None, h, advance)?;
+    Ok(seconds)
 }

@@ -45,6 +45,9 @@ impl Failed {
     fn at(at: StateAt, h: f64) -> Self {
         let (s, sample) = match at {
             StateAt::Sample(sample) => (None, Some(sample)),
+            StateAt::SampleOf { sample, samples } => {
+                (Some(sample as f64 / samples as f64), Some(sample))
+            }
             StateAt::Loop(s) | StateAt::Displaced(s) => (Some(s), None),
             _ => (None, None),
         };

@@ -42,7 +42,7 @@ mod _native {
     }
 
     #[pymodule_export]
-    use crate::check::{check, image};
+    use crate::check::{advance_seconds, check, image};
     #[pymodule_export]
     use crate::loops::NativeLoop;
     #[pymodule_export]

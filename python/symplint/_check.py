@@ -270,11 +270,12 @@ def _subject(
             raise InputError(f"{refused[0]} is for functions; an integrator of symplint states its own")
         q0 = integrator.system.q0 if q0 is None else q0
         p0 = integrator.system.p0 if p0 is None else p0
+    centres: tuple[list[float], list[float]] = ([], [])
     native_loop = loop._native if isinstance(loop, Loop) else None
     if loop is not None and native_loop is None and not callable(loop):
         raise InputError(f"loop is an object of type {type(loop).__name__}; give a symplint.Circle or a function of s")
     if q0 is None and p0 is None and native_loop is not None:
-        dof, centres = native_loop.dof, ([], [])
+        dof = native_loop.dof
     else:
         if q0 is None or p0 is None:
             raise InputError("q0 and p0 are missing; give the state round which loops are laid")

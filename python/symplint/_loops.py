@@ -40,8 +40,6 @@ class Loop:
     Calling it with values of the loop parameter s gives the positions and momenta there.
     """
 
-    _native: _native.Loop
-
     def __init__(self, native: _native.Loop) -> None:
         self._native = native
 

@@ -7,6 +7,7 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
 from . import _native
@@ -116,28 +117,31 @@ def measure(
     """
     if not after:
         raise InputError("there is no loop after the step; give measure((q, p), (q1, p1))")
-    sizes = [h] if h is None or _is_number(h) else list(h)  # type: ignore[arg-type]
-    if h is None:
-        sizes = [None] * len(after)
+    sizes = _step_sizes(h, len(after))
     if len(sizes) != len(after):
         raise InputError(f"h has {len(sizes)} values for {len(after)} loops after the step; give one for each")
     loops = [_loop(states, name) for states, name in [(before, "before"), *((states, "after") for states in after)]]
     dof = loops[0][0].shape[1]
     periods, weights = _of_each(period, "period", dof), _of_each(weight, "weight", dof)
-    steps = [None if size is None else float(size) for size in sizes]
-    config = {"measure": {"dof": dof, "samples": loops[0][0].shape[0], "h": steps}}
+    config = {"measure": {"dof": dof, "samples": loops[0][0].shape[0], "h": sizes}}
     title = f"measured · {dof} degree{'' if dof == 1 else 's'} of freedom"
-    native = _native.measure(loops[0], loops[1:], steps, periods, weights, title, json.dumps(config))
+    native = _native.measure(loops[0], loops[1:], sizes, periods, weights, title, json.dumps(config))
 
     def image(size: float, _: int) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        index = steps.index(size) if size in steps else 0
+        index = sizes.index(size) if size in sizes else 0
         return loops[0][:2], loops[1 + index][:2]
 
     return Report(native, image)
 
 
-def _is_number(value: Any) -> bool:
-    return getattr(value, "ndim", 0) == 0 and not isinstance(value, Sequence)
+def _step_sizes(h: Any, count: int) -> list[float | None]:
+    """One step size for each loop after the step; None where it is not known."""
+    if h is None:
+        return [None] * count
+    try:
+        return [None if size is None else float(size) for size in (h if np.iterable(h) else [h])]
+    except (TypeError, ValueError):
+        raise InputError(f"h is {h!r}; give a number for each loop after the step") from None
 
 
 def _of_each(value: Any, name: str, dof: int) -> list[float] | None:

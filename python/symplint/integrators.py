@@ -27,8 +27,6 @@ class Integrator:
     ones. Passed to `symplint.check` it runs without Python.
     """
 
-    _native: _native.Integrator
-
     def __init__(self, name: str | None, system: System, keys: dict[str, Any]) -> None:
         if not isinstance(system, System):
             raise InputError(f"the system is an object of type {type(system).__name__}; take one of symplint.systems")

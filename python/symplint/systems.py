@@ -18,8 +18,6 @@ __all__ = ["System"]
 class System:
     """A system with an initial state: the centre of loops."""
 
-    _native: _native.System
-
     def __init__(self, native: _native.System) -> None:
         self._native = native
 

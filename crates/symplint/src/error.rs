@@ -8,6 +8,13 @@ use std::fmt;
 pub enum StateAt {
     /// A sample of the loop, counted from 0.
     Sample(usize),
+    /// A sample of the loop, counted from 0, of so many equispaced ones: it lies at s = `sample`/`samples`.
+    SampleOf {
+        /// Which.
+        sample: usize,
+        /// How many there are.
+        samples: usize,
+    },
     /// The state of the loop at this s, between samples.
     Loop(f64),
     /// A state displaced from that of the loop at this s, to measure derivatives.
@@ -24,6 +31,10 @@ impl fmt::Display for StateAt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             StateAt::Sample(sample) => write!(f, "sample {sample}"),
+            StateAt::SampleOf { sample, samples } => {
+                let s = *sample as f64 / *samples as f64;
+                write!(f, "sample {sample} of {samples} (s = {s:?})")
+            }
             StateAt::Loop(s) => write!(
                 f,
                 "s = {s:?} of the loop, between samples (sample the loop at this s and take one step)"

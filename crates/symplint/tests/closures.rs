@@ -29,7 +29,13 @@ fn a_closure_of_a_state_may_fail_and_says_why() {
     let Error::StepFailed { at, reason, .. } = &error else {
         panic!("{error}");
     };
-    assert!(matches!(at, StateAt::Sample(_)), "{error}");
+    let StateAt::SampleOf { sample, samples } = at else {
+        panic!("{error}");
+    };
+    // q = 1 + sin 2πs is above 1.9 there.
+    let s = *sample as f64 / *samples as f64;
+    assert!((TAU * s).sin() > 0.9, "{error}");
+    assert!(error.to_string().contains(&format!("s = {s:?}")), "{error}");
     assert!(reason.starts_with("no convergence at q = "), "{error}");
 }
 

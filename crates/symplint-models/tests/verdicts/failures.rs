@@ -30,7 +30,7 @@ fn states_that_are_not_finite_are_named() {
         assert!(
             matches!(
                 error,
-                Error::NotFinite { coordinate: "q", dof: 1, at: StateAt::Sample(200), step_size: Some(h), .. } if h == 0.125
+                Error::NotFinite { coordinate: "q", dof: 1, at: StateAt::SampleOf { sample: 200, samples: 1000 }, step_size: Some(h), .. } if h == 0.125
             ),
             "{error:?}"
         );
@@ -66,7 +66,10 @@ fn failures_of_the_map_are_named() {
         matches!(
             error,
             Error::StepFailed {
-                at: StateAt::Sample(2390),
+                at: StateAt::SampleOf {
+                    sample: 2390,
+                    samples: 4096
+                },
                 ..
             }
         ),

@@ -1,7 +1,7 @@
 //! The samples of a loop before the step, kept from one step size to the next.
 
 use super::limits::KEPT_BYTES;
-use crate::error::Error;
+use crate::error::{Error, StateAt};
 use crate::loops::sample_block;
 use crate::rules::Subject;
 use crate::state::{Ensemble, coordinate, copy_samples};
@@ -45,15 +45,16 @@ impl<'a> InitialSamples<'a> {
             None => Ensembles::new(self.subject, samples)?,
         };
         let Ensembles { before, after } = self.ensembles.insert(held);
-        match before {
+        let advanced = match before {
             Some(before) => evaluator.advance_from(after, h, |first, block| {
                 copy_samples(before, first, block);
                 Ok(())
-            })?,
+            }),
             None => evaluator.advance_from(after, h, |first, block| {
                 sample_block(phase_loop, |k| k as f64 / samples as f64, first, block)
-            })?,
-        }
+            }),
+        };
+        advanced.map_err(|error| error.at(|sample| StateAt::SampleOf { sample, samples }))?;
         evaluator.learn_grain(phase_loop, samples, |c, k| coordinate(after, c)[k]);
         Ok(after)
     }

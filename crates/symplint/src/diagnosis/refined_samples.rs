@@ -19,7 +19,8 @@ impl<'a> RefinedSamples<'a> {
     pub fn new(subject: Subject<'a>, samples: usize, h: f64) -> Result<Self, Error> {
         let before = Ensemble::sample(subject.phase_loop, samples)?;
         let mut after = before.clone();
-        subject.evaluator.advance(&mut after, h)?;
+        (subject.evaluator.advance(&mut after, h))
+            .map_err(|error| error.at(|sample| StateAt::SampleOf { sample, samples }))?;
         (subject.evaluator)
             .learn_grain(subject.phase_loop, samples, |c, k| coordinate(&after, c)[k]);
         Ok(RefinedSamples {
@@ -35,7 +36,12 @@ impl<'a> RefinedSamples<'a> {
         let samples = self.before.samples();
         Ensemble::check_size(self.before.dof(), 2 * samples)?;
         // Between samples k and k + 1 of the present ones.
-        let between_samples = |error: Error| error.at(|k| StateAt::Sample(2 * k + 1));
+        let between_samples = |error: Error| {
+            error.at(|k| StateAt::SampleOf {
+                sample: 2 * k + 1,
+                samples: 2 * samples,
+            })
+        };
         let mut between = (Ensemble::sample_between(self.subject.phase_loop, samples))
             .map_err(between_samples)?;
         self.before.interleave(&between);
@@ -139,7 +145,10 @@ mod tests {
             matches!(
                 error,
                 Error::NotFinite {
-                    at: StateAt::Sample(3),
+                    at: StateAt::SampleOf {
+                        sample: 3,
+                        samples: 12
+                    },
                     ..
                 }
             ),

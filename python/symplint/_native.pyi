@@ -1,0 +1,130 @@
+"""The native part of symplint."""
+
+from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
+from typing import Any, TypedDict
+
+import numpy as np
+import numpy.typing as npt
+
+_Array = npt.NDArray[np.float64]
+_Vector = _Array | Sequence[float]
+
+__version__: str
+
+class Memory:
+    """Numbers that numpy arrays may refer to, as long as one of them exists."""
+
+class Loop:
+    """A loop of the library."""
+
+    @staticmethod
+    def circle(
+        q0: _Vector,
+        p0: _Vector,
+        radii_q: _Vector,
+        radii_p: _Vector,
+        dofs: Sequence[int] | None = None,
+        seed: int | None = None,
+    ) -> Loop: ...
+    @staticmethod
+    def fourier(q0: _Vector, p0: _Vector, radii_q: _Vector, radii_p: _Vector, seed: int) -> Loop: ...
+    @staticmethod
+    def sampled(q: _Array, p: _Array, period: _Vector | None = None) -> Loop: ...
+    @property
+    def dof(self) -> int: ...
+    def sample(self, samples: int) -> tuple[_Array, _Array]: ...
+    def at(self, s: _Vector) -> tuple[_Array, _Array]: ...
+
+class System:
+    """A system with an initial state."""
+
+    def __new__(cls, name: str, keys: Mapping[str, Any]) -> System: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def dof(self) -> int: ...
+    @property
+    def q0(self) -> _Array: ...
+    @property
+    def p0(self) -> _Array: ...
+    def config(self) -> str: ...
+
+class Integrator:
+    """One step of a method for a system."""
+
+    def __new__(cls, name: str | None, system: System, keys: Mapping[str, Any]) -> Integrator: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def system(self) -> System: ...
+    @property
+    def dof(self) -> int: ...
+    def config(self) -> str: ...
+    def advance(self, q: _Array, p: _Array, h: float) -> tuple[_Array, _Array]: ...
+
+class Report:
+    """A report: the verdict, all points, and where they come from."""
+
+    @property
+    def kind(self) -> str: ...
+    @property
+    def digits(self) -> float | None: ...
+    @property
+    def order(self) -> float | None: ...
+    @property
+    def headline(self) -> str: ...
+    @property
+    def summary(self) -> str: ...
+    @property
+    def evidence(self) -> list[str]: ...
+    @property
+    def advice(self) -> list[str]: ...
+    @property
+    def evaluations(self) -> int: ...
+    @property
+    def title(self) -> str: ...
+    def to_json(self) -> str: ...
+    def text(self) -> str: ...
+    def reasons(self) -> str: ...
+    def fragment(self) -> str: ...
+    def to_html(self) -> str: ...
+    def save(
+        self,
+        folder: str | PathLike[str],
+        before: tuple[_Array, _Array] | None = None,
+        after: tuple[_Array, _Array] | None = None,
+        h: float | None = None,
+    ) -> None: ...
+
+class _Catalogue(TypedDict):
+    systems: list[tuple[str, str, list[tuple[str, str | None, str]]]]
+    integrators: list[tuple[str, str, list[str]]]
+    aliases: list[tuple[str, str]]
+
+def catalogue() -> _Catalogue: ...
+def check(
+    subject: Mapping[str, Any],
+    settings: Mapping[str, Any],
+    title: str,
+    config: str,
+    progress: Callable[[int, int, float | None], object] | None = None,
+) -> Report: ...
+def image(
+    subject: Mapping[str, Any], h: float, samples: int
+) -> tuple[tuple[_Array, _Array], tuple[_Array, _Array]]: ...
+def measure(
+    before: tuple[_Array, _Array, bool],
+    after: Sequence[tuple[_Array, _Array, bool]],
+    h: Sequence[float | None],
+    period: _Vector | None,
+    weight: _Vector | None,
+    title: str,
+    config: str,
+) -> Report: ...
+def loop_integral(
+    q: _Array, p: _Array, rule_name: str, period: _Vector | None, weight: _Vector | None
+) -> tuple[float, float | None, float, list[float]]: ...
+def advance_seconds(
+    subject: Mapping[str, Any], h: float, samples: int, repetitions: int
+) -> list[float]: ...

@@ -1,0 +1,38 @@
+"""The examples, with their verdicts. What they need beside NumPy may be missing."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "python"
+
+
+def example(name):
+    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_langevin():
+    module = example("langevin")
+    assert module.report(module.verlet).kind == "symplectic"
+    report = module.report(module.langevin)
+    assert report.kind == "not-symplectic" and report.order == 1
+
+
+def test_scipy():
+    pytest.importorskip("scipy")
+    assert example("scipy_solve_ivp").report().kind in ("not-symplectic", "broken-loops")
+
+
+def test_rebound():
+    pytest.importorskip("rebound")
+    module = example("rebound_planets")
+    for name in ("whfast", "leapfrog"):
+        report = module.report(name)
+        assert report.kind == "symplectic", str(report)
+        assert report.digits > 9
+    # It is as exact as double precision: its defect is too small for a verdict of another kind.
+    assert module.report("ias15").kind in ("symplectic", "undecided")

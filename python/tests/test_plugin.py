@@ -1,0 +1,79 @@
+"""The plugin of pytest, in a pytest of its own."""
+
+import pytest
+
+pytest_plugins = ["pytester"]
+
+STEP = """
+import numpy as np
+import pytest
+
+def step(q, p, h):
+    p = p - h * np.sin(q)
+    return q + h * p, p
+
+def leaky(q, p, h):
+    q, p = step(q, p, h)
+    return q, p * (1.0 - 0.01 * h)
+"""
+
+
+def run(pytester, text, *options):
+    pytester.makepyfile(STEP + text)
+    return pytester.runpytest_subprocess("-p", "no:cacheprovider", "--strict-markers", *options)
+
+
+def test_the_fixture_passes_and_fails(pytester):
+    result = run(
+        pytester,
+        """
+def test_good(symplectic):
+    report = symplectic(step, 1.0, 0.5, digits=12)
+    assert report.kind == "symplectic"
+
+def test_bad(symplectic):
+    symplectic(leaky, 1.0, 0.5)
+""",
+    )
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(["*leaky is not symplectic*", "*5.0e-3 at h = 2^-1*"])
+    # The failure points at the line of the test, not into the package.
+    result.stdout.fnmatch_lines([">*symplectic(leaky, 1.0, 0.5)"])
+
+
+def test_markers_and_options(pytester):
+    text = """
+@pytest.mark.symplectic(digits=17)
+def test_marked(symplectic):
+    symplectic(step, 1.0, 0.5)
+
+@pytest.mark.symplectic(digits=17)
+def test_arguments_come_first(symplectic):
+    symplectic(step, 1.0, 0.5, digits=10)
+
+@pytest.mark.symplectic(budget=400)
+def test_budget(symplectic):
+    assert symplectic(step, 1.0, 0.5).evaluations <= 400
+
+def test_plain(symplectic):
+    assert symplectic(step, 1.0, 0.5).evaluations > 1000
+
+@pytest.mark.symplectic(precision=3)
+def test_unknown(symplectic):
+    pass
+"""
+    result = run(pytester, text)
+    result.assert_outcomes(passed=3, failed=1, errors=1)
+    result.stdout.fnmatch_lines(["*digits only, not to 17*"])
+    result.stdout.fnmatch_lines(["*the marker symplectic takes budget and digits*"])
+    result = run(pytester, text, "--symplectic-budget=500", "-k", "plain")
+    result.assert_outcomes(failed=1)
+    result = run(pytester, text, "--symplectic-digits=17", "-k", "plain")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["*not to 17*"])
+
+
+@pytest.mark.parametrize("words", ["symplectic(budget=None, digits=None)"])
+def test_the_marker_is_listed(pytester, words):
+    result = pytester.runpytest_subprocess("--markers")
+    assert words in result.stdout.str()

@@ -1,0 +1,233 @@
+"""Reports: numbers, texts, files, figures."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+import symplint
+
+
+def midpoint(q, p, h):
+    dq, dp = p - 0.5 * h * np.sin(q), -np.sin(q + 0.5 * h * p)
+    return q + h * dq, p + h * dp
+
+
+@pytest.fixture(scope="module")
+def report():
+    return symplint.check(midpoint, 1.0, 0.5, step_sizes=[0.5, 0.25, 0.125, 0.0625])
+
+
+def test_points_are_those_of_the_json(report):
+    found = report.to_dict()
+    assert json.loads(report.to_json()) == found
+    assert found["schema"] == "symplint/report/2"
+    assert found["evaluations"]["made"] == report.evaluations <= found["evaluations"]["budget"] == 20_000
+    assert found["verdict"]["kind"] == report.kind == "not-symplectic"
+    assert found["verdict"]["summary"] == report.summary
+    assert found["verdict"]["evidence"] == report.evidence
+    assert found["config"]["check"]["step"] == "midpoint"
+    assert set(report.points.dtype.names) == set(found["points"][0])
+    for name in report.points.dtype.names:
+        for value, record in zip(report.points[name], found["points"], strict=True):
+            assert value == record[name] or (record[name] is None and np.isnan(value))
+    given = report.points[report.points["loop"] == 0]
+    assert given["step_size"].tolist() == [0.5, 0.25, 0.125, 0.0625]
+    # The circle has the area π, and the defect is what happens to it.
+    assert np.allclose(given["initial"], np.pi, rtol=1e-14)
+    assert np.allclose(given["defect"], np.abs(given["final"] / given["initial"] - 1.0), atol=1e-14)
+    assert np.allclose(np.diff(np.log2(given["defect"])), -3.0, atol=0.5)
+    assert report.breaks.size == 0 and report.breaks.dtype.names[:3] == ("loop", "step_size", "s")
+
+
+def test_texts(report):
+    text = str(report)
+    assert text.startswith("midpoint · 1 degree of freedom")
+    assert "2^-4" in text and report.headline in text and "not-symplectic, defect of order h^3" in text
+    assert repr(report) == "<symplint.Report: not-symplectic, defect of order h^3>"
+    assert all(len(line) <= 100 for line in text.splitlines())
+
+
+def test_html(report):
+    page = report.to_html()
+    assert page.startswith("<!DOCTYPE html>") and "<svg" in page and report.headline in page
+    # One file without references to others.
+    assert not re.search(r'(src|href)="(?!#)', page)
+    fragment = report._repr_html_()
+    assert "<html" not in fragment and fragment in page
+
+    def tricky(q, p, h):
+        return midpoint(q, p, h)
+
+    tricky.__name__ = "<script>&"
+    page = symplint.check(tricky, 1.0, 0.5, step_sizes=[0.5]).to_html()
+    assert "<script>" not in page and "&lt;script&gt;&amp;" in page
+
+
+def test_folders(report, tmp_path):
+    folder = tmp_path / "run"
+    report.save(folder)
+    names = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
+    assert names == [
+        "config.toml", "figures/step_sizes.png", "figures/step_sizes.svg", "points.csv", "report.html", "report.json",
+    ]  # fmt: skip
+    assert json.loads((folder / "report.json").read_text()) == report.to_dict()
+    rows = (folder / "points.csv").read_text().splitlines()
+    assert len(rows) == 1 + len(report.points)
+    other = tmp_path / "other"
+    symplint.check(midpoint, 1.0, 0.5, step_sizes=[0.5], out=other)
+    assert (other / "report.json").exists()
+    occupied = tmp_path / "file"
+    occupied.write_text("")
+    with pytest.raises(symplint.SymplintError, match="file"):
+        report.save(occupied)
+
+
+def test_figures(report):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    ax = report.plot()
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert labels[0] == "given loop" and "$h^{3}$" in labels
+    lines = dict(zip(labels, ax.get_lines(), strict=True))
+    assert np.array_equal(lines["given loop"].get_ydata(), np.sort(report.points["defect"][report.points["loop"] == 0]))
+    other = plt.figure().add_subplot()
+    assert report.plot_loop(other, samples=100) is other
+    before, after = other.get_lines()
+    assert len(after.get_xdata()) == 100
+    q, p = symplint.circle(1.0, 0.5, samples=100)
+    q, p = midpoint(q, p, 0.5)
+    assert np.allclose(after.get_xdata(), q[:, 0], atol=1e-15) and np.allclose(after.get_ydata(), p[:, 0], atol=1e-15)
+    measured = symplint.measure(symplint.circle(1.0, 0.5, samples=100), (q, p))
+    ax = measured.plot_loop()
+    assert np.array_equal(ax.get_lines()[1].get_xdata(), q[:, 0])
+    assert measured.plot() is not None
+    plt.close("all")
+
+
+def test_measure():
+    q, p = symplint.circle([1.0, 0.3], [0.5, 0.1], radius=(0.5, [1.0, 2.0]))
+    assert q.shape == p.shape == (256, 2)
+
+    def step(q, p, h):
+        p = p - h * np.sin(q)
+        return q + h * p, p
+
+    report = symplint.measure((q, p), step(q, p, 0.5), step(q, p, 0.25), h=[0.5, 0.25])
+    assert report.kind == "symplectic" and report.digits > 12
+    assert report.points["step_size"].tolist() == [0.5, 0.25]
+    assert report.evaluations == 0
+    unknown = symplint.measure((q, p), step(q, p, 0.5))
+    assert unknown.kind == "symplectic" and np.isnan(unknown.points["step_size"]).all()
+    # Periods and weights.
+    wrapped = np.mod(step(q, p, 0.5)[0], 1.0)
+    assert symplint.measure((np.mod(q, 1.0), p), (wrapped, step(q, p, 0.5)[1]), period=1.0).kind == "symplectic"
+    heavy = symplint.measure((q, p), step(q, p, 0.5), weight=[2.0, 3.0])
+    assert np.allclose(heavy.points["initial"], np.pi * (2.0 * 0.5 * 1.0 + 3.0 * 0.5 * 2.0))
+    # Single precision is what the arrays say.
+    single = [tuple(x.astype(np.float32) for x in states) for states in ((q, p), step(q, p, 0.5))]
+    report = symplint.measure(*single)
+    assert report.kind == "symplectic" and report.digits < 8
+    # In lists, and in one degree of freedom without a second axis.
+    assert symplint.measure((q[:, 0].tolist(), p[:, 0].tolist()), (q[:, 0], p[:, 0])).kind == "symplectic"
+    for arguments, words in [
+        (((q, p),), "no loop after"),
+        (((q, p), (q[:-1], p[:-1])), "samples"),
+        (((q, p), (q, p[:, :1])), "shape"),
+        (((q, p), 3), "pair"),
+        (((q, p), (q * np.nan, p)), "NaN"),
+    ]:
+        with pytest.raises(symplint.InputError, match=words):
+            symplint.measure(*arguments)
+    with pytest.raises(symplint.InputError, match="h has 2 values for 1"):
+        symplint.measure((q, p), (q, p), h=[0.5, 0.25])
+
+
+def test_loop_integrals():
+    q, p = symplint.circle([0.0, 2.0], [1.0, 0.0], radius=([1.0, 2.0], [3.0, 1.0]), samples=64)
+    integral = symplint.loop_integral(q, p)
+    assert abs(integral.value - 5.0 * np.pi) < 1e-13
+    assert np.allclose(integral.contributions, [3.0 * np.pi, 2.0 * np.pi], atol=1e-13)
+    assert abs(integral.value - 5.0 * np.pi) <= integral.roundoff + integral.quadrature_error
+    assert float(integral) == integral.value
+    weighted = symplint.loop_integral(np.asfortranarray(q), p[:], weight=[1.0, 10.0])
+    assert abs(weighted.value - 23.0 * np.pi) < 1e-12
+    rough = symplint.loop_integral(q, p, rule="finite-difference")
+    assert 1e-4 < abs(rough.value - integral.value) < 0.5
+    for arguments, words in [
+        ((q, p[:-1]), "shape"),
+        ((q[:2], p[:2]), "3 or more"),
+        ((q * np.inf, p), "inf|NaN"),
+        (("q", p), "real numbers"),
+    ]:
+        with pytest.raises(symplint.InputError, match=words):
+            symplint.loop_integral(*arguments)
+    with pytest.raises(symplint.InputError, match="piecewise"):
+        symplint.loop_integral(q, p, rule="piecewise")
+
+
+def test_loops():
+    step_sizes = [0.5, 0.25]
+    circle = symplint.Circle([1.0, 0.2], [0.5, 0.1], radius=0.5, dofs=[0])
+    q, p = circle.sample(8)
+    assert np.ptp(q[:, 1]) == 0.0 and np.allclose(np.ptp(q[:, 0]), 1.0)
+    assert np.allclose(circle([0.25])[0], [[1.5, 0.2]])
+
+    def step(q, p, h):
+        p = p - h * np.sin(q)
+        return q + h * p, p
+
+    of_circle = symplint.check(step, [1.0, 0.2], [0.5, 0.1], loop=circle, step_sizes=step_sizes)
+    assert of_circle.kind == "symplectic"
+    assert np.allclose(of_circle.points["initial"][0], 0.25 * np.pi)
+    # The centre may be left to the loop.
+    assert symplint.check(step, loop=circle, step_sizes=step_sizes).points.tobytes() == of_circle.points.tobytes()
+    fourier = symplint.FourierLoop([1.0, 0.2], [0.5, 0.1], radius=0.5, seed=3)
+    assert symplint.check(step, loop=fourier, step_sizes=step_sizes).kind == "symplectic"
+    sampled = symplint.SampledLoop(*fourier.sample(64))
+    assert np.allclose(sampled([0.3])[0], fourier([0.3])[0], atol=1e-13)
+
+    def ellipse(s):
+        assert s.ndim == 1
+        angle = 2.0 * np.pi * s
+        return 1.0 + 0.5 * np.sin(angle), 0.5 + 2.0 * np.cos(angle)
+
+    report = symplint.check(step, 1.0, 0.5, loop=ellipse, step_sizes=step_sizes)
+    assert report.kind == "symplectic" and np.isclose(report.points["initial"][0], np.pi)
+    assert report.to_dict()["config"]["check"]["loop"] == "ellipse"
+
+
+def test_radii_that_the_map_suggests():
+    # A stiff spring: the motion runs on ellipses 100 times as high as they are wide.
+    def step(q, p, h):
+        p = p - h * 1e4 * q
+        return q + h * p, p
+
+    report = symplint.check(step, 0.3, 0.0, h=1e-3, radius="auto")
+    assert report.kind == "symplectic"
+    q, p = 0.03, 3.0
+    assert np.isclose(report.points["initial"][0], np.pi * q * p, rtol=0.1)
+
+
+def test_a_constraint_manifold():
+    # A pendulum of length 1 in Cartesian coordinates, by RATTLE.
+    def step(q, p, h):
+        gravity = np.array([0.0, -1.0])
+        p = p + 0.5 * h * gravity
+        moved = q + h * p
+        a, b = (q * q).sum(1, keepdims=True), (moved * q).sum(1, keepdims=True)
+        pull = (-b + np.sqrt(b * b - a * ((moved * moved).sum(1, keepdims=True) - 1.0))) / a
+        new = moved + pull * q
+        p = p + pull / h * q + 0.5 * h * gravity
+        return new, p - new * (new * p).sum(1, keepdims=True)
+
+    def project(q, p):
+        q = q / np.linalg.norm(q, axis=1, keepdims=True)
+        return q, p - q * (q * p).sum(1, keepdims=True)
+
+    arguments = {"radius": 0.3, "step_sizes": [0.25, 0.125]}
+    report = symplint.check(step, [0.6, -0.8], [0.4, 0.3], project=project, **arguments)
+    assert report.kind == "symplectic"
+    assert symplint.check(step, [0.6, -0.8], [0.4, 0.3], **arguments).kind != "symplectic"
