@@ -72,10 +72,14 @@ impl Call<'_> {
                 LoopFileError::NotFinite { sample, .. } => *sample,
                 _ => 0,
             },
-            reason: self.failed(
-                &format!("wrote a file that cannot be used: {}", in_words(&error)),
-                &streams,
-            ),
+            reason: {
+                let files = [(&*before.path, "{before}"), (&*after, "{after}")];
+                let words = in_words(&error, files);
+                self.failed(
+                    &format!("wrote a file that cannot be used: {words}"),
+                    &streams,
+                )
+            },
         })
     }
 
@@ -106,7 +110,12 @@ impl Call<'_> {
         // The shortest digits that give the same double.
         let h = format!("{:?}", self.h);
         Ok((self.program.command.iter())
-            .map(|word| substitute(word, &[("{before}", &before), ("{after}", &after), ("{h}", &h)]))
+            .map(|word| {
+                substitute(
+                    word,
+                    &[("{before}", &before), ("{after}", &after), ("{h}", &h)],
+                )
+            })
             .collect())
     }
 
@@ -144,19 +153,13 @@ fn substitute(word: &str, values: &[(&str, &str)]) -> String {
     result
 }
 
-/// The error of a file, by the name that the file has in the command.
-fn in_words(error: &LoopFileError) -> String {
-    let text = error.to_string();
-    // The folder is removed when the call ends.
-    let mut words: Vec<&str> = text.split(' ').collect();
-    for word in &mut words {
-        if word.ends_with("after.npz") {
-            *word = "{after}";
-        } else if word.ends_with("before.npz") {
-            *word = "{before}";
-        }
+/// The error of a file, by the names that files have in the command: they are removed when the call ends.
+fn in_words(error: &LoopFileError, files: [(&Path, &str); 2]) -> String {
+    let mut text = error.to_string();
+    for (path, name) in files {
+        text = text.replace(&path.display().to_string(), name);
     }
-    format!("{}; {}", words.join(" "), error.remedy())
+    format!("{text}; {}", error.remedy())
 }
 
 /// The last lines of a file, if there is anything in it.
@@ -165,7 +168,8 @@ fn last_lines(path: &Path) -> Option<String> {
     const BYTES: u64 = 4000;
     let mut file = fs::File::open(path).ok()?;
     let length = file.metadata().ok()?.len();
-    file.seek(SeekFrom::Start(length.saturating_sub(BYTES))).ok()?;
+    file.seek(SeekFrom::Start(length.saturating_sub(BYTES)))
+        .ok()?;
     let mut bytes = Vec::new();
     file.take(BYTES).read_to_end(&mut bytes).ok()?;
     let text = String::from_utf8_lossy(&bytes);
@@ -182,7 +186,10 @@ mod tests {
     #[test]
     fn placeholders_are_replaced_anywhere_and_once() {
         let values = [("{before}", "/tmp/{h}"), ("{h}", "0.5")];
-        assert_eq!(substitute("--in={before},{h}", &values), "--in=/tmp/{h},0.5");
+        assert_eq!(
+            substitute("--in={before},{h}", &values),
+            "--in=/tmp/{h},0.5"
+        );
         assert_eq!(substitute("{x} {{h}}", &values), "{x} {0.5}");
         assert_eq!(substitute("α{h}", &values), "α0.5");
     }

@@ -36,7 +36,8 @@ pub fn run(
     timeout: Duration,
 ) -> Result<Ended, String> {
     let create = |path: &Path| {
-        File::create(path).map_err(|error| format!("could not be started: {}: {error}", path.display()))
+        File::create(path)
+            .map_err(|error| format!("could not be started: {}: {error}", path.display()))
     };
     let mut command = Command::new(&words[0]);
     command

@@ -64,7 +64,10 @@ impl Workspace {
     pub fn folder_of_call(&self) -> Result<CallFolder, String> {
         let number = self.calls.fetch_add(1, Ordering::Relaxed) + 1;
         let in_words = |folder: &Path, error: io::Error| {
-            format!("no folder for its files could be made in {}: {error}", folder.display())
+            format!(
+                "no folder for its files could be made in {}: {error}",
+                folder.display()
+            )
         };
         let (root, kept) = match &self.kept {
             Some(path) => {
@@ -73,7 +76,10 @@ impl Workspace {
             }
             None => {
                 let root = self.temporary_root();
-                (root.map_err(|error| in_words(&std::env::temp_dir(), error))?, false)
+                (
+                    root.map_err(|error| in_words(&std::env::temp_dir(), error))?,
+                    false,
+                )
             }
         };
         let path = root.join(format!("call-{number:06}"));
@@ -82,7 +88,10 @@ impl Workspace {
     }
 
     fn temporary_root(&self) -> io::Result<PathBuf> {
-        let mut temporary = self.temporary.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut temporary = self
+            .temporary
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         if let Some(made) = &*temporary {
             return Ok(made.folder.clone());
         }
@@ -96,7 +105,10 @@ impl Workspace {
 
 impl Drop for Workspace {
     fn drop(&mut self) {
-        let temporary = self.temporary.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let temporary = self
+            .temporary
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner);
         if let Some(Temporary { folder, .. }) = temporary.take() {
             remove_folder(&folder);
         }

@@ -196,8 +196,14 @@ impl Section {
             self.error(
                 key,
                 "missing",
-                match self.keys.iter().find(|spec| spec.name == key && spec.required) {
-                    Some(spec) => format!("add it to [{}], as in `{key} = {}`", self.path, spec.value),
+                match self
+                    .keys
+                    .iter()
+                    .find(|spec| spec.name == key && spec.required)
+                {
+                    Some(spec) => {
+                        format!("add it to [{}], as in `{key} = {}`", self.path, spec.value)
+                    }
                     None => format!("add `{key} = …` to [{}]", self.path),
                 },
             )

@@ -182,7 +182,10 @@ fn of_file(section: &Section, key: &'static str, folder: &Path) -> Result<Vec<f6
         (samples, dof) => {
             return Err(section.error(
                 key,
-                format!("{} has {samples} states of {dof} degrees of freedom", path.display()),
+                format!(
+                    "{} has {samples} states of {dof} degrees of freedom",
+                    path.display()
+                ),
                 "give one state, the centre of the loop: arrays of shape (dof)",
             ));
         }
