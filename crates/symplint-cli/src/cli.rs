@@ -119,6 +119,9 @@ pub struct CheckArgs {
     /// Also take N steps of the largest size, and see whether the defect accumulates or returns
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub steps: Option<usize>,
+    /// Keep the files of all calls of a command in a new folder
+    #[arg(long, value_name = "DIR", num_args = 0..=1, require_equals = true, default_missing_value = "symplint-calls")]
+    pub keep: Option<PathBuf>,
     /// Changes of the configuration.
     #[command(flatten)]
     pub settings: Settings,

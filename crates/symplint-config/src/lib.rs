@@ -74,7 +74,8 @@ impl Config {
             integrator::read(node("integrator"), info.integrator, &system.model)?;
         resolved.insert("integrator".into(), section.resolved().into());
         let map: Arc<dyn TimeAdvance> = Arc::from(map);
-        let (diagnostic, section) = diagnostic::read(node("diagnostic"))?;
+        let (mut diagnostic, section) = diagnostic::read(node("diagnostic"))?;
+        diagnostic.budget = diagnostic.budget.or(info.budget);
         resolved.insert("diagnostic".into(), section.resolved().into());
         let typical = || diagnostic.typical_step.unwrap_or(0.0);
         let largest = (diagnostic.step_sizes.iter().copied()).reduce(f64::max);

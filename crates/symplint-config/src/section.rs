@@ -11,10 +11,12 @@ use super::number;
 pub struct Key {
     /// Its name.
     pub name: &'static str,
-    /// The default, as TOML; for an optional key, an example.
+    /// The default, as TOML; for a key without one, an example.
     pub value: &'static str,
     /// Whether the key has no default and may be left out.
     pub optional: bool,
+    /// Whether it has no default and must be given.
+    pub required: bool,
     /// One line of documentation.
     pub help: &'static str,
 }
@@ -26,6 +28,7 @@ impl Key {
             name,
             value: default,
             optional: false,
+            required: false,
             help,
         }
     }
@@ -36,6 +39,18 @@ impl Key {
             name,
             value: example,
             optional: true,
+            required: false,
+            help,
+        }
+    }
+
+    /// A key that must be given.
+    pub const fn required(name: &'static str, example: &'static str, help: &'static str) -> Self {
+        Key {
+            name,
+            value: example,
+            optional: false,
+            required: true,
             help,
         }
     }
@@ -151,14 +166,14 @@ impl Section {
         }
     }
 
-    /// What was written for a key, or its default; `None` for an optional key left out.
+    /// What was written for a key, or its default; `None` for a key without a default that is left out.
     pub fn node(&self, key: &str) -> Result<Option<Node>, ConfigError> {
         let spec = (self.keys.iter().find(|spec| spec.name == key))
             .unwrap_or_else(|| panic!("section {} reads the unlisted key {key}", self.path));
         let node = match self.table.entries.get(key) {
             Some((_, node)) => node.clone(),
             None => {
-                if spec.optional {
+                if spec.optional || spec.required {
                     return Ok(None);
                 }
                 let default = format!("{key} = {}", spec.value);
@@ -172,12 +187,25 @@ impl Section {
         Ok(Some(node))
     }
 
-    fn required(&self, key: &str) -> Result<Node, ConfigError> {
+    /// What was written for a key, or its default.
+    ///
+    /// # Errors
+    /// If it has none and was left out.
+    pub fn required(&self, key: &str) -> Result<Node, ConfigError> {
         self.node(key)?.ok_or_else(|| {
             self.error(
                 key,
                 "missing",
-                format!("add `{key} = …` to [{}]", self.path),
+                match self
+                    .keys
+                    .iter()
+                    .find(|spec| spec.name == key && spec.required)
+                {
+                    Some(spec) => {
+                        format!("add it to [{}], as in `{key} = {}`", self.path, spec.value)
+                    }
+                    None => format!("add `{key} = …` to [{}]", self.path),
+                },
             )
         })
     }
@@ -212,6 +240,18 @@ impl Section {
             .iter()
             .map(|item| read_number(&path, item, Accept::Finite)))
         .collect()
+    }
+
+    /// A list of numbers, or a single one.
+    pub fn some_numbers(&self, key: &str) -> Result<Vec<f64>, ConfigError> {
+        let node = self.required(key)?;
+        let path = self.dotted(key);
+        match &node.value {
+            Value::List(list) => (list.iter())
+                .map(|item| read_number(&path, item, Accept::Finite))
+                .collect(),
+            _ => Ok(vec![read_number(&path, &node, Accept::Finite)?]),
+        }
     }
 
     /// A list of numbers, that may be left out.
@@ -351,6 +391,22 @@ impl Section {
     /// Records the values of a table inside this one.
     pub fn adopt(&self, key: &str, inner: Section) {
         self.record(key, inner.resolved());
+    }
+
+    /// A list of strings.
+    pub fn texts(&self, key: &str) -> Result<Vec<String>, ConfigError> {
+        let node = self.required(key)?;
+        let path = self.dotted(key);
+        let expected = |node: &Node, what| wrong(&path, node, what, "write [\"one\", \"two\"]");
+        let Value::List(list) = &node.value else {
+            return Err(expected(&node, "a list of strings"));
+        };
+        (list.iter())
+            .map(|item| match &item.value {
+                Value::Text(text) => Ok(text.clone()),
+                _ => Err(expected(item, "a string")),
+            })
+            .collect()
     }
 
     /// A table inside this one, or `None` if it was left out.

@@ -1,5 +1,6 @@
 //! `symplint check CONFIG.toml`.
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use symplint::{VerdictKind, judge};
@@ -27,6 +28,9 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
             .steps
             .map(|steps| format!("diagnostic.steps={steps}")),
     );
+    if let Some(keep) = &arguments.keep {
+        settings.push(format!("system.keep={}", quoted(keep)?));
+    }
     let config = Config::load(&arguments.config, &settings)?;
     // Before the run, which may take hours.
     let output = RunOutput::of_run("check", &config.resolved, run)?;
@@ -110,6 +114,18 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
         }
     }
     Ok(exit_status(diagnosis.verdict.kind))
+}
+
+/// A path of the command line as a value of a configuration, whose relative paths begin elsewhere.
+fn quoted(path: &Path) -> Result<toml::Value, Failure> {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    match absolute.to_str() {
+        Some(text) => Ok(text.into()),
+        None => Err(Failure::Usage {
+            message: format!("--keep: {} is not Unicode", path.display()),
+            remedy: "name another folder".into(),
+        }),
+    }
 }
 
 /// The exit status of a verdict.

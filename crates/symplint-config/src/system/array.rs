@@ -30,6 +30,7 @@ pub const PENDULUM_ARRAY: SystemInfo = SystemInfo {
         Key::new("seed", "1", "seed of the random initial state"),
     ],
     integrator: STRANG,
+    budget: None,
     build: pendulum_array,
 };
 

@@ -38,6 +38,7 @@ pub const FPUT: SystemInfo = SystemInfo {
         AMPLITUDE,
     ],
     integrator: STRANG,
+    budget: None,
     build: |section, folder| {
         let alpha = section.number("alpha", Accept::Finite)?;
         let beta = section.number("beta", Accept::Finite)?;
@@ -51,6 +52,7 @@ pub const TODA: SystemInfo = SystemInfo {
     summary: "the Toda lattice: springs e^{−r} + r − 1, integrable as a ring",
     keys: &[MASSES, ENDS, INITIAL, MODE, AMPLITUDE],
     integrator: STRANG,
+    budget: None,
     build: |section, folder| chain("toda", TodaBond, section, folder),
 };
 

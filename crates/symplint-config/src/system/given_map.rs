@@ -12,7 +12,7 @@ use crate::section::{Accept, Key, Section};
 
 /// The name of the integrator of a system that is a map.
 pub const NOTHING: &str = "none";
-const NONE: &str = "\"none\"";
+pub const NONE: &str = "\"none\"";
 
 const P0: Key = Key::new("p0", "0.0", "centre of the loop, momentum");
 
@@ -31,6 +31,7 @@ pub const HENON_MAP: SystemInfo = SystemInfo {
         P0,
     ],
     integrator: NONE,
+    budget: None,
     build: |section, _| {
         let angle = section.number("angle", Accept::Finite)?;
         let contraction = section.number("contraction", Accept::Positive)?;
@@ -58,6 +59,7 @@ pub const STANDARD_MAP: SystemInfo = SystemInfo {
         P0,
     ],
     integrator: NONE,
+    budget: None,
     build: |section, _| {
         let strength = section.number("strength", Accept::Finite)?;
         let map = StandardMap::new(strength).map_err(|e| refused(section, "strength", e))?;
@@ -88,6 +90,7 @@ pub const PENDULUM_RATTLE: SystemInfo = SystemInfo {
         ),
     ],
     integrator: NONE,
+    budget: None,
     build: |section, _| {
         let length = section.number("length", Accept::Positive)?;
         let gravity = section.number("gravity", Accept::Finite)?;

@@ -29,6 +29,7 @@ pub const PENDULUM: SystemInfo = SystemInfo {
         Key::new("p0", "0.5", "centre of the loop, momentum"),
     ],
     integrator: STRANG,
+    budget: None,
     build: |section, _| {
         let potential = match section.choice("potential", &["cos", "sin"])? {
             "cos" => PendulumPotential::Cos,
@@ -47,6 +48,7 @@ pub const ABSOLUTE_VALUE: SystemInfo = SystemInfo {
         P0,
     ],
     integrator: STRANG,
+    budget: None,
     build: |section, _| {
         let epsilon = section.number("epsilon", Accept::NotNegative)?;
         let system = AbsoluteValue::new(epsilon).map_err(|e| refused(section, "epsilon", e))?;
@@ -68,6 +70,7 @@ pub const INTERPOLATED_PENDULUM: SystemInfo = SystemInfo {
         P0,
     ],
     integrator: STRANG,
+    budget: None,
     build: |section, _| {
         let degree = section.whole("degree", 0)? as usize;
         let cells = section.whole("cells", 1)? as usize;
@@ -97,6 +100,7 @@ pub const HARMONIC_OSCILLATOR: SystemInfo = SystemInfo {
         P0,
     ],
     integrator: STRANG,
+    budget: None,
     build: |section, _| {
         let dof = section.whole_between("dof", 1, MOST_DOF)? as usize;
         let omega = section.numbers("omega", dof)?;
@@ -113,6 +117,7 @@ pub const HENON_HEILES: SystemInfo = SystemInfo {
         Key::new("p0", "[0.3, 0.0]", "centre of the loop, momenta"),
     ],
     integrator: STRANG,
+    budget: None,
     build: |section, _| space(section, "henon-heiles", HenonHeiles),
 };
 
@@ -129,6 +134,7 @@ pub const TWO_CELL: SystemInfo = SystemInfo {
         P0,
     ],
     integrator: STRANG,
+    budget: None,
     build: |section, _| {
         let length = section.number("length", Accept::Positive)?;
         let system = TwoCell::new(length).map_err(|e| refused(section, "length", e))?;

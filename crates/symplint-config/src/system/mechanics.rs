@@ -31,6 +31,7 @@ pub const KEPLER: SystemInfo = SystemInfo {
         p0("[0.0, 0.6]"),
     ],
     integrator: STRANG,
+    budget: None,
     build: |section, _| {
         let mu = section.number("mu", Accept::Finite)?;
         let softening = section.number("softening", Accept::NotNegative)?;
@@ -54,6 +55,7 @@ pub const DOUBLE_PENDULUM: SystemInfo = SystemInfo {
         p0("[0.5, 0.2]"),
     ],
     integrator: MIDPOINT,
+    budget: None,
     build: |section, _| {
         let masses = both(section, "masses")?;
         let lengths = both(section, "lengths")?;
@@ -90,6 +92,7 @@ pub const CHARGED_PARTICLE: SystemInfo = SystemInfo {
         p0("[0.3, 0.4]"),
     ],
     integrator: MIDPOINT,
+    budget: None,
     build: |section, _| {
         let field = section.number("field", Accept::Finite)?;
         let gradient = section.number("gradient", Accept::Finite)?;
@@ -113,6 +116,7 @@ pub const ROTATIONAL_FORCE: SystemInfo = SystemInfo {
         p0("[0.3, 0.0]"),
     ],
     integrator: STRANG,
+    budget: None,
     build: |section, _| {
         let strength = section.number("strength", Accept::Finite)?;
         let force = RotationalForce::new(strength).map_err(|e| refused(section, "strength", e))?;

@@ -2,6 +2,7 @@
 
 mod array;
 mod chain;
+mod command;
 mod given_map;
 mod initial;
 mod low_dimensional;
@@ -40,6 +41,8 @@ pub struct SystemInfo {
     pub keys: &'static [Key],
     /// The default integrator, as TOML.
     pub integrator: &'static str,
+    /// Evaluations of a diagnosis where none are given, if not those of [`symplint::Diagnostic`].
+    pub(crate) budget: Option<usize>,
     build: fn(&Section, &Path) -> Result<System, ConfigError>,
 }
 
@@ -69,6 +72,7 @@ pub const SYSTEMS: &[SystemInfo] = &[
     array::PENDULUM_ARRAY,
     pic::PIC_1D,
     pic::PIC_2D,
+    command::COMMAND,
 ];
 
 /// Reads `[system]`.

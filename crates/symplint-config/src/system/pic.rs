@@ -18,6 +18,7 @@ pub const PIC_1D: SystemInfo = SystemInfo {
     summary: "electrostatic particle-in-cell on a periodic line (section 5)",
     keys: &keys("128"),
     integrator: STRANG,
+    budget: None,
     build: |section, folder| pic::<1>("pic-1d", section, folder),
 };
 
@@ -26,6 +27,7 @@ pub const PIC_2D: SystemInfo = SystemInfo {
     summary: "the same on a doubly periodic square, with tensor-product shapes",
     keys: &keys("16"),
     integrator: STRANG,
+    budget: None,
     build: |section, folder| pic::<2>("pic-2d", section, folder),
 };
 

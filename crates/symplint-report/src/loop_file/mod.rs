@@ -33,6 +33,9 @@ pub struct LoopFile {
     pub weight: Option<Vec<f64>>,
 }
 
+/// Samples of a loop at least.
+const FEWEST_SAMPLES: usize = 3;
+
 /// How a loop is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
@@ -62,10 +65,20 @@ impl LoopFile {
     /// The first thing that is wrong, with the file and the remedy.
     pub fn read(path: &Path) -> Result<Self, LoopFileError> {
         let file = match Format::of(path)? {
-            Format::Npz => npz::read(path),
+            Format::Npz => npz::read(path, FEWEST_SAMPLES),
             Format::NpyPair => pair::read(path),
             Format::Csv => table::read(path),
         }?;
+        file.check_finite()?;
+        Ok(file)
+    }
+
+    /// Reads states from an `.npz` file that need not be a loop: one or more.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with the file and the remedy.
+    pub fn read_states(path: &Path) -> Result<Self, LoopFileError> {
+        let file = npz::read(path, 1)?;
         file.check_finite()?;
         Ok(file)
     }
@@ -115,8 +128,14 @@ impl LoopFile {
         Format::of(&self.path) == Ok(Format::Npz)
     }
 
-    /// From arrays q and p of shape (samples, dof), or (samples) for one degree of freedom.
-    fn from_arrays(path: &Path, q: &Array, p: &Array) -> Result<Self, LoopFileError> {
+    /// From arrays q and p of shape (samples, dof), or (samples) for one degree of freedom, with so many samples at
+    /// least.
+    fn from_arrays(
+        path: &Path,
+        q: &Array,
+        p: &Array,
+        fewest: usize,
+    ) -> Result<Self, LoopFileError> {
         if q.shape != p.shape {
             return Err(LoopFileError::ShapesDiffer {
                 path: path.to_owned(),
@@ -134,7 +153,7 @@ impl LoopFile {
                 });
             }
         };
-        if dof == 0 || samples < 3 {
+        if dof == 0 || samples < fewest {
             return Err(LoopFileError::TooSmall {
                 path: path.to_owned(),
                 samples,

@@ -86,7 +86,7 @@ impl Archive<'_> {
     }
 }
 
-pub fn read(path: &Path) -> Result<LoopFile, LoopFileError> {
+pub fn read(path: &Path, fewest: usize) -> Result<LoopFile, LoopFileError> {
     let unreadable = |reason: String| LoopFileError::Read {
         path: path.to_owned(),
         reason,
@@ -95,7 +95,7 @@ pub fn read(path: &Path) -> Result<LoopFile, LoopFileError> {
     let zip = ZipArchive::new(file).map_err(|error| unreadable(error.to_string()))?;
     let mut archive = Archive { path, zip };
     let (q, p) = (archive.required("q")?, archive.required("p")?);
-    let mut loaded = LoopFile::from_arrays(path, &q, &p)?;
+    let mut loaded = LoopFile::from_arrays(path, &q, &p, fewest)?;
     let dof = loaded.states.dof();
     loaded.step_size = archive.setting("h", dof)?.map(|h| h[0]);
     loaded.period = archive.setting("period", dof)?;

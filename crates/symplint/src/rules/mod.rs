@@ -5,6 +5,7 @@
 mod advanced;
 mod defect;
 mod finite_difference;
+mod merge;
 mod piecewise;
 mod pseudospectral;
 mod sampled;

@@ -1,0 +1,367 @@
+/* symplint: is a time-advance map symplectic?
+ *
+ * Written by cbindgen from the crate symplint-c; do not edit. */
+
+#ifndef SYMPLINT_H
+#define SYMPLINT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/**
+ * What a function returns.
+ */
+typedef enum {
+  /**
+   * No error.
+   */
+  SYMPLINT_STATUS_OK = 0,
+  /**
+   * A pointer that must not be null is null.
+   */
+  SYMPLINT_STATUS_NULL_POINTER = 1,
+  /**
+   * An argument or an option is not valid.
+   */
+  SYMPLINT_STATUS_BAD_ARGUMENT = 2,
+  /**
+   * The step failed, or returned states that are not finite, at all step sizes.
+   */
+  SYMPLINT_STATUS_STEP_FAILED = 3,
+  /**
+   * The diagnosis is not possible: the map has a memory, the loop has no area, and so on.
+   */
+  SYMPLINT_STATUS_FAILED = 4,
+  /**
+   * An error of this library. Please report it.
+   */
+  SYMPLINT_STATUS_INTERNAL = 5,
+} SymplintStatus;
+
+/**
+ * The kinds of verdicts.
+ */
+typedef enum {
+  /**
+   * There is no report.
+   */
+  SYMPLINT_VERDICT_NONE = -1,
+  /**
+   * No defect was found, down to the stated number of digits.
+   */
+  SYMPLINT_VERDICT_SYMPLECTIC = 0,
+  /**
+   * The loop integral changes significantly.
+   */
+  SYMPLINT_VERDICT_NOT_SYMPLECTIC = 1,
+  /**
+   * The map is discontinuous: it breaks loops.
+   */
+  SYMPLINT_VERDICT_BROKEN_LOOPS = 2,
+  /**
+   * The numbers do not decide.
+   */
+  SYMPLINT_VERDICT_UNDECIDED = 3,
+} SymplintVerdict;
+
+/**
+ * What a diagnosis found. Made by `symplint_check`, and to be freed by `symplint_report_free`.
+ */
+typedef struct SymplintReport SymplintReport;
+
+/**
+ * Advances `samples` states by one step of size `h`, in place, and returns 0; any other number says that the step cannot
+ * be taken, and is named in the report.
+ *
+ * q[i * samples + k] is the position i of the sample k, and p likewise: one row for each of the `dof` degrees of freedom. In
+ * Fortran they are q(samples, dof). What is done to a sample must depend on nothing but h and the sample itself. `samples`
+ * may be any number from 1. The function is called on the thread that called `symplint_check`, one call at a time; it
+ * must return (no longjmp, no C++ exception).
+ */
+typedef int (*SymplintStep)(void *user, double h, size_t dof, size_t samples, double *q, double *p);
+
+/**
+ * Options of `symplint_check`. Fill it by `symplint_options_init`, then change what differs.
+ */
+typedef struct {
+  /**
+   * Size of this struct in bytes.
+   */
+  size_t size;
+  /**
+   * Step sizes, or NULL: 2^-1, 2^-2, ..., 2^-10, or what `typical_step` finds.
+   */
+  const double *step_sizes;
+  /**
+   * How many there are.
+   */
+  size_t step_count;
+  /**
+   * A typical step size, or 0. Without `step_sizes`, those tried are the largest that advances the motions on the loop by
+   * about a radian, and seven halvings of it.
+   */
+  double typical_step;
+  /**
+   * Radius of the loop, a circle in every degree of freedom. 1 by default.
+   */
+  double radius;
+  /**
+   * Radius in each position, or NULL: `radius`.
+   */
+  const double *radius_q;
+  /**
+   * Radius in each momentum, or NULL: `radius`.
+   */
+  const double *radius_p;
+  /**
+   * Period of each position, 0 for none; or NULL.
+   */
+  const double *period;
+  /**
+   * Weight of each momentum, canonical momentum = weight * p; or NULL.
+   */
+  const double *weight;
+  /**
+   * "auto", "pseudospectral", "finite-difference", "piecewise" or "streaming"; NULL is "auto".
+   */
+  const char *rule;
+  /**
+   * Samples of a loop; 0, the default, finds how many are needed.
+   */
+  size_t samples;
+  /**
+   * States that are advanced by one step in all, 200 at least. 20000 by default.
+   */
+  size_t budget;
+  /**
+   * Loops in all; those after the first are random. 8 by default.
+   */
+  size_t loops;
+  /**
+   * Steps of the largest size, to see whether a defect accumulates. 0 by default.
+   */
+  size_t steps;
+  /**
+   * Seed of the random loops. 1 by default.
+   */
+  uint64_t seed;
+  /**
+   * Tolerance of the piecewise rule, relative. 1e-12 by default.
+   */
+  double tolerance;
+  /**
+   * Threads for the work of this library, 0 for all cores; the step is called on the calling thread alone. 1 by default.
+   */
+  size_t threads;
+  /**
+   * Whether the Jacobian of a step is checked, too: 1, the default, or 0.
+   */
+  int32_t jacobian;
+  /**
+   * Whether a defect is traced to a part of the loop: 1, the default, or 0.
+   */
+  int32_t localise;
+} SymplintOptions;
+
+/**
+ * ∮ p·dq with what is known of its error; of one degree of freedom, of some or of all.
+ */
+typedef struct {
+  /**
+   * The integral, in units of momentum × position.
+   */
+  double value;
+  /**
+   * Estimate of the distance from the integral of the loop that the samples belong to; NaN where it is not known.
+   */
+  double quadrature_error;
+  /**
+   * What double precision alone leaves uncertain.
+   */
+  double roundoff;
+  /**
+   * Sum of the absolute values of all terms.
+   */
+  double scale;
+} SymplintIntegral;
+
+/**
+ * The relative change of a loop integral over one step. All numbers are relative to the absolute value of the initial one.
+ */
+typedef struct {
+  /**
+   * (advanced - initial) / |initial|.
+   */
+  double signed_defect;
+  /**
+   * Quadrature errors of both integrals; NaN where one is not known.
+   */
+  double quadrature_error;
+  /**
+   * Round-off of both integrals.
+   */
+  double roundoff;
+} SymplintDefect;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * Tells whether the map `step` is symplectic.
+ *
+ * q0 and p0, of `dof` values each, are the centre of the loop. `options` is NULL for the defaults. `user` is handed to `step`
+ * unchanged. On success `*report` is a report to be freed by `symplint_report_free`; otherwise it is NULL.
+ *
+ * A step size at which the step fails is left out, and named in the report; the status is SYMPLINT_STATUS_STEP_FAILED where
+ * it fails at all of them.
+ *
+ * # Safety
+ * `step` does what its type says, arrays that are not null have as many values as this says, and texts end with a zero.
+ */
+SymplintStatus symplint_check(SymplintStep step,
+                              void *user,
+                              size_t dof,
+                              const double *q0,
+                              const double *p0,
+                              const SymplintOptions *options,
+                              SymplintReport **report);
+
+/**
+ * The loop integral ∮ p·dq of samples, by the pseudospectral rule.
+ *
+ * q and p have the coordinate i of the sample k at [i * dof_stride + k * sample_stride]. Rows, one for each degree of
+ * freedom, have dof_stride = samples (or more) and sample_stride = 1; columns, one state after another, have dof_stride = 1
+ * and sample_stride = dof. In Fortran q(samples, dof) are rows. The sample k is the state at s = k/samples of the loop.
+ *
+ * `period` is NULL or has the period of each position, 0 for none. `weight` is NULL or has what makes each momentum
+ * canonical: weight * p.
+ *
+ * # Safety
+ * Arrays that are not null have as many values as this says.
+ */
+SymplintStatus symplint_loop_integral(size_t dof,
+                                      size_t samples,
+                                      const double *q,
+                                      const double *p,
+                                      size_t dof_stride,
+                                      size_t sample_stride,
+                                      const double *period,
+                                      const double *weight,
+                                      SymplintIntegral *integral);
+
+/**
+ * The same for each degree of freedom apart: `parts` has room for `dof` of them.
+ *
+ * Where the state of a code is spread over processes, each calls this for its degrees of freedom; all parts together, in
+ * the order of the degrees of freedom, go to `symplint_merge_integrals`. The result is the same on any number of processes,
+ * to the last bit, and that of `symplint_loop_integral`.
+ *
+ * # Safety
+ * That of `symplint_loop_integral`; `parts` has room for `dof` values.
+ */
+SymplintStatus symplint_partial_integrals(size_t dof,
+                                          size_t samples,
+                                          const double *q,
+                                          const double *p,
+                                          size_t dof_stride,
+                                          size_t sample_stride,
+                                          const double *period,
+                                          const double *weight,
+                                          SymplintIntegral *parts);
+
+/**
+ * The loop integral from the parts of all degrees of freedom, in their order: `count` of them.
+ *
+ * # Safety
+ * `parts` has `count` values.
+ */
+SymplintStatus symplint_merge_integrals(size_t count,
+                                        const SymplintIntegral *parts,
+                                        SymplintIntegral *integral);
+
+/**
+ * The relative change of a loop integral over a step.
+ *
+ * A change within quadrature_error + roundoff is none; one above ten times that is significant.
+ *
+ * # Safety
+ * Pointers that are not null point to valid values.
+ */
+SymplintStatus symplint_defect(const SymplintIntegral *initial,
+                               const SymplintIntegral *advanced,
+                               SymplintDefect *defect);
+
+/**
+ * Fills options with their defaults. `size` is sizeof(SymplintOptions).
+ *
+ * # Safety
+ * `options` has `size` bytes.
+ */
+SymplintStatus symplint_options_init(SymplintOptions *options, size_t size);
+
+/**
+ * The verdict; SYMPLINT_VERDICT_NONE if `report` is NULL.
+ *
+ * # Safety
+ * `report` is NULL or was not freed.
+ */
+SymplintVerdict symplint_report_verdict(const SymplintReport *report);
+
+/**
+ * The digits down to which a symplectic map conserves the loop integrals; NaN for other verdicts.
+ *
+ * # Safety
+ * `report` is NULL or was not freed.
+ */
+double symplint_report_digits(const SymplintReport *report);
+
+/**
+ * The k of defect ~ h^k; NaN where there is none.
+ *
+ * # Safety
+ * `report` is NULL or was not freed.
+ */
+double symplint_report_order(const SymplintReport *report);
+
+/**
+ * The verdict and its reason in one line, in UTF-8; NULL if `report` is NULL. Valid until the report is freed.
+ *
+ * # Safety
+ * `report` is NULL or was not freed.
+ */
+const char *symplint_report_summary(const SymplintReport *report);
+
+/**
+ * The whole report as JSON, schema symplint/report/2; NULL if `report` is NULL. Valid until the report is freed.
+ *
+ * # Safety
+ * `report` is NULL or was not freed.
+ */
+const char *symplint_report_json(const SymplintReport *report);
+
+/**
+ * Frees a report and its texts; NULL is allowed.
+ *
+ * # Safety
+ * `report` is NULL or was not freed before.
+ */
+void symplint_report_free(SymplintReport *report);
+
+/**
+ * What went wrong in the last call on this thread that returns a status, or an empty text.
+ *
+ * In UTF-8. It is valid until the next call on this thread.
+ */
+const char *symplint_last_error(void);
+
+/**
+ * The version of the library: "0.1.0", say. It is always valid.
+ */
+const char *symplint_version(void);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* SYMPLINT_H */

@@ -1,0 +1,64 @@
+//! The diagnosis.
+
+use std::ffi::c_void;
+
+use crate::callback::{SymplintStep, callback_map};
+use crate::options::{Settings, SymplintOptions};
+use crate::pointers::write;
+use crate::report::SymplintReport;
+use crate::status::{Failure, SymplintStatus, guarded};
+
+/// Tells whether the map `step` is symplectic.
+///
+/// q0 and p0, of `dof` values each, are the centre of the loop. `options` is NULL for the defaults. `user` is handed to `step`
+/// unchanged. On success `*report` is a report to be freed by `symplint_report_free`; otherwise it is NULL.
+///
+/// A step size at which the step fails is left out, and named in the report; the status is SYMPLINT_STATUS_STEP_FAILED where
+/// it fails at all of them.
+///
+/// # Safety
+/// `step` does what its type says, arrays that are not null have as many values as this says, and texts end with a zero.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn symplint_check(
+    step: SymplintStep,
+    user: *mut c_void,
+    dof: usize,
+    q0: *const f64,
+    p0: *const f64,
+    options: *const SymplintOptions,
+    report: *mut *mut SymplintReport,
+) -> SymplintStatus {
+    guarded(|| {
+        // SAFETY: what the caller of this function promises.
+        unsafe { write("report", report, &[std::ptr::null_mut()]) }?;
+        let step = step.ok_or_else(|| Failure::null("step"))?;
+        // SAFETY: as above.
+        let settings = unsafe { Settings::read(dof, q0, p0, options) }?;
+        let (diagnostic, circle) = (settings.diagnostic()?, settings.circle()?);
+        let (map, steps) = callback_map(settings.coordinates()?);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(settings.threads)
+            .build()
+            .map_err(|error| {
+                Failure::new(
+                    SymplintStatus::Failed,
+                    format!("cannot start threads: {error}"),
+                )
+            })?;
+        let run = symplint_report::provenance::Run::start(env!("CARGO_PKG_VERSION"), None);
+        let diagnosis = std::thread::scope(|scope| {
+            let measuring = scope.spawn(|| {
+                // Dropped at the end, whatever happens: no more steps are taken then.
+                let map = map;
+                pool.install(|| diagnostic.run(&map, &circle))
+            });
+            // SAFETY: as above.
+            unsafe { steps.take(step, user) };
+            (measuring.join()).map_err(|panic| Failure::of_panic(&*panic))
+        })??;
+        let provenance = run.provenance(pool.current_num_threads());
+        let made = SymplintReport::new(&settings, &diagnosis, provenance);
+        // SAFETY: as above.
+        unsafe { write("report", report, &[Box::into_raw(Box::new(made))]) }
+    })
+}

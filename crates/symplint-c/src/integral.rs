@@ -1,0 +1,228 @@
+//! Loop integrals, of all degrees of freedom or of some, and their defect.
+
+use symplint::{Coordinates, Defect, LoopIntegral, Rule};
+
+use crate::pointers::{Layout, optional_values, value, values, write};
+use crate::status::{Failure, SymplintStatus, guarded};
+
+/// ∮ p·dq with what is known of its error; of one degree of freedom, of some or of all.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SymplintIntegral {
+    /// The integral, in units of momentum × position.
+    pub value: f64,
+    /// Estimate of the distance from the integral of the loop that the samples belong to; NaN where it is not known.
+    pub quadrature_error: f64,
+    /// What double precision alone leaves uncertain.
+    pub roundoff: f64,
+    /// Sum of the absolute values of all terms.
+    pub scale: f64,
+}
+
+/// The relative change of a loop integral over one step. All numbers are relative to the absolute value of the initial one.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SymplintDefect {
+    /// (advanced - initial) / |initial|.
+    pub signed_defect: f64,
+    /// Quadrature errors of both integrals; NaN where one is not known.
+    pub quadrature_error: f64,
+    /// Round-off of both integrals.
+    pub roundoff: f64,
+}
+
+impl From<&LoopIntegral> for SymplintIntegral {
+    fn from(integral: &LoopIntegral) -> Self {
+        SymplintIntegral {
+            value: integral.value,
+            quadrature_error: integral.quadrature_error.unwrap_or(f64::NAN),
+            roundoff: integral.roundoff,
+            scale: integral.scale,
+        }
+    }
+}
+
+impl From<&SymplintIntegral> for LoopIntegral {
+    fn from(integral: &SymplintIntegral) -> Self {
+        LoopIntegral {
+            value: integral.value,
+            contributions: vec![integral.value],
+            quadrature_error: Some(integral.quadrature_error).filter(|error| !error.is_nan()),
+            roundoff: integral.roundoff,
+            scale: integral.scale,
+            omitted: None,
+            regularity: None,
+        }
+    }
+}
+
+/// The integrals of all degrees of freedom, one by one.
+///
+/// # Safety
+/// That of `symplint_loop_integral`.
+unsafe fn of_each(
+    layout: &Layout,
+    q: *const f64,
+    p: *const f64,
+    period: *const f64,
+    weight: *const f64,
+) -> Result<Vec<LoopIntegral>, Failure> {
+    layout.check()?;
+    // SAFETY: the caller promises one value for each degree of freedom, or null.
+    let (period, weight) = unsafe {
+        (
+            optional_values("period", period, layout.dof)?,
+            optional_values("weight", weight, layout.dof)?,
+        )
+    };
+    let mut parts = Vec::with_capacity(layout.dof);
+    for i in 0..layout.dof {
+        // SAFETY: the caller promises the values.
+        let row = unsafe { layout.row(q, p, i) }?;
+        let of_row = |error: symplint::Error| {
+            let Failure { status, text } = error.into();
+            // The row is an ensemble of its own, which has no other degree of freedom.
+            Failure::new(
+                status,
+                text.replace("degree of freedom 0", &format!("degree of freedom {i}")),
+            )
+        };
+        row.check_finite(None).map_err(of_row)?;
+        let mut coordinates = Coordinates::plain(1);
+        if let Some(period) = &period {
+            coordinates = coordinates.with_periods(vec![period[i]]).map_err(of_row)?;
+        }
+        if let Some(weight) = &weight {
+            coordinates = coordinates.with_weights(vec![weight[i]]).map_err(of_row)?;
+        }
+        let integral = LoopIntegral::in_coordinates(&row, &Rule::Pseudospectral, &coordinates);
+        parts.push(integral.map_err(of_row)?);
+    }
+    Ok(parts)
+}
+
+/// The loop integral ∮ p·dq of samples, by the pseudospectral rule.
+///
+/// q and p have the coordinate i of the sample k at [i * dof_stride + k * sample_stride]. Rows, one for each degree of
+/// freedom, have dof_stride = samples (or more) and sample_stride = 1; columns, one state after another, have dof_stride = 1
+/// and sample_stride = dof. In Fortran q(samples, dof) are rows. The sample k is the state at s = k/samples of the loop.
+///
+/// `period` is NULL or has the period of each position, 0 for none. `weight` is NULL or has what makes each momentum
+/// canonical: weight * p.
+///
+/// # Safety
+/// Arrays that are not null have as many values as this says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn symplint_loop_integral(
+    dof: usize,
+    samples: usize,
+    q: *const f64,
+    p: *const f64,
+    dof_stride: usize,
+    sample_stride: usize,
+    period: *const f64,
+    weight: *const f64,
+    integral: *mut SymplintIntegral,
+) -> SymplintStatus {
+    guarded(|| {
+        let layout = Layout {
+            dof,
+            samples,
+            dof_stride,
+            sample_stride,
+        };
+        // SAFETY: what the caller of this function promises.
+        let parts = unsafe { of_each(&layout, q, p, period, weight) }?;
+        let merged = LoopIntegral::merged(&parts)?;
+        // SAFETY: as above.
+        unsafe { write("integral", integral, &[SymplintIntegral::from(&merged)]) }
+    })
+}
+
+/// The same for each degree of freedom apart: `parts` has room for `dof` of them.
+///
+/// Where the state of a code is spread over processes, each calls this for its degrees of freedom; all parts together, in
+/// the order of the degrees of freedom, go to `symplint_merge_integrals`. The result is the same on any number of processes,
+/// to the last bit, and that of `symplint_loop_integral`.
+///
+/// # Safety
+/// That of `symplint_loop_integral`; `parts` has room for `dof` values.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn symplint_partial_integrals(
+    dof: usize,
+    samples: usize,
+    q: *const f64,
+    p: *const f64,
+    dof_stride: usize,
+    sample_stride: usize,
+    period: *const f64,
+    weight: *const f64,
+    parts: *mut SymplintIntegral,
+) -> SymplintStatus {
+    guarded(|| {
+        let layout = Layout {
+            dof,
+            samples,
+            dof_stride,
+            sample_stride,
+        };
+        // SAFETY: what the caller of this function promises.
+        let found = unsafe { of_each(&layout, q, p, period, weight) }?;
+        let found: Vec<SymplintIntegral> = found.iter().map(SymplintIntegral::from).collect();
+        // SAFETY: as above.
+        unsafe { write("parts", parts, &found) }
+    })
+}
+
+/// The loop integral from the parts of all degrees of freedom, in their order: `count` of them.
+///
+/// # Safety
+/// `parts` has `count` values.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn symplint_merge_integrals(
+    count: usize,
+    parts: *const SymplintIntegral,
+    integral: *mut SymplintIntegral,
+) -> SymplintStatus {
+    guarded(|| {
+        // SAFETY: what the caller of this function promises.
+        let parts = unsafe { values("parts", parts, count) }?;
+        let parts: Vec<LoopIntegral> = parts.iter().map(LoopIntegral::from).collect();
+        let merged = LoopIntegral::merged(&parts)?;
+        // SAFETY: as above.
+        unsafe { write("integral", integral, &[SymplintIntegral::from(&merged)]) }
+    })
+}
+
+/// The relative change of a loop integral over a step.
+///
+/// A change within quadrature_error + roundoff is none; one above ten times that is significant.
+///
+/// # Safety
+/// Pointers that are not null point to valid values.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn symplint_defect(
+    initial: *const SymplintIntegral,
+    advanced: *const SymplintIntegral,
+    defect: *mut SymplintDefect,
+) -> SymplintStatus {
+    guarded(|| {
+        // SAFETY: what the caller of this function promises.
+        let (initial, advanced) =
+            unsafe { (value("initial", initial)?, value("advanced", advanced)?) };
+        for (what, integral) in [("initial", initial), ("advanced", advanced)] {
+            if !(integral.value.is_finite() && integral.roundoff.is_finite()) {
+                let text = format!("{what} is not finite: its value is {}", integral.value);
+                return Err(Failure::bad_argument(text));
+            }
+        }
+        let found = Defect::between(&initial.into(), &advanced.into())?;
+        let found = SymplintDefect {
+            signed_defect: found.signed,
+            quadrature_error: found.quadrature_error.unwrap_or(f64::NAN),
+            roundoff: found.roundoff,
+        };
+        // SAFETY: as above.
+        unsafe { write("defect", defect, &[found]) }
+    })
+}

@@ -1,0 +1,289 @@
+//! The options of a check, which may grow.
+//!
+//! The struct begins with its size, as the caller's header has it. Later versions add fields at the end; what a caller's
+//! struct does not have gets its default.
+
+use std::ffi::c_char;
+
+use serde::Serialize;
+use symplint::diagnosis::SampleCount;
+use symplint::rules::{Cutoffs, Piecewise, Streaming};
+use symplint::{Circle, Coordinates, Diagnostic, Rule};
+
+use crate::pointers::{optional_values, overlay, text, values, write_prefix};
+use crate::status::{Failure, SymplintStatus, guarded};
+
+/// Options of `symplint_check`. Fill it by `symplint_options_init`, then change what differs.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct SymplintOptions {
+    /// Size of this struct in bytes.
+    pub size: usize,
+    /// Step sizes, or NULL: 2^-1, 2^-2, ..., 2^-10, or what `typical_step` finds.
+    pub step_sizes: *const f64,
+    /// How many there are.
+    pub step_count: usize,
+    /// A typical step size, or 0. Without `step_sizes`, those tried are the largest that advances the motions on the loop by
+    /// about a radian, and seven halvings of it.
+    pub typical_step: f64,
+    /// Radius of the loop, a circle in every degree of freedom. 1 by default.
+    pub radius: f64,
+    /// Radius in each position, or NULL: `radius`.
+    pub radius_q: *const f64,
+    /// Radius in each momentum, or NULL: `radius`.
+    pub radius_p: *const f64,
+    /// Period of each position, 0 for none; or NULL.
+    pub period: *const f64,
+    /// Weight of each momentum, canonical momentum = weight * p; or NULL.
+    pub weight: *const f64,
+    /// "auto", "pseudospectral", "finite-difference", "piecewise" or "streaming"; NULL is "auto".
+    pub rule: *const c_char,
+    /// Samples of a loop; 0, the default, finds how many are needed.
+    pub samples: usize,
+    /// States that are advanced by one step in all, 200 at least. 20000 by default.
+    pub budget: usize,
+    /// Loops in all; those after the first are random. 8 by default.
+    pub loops: usize,
+    /// Steps of the largest size, to see whether a defect accumulates. 0 by default.
+    pub steps: usize,
+    /// Seed of the random loops. 1 by default.
+    pub seed: u64,
+    /// Tolerance of the piecewise rule, relative. 1e-12 by default.
+    pub tolerance: f64,
+    /// Threads for the work of this library, 0 for all cores; the step is called on the calling thread alone. 1 by default.
+    pub threads: usize,
+    /// Whether the Jacobian of a step is checked, too: 1, the default, or 0.
+    pub jacobian: i32,
+    /// Whether a defect is traced to a part of the loop: 1, the default, or 0.
+    pub localise: i32,
+}
+
+/// Evaluations by default: a step of another code is dear.
+const BUDGET: usize = 20_000;
+
+/// λ of the finite-difference rule, as in configurations.
+const CUTOFF: f64 = 1000.0;
+
+/// Bytes of the struct of version 0.1.0, the first: it ends with `localise`. Later fields come after that.
+const FIRST_SIZE: usize = std::mem::offset_of!(SymplintOptions, localise) + size_of::<i32>();
+
+/// More threads than a machine has cores cost memory and gain nothing.
+const MOST_THREADS: usize = 1024;
+
+impl Default for SymplintOptions {
+    fn default() -> Self {
+        let null = std::ptr::null();
+        let diagnostic = Diagnostic::default();
+        SymplintOptions {
+            size: size_of::<Self>(),
+            step_sizes: null,
+            step_count: 0,
+            typical_step: 0.0,
+            radius: 1.0,
+            radius_q: null,
+            radius_p: null,
+            period: null,
+            weight: null,
+            rule: std::ptr::null(),
+            samples: 0,
+            budget: BUDGET,
+            loops: diagnostic.loops,
+            steps: 0,
+            seed: diagnostic.seed,
+            tolerance: Piecewise::default().tolerance,
+            threads: 1,
+            jacobian: 1,
+            localise: 1,
+        }
+    }
+}
+
+/// Fills options with their defaults. `size` is sizeof(SymplintOptions).
+///
+/// # Safety
+/// `options` has `size` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn symplint_options_init(
+    options: *mut SymplintOptions,
+    size: usize,
+) -> SymplintStatus {
+    guarded(|| {
+        check_size(size)?;
+        let defaults = SymplintOptions {
+            size,
+            ..SymplintOptions::default()
+        };
+        // SAFETY: what the caller of this function promises.
+        unsafe { write_prefix("options", options, size, &defaults) }
+    })
+}
+
+/// Refuses sizes that no version of the struct has.
+fn check_size(size: usize) -> Result<(), Failure> {
+    let most = size_of::<SymplintOptions>();
+    if size > most {
+        return Err(Failure::bad_argument(format!(
+            "the options have {size} bytes and this library, {}, knows {most}: the header is newer than the library",
+            env!("CARGO_PKG_VERSION")
+        )));
+    }
+    match size < FIRST_SIZE {
+        true => Err(Failure::bad_argument(format!(
+            "the options have {size} bytes where there are {FIRST_SIZE} at least; fill them by symplint_options_init"
+        ))),
+        false => Ok(()),
+    }
+}
+
+/// The options with the arrays that they point to.
+#[derive(Debug, Serialize)]
+pub struct Settings {
+    q0: Vec<f64>,
+    p0: Vec<f64>,
+    radius_q: Vec<f64>,
+    radius_p: Vec<f64>,
+    period: Option<Vec<f64>>,
+    weight: Option<Vec<f64>>,
+    step_sizes: Vec<f64>,
+    typical_step: Option<f64>,
+    rule: String,
+    samples: Option<usize>,
+    budget: usize,
+    loops: usize,
+    steps: usize,
+    seed: u64,
+    tolerance: f64,
+    jacobian: bool,
+    localise: bool,
+    /// Results do not depend on it.
+    #[serde(skip)]
+    pub threads: usize,
+}
+
+impl Settings {
+    /// Reads options, or takes the defaults where there are none.
+    ///
+    /// # Safety
+    /// Arrays that are not null have as many values as the header says.
+    pub unsafe fn read(
+        dof: usize,
+        q0: *const f64,
+        p0: *const f64,
+        options: *const SymplintOptions,
+    ) -> Result<Self, Failure> {
+        if dof == 0 {
+            return Err(Failure::bad_argument(
+                "dof is 0; give one degree of freedom or more",
+            ));
+        }
+        let mut read = SymplintOptions::default();
+        if !options.is_null() {
+            let mut size = 0_usize;
+            // SAFETY: the struct begins with its size, and has so many bytes; integers, numbers and pointers may have any.
+            unsafe {
+                overlay("options", options.cast(), size_of::<usize>(), &mut size)?;
+                check_size(size)?;
+                overlay("options", options, size, &mut read)?;
+            }
+        }
+        // SAFETY: the caller promises so many values, or null.
+        unsafe {
+            let of_each = |what, pointer| optional_values(what, pointer, dof);
+            let radius = |what, pointer| {
+                Ok::<_, Failure>(of_each(what, pointer)?.unwrap_or_else(|| vec![read.radius; dof]))
+            };
+            let step_sizes = match (read.step_sizes.is_null(), read.typical_step) {
+                (false, _) => values("step_sizes", read.step_sizes, read.step_count)?.to_vec(),
+                (true, 0.0) => Diagnostic::default().step_sizes,
+                (true, _) => Vec::new(),
+            };
+            Ok(Settings {
+                q0: values("q0", q0, dof)?.to_vec(),
+                p0: values("p0", p0, dof)?.to_vec(),
+                radius_q: radius("radius_q", read.radius_q)?,
+                radius_p: radius("radius_p", read.radius_p)?,
+                period: of_each("period", read.period)?,
+                weight: of_each("weight", read.weight)?,
+                typical_step: step_sizes.is_empty().then_some(read.typical_step),
+                step_sizes,
+                rule: text("rule", read.rule)?.unwrap_or("auto").to_owned(),
+                samples: Some(read.samples).filter(|&samples| samples > 0),
+                budget: read.budget,
+                loops: read.loops,
+                steps: read.steps,
+                seed: read.seed,
+                tolerance: read.tolerance,
+                jacobian: read.jacobian != 0,
+                localise: read.localise != 0,
+                threads: read.threads.min(MOST_THREADS),
+            })
+        }
+    }
+
+    /// The given loop.
+    pub fn circle(&self) -> Result<Circle, Failure> {
+        let (q0, p0) = (self.q0.clone(), self.p0.clone());
+        let circle = Circle::with_radii(q0, p0, self.radius_q.clone(), self.radius_p.clone());
+        circle.map_err(Failure::from)
+    }
+
+    /// The meaning of the coordinates.
+    pub fn coordinates(&self) -> Result<Coordinates, Failure> {
+        let mut coordinates = Coordinates::plain(self.q0.len());
+        if let Some(period) = &self.period {
+            coordinates = coordinates.with_periods(period.clone())?;
+        }
+        if let Some(weight) = &self.weight {
+            coordinates = coordinates.with_weights(weight.clone())?;
+        }
+        Ok(coordinates)
+    }
+
+    /// What is measured.
+    pub fn diagnostic(&self) -> Result<Diagnostic, Failure> {
+        if self.loops == 0 {
+            return Err(Failure::bad_argument("loops is 0; give 1 or more"));
+        }
+        if !(self.tolerance.is_finite() && self.tolerance > 0.0) {
+            let text = format!("tolerance is {}; give a number above 0", self.tolerance);
+            return Err(Failure::bad_argument(text));
+        }
+        if self.samples.is_some_and(|samples| samples < 3) {
+            return Err(Failure::bad_argument(
+                "samples is below 3; give 3 or more, or 0",
+            ));
+        }
+        let piecewise = Piecewise {
+            tolerance: self.tolerance,
+            ..Piecewise::default()
+        };
+        let streaming = Streaming::default();
+        Ok(Diagnostic {
+            rule: match self.rule.as_str() {
+                "auto" => Rule::Auto,
+                "pseudospectral" => Rule::Pseudospectral,
+                "finite-difference" => Rule::FiniteDifference(Cutoffs::relative(CUTOFF)),
+                "piecewise" => Rule::Piecewise(piecewise),
+                "streaming" => Rule::Streaming(streaming),
+                other => {
+                    return Err(Failure::bad_argument(format!(
+                        "rule is \"{other}\"; give \"auto\", \"pseudospectral\", \"finite-difference\", \"piecewise\" \
+                         or \"streaming\""
+                    )));
+                }
+            },
+            piecewise,
+            streaming,
+            samples: self.samples.map_or(SampleCount::Auto, SampleCount::Fixed),
+            step_sizes: self.step_sizes.clone(),
+            typical_step: self.typical_step,
+            loops: self.loops,
+            seed: self.seed,
+            long_time: self.steps,
+            localise: self.localise,
+            jacobian: self.jacobian,
+            budget: Some(self.budget),
+            ..Diagnostic::default()
+        })
+    }
+}

@@ -1,0 +1,183 @@
+//! Reading from and writing to memory of the caller.
+//!
+//! Null, alignment and sizes are checked here; that so much memory is there is what the caller promises.
+
+use std::ffi::{CStr, c_char};
+
+use symplint::Ensemble;
+
+use crate::status::Failure;
+
+/// Refuses null, and addresses at which no `T` can be.
+fn check<T>(what: &str, pointer: *const T) -> Result<(), Failure> {
+    if pointer.is_null() {
+        return Err(Failure::null(what));
+    }
+    match pointer.is_aligned() {
+        true => Ok(()),
+        false => Err(Failure::bad_argument(format!("{what} is not aligned"))),
+    }
+}
+
+/// The values of an array.
+///
+/// # Safety
+/// If it is not null, so many values are there and do not change during `'a`.
+pub unsafe fn values<'a, T>(
+    what: &str,
+    pointer: *const T,
+    count: usize,
+) -> Result<&'a [T], Failure> {
+    check(what, pointer)?;
+    if count
+        .checked_mul(size_of::<T>())
+        .is_none_or(|bytes| bytes > isize::MAX as usize)
+    {
+        return Err(Failure::bad_argument(format!(
+            "{what}: {count} values are too many"
+        )));
+    }
+    // SAFETY: the pointer is neither null nor misaligned, the size does not overflow, and the caller promises the rest.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+}
+
+/// The same of an array that may be null.
+///
+/// # Safety
+/// That of [`values`].
+pub unsafe fn optional_values(
+    what: &str,
+    pointer: *const f64,
+    count: usize,
+) -> Result<Option<Vec<f64>>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: the caller promises what `values` needs.
+    unsafe { values(what, pointer, count) }.map(|values| Some(values.to_vec()))
+}
+
+/// A value to be read.
+///
+/// # Safety
+/// If it is not null, a valid value is there and does not change during `'a`.
+pub unsafe fn value<'a, T>(what: &str, pointer: *const T) -> Result<&'a T, Failure> {
+    check(what, pointer)?;
+    // SAFETY: the pointer is neither null nor misaligned, and the caller promises the rest.
+    Ok(unsafe { &*pointer })
+}
+
+/// Writes values to an array.
+///
+/// # Safety
+/// If it is not null, there is memory for them.
+pub unsafe fn write<T: Copy>(what: &str, pointer: *mut T, found: &[T]) -> Result<(), Failure> {
+    check(what, pointer.cast_const())?;
+    // SAFETY: the pointer is neither null nor misaligned, and the caller promises the memory.
+    unsafe { std::ptr::copy_nonoverlapping(found.as_ptr(), pointer, found.len()) };
+    Ok(())
+}
+
+/// Copies the first `size` bytes of a struct of the caller over `target`.
+///
+/// # Safety
+/// So many bytes are there, every pattern of them is a valid `T`, and the struct begins as `T` does.
+pub unsafe fn overlay<T>(
+    what: &str,
+    source: *const T,
+    size: usize,
+    target: &mut T,
+) -> Result<(), Failure> {
+    check(what, source)?;
+    let size = size.min(size_of::<T>());
+    // SAFETY: not more bytes than `target` has, and the caller promises those of the source.
+    unsafe {
+        std::ptr::copy_nonoverlapping(source.cast::<u8>(), (&raw mut *target).cast::<u8>(), size);
+    }
+    Ok(())
+}
+
+/// Copies the first `size` bytes of `source` to a struct of the caller, which may be an older one.
+///
+/// # Safety
+/// There is memory for so many bytes.
+pub unsafe fn write_prefix<T>(
+    what: &str,
+    target: *mut T,
+    size: usize,
+    source: &T,
+) -> Result<(), Failure> {
+    check(what, target.cast_const())?;
+    let size = size.min(size_of::<T>());
+    // SAFETY: not more bytes than `source` has, and the caller promises the memory of the target.
+    unsafe {
+        std::ptr::copy_nonoverlapping((&raw const *source).cast::<u8>(), target.cast::<u8>(), size);
+    }
+    Ok(())
+}
+
+/// A text that may be null.
+///
+/// # Safety
+/// If it is not null, it ends with a zero and does not change during `'a`.
+pub unsafe fn text<'a>(what: &str, pointer: *const c_char) -> Result<Option<&'a str>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: it is not null, and the caller promises that it ends with a zero.
+    let text = unsafe { CStr::from_ptr(pointer) };
+    (text.to_str().map(Some)).map_err(|_| Failure::bad_argument(format!("{what} is not UTF-8")))
+}
+
+/// Where the values of an array of states lie.
+#[derive(Clone, Copy)]
+pub struct Layout {
+    pub dof: usize,
+    pub samples: usize,
+    /// Values from one degree of freedom to the next.
+    pub dof_stride: usize,
+    /// Values from one sample to the next.
+    pub sample_stride: usize,
+}
+
+impl Layout {
+    /// Refuses layouts whose last value no memory holds, and those without values.
+    pub fn check(&self) -> Result<(), Failure> {
+        if self.dof == 0 {
+            return Err(Failure::bad_argument(
+                "dof is 0; give one degree of freedom or more",
+            ));
+        }
+        if self.samples < 3 {
+            let text = format!("samples is {}; give 3 or more", self.samples);
+            return Err(Failure::bad_argument(text));
+        }
+        let far = |count: usize, stride: usize| (count - 1).checked_mul(stride);
+        (far(self.dof, self.dof_stride))
+            .zip(far(self.samples, self.sample_stride))
+            .and_then(|(rows, columns)| rows.checked_add(columns)?.checked_add(1)?.checked_mul(8))
+            .filter(|&bytes| bytes <= isize::MAX as usize)
+            .map(|_| ())
+            .ok_or_else(|| Failure::bad_argument("dof, samples and strides are too large"))
+    }
+
+    /// The row of one degree of freedom, as an ensemble.
+    ///
+    /// # Safety
+    /// `q` and `p` have a value at i × dof_stride + k × sample_stride for every i < dof and k < samples.
+    pub unsafe fn row(&self, q: *const f64, p: *const f64, i: usize) -> Result<Ensemble, Failure> {
+        self.check()?;
+        check("q", q)?;
+        check("p", p)?;
+        assert!(i < self.dof, "degree of freedom {i} of {}", self.dof);
+        let mut row = Ensemble::zeros(1, self.samples);
+        let mut block = row.block();
+        for (from, to) in [(q, block.q.row_mut(0)), (p, block.p.row_mut(0))] {
+            for (k, value) in to.iter_mut().enumerate() {
+                // SAFETY: `check` found that the offset does not overflow, and the caller promises a value there.
+                *value = unsafe { *from.add(i * self.dof_stride + k * self.sample_stride) };
+            }
+        }
+        Ok(row)
+    }
+}

@@ -1,0 +1,120 @@
+//! What functions return, and the text of the last error.
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// What a function returns.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SymplintStatus {
+    /// No error.
+    Ok = 0,
+    /// A pointer that must not be null is null.
+    NullPointer = 1,
+    /// An argument or an option is not valid.
+    BadArgument = 2,
+    /// The step failed, or returned states that are not finite, at all step sizes.
+    StepFailed = 3,
+    /// The diagnosis is not possible: the map has a memory, the loop has no area, and so on.
+    Failed = 4,
+    /// An error of this library. Please report it.
+    Internal = 5,
+}
+
+/// A status with its text.
+#[derive(Debug)]
+pub struct Failure {
+    pub status: SymplintStatus,
+    pub text: String,
+}
+
+impl Failure {
+    pub fn new(status: SymplintStatus, text: impl Into<String>) -> Self {
+        Failure {
+            status,
+            text: text.into(),
+        }
+    }
+
+    pub fn bad_argument(text: impl Into<String>) -> Self {
+        Self::new(SymplintStatus::BadArgument, text)
+    }
+
+    pub fn null(what: &str) -> Self {
+        Self::new(SymplintStatus::NullPointer, format!("{what} is null"))
+    }
+
+    /// What a panic said.
+    pub fn of_panic(panic: &(dyn Any + Send)) -> Self {
+        let said = (panic.downcast_ref::<&str>().copied())
+            .or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+        let text = format!("internal error: {}", said.unwrap_or("unknown"));
+        Self::new(SymplintStatus::Internal, text)
+    }
+}
+
+impl From<symplint::Error> for Failure {
+    fn from(error: symplint::Error) -> Self {
+        use symplint::Error;
+        let status = match &error {
+            Error::StepFailed { .. } => SymplintStatus::StepFailed,
+            Error::NotFinite { step_size, .. } => match step_size {
+                Some(_) => SymplintStatus::StepFailed,
+                None => SymplintStatus::BadArgument,
+            },
+            Error::Length { .. }
+            | Error::BadCoordinate { .. }
+            | Error::TooFewSamples { .. }
+            | Error::StencilTooWide { .. }
+            | Error::OutOfRange { .. }
+            | Error::BadCentre { .. }
+            | Error::TooLarge { .. }
+            | Error::RepeatedStep { .. } => SymplintStatus::BadArgument,
+            _ => SymplintStatus::Failed,
+        };
+        Failure::new(status, error.to_string())
+    }
+}
+
+thread_local! {
+    static LAST_ERROR: RefCell<CString> = RefCell::default();
+}
+
+/// Does the work of an exported function: keeps the text of an error, and lets no panic out.
+pub fn guarded(work: impl FnOnce() -> Result<(), Failure>) -> SymplintStatus {
+    let result = catch_unwind(AssertUnwindSafe(work))
+        .unwrap_or_else(|panic| Err(Failure::of_panic(&*panic)));
+    let (status, text) = match result {
+        Ok(()) => (SymplintStatus::Ok, String::new()),
+        Err(failure) => (failure.status, failure.text),
+    };
+    LAST_ERROR.with_borrow_mut(|last| *last = text_of(&text));
+    status
+}
+
+/// As a text of C, which ends at the first zero.
+pub fn text_of(text: &str) -> CString {
+    let bytes: Vec<u8> = text.bytes().filter(|&byte| byte != 0).collect();
+    CString::new(bytes).unwrap_or_default()
+}
+
+/// What went wrong in the last call on this thread that returns a status, or an empty text.
+///
+/// In UTF-8. It is valid until the next call on this thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn symplint_last_error() -> *const c_char {
+    LAST_ERROR.with_borrow(|last| last.as_ptr())
+}
+
+/// The version of the library: "0.1.0", say. It is always valid.
+#[unsafe(no_mangle)]
+pub extern "C" fn symplint_version() -> *const c_char {
+    const VERSION: &CStr =
+        match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+            Ok(version) => version,
+            Err(_) => c"unknown",
+        };
+    VERSION.as_ptr()
+}

@@ -1,0 +1,208 @@
+/* The C interface with good and with bad arguments: every error is a status with a text, and none ends the program. */
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <symplint.h>
+
+static int failures = 0;
+
+#define CHECK(condition)                                                                \
+    do {                                                                                \
+        if (!(condition)) {                                                             \
+            failures++;                                                                 \
+            printf("line %d: %s; \"%s\"\n", __LINE__, #condition, symplint_last_error()); \
+        }                                                                               \
+    } while (0)
+
+/* Whether the last error has these words. */
+static int says(const char *words) { return strstr(symplint_last_error(), words) != NULL; }
+
+enum { NONE, RETURNS_AT_ONE, RETURNS, NOT_A_NUMBER, MEMORY };
+
+struct user {
+    int fault;
+    size_t dof, calls, states;
+};
+
+/* Symplectic Euler for pendula that are coupled to the first one. */
+static int step(void *pointer, double h, size_t dof, size_t samples, double *q, double *p) {
+    struct user *user = pointer;
+    user->calls++;
+    user->states += samples;
+    if (dof != user->dof) return 99;
+    for (size_t i = 0; i < dof; i++)
+        for (size_t k = 0; k < samples; k++)
+            p[i * samples + k] -= h * (sin(q[i * samples + k]) + 0.1 * (i + 1) * sin(q[k]) * (i == 0));
+    for (size_t k = 0; k < dof * samples; k++) q[k] += h * p[k];
+    switch (user->fault) {
+    case RETURNS_AT_ONE: return h == 0.125 ? 17 : 0;
+    case RETURNS: return 17;
+    case NOT_A_NUMBER: p[dof * samples - 1] = NAN; return 0;
+    case MEMORY: q[0] += 1e-3 * (double)user->calls; return 0;
+    default: return 0;
+    }
+}
+
+static void checks(void) {
+    const double q0[2] = {0.3, -0.2}, p0[2] = {0.5, 0.1}, sizes[2] = {0.5, 0.125}, bad_period[2] = {-1, 0};
+    struct user user = {NONE, 2, 0, 0};
+    SymplintReport *report = NULL;
+    SymplintOptions options;
+    CHECK(symplint_options_init(&options, sizeof options) == SYMPLINT_STATUS_OK);
+    CHECK(options.size == sizeof options && options.budget == 20000 && options.loops == 8 && options.radius == 1.0);
+    options.budget = 1500;
+    options.step_sizes = sizes;
+    options.step_count = 2;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(*symplint_last_error() == 0);
+    CHECK(symplint_report_verdict(report) == SYMPLINT_VERDICT_SYMPLECTIC);
+    CHECK(symplint_report_digits(report) > 10 && isnan(symplint_report_order(report)));
+    CHECK(user.states > 200 && user.states <= 1500);
+    const char *json = symplint_report_json(report);
+    char made[64];
+    snprintf(made, sizeof made, "\"made\": %zu", user.states);
+    CHECK(strstr(json, "\"schema\": \"symplint/report/2\"") && strstr(json, made) && strstr(json, "\"budget\": 1500"));
+    CHECK(strstr(symplint_report_summary(report), "symplectic") == symplint_report_summary(report));
+
+    /* Threads of the library change nothing, and there is a check on every thread count. */
+    char *first = malloc(strlen(json) + 1);
+    strcpy(first, json);
+    *strstr(first, "\"provenance\"") = 0;
+    symplint_report_free(report);
+    options.threads = 2;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(strncmp(first, symplint_report_json(report), strlen(first)) == 0);
+    free(first);
+    symplint_report_free(report);
+
+    /* Faults of the step. */
+    user.fault = RETURNS_AT_ONE;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(strstr(symplint_report_json(report), "The step size h = 2^-3 was left out") != NULL);
+    CHECK(strstr(symplint_report_json(report), "the step returned 17") != NULL);
+    symplint_report_free(report);
+    user.fault = RETURNS;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_STEP_FAILED);
+    CHECK(says("the step returned 17") && says("h = 0.5") && report == NULL);
+    user.fault = NOT_A_NUMBER;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_STEP_FAILED);
+    CHECK(says("p of degree of freedom 1 is NaN"));
+    user.fault = MEMORY;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_FAILED);
+    CHECK(says("the map has a memory"));
+    user.fault = NONE;
+
+    /* Bad arguments. */
+    const double infinite[2] = {INFINITY, 0};
+    CHECK(symplint_check(NULL, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_NULL_POINTER && says("step"));
+    CHECK(symplint_check(step, &user, 2, NULL, p0, &options, &report) == SYMPLINT_STATUS_NULL_POINTER && says("q0"));
+    CHECK(symplint_check(step, &user, 2, q0, NULL, NULL, &report) == SYMPLINT_STATUS_NULL_POINTER && says("p0"));
+    CHECK(symplint_check(step, &user, 2, q0, p0, NULL, NULL) == SYMPLINT_STATUS_NULL_POINTER && says("report"));
+    CHECK(symplint_check(step, &user, 0, q0, p0, NULL, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("dof"));
+    CHECK(symplint_check(step, &user, (size_t)-1, q0, p0, NULL, &report) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(symplint_check(step, &user, 2, infinite, p0, NULL, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("inf"));
+
+    SymplintOptions bad = options;
+    bad.rule = "simpson";
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("simpson"));
+    bad = options, bad.period = bad_period;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("period"));
+    bad = options, bad.budget = 10;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("budget"));
+    bad = options, bad.radius = -1;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("radius"));
+    bad = options, bad.loops = 0;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("loops"));
+    bad = options, bad.tolerance = NAN;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("tolerance"));
+    bad = options, bad.step_count = 0;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("step sizes"));
+    bad = options, bad.samples = 2;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("samples"));
+    bad = options, bad.size = 3;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("3 bytes"));
+    bad = options, bad.size = sizeof bad + 8;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("newer"));
+    CHECK(symplint_options_init(NULL, sizeof bad) == SYMPLINT_STATUS_NULL_POINTER);
+
+    CHECK(symplint_report_verdict(NULL) == SYMPLINT_VERDICT_NONE && symplint_report_json(NULL) == NULL);
+    CHECK(isnan(symplint_report_digits(NULL)) && symplint_report_summary(NULL) == NULL);
+    symplint_report_free(NULL);
+}
+
+enum { DOF = 3, SAMPLES = 40, PADDED = 48 };
+
+static int same(const SymplintIntegral *a, const SymplintIntegral *b) { return memcmp(a, b, sizeof *a) == 0; }
+
+static void integrals(void) {
+    static double rows[2][DOF][SAMPLES], padded[2][DOF][PADDED], columns[2][SAMPLES][DOF];
+    const double weight[DOF] = {1, 2, -0.5}, no_weight[DOF] = {1, 0, 1};
+    double expected = 0;
+    for (int i = 0; i < DOF; i++) {
+        /* The area of the ellipse with radii 1 + i and 2, times the weight. */
+        expected += weight[i] * 6.283185307179586 * (1 + i);
+        for (int k = 0; k < SAMPLES; k++) {
+            double angle = 6.283185307179586 * k / SAMPLES;
+            double state[2] = {0.2 + (1 + i) * sin(angle), i + 2 * cos(angle)};
+            for (int c = 0; c < 2; c++) rows[c][i][k] = padded[c][i][k] = columns[c][k][i] = state[c];
+        }
+        for (int k = SAMPLES; k < PADDED; k++) padded[0][i][k] = padded[1][i][k] = NAN;
+    }
+    SymplintIntegral whole, other, parts[DOF];
+    const double *q = rows[0][0], *p = rows[1][0];
+    CHECK(symplint_loop_integral(DOF, SAMPLES, q, p, SAMPLES, 1, NULL, weight, &whole) == SYMPLINT_STATUS_OK);
+    CHECK(fabs(whole.value - expected) < 1e-13 * expected && whole.quadrature_error < 1e-12 && whole.roundoff > 0);
+    symplint_loop_integral(DOF, SAMPLES, padded[0][0], padded[1][0], PADDED, 1, NULL, weight, &other);
+    CHECK(same(&whole, &other));
+    symplint_loop_integral(DOF, SAMPLES, columns[0][0], columns[1][0], 1, DOF, NULL, weight, &other);
+    CHECK(same(&whole, &other));
+
+    /* One degree of freedom and two, as two processes have them. */
+    symplint_partial_integrals(1, SAMPLES, q, p, SAMPLES, 1, NULL, weight, parts);
+    symplint_partial_integrals(2, SAMPLES, rows[0][1], rows[1][1], SAMPLES, 1, NULL, weight + 1, parts + 1);
+    CHECK(symplint_merge_integrals(DOF, parts, &other) == SYMPLINT_STATUS_OK && same(&whole, &other));
+
+    SymplintDefect defect;
+    other.value *= 1.5;
+    CHECK(symplint_defect(&whole, &other, &defect) == SYMPLINT_STATUS_OK && fabs(defect.signed_defect - 0.5) < 1e-14);
+    other.value = 0;
+    CHECK(symplint_defect(&other, &whole, &defect) == SYMPLINT_STATUS_FAILED && says("no area"));
+    other.value = NAN;
+    CHECK(symplint_defect(&whole, &other, &defect) == SYMPLINT_STATUS_BAD_ARGUMENT && says("advanced"));
+    CHECK(symplint_defect(NULL, &other, &defect) == SYMPLINT_STATUS_NULL_POINTER);
+    CHECK(symplint_merge_integrals(0, parts, &other) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(symplint_merge_integrals(DOF, NULL, &other) == SYMPLINT_STATUS_NULL_POINTER);
+
+    /* A winding position. */
+    const double period[1] = {6.283185307179586};
+    for (int k = 0; k < SAMPLES; k++) rows[0][0][k] = fmod(1 + period[0] * k / SAMPLES, period[0]), rows[1][0][k] = 3;
+    CHECK(symplint_loop_integral(1, SAMPLES, q, p, SAMPLES, 1, period, NULL, &other) == SYMPLINT_STATUS_OK);
+    CHECK(fabs(other.value - 3 * period[0]) < 1e-13);
+
+    /* Bad arguments. */
+    CHECK(symplint_loop_integral(0, SAMPLES, q, p, SAMPLES, 1, NULL, NULL, &other) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(symplint_loop_integral(1, 2, q, p, SAMPLES, 1, NULL, NULL, &other) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(symplint_loop_integral((size_t)-1 / 4, SAMPLES, q, p, SAMPLES, 1, NULL, NULL, &other) ==
+              SYMPLINT_STATUS_BAD_ARGUMENT && says("too large"));
+    CHECK(symplint_loop_integral(1, SAMPLES, NULL, p, SAMPLES, 1, NULL, NULL, &other) == SYMPLINT_STATUS_NULL_POINTER);
+    CHECK(symplint_loop_integral(1, SAMPLES, q, NULL, SAMPLES, 1, NULL, NULL, &other) == SYMPLINT_STATUS_NULL_POINTER);
+    CHECK(symplint_loop_integral(1, SAMPLES, q, p, SAMPLES, 1, NULL, NULL, NULL) == SYMPLINT_STATUS_NULL_POINTER);
+    CHECK(symplint_loop_integral(DOF, SAMPLES, q, p, SAMPLES, 1, NULL, no_weight, &other) ==
+              SYMPLINT_STATUS_BAD_ARGUMENT && says("weight of degree of freedom 1"));
+    const double *misaligned = (const double *)((const char *)q + 1);
+    CHECK(symplint_loop_integral(1, SAMPLES - 1, misaligned, p, SAMPLES, 1, NULL, NULL, &other) ==
+              SYMPLINT_STATUS_BAD_ARGUMENT && says("aligned"));
+    rows[1][2][7] = NAN;
+    CHECK(symplint_loop_integral(DOF, SAMPLES, q, p, SAMPLES, 1, NULL, NULL, &other) ==
+              SYMPLINT_STATUS_BAD_ARGUMENT && says("p of degree of freedom 2 is NaN at sample 7"));
+}
+
+int main(void) {
+    CHECK(strlen(symplint_version()) >= 5);
+    checks();
+    integrals();
+    printf("%d failures\n", failures);
+    return failures != 0;
+}

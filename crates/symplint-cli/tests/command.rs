@@ -1,0 +1,419 @@
+//! `[system] name = "command"`: programs as maps, good ones and bad ones.
+//!
+//! The program is this test program itself: the test `program` advances the states of a file when it is called by the
+//! names of two files, a step size and a behaviour, which are filters without a meaning to the test harness.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use symplint_report::loop_file::LoopFile;
+use tempfile::TempDir;
+
+/// The step size at which bad programs are bad.
+const BAD: f64 = 0.125;
+
+#[test]
+#[ignore = "it is the program that the other tests call"]
+fn program() {
+    let words: Vec<String> = std::env::args().collect();
+    let Some(at) = words.iter().position(|word| word == "advance") else {
+        return;
+    };
+    let (before, after) = (PathBuf::from(&words[at + 1]), PathBuf::from(&words[at + 2]));
+    let h: f64 = words[at + 3].parse().unwrap();
+    let behaviour = words[at + 4].as_str();
+    let mut file = LoopFile::read_states(&before).unwrap();
+    assert_eq!(file.step_size, Some(h));
+    let mut states = file.states.block();
+    for k in 0..states.len() {
+        let (q, p) = (&mut states.q.row_mut(0)[k], &mut states.p.row_mut(0)[k]);
+        match behaviour {
+            "euler" => (*q, *p) = (*q + h * *p, *p - h * q.sin()),
+            _ => {
+                *q += 0.5 * h * *p;
+                *p -= h * q.sin();
+                *q += 0.5 * h * *p;
+            }
+        }
+    }
+    file.path = after.clone();
+    let write = |file: &LoopFile| file.write().map(|_| ()).unwrap();
+    if h != BAD {
+        return write(&file);
+    }
+    match behaviour {
+        "crash" => {
+            eprintln!("the matrix is singular");
+            std::process::exit(3);
+        }
+        "hang" => {
+            // With a process of its own, which has to end with it.
+            let mut sleep = Command::new("sleep").arg("1000").spawn().unwrap();
+            if let Ok(path) = std::env::var("SYMPLINT_TEST_PIDS") {
+                let pids = format!("{} {}", std::process::id(), sleep.id());
+                fs::write(format!("{path}.new"), pids).unwrap();
+                fs::rename(format!("{path}.new"), path).unwrap();
+            }
+            let _ = sleep.wait();
+        }
+        "half" => {
+            write(&file);
+            let bytes = fs::read(&after).unwrap();
+            fs::write(&after, &bytes[..bytes.len() / 2]).unwrap();
+        }
+        "nothing" => {}
+        "nan" => {
+            let last = file.states.samples() - 1;
+            file.states.block().p.row_mut(0)[last] = f64::NAN;
+            write(&file);
+        }
+        "count" | "dof" => {
+            let shape = match behaviour {
+                "count" => (1, file.states.samples() + 1),
+                _ => (2, file.states.samples()),
+            };
+            file.states = symplint::Ensemble::zeros(shape.0, shape.1);
+            // One value for one degree of freedom is one for all.
+            write(&file);
+        }
+        _ => write(&file),
+    }
+}
+
+/// A folder for a configuration, and one for temporary files.
+struct Bench {
+    folder: TempDir,
+    temporary: TempDir,
+}
+
+impl Bench {
+    fn new(behaviour: &str, keys: &str) -> Self {
+        let bench = Bench {
+            folder: TempDir::new().unwrap(),
+            temporary: TempDir::new().unwrap(),
+        };
+        let program = std::env::current_exe().unwrap();
+        let text = format!(
+            "[system]\nname = \"command\"\n\
+             command = [{program:?}, \"program\", \"--exact\", \"--ignored\", \"--nocapture\", \
+             \"advance\", \"{{before}}\", \"{{after}}\", \"{{h}}\", \"{behaviour}\"]\n\
+             q0 = [1.0]\np0 = [0.5]\n{keys}\n\
+             [diagnostic]\nstep_sizes = {{ from = \"2^-1\", to = \"2^-5\" }}\n"
+        );
+        fs::write(bench.config(), text).unwrap();
+        bench
+    }
+
+    fn config(&self) -> PathBuf {
+        self.folder.path().join("run.toml")
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        let config = self.config();
+        command.arg("check").arg(config).args(arguments);
+        command.env("TMPDIR", self.temporary.path());
+        command
+    }
+
+    fn check(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    fn report(&self, arguments: &[&str]) -> Value {
+        let output = self.check(&[arguments, &["--json"]].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {said}"))
+    }
+
+    fn left_behind(&self) -> Vec<PathBuf> {
+        (fs::read_dir(self.temporary.path()).unwrap())
+            .map(|entry| entry.unwrap().path())
+            .collect()
+    }
+}
+
+fn said(output: &Output) -> String {
+    [&output.stdout, &output.stderr]
+        .map(|bytes| String::from_utf8_lossy(bytes).into_owned())
+        .concat()
+}
+
+#[test]
+fn programs_have_the_verdicts_of_their_methods() {
+    let bench = Bench::new("verlet", "batch = 100");
+    let report = bench.report(&["--set", "diagnostic.budget=3000"]);
+    assert_eq!(report["verdict"]["kind"], "symplectic", "{report}");
+    let bench = Bench::new("euler", "");
+    let report = bench.report(&["--set", "diagnostic.budget=3000"]);
+    assert_eq!(report["verdict"]["kind"], "not-symplectic");
+    assert_eq!(report["verdict"]["order"], 2.0);
+    assert!(bench.left_behind().is_empty());
+}
+
+#[test]
+fn the_default_budget_is_that_of_codes_of_others() {
+    let report = Bench::new("verlet", "batch = 4096").report(&[]);
+    assert_eq!(report["evidence"]["evaluations"]["budget"], 20_000);
+}
+
+#[test]
+fn neither_workers_nor_batches_nor_threads_change_a_bit() {
+    let budget = ["--set", "diagnostic.budget=600"];
+    let of = |keys: &str, threads: &str| {
+        let bench = Bench::new("euler", keys);
+        bench.report(&[&budget[..], &["--threads", threads]].concat())["evidence"].clone()
+    };
+    let one = of("workers = 1\nbatch = 1000", "1");
+    assert_eq!(of("workers = 3\nbatch = 7", "2"), one);
+}
+
+#[test]
+fn one_bad_step_size_is_named_and_the_others_are_measured() {
+    for (behaviour, reasons) in [
+        (
+            "crash",
+            &["ended with exit status: 3", "the matrix is singular"][..],
+        ),
+        ("hang", &["did not end within 2 s", "system.timeout"]),
+        ("half", &["cannot be used", "{after}"]),
+        ("nothing", &["wrote no {after}"]),
+        ("nan", &["p = NaN of degree of freedom 0"]),
+        (
+            "count",
+            &["samples of 1 degrees of freedom where {before} has"],
+        ),
+        (
+            "dof",
+            &["samples of 2 degrees of freedom where {before} has"],
+        ),
+    ] {
+        let bench = Bench::new(behaviour, "timeout = 2.0\nbatch = 1000");
+        let output = bench.check(&["--set", "diagnostic.budget=1000"]);
+        let text = said(&output);
+        assert_eq!(output.status.code(), Some(0), "{behaviour}: {text}");
+        assert!(
+            text.contains("The step size h = 2^-3 was left out"),
+            "{text}"
+        );
+        for reason in reasons {
+            // Paragraphs are wrapped.
+            let text: Vec<&str> = text.split_whitespace().collect();
+            assert!(text.join(" ").contains(reason), "{behaviour}: {text:?}");
+        }
+        assert!(bench.left_behind().is_empty(), "{behaviour}");
+    }
+}
+
+#[test]
+fn a_program_that_never_works_is_an_error_with_its_words() {
+    for (command, words) in [
+        (
+            "[\"no-such-program\", \"{before}\", \"{after}\"]",
+            "could not be started",
+        ),
+        (
+            "[\"sh\", \"-c\", \"echo sorry; exit 7\", \"{before}\", \"{after}\"]",
+            "sorry",
+        ),
+        ("[\"true\", \"{before}\"]", "no argument contains {after}"),
+        ("[]", "the list is empty"),
+        ("\"true\"", "a list of strings"),
+    ] {
+        let bench = Bench::new("verlet", "");
+        let output = bench.check(&["--set", &format!("system.command={command}")]);
+        let text = said(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(words), "{command}: {text}");
+        assert!(bench.left_behind().is_empty());
+    }
+}
+
+#[test]
+fn states_come_from_files() {
+    let bench = Bench::new("verlet", "");
+    let mut states = symplint::Ensemble::zeros(1, 1);
+    states.block().q.row_mut(0)[0] = 0.75;
+    let file = LoopFile {
+        path: bench.folder.path().join("state.npz"),
+        states,
+        unit_roundoff: symplint::Snapshot::DOUBLE,
+        step_size: None,
+        period: None,
+        weight: None,
+    };
+    file.write().unwrap();
+    let set = "system.q0={ file = \"state.npz\" }";
+    let loop_file = bench.folder.path().join("loop.csv");
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        let output = (command.arg("loop").arg(bench.config()).args(arguments)).output();
+        said(&output.unwrap())
+    };
+    let text = run(&[
+        "--set",
+        set,
+        "-o",
+        loop_file.to_str().unwrap(),
+        "--samples",
+        "4",
+    ]);
+    let written = LoopFile::read(&loop_file).unwrap_or_else(|error| panic!("{error}: {text}"));
+    assert_eq!(written.states.q().row(0)[0], 0.75);
+    assert_eq!(written.states.p().row(0)[0], 1.5);
+    let text = run(&["--set", "system.p0=[1.0, 2.0]"]);
+    assert!(text.contains("2 momenta for 1 positions"), "{text}");
+    let text = run(&["--set", "system.q0={ file = \"other.npz\" }"]);
+    assert!(text.contains("cannot read"), "{text}");
+}
+
+#[test]
+fn files_are_kept_where_that_is_asked_for() {
+    let bench = Bench::new("verlet", "");
+    let kept = bench.folder.path().join("calls");
+    let keep = format!("--keep={}", kept.display());
+    let budget = ["--set", "diagnostic.budget=200"];
+    let arguments = [&budget[..], &[&keep]].concat();
+    let output = bench.check(&arguments);
+    assert_ne!(output.status.code(), Some(2), "{}", said(&output));
+    let first = kept.join("call-000001");
+    for name in ["before.npz", "after.npz", "error.txt", "output.txt"] {
+        assert!(first.join(name).exists(), "{name}");
+    }
+    let output = bench.check(&arguments);
+    assert!(said(&output).contains("is not empty"), "{}", said(&output));
+}
+
+/// What `loop`, the program and `measure` find is what `check` finds.
+#[test]
+fn files_advanced_by_a_program_measure_as_check_does() {
+    let bench = Bench::new("euler", "batch = 1000");
+    let fixed = [
+        "--set",
+        "diagnostic.samples=128",
+        "--set",
+        "diagnostic.step_sizes=[0.25]",
+    ];
+    let checked = bench.report(&[&fixed[..], &["--set", "diagnostic.loops=1"]].concat());
+    let checked = &checked["points"][0];
+    let path = |name: &str| bench.folder.path().join(name);
+    let symplint = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        command.args(arguments).output().unwrap()
+    };
+    let (before, after) = (path("before.npz"), path("after.npz"));
+    let [before, after] = [&before, &after].map(|path| path.to_str().unwrap());
+    let config = bench.config();
+    symplint(&[
+        "loop",
+        config.to_str().unwrap(),
+        "--samples",
+        "128",
+        "-o",
+        before,
+    ]);
+    // As the program is called by check, which adds h.
+    let mut file = LoopFile::read(Path::new(before)).unwrap();
+    file.step_size = Some(0.25);
+    file.path = path("with_h.npz");
+    file.write().unwrap();
+    let advanced = Command::new(std::env::current_exe().unwrap())
+        .args(["program", "--exact", "--ignored", "--nocapture", "advance"])
+        .args([file.path.to_str().unwrap(), after, "0.25", "euler"])
+        .output()
+        .unwrap();
+    assert!(advanced.status.success(), "{}", said(&advanced));
+    let measured = symplint(&["measure", before, after, "--json"]);
+    let measured: Value = serde_json::from_slice(&measured.stdout).unwrap();
+    for quantity in ["step_size", "initial", "final", "signed_defect", "samples"] {
+        assert_eq!(
+            measured["points"][0][quantity], checked[quantity],
+            "{quantity}"
+        );
+    }
+    assert!(checked["signed_defect"].as_f64().unwrap() > 0.01);
+}
+
+#[cfg(unix)]
+mod signals {
+    use super::*;
+
+    /// Waits until `done`, or fails.
+    fn wait_until(what: &str, mut done: impl FnMut() -> bool) {
+        let started = Instant::now();
+        while !done() {
+            assert!(started.elapsed() < Duration::from_secs(60), "{what}");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Whether a process runs; one that ended and is not waited for yet does not.
+    fn runs(pid: &str) -> bool {
+        let output = Command::new("ps").args(["-o", "stat=", "-p", pid]).output();
+        let state = String::from_utf8(output.unwrap().stdout).unwrap();
+        !state.trim().is_empty() && !state.starts_with('Z')
+    }
+
+    fn send(signal: &str, pid: &str) {
+        let status = Command::new("kill").args([signal, pid]).status().unwrap();
+        assert!(status.success(), "kill {signal} {pid}");
+    }
+
+    /// A check whose program hangs, once it does; with the numbers of the program and of the process that it started.
+    fn hanging(bench: &Bench) -> (Child, Vec<String>) {
+        let pids = bench.folder.path().join("pids");
+        let mut command = bench.command(&["--set", "diagnostic.step_sizes=[0.125]"]);
+        command.env("SYMPLINT_TEST_PIDS", &pids);
+        let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
+        let child = child.unwrap();
+        wait_until("the program is called", || pids.exists());
+        let pids = fs::read_to_string(pids).unwrap();
+        (child, pids.split(' ').map(str::to_owned).collect())
+    }
+
+    #[test]
+    fn nothing_is_left_behind_after_a_signal() {
+        for signal in ["-INT", "-TERM", "-HUP"] {
+            let bench = Bench::new("hang", "workers = 1");
+            let (child, pids) = hanging(&bench);
+            assert!(!bench.left_behind().is_empty());
+            send(signal, &child.id().to_string());
+            let output = child.wait_with_output().unwrap();
+            assert_eq!(output.status.code(), Some(130), "{signal}");
+            assert_eq!(said(&output), "", "{signal}");
+            assert!(bench.left_behind().is_empty(), "{signal}");
+            wait_until("the program ends", || !pids.iter().any(|pid| runs(pid)));
+        }
+    }
+
+    #[test]
+    fn the_next_run_removes_what_a_killed_one_left_and_nothing_of_one_that_runs() {
+        let bench = Bench::new("hang", "workers = 1");
+        let (killed, orphans) = hanging(&bench);
+        send("-KILL", &killed.id().to_string());
+        killed.wait_with_output().unwrap();
+        orphans.iter().for_each(|pid| send("-KILL", pid));
+        let stale = bench.left_behind();
+        assert_eq!(stale.len(), 1);
+        fs::remove_file(bench.folder.path().join("pids")).unwrap();
+        let (running, _) = hanging(&bench);
+        let left = bench.left_behind();
+        assert_eq!(left.len(), 1);
+        assert_ne!(left, stale);
+        // A third run leaves the folder of the second alone.
+        let output = bench.check(&[
+            "--set",
+            "diagnostic.step_sizes=[0.5]",
+            "--set",
+            "diagnostic.budget=200",
+        ]);
+        assert_ne!(output.status.code(), Some(2), "{}", said(&output));
+        assert_eq!(bench.left_behind(), left);
+        send("-TERM", &running.id().to_string());
+        running.wait_with_output().unwrap();
+        assert!(bench.left_behind().is_empty());
+    }
+}

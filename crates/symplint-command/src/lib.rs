@@ -1,0 +1,23 @@
+//! Maps that are programs: one call reads a file of states and writes the same states advanced by one step.
+//!
+//! [`CommandMap`] is the map. For every call it writes `before.npz` into a folder of its own (arrays `q` and `p` of shape
+//! (samples, dof), `h`, `period`, `weight`), runs the command, and reads `after.npz`.
+//!
+//! | module | holds |
+//! | --- | --- |
+//! | `map` | the map: blocks of samples cut into calls, some at a time |
+//! | `call` | one call: its files, and what can go wrong |
+//! | `process` | a process with a time limit, and its group |
+//! | `workspace` | the temporary folder, and folders that killed runs left behind |
+//! | `running` | all processes and folders of this program, for an end by a signal |
+
+mod call;
+mod error;
+mod map;
+mod process;
+mod running;
+mod workspace;
+
+pub use error::CommandError;
+pub use map::{CommandMap, Limits};
+pub use running::stop_all;

@@ -1,0 +1,98 @@
+//! A process with a time limit, in a group of its own: what it starts ends with it.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::running::Running;
+
+/// Files for what a process writes.
+pub struct Streams {
+    pub output: PathBuf,
+    pub error: PathBuf,
+}
+
+/// How a process ended.
+pub enum Ended {
+    /// By itself.
+    Exited(ExitStatus),
+    /// Its group was killed after the time limit.
+    TimedOut,
+}
+
+/// How long to sleep between two looks at a process: short at first, so that fast programs lose little, and never
+/// much beside the limit of 200 ms a call.
+const POLLS: [Duration; 2] = [Duration::from_micros(500), Duration::from_millis(10)];
+
+/// Runs a command in `folder`.
+///
+/// # Errors
+/// If it cannot be started, in words that follow its name.
+pub fn run(
+    words: &[String],
+    folder: &Path,
+    streams: &Streams,
+    timeout: Duration,
+) -> Result<Ended, String> {
+    let create = |path: &Path| {
+        File::create(path)
+            .map_err(|error| format!("could not be started: {}: {error}", path.display()))
+    };
+    let mut command = Command::new(&words[0]);
+    command
+        .args(&words[1..])
+        .stdin(Stdio::null())
+        .stdout(create(&streams.output)?)
+        .stderr(create(&streams.error)?);
+    if folder != Path::new("") {
+        command.current_dir(folder);
+    }
+    own_group(&mut command);
+    let child = Running::spawn(&mut command)
+        .map_err(|error| format!("could not be started: {error}; check system.command"))?;
+    let started = Instant::now();
+    let mut poll = POLLS[0];
+    let ended = loop {
+        match child.process().try_wait() {
+            Err(error) => break Err(format!("could not be waited for: {error}")),
+            Ok(Some(status)) => break Ok(Ended::Exited(status)),
+            Ok(None) => {}
+        }
+        let left = timeout.saturating_sub(started.elapsed());
+        if left.is_zero() {
+            kill_group(&mut child.process());
+            let _ = child.process().wait();
+            break Ok(Ended::TimedOut);
+        }
+        std::thread::sleep(poll.min(left));
+        poll = (2 * poll).min(POLLS[1]);
+    };
+    drop(child);
+    ended
+}
+
+/// Starts the process as the leader of a group.
+fn own_group(command: &mut Command) {
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(command, 0);
+    #[cfg(not(unix))]
+    let _ = command;
+}
+
+/// Kills a process that runs, with all that it started.
+pub fn kill_group(child: &mut Child) {
+    // The number of one that has ended may be that of another by now.
+    if !matches!(child.try_wait(), Ok(None)) {
+        return;
+    }
+    #[cfg(unix)]
+    if let Some(group) = i32::try_from(child.id())
+        .ok()
+        .and_then(rustix::process::Pid::from_raw)
+    {
+        let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
+    }
+    // Also where there are no groups.
+    let _ = child.kill();
+}

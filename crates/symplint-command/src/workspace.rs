@@ -1,0 +1,184 @@
+//! The folder with the files of all calls: temporary, or kept.
+//!
+//! A temporary folder holds a file `lock`, locked as long as its program runs. The system releases the lock however the
+//! program ends, so the next run can remove what a killed one left behind, and never touches the folder of a run
+//! that goes on.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use tempfile::TempDir;
+
+use crate::running::{register_folder, remove_folder};
+
+/// How the names of temporary folders begin.
+const PREFIX: &str = "symplint-command-";
+
+const LOCK: &str = "lock";
+
+/// Where the files of calls lie.
+pub struct Workspace {
+    /// The folder for files that are kept.
+    kept: Option<PathBuf>,
+    /// Made for the first call.
+    temporary: Mutex<Option<Temporary>>,
+    calls: AtomicUsize,
+}
+
+struct Temporary {
+    folder: PathBuf,
+    /// Locked until it is closed.
+    _lock: File,
+}
+
+/// The folder of one call.
+pub struct CallFolder {
+    path: PathBuf,
+    kept: bool,
+}
+
+impl Workspace {
+    /// In the temporary folder of the system, removed at the end.
+    pub fn temporary() -> Self {
+        Workspace {
+            kept: None,
+            temporary: Mutex::new(None),
+            calls: AtomicUsize::new(0),
+        }
+    }
+
+    /// In a folder that stays.
+    pub fn kept(path: PathBuf) -> Self {
+        let mut workspace = Self::temporary();
+        workspace.kept = Some(path);
+        workspace
+    }
+
+    /// A new folder for a call.
+    ///
+    /// # Errors
+    /// If it cannot be made, in words.
+    pub fn folder_of_call(&self) -> Result<CallFolder, String> {
+        let number = self.calls.fetch_add(1, Ordering::Relaxed) + 1;
+        let in_words = |folder: &Path, error: io::Error| {
+            format!(
+                "no folder for its files could be made in {}: {error}",
+                folder.display()
+            )
+        };
+        let (root, kept) = match &self.kept {
+            Some(path) => {
+                fs::create_dir_all(path).map_err(|error| in_words(path, error))?;
+                (path.clone(), true)
+            }
+            None => {
+                let root = self.temporary_root();
+                (
+                    root.map_err(|error| in_words(&std::env::temp_dir(), error))?,
+                    false,
+                )
+            }
+        };
+        let path = root.join(format!("call-{number:06}"));
+        fs::create_dir(&path).map_err(|error| in_words(&root, error))?;
+        Ok(CallFolder { path, kept })
+    }
+
+    fn temporary_root(&self) -> io::Result<PathBuf> {
+        let mut temporary = self
+            .temporary
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some(made) = &*temporary {
+            return Ok(made.folder.clone());
+        }
+        remove_stale(&std::env::temp_dir());
+        let made = make_temporary()?;
+        let folder = made.folder.clone();
+        *temporary = Some(made);
+        Ok(folder)
+    }
+}
+
+impl Drop for Workspace {
+    fn drop(&mut self) {
+        let temporary = self
+            .temporary
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some(Temporary { folder, .. }) = temporary.take() {
+            remove_folder(&folder);
+        }
+    }
+}
+
+fn make_temporary() -> io::Result<Temporary> {
+    let make = || tempfile::Builder::new().prefix(PREFIX).tempdir();
+    let made: TempDir = register_folder(make, TempDir::path)?;
+    let folder = made.keep();
+    let lock = || {
+        // Locked before it has its name: a `lock` that is not locked belongs to a program that has ended.
+        let unnamed = folder.join("unnamed");
+        let lock = File::create(&unnamed)?;
+        // Where the file system has no locks, nobody can lock it either, and nothing is removed.
+        let _ = lock.try_lock();
+        fs::rename(unnamed, folder.join(LOCK))?;
+        Ok(lock)
+    };
+    match lock() {
+        Ok(lock) => Ok(Temporary {
+            folder,
+            _lock: lock,
+        }),
+        Err(error) => {
+            remove_folder(&folder);
+            Err(error)
+        }
+    }
+}
+
+/// Removes what programs that were killed left behind. What cannot be removed stays: it may be another user's.
+fn remove_stale(temporary: &Path) {
+    let Ok(entries) = fs::read_dir(temporary) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        let is_ours = entry.file_name().to_string_lossy().starts_with(PREFIX);
+        // Not through a link.
+        if !is_ours || !entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            continue;
+        }
+        let lock = File::options().write(true).open(entry.path().join(LOCK));
+        if let Ok(lock) = lock
+            && lock.try_lock().is_ok()
+        {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+/// Whether a folder is not there, or holds nothing.
+pub fn is_empty(path: &Path) -> bool {
+    match fs::read_dir(path) {
+        Ok(mut entries) => entries.next().is_none(),
+        Err(error) => error.kind() == io::ErrorKind::NotFound,
+    }
+}
+
+impl CallFolder {
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for CallFolder {
+    fn drop(&mut self) {
+        if !self.kept {
+            let _ = fs::remove_dir_all(&self.path);
+        }
+    }
+}
