@@ -51,8 +51,8 @@ pub enum Command {
     /// Compare a loop before and after a step of another code.
     ///
     /// Each file after the step holds the states of BEFORE advanced by one step. Files are as `symplint loop`
-    /// writes them; an .npz file may also hold `h`, `period` (of each position, 0 if it is not periodic) and
-    /// `weight` (canonical momentum = weight × p). Options replace values in the files. Samples alone cannot
+    /// writes them; an .npz file may also hold `h`, `period` (of each position, 0 if it is not periodic),
+    /// `momentum_period` and `weight` (canonical momentum = weight × p). Options replace values in the files. Samples alone cannot
     /// prove that a loop is broken, but they are evidence for it.
     #[command(after_help = EXIT_STATUS)]
     Measure(MeasureArgs),
@@ -171,6 +171,9 @@ pub struct MeasureArgs {
     /// Period of the positions, 0 for none: one number, or one for each degree of freedom
     #[arg(long, value_name = "L", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
     pub period: Vec<f64>,
+    /// Period of the momenta, 0 for none: one number, or one for each degree of freedom
+    #[arg(long, value_name = "L", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
+    pub momentum_period: Vec<f64>,
     /// Weight of the momenta: one number, or one for each degree of freedom
     #[arg(long, value_name = "W", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
     pub weight: Vec<f64>,
@@ -221,7 +224,7 @@ pub struct LoopArgs {
     /// Samples of the loop; if left out diagnostic.samples, or 256 where that is "auto"
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub samples: Option<usize>,
-    /// File to write: .npz holds q and p, and period and weight if there are any; .npy is a pair of files,
+    /// File to write: .npz holds q and p, and periods and weight if there are any; .npy is a pair of files,
     /// loop_q.npy and loop_p.npy; .csv has columns q_0, q_1, …, p_0, p_1, …
     #[arg(long, short, value_name = "FILE", default_value = "loop.npz")]
     pub output: PathBuf,

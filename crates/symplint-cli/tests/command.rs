@@ -243,6 +243,7 @@ fn states_come_from_files() {
         unit_roundoff: symplint::Snapshot::DOUBLE,
         step_size: None,
         period: None,
+        momentum_period: None,
         weight: None,
     };
     file.write().unwrap();

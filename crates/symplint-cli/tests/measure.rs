@@ -1,5 +1,6 @@
 //! `symplint loop` and `symplint measure`: loops that go to another code and come back.
 
+use std::f64::consts::TAU;
 use std::fs;
 use std::io::{Cursor, Write};
 use std::path::Path;
@@ -8,6 +9,8 @@ use std::time::Duration;
 
 use assert_cmd::Command;
 use serde_json::Value;
+use symplint_models::discrete::StandardMap;
+use symplint_report::loop_file::LoopFile;
 use tempfile::TempDir;
 
 fn symplint(folder: &Path, arguments: &[&str]) -> Output {
@@ -662,4 +665,29 @@ fn bad_options_are_refused() {
     );
     assert_eq!(status(&output), 2);
     assert!(text(&output.stderr).contains("cannot write no/such/loop.npz"));
+}
+
+#[test]
+fn periods_of_momenta_go_with_the_file() {
+    let folder = TempDir::new().unwrap();
+    let config = example("standard-map.toml");
+    let torus = ["--set", "system.torus=true", "--samples", "512"];
+    let written = symplint(folder.path(), &[&["loop", &config][..], &torus].concat());
+    assert_eq!(status(&written), 0, "{}", text(&written.stderr));
+    let mut file = LoopFile::read(&folder.path().join("loop.npz")).unwrap();
+    assert_eq!(file.momentum_period, Some(vec![TAU]));
+    let map = StandardMap::new(0.9).unwrap().on_torus();
+    file.states.advance(&map, 1.0).unwrap();
+    for (name, period) in [("with.npz", Some(vec![TAU])), ("without.npz", None)] {
+        file.path = folder.path().join(name);
+        file.momentum_period = period;
+        file.step_size = Some(1.0);
+        file.write().unwrap();
+        let agrees = symplint(folder.path(), &["measure", "loop.npz", name]);
+        assert_eq!(status(&agrees), 0, "{}", text(&agrees.stdout));
+        // Without the period the momentum jumps by 2π where it wraps.
+        let none = ["measure", "loop.npz", name, "--momentum-period", "0"];
+        let none = symplint(folder.path(), &none);
+        assert_ne!(status(&none), 0, "{}", text(&none.stdout));
+    }
 }

@@ -90,6 +90,7 @@ impl Call<'_> {
             unit_roundoff: Snapshot::DOUBLE,
             step_size: Some(self.h),
             period: Some(of_each(&|i| self.coordinates.period(i))),
+            momentum_period: None,
             weight: Some(of_each(&|i| self.coordinates.weight(i))),
             states,
         }

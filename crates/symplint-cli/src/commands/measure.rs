@@ -40,6 +40,13 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
     let dof = files[0].states.dof();
     let (period, weight) = (&arguments.period, &arguments.weight);
     let period = setting("period", period, &files, dof, |file| file.period.as_ref())?;
+    let momentum_period = setting(
+        "momentum-period",
+        &arguments.momentum_period,
+        &files,
+        dof,
+        |file| file.momentum_period.as_ref(),
+    )?;
     let weight = setting("weight", weight, &files, dof, |file| file.weight.as_ref())?;
     let mut coordinates = Coordinates::plain(dof);
     if let Some(period) = &period {
@@ -47,12 +54,22 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
             .with_periods(period.clone())
             .map_err(Failure::from_input)?;
     }
+    if let Some(period) = &momentum_period {
+        coordinates = coordinates
+            .with_momentum_periods(period.clone())
+            .map_err(Failure::from_input)?;
+    }
     if let Some(weight) = &weight {
         coordinates = coordinates
             .with_weights(weight.clone())
             .map_err(Failure::from_input)?;
     }
-    let resolved = resolved(&files, period, weight);
+    let settings = [
+        ("period", period),
+        ("momentum_period", momentum_period),
+        ("weight", weight),
+    ];
+    let resolved = resolved(&files, settings);
     let output = RunOutput::of_run("measure", &resolved, run)?;
 
     let mut snapshots: Vec<Snapshot> = files
@@ -154,7 +171,7 @@ fn set_step_sizes(after: &mut [LoopFile], sizes: &[f64]) -> Result<(), Failure> 
     Ok(())
 }
 
-/// The period or weight of every degree of freedom: from the command line, else from the files, which
+/// The periods or weight of every degree of freedom: from the command line, else from the files, which
 /// must agree.
 fn setting<'a>(
     what: &str,
@@ -186,7 +203,7 @@ fn setting<'a>(
 }
 
 /// The files and their coordinates, as the configuration of the report.
-fn resolved(files: &[LoopFile], period: Option<Vec<f64>>, weight: Option<Vec<f64>>) -> toml::Table {
+fn resolved(files: &[LoopFile], settings: [(&str, Option<Vec<f64>>); 3]) -> toml::Table {
     let name = |file: &LoopFile| toml::Value::from(file.path.display().to_string());
     let mut section = toml::Table::new();
     section.insert("before".into(), name(&files[0]));
@@ -194,7 +211,7 @@ fn resolved(files: &[LoopFile], period: Option<Vec<f64>>, weight: Option<Vec<f64
     section.insert("after".into(), after.into());
     // TOML has no null, so step sizes are listed only if all are known.
     let sizes: Option<Vec<f64>> = files[1..].iter().map(|file| file.step_size).collect();
-    for (key, values) in [("h", sizes), ("period", period), ("weight", weight)] {
+    for (key, values) in [("h", sizes)].into_iter().chain(settings) {
         if let Some(values) = values {
             section.insert(key.into(), values.into());
         }

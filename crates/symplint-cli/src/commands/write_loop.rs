@@ -26,6 +26,7 @@ struct Written {
     samples: usize,
     dof: usize,
     period: Option<Vec<f64>>,
+    momentum_period: Option<Vec<f64>>,
     weight: Option<Vec<f64>>,
 }
 
@@ -45,6 +46,7 @@ pub fn write_loop(arguments: &LoopArgs) -> Result<ExitCode, Failure> {
         unit_roundoff: Snapshot::DOUBLE,
         step_size: None,
         period: of_each(&|i| coordinates.period(i), 0.0),
+        momentum_period: of_each(&|i| coordinates.momentum_period(i), 0.0),
         weight: of_each(&|i| coordinates.weight(i), 1.0),
     };
     check_replaceable(&file, arguments.force)?;
@@ -59,6 +61,7 @@ pub fn write_loop(arguments: &LoopArgs) -> Result<ExitCode, Failure> {
             samples,
             dof,
             period: file.period,
+            momentum_period: file.momentum_period,
             weight: file.weight,
         }))?;
         return Ok(ExitCode::SUCCESS);
@@ -78,7 +81,11 @@ pub fn write_loop(arguments: &LoopArgs) -> Result<ExitCode, Failure> {
              measure BEFORE AFTER",
         )?;
         if !file.carries_settings() {
-            for (option, values) in [("period", &file.period), ("weight", &file.weight)] {
+            for (option, values) in [
+                ("period", &file.period),
+                ("momentum-period", &file.momentum_period),
+                ("weight", &file.weight),
+            ] {
                 if let Some(values) = values {
                     say(format!("  with --{option} {}", listed(values)))?;
                 }
@@ -153,7 +160,9 @@ fn same_loop(found: &LoopFile, file: &LoopFile) -> bool {
         && (0..one.dof()).all(|i| one.q().row(i) == other.q().row(i))
         && (0..one.dof()).all(|i| one.p().row(i) == other.p().row(i))
         && (!file.carries_settings()
-            || (found.period == file.period && found.weight == file.weight))
+            || (found.period == file.period
+                && found.momentum_period == file.momentum_period
+                && found.weight == file.weight))
 }
 
 /// Numbers as the options of `measure` take them: one where all are the same.

@@ -29,6 +29,8 @@ pub struct LoopFile {
     pub step_size: Option<f64>,
     /// Period of each position, 0 for none, where the file says them; one for all is allowed.
     pub period: Option<Vec<f64>>,
+    /// Period of each momentum, likewise.
+    pub momentum_period: Option<Vec<f64>>,
     /// Weight of each momentum, likewise.
     pub weight: Option<Vec<f64>>,
 }
@@ -179,6 +181,7 @@ impl LoopFile {
             },
             step_size: None,
             period: None,
+            momentum_period: None,
             weight: None,
         })
     }

@@ -99,6 +99,7 @@ pub fn read(path: &Path, fewest: usize) -> Result<LoopFile, LoopFileError> {
     let dof = loaded.states.dof();
     loaded.step_size = archive.setting("h", dof)?.map(|h| h[0]);
     loaded.period = archive.setting("period", dof)?;
+    loaded.momentum_period = archive.setting("momentum_period", dof)?;
     loaded.weight = archive.setting("weight", dof)?;
     Ok(loaded)
 }
@@ -120,6 +121,7 @@ pub fn write(file: &LoopFile) -> Result<Vec<PathBuf>, LoopFileError> {
         for (name, values) in [
             ("h", &of_step),
             ("period", &file.period),
+            ("momentum_period", &file.momentum_period),
             ("weight", &file.weight),
         ] {
             if let Some(values) = values {
