@@ -12,10 +12,6 @@ pub(super) const DEFAULT_BUDGET: usize = 1_000_000;
 /// two step sizes, and a random loop.
 pub(super) const LEAST_BUDGET: usize = 200;
 
-/// Smaller budgets do not look for single precision inside a map, which takes 28 evaluations: they are too small to
-/// follow its stairs.
-pub(super) const LEAST_FOR_PRECISION: usize = 5_000;
-
 /// The fewest samples that can tell: a smooth loop of a few Fourier modes is resolved to some digits, and jumps show.
 /// The same as `evidence::FEWEST_SAMPLES`.
 pub(super) const FEWEST_SAMPLES: usize = 32;

@@ -6,7 +6,7 @@
 //! small: the next budget then says more.
 
 use super::limits::{
-    LARGEST_BUDGET, LEAST_FOR_PRECISION, MOST_SAMPLES, OF_PIECES, STEEPER, STRETCHED, TWO_DOUBLINGS,
+    LARGEST_BUDGET, MOST_SAMPLES, OF_PIECES, STEEPER, STRETCHED, TWO_DOUBLINGS,
 };
 use super::plan::Plan;
 use super::{Diagnostic, SampleCount};
@@ -14,7 +14,6 @@ use crate::error::Error;
 use crate::evidence::{Evidence, LoopEvidence, MOST_CELLS_APART, StepEvidence};
 use crate::rules::{Rule, Subject, cells_apart};
 use crate::state::Ensemble;
-use crate::survey;
 
 impl Diagnostic {
     /// Evaluations beyond the budget that would resolve the loops: see
@@ -62,11 +61,7 @@ impl Diagnostic {
     ) -> Option<usize> {
         let enough = |budget: usize| {
             let plan = self.plan(subject, budget);
-            // A tight budget did not look for single precision.
-            let looks = match budget >= LEAST_FOR_PRECISION {
-                true => evidence.evaluations.purity + survey::PRECISION_STATES,
-                false => evidence.evaluations.purity,
-            };
+            let looks = evidence.evaluations.purity;
             let left = budget.saturating_sub(looks + plan.jacobian);
             let most = match self.samples {
                 SampleCount::Fixed(_) => plan.first_samples,

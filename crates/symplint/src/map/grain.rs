@@ -1,7 +1,6 @@
 //! The grain of a map: the distance of neighbouring values that it returns.
 
-use crate::loops::Loop;
-use crate::signal::{Digits, Extent, Format, SINGLE, Turns};
+use crate::signal::{Digits, Extent, Format, Levels, SINGLE, Turns};
 use crate::state::{Coordinates, Ensemble, coordinate, period};
 
 /// Samples that are looked at: more than the different values that tell a format.
@@ -12,6 +11,10 @@ const FEWEST: usize = 24;
 
 /// In more degrees of freedom a grain takes too much memory.
 const MOST_DOF: usize = 1 << 16;
+
+/// Values are few where each is that of so many samples, or more. On a circle two samples have each value; where it
+/// runs twice round, four have, but at its ends.
+const FEW: usize = 4;
 
 /// A jump of no more than this many grains may be rounding: each of several operations of a step rounds.
 const GRAINS_OF_A_JUMP: f64 = 16.0;
@@ -24,78 +27,87 @@ const STAIRS: f64 = 4.0;
 const MOST_OF_OTHERS: f64 = 3e-3;
 
 /// By how much rounding moves each coordinate, where a map returns numbers of fewer digits than double precision:
-/// single precision, or decimals.
+/// single precision, decimals, or multiples of anything.
 ///
 /// That is the distance of its neighbouring values, or more: what is rounded in one coordinate moves the others in the
 /// next substep. So the largest relative to the range of its coordinate counts for both of a degree of freedom, and
 /// what is typical of all positions, or all momenta, for every one.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Grain {
-    /// Distance of neighbouring values of each coordinate.
+    /// Distance of neighbouring values of each coordinate, as the map returns them.
+    output: Vec<f64>,
+    /// The same, or what it rounds to inside.
     units: Vec<f64>,
     /// By how much rounding of all of them moves it.
     sizes: Vec<f64>,
     ranges: Vec<f64>,
+    /// Whether rounding leaves it so few values that a jump is not told from a step between two of them.
+    unresolved: Vec<bool>,
+}
+
+/// What the samples of one coordinate show.
+struct Seen {
+    unit: f64,
+    range: f64,
+    /// How many different values they take, if these are few.
+    few: Option<usize>,
+    /// The least difference of these.
+    least: Option<f64>,
 }
 
 impl Grain {
-    /// From coordinates c of states k round a loop that the map returned; `None` of too few. A map that works in
-    /// single precision inside rounds to that at least.
+    /// From coordinates c of states k round a loop that the map returned; `None` of too few. A map that works with
+    /// fewer digits inside rounds each coordinate to `inside` at least.
+    ///
+    /// `before` makes so many equispaced samples of the loop before the step, where that is known. What comes of few digits may
+    /// have few itself, and is not rounded; but numbers of single precision are: a code that works in it reads such
+    /// ones. And few values are rounding only where the loop had more.
     pub fn of(
         samples: usize,
         coordinates: &Coordinates,
-        single_inside: bool,
+        inside: Option<&[f64]>,
         value: impl Fn(usize, usize) -> f64,
+        before: impl FnOnce(usize) -> Option<Ensemble>,
     ) -> Option<Self> {
         let dof = coordinates.dof();
         if samples < FEWEST || !Self::is_affordable(dof) {
             return None;
         }
         let every = samples.div_ceil(SAMPLES);
-        let of_coordinate = |c: usize| {
-            let (mut digits, mut extent) = (Digits::default(), Extent::default());
-            let (mut turns, mut largest) = (Turns::default(), 0.0f64);
-            for k in (0..samples).step_by(every) {
-                digits.add(value(c, k));
-                extent.include(turns.unwrap(value(c, k), period(coordinates, c)));
-                largest = largest.max(value(c, k).abs());
+        let values = |c: usize| (0..samples).step_by(every).map(move |k| (c, k));
+        let mut seen: Vec<Seen> = (0..2 * dof)
+            .map(|c| Seen::of(values(c).map(|(c, k)| value(c, k)), period(coordinates, c)))
+            .collect();
+        let looks_rounded = |seen: &Seen| seen.unit > 0.0 || seen.few.is_some();
+        if seen.iter().any(looks_rounded) {
+            let before = before(samples.div_ceil(every));
+            let with_few = |(c, seen): (usize, &mut Seen)| seen.beside(before.as_ref(), c);
+            let few: Vec<bool> = seen.iter_mut().enumerate().map(with_few).collect();
+            for c in 0..2 * dof {
+                let other = (c + dof) % (2 * dof);
+                let rounded = |c: usize| seen[c].unit > 0.0 || few[c];
+                // Of one value nobody knows whether it is rounded, unless the other coordinate of its kind is.
+                if few[c] && seen[c].least.is_none() && rounded(other) {
+                    seen[c].unit = seen[c].range;
+                }
             }
-            let unit = digits.few().map_or(0.0, |(_, unit)| unit);
-            let inside = match single_inside {
-                true => f64::from(f32::EPSILON) * largest,
-                false => 0.0,
-            };
-            (unit.max(inside), extent.length())
-        };
-        let (units, ranges): (Vec<f64>, Vec<f64>) = (0..2 * dof).map(of_coordinate).unzip();
-        let sizes = spread(&units, &ranges);
+            for (seen, few) in seen.iter_mut().zip(few) {
+                seen.few = seen.few.filter(|_| few && seen.unit > 0.0);
+            }
+        }
+        let output: Vec<f64> = seen.iter().map(|seen| seen.unit).collect();
+        let mut units = output.clone();
+        for (unit, inside) in units.iter_mut().zip(inside.unwrap_or_default()) {
+            *unit = unit.max(*inside);
+        }
+        let ranges: Vec<f64> = seen.iter().map(|seen| seen.range).collect();
         Some(Grain {
+            sizes: spread(&units, &ranges),
+            output,
             units,
-            sizes,
             ranges,
+            unresolved: seen.iter().map(|seen| seen.few.is_some()).collect(),
         })
-    }
-
-    /// Without those of coordinates that have few digits before the step: what comes of few digits may have few itself,
-    /// and is not rounded. Numbers of single precision are: a code that works in it reads such ones.
-    pub fn beside(mut self, phase_loop: &dyn Loop) -> Self {
-        if self.units.iter().all(|unit| *unit == 0.0) {
-            return self;
-        }
-        let dof = phase_loop.dof();
-        let s: Vec<f64> = (0..SAMPLES).map(|k| k as f64 / SAMPLES as f64).collect();
-        let mut states = Ensemble::zeros(dof, SAMPLES);
-        phase_loop.sample(&s, &mut states.block());
-        for (c, unit) in self.units.iter_mut().enumerate() {
-            let mut digits = Digits::default();
-            coordinate(&states, c).iter().for_each(|&x| digits.add(x));
-            let single = Format::Binary(SINGLE);
-            if *unit > 0.0 && digits.few().is_some_and(|(format, _)| format != single) {
-                *unit = 0.0;
-            }
-        }
-        self.sizes = spread(&self.units, &self.ranges);
-        self
     }
 
     /// Whether a grain of so many degrees of freedom fits into little memory.
@@ -103,10 +115,18 @@ impl Grain {
         dof <= MOST_DOF
     }
 
-    /// The largest unit, as a part of the range of its coordinate.
-    pub fn largest_part(&self) -> f64 {
-        let moving = (self.units.iter().zip(&self.ranges)).filter(|(_, range)| **range > 0.0);
-        moving.map(|(unit, range)| unit / range).fold(0.0, f64::max)
+    /// Degrees of freedom.
+    pub fn dof(&self) -> usize {
+        self.units.len() / 2
+    }
+
+    /// The coordinate whose values are furthest apart on the scale of its range, of those that the map rounds as it
+    /// returns them, and how far.
+    pub fn coarsest(&self) -> Option<(usize, f64)> {
+        let rounded = (0..self.units.len()).filter(|&c| self.output[c] > 0.0);
+        let part = |c: usize| self.output[c] / self.ranges[c];
+        let coarsest = rounded.max_by(|&a, &b| part(a).total_cmp(&part(b)))?;
+        Some((coarsest, self.output[coarsest]))
     }
 
     /// Of a coordinate, positions first; 0 where it has all digits of double precision.
@@ -133,8 +153,58 @@ impl Grain {
 
     /// Whether a jump of a coordinate is larger than rounding makes.
     pub fn is_exceeded(&self, c: usize, jump: f64) -> bool {
+        if self.unresolved[c] {
+            return false;
+        }
         let of_others = self.sizes[c].min(MOST_OF_OTHERS * self.ranges[c]);
         jump.abs() > GRAINS_OF_A_JUMP * self.units[c].max(of_others)
+    }
+}
+
+impl Seen {
+    fn of(values: impl Iterator<Item = f64>, period: f64) -> Self {
+        let (mut digits, mut extent, mut turns) =
+            (Digits::default(), Extent::default(), Turns::default());
+        let values: Vec<f64> = values.collect();
+        for &value in &values {
+            digits.add(value);
+            extent.include(turns.unwrap(value, period));
+        }
+        let levels = Levels::of(values.iter().copied());
+        let of_digits = digits.few().map(|(_, unit)| unit);
+        let unit = of_digits.into_iter().chain(levels.spacing());
+        Seen {
+            unit: unit.fold(0.0, f64::max),
+            range: extent.length(),
+            few: Some(levels.count()).filter(|count| FEW * count <= values.len()),
+            least: levels.least_difference(),
+        }
+    }
+
+    /// Corrects what coordinate c shows by the samples before the step; whether it has few values that the loop had not.
+    fn beside(&mut self, before: Option<&Ensemble>, c: usize) -> bool {
+        let Some(before) = before else {
+            let unit = self.least.filter(|_| self.few.is_some());
+            self.unit = self.unit.max(unit.unwrap_or(0.0));
+            return unit.is_some();
+        };
+        let row = coordinate(before, c);
+        let mut digits = Digits::default();
+        row.iter().for_each(|&x| digits.add(x));
+        let levels = Levels::of(row.iter().copied());
+        let is_single =
+            (digits.few()).is_some_and(|(format, _)| format == Format::Binary(SINGLE));
+        if !is_single && (digits.few().is_some() || levels.spacing().is_some()) {
+            self.unit = 0.0;
+            return false;
+        }
+        let few = (self.few).is_some_and(|count| 2 * count < levels.count());
+        if few {
+            self.unit = self.unit.max(self.least.unwrap_or(0.0));
+            // A loop of a few grains may be any part of one narrower.
+            self.range = self.range.max(Extent::of(row).length());
+        }
+        few
     }
 }
 
@@ -174,19 +244,23 @@ mod tests {
                 0 => unit * (1.5e3 * (k as f64).sin()).round() / 1e3,
                 _ => 0.25 * (k as f64).cos() / unit,
             };
-            let grain = Grain::of(64, &Coordinates::plain(1), false, value).unwrap();
+            let grain = Grain::of(64, &Coordinates::plain(1), None, value, |_| None).unwrap();
             assert!((grain.of_coordinate(0) / unit - 1e-3).abs() < 1e-12);
             assert!((grain.of_coordinate(1) * unit - 0.5e-3 / 3.0).abs() < 1e-6);
             assert!(grain.is_exceeded(0, -0.017 * unit) && !grain.is_exceeded(0, 0.015 * unit));
         }
-        let exact = Grain::of(64, &Coordinates::plain(1), false, |c, k| {
-            (c as f64 + 0.3 * k as f64).sin()
-        })
+        let exact = Grain::of(
+            64,
+            &Coordinates::plain(1),
+            None,
+            |c, k| (c as f64 + 0.3 * k as f64).sin(),
+            |_| None,
+        )
         .unwrap();
         assert_eq!(exact.sizes, [0.0; 2]);
         assert_eq!(exact.of_integral(&Coordinates::plain(1)), 0.0);
         assert_eq!(
-            Grain::of(23, &Coordinates::plain(1), false, |_, _| 0.0),
+            Grain::of(23, &Coordinates::plain(1), None, |_, _| 0.0, |_| None),
             None
         );
     }
@@ -202,9 +276,11 @@ mod tests {
                     (x * stairs).round() / stairs
                 };
                 let grain = Grain {
+                    output: vec![1.0 / stairs; 2],
                     units: vec![1.0 / stairs; 2],
                     sizes: vec![1.0 / stairs; 2],
                     ranges: vec![2.0; 2],
+                    unresolved: vec![false; 2],
                 };
                 said = grain.of_integral(&Coordinates::plain(1));
                 let n = 100_000;
@@ -230,14 +306,14 @@ mod tests {
             let x = if c == 1 || c == 3 { 50.0 + 1e-5 * x } else { x };
             f64::from(x as f32)
         };
-        let grain = Grain::of(64, &Coordinates::plain(2), false, value).unwrap();
+        let grain = Grain::of(64, &Coordinates::plain(2), None, value, |_| None).unwrap();
         assert!(grain.is_exceeded(0, 1e-5), "{grain:?}");
         // Not even of its own degree of freedom, but small ones.
         let value = |c: usize, k: usize| match c {
             0 => 1e-2 * (0.37 * k as f64).sin(),
             _ => f64::from((50.0 + 1e-5 * (0.37 * k as f64).cos()) as f32),
         };
-        let grain = Grain::of(64, &Coordinates::plain(1), false, value).unwrap();
+        let grain = Grain::of(64, &Coordinates::plain(1), None, value, |_| None).unwrap();
         assert!(grain.is_exceeded(0, 1e-3), "{grain:?}");
     }
 
@@ -248,7 +324,7 @@ mod tests {
             0 => (1e-3 * (k as f64).sin()).rem_euclid(1.0),
             _ => f64::from((k as f64).cos() as f32),
         };
-        let grain = Grain::of(64, &periodic, false, value).unwrap();
+        let grain = Grain::of(64, &periodic, None, value, |_| None).unwrap();
         assert!(grain.of_coordinate(0) < 1e-9, "{grain:?}");
     }
 }

@@ -116,12 +116,14 @@ impl Row {
     }
 }
 
-fn rows(snapshot: &Snapshot, coordinates: &Coordinates) -> Vec<Row> {
+/// What samples show of each degree of freedom, those `before` the step being known where they come after it.
+fn rows(snapshot: &Snapshot, coordinates: &Coordinates, before: Option<&Ensemble>) -> Vec<Row> {
     let states = &snapshot.states;
     let dof = states.dof();
     // They may be decimals, or single precision, that someone stored as doubles; and the code may have read such ones.
-    let grain = Grain::of(states.samples(), coordinates, false, |c, k| {
-        coordinate(states, c)[k]
+    let value = |c: usize, k: usize| coordinate(states, c)[k];
+    let grain = Grain::of(states.samples(), coordinates, None, value, |_| {
+        before.cloned()
     });
     let of_grain = |c: usize| {
         grain
@@ -222,7 +224,7 @@ fn smooth(
 
 impl<'a> Initial<'a> {
     pub fn new(snapshot: &'a Snapshot, coordinates: &'a Coordinates) -> Result<Self, Error> {
-        let rows = rows(snapshot, coordinates);
+        let rows = rows(snapshot, coordinates, None);
         let integral = smooth(snapshot, &rows, coordinates)?;
         let found = breaks(&rows, snapshot.states.samples(), |_| true);
         Ok(Initial {
@@ -237,7 +239,7 @@ impl<'a> Initial<'a> {
 
     /// Integrates an advanced loop and takes its defect.
     pub fn compare(&self, after: &Snapshot) -> Result<Compared, Error> {
-        let rows = rows(after, self.coordinates);
+        let rows = rows(after, self.coordinates, Some(&self.snapshot.states));
         let mut compared = if rows.iter().any(Row::jumps) {
             self.across_jumps(after, &rows)?
         } else {
