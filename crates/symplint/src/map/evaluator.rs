@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 
 use rayon::prelude::*;
 
-use super::{Constraint, Grain, ProjectedLoop, StepFailure, TangentMap, TimeAdvance};
+use super::{Before, Constraint, Grain, ProjectedLoop, StepFailure, TangentMap, TimeAdvance};
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::state::{Block, Coordinates, Ensemble, first_error, first_not_finite};
@@ -218,7 +218,10 @@ impl<'a> Evaluator<'a> {
     ) {
         if self.grain().is_none() {
             let inside = self.inside.get().map(Vec::as_slice);
-            let before = |count: usize| Ensemble::sample(phase_loop, count).ok();
+            let before = |count: usize| match Ensemble::sample(phase_loop, count) {
+                Ok(before) => Before::Exact(before),
+                Err(_) => Before::Unknown,
+            };
             let found = Grain::of(samples, &self.coordinates, inside, value, before);
             *self.grain.write().unwrap_or_else(PoisonError::into_inner) = found.map(Arc::new);
         }

@@ -16,6 +16,9 @@ const MOST_DOF: usize = 1 << 16;
 /// runs twice round, four have, but at its ends.
 const FEW: usize = 4;
 
+/// Increments of a straight line differ by so many roundings of its largest value.
+const ROUNDINGS: f64 = 8.0;
+
 /// A jump of no more than this many grains may be rounding: each of several operations of a step rounds.
 const GRAINS_OF_A_JUMP: f64 = 16.0;
 
@@ -45,6 +48,15 @@ pub(crate) struct Grain {
     unresolved: Vec<bool>,
 }
 
+/// What is known of the loop before the step, as some equispaced samples of it.
+pub(crate) enum Before {
+    Unknown,
+    /// What the map made the states of.
+    Exact(Ensemble),
+    /// What somebody wrote of it, with as few digits as the states.
+    Written(Ensemble),
+}
+
 /// What the samples of one coordinate show.
 struct Seen {
     unit: f64,
@@ -59,41 +71,29 @@ impl Grain {
     /// From coordinates c of states k round a loop that the map returned; `None` of too few. A map that works with
     /// fewer digits inside rounds each coordinate to `inside` at least.
     ///
-    /// `before` makes so many equispaced samples of the loop before the step, where that is known. What comes of few digits may
-    /// have few itself, and is not rounded; but numbers of single precision are: a code that works in it reads such
+    /// `before` makes so many samples of the loop before the step. Where that has few digits itself, what comes of it
+    /// may have few, and is not rounded; but numbers of single precision are: a code that works in it reads such
     /// ones. And few values are rounding only where the loop had more.
     pub fn of(
         samples: usize,
         coordinates: &Coordinates,
         inside: Option<&[f64]>,
         value: impl Fn(usize, usize) -> f64,
-        before: impl FnOnce(usize) -> Option<Ensemble>,
+        before: impl FnOnce(usize) -> Before,
     ) -> Option<Self> {
         let dof = coordinates.dof();
         if samples < FEWEST || !Self::is_affordable(dof) {
             return None;
         }
         let every = samples.div_ceil(SAMPLES);
-        let values = |c: usize| (0..samples).step_by(every).map(move |k| (c, k));
-        let mut seen: Vec<Seen> = (0..2 * dof)
-            .map(|c| Seen::of(values(c).map(|(c, k)| value(c, k)), period(coordinates, c)))
-            .collect();
+        let of_coordinate = |c: usize| {
+            let values = (0..samples).step_by(every).map(|k| value(c, k));
+            Seen::of(values, period(coordinates, c))
+        };
+        let mut seen: Vec<Seen> = (0..2 * dof).map(of_coordinate).collect();
         let looks_rounded = |seen: &Seen| seen.unit > 0.0 || seen.few.is_some();
         if seen.iter().any(looks_rounded) {
-            let before = before(samples.div_ceil(every));
-            let with_few = |(c, seen): (usize, &mut Seen)| seen.beside(before.as_ref(), c);
-            let few: Vec<bool> = seen.iter_mut().enumerate().map(with_few).collect();
-            for c in 0..2 * dof {
-                let other = (c + dof) % (2 * dof);
-                let rounded = |c: usize| seen[c].unit > 0.0 || few[c];
-                // Of one value nobody knows whether it is rounded, unless the other coordinate of its kind is.
-                if few[c] && seen[c].least.is_none() && rounded(other) {
-                    seen[c].unit = seen[c].range;
-                }
-            }
-            for (seen, few) in seen.iter_mut().zip(few) {
-                seen.few = seen.few.filter(|_| few && seen.unit > 0.0);
-            }
+            correct(&mut seen, &before(samples.div_ceil(every)));
         }
         let output: Vec<f64> = seen.iter().map(|seen| seen.unit).collect();
         let mut units = output.clone();
@@ -166,13 +166,20 @@ impl Seen {
         let (mut digits, mut extent, mut turns) =
             (Digits::default(), Extent::default(), Turns::default());
         let values: Vec<f64> = values.collect();
+        let mut unwrapped = Vec::with_capacity(values.len());
         for &value in &values {
             digits.add(value);
-            extent.include(turns.unwrap(value, period));
+            unwrapped.push(turns.unwrap(value, period));
         }
+        unwrapped.iter().for_each(|&x| extent.include(x));
         let levels = Levels::of(values.iter().copied());
         let of_digits = digits.few().map(|(_, unit)| unit);
-        let unit = of_digits.into_iter().chain(levels.spacing());
+        // Equispaced samples of a straight line are at equal distances, and not rounded.
+        let mut increments = Extent::default();
+        (unwrapped.windows(2)).for_each(|x| increments.include(x[1] - x[0]));
+        let is_line = increments.length() <= ROUNDINGS * f64::EPSILON * extent.magnitude();
+        let spacing = levels.spacing().filter(|_| !is_line);
+        let unit = of_digits.into_iter().chain(spacing);
         Seen {
             unit: unit.fold(0.0, f64::max),
             range: extent.length(),
@@ -181,30 +188,59 @@ impl Seen {
         }
     }
 
-    /// Corrects what coordinate c shows by the samples before the step; whether it has few values that the loop had not.
-    fn beside(&mut self, before: Option<&Ensemble>, c: usize) -> bool {
-        let Some(before) = before else {
-            let unit = self.least.filter(|_| self.few.is_some());
-            self.unit = self.unit.max(unit.unwrap_or(0.0));
-            return unit.is_some();
-        };
-        let row = coordinate(before, c);
-        let mut digits = Digits::default();
-        row.iter().for_each(|&x| digits.add(x));
-        let levels = Levels::of(row.iter().copied());
-        let is_single =
-            (digits.few()).is_some_and(|(format, _)| format == Format::Binary(SINGLE));
-        if !is_single && (digits.few().is_some() || levels.spacing().is_some()) {
-            self.unit = 0.0;
-            return false;
-        }
-        let few = (self.few).is_some_and(|count| 2 * count < levels.count());
-        if few {
+    /// Takes few values, where the loop had `before` them, for rounded ones.
+    fn compare(&mut self, before: &[f64], written: bool) {
+        let every = before.len().div_ceil(SAMPLES).max(1);
+        let had = Levels::of(before.iter().step_by(every).copied()).count();
+        let has_fewer = |count: usize| 2 * count < had || (written && had.max(count) > 1);
+        self.few = self.few.filter(|&count| has_fewer(count));
+        if self.few.is_some() {
             self.unit = self.unit.max(self.least.unwrap_or(0.0));
-            // A loop of a few grains may be any part of one narrower.
-            self.range = self.range.max(Extent::of(row).length());
+            // It is a few grains wide, or less.
+            self.range = self.range.max(Extent::of(before).length());
         }
-        few
+    }
+}
+
+/// Corrects what all coordinates show by what is known of the loop before the step.
+fn correct(seen: &mut [Seen], before: &Before) {
+    let (states, written) = match before {
+        Before::Unknown => (None, true),
+        Before::Exact(states) => (Some(states), false),
+        Before::Written(states) => (Some(states), true),
+    };
+    for (c, seen) in seen.iter_mut().enumerate() {
+        match states {
+            Some(states) => seen.compare(coordinate(states, c), written),
+            None => seen.compare(&[], written),
+        }
+    }
+    if let Some(states) = states.filter(|_| !written)
+        && (0..seen.len()).any(|c| has_few_digits(coordinate(states, c)))
+    {
+        seen.iter_mut().for_each(|seen| (seen.unit, seen.few) = (0.0, None));
+    }
+    // Of one value alone nobody knows whether it is rounded, unless the other coordinate of its kind is.
+    let dof = seen.len() / 2;
+    let is_rounded = |seen: &Seen| seen.unit > 0.0 || seen.few.is_some();
+    let rounded: Vec<bool> = seen.iter().map(is_rounded).collect();
+    for (c, seen) in seen.iter_mut().enumerate() {
+        if seen.few == Some(1) {
+            match rounded[(c + dof) % (2 * dof)] {
+                true => seen.unit = seen.range,
+                false => seen.few = None,
+            }
+        }
+    }
+}
+
+/// Whether some numbers of the loop before the step have few digits, and more than a code in single precision reads.
+fn has_few_digits(row: &[f64]) -> bool {
+    let mut digits = Digits::default();
+    row.iter().for_each(|&x| digits.add(x));
+    match digits.few() {
+        Some((format, _)) => format != Format::Binary(SINGLE),
+        None => Levels::of(row.iter().copied()).spacing().is_some(),
     }
 }
 
@@ -244,7 +280,7 @@ mod tests {
                 0 => unit * (1.5e3 * (k as f64).sin()).round() / 1e3,
                 _ => 0.25 * (k as f64).cos() / unit,
             };
-            let grain = Grain::of(64, &Coordinates::plain(1), None, value, |_| None).unwrap();
+            let grain = Grain::of(64, &Coordinates::plain(1), None, value, |_| Before::Unknown).unwrap();
             assert!((grain.of_coordinate(0) / unit - 1e-3).abs() < 1e-12);
             assert!((grain.of_coordinate(1) * unit - 0.5e-3 / 3.0).abs() < 1e-6);
             assert!(grain.is_exceeded(0, -0.017 * unit) && !grain.is_exceeded(0, 0.015 * unit));
@@ -254,13 +290,13 @@ mod tests {
             &Coordinates::plain(1),
             None,
             |c, k| (c as f64 + 0.3 * k as f64).sin(),
-            |_| None,
+            |_| Before::Unknown,
         )
         .unwrap();
         assert_eq!(exact.sizes, [0.0; 2]);
         assert_eq!(exact.of_integral(&Coordinates::plain(1)), 0.0);
         assert_eq!(
-            Grain::of(23, &Coordinates::plain(1), None, |_, _| 0.0, |_| None),
+            Grain::of(23, &Coordinates::plain(1), None, |_, _| 0.0, |_| Before::Unknown),
             None
         );
     }
@@ -306,14 +342,14 @@ mod tests {
             let x = if c == 1 || c == 3 { 50.0 + 1e-5 * x } else { x };
             f64::from(x as f32)
         };
-        let grain = Grain::of(64, &Coordinates::plain(2), None, value, |_| None).unwrap();
+        let grain = Grain::of(64, &Coordinates::plain(2), None, value, |_| Before::Unknown).unwrap();
         assert!(grain.is_exceeded(0, 1e-5), "{grain:?}");
         // Not even of its own degree of freedom, but small ones.
         let value = |c: usize, k: usize| match c {
             0 => 1e-2 * (0.37 * k as f64).sin(),
             _ => f64::from((50.0 + 1e-5 * (0.37 * k as f64).cos()) as f32),
         };
-        let grain = Grain::of(64, &Coordinates::plain(1), None, value, |_| None).unwrap();
+        let grain = Grain::of(64, &Coordinates::plain(1), None, value, |_| Before::Unknown).unwrap();
         assert!(grain.is_exceeded(0, 1e-3), "{grain:?}");
     }
 
@@ -324,7 +360,7 @@ mod tests {
             0 => (1e-3 * (k as f64).sin()).rem_euclid(1.0),
             _ => f64::from((k as f64).cos() as f32),
         };
-        let grain = Grain::of(64, &periodic, None, value, |_| None).unwrap();
+        let grain = Grain::of(64, &periodic, None, value, |_| Before::Unknown).unwrap();
         assert!(grain.of_coordinate(0) < 1e-9, "{grain:?}");
     }
 }

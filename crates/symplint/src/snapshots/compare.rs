@@ -8,7 +8,7 @@ use super::pieces::{Curve, Pieces, stored_roundoff};
 use crate::breaks::{Break, Jump, Roughness, find_jumps};
 use crate::error::Error;
 use crate::evidence::{FEWEST_SAMPLES, Motion, Wrap};
-use crate::map::Grain;
+use crate::map::{Before, Grain};
 use crate::rules::Defect;
 use crate::rules::{LoopIntegral, OmittedCell, Rule, RuleKind};
 use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
@@ -122,9 +122,8 @@ fn rows(snapshot: &Snapshot, coordinates: &Coordinates, before: Option<&Ensemble
     let dof = states.dof();
     // They may be decimals, or single precision, that someone stored as doubles; and the code may have read such ones.
     let value = |c: usize, k: usize| coordinate(states, c)[k];
-    let grain = Grain::of(states.samples(), coordinates, None, value, |_| {
-        before.cloned()
-    });
+    let before = |_| before.map_or(Before::Unknown, |before| Before::Written(before.clone()));
+    let grain = Grain::of(states.samples(), coordinates, None, value, before);
     let of_grain = |c: usize| {
         grain
             .as_ref()

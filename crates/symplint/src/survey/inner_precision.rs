@@ -1,7 +1,7 @@
 //! Whether a map works in single precision inside, and returns all digits of double precision.
 
 use crate::error::Error;
-use crate::map::Grain;
+use crate::map::{Before, Grain};
 use crate::rules::Subject;
 use crate::signal::noise::{POINTS, SixthDifference};
 use crate::signal::{Extent, nearest};
@@ -45,7 +45,7 @@ pub(crate) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
     };
     let units: Vec<f64> = (0..2 * dof).map(unit).collect();
     let value = |c: usize, k: usize| coordinate(&samples, c)[k];
-    let grain = Grain::of(SAMPLES, subject.coordinates(), Some(&units), value, |_| None);
+    let grain = Grain::of(SAMPLES, subject.coordinates(), Some(&units), value, |_| Before::Unknown);
     let Some(grain) = grain else {
         return Ok(None);
     };
