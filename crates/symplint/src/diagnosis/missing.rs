@@ -5,9 +5,7 @@
 //! and a break is often found with fewer. For a step that deforms the loop by several times its size it can be too
 //! small: the next budget then says more.
 
-use super::limits::{
-    LARGEST_BUDGET, MOST_SAMPLES, OF_PIECES, STEEPER, STRETCHED, TWO_DOUBLINGS,
-};
+use super::limits::{LARGEST_BUDGET, MOST_SAMPLES, OF_PIECES, STEEPER, STRETCHED, TWO_DOUBLINGS};
 use super::plan::Plan;
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;

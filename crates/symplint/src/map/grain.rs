@@ -134,6 +134,30 @@ impl Grain {
         self.sizes[c]
     }
 
+    /// Whether rounding moves a coordinate at all.
+    pub fn is_rounded(&self, c: usize) -> bool {
+        self.sizes[c] > 0.0
+    }
+
+    /// How many grains the widest coordinate of the loop has; infinite where none is rounded.
+    pub fn widths(&self) -> f64 {
+        let rounded = self.sizes.iter().zip(&self.ranges);
+        let of = rounded.filter(|(size, _)| **size > 0.0);
+        let widest = of.map(|(size, range)| range / size).fold(0.0, f64::max);
+        if widest > 0.0 { widest } else { f64::INFINITY }
+    }
+
+    /// What independent rounding of so many samples makes of a loop integral, about. Each state is off by 1/√12 of a
+    /// grain; what p·dq is off in all of them adds up as the root of their number.
+    pub fn of_samples(&self, samples: usize, coordinates: &Coordinates) -> f64 {
+        let dof = coordinates.dof();
+        let of_dof = |i: usize| {
+            let [q, p] = [i, dof + i].map(|c| (self.sizes[c], self.ranges[c]));
+            coordinates.weight(i).abs() * (q.0 * p.1).hypot(p.0 * q.1)
+        };
+        (0..dof).map(of_dof).sum::<f64>() / (samples.max(1) as f64).sqrt()
+    }
+
     /// What rounding makes of a loop integral, about: of one round by round it is off by the width of a stair, but
     /// stairs on both sides of it undo each other, all but the root of their number.
     pub fn of_integral(&self, coordinates: &Coordinates) -> f64 {
@@ -218,7 +242,8 @@ fn correct(seen: &mut [Seen], before: &Before) {
     if let Some(states) = states.filter(|_| !written)
         && (0..seen.len()).any(|c| has_few_digits(coordinate(states, c)))
     {
-        seen.iter_mut().for_each(|seen| (seen.unit, seen.few) = (0.0, None));
+        seen.iter_mut()
+            .for_each(|seen| (seen.unit, seen.few) = (0.0, None));
     }
     // Of one value alone nobody knows whether it is rounded, unless the other coordinate of its kind is.
     let dof = seen.len() / 2;
@@ -280,7 +305,8 @@ mod tests {
                 0 => unit * (1.5e3 * (k as f64).sin()).round() / 1e3,
                 _ => 0.25 * (k as f64).cos() / unit,
             };
-            let grain = Grain::of(64, &Coordinates::plain(1), None, value, |_| Before::Unknown).unwrap();
+            let grain =
+                Grain::of(64, &Coordinates::plain(1), None, value, |_| Before::Unknown).unwrap();
             assert!((grain.of_coordinate(0) / unit - 1e-3).abs() < 1e-12);
             assert!((grain.of_coordinate(1) * unit - 0.5e-3 / 3.0).abs() < 1e-6);
             assert!(grain.is_exceeded(0, -0.017 * unit) && !grain.is_exceeded(0, 0.015 * unit));
@@ -296,7 +322,13 @@ mod tests {
         assert_eq!(exact.sizes, [0.0; 2]);
         assert_eq!(exact.of_integral(&Coordinates::plain(1)), 0.0);
         assert_eq!(
-            Grain::of(23, &Coordinates::plain(1), None, |_, _| 0.0, |_| Before::Unknown),
+            Grain::of(
+                23,
+                &Coordinates::plain(1),
+                None,
+                |_, _| 0.0,
+                |_| Before::Unknown
+            ),
             None
         );
     }
@@ -342,14 +374,16 @@ mod tests {
             let x = if c == 1 || c == 3 { 50.0 + 1e-5 * x } else { x };
             f64::from(x as f32)
         };
-        let grain = Grain::of(64, &Coordinates::plain(2), None, value, |_| Before::Unknown).unwrap();
+        let grain =
+            Grain::of(64, &Coordinates::plain(2), None, value, |_| Before::Unknown).unwrap();
         assert!(grain.is_exceeded(0, 1e-5), "{grain:?}");
         // Not even of its own degree of freedom, but small ones.
         let value = |c: usize, k: usize| match c {
             0 => 1e-2 * (0.37 * k as f64).sin(),
             _ => f64::from((50.0 + 1e-5 * (0.37 * k as f64).cos()) as f32),
         };
-        let grain = Grain::of(64, &Coordinates::plain(1), None, value, |_| Before::Unknown).unwrap();
+        let grain =
+            Grain::of(64, &Coordinates::plain(1), None, value, |_| Before::Unknown).unwrap();
         assert!(grain.is_exceeded(0, 1e-3), "{grain:?}");
     }
 

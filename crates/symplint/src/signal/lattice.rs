@@ -112,7 +112,10 @@ mod tests {
                     let on_lattice = |x: f64| ((x + origin) / unit).round() * unit * scale;
                     let found = levels(64, on_lattice).spacing();
                     let found = found.map_or(0.0, |found| found / (unit * scale));
-                    assert!((found - 1.0).abs() < 1e-6, "{scale} {decimals} {origin}: {found}");
+                    assert!(
+                        (found - 1.0).abs() < 1e-6,
+                        "{scale} {decimals} {origin}: {found}"
+                    );
                 }
             }
         }

@@ -40,12 +40,12 @@ pub(crate) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
         return Ok(None);
     }
     let samples = Ensemble::sample(subject.phase_loop, SAMPLES)?;
-    let unit = |c: usize| {
-        f64::from(f32::EPSILON) * Extent::of(coordinate(&samples, c)).magnitude()
-    };
+    let unit = |c: usize| f64::from(f32::EPSILON) * Extent::of(coordinate(&samples, c)).magnitude();
     let units: Vec<f64> = (0..2 * dof).map(unit).collect();
     let value = |c: usize, k: usize| coordinate(&samples, c)[k];
-    let grain = Grain::of(SAMPLES, subject.coordinates(), Some(&units), value, |_| Before::Unknown);
+    let grain = Grain::of(SAMPLES, subject.coordinates(), Some(&units), value, |_| {
+        Before::Unknown
+    });
     let Some(grain) = grain else {
         return Ok(None);
     };
@@ -66,7 +66,9 @@ pub(crate) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
         return Ok(None);
     }
     let inside = |c: usize| {
-        let largest = noise.iter().fold(0.0, |most: f64, of_site| most.max(of_site[c]));
+        let largest = noise
+            .iter()
+            .fold(0.0, |most: f64, of_site| most.max(of_site[c]));
         units[c].max(UNITS_OF_NOISE * largest)
     };
     Ok(Some((0..2 * dof).map(inside).collect()))
