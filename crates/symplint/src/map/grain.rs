@@ -158,21 +158,33 @@ impl Grain {
         (0..dof).map(of_dof).sum::<f64>() / (samples.max(1) as f64).sqrt()
     }
 
-    /// What rounding makes of a loop integral, about: of one round by round it is off by the width of a stair, but
-    /// stairs on both sides of it undo each other, all but the root of their number.
+    /// What rounding makes of a loop integral, about.
     pub fn of_integral(&self, coordinates: &Coordinates) -> f64 {
-        let dof = coordinates.dof();
-        let of_dof = |i: usize| {
-            let of = |c: usize, other: usize| {
-                let part = match self.ranges[c] > 0.0 {
-                    true => (self.sizes[c] / self.ranges[c]).min(1.0).sqrt(),
-                    false => 0.0,
-                };
-                self.sizes[c] * part * (self.ranges[other] + self.sizes[other])
+        let of_dof = |i: usize| coordinates.weight(i).abs() * self.of_dof(i);
+        (0..coordinates.dof()).map(of_dof).sum()
+    }
+
+    /// The same in one degree of freedom, without its weight: of an integral round by round it is off by the width of a
+    /// stair, but stairs on both sides of it undo each other, all but the root of their number.
+    fn of_dof(&self, i: usize) -> f64 {
+        let dof = self.dof();
+        let of = |c: usize, other: usize| {
+            let part = match self.ranges[c] > 0.0 {
+                true => (self.sizes[c] / self.ranges[c]).min(1.0).sqrt(),
+                false => 0.0,
             };
-            coordinates.weight(i).abs() * (of(i, dof + i) + of(dof + i, i))
+            self.sizes[c] * part * (self.ranges[other] + self.sizes[other])
         };
-        STAIRS * (0..dof).map(of_dof).sum::<f64>()
+        STAIRS * (of(i, dof + i) + of(dof + i, i))
+    }
+
+    /// What rounding makes of the integral of a degree of freedom, without its weight, where it leaves a coordinate so
+    /// few values that samples do not show their scatter; else 0.
+    pub fn of_unresolved(&self, i: usize) -> f64 {
+        match self.unresolved[i] || self.unresolved[self.dof() + i] {
+            true => self.of_dof(i),
+            false => 0.0,
+        }
     }
 
     /// Whether a jump of a coordinate is larger than rounding makes.

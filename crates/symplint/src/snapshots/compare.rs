@@ -71,6 +71,8 @@ struct Row {
     largest: [f64; 2],
     /// Rounding errors of the stored values.
     rounding: [f64; 2],
+    /// What rounding makes of the integral, where it leaves few values.
+    unresolved: f64,
 }
 
 impl Row {
@@ -93,7 +95,7 @@ impl Row {
     }
 
     fn roundoff(&self) -> f64 {
-        stored_roundoff(&self.increments, self.rounding)
+        self.unresolved + stored_roundoff(&self.increments, self.rounding)
     }
 
     /// Whether the values have fewer digits than double precision.
@@ -146,6 +148,7 @@ fn rows(snapshot: &Snapshot, coordinates: &Coordinates, before: Option<&Ensemble
             Row {
                 largest,
                 rounding,
+                unresolved: (grain.as_ref()).map_or(0.0, |grain| grain.of_unresolved(i)),
                 increments,
                 roughness,
             }
