@@ -5,6 +5,7 @@
 //! tables of docs/truth.md.
 
 mod breaks;
+mod coarse;
 mod constraint;
 mod control;
 mod follow;
@@ -54,7 +55,7 @@ macro_rules! families {
 }
 
 const FAMILIES: &[Family] = families![
-    units, precision, tolerance, constraint, sizes, orders, small, breaks, rules, periodic
+    units, precision, coarse, tolerance, constraint, sizes, orders, small, breaks, rules, periodic
 ];
 
 /// One in so many members runs in the normal tests.
