@@ -6,6 +6,7 @@
 
 mod breaks;
 mod budgets;
+mod coarse;
 mod constraint;
 mod control;
 mod follow;
@@ -55,7 +56,7 @@ macro_rules! families {
 }
 
 const FAMILIES: &[Family] = families![
-    units, precision, tolerance, constraint, sizes, orders, small, breaks, rules, periodic
+    units, precision, coarse, tolerance, constraint, sizes, orders, small, breaks, rules, periodic
 ];
 
 /// One in so many members runs in the normal tests.

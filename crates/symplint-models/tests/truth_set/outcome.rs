@@ -48,7 +48,7 @@ pub fn diagnose(subject: &Subject) -> Result<Diagnosis, symplint::Error> {
             let unit = match rounding {
                 Rounding::Single => Snapshot::SINGLE,
                 Rounding::Digits(count) => 0.5 * 10f64.powi(1 - *count as i32),
-                Rounding::None | Rounding::Decimals(_) => Snapshot::DOUBLE,
+                Rounding::None | Rounding::Decimals(_) | Rounding::Multiples(_) => Snapshot::DOUBLE,
             };
             let snapshot = |mut states: Ensemble| {
                 let mut block = states.block();

@@ -11,6 +11,8 @@ pub enum Rounding {
     Decimals(i32),
     /// To so many significant digits.
     Digits(usize),
+    /// To multiples of any number.
+    Multiples(f64),
 }
 
 impl Rounding {
@@ -23,6 +25,7 @@ impl Rounding {
                 let unit = 10f64.powi(count);
                 (value * unit).round() / unit
             }
+            Rounding::Multiples(unit) => (value / unit).round() * unit,
             Rounding::Digits(count) => format!("{value:.*e}", count - 1).parse().unwrap(),
         }
     }
@@ -33,6 +36,7 @@ impl Rounding {
             Rounding::None => f64::EPSILON / 2.0 * value,
             Rounding::Single => f64::from(f32::EPSILON) / 2.0 * value,
             Rounding::Decimals(count) => 0.5 * 10f64.powi(-count),
+            Rounding::Multiples(unit) => 0.5 * unit,
             Rounding::Digits(count) => 5.0 * 10f64.powi(-(count as i32)) * value,
         }
     }

@@ -184,3 +184,125 @@ fn degrees_of_freedom_at_rest_are_rounded_too() {
         }
     }
 }
+
+fn rounded_to(unit: f64) -> impl TimeAdvance {
+    PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+        p[0] -= 0.5 * h * q[0].sin();
+        q[0] += h * p[0];
+        p[0] -= 0.5 * h * q[0].sin();
+        for x in [q, p] {
+            x[0] = (x[0] / unit).round() * unit;
+        }
+    })
+}
+
+/// Loops of a few grains, down to those of which rounding leaves a point: the numbers decide nothing, the advice is to
+/// return more digits, and no evaluations are spent below the floor.
+#[test]
+fn few_levels_in_any_unit_convict_nobody() {
+    let degree = std::f64::consts::PI / 180.0;
+    for unit in [1e-3, 1e-3 * degree, 1e-3 * 0.0254, 1e-3 / 3.0] {
+        let map = rounded_to(unit);
+        for (q0, levels) in [0.5, 3.0, 50.0].into_iter().flat_map(|q0| {
+            [0.02, 0.2, 2.0, 5.0, 20.0, 60.0, 300.0, 2000.0].map(|levels| (q0, levels))
+        }) {
+            let on = Circle::new(vec![q0], vec![0.3], 0.5 * levels * unit).unwrap();
+            for budget in [Some(200), Some(1_000), Some(20_000), None] {
+                let found = check(&map, &on, Rule::Auto, budget);
+                let title = format!("{unit:e}, {levels} levels round {q0}, budget {budget:?}");
+                assert_rounding_decides(&found, &title);
+            }
+            for rule in [
+                Rule::Pseudospectral,
+                Rule::Streaming(Default::default()),
+                Rule::Piecewise(Piecewise::default()),
+            ] {
+                let title = format!("{unit:e}, {levels} levels round {q0}, {rule:?}");
+                assert_rounding_decides(&check(&map, &on, rule, None), &title);
+            }
+        }
+    }
+}
+
+/// Forces in single precision, and single precision that is returned in other units, on loops of any size.
+#[test]
+fn loops_of_a_few_units_of_single_precision_convict_nobody() {
+    let degree = std::f64::consts::PI / 180.0;
+    let degrees = move |h: f64, q: &mut [f64], p: &mut [f64]| {
+        p[0] -= h * q[0].sin();
+        q[0] += h * p[0];
+        for x in [q, p] {
+            x[0] = f64::from((x[0] / degree) as f32) * degree;
+        }
+    };
+    for (name, map) in [
+        named("pendulum", pendulum32),
+        named("force", force32),
+        named("degrees", degrees),
+    ] {
+        for (q0, radius) in [0.5, 3.0, 50.0]
+            .into_iter()
+            .flat_map(|q0| [1e-6, 1e-5, 1e-4, 1e-3, 1e-2].map(|radius| (q0, radius)))
+        {
+            let on = Circle::new(vec![q0], vec![0.3], radius).unwrap();
+            for budget in [Some(200), Some(1_000), Some(20_000), None] {
+                let found = check(&*map, &on, Rule::Auto, budget);
+                let title = format!("{name}, r = {radius} round {q0}, budget {budget:?}");
+                let kind = found.verdict.kind;
+                let right = matches!(kind, VerdictKind::Symplectic | VerdictKind::Undecided);
+                assert!(right, "{title}: {}", found.verdict);
+                let made = found.evidence.evaluations.made;
+                assert!(made <= 50_000, "{title}: {made} evaluations");
+            }
+        }
+    }
+}
+
+/// What is undecided is so because of rounding, and not more than 50,000 evaluations show it.
+fn assert_rounding_decides(found: &Diagnosis, title: &str) {
+    let verdict = &found.verdict;
+    assert_eq!(verdict.kind, VerdictKind::Undecided, "{title}: {verdict}");
+    let advice = verdict.advice();
+    let first = advice.first().map_or("", String::as_str);
+    assert!(
+        !advice
+            .iter()
+            .any(|line| line.contains("smoother interpolation")),
+        "{title}: {advice:?}"
+    );
+    let by_budget = first.contains("budget") || first.contains("evaluations");
+    assert!(
+        first.contains("more digits") || by_budget,
+        "{title}: {advice:?}"
+    );
+    assert_eq!(found.evidence.survey.singular, None, "{title}");
+    let made = found.evidence.evaluations.made;
+    assert!(made <= 50_000, "{title}: {made} evaluations");
+}
+
+/// A force that jumps by far more than a grain, and a defect far above it.
+#[test]
+fn coarse_output_hides_no_large_break_and_no_large_defect() {
+    let degree = 1e-3 * std::f64::consts::PI / 180.0;
+    for unit in [1e-3, degree] {
+        let on = Circle::new(vec![0.3], vec![0.4], 1.0).unwrap();
+        let broken = PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+            p[0] -= h * (q[0].sin() + if q[0] > 0.5 { 0.2 } else { -0.2 });
+            q[0] += h * p[0];
+            for x in [q, p] {
+                x[0] = (x[0] / unit).round() * unit;
+            }
+        });
+        let found = check(&broken, &on, Rule::Auto, None).verdict;
+        assert_eq!(found.kind, VerdictKind::BrokenLoops, "{found}");
+        let damped = PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+            p[0] = 0.9 * p[0] - h * q[0].sin();
+            q[0] += h * p[0];
+            for x in [q, p] {
+                x[0] = (x[0] / unit).round() * unit;
+            }
+        });
+        let found = check(&damped, &on, Rule::Auto, None).verdict;
+        assert_eq!(found.kind, VerdictKind::NotSymplectic, "{found}");
+    }
+}

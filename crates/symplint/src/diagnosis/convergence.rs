@@ -1,6 +1,6 @@
 //! When twice the samples are not worth it.
 
-use super::limits::{ENOUGH, LARGEST_NOISE, STALLED};
+use super::limits::{ENOUGH, LARGEST_NOISE, OF_ROUNDING, STALLED};
 use crate::evidence::MOST_CELLS_APART;
 use crate::rules::Advanced;
 
@@ -32,20 +32,27 @@ impl Convergence {
         }
     }
 
-    /// Takes in what the samples, twice as many as the last ones, show.
-    pub fn proceed(&mut self, advanced: &Advanced) -> Standing {
+    /// Takes in what the samples, twice as many as the last ones, show. Where the map rounds, independent errors of so
+    /// many samples leave `of_rounding` of the integral, relative to it: twice the samples gain √2.
+    pub fn proceed(&mut self, advanced: &Advanced, of_rounding: Option<f64>) -> Standing {
         let error = advanced.defect.quadrature_error.unwrap_or(f64::INFINITY);
-        self.stalls = match error < LARGEST_NOISE && error * STALLED > self.last_error {
+        // Where the map rounds, any error that does not fall is noise.
+        let (noise, most_stalls) = match of_rounding {
+            Some(_) => (f64::INFINITY, 1),
+            None => (LARGEST_NOISE, 2),
+        };
+        self.stalls = match error <= noise && error * STALLED >= self.last_error {
             true => self.stalls + 1,
             false => 0,
         };
         self.last_error = error;
-        let wanted = ENOUGH.max(4.0 * advanced.defect.roundoff);
+        let floor = OF_ROUNDING * of_rounding.unwrap_or(0.0);
+        let wanted = ENOUGH.max(4.0 * advanced.defect.roundoff).max(floor);
         Standing {
             error,
             wanted,
             enough: error <= wanted,
-            stalled: self.stalls >= 2,
+            stalled: self.stalls >= most_stalls,
             resolves_grid: advanced.cells_apart <= MOST_CELLS_APART,
         }
     }

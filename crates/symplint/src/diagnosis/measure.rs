@@ -4,7 +4,7 @@ mod domain;
 mod other_loops;
 
 use super::initial_samples::InitialSamples;
-use super::limits::{KEPT_PART, LEAST_BUDGET, LEAST_FOR_PRECISION};
+use super::limits::{KEPT_PART, LEAST_BUDGET};
 use super::plan::{self, Plan};
 use super::probe::{Known, Probe};
 use super::refined_samples::RefinedSamples;
@@ -193,15 +193,15 @@ impl Run<'_> {
             self.largest,
             self.plan.purity_samples,
         )?;
-        if self.count.budget() >= LEAST_FOR_PRECISION {
-            match survey::is_single_inside(subject, self.largest) {
-                Ok(true) => evaluator.note_single_inside(),
-                // Samples of the loop will show it, or miss it.
-                Err(error) if of_the_map(&error) => {}
-                found => {
-                    found?;
-                }
+        match survey::rounding_inside(subject, self.largest) {
+            Ok(None) => {}
+            Ok(Some(grains)) => {
+                evaluator.note_rounding_inside(grains);
+                self.evidence.survey.single_inside = true;
             }
+            // Samples of the loop will show it, or miss it.
+            Err(error) if of_the_map(&error) => {}
+            Err(error) => return Err(error),
         }
         self.evidence.evaluations.purity = self.count.made() - start;
         let given = self.given_loop(subject)?;
@@ -243,7 +243,8 @@ impl Run<'_> {
             Some(seen) => seen,
             None => survey::of_few_samples(subject, self.largest)?,
         };
-        self.evidence.survey.output_precision = seen.output_precision;
+        let of_grain = || survey::of_grain(&*subject.evaluator.grain()?);
+        self.evidence.survey.output_precision = seen.output_precision.or_else(of_grain);
 
         let mut given = LoopEvidence::new(0, LoopKind::Given);
         given.rule = probe.rule.kind();

@@ -6,8 +6,8 @@
 //! small: the next budget then says more.
 
 use super::limits::{
-    CONTRACTION, DOMAIN_PART, LARGEST_BUDGET, LEAST_FOR_PRECISION, MOST_SAMPLES, OF_PIECES,
-    STEEPER, STRETCHED, TWO_DOUBLINGS,
+    CONTRACTION, DOMAIN_PART, LARGEST_BUDGET, MOST_SAMPLES, OF_PIECES, STEEPER, STRETCHED,
+    TWO_DOUBLINGS,
 };
 use super::plan::Plan;
 use super::{Diagnostic, SampleCount};
@@ -65,11 +65,7 @@ impl Diagnostic {
     ) -> Option<usize> {
         let enough = |budget: usize| {
             let plan = self.plan(subject, budget);
-            // A tight budget did not look for single precision.
-            let looks = match budget >= LEAST_FOR_PRECISION {
-                true => evidence.evaluations.purity + survey::PRECISION_STATES,
-                false => evidence.evaluations.purity,
-            };
+            let looks = evidence.evaluations.purity;
             let left = budget.saturating_sub(looks + plan.jacobian + plan.domain);
             let most = match self.samples {
                 SampleCount::Fixed(_) => plan.first_samples,

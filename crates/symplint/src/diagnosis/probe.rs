@@ -101,6 +101,13 @@ impl<'a> Probe<'a> {
         .map(|advanced| self.rounded(advanced))
     }
 
+    /// What rounding of as many samples leaves of the integral, relative to it, where the map rounds.
+    pub fn of_rounding(&self) -> Option<f64> {
+        let grain = self.subject.evaluator.grain()?;
+        let of_samples = grain.of_samples(self.samples, self.subject.coordinates());
+        Some(of_samples / self.initial.value.abs()).filter(|part| *part > 0.0)
+    }
+
     /// With what the grain of the map leaves of the integral.
     fn rounded(&self, mut advanced: Advanced) -> Advanced {
         if let Some(grain) = self.subject.evaluator.grain() {
@@ -134,6 +141,7 @@ impl<'a> Probe<'a> {
                 self.measure_samples(after, h)?
             }
             false => {
+                self.subject.learn_grain(h)?;
                 let samples = Samples::Count(self.samples);
                 let advanced = self
                     .integrator

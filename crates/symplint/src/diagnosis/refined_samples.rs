@@ -1,6 +1,9 @@
 //! Samples that are doubled without making or advancing any of them twice.
 
+use super::limits::{COARSE, GRAINS_ROUND, MOST_ROUNDED};
+use super::measure::of_the_map;
 use crate::error::{Error, StateAt};
+use crate::map::Grain;
 use crate::rules::Subject;
 use crate::state::{Ensemble, coordinate};
 
@@ -29,6 +32,29 @@ impl<'a> RefinedSamples<'a> {
             before,
             after,
         })
+    }
+
+    /// So many samples, or fewer where the map rounds: neighbours that are nearer than a grain show its stairs and not
+    /// the loop.
+    pub fn down_to_the_grain(subject: Subject<'a>, samples: usize, h: f64) -> Result<Self, Error> {
+        // An error is that of the first of all samples.
+        Self::coarse_first(subject, samples, h).or_else(|error| match of_the_map(&error) {
+            true => RefinedSamples::new(subject, samples, h),
+            false => Err(error),
+        })
+    }
+
+    fn coarse_first(subject: Subject<'a>, samples: usize, h: f64) -> Result<Self, Error> {
+        let doublings = (samples / COARSE).max(1).ilog2();
+        let mut count = samples >> doublings.min(samples.trailing_zeros());
+        let mut refined = RefinedSamples::new(subject, count, h)?;
+        let grain = subject.evaluator.grain();
+        let most = grain.map_or(f64::INFINITY, |grain| most_rounded(&grain));
+        while count < samples && 2.0 * count as f64 <= most {
+            count *= 2;
+            refined.double()?;
+        }
+        Ok(refined)
     }
 
     /// Twice the samples.
@@ -63,6 +89,14 @@ impl<'a> RefinedSamples<'a> {
             *self = RefinedSamples::new(self.subject, samples, self.h)?;
         }
         Ok(())
+    }
+}
+
+/// The most samples from which doubling begins where the map has this grain; infinite where it does not round.
+pub(super) fn most_rounded(grain: &Grain) -> f64 {
+    match grain.widths() {
+        widths if widths.is_finite() => (GRAINS_ROUND * widths).min(MOST_ROUNDED),
+        _ => f64::INFINITY,
     }
 }
 

@@ -3,13 +3,13 @@
 use super::convergence::Convergence;
 use super::initial_samples::InitialSamples;
 use super::limits::{
-    AGREEMENT, CUTOFF, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES, MOST_KINKED,
-    MOST_SAMPLES, MOST_STREAMED, MOST_TRIED, SMALL,
+    AGREEMENT, COARSE, CUTOFF, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES,
+    MOST_KINKED, MOST_SAMPLES, MOST_STREAMED, MOST_TRIED, SMALL,
 };
 use super::memory::fits;
 use super::plan::{Plan, power_below};
 use super::probe::Probe;
-use super::refined_samples::RefinedSamples;
+use super::refined_samples::{RefinedSamples, most_rounded};
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
 use crate::evidence::WEAKEST_BOUND;
@@ -37,13 +37,20 @@ impl Diagnostic {
     ) -> Result<Probe<'a>, Error> {
         let dof = subject.dof();
         let first = with.plan.first_samples;
+        let first_of_rule = match self.rule {
+            Rule::Streaming(_) | Rule::Piecewise(_) => {
+                self.down_to_the_grain(subject, first, with.h)?
+            }
+            _ => first,
+        };
         match self.rule {
             Rule::Auto if self.must_stream(dof) => {
                 let rule = Rule::Streaming(self.streaming());
                 Ok(self.streamed(subject, rule, with, first)?.0)
             }
-            Rule::Streaming(_) => Ok(self.streamed(subject, self.rule, with, first)?.0),
+            Rule::Streaming(_) => Ok(self.streamed(subject, self.rule, with, first_of_rule)?.0),
             Rule::Piecewise(piecewise) => {
+                let first = first_of_rule;
                 let of_pieces = with.allowance.saturating_sub(first);
                 let rule = Rule::Piecewise(Piecewise {
                     tolerance: piecewise.tolerance.max(with.plan.tolerance),
@@ -64,12 +71,33 @@ impl Diagnostic {
                 if !auto && 2 * fewest > most {
                     return self.measured(Probe::new(subject, self.rule, fewest)?, with, look);
                 }
-                let mut refined = RefinedSamples::new(subject, fewest, with.h)?;
+                let mut refined = match self.samples {
+                    SampleCount::Auto => {
+                        RefinedSamples::down_to_the_grain(subject, fewest, with.h)?
+                    }
+                    SampleCount::Fixed(_) => RefinedSamples::new(subject, fewest, with.h)?,
+                };
                 let probe = self.doubled(subject, with, &mut refined, most);
                 look(&refined.after);
                 probe
             }
         }
+    }
+
+    /// So many samples of a rule that does not double them, or fewer where the map rounds.
+    fn down_to_the_grain(
+        &self,
+        subject: Subject<'_>,
+        samples: usize,
+        h: f64,
+    ) -> Result<usize, Error> {
+        if self.samples != SampleCount::Auto || samples <= COARSE {
+            return Ok(samples);
+        }
+        subject.learn_grain(h)?;
+        let grain = subject.evaluator.grain();
+        let most = grain.map_or(f64::INFINITY, |grain| most_rounded(&grain));
+        Ok(samples.min(power_below(most.min(1e9) as usize).max(COARSE)))
     }
 
     /// The probe with its step measured.
@@ -110,7 +138,8 @@ impl Diagnostic {
                     false => Ok(probe.knowing(h, advanced, spent())),
                 };
             }
-            let standing = convergence.proceed(&advanced);
+            let of_rounding = probe.of_rounding();
+            let standing = convergence.proceed(&advanced, of_rounding);
             let error = standing.error;
             let samples = refined.before.samples();
             let all = 2 * samples > most || !has_left(samples);
@@ -120,6 +149,14 @@ impl Diagnostic {
             let fall = refined.before.samples() as f64 / most as f64;
             let expected = kinked.map_or(0.0, |s| error * fall.powf(2.0 * s - 1.0));
             let probe = probe.knowing(h, advanced, spent());
+            // More samples would resolve the stairs of rounding, which pieces do not follow.
+            if auto && of_rounding.is_some() && !standing.enough && pieces.is_none() {
+                pieces = self.tried(subject, refined, with, start)?;
+                match pieces {
+                    Some((pieces, of_pieces)) if of_pieces < error => return Ok(pieces),
+                    tried => pieces = tried,
+                }
+            }
             if standing.is_done() || all {
                 // Where twice the samples gain nothing there is noise, and no rule does better.
                 if !auto || standing.enough || standing.stalled || error <= with.plan.tolerance {
@@ -249,7 +286,7 @@ impl Diagnostic {
             let probe = Probe::new(subject, rule, samples)?;
             let probe = self.measured(probe, with, &mut nothing_to_see)?;
             let known = probe.known(with.h).expect("it was just measured");
-            let standing = convergence.proceed(&known.advanced);
+            let standing = convergence.proceed(&known.advanced, probe.of_rounding());
             let spent = count.made() - start;
             // A break is one with any number of samples.
             let broken = !known.advanced.breaks.is_empty();

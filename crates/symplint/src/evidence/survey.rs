@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 pub struct Survey {
     /// How coarsely the map rounds the states that it returns, if it does more than double precision does.
     pub output_precision: Option<OutputPrecision>,
+    /// Whether the map works in single precision inside, whatever it returns.
+    #[serde(default)]
+    pub single_inside: bool,
     /// The relative rounding error of the states, where it was stated and is above that of double precision.
     #[serde(default)]
     pub stated_roundoff: Option<f64>,
@@ -21,9 +24,9 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Whether states have fewer digits than double precision.
+    /// Whether states, or what they come of, have fewer digits than double precision.
     pub fn is_rounded(&self) -> bool {
-        self.output_precision.is_some() || self.stated_roundoff.is_some()
+        self.output_precision.is_some() || self.single_inside || self.stated_roundoff.is_some()
     }
 }
 
@@ -74,6 +77,8 @@ pub enum OutputFormat {
         /// Digits.
         digits: usize,
     },
+    /// Multiples of the unit.
+    Multiples,
     /// Single precision.
     Single,
     /// Binary numbers of so many significant digits: 11 of half precision, 8 of bfloat16.

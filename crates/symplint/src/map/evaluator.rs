@@ -1,11 +1,11 @@
 //! The one place where maps are called.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 
 use rayon::prelude::*;
 
-use super::{Constraint, Grain, ProjectedLoop, StepFailure, TangentMap, TimeAdvance};
+use super::{Before, Constraint, Grain, ProjectedLoop, StepFailure, TangentMap, TimeAdvance};
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::state::{Block, Coordinates, Ensemble, first_error, first_not_finite};
@@ -23,8 +23,8 @@ pub(crate) struct Evaluator<'a> {
     count: &'a EvaluationCount,
     /// The grain of the states that were returned of the present loop, once there are enough of them.
     grain: RwLock<Option<Arc<Grain>>>,
-    /// Whether the map works in single precision inside.
-    single_inside: AtomicBool,
+    /// What the map rounds each coordinate to inside, where it works in single precision there.
+    inside: OnceLock<Vec<f64>>,
 }
 
 /// Evaluations made so far, and how many may be made.
@@ -98,7 +98,7 @@ impl<'a> Evaluator<'a> {
             substeps: map.substeps(),
             count,
             grain: RwLock::default(),
-            single_inside: AtomicBool::new(false),
+            inside: OnceLock::new(),
         })
     }
 
@@ -111,7 +111,7 @@ impl<'a> Evaluator<'a> {
             substeps,
             count: self.count,
             grain: RwLock::default(),
-            single_inside: AtomicBool::new(self.single_inside.load(Ordering::Relaxed)),
+            inside: self.inside.clone(),
         }
     }
 
@@ -217,11 +217,20 @@ impl<'a> Evaluator<'a> {
         value: impl Fn(usize, usize) -> f64,
     ) {
         if self.grain().is_none() {
-            let single_inside = self.single_inside.load(Ordering::Relaxed);
-            let found = Grain::of(samples, &self.coordinates, single_inside, value)
-                .map(|grain| grain.beside(phase_loop));
+            let inside = self.inside.get().map(Vec::as_slice);
+            let before = |count: usize| match Ensemble::sample(phase_loop, count) {
+                Ok(before) => Before::Exact(before),
+                Err(_) => Before::Unknown,
+            };
+            let found = Grain::of(samples, &self.coordinates, inside, value, before);
             *self.grain.write().unwrap_or_else(PoisonError::into_inner) = found.map(Arc::new);
         }
+    }
+
+    /// Takes note that the map rounds each coordinate to this inside.
+    pub fn note_rounding_inside(&self, grains: Vec<f64>) {
+        // It is looked at once.
+        let _ = self.inside.set(grains);
     }
 
     /// Another loop is advanced from now on: its grain is not known.
@@ -233,11 +242,6 @@ impl<'a> Evaluator<'a> {
     pub fn grain(&self) -> Option<Arc<Grain>> {
         let grain = self.grain.read().unwrap_or_else(PoisonError::into_inner);
         grain.clone()
-    }
-
-    /// Takes note that the map works in single precision inside.
-    pub fn note_single_inside(&self) {
-        self.single_inside.store(true, Ordering::Relaxed);
     }
 
     /// The same for blocks of `width` samples each, of which the first begins with sample `first`.

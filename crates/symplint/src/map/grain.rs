@@ -1,7 +1,6 @@
 //! The grain of a map: the distance of neighbouring values that it returns.
 
-use crate::loops::Loop;
-use crate::signal::{Digits, Extent, Format, SINGLE, Turns};
+use crate::signal::{Digits, Extent, Format, Levels, SINGLE, Turns};
 use crate::state::{Coordinates, Ensemble, coordinate, period};
 
 /// Samples that are looked at: more than the different values that tell a format.
@@ -12,6 +11,13 @@ const FEWEST: usize = 24;
 
 /// In more degrees of freedom a grain takes too much memory.
 const MOST_DOF: usize = 1 << 16;
+
+/// Values are few where each is that of so many samples, or more. On a circle two samples have each value; where it
+/// runs twice round, four have, but at its ends.
+const FEW: usize = 4;
+
+/// Increments of a straight line differ by so many roundings of its largest value.
+const ROUNDINGS: f64 = 8.0;
 
 /// A jump of no more than this many grains may be rounding: each of several operations of a step rounds.
 const GRAINS_OF_A_JUMP: f64 = 16.0;
@@ -24,28 +30,56 @@ const STAIRS: f64 = 4.0;
 const MOST_OF_OTHERS: f64 = 3e-3;
 
 /// By how much rounding moves each coordinate, where a map returns numbers of fewer digits than double precision:
-/// single precision, or decimals.
+/// single precision, decimals, or multiples of anything.
 ///
 /// That is the distance of its neighbouring values, or more: what is rounded in one coordinate moves the others in the
 /// next substep. So the largest relative to the range of its coordinate counts for both of a degree of freedom, and
 /// what is typical of all positions, or all momenta, for every one.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Grain {
-    /// Distance of neighbouring values of each coordinate.
+    /// Distance of neighbouring values of each coordinate, as the map returns them.
+    output: Vec<f64>,
+    /// The same, or what it rounds to inside.
     units: Vec<f64>,
     /// By how much rounding of all of them moves it.
     sizes: Vec<f64>,
     ranges: Vec<f64>,
+    /// Whether rounding leaves it so few values that a jump is not told from a step between two of them.
+    unresolved: Vec<bool>,
+}
+
+/// What is known of the loop before the step, as some equispaced samples of it.
+pub(crate) enum Before {
+    Unknown,
+    /// What the map made the states of.
+    Exact(Ensemble),
+    /// What somebody wrote of it, with as few digits as the states.
+    Written(Ensemble),
+}
+
+/// What the samples of one coordinate show.
+struct Seen {
+    unit: f64,
+    range: f64,
+    /// How many different values they take, if these are few.
+    few: Option<usize>,
+    /// The least difference of these.
+    least: Option<f64>,
 }
 
 impl Grain {
-    /// From coordinates c of states k round a loop that the map returned; `None` of too few. A map that works in
-    /// single precision inside rounds to that at least.
+    /// From coordinates c of states k round a loop that the map returned; `None` of too few. A map that works with
+    /// fewer digits inside rounds each coordinate to `inside` at least.
+    ///
+    /// `before` makes so many samples of the loop before the step. Where that has few digits itself, what comes of it
+    /// may have few, and is not rounded; but numbers of single precision are: a code that works in it reads such
+    /// ones. And few values are rounding only where the loop had more.
     pub fn of(
         samples: usize,
         coordinates: &Coordinates,
-        single_inside: bool,
+        inside: Option<&[f64]>,
         value: impl Fn(usize, usize) -> f64,
+        before: impl FnOnce(usize) -> Before,
     ) -> Option<Self> {
         let dof = coordinates.dof();
         if samples < FEWEST || !Self::is_affordable(dof) {
@@ -53,49 +87,27 @@ impl Grain {
         }
         let every = samples.div_ceil(SAMPLES);
         let of_coordinate = |c: usize| {
-            let (mut digits, mut extent) = (Digits::default(), Extent::default());
-            let (mut turns, mut largest) = (Turns::default(), 0.0f64);
-            for k in (0..samples).step_by(every) {
-                digits.add(value(c, k));
-                extent.include(turns.unwrap(value(c, k), period(coordinates, c)));
-                largest = largest.max(value(c, k).abs());
-            }
-            let unit = digits.few().map_or(0.0, |(_, unit)| unit);
-            let inside = match single_inside {
-                true => f64::from(f32::EPSILON) * largest,
-                false => 0.0,
-            };
-            (unit.max(inside), extent.length())
+            let values = (0..samples).step_by(every).map(|k| value(c, k));
+            Seen::of(values, period(coordinates, c))
         };
-        let (units, ranges): (Vec<f64>, Vec<f64>) = (0..2 * dof).map(of_coordinate).unzip();
-        let sizes = spread(&units, &ranges);
+        let mut seen: Vec<Seen> = (0..2 * dof).map(of_coordinate).collect();
+        let looks_rounded = |seen: &Seen| seen.unit > 0.0 || seen.few.is_some();
+        if seen.iter().any(looks_rounded) {
+            correct(&mut seen, &before(samples.div_ceil(every)));
+        }
+        let output: Vec<f64> = seen.iter().map(|seen| seen.unit).collect();
+        let mut units = output.clone();
+        for (unit, inside) in units.iter_mut().zip(inside.unwrap_or_default()) {
+            *unit = unit.max(*inside);
+        }
+        let ranges: Vec<f64> = seen.iter().map(|seen| seen.range).collect();
         Some(Grain {
+            sizes: spread(&units, &ranges),
+            output,
             units,
-            sizes,
             ranges,
+            unresolved: seen.iter().map(|seen| seen.few.is_some()).collect(),
         })
-    }
-
-    /// Without those of coordinates that have few digits before the step: what comes of few digits may have few itself,
-    /// and is not rounded. Numbers of single precision are: a code that works in it reads such ones.
-    pub fn beside(mut self, phase_loop: &dyn Loop) -> Self {
-        if self.units.iter().all(|unit| *unit == 0.0) {
-            return self;
-        }
-        let dof = phase_loop.dof();
-        let s: Vec<f64> = (0..SAMPLES).map(|k| k as f64 / SAMPLES as f64).collect();
-        let mut states = Ensemble::zeros(dof, SAMPLES);
-        phase_loop.sample(&s, &mut states.block());
-        for (c, unit) in self.units.iter_mut().enumerate() {
-            let mut digits = Digits::default();
-            coordinate(&states, c).iter().for_each(|&x| digits.add(x));
-            let single = Format::Binary(SINGLE);
-            if *unit > 0.0 && digits.few().is_some_and(|(format, _)| format != single) {
-                *unit = 0.0;
-            }
-        }
-        self.sizes = spread(&self.units, &self.ranges);
-        self
     }
 
     /// Whether a grain of so many degrees of freedom fits into little memory.
@@ -103,10 +115,18 @@ impl Grain {
         dof <= MOST_DOF
     }
 
-    /// The largest unit, as a part of the range of its coordinate.
-    pub fn largest_part(&self) -> f64 {
-        let moving = (self.units.iter().zip(&self.ranges)).filter(|(_, range)| **range > 0.0);
-        moving.map(|(unit, range)| unit / range).fold(0.0, f64::max)
+    /// Degrees of freedom.
+    pub fn dof(&self) -> usize {
+        self.units.len() / 2
+    }
+
+    /// The coordinate whose values are furthest apart on the scale of its range, of those that the map rounds as it
+    /// returns them, and how far.
+    pub fn coarsest(&self) -> Option<(usize, f64)> {
+        let rounded = (0..self.units.len()).filter(|&c| self.output[c] > 0.0);
+        let part = |c: usize| self.output[c] / self.ranges[c];
+        let coarsest = rounded.max_by(|&a, &b| part(a).total_cmp(&part(b)))?;
+        Some((coarsest, self.output[coarsest]))
     }
 
     /// Of a coordinate, positions first; 0 where it has all digits of double precision.
@@ -114,27 +134,150 @@ impl Grain {
         self.sizes[c]
     }
 
-    /// What rounding makes of a loop integral, about: of one round by round it is off by the width of a stair, but
-    /// stairs on both sides of it undo each other, all but the root of their number.
-    pub fn of_integral(&self, coordinates: &Coordinates) -> f64 {
+    /// Whether rounding moves a coordinate at all.
+    pub fn is_rounded(&self, c: usize) -> bool {
+        self.sizes[c] > 0.0
+    }
+
+    /// How many grains the widest coordinate of the loop has; infinite where none is rounded.
+    pub fn widths(&self) -> f64 {
+        let rounded = self.sizes.iter().zip(&self.ranges);
+        let of = rounded.filter(|(size, _)| **size > 0.0);
+        let widest = of.map(|(size, range)| range / size).fold(0.0, f64::max);
+        if widest > 0.0 { widest } else { f64::INFINITY }
+    }
+
+    /// What independent rounding of so many samples makes of a loop integral, about. Each state is off by 1/√12 of a
+    /// grain; what p·dq is off in all of them adds up as the root of their number.
+    pub fn of_samples(&self, samples: usize, coordinates: &Coordinates) -> f64 {
         let dof = coordinates.dof();
         let of_dof = |i: usize| {
-            let of = |c: usize, other: usize| {
-                let part = match self.ranges[c] > 0.0 {
-                    true => (self.sizes[c] / self.ranges[c]).min(1.0).sqrt(),
-                    false => 0.0,
-                };
-                self.sizes[c] * part * (self.ranges[other] + self.sizes[other])
-            };
-            coordinates.weight(i).abs() * (of(i, dof + i) + of(dof + i, i))
+            let [q, p] = [i, dof + i].map(|c| (self.sizes[c], self.ranges[c]));
+            coordinates.weight(i).abs() * (q.0 * p.1).hypot(p.0 * q.1)
         };
-        STAIRS * (0..dof).map(of_dof).sum::<f64>()
+        (0..dof).map(of_dof).sum::<f64>() / (samples.max(1) as f64).sqrt()
+    }
+
+    /// What rounding makes of a loop integral, about.
+    pub fn of_integral(&self, coordinates: &Coordinates) -> f64 {
+        let of_dof = |i: usize| coordinates.weight(i).abs() * self.of_dof(i);
+        (0..coordinates.dof()).map(of_dof).sum()
+    }
+
+    /// The same in one degree of freedom, without its weight: of an integral round by round it is off by the width of a
+    /// stair, but stairs on both sides of it undo each other, all but the root of their number.
+    fn of_dof(&self, i: usize) -> f64 {
+        let dof = self.dof();
+        let of = |c: usize, other: usize| {
+            let part = match self.ranges[c] > 0.0 {
+                true => (self.sizes[c] / self.ranges[c]).min(1.0).sqrt(),
+                false => 0.0,
+            };
+            self.sizes[c] * part * (self.ranges[other] + self.sizes[other])
+        };
+        STAIRS * (of(i, dof + i) + of(dof + i, i))
+    }
+
+    /// What rounding makes of the integral of a degree of freedom, without its weight, where it leaves a coordinate so
+    /// few values that samples do not show their scatter; else 0.
+    pub fn of_unresolved(&self, i: usize) -> f64 {
+        match self.unresolved[i] || self.unresolved[self.dof() + i] {
+            true => self.of_dof(i),
+            false => 0.0,
+        }
     }
 
     /// Whether a jump of a coordinate is larger than rounding makes.
     pub fn is_exceeded(&self, c: usize, jump: f64) -> bool {
+        if self.unresolved[c] {
+            return false;
+        }
         let of_others = self.sizes[c].min(MOST_OF_OTHERS * self.ranges[c]);
         jump.abs() > GRAINS_OF_A_JUMP * self.units[c].max(of_others)
+    }
+}
+
+impl Seen {
+    fn of(values: impl Iterator<Item = f64>, period: f64) -> Self {
+        let (mut digits, mut extent, mut turns) =
+            (Digits::default(), Extent::default(), Turns::default());
+        let values: Vec<f64> = values.collect();
+        let mut unwrapped = Vec::with_capacity(values.len());
+        for &value in &values {
+            digits.add(value);
+            unwrapped.push(turns.unwrap(value, period));
+        }
+        unwrapped.iter().for_each(|&x| extent.include(x));
+        let levels = Levels::of(values.iter().copied());
+        let of_digits = digits.few().map(|(_, unit)| unit);
+        // Equispaced samples of a straight line are at equal distances, and not rounded.
+        let mut increments = Extent::default();
+        (unwrapped.windows(2)).for_each(|x| increments.include(x[1] - x[0]));
+        let is_line = increments.length() <= ROUNDINGS * f64::EPSILON * extent.magnitude();
+        let spacing = levels.spacing().filter(|_| !is_line);
+        let unit = of_digits.into_iter().chain(spacing);
+        Seen {
+            unit: unit.fold(0.0, f64::max),
+            range: extent.length(),
+            few: Some(levels.count()).filter(|count| FEW * count <= values.len()),
+            least: levels.least_difference(),
+        }
+    }
+
+    /// Takes few values, where the loop had `before` them, for rounded ones.
+    fn compare(&mut self, before: &[f64], written: bool) {
+        let every = before.len().div_ceil(SAMPLES).max(1);
+        let had = Levels::of(before.iter().step_by(every).copied()).count();
+        let has_fewer = |count: usize| 2 * count < had || (written && had.max(count) > 1);
+        self.few = self.few.filter(|&count| has_fewer(count));
+        if self.few.is_some() {
+            self.unit = self.unit.max(self.least.unwrap_or(0.0));
+            // It is a few grains wide, or less.
+            self.range = self.range.max(Extent::of(before).length());
+        }
+    }
+}
+
+/// Corrects what all coordinates show by what is known of the loop before the step.
+fn correct(seen: &mut [Seen], before: &Before) {
+    let (states, written) = match before {
+        Before::Unknown => (None, true),
+        Before::Exact(states) => (Some(states), false),
+        Before::Written(states) => (Some(states), true),
+    };
+    for (c, seen) in seen.iter_mut().enumerate() {
+        match states {
+            Some(states) => seen.compare(coordinate(states, c), written),
+            None => seen.compare(&[], written),
+        }
+    }
+    if let Some(states) = states.filter(|_| !written)
+        && (0..seen.len()).any(|c| has_few_digits(coordinate(states, c)))
+    {
+        seen.iter_mut()
+            .for_each(|seen| (seen.unit, seen.few) = (0.0, None));
+    }
+    // Of one value alone nobody knows whether it is rounded, unless the other coordinate of its kind is.
+    let dof = seen.len() / 2;
+    let is_rounded = |seen: &Seen| seen.unit > 0.0 || seen.few.is_some();
+    let rounded: Vec<bool> = seen.iter().map(is_rounded).collect();
+    for (c, seen) in seen.iter_mut().enumerate() {
+        if seen.few == Some(1) {
+            match rounded[(c + dof) % (2 * dof)] {
+                true => seen.unit = seen.range,
+                false => seen.few = None,
+            }
+        }
+    }
+}
+
+/// Whether some numbers of the loop before the step have few digits, and more than a code in single precision reads.
+fn has_few_digits(row: &[f64]) -> bool {
+    let mut digits = Digits::default();
+    row.iter().for_each(|&x| digits.add(x));
+    match digits.few() {
+        Some((format, _)) => format != Format::Binary(SINGLE),
+        None => Levels::of(row.iter().copied()).spacing().is_some(),
     }
 }
 
@@ -174,19 +317,30 @@ mod tests {
                 0 => unit * (1.5e3 * (k as f64).sin()).round() / 1e3,
                 _ => 0.25 * (k as f64).cos() / unit,
             };
-            let grain = Grain::of(64, &Coordinates::plain(1), false, value).unwrap();
+            let grain =
+                Grain::of(64, &Coordinates::plain(1), None, value, |_| Before::Unknown).unwrap();
             assert!((grain.of_coordinate(0) / unit - 1e-3).abs() < 1e-12);
             assert!((grain.of_coordinate(1) * unit - 0.5e-3 / 3.0).abs() < 1e-6);
             assert!(grain.is_exceeded(0, -0.017 * unit) && !grain.is_exceeded(0, 0.015 * unit));
         }
-        let exact = Grain::of(64, &Coordinates::plain(1), false, |c, k| {
-            (c as f64 + 0.3 * k as f64).sin()
-        })
+        let exact = Grain::of(
+            64,
+            &Coordinates::plain(1),
+            None,
+            |c, k| (c as f64 + 0.3 * k as f64).sin(),
+            |_| Before::Unknown,
+        )
         .unwrap();
         assert_eq!(exact.sizes, [0.0; 2]);
         assert_eq!(exact.of_integral(&Coordinates::plain(1)), 0.0);
         assert_eq!(
-            Grain::of(23, &Coordinates::plain(1), false, |_, _| 0.0),
+            Grain::of(
+                23,
+                &Coordinates::plain(1),
+                None,
+                |_, _| 0.0,
+                |_| Before::Unknown
+            ),
             None
         );
     }
@@ -202,9 +356,11 @@ mod tests {
                     (x * stairs).round() / stairs
                 };
                 let grain = Grain {
+                    output: vec![1.0 / stairs; 2],
                     units: vec![1.0 / stairs; 2],
                     sizes: vec![1.0 / stairs; 2],
                     ranges: vec![2.0; 2],
+                    unresolved: vec![false; 2],
                 };
                 said = grain.of_integral(&Coordinates::plain(1));
                 let n = 100_000;
@@ -230,14 +386,16 @@ mod tests {
             let x = if c == 1 || c == 3 { 50.0 + 1e-5 * x } else { x };
             f64::from(x as f32)
         };
-        let grain = Grain::of(64, &Coordinates::plain(2), false, value).unwrap();
+        let grain =
+            Grain::of(64, &Coordinates::plain(2), None, value, |_| Before::Unknown).unwrap();
         assert!(grain.is_exceeded(0, 1e-5), "{grain:?}");
         // Not even of its own degree of freedom, but small ones.
         let value = |c: usize, k: usize| match c {
             0 => 1e-2 * (0.37 * k as f64).sin(),
             _ => f64::from((50.0 + 1e-5 * (0.37 * k as f64).cos()) as f32),
         };
-        let grain = Grain::of(64, &Coordinates::plain(1), false, value).unwrap();
+        let grain =
+            Grain::of(64, &Coordinates::plain(1), None, value, |_| Before::Unknown).unwrap();
         assert!(grain.is_exceeded(0, 1e-3), "{grain:?}");
     }
 
@@ -248,7 +406,7 @@ mod tests {
             0 => (1e-3 * (k as f64).sin()).rem_euclid(1.0),
             _ => f64::from((k as f64).cos() as f32),
         };
-        let grain = Grain::of(64, &periodic, false, value).unwrap();
+        let grain = Grain::of(64, &periodic, None, value, |_| Before::Unknown).unwrap();
         assert!(grain.of_coordinate(0) < 1e-9, "{grain:?}");
     }
 }

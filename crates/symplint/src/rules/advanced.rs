@@ -4,8 +4,8 @@ use super::{Defect, LoopIntegral, RuleKind};
 use crate::breaks::Break;
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::Evaluator;
-use crate::state::{Coordinates, Ensemble};
+use crate::map::{Evaluator, Grain};
+use crate::state::{Coordinates, Ensemble, coordinate};
 
 /// What is under test: a map and a loop to send through it.
 #[derive(Clone, Copy)]
@@ -23,6 +23,25 @@ impl<'a> Subject<'a> {
     /// Periods, weights and grid of the map.
     pub fn coordinates(&self) -> &'a Coordinates {
         self.evaluator.coordinates()
+    }
+
+    /// Samples that are advanced to learn the grain of the map, where no others stay in memory.
+    pub const SAMPLES_OF_GRAIN: usize = 32;
+
+    /// Learns the grain of the map on this loop from a few samples, if it is not known and the budget allows it.
+    ///
+    /// # Errors
+    /// Those of the map.
+    pub fn learn_grain(&self, h: f64) -> Result<(), Error> {
+        let samples = Self::SAMPLES_OF_GRAIN;
+        let evaluator = self.evaluator;
+        let affordable = Grain::is_affordable(self.dof()) && evaluator.count().left() >= samples;
+        if evaluator.grain().is_none() && affordable {
+            let mut after = Ensemble::sample(self.phase_loop, samples)?;
+            evaluator.advance(&mut after, h)?;
+            evaluator.learn_grain(self.phase_loop, samples, |c, k| coordinate(&after, c)[k]);
+        }
+        Ok(())
     }
 }
 

@@ -21,9 +21,6 @@ const FEW_BITS: i64 = 40;
 /// Different values that are needed to tell.
 const ENOUGH: u32 = 16;
 
-/// Two values of so many digits, or more, are enough: shorter ones may be what a map jumps between.
-const LONG: u8 = 3;
-
 /// The digits of all values of a coordinate so far.
 #[derive(Clone, Copy)]
 pub(crate) struct Digits {
@@ -80,10 +77,7 @@ impl Digits {
         if !(self.largest > 0.0 && self.largest.is_finite()) {
             return None;
         }
-        let different = self.seen.count_ones();
-        // A loop as small as a few roundings has few values.
-        let long = self.decimal >= LONG && different > 1;
-        if different < ENOUGH && !long {
+        if self.seen.count_ones() < ENOUGH {
             return None;
         }
         let first = self.largest.log10().floor() as i16;

@@ -8,7 +8,7 @@ use super::pieces::{Curve, Pieces, stored_roundoff};
 use crate::breaks::{Break, Jump, Roughness, find_jumps};
 use crate::error::Error;
 use crate::evidence::{FEWEST_SAMPLES, Motion, Wrap};
-use crate::map::Grain;
+use crate::map::{Before, Grain};
 use crate::rules::Defect;
 use crate::rules::{LoopIntegral, OmittedCell, Rule, RuleKind};
 use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
@@ -71,6 +71,8 @@ struct Row {
     largest: [f64; 2],
     /// Rounding errors of the stored values.
     rounding: [f64; 2],
+    /// What rounding makes of the integral, where it leaves few values.
+    unresolved: f64,
 }
 
 impl Row {
@@ -93,7 +95,7 @@ impl Row {
     }
 
     fn roundoff(&self) -> f64 {
-        stored_roundoff(&self.increments, self.rounding)
+        self.unresolved + stored_roundoff(&self.increments, self.rounding)
     }
 
     /// Whether the values have fewer digits than double precision.
@@ -116,13 +118,14 @@ impl Row {
     }
 }
 
-fn rows(snapshot: &Snapshot, coordinates: &Coordinates) -> Vec<Row> {
+/// What samples show of each degree of freedom, those `before` the step being known where they come after it.
+fn rows(snapshot: &Snapshot, coordinates: &Coordinates, before: Option<&Ensemble>) -> Vec<Row> {
     let states = &snapshot.states;
     let dof = states.dof();
     // They may be decimals, or single precision, that someone stored as doubles; and the code may have read such ones.
-    let grain = Grain::of(states.samples(), coordinates, false, |c, k| {
-        coordinate(states, c)[k]
-    });
+    let value = |c: usize, k: usize| coordinate(states, c)[k];
+    let before = |_| before.map_or(Before::Unknown, |before| Before::Written(before.clone()));
+    let grain = Grain::of(states.samples(), coordinates, None, value, before);
     let of_grain = |c: usize| {
         grain
             .as_ref()
@@ -145,6 +148,7 @@ fn rows(snapshot: &Snapshot, coordinates: &Coordinates) -> Vec<Row> {
             Row {
                 largest,
                 rounding,
+                unresolved: (grain.as_ref()).map_or(0.0, |grain| grain.of_unresolved(i)),
                 increments,
                 roughness,
             }
@@ -222,7 +226,7 @@ fn smooth(
 
 impl<'a> Initial<'a> {
     pub fn new(snapshot: &'a Snapshot, coordinates: &'a Coordinates) -> Result<Self, Error> {
-        let rows = rows(snapshot, coordinates);
+        let rows = rows(snapshot, coordinates, None);
         let integral = smooth(snapshot, &rows, coordinates)?;
         let found = breaks(&rows, snapshot.states.samples(), |_| true);
         Ok(Initial {
@@ -237,7 +241,7 @@ impl<'a> Initial<'a> {
 
     /// Integrates an advanced loop and takes its defect.
     pub fn compare(&self, after: &Snapshot) -> Result<Compared, Error> {
-        let rows = rows(after, self.coordinates);
+        let rows = rows(after, self.coordinates, Some(&self.snapshot.states));
         let mut compared = if rows.iter().any(Row::jumps) {
             self.across_jumps(after, &rows)?
         } else {

@@ -1,11 +1,11 @@
 //! Whether a map works in single precision inside, and returns all digits of double precision.
 
 use crate::error::Error;
-use crate::map::Grain;
+use crate::map::{Before, Grain};
 use crate::rules::Subject;
-use crate::signal::nearest;
 use crate::signal::noise::{POINTS, SixthDifference};
-use crate::state::{Ensemble, coordinate, period};
+use crate::signal::{Extent, nearest};
+use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 
 /// Samples of the loop whose ranges and largest values say how large single precision's rounding is.
 const SAMPLES: usize = 64;
@@ -13,55 +13,104 @@ const SAMPLES: usize = 64;
 /// Loop parameters at which the map is looked at: no two of them, nor their mirror images, coincide.
 const SITES: [f64; 4] = [0.137, 0.291, 0.604, 0.833];
 
-/// The points of a site, in stairs of single precision: stairs of any width up to some of these differ there.
-const STAIRS: [f64; POINTS] = [0.0, 1.13, 2.77, 3.83, 5.43, 6.55, 7.8];
+/// Sites that are looked at first: where none of them shows noise, no more are.
+const FIRST: usize = 2;
 
-/// On wider stairs a site would reach over kinks and breaks.
-const WIDEST_STAIR: f64 = 3e-4;
+/// The points of a site, in units of single precision, by which all coordinates are displaced at once: stairs of any
+/// width up to some of these differ there. On so short a line smooth maps have no sixth difference, and a loop of any
+/// size has one: where it is narrower, the line leaves it.
+const STAIRS: [f64; 10] = [0.0, 1.13, 2.77, 3.83, 5.43, 6.55, 7.8, 9.21, 10.37, 11.86];
 
 /// Noise of single precision is this part of what rounding makes of a coordinate at least, far above that of
 /// double precision; and no more than so many times.
 const PARTS: [f64; 2] = [0.02, 4.0];
 
-/// States that are advanced.
-pub(crate) const STATES: usize = SITES.len() * POINTS;
+/// Stairs of a unit have a standard deviation of 1/√12 of it.
+const UNITS_OF_NOISE: f64 = 3.5;
 
-/// Looks at a few states that are stairs of single precision apart. Sixth differences of smooth coordinates vanish
+/// Looks at a few states that are units of single precision apart. Sixth differences of smooth coordinates vanish
 /// there; where most sites of one coordinate show noise as large as single precision makes it, the map works in it.
+/// What it rounds each coordinate to, then.
 ///
 /// # Errors
 /// Those of the map.
-pub(crate) fn is_single_inside(subject: Subject<'_>, h: f64) -> Result<bool, Error> {
+pub(crate) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec<f64>>, Error> {
     let dof = subject.dof();
     if !Grain::is_affordable(dof) {
-        return Ok(false);
+        return Ok(None);
     }
     let samples = Ensemble::sample(subject.phase_loop, SAMPLES)?;
+    let unit = |c: usize| f64::from(f32::EPSILON) * Extent::of(coordinate(&samples, c)).magnitude();
+    let units: Vec<f64> = (0..2 * dof).map(unit).collect();
     let value = |c: usize, k: usize| coordinate(&samples, c)[k];
-    let Some(grain) = Grain::of(SAMPLES, subject.coordinates(), true, value) else {
-        return Ok(false);
+    let grain = Grain::of(SAMPLES, subject.coordinates(), Some(&units), value, |_| {
+        Before::Unknown
+    });
+    let Some(grain) = grain else {
+        return Ok(None);
     };
-    // A coordinate goes there and back.
-    let stair = 0.5 * grain.largest_part();
-    if !(stair > 0.0 && stair < WIDEST_STAIR) {
-        return Ok(false);
+    let mut noise = noise(subject, h, &SITES[..FIRST], &units)?;
+    let shows = |c: usize, noise: f64| noise > PARTS[0] * grain.of_coordinate(c);
+    let any = |of: &[f64]| (of.iter().enumerate()).any(|(c, &noise)| shows(c, noise));
+    if !noise.iter().any(|of_site| any(of_site)) {
+        return Ok(None);
     }
-    let points = SITES
-        .iter()
-        .flat_map(|site| STAIRS.map(|k| site + k * stair));
-    let s: Vec<f64> = points.collect();
-    let after = subject.evaluator.image(subject.phase_loop, h, &s)?;
-    let difference = SixthDifference::at(STAIRS);
-    let shows = |c: usize| {
-        let period = period(subject.coordinates(), c);
-        let sites = coordinate(&after, c).chunks_exact(POINTS).map(|site| {
-            let values: Vec<f64> = site.iter().map(|x| nearest(x - site[0], period)).collect();
-            difference.of(&values).abs() / grain.of_coordinate(c)
-        });
-        let noise: Vec<f64> = sites.collect();
-        let noisy = noise.iter().filter(|&&noise| noise > PARTS[0]).count();
+    noise.extend(self::noise(subject, h, &SITES[FIRST..], &units)?);
+    let is_single = |c: usize| {
+        let noisy = noise.iter().filter(|of_site| shows(c, of_site[c])).count();
+        let most = PARTS[1] * grain.of_coordinate(c);
         // The sixth difference at one site may be small. A larger one comes from a break or a kink.
-        noisy + 1 >= SITES.len() && noise.iter().all(|&noise| noise < PARTS[1])
+        noisy + 1 >= SITES.len() && noise.iter().all(|of_site| of_site[c] < most)
     };
-    Ok((0..2 * dof).any(shows))
+    if !(0..2 * dof).any(is_single) {
+        return Ok(None);
+    }
+    let inside = |c: usize| {
+        let largest = noise
+            .iter()
+            .fold(0.0, |most: f64, of_site| most.max(of_site[c]));
+        units[c].max(UNITS_OF_NOISE * largest)
+    };
+    Ok(Some((0..2 * dof).map(inside).collect()))
+}
+
+/// The root mean square of the sixth differences of each coordinate, at some sites.
+fn noise(
+    subject: Subject<'_>,
+    h: f64,
+    sites: &[f64],
+    units: &[f64],
+) -> Result<Vec<Vec<f64>>, Error> {
+    let dof = subject.dof();
+    let mut at_sites = Ensemble::zeros(dof, sites.len());
+    subject.phase_loop.sample(sites, &mut at_sites.block());
+    Ensemble::check_size(dof, sites.len() * STAIRS.len())?;
+    let mut states = Ensemble::zeros(dof, sites.len() * STAIRS.len());
+    let fill = |first: usize, block: &mut Block<'_>| {
+        for (c, unit) in units.iter().enumerate() {
+            let centres = coordinate(&at_sites, c);
+            for (k, value) in coordinate_mut(block, c).iter_mut().enumerate() {
+                let (site, point) = ((first + k) / STAIRS.len(), (first + k) % STAIRS.len());
+                *value = centres[site] + STAIRS[point] * unit;
+            }
+        }
+        Ok(())
+    };
+    subject.evaluator.advance_from(&mut states, h, fill)?;
+    // At one window of points a lattice may look straight.
+    let windows: Vec<SixthDifference> = (STAIRS.windows(POINTS))
+        .map(|at| SixthDifference::at(std::array::from_fn(|k| at[k])))
+        .collect();
+    let of_site = |site: usize| {
+        let of_coordinate = |c: usize| {
+            let period = period(subject.coordinates(), c);
+            let row = &coordinate(&states, c)[site * STAIRS.len()..(site + 1) * STAIRS.len()];
+            let values: Vec<f64> = row.iter().map(|x| nearest(x - row[0], period)).collect();
+            let differences = values.windows(POINTS).zip(&windows);
+            let squares: f64 = differences.map(|(x, of)| of.of(x).powi(2)).sum();
+            (squares / windows.len() as f64).sqrt()
+        };
+        (0..2 * dof).map(of_coordinate).collect()
+    };
+    Ok((0..sites.len()).map(of_site).collect())
 }

@@ -8,7 +8,8 @@ mod scatter;
 mod singular;
 mod windings;
 
-pub(crate) use inner_precision::{STATES as PRECISION_STATES, is_single_inside};
+pub(crate) use inner_precision::rounding_inside;
+pub(crate) use precision::of_grain;
 pub(crate) use purity::check_purity;
 pub(crate) use singular::{cost as singular_cost, singular_jacobian};
 pub(crate) use windings::wound;

@@ -3,8 +3,20 @@
 //! Such a map is symplectic to its rounding at best, which a verdict of few digits does not explain.
 
 use crate::evidence::{OutputFormat, OutputPrecision};
+use crate::map::Grain;
 use crate::signal::{Digits, Format, SINGLE};
 use crate::state::Ensemble;
+
+/// The coarsest coordinate of a map whose numbers have no short format, or too few values to show one.
+pub(crate) fn of_grain(grain: &Grain) -> Option<OutputPrecision> {
+    let (c, unit) = grain.coarsest()?;
+    Some(OutputPrecision {
+        coordinate: ['q', 'p'][c / grain.dof()],
+        dof: c % grain.dof(),
+        format: OutputFormat::Multiples,
+        unit,
+    })
+}
 
 /// The digits of the coordinates of a few samples before and after a step.
 pub(super) struct Precision {

@@ -37,7 +37,7 @@ const ERRORS: f64 = 4.0;
 /// Evaluations that it takes at most in so many degrees of freedom.
 pub(crate) fn cost(dof: usize) -> usize {
     let columns: usize = stretches(dof).iter().map(|dofs| 2 * dofs.len()).sum();
-    SITES.len() * STATES * columns
+    SITES.len() * STATES * columns + Subject::SAMPLES_OF_GRAIN
 }
 
 /// Looks at points of a loop whether the Jacobian of a step of size `h` is singular, as far as differences tell. In
@@ -50,6 +50,11 @@ pub(crate) fn singular_jacobian(
     size: &LoopSize,
     h: f64,
 ) -> Result<Option<SingularJacobian>, Error> {
+    subject.evaluator.begin_loop();
+    subject.learn_grain(h)?;
+    if rounding_hides(subject.evaluator, size) {
+        return Ok(None);
+    }
     let mut found = None;
     for s in SITES {
         let mut of_site: Option<SingularJacobian> = None;
@@ -63,6 +68,16 @@ pub(crate) fn singular_jacobian(
         }
     }
     Ok(found)
+}
+
+/// Whether the shortest differences are no more than rounding makes: of two states that are returned as one they are
+/// zero, as those of a projection are.
+fn rounding_hides(evaluator: &Evaluator<'_>, size: &LoopSize) -> bool {
+    let dof = evaluator.dof();
+    let shortest = |c: usize| 2.0 * DISTANCES[DISTANCES.len() - 1] * size.radius[c / dof][c % dof];
+    evaluator.grain().is_some_and(|grain| {
+        (0..2 * dof).any(|c| grain.is_rounded(c) && !grain.is_exceeded(c, shortest(c)))
+    })
 }
 
 /// All degrees of freedom, or some neighbouring ones.

@@ -402,6 +402,8 @@ pub enum Finding {
     },
     /// The map rounds what it returns.
     Precision(OutputPrecision),
+    /// The map works in single precision inside.
+    SingleInside,
     /// Repeated runs of one state differ by chance.
     Scatter(Scatter),
     /// What becomes of the defect in many steps.

@@ -243,6 +243,8 @@ impl<'a> Case<'a> {
             findings.push(Finding::Regularity { exponent, step });
         }
         findings.extend(evidence.survey.output_precision.map(Finding::Precision));
+        let inside = evidence.survey.single_inside && evidence.survey.output_precision.is_none();
+        findings.extend(inside.then_some(Finding::SingleInside));
         findings.extend(evidence.survey.scatter.map(Finding::Scatter));
         findings.extend(evidence.long_time.map(|steps| Finding::ManySteps {
             growth: long_time::growth(&steps),

@@ -429,6 +429,10 @@ impl Display for Finding {
                 roughness(*exponent).unwrap_or("as of a smooth function")
             ),
             Finding::Precision(precision) => fmt_precision(f, precision),
+            Finding::SingleInside => f.write_str(
+                "States that are a few units of single precision apart scatter by as much after the step: the map \
+                 works in single precision inside, or rounds as coarsely.",
+            ),
             Finding::Scatter(scatter) => write!(
                 f,
                 "Repeated runs of one state differ by chance, by {:.0e} in {} of degree of freedom {}, as sums do that \
@@ -486,6 +490,7 @@ fn fmt_jump(
 fn fmt_precision(f: &mut Formatter<'_>, precision: &OutputPrecision) -> Result {
     let format = match precision.format {
         OutputFormat::Decimal { digits } => format!("has no more than {digits} decimal digits"),
+        OutputFormat::Multiples => "takes values at equal distances".into(),
         OutputFormat::Single => "is a number of single precision".into(),
         OutputFormat::Binary { digits: 11 } => "is a number of half precision".into(),
         OutputFormat::Binary { digits: 8 } => "is a number of bfloat16".into(),

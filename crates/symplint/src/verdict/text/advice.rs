@@ -181,7 +181,8 @@ impl Display for Advice {
                  precision.",
             ),
             Advice::MoreDigits => f.write_str(
-                "Return states in double precision, unrounded (17 digits, if they are printed), to learn more.",
+                "Return more digits to learn more: compute in double precision, and do not round (17 digits, if \
+                 states are printed). Of fewer digits, a larger loop shows more.",
             ),
             Advice::OtherLoops => f.write_str(
                 "Take other loops: one that is off the symmetries of the system, and a larger one.",
