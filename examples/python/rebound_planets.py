@@ -24,7 +24,7 @@ def step_of(integrator):
         if integrator == "ias15":
             simulation.integrate(h)
         else:
-            simulation.step()
+            simulation.steps(1)
             simulation.synchronize()
         bodies = simulation.particles
         return [c for body in bodies for c in (body.x, body.y)], [c for body in bodies for c in (body.vx, body.vy)]

@@ -20,6 +20,17 @@ const TILE: usize = 64;
 /// Copies `source`, of one row for each sample, into rows of one for each degree of freedom.
 pub fn transpose<T: Number>(source: ArrayView2<'_, T>, rows: &mut RowsMut<'_>) {
     let (samples, dof) = source.dim();
+    // Samples side by side, as in the arrays that steps get and in what NumPy makes of them.
+    if source.strides()[0] == 1 {
+        for i in 0..dof {
+            let column = source.column(i);
+            let column = column.as_slice().expect("values side by side");
+            for (to, from) in rows.row_mut(i).iter_mut().zip(column) {
+                *to = from.value();
+            }
+        }
+        return;
+    }
     for first in (0..dof).step_by(TILE) {
         let dofs = first..dof.min(first + TILE);
         for begin in (0..samples).step_by(TILE) {

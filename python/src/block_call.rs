@@ -11,6 +11,10 @@ use crate::arrays::{pair, read_column, read_rows};
 use crate::calls::ends_programs;
 use crate::memory::{Memory, Number};
 
+/// Coordinates that a function gets at once, at most: with the results and some temporary arrays, positions and momenta
+/// of a batch fit into the cache of a core, and a batch is long enough that calls do not count.
+const BATCH: usize = 1 << 15;
+
 /// An exception, and the sample of the block that caused it; 0 where that is not known.
 pub struct Failed {
     pub sample: usize,
@@ -27,11 +31,33 @@ pub struct BlockCall<'py> {
 }
 
 impl<'py> BlockCall<'py> {
-    /// Calls the function for all states at once.
+    /// Calls the function for all states, a batch at a time, and says whether all are finite then.
     ///
     /// # Errors
     /// The exception that it raised, or why its result is refused.
     pub fn all<T: Number>(
+        &self,
+        kept: &mut Option<Py<Memory>>,
+        block: &mut Block<'_>,
+    ) -> Result<bool, Failed> {
+        let width = (BATCH / block.dof().max(1)).max(1);
+        let Block { q, p } = block.reborrow();
+        let batches = q.column_blocks(width).zip(p.column_blocks(width));
+        let mut finite = true;
+        for (k, (q, p)) in batches.enumerate() {
+            let mut batch = Block::new(q, p);
+            let advanced = self.batch::<T>(kept, &mut batch);
+            advanced.map_err(|failed| Failed {
+                sample: k * width + failed.sample,
+                ..failed
+            })?;
+            finite &= batch.all_finite();
+        }
+        Ok(finite)
+    }
+
+    /// Calls the function for all states at once.
+    fn batch<T: Number>(
         &self,
         kept: &mut Option<Py<Memory>>,
         block: &mut Block<'_>,
@@ -95,7 +121,7 @@ impl<'py> BlockCall<'py> {
         if fails(low..high) { low } else { 0 }
     }
 
-    /// Calls the function for one state after the other.
+    /// Calls the function for one state after the other, and says whether all are finite then.
     ///
     /// # Errors
     /// The exception that it raised, or why its result is refused.
@@ -103,7 +129,7 @@ impl<'py> BlockCall<'py> {
         &self,
         kept: &mut Option<Py<Memory>>,
         block: &mut Block<'_>,
-    ) -> Result<(), Failed> {
+    ) -> Result<bool, Failed> {
         let py = self.function.py();
         let (samples, dof) = (block.len(), block.dof());
         let memory = take_memory::<T>(py, kept, 2 * samples * dof);
@@ -142,7 +168,7 @@ impl<'py> BlockCall<'py> {
             taken.map_err(|error| Failed { sample, error })
         });
         keep_memory(memory, kept);
-        advanced
+        advanced.map(|()| block.all_finite())
     }
 
     fn call(&self, q: &Bound<'py, PyAny>, p: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {

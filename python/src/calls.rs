@@ -18,14 +18,17 @@ use crate::memory::{Loan, lend};
 /// How often Python may look whether Ctrl-C was pressed, where nothing else happens.
 const SIGNALS: Duration = Duration::from_millis(50);
 
+/// Whether all states are finite now, or why they were not advanced.
+pub type Answer = Result<bool, StepFailure>;
+
 /// What is asked of the thread of the user.
 pub enum Call {
     /// Advance the states of a block.
-    Step(f64, Loan<Result<(), StepFailure>>),
+    Step(f64, Loan<Answer>),
     /// Put the states of a block on the constraint manifold.
-    Project(Loan<Result<(), StepFailure>>),
+    Project(Loan<Answer>),
     /// Write the states of a loop at these parameters.
-    Loop(Vec<f64>, Loan<Result<(), StepFailure>>),
+    Loop(Vec<f64>, Loan<Answer>),
     /// So many more points will be measured.
     Planned(usize),
     /// A point was measured, at this step size.
@@ -56,11 +59,7 @@ impl Caller {
     ///
     /// # Errors
     /// That of the call; if the diagnosis was stopped.
-    pub fn lend(
-        &self,
-        block: &mut Block<'_>,
-        call: impl FnOnce(Loan<Result<(), StepFailure>>) -> Call,
-    ) -> Result<(), StepFailure> {
+    pub fn lend(&self, block: &mut Block<'_>, call: impl FnOnce(Loan<Answer>) -> Call) -> Answer {
         if self.is_stopped() {
             return Err(stopped());
         }

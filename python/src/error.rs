@@ -78,17 +78,15 @@ impl Failed {
 pub fn diagnostic_error(py: Python<'_>, error: &Error, cause: Option<PyErr>) -> PyErr {
     let message = error.to_string();
     let raised = match Failed::of(error) {
-        None => return input_error(py, &message),
+        None => input_error(py, &message),
         Some(Failed { h, s, sample }) => {
-            class(py, "StepError").and_then(|class| class.call1((message, h, s, sample)))
+            let made =
+                class(py, "StepError").and_then(|class| class.call1((message, h, s, sample)));
+            made.map_or_else(|error| error, PyErr::from_value)
         }
     };
-    match raised {
-        Ok(exception) => {
-            let raised = PyErr::from_value(exception);
-            raised.set_cause(py, cause);
-            raised
-        }
-        Err(error) => error,
+    if cause.is_some() {
+        raised.set_cause(py, cause);
     }
+    raised
 }

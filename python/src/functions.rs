@@ -8,7 +8,7 @@ use symplint::{Block, Error, StepFailure};
 
 use crate::arrays::{pair, read_rows};
 use crate::block_call::{BlockCall, Failed};
-use crate::calls::{Call, ends_programs};
+use crate::calls::{Answer, Call, ends_programs};
 use crate::memory::{Loan, Memory};
 
 /// Exceptions that are kept to be the cause of an error of the diagnostic, at most.
@@ -87,7 +87,7 @@ impl Functions {
             }
             Call::Loop(s, mut loan) => {
                 let sampled = self.sample(py, s, &mut loan.block());
-                let sampled = sampled.map_err(|error| Failed { sample: 0, error });
+                let sampled = (sampled.map(|()| true)).map_err(|error| Failed { sample: 0, error });
                 self.answer(py, loan, None, sampled)
             }
             Call::Planned(more) => {
@@ -123,13 +123,16 @@ impl Functions {
     fn answer(
         &mut self,
         py: Python<'_>,
-        loan: Loan<Result<(), StepFailure>>,
+        loan: Loan<Answer>,
         h: Option<f64>,
-        result: Result<(), Failed>,
+        result: Result<bool, Failed>,
     ) -> PyResult<()> {
-        let Err(Failed { sample, error }) = result else {
-            loan.answer(Ok(()));
-            return Ok(());
+        let Failed { sample, error } = match result {
+            Ok(finite) => {
+                loan.answer(Ok(finite));
+                return Ok(());
+            }
+            Err(failed) => failed,
         };
         if ends_programs(py, &error) {
             return Err(error);
@@ -151,7 +154,7 @@ impl Functions {
     }
 
     /// Advances the states of a block.
-    fn advance(&mut self, py: Python<'_>, h: f64, block: &mut Block<'_>) -> Result<(), Failed> {
+    fn advance(&mut self, py: Python<'_>, h: f64, block: &mut Block<'_>) -> Result<bool, Failed> {
         let of_batch = |error| Failed { sample: 0, error };
         let step = self
             .step
@@ -188,7 +191,7 @@ impl Functions {
     }
 
     /// Puts the states of a block on the manifold.
-    fn project(&mut self, py: Python<'_>, block: &mut Block<'_>) -> Result<(), Failed> {
+    fn project(&mut self, py: Python<'_>, block: &mut Block<'_>) -> Result<bool, Failed> {
         let project = self
             .project
             .as_ref()

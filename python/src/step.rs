@@ -5,7 +5,7 @@ use symplint::{Block, Coordinates, Loop, StepFailure, TimeAdvance};
 
 use crate::calls::{Call, Caller, stopped};
 
-/// Coordinates that are handed to a function at once, at most: 32 MiB of positions and as many of momenta.
+/// Coordinates that are handed to the thread of the user at once, at most: 32 MiB of positions and as many of momenta.
 const MOST_VALUES: usize = 1 << 22;
 
 /// A map whose step is a Python function.
@@ -35,6 +35,10 @@ impl TimeAdvance for PythonMap<'_> {
     }
 
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.advance_and_look(h, block).map(|_| ())
+    }
+
+    fn advance_and_look(&self, h: f64, block: &mut Block<'_>) -> Result<bool, StepFailure> {
         self.caller.lend(block, |loan| Call::Step(h, loan))
     }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import operator
 import os
 from collections.abc import Callable
@@ -172,7 +173,7 @@ def check(
     dof = subject["dof"]
     title = f"{name} · {dof} degree{'' if dof == 1 else 's'} of freedom"
     with bar(progress) as watch:
-        native = _native.check(subject, settings, title, json.dumps(config), watch)
+        native = _native.check(subject, settings, title, json.dumps(_finite(config)), watch)
     report = Report(native, lambda size, samples: _native.image(subject, size, samples))
     if out is not None:
         report.save(out)
@@ -325,6 +326,15 @@ def _config(name: str, subject: dict[str, Any], settings: dict[str, Any], loop: 
         config["system"] = json.loads(integrator.system.config())
         config["integrator"] = json.loads(integrator.config())
     return config
+
+
+def _finite(value: Any) -> Any:
+    """The same for JSON, which has no other numbers: those that are refused later are null."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _name(step: Any) -> str:

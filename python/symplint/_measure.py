@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -123,7 +124,8 @@ def measure(
     loops = [_loop(states, name) for states, name in [(before, "before"), *((states, "after") for states in after)]]
     dof = loops[0][0].shape[1]
     periods, weights = _of_each(period, "period", dof), _of_each(weight, "weight", dof)
-    config = {"measure": {"dof": dof, "samples": loops[0][0].shape[0], "h": sizes}}
+    known = [size if size is not None and math.isfinite(size) else None for size in sizes]
+    config = {"measure": {"dof": dof, "samples": loops[0][0].shape[0], "h": known}}
     title = f"measured · {dof} degree{'' if dof == 1 else 's'} of freedom"
     native = _native.measure(loops[0], loops[1:], sizes, periods, weights, title, json.dumps(config))
 

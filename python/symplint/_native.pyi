@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
-from typing import Any, TypedDict
+from typing import Any, TypedDict, final, type_check_only
 
 import numpy as np
 import numpy.typing as npt
@@ -12,9 +12,11 @@ _Vector = _Array | Sequence[float]
 
 __version__: str
 
+@final
 class Memory:
     """Numbers that numpy arrays may refer to, as long as one of them exists."""
 
+@final
 class Loop:
     """A loop of the library."""
 
@@ -36,6 +38,7 @@ class Loop:
     def sample(self, samples: int) -> tuple[_Array, _Array]: ...
     def at(self, s: _Vector) -> tuple[_Array, _Array]: ...
 
+@final
 class System:
     """A system with an initial state."""
 
@@ -50,6 +53,7 @@ class System:
     def p0(self) -> _Array: ...
     def config(self) -> str: ...
 
+@final
 class Integrator:
     """One step of a method for a system."""
 
@@ -63,6 +67,7 @@ class Integrator:
     def config(self) -> str: ...
     def advance(self, q: _Array, p: _Array, h: float) -> tuple[_Array, _Array]: ...
 
+@final
 class Report:
     """A report: the verdict, all points, and where they come from."""
 
@@ -97,6 +102,7 @@ class Report:
         h: float | None = None,
     ) -> None: ...
 
+@type_check_only
 class _Catalogue(TypedDict):
     systems: list[tuple[str, str, list[tuple[str, str | None, str]]]]
     integrators: list[tuple[str, str, list[str]]]

@@ -40,6 +40,7 @@ __all__ = [
 
 class Integrator:
     _native: native.Integrator
+    def __init__(self, name: str | None, system: System, keys: dict[str, Any]) -> None: ...
     @property
     def name(self) -> str: ...
     @property

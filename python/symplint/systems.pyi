@@ -28,6 +28,7 @@ __all__ = [
 
 class System:
     _native: native.System
+    def __init__(self, native: native.System) -> None: ...
     @property
     def name(self) -> str: ...
     @property

@@ -202,12 +202,12 @@ except KeyboardInterrupt:
 @pytest.mark.parametrize(
     ("body", "check"),
     [
-        ("time.sleep(0.02)", "symplint.check(step, np.ones(2), np.ones(2), budget=2_000_000)"),
+        ("time.sleep(0.3)", "symplint.check(step, np.ones(2), np.ones(2), budget=2_000_000)"),
         # Without Python in between, for minutes.
         (
             "pass",
-            "symplint.check(symplint.integrators.strang(symplint.systems.pic_1d(particles=2000)), radius=0.1,"
-            " budget=10**9, samples=2**16)",
+            "symplint.check(symplint.integrators.strang(symplint.systems.fput(masses=64)), radius=0.1,"
+            " budget=10**9, samples=2**16, loops=1000)",
         ),
     ],
 )
@@ -272,14 +272,17 @@ def test_the_interpreter_is_free_while_the_library_works():
 
     thread = threading.Thread(target=tick)
     thread.start()
-    start = time.monotonic()
-    integrator = symplint.integrators.rk4(symplint.systems.fput(dof=64))
-    symplint.check(integrator, radius=0.1, budget=2_000_000, threads=1)
-    seconds = time.monotonic() - start
-    stop.set()
-    thread.join()
+    try:
+        start = time.monotonic()
+        integrator = symplint.integrators.strang(symplint.systems.fput(masses=64))
+        symplint.check(integrator, radius=0.1, samples=2**13, budget=2_000_000, threads=1)
+        seconds = time.monotonic() - start
+    finally:
+        stop.set()
+        thread.join()
+    assert seconds > 0.05
     during = [moment for moment in ticks if moment < start + seconds]
-    assert len(during) > 50 * seconds
+    assert len(during) > 20 * seconds
 
 
 @pytest.mark.parametrize(

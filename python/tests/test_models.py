@@ -147,10 +147,9 @@ def test_the_report_is_that_of_the_program_to_the_last_bit(system, integrator, k
 def test_measure_of_loops_written_and_advanced_elsewhere(tmp_path):
     system = symplint.systems.henon_heiles()
     strang = symplint.integrators.strang(system)
-    subprocess.run(
-        [PROGRAM, "loop", "--set=system.name=henon-heiles", "--set=loop.radius=0.1", "--out", str(tmp_path)],
-        check=True, capture_output=True,
-    )  # fmt: skip
+    config = tmp_path / "c.toml"
+    config.write_text('[system]\nname = "henon-heiles"\n[loop]\nradius = 0.1\n')
+    subprocess.run([PROGRAM, "loop", str(config), "--out", str(tmp_path)], check=True, capture_output=True)
     files = list(Path(tmp_path).glob("*.npz"))
     assert len(files) == 1
     loop = np.load(files[0])

@@ -28,7 +28,8 @@ def test_pyright_knows_every_type():
 
 def test_stubs_agree_with_the_package():
     pytest.importorskip("mypy")
-    run("-m", "mypy.stubtest", "symplint._native", "symplint.systems", "symplint.integrators", "--ignore-missing-stub")
+    modules = ("symplint._native", "symplint.systems", "symplint.integrators")
+    run("-m", "mypy.stubtest", *modules, "--ignore-missing-stub", "--ignore-disjoint-bases")
 
 
 def test_stubs_agree_with_the_catalogue():

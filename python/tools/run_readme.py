@@ -1,6 +1,6 @@
 """Runs the Python code of Markdown files as a reader does who pastes it: each file from its beginning, block by block.
 
-Blocks of ```pycon and of other languages are left out.
+``README.md#Python`` is the section of that heading alone. Blocks of other languages are left out.
 """
 
 import re
@@ -10,7 +10,11 @@ from pathlib import Path
 
 def main() -> None:
     for name in sys.argv[1:]:
-        blocks = re.findall(r"^```python\n(.*?)^```", Path(name).read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+        path, _, heading = name.partition("#")
+        text = Path(path).read_text(encoding="utf-8")
+        if heading:
+            text = text.partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
+        blocks = re.findall(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
         if not blocks:
             sys.exit(f"{name} has no Python code")
         namespace: dict[str, object] = {"__name__": "__main__"}

@@ -23,6 +23,7 @@ __all__ = [{names}]
 
 class System:
     _native: native.System
+    def __init__(self, native: native.System) -> None: ...
     @property
     def name(self) -> str: ...
     @property
@@ -47,6 +48,7 @@ __all__ = [{names}]
 
 class Integrator:
     _native: native.Integrator
+    def __init__(self, name: str | None, system: System, keys: dict[str, Any]) -> None: ...
     @property
     def name(self) -> str: ...
     @property
