@@ -41,7 +41,7 @@ program pendulum
     implicit none
     integer(c_int) :: of_verlet, of_euler
     of_verlet = check('Verlet', c_funloc(verlet))
-    of_euler = check('Euler ', c_funloc(euler))
+    of_euler = check('Euler', c_funloc(euler))
     if (of_verlet /= symplint_verdict_symplectic .or. of_euler /= symplint_verdict_not_symplectic) stop 1
 contains
     function check(name, step) result(verdict)

@@ -166,11 +166,11 @@ contains
                 integer(c_size_t) :: length
             end function
         end interface
-        characters = ''
-        if (.not. c_associated(text)) return
-        length = int(strlen(text))
-        call c_f_pointer(text, bytes, [length])
+        length = 0
+        if (c_associated(text)) length = int(strlen(text))
         allocate (character(len=length) :: characters)
+        if (length == 0) return
+        call c_f_pointer(text, bytes, [length])
         do i = 1, length
             characters(i:i) = bytes(i)
         end do

@@ -1,5 +1,8 @@
 //! Loop integrals, of all degrees of freedom or of some, and their defect.
 
+use std::sync::OnceLock;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use symplint::{Coordinates, Defect, LoopIntegral, Rule};
 
 use crate::pointers::{Layout, optional_values, value, values, write};
@@ -56,6 +59,22 @@ impl From<&SymplintIntegral> for LoopIntegral {
     }
 }
 
+/// One thread for all integrals: many processes of a code may share a machine, and each of them uses its cores already.
+fn single_thread() -> Result<&'static ThreadPool, Failure> {
+    static POOL: OnceLock<ThreadPool> = OnceLock::new();
+    if let Some(pool) = POOL.get() {
+        return Ok(pool);
+    }
+    let built = ThreadPoolBuilder::new().num_threads(1).build();
+    let built = built.map_err(|error| {
+        Failure::new(
+            SymplintStatus::Failed,
+            format!("cannot start a thread: {error}"),
+        )
+    })?;
+    Ok(POOL.get_or_init(|| built))
+}
+
 /// The integrals of all degrees of freedom, one by one.
 ///
 /// # Safety
@@ -75,6 +94,7 @@ unsafe fn of_each(
             optional_values("weight", weight, layout.dof)?,
         )
     };
+    let pool = single_thread()?;
     let mut parts = Vec::with_capacity(layout.dof);
     for i in 0..layout.dof {
         // SAFETY: the caller promises the values.
@@ -95,8 +115,8 @@ unsafe fn of_each(
         if let Some(weight) = &weight {
             coordinates = coordinates.with_weights(vec![weight[i]]).map_err(of_row)?;
         }
-        let integral = LoopIntegral::in_coordinates(&row, &Rule::Pseudospectral, &coordinates);
-        parts.push(integral.map_err(of_row)?);
+        let integral = || LoopIntegral::in_coordinates(&row, &Rule::Pseudospectral, &coordinates);
+        parts.push(pool.install(integral).map_err(of_row)?);
     }
     Ok(parts)
 }
