@@ -43,7 +43,7 @@ impl Case<'_> {
                 let group = Some(index);
                 let mut decision =
                     self.because(Finding::LittleMotion { motion, group }, Vec::new());
-                decision.advice = vec![self.advice_on_motion(motion, step_size)];
+                decision.advice = vec![self.advice_on_motion(motion, step_size, bound)];
                 decision
             })
         })

@@ -129,7 +129,7 @@ impl Case<'_> {
                 },
                 Vec::new(),
             );
-            decision.advice = vec![self.advice_on_motion(motion, step_size)];
+            decision.advice = vec![self.advice_on_motion(motion, step_size, self.bound_of_loops())];
             return Some(decision);
         }
         if self.is_sampled()
@@ -162,10 +162,17 @@ impl Case<'_> {
             .or_else(|| self.refuted())
     }
 
-    pub(super) fn advice_on_motion(&self, motion: Motion, step_size: Option<f64>) -> Advice {
+    pub(super) fn advice_on_motion(
+        &self,
+        motion: Motion,
+        step_size: Option<f64>,
+        bound: f64,
+    ) -> Advice {
         let factor = match motion.shear {
             true => 2.0 * LEAST_DEFORMATION / motion.deformation,
-            false => 1.0 / motion.phase_advance,
+            false if motion.phase_advance < LEAST_PHASE_ADVANCE => 1.0 / motion.phase_advance,
+            // A digit above the bound: the defect goes as θ^6.
+            false => (10.0 * bound / defect_of_order_4(motion.phase_advance)).powf(1.0 / 6.0),
         };
         if motion.deformation == 0.0 && self.is_sampled() {
             Advice::CheckCopies

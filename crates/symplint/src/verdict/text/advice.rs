@@ -135,7 +135,7 @@ impl Display for Advice {
                     }
                     (None, _) => {}
                 }
-                f.write_str(": one step should advance the motions by about a radian.")
+                f.write_str(": one step should advance the motions by about a radian, or so far that a defect stands clear of the bound.")
             }
             Advice::LoopWithForces => f.write_str(
                 "Take much larger step sizes, or a loop on which forces differ: a step that is nearly a free flight, \
