@@ -150,25 +150,12 @@ pub(super) const NEIGHBOURING_SAMPLES: usize = 6;
 /// The Fourier coefficients of a spike do not fall, s = −½; those of a jump fall by s = ½.
 pub(super) const OF_SPIKES: f64 = 0.25;
 
-/// Jumps of a solver that stops at a tolerance are below this part of the loop's size. Those of a force that jumps are
-/// h times its jump.
-pub(super) const OF_A_SOLVER: f64 = 1e-2;
-
-/// In a stretch between two breaks that is narrower than this part of the loop, what an iteration adds is so near to a
-/// straight line that its zero is known where breaks round it are to be looked for.
+/// A stretch between two breaks of a solver is looked at once more if it is narrower than this part of the loop: wider ones have pieces and samples enough.
 pub(super) const WIDEST_STRETCH: f64 = 1.0 / 16.0;
 
-/// Parts of a stretch at least: each has states at sixths of its length.
+/// In so many parts: a stretch within it is narrower by the contraction of the iteration, h²ω²/4 for the implicit midpoint
+/// rule, and each part has states at sixths of its length.
 pub(super) const PARTS_OF_STRETCH: usize = 16;
-
-/// Longest part of a wide one, as a part of the loop.
-pub(super) const WIDEST_PART: f64 = 1.0 / 128.0;
-
-/// Parts round the zero are so much narrower, one after the other, ...
-pub(super) const NEARER: f64 = 0.25;
-
-/// ... and so many: down to 1e-5 of a part, the contraction of an iteration at steps of 0.006 rad.
-pub(super) const NEARINGS: usize = 8;
 
 /// Stretches within stretches at most: each takes an iteration more.
 pub(super) const NESTED: usize = 8;

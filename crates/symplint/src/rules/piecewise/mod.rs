@@ -132,8 +132,6 @@ pub struct PiecewiseIntegral {
     /// Breaks at which rounding decides on which side of them a state is, hundreds of roundings of s away from them:
     /// what the map compares there is small, such as what a solver leaves.
     pub flickering: usize,
-    /// Whether breaks of a solver may be hidden between those that were found; the quadrature error allows for them.
-    pub hidden: bool,
     /// Pieces that the loop was cut into.
     pub pieces: usize,
     /// Stretches of s that could not be resolved; their error is in `quadrature_error`.
@@ -245,13 +243,10 @@ impl Piecewise {
         let budget = Budget::new(most_evaluations, evaluations);
         let mut refinement = Refinement::new(curves, coordinates, scales, budget, samples);
         refinement.run(0, pieces)?;
-        let hidden = search_nested(&mut refinement)?;
+        search_nested(&mut refinement)?;
         let chords = close(&mut refinement, self.closure)?;
         let break_uncertainty = break_uncertainty(&mut refinement)?;
         let mut integral = sum::sum(&refinement, &chords, break_uncertainty)?;
-        integral.hidden = hidden > 0.0;
-        let error = &mut integral.continuous.quadrature_error;
-        *error = error.map(|error| error + hidden);
         if refinement.curves.lift.winds {
             integral.continuous.quadrature_error = None;
         }

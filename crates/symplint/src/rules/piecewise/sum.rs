@@ -143,7 +143,6 @@ pub(super) fn sum(
         closing: of_closing,
         breaks,
         flickering,
-        hidden: false,
         pieces: of_loop,
         unresolved,
         evaluations: refinement.budget.made,
