@@ -133,10 +133,11 @@ fn every_twentieth_member() {
     assert!(wrong.is_empty(), "{}", tables::faults(&lines));
 }
 
-/// Other members than those that run above.
+/// Other members than those that run above. Jumps of solvers that few samples do not show are left out: docs/truth.md has
+/// their number.
 #[test]
 fn no_budget_makes_a_wrong_verdict() {
-    let found = budgets::run(FAMILIES, PART, PART / 2);
+    let found = budgets::run(PART, PART / 2, |family| family != "tolerance");
     println!("{}", budgets::table(&found));
     assert!(
         budgets::wrong(&found).is_empty(),
@@ -158,6 +159,8 @@ fn all_members() {
         eprintln!("{}: {:.0} s", family.name, started.elapsed().as_secs_f64());
     }
     print(&lines);
-    let found = budgets::run(FAMILIES, 1, 0);
-    println!("{}\n{:#?}", budgets::table(&found), budgets::wrong(&found));
+    for tolerance in [false, true] {
+        let found = budgets::run(1, 0, |family| (family == "tolerance") == tolerance);
+        println!("{}\n{:#?}", budgets::table(&found), budgets::wrong(&found));
+    }
 }
