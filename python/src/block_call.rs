@@ -68,10 +68,11 @@ impl<'py> BlockCall<'py> {
             Ok(result) => result,
             Err(error) => {
                 batch.end(kept);
-                let sample = match ends_programs(self.function.py(), &error) {
-                    true => 0,
-                    false => self.first_failure::<T>(kept, block),
-                };
+                if ends_programs(self.function.py(), &error) {
+                    return Err(Failed { sample: 0, error });
+                }
+                let found = self.first_failure::<T>(kept, block);
+                let sample = found.map_err(|error| Failed { sample: 0, error })?;
                 return Err(Failed { sample, error });
             }
         };
@@ -93,32 +94,38 @@ impl<'py> BlockCall<'py> {
     }
 
     /// The first state that makes the function fail by itself, by bisection; 0 where none does.
+    ///
+    /// # Errors
+    /// An exception that ends programs.
     fn first_failure<T: Number>(
         &self,
         kept: &mut Option<Py<Memory>>,
         block: &mut Block<'_>,
-    ) -> usize {
+    ) -> PyResult<usize> {
         let mut fails = |range: Range<usize>| {
             let batch = Batch::<T>::lend(self.function.py(), kept, block, range);
-            let failed = batch.call(self).is_err();
+            let called = batch.call(self).map(|_| ());
             batch.end(kept);
-            failed
+            match called {
+                Err(error) if ends_programs(self.function.py(), &error) => Err(error),
+                called => Ok(called.is_err()),
+            }
         };
         let samples = block.len();
         // What is wrong with the function itself shows in any state.
-        if samples == 1 || fails(0..1) {
-            return 0;
+        if samples == 1 || fails(0..1)? {
+            return Ok(0);
         }
         let (mut low, mut high) = (1, samples);
         while high - low > 1 {
             let middle = low + (high - low) / 2;
-            if fails(low..middle) {
+            if fails(low..middle)? {
                 high = middle;
             } else {
                 low = middle;
             }
         }
-        if fails(low..high) { low } else { 0 }
+        Ok(if fails(low..high)? { low } else { 0 })
     }
 
     /// Calls the function for one state after the other, and says whether all are finite then.

@@ -152,6 +152,20 @@ def test_exceptions_that_end_programs_pass_through(exception):
     assert len(calls) == 20
 
 
+def test_ctrl_c_while_a_failing_sample_is_looked_for():
+    calls = []
+
+    def step(q, p, h):
+        calls.append(len(q))
+        if len(calls) > 1:
+            raise KeyboardInterrupt
+        raise NoConvergence
+
+    with pytest.raises(KeyboardInterrupt):
+        symplint.check(step, 1.0, 0.5, **SIZES)
+    assert len(calls) == 2
+
+
 def test_an_exception_of_progress_stops_the_check():
     seen = []
 
