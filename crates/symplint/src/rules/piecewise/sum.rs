@@ -129,11 +129,11 @@ pub(super) fn sum(
         one
     });
     let broken = breaks.iter().any(is_substantial);
-    // Rounding decides beside the breaks of a solver, and pairs of them in narrow stretches are missed: there may be as much
-    // of them as was found.
+    // Rounding decides beside the breaks of a solver: their positions are known to a factor of two of the width of that zone,
+    // and pairs of them in narrow stretches are missed. There may be as many of them as were found.
     let break_uncertainty = match flickering {
         0 => break_uncertainty,
-        _ => break_uncertainty + all_across,
+        _ => 2.0 * break_uncertainty + all_across,
     };
     let (of_spikes, regularity) = spikes(refinement, value, broken)?;
     Ok(PiecewiseIntegral {

@@ -253,10 +253,15 @@ impl Case<'_> {
         Some(weak(given, step))
     }
 
-    /// The budget was spent before a random loop was tried.
+    /// The budget was spent before a random loop was tried, and the Jacobian does not bound the defect as well as the given
+    /// loop does.
     fn no_random_loop(&self) -> Option<Decision> {
         let spent = |omission: &Omission| matches!(omission, Omission::RandomLoops { .. });
-        let none = !self.has_random_loops() && self.evidence.omissions.iter().any(spent);
+        let by_jacobian = self
+            .jacobian_bound()
+            .is_some_and(|bound| bound <= self.bound_of_loops());
+        let none =
+            !self.has_random_loops() && !by_jacobian && self.evidence.omissions.iter().any(spent);
         none.then(|| self.because(Finding::NoRandomLoop, Vec::new()))
     }
 
