@@ -17,10 +17,9 @@ pub(super) const BELOW_FULL: f64 = 0.1;
 /// level.
 pub(super) const CHECKS: [f64; 2] = [-0.618, 0.267];
 
-/// An interpolant counts as off by this part of what it misses the checks by, times the range of the other coordinate,
-/// in the integral. It is off by 1.0 to 1.5 times that where the next coefficient dominates, and changes its sign at
-/// every node: of a cubic against a straight line 0.13 is left, of the higher degrees below 0.02.
-pub(super) const OF_A_CHECK: f64 = 0.25;
+/// The error of an interpolant is estimated by so many times what it misses the checks by: it is 1.0 to 1.5 times that
+/// where the next coefficient dominates.
+pub(super) const OF_A_CHECK: f64 = 2.0;
 
 /// Coefficients from here on are small on a smooth piece; what a break leaves there gives it away.
 pub(super) const SMOOTH: usize = 6;
