@@ -221,7 +221,9 @@ impl Diagnostic {
         let rule = Rule::Piecewise(self.affordable(subject.dof(), with.plan, left));
         let pieces = Probe::of_samples(subject, rule, &refined.before)?;
         let advanced = pieces.measure_samples(&refined.after, with.h)?;
-        let uncertainty = advanced.defect.uncertainty();
+        // How well the pieces are resolved: breaks that may be hidden are no reason for another rule.
+        let closed = advanced.closed.as_ref().map(|closed| closed.defect);
+        let uncertainty = closed.unwrap_or(advanced.defect).uncertainty();
         let spent = count.made() - start;
         Ok(Some((pieces.knowing(with.h, advanced, spent), uncertainty)))
     }
