@@ -1,6 +1,6 @@
 //! `symplint.check`: a diagnosis of a Python function or of an integrator of the library.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use numpy::PyArray2;
@@ -9,9 +9,7 @@ use rayon::ThreadPool;
 use symplint::diagnosis::{Event, SampleCount};
 use symplint::map::{ProjectedLoop, balanced_radii};
 use symplint::rules::{Cutoff, Cutoffs, Piecewise, Streaming};
-use symplint::{
-    Circle, Coordinates, Diagnosis, Diagnostic, Ensemble, Error, Loop, Rule, TimeAdvance, judge,
-};
+use symplint::{Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Rule, TimeAdvance, judge};
 
 use crate::arrays;
 use crate::calls::{self, Call, Caller};
@@ -168,15 +166,14 @@ impl Subject {
             .map_err(|error| other_error(py, &error.to_string()))
     }
 
-    /// Runs `work` on the threads that were asked for, with the map and the loop; says what it gave and on how many
-    /// threads.
+    /// Runs `work` on the threads that were asked for, with the map and the loop.
     fn run<R: Send>(
         &self,
         py: Python<'_>,
         progress: Option<Py<PyAny>>,
         step_size: f64,
         work: impl FnOnce(&Caller, &dyn TimeAdvance, &dyn Loop) -> Result<R, Error> + Send,
-    ) -> PyResult<(R, usize, usize)> {
+    ) -> PyResult<Ran<R>> {
         let shared = self.shared(py)?;
         let mut functions = self.functions(py, progress);
         let pool = self.pool(py)?;
@@ -187,13 +184,29 @@ impl Subject {
         let outcome = calls::run(py, on_pool, |py, call| functions.serve(py, call))?;
         let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
         match outcome {
-            Ok((result, evaluations)) => Ok((result, evaluations, threads)),
+            Ok((result, evaluations)) => Ok(Ran {
+                result,
+                evaluations,
+                threads,
+                functions,
+            }),
             Err(error) => {
                 let cause = functions.cause(py, &error);
                 Err(diagnostic_error(py, &error, cause))
             }
         }
     }
+}
+
+/// What came of some work with a map and a loop.
+struct Ran<R> {
+    result: R,
+    /// Evaluations that were made for radii that the map suggests, before the work.
+    evaluations: usize,
+    /// Threads of the work.
+    threads: usize,
+    /// The Python functions, which know what they raised.
+    functions: Functions,
 }
 
 impl Shared {
@@ -237,7 +250,8 @@ impl Shared {
     }
 }
 
-/// Diagnoses a map.
+/// Diagnoses a map. With the report comes the exception for a step size of the given loop that the map could not take, if
+/// there is one.
 #[pyfunction]
 #[pyo3(signature = (subject, settings, title, config, progress=None))]
 pub fn check(
@@ -247,7 +261,7 @@ pub fn check(
     title: String,
     config: &str,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Report> {
+) -> PyResult<(Report, Option<PyErr>)> {
     let run = report::start();
     let config: serde_json::Value =
         serde_json::from_str(config).map_err(|error| other_error(py, &error.to_string()))?;
@@ -255,15 +269,23 @@ pub fn check(
     let largest = diagnostic.step_sizes.iter().copied().reduce(f64::max);
     let step_size = largest.or(diagnostic.typical_step).unwrap_or(1.0);
     let watched = progress.is_some();
+    let failed: OnceLock<Error> = OnceLock::new();
     let measure = |caller: &Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
         diagnostic.run_watched(map, phase_loop, &|event| match event {
             Event::Planned(more) if watched => caller.tell(Call::Planned(more)),
             Event::Measured(point) if watched => caller.tell(Call::Measured(point.step_size)),
+            Event::Failed(error) => {
+                failed.get_or_init(|| error.clone());
+            }
             _ => {}
         })
     };
-    let (mut diagnosis, evaluations, threads): (Diagnosis, _, _) =
-        subject.run(py, progress, step_size, measure)?;
+    let Ran {
+        result: mut diagnosis,
+        evaluations,
+        threads,
+        mut functions,
+    } = subject.run(py, progress, step_size, measure)?;
     if evaluations > 0 {
         // They were made before the run, beside its budget.
         let counted = &mut diagnosis.evidence.evaluations;
@@ -272,7 +294,11 @@ pub fn check(
         counted.budget += evaluations;
         diagnosis.verdict = judge(&diagnosis.evidence);
     }
-    Ok(Report::new(diagnosis, title, config, &run, threads))
+    let failed = failed.get().map(|error| {
+        let cause = functions.cause(py, error);
+        diagnostic_error(py, error, cause)
+    });
+    Ok((Report::new(diagnosis, title, config, &run, threads), failed))
 }
 
 type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
@@ -291,7 +317,7 @@ pub fn image<'py>(
         after.advance(map, h)?;
         Ok((before, after))
     };
-    let ((before, after), ..) = subject.run(py, None, h, advance)?;
+    let (before, after) = subject.run(py, None, h, advance)?.result;
     Ok((arrays::arrays(py, &before), arrays::arrays(py, &after)))
 }
 
@@ -316,6 +342,6 @@ pub fn advance_seconds(
         };
         (0..repetitions).map(|_| once()).collect()
     };
-    let (seconds, ..) = subject.run(py, None, h, advance)?;
+    let seconds = subject.run(py, None, h, advance)?.result;
     Ok(seconds)
 }

@@ -50,6 +50,10 @@ impl TimeAdvance for PythonMap<'_> {
         self.coordinates.clone()
     }
 
+    fn is_stopped(&self) -> bool {
+        self.caller.is_stopped()
+    }
+
     fn constraint(&self) -> Option<&dyn Constraint> {
         let projection = self.projection.as_ref()?;
         Some(projection)
@@ -159,6 +163,10 @@ impl TimeAdvance for Stoppable<'_> {
 
     fn coordinates(&self) -> Coordinates {
         self.map.coordinates()
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.caller.is_stopped()
     }
 
     fn tangent(&self) -> Option<&dyn symplint::map::TangentMap> {

@@ -18,7 +18,8 @@ from ._errors import InputError, NotSymplecticError
 from ._loops import Loop, centre, radii
 from ._progress import bar
 from ._report import Report
-from .integrators import Integrator
+from .integrators import Integrator, of_system
+from .systems import System
 
 __all__ = ["assert_symplectic", "check"]
 
@@ -31,7 +32,7 @@ LONGEST = 16
 
 
 def check(
-    step: Callable[..., Any] | Integrator,
+    step: Callable[..., Any] | Integrator | System,
     q0: npt.ArrayLike | None = None,
     p0: npt.ArrayLike | None = None,
     *,
@@ -67,7 +68,7 @@ def check(
         ``step(q, p, h)`` gets arrays of shape (samples, dof), and returns two, or changes them in place and returns
         None. A row is one state; what happens to it must depend on nothing but this row and h. Arrays may be kept:
         they are not used again then. The arrays are neither in C nor in Fortran order. An integrator of
-        `symplint.integrators` runs without Python.
+        `symplint.integrators` runs without Python, and so does a system of `symplint.systems`, with its default integrator.
     q0, p0 : array_like
         Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library, and where
         `loop` is one of the library.
@@ -127,7 +128,8 @@ def check(
         If an argument is not valid.
     StepError
         If the map fails on the given loop, or returns states that are not finite, or has a memory. Exceptions of `step` are
-        the cause.
+        the cause. Where it fails at some of the step sizes only, the others are measured first: the exception has the
+        report on them.
 
     Examples
     --------
@@ -149,6 +151,8 @@ def check(
     >>> report.kind, report.order
     ('not-symplectic', 3.0)
     """
+    if isinstance(step, System):
+        step = of_system(step)
     subject = _subject(
         step, q0, p0, radius=radius, loop=loop, project=project, period=period, weight=weight,
         per_sample=per_sample, make=make, reset=reset, dtype=dtype, threads=threads,
@@ -173,15 +177,18 @@ def check(
     dof = subject["dof"]
     title = f"{name} · {dof} degree{'' if dof == 1 else 's'} of freedom"
     with bar(progress) as watch:
-        native = _native.check(subject, settings, title, json.dumps(_finite(config)), watch)
+        native, failed = _native.check(subject, settings, title, json.dumps(_finite(config)), watch)
     report = Report(native, lambda size, samples: _native.image(subject, size, samples))
     if out is not None:
         report.save(out)
+    if failed is not None:
+        failed.report = report
+        raise failed
     return report
 
 
 def assert_symplectic(
-    step: Callable[..., Any] | Integrator,
+    step: Callable[..., Any] | Integrator | System,
     q0: npt.ArrayLike | None = None,
     p0: npt.ArrayLike | None = None,
     *,

@@ -31,11 +31,14 @@ class StepError(SymplintError, RuntimeError):
         The loop parameter of the state that could not be advanced, from 0 to 1.
     sample : int or None
         Its number among the samples of the loop, counted from 0; None where it lies between samples.
+    report : Report or None
+        The report on the other step sizes, if the map could take them.
     """
 
     h: float | None
     s: float | None
     sample: int | None
+    report: Report | None
 
     def __init__(
         self, message: str, h: float | None = None, s: float | None = None, sample: int | None = None
@@ -44,6 +47,7 @@ class StepError(SymplintError, RuntimeError):
         self.h = h
         self.s = s
         self.sample = sample
+        self.report = None
 
 
 class NotSymplecticError(SymplintError, AssertionError):

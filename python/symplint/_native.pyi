@@ -7,6 +7,8 @@ from typing import Any, TypedDict, final, type_check_only
 import numpy as np
 import numpy.typing as npt
 
+from ._errors import StepError
+
 _Array = npt.NDArray[np.float64]
 _Vector = _Array | Sequence[float]
 
@@ -115,7 +117,7 @@ def check(
     title: str,
     config: str,
     progress: Callable[[int, int, float | None], object] | None = None,
-) -> Report: ...
+) -> tuple[Report, StepError | None]: ...
 def image(
     subject: Mapping[str, Any], h: float, samples: int
 ) -> tuple[tuple[_Array, _Array], tuple[_Array, _Array]]: ...

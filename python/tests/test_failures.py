@@ -86,6 +86,9 @@ def test_numbers_that_are_not_finite(value):
         symplint.check(step, 1.0, 0.5, **SIZES)
     assert caught.value.h == 0.25 and caught.value.__cause__ is None
     assert 0.0 < caught.value.s < 0.5 and caught.value.sample is not None
+    # The other step size is not lost.
+    assert sorted({float(point["step_size"]) for point in caught.value.report.points}) == [0.5]
+    assert "h = 2^-2 was left out" in str(caught.value.report)
 
 
 def test_a_factory_that_fails():

@@ -168,3 +168,11 @@ def test_measure_of_loops_written_and_advanced_elsewhere(tmp_path):
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert results(json.loads(done.stdout)) == results(report.to_dict())
+
+
+def test_a_system_runs_with_its_default_integrator():
+    report = symplint.check(symplint.systems.pendulum())
+    assert report.kind == "symplectic"
+    assert str(report) == str(symplint.check(symplint.integrators.of_system(symplint.systems.pendulum())))
+    assert symplint.check(symplint.systems.standard_map()).kind == "symplectic"
+    assert symplint.assert_symplectic(symplint.systems.henon_map()).is_symplectic

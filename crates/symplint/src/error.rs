@@ -296,6 +296,9 @@ pub enum Error {
         /// Evaluations that were asked for.
         wanted: usize,
     },
+    /// The map asked to end the diagnosis ([`TimeAdvance::is_stopped`](crate::TimeAdvance::is_stopped)).
+    #[error("the diagnosis was stopped before it was over")]
+    Stopped,
     /// Map and loop live in different phase spaces.
     #[error("the map has {map} degrees of freedom and the loop {phase_loop}; they must agree")]
     DofMismatch {

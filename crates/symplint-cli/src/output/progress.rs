@@ -52,6 +52,8 @@ impl Progress {
                     .set_message(format!("h = {}", power_of_two(point.step_size)));
                 self.step();
             }
+            // The report names it.
+            Event::Failed(_) => self.step(),
         }
     }
 

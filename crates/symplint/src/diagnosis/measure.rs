@@ -97,6 +97,7 @@ impl Diagnostic {
                         return Err(failed.into_iter().next().map_or(error, |first| first.error));
                     }
                     evaluator.begin_loop();
+                    watch(Event::Failed(&error));
                     failed.push(FailedStep { h: largest, error });
                 }
                 begun => break begun?,
@@ -117,6 +118,8 @@ impl Diagnostic {
                 swept => swept?,
             }
         }
+        // Jacobian and localisation note any error and go on.
+        evaluator.check_not_stopped()?;
         run.evidence.evaluations.made = count.made();
         run.evidence.evaluations.wanted = diagnostic.missing(subject, &run.evidence)?;
         Ok(run.evidence)
@@ -271,6 +274,7 @@ impl Run<'_> {
                         continue;
                     }
                     Err(error) if of_the_map(&error) => {
+                        (self.watch)(Event::Failed(&error));
                         self.failed.push(FailedStep { h, error });
                         continue;
                     }

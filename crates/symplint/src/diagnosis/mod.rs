@@ -15,6 +15,7 @@ mod refined_samples;
 mod resolve;
 mod step_sizes;
 
+use crate::error::Error;
 use crate::evidence::Point;
 use crate::rules::{Piecewise, Rule, Streaming};
 
@@ -121,6 +122,9 @@ pub enum Event<'a> {
     Planned(usize),
     /// A point was measured.
     Measured(&'a Point),
+    /// The map failed at a step size on the given loop: with this error, which names both. The others are measured all the
+    /// same.
+    Failed(&'a Error),
 }
 
 impl Diagnostic {

@@ -168,6 +168,26 @@ impl<'a> Evaluator<'a> {
         self.count
     }
 
+    /// Counts evaluations that are about to be made, if the map wants any more.
+    ///
+    /// # Errors
+    /// If it does not, or the budget does not allow them.
+    fn take(&self, evaluations: usize) -> Result<(), Error> {
+        self.check_not_stopped()?;
+        self.count.take(evaluations)
+    }
+
+    /// Checks that the map does not ask to end the diagnosis.
+    ///
+    /// # Errors
+    /// If it does.
+    pub fn check_not_stopped(&self) -> Result<(), Error> {
+        match self.map.is_stopped() {
+            true => Err(Error::Stopped),
+            false => Ok(()),
+        }
+    }
+
     /// Checks that map and loop live in one phase space.
     ///
     /// # Errors
@@ -256,7 +276,7 @@ impl<'a> Evaluator<'a> {
         h: f64,
         fill: impl Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync,
     ) -> Result<(), Error> {
-        self.count.take(blocks.iter().map(Block::len).sum())?;
+        self.take(blocks.iter().map(Block::len).sum())?;
         let each = |(b, mut block): (usize, Block<'_>)| {
             let first = first + b * width;
             fill(first, &mut block)?;
@@ -284,7 +304,7 @@ impl<'a> Evaluator<'a> {
     ) -> Result<(), Error> {
         self.check_dof(states.dof())?;
         if substep + 1 == self.substeps {
-            self.count.take(states.samples())?;
+            self.take(states.samples())?;
         }
         let width = self.map.block_width().max(1);
         let each = |(b, mut block): (usize, Block<'_>)| {
@@ -314,7 +334,7 @@ impl<'a> Evaluator<'a> {
         let tangent: &dyn TangentMap = self.map.tangent().expect("the map has a tangent map");
         assert_eq!(states.samples(), tangents.samples());
         self.check_dof(states.dof())?;
-        self.count.take(states.samples())?;
+        self.take(states.samples())?;
         let width = Ensemble::block_width(states.dof());
         let pairs = states.blocks().into_par_iter().zip(tangents.blocks());
         let each = |(b, (mut states, mut tangents)): (usize, (Block<'_>, Block<'_>))| {

@@ -17,6 +17,8 @@ pub(crate) use loop_size::{ActionGroup, LoopSize};
 pub use loop_size::{BalancedRadii, balanced_radii};
 pub use tangent::TangentMap;
 
+#[cfg(doc)]
+use crate::error::Error;
 use crate::loops::Loop;
 use crate::state::{Block, Coordinates, Ensemble};
 
@@ -116,6 +118,12 @@ pub trait TimeAdvance: Send + Sync {
         Coordinates::plain(self.dof())
     }
 
+    /// Whether to end the diagnosis, because the user asked for it, say: it then ends with [`Error::Stopped`] before the next
+    /// evaluation. Unlike a [`StepFailure`], which leaves out the loop or the step size where it happened.
+    fn is_stopped(&self) -> bool {
+        false
+    }
+
     /// The derivative of the step, if the map has it exactly. Without one, which is the default,
     /// derivatives are central differences.
     fn tangent(&self) -> Option<&dyn TangentMap> {
@@ -177,6 +185,9 @@ macro_rules! forward_time_advance {
             }
             fn coordinates(&self) -> Coordinates {
                 (**self).coordinates()
+            }
+            fn is_stopped(&self) -> bool {
+                (**self).is_stopped()
             }
             fn tangent(&self) -> Option<&dyn TangentMap> {
                 (**self).tangent()
