@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use symplint::diagnosis::SampleCount;
-use symplint::verdict::Advice;
+use symplint::verdict::{Advice, Finding};
 use symplint::{Block, Diagnosis, Diagnostic, Ensemble, Loop, Rule};
 
 use crate::member::{Member, Subject};
@@ -26,15 +26,20 @@ pub enum Followed {
     Wrong(String),
 }
 
-/// A loop, larger or smaller round its centre.
+/// A loop, larger or smaller round its centre in some degrees of freedom.
 struct Stretched {
     of: Arc<dyn Loop>,
     factor: f64,
+    dofs: Vec<usize>,
     centre: [Vec<f64>; 2],
 }
 
 impl Stretched {
     fn new(of: &Arc<dyn Loop>, factor: f64) -> Self {
+        Self::in_dofs(of, factor, (0..of.dof()).collect())
+    }
+
+    fn in_dofs(of: &Arc<dyn Loop>, factor: f64, dofs: Vec<usize>) -> Self {
         let samples = Ensemble::sample(of, 64).expect("a loop that can be sampled");
         let mean = |rows: symplint::state::Rows<'_>| {
             (0..rows.count())
@@ -44,6 +49,7 @@ impl Stretched {
         Stretched {
             of: of.clone(),
             factor,
+            dofs,
             centre: [mean(samples.q()), mean(samples.p())],
         }
     }
@@ -56,7 +62,7 @@ impl Loop for Stretched {
 
     fn sample(&self, s: &[f64], block: &mut Block<'_>) {
         self.of.sample(s, block);
-        for i in 0..self.dof() {
+        for &i in &self.dofs {
             for (rows, centre) in [
                 (&mut block.q, &self.centre[0]),
                 (&mut block.p, &self.centre[1]),
@@ -95,6 +101,17 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                     diagnostic.budget = Some(found.evidence.evaluations.budget + wanted);
                 }
                 Advice::LargerLoop => *on = Arc::new(Stretched::new(on, 10.0)),
+                Advice::LargerRadiiOfGroup => {
+                    let group = found
+                        .verdict
+                        .findings
+                        .iter()
+                        .find_map(|finding| match finding {
+                            Finding::Group { dofs, .. } => Some(dofs.clone()),
+                            _ => None,
+                        });
+                    *on = Arc::new(Stretched::in_dofs(on, 3.0, group?));
+                }
                 Advice::SmallerLoopInDomain => *on = Arc::new(Stretched::new(on, 0.3)),
                 Advice::MoreSamplesOrSmallerLoop | Advice::SamplesInCells => more(diagnostic),
                 Advice::MoreSamplesAndLargerSteps => {

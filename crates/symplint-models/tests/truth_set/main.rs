@@ -2,7 +2,7 @@
 //!
 //! A member is made from its family and its number alone. The normal tests run every 20th;
 //! `cargo test --release -p symplint-models --test truth_set -- --ignored --nocapture` runs all of them and prints the
-//! tables of docs/truth.md.
+//! tables of docs/truth.md; the variable `TRUTH_SET_FAMILIES=units,sizes` chooses some of them.
 
 mod breaks;
 mod budgets;
@@ -149,18 +149,21 @@ fn no_budget_makes_a_wrong_verdict() {
 #[test]
 #[ignore = "minutes: prints the tables of docs/truth.md"]
 fn all_members() {
+    let chosen = std::env::var("TRUTH_SET_FAMILIES").ok();
+    let is_chosen = |name: &str| {
+        let chosen = chosen.as_deref();
+        chosen.is_none_or(|chosen| chosen.split(',').any(|family| family == name))
+    };
     let mut lines = Vec::new();
-    for family in FAMILIES
-        .iter()
-        .filter(|f| std::env::var("FAM").map_or(true, |n| n == f.name))
-    {
+    for family in FAMILIES.iter().filter(|family| is_chosen(family.name)) {
         let started = Instant::now();
         lines.extend(run(1, |name| name == family.name));
         eprintln!("{}: {:.0} s", family.name, started.elapsed().as_secs_f64());
     }
     print(&lines);
     for tolerance in [false, true] {
-        let found = budgets::run(1, 0, |family| (family == "tolerance") == tolerance);
+        let counts = |family: &str| is_chosen(family) && (family == "tolerance") == tolerance;
+        let found = budgets::run(1, 0, counts);
         println!("{}\n{:#?}", budgets::table(&found), budgets::wrong(&found));
     }
 }

@@ -61,14 +61,14 @@ fn failures_of_the_map_are_named() {
     let error = Diagnostic::default()
         .run(&Stubborn, &circle(&[0.0], &[0.0], 1.0))
         .unwrap_err();
-    // sin 2πk/4096 < −1/2 first at k = 2390, in the third block.
+    // sin 2πk/2048 < −1/2 first at k = 1195, in the third block.
     assert!(
         matches!(
             error,
             Error::StepFailed {
                 at: StateAt::SampleOf {
-                    sample: 2390,
-                    samples: 4096
+                    sample: 1195,
+                    samples: 2048
                 },
                 ..
             }

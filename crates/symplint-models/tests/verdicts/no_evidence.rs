@@ -82,7 +82,7 @@ fn narrow_features_of_small_systems_are_seen() {
         verdict
             .evidence()
             .iter()
-            .any(|line| line.contains("narrower than 1/4096"))
+            .any(|line| line.contains("narrower than 1/2048"))
     );
 }
 

@@ -18,7 +18,7 @@ pub(super) const FEWEST_SAMPLES: usize = 32;
 
 /// Where doubling begins at the latest in one degree of freedom: samples of small systems cost nothing, and features
 /// narrower than a cell of the loop are not resolved.
-pub(super) const FINE_SAMPLES: usize = 1 << 12;
+pub(super) const FINE_SAMPLES: usize = 1 << 11;
 
 /// The same in many degrees of freedom.
 pub(super) const FINE_SAMPLES_OF_MANY: usize = 64;

@@ -471,8 +471,7 @@ impl Run<'_> {
         if !self.diagnostic.localise || off_manifold || given.probe.is_beyond_memory() {
             return;
         }
-        let broken = (self.evidence.loops.iter())
-            .any(|found| found.steps.iter().any(|step| step.jump.is_some()));
+        let broken = (self.evidence.loops.iter()).any(LoopEvidence::is_broken);
         // The integral of a loop that winds may change; that it breaks may not.
         let Some(found) = (self.evidence.loops.iter())
             .find(|found| found.shows_defect() && (broken || !found.winds))

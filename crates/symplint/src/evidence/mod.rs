@@ -255,7 +255,12 @@ impl LoopEvidence {
 
     /// Whether a step broke the loop or changed its integral significantly.
     pub fn shows_defect(&self) -> bool {
-        (self.steps.iter()).any(|step| step.jump.is_some() || step.is_significant())
+        self.is_broken() || self.steps.iter().any(StepEvidence::is_significant)
+    }
+
+    /// Whether some step breaks the loop.
+    pub fn is_broken(&self) -> bool {
+        self.steps.iter().any(|step| step.jump.is_some())
     }
 
     /// A step that bounds the defect too weakly to call a map symplectic.

@@ -16,6 +16,9 @@ use crate::survey;
 /// Random loops for each group of degrees of freedom but the first.
 const LOOPS_OF_GROUP: usize = 2;
 
+/// Random loops of an ample budget where the given loop breaks.
+const LOOPS_BESIDE_BREAKS: usize = 2;
+
 /// A loop beside the given one.
 pub(super) struct Other {
     index: usize,
@@ -108,7 +111,8 @@ impl Run<'_> {
         };
         // The order is that of a full sweep, and a symmetric loop hides terms of lower
         // order: the given loop and one random one are worth it.
-        let known = (self.evidence.loops[1..].iter()).any(LoopEvidence::shows_defect);
+        let (given, random) = self.evidence.loops.split_at(1);
+        let known = given[0].is_broken() || random.iter().any(LoopEvidence::shows_defect);
         match self.random_loop(other, subject, known) {
             Ok(()) if self.is_unresolved() => {
                 self.evidence.loops.pop();
@@ -141,13 +145,20 @@ impl Run<'_> {
         self.plan.is_tight() && given.is_bounded() && random.is_some_and(weak)
     }
 
-    /// Whether further loops cannot change the verdict of a tight budget any more: the given loop breaks, or it and
-    /// a random one change. (A symmetric loop hides terms of lower order: the order needs both.)
+    /// Whether further loops cannot change the verdict any more: the given loop breaks, or, in a tight budget, it and
+    /// a random one change. (A symmetric loop hides terms of lower order: the order needs both. It may hide as well what
+    /// the map does between its breaks, so that an ample budget has some random ones.)
     fn is_settled(&self) -> bool {
         let (given, random) = self.evidence.loops.split_at(1);
-        let broken = given[0].steps.iter().any(|step| step.jump.is_some());
+        if given[0].winds {
+            return false;
+        }
         let shown = given[0].shows_defect() && random.iter().any(LoopEvidence::shows_defect);
-        self.plan.is_tight() && !given[0].winds && (broken || shown)
+        match (given[0].is_broken(), self.plan.is_tight()) {
+            (true, true) => true,
+            (true, false) => random.len() >= LOOPS_BESIDE_BREAKS,
+            (false, tight) => tight && shown,
+        }
     }
 
     /// A random loop round the period of a position, where there is one.

@@ -21,6 +21,16 @@ pub(super) const CHECKS: [f64; 2] = [-0.618, 0.267];
 /// where the next coefficient dominates.
 pub(super) const OF_A_CHECK: f64 = 2.0;
 
+/// Every so many-th sample of the loop makes an estimate of its own of what the interpolants miss: where they disagree,
+/// the samples do not resolve it.
+pub(super) const ESTIMATES: usize = 4;
+
+/// The error of the integral is so many times the largest of those estimates.
+pub(super) const OF_AN_ESTIMATE: f64 = 2.0;
+
+/// A jump is so many times what an interpolant misses the states beside it by.
+pub(super) const OF_A_MISS: f64 = 2.0;
+
 /// Coefficients from here on are small on a smooth piece; what a break leaves there gives it away.
 pub(super) const SMOOTH: usize = 6;
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::curves::{At, Image};
 use super::fit::POINTS;
-use super::limits::{BELOW_FULL, CHECKS, DEGREES, FULL, SHORTEST};
+use super::limits::{BELOW_FULL, CHECKS, DEGREES, ESTIMATES, FULL, SHORTEST};
 use super::lobatto::{DEGREE, LOBATTO, NODES};
 use super::scales::Scales;
 
@@ -161,12 +161,23 @@ pub(super) struct Smooth {
     pub exposure: f64,
     /// Bound on the error by interpolation.
     pub error: f64,
+    /// The error by interpolation as the samples on the piece have it, if there are as many as estimates.
+    pub missed: Option<Missed>,
     /// That bound if the piece hides a jump.
     pub error_of_jump: f64,
     /// What the noise that was allowed for here and not everywhere may hide: a jump as large as states scatter.
     pub error_of_noise: f64,
     /// Whether it is as good as wanted.
     pub resolved: bool,
+}
+
+/// What interpolants miss samples by.
+#[derive(Clone)]
+pub(super) struct Missed {
+    /// Estimates of what the integral of the interpolants is off.
+    pub estimates: [f64; ESTIMATES],
+    /// What the piece may hide if a jump is all that they miss.
+    pub jump: f64,
 }
 
 impl Smooth {

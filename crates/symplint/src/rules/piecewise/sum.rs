@@ -2,10 +2,10 @@
 
 use super::PiecewiseIntegral;
 use super::closure::Chord;
-use super::limits::NEIGHBOURS;
+use super::limits::{ESTIMATES, NEIGHBOURS, OF_AN_ESTIMATE};
 use super::piece::Smooth;
 use super::refinement::Refinement;
-use super::under_resolved::{spikes, under_resolved};
+use super::under_resolved::{beside_samples, under_resolved};
 use crate::breaks::Break;
 use crate::error::Error;
 use crate::rules::LoopIntegral;
@@ -46,11 +46,20 @@ pub(super) fn sum(
         .map(|chord| (&chord.areas[..], &chord.gains[..]));
     let segments = sums(&mut of_segments.chain(of_chords));
     let (mut error, mut exposure, mut scale) = (under_resolved(refinement), 0.0, 0.0);
+    let mut missed = [0.0; ESTIMATES];
     for piece in &smooth {
-        error += piece.error;
+        match piece.missed.as_ref().filter(|_| piece.resolved) {
+            Some(of_piece) => {
+                error += of_piece.jump;
+                let sums = missed.iter_mut().zip(of_piece.estimates);
+                sums.for_each(|(sum, estimate)| *sum += estimate);
+            }
+            None => error += piece.error,
+        }
         exposure += piece.exposure;
         scale += piece.areas.iter().map(|area| area.abs()).sum::<f64>();
     }
+    error += OF_AN_ESTIMATE * missed.into_iter().map(f64::abs).fold(0.0, f64::max);
     // Neighbours share the state between them: what noise adds to one it takes from the other.
     let is_noisy = |piece: &Smooth| piece.error_of_noise > 0.0;
     for run in smooth.chunk_by(|x, y| is_noisy(x) && is_noisy(y) && x.b == y.a) {
@@ -135,12 +144,12 @@ pub(super) fn sum(
         0 => break_uncertainty,
         _ => 2.0 * break_uncertainty + all_across,
     };
-    let (of_spikes, regularity) = spikes(refinement, value, broken)?;
+    let (error, regularity) = beside_samples(refinement, value, error, broken)?;
     Ok(PiecewiseIntegral {
         continuous: LoopIntegral {
             value,
             contributions,
-            quadrature_error: of_spikes.map(|spikes| error.max(spikes) + break_uncertainty),
+            quadrature_error: error.map(|error| error + break_uncertainty),
             roundoff: 4.0 * UNIT_ROUNDOFF * (exposure + scale),
             scale,
             omitted: None,

@@ -164,27 +164,29 @@ impl Stretch<'_> {
     }
 }
 
-/// What the integral may be off where the samples themselves show features that are narrower than their distance:
-/// another one may lie between two of them, and no piece has met it. `None` where they do not tell. Also returns the
-/// Sobolev exponent that they show.
+/// What the integral of the samples says of the error of that of the pieces, and the Sobolev exponent that it shows.
 ///
-/// Fourier coefficients of many breaks look like those of spikes, but breaks are known.
-pub(super) fn spikes(
+/// Where the samples show features that are narrower than their distance, another one may lie between two of them, and no
+/// piece has met it: then the integral is known as the samples have it, and not at all where these do not tell. (Fourier
+/// coefficients of many breaks look like those of spikes, but breaks are known.) A smooth loop may be known better by its
+/// samples than by its pieces.
+pub(super) fn beside_samples(
     refinement: &Refinement<'_>,
     value: f64,
+    error: f64,
     broken: bool,
 ) -> Result<(Option<f64>, Option<f64>), Error> {
     let Some(samples) = refinement.samples else {
-        return Ok((Some(0.0), None));
+        return Ok((Some(error), None));
     };
     let rule = Rule::Pseudospectral;
     let of_samples = LoopIntegral::in_coordinates(samples, &rule, refinement.coordinates)?;
     let spiky = of_samples.regularity.is_some_and(|s| s < OF_SPIKES);
-    let error = match spiky && !broken {
-        true => of_samples
-            .quadrature_error
-            .map(|error| (of_samples.value - value).abs() + error),
-        false => Some(0.0),
+    let apart = (of_samples.quadrature_error).map(|error| (of_samples.value - value).abs() + error);
+    let error = match (spiky && !broken, refinement.breaks.is_empty()) {
+        (true, _) => apart.map(|apart| error.max(apart)),
+        (false, true) => Some(apart.map_or(error, |apart| error.min(apart))),
+        (false, false) => Some(error),
     };
     Ok((error, of_samples.regularity))
 }

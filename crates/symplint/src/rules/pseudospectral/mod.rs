@@ -16,7 +16,7 @@ mod sums;
 mod transform;
 
 use std::cell::Cell;
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -107,8 +107,11 @@ fn noise_of_mode(samples: usize, scaling: &Scaling) -> f64 {
 const JUMPING: Range<f64> = 0.25..1.0;
 
 /// The uncertainty that jumps make, in units of the largest momentum times the root of the sum of their squares: that of
-/// sixteen equal ones that all add up.
-const OF_JUMPS: f64 = 4.0;
+/// thirty-six equal ones that all add up.
+const OF_JUMPS: f64 = 6.0;
+
+/// Jumps of this part of the size of a coordinate are looked for between the samples, and no part of an error.
+const LITTLE: f64 = 1e-3;
 
 /// √(Σ J²) of the jumps J of a function from the energy Σ |c_k|² of its octave `first` ≤ k < 2 `first`: far up, c_k is a sum
 /// of J/(2πik), each with a phase of its own, and Σ 1/k² over an octave is about 1/(2 first).
@@ -154,17 +157,20 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
     let of_positions = sobolev_exponent(&q_energies[..octaves], noise_of_mode(samples, of_q));
     let of_momenta = sobolev_exponent(&p_energies[..octaves], noise_of_mode(samples, of_p));
     // What the integral of the loop with its jumps closed has more than that between them.
-    let jumps = match of_positions {
-        // Where the last octave does not fall, it is noise: of single precision, say.
-        Some(exponent)
-            if JUMPING.contains(&exponent)
-                && SQRT_2 * q_energies[octaves - 1] < q_energies[octaves - 2] =>
-        {
-            let (last, energy) = (octaves - 1, q_energies[octaves - 1]);
-            let size = jump_size(1 << last, energy / (n * n));
-            OF_JUMPS * of_p.largest * of_q.unit * size
+    let jumps = match octaves >= 2 {
+        // The last octaves alone: a smooth function stands above small jumps in those before.
+        true => {
+            let [before, last] = [q_energies[octaves - 2], q_energies[octaves - 1]];
+            let exponent = 0.5 * (before / last).log2();
+            let size = jump_size(1 << (octaves - 1), last / (n * n));
+            let noise = noise_of_mode(samples, of_q) * f64::from(1 << (octaves - 1)).sqrt();
+            let little = size < LITTLE && last.sqrt() > noise;
+            match little && JUMPING.contains(&exponent) {
+                true => OF_JUMPS * of_p.largest * of_q.unit * size,
+                false => 0.0,
+            }
         }
-        _ => 0.0,
+        false => 0.0,
     };
     let regularity = least(of_positions, of_momenta);
 
