@@ -89,6 +89,36 @@ def vector(value: Any, name: str, length: int | None = None) -> Array:
     return array
 
 
+def coordinates(dof: int, period: Any, momentum_period: Any, weight: Any) -> dict[str, list[float] | None]:
+    """What the coordinates mean, as the native module takes it.
+
+    Raises
+    ------
+    InputError
+        If there is not one number for each degree of freedom.
+    """
+    stated = {"period": period, "momentum_period": momentum_period, "weight": weight}
+    return {name: None if value is None else vector(value, name, dof).tolist() for name, value in stated.items()}
+
+
+def cutoffs(value: Any) -> tuple[float, float]:
+    """λ_q and λ_p of the finite-difference rule.
+
+    Raises
+    ------
+    InputError
+        If it is not a positive number or a pair of them.
+    """
+    of_q, of_p = value if isinstance(value, tuple) and len(value) == 2 else (value, value)
+    try:
+        found = float(of_q), float(of_p)
+    except (TypeError, ValueError):
+        found = (0.0, 0.0)
+    if not (found[0] > 0.0 and found[1] > 0.0):
+        raise InputError(f"cutoff is {value!r}; give a positive number, or a pair of them for q and p")
+    return found
+
+
 def samples(value: Any, name: str) -> Array:
     """Samples of a loop: one row for each, one column for each degree of freedom.
 
