@@ -69,8 +69,9 @@ def check(
     step : callable
         ``step(q, p, h)`` gets arrays of shape (samples, dof), and returns two, or changes them in place and returns
         None. A row is one state; what happens to it must depend on nothing but this row and h. Arrays may be kept:
-        they are not used again then. The arrays are neither in C nor in Fortran order. An integrator of
-        `symplint.integrators` runs without Python, and so does a system of `symplint.systems`, with its default integrator.
+        they are not used again then. The arrays are in Fortran order. Results may be arrays of any order and library, torch
+        and JAX among them. An integrator of `symplint.integrators` runs without Python, and so does a system of
+        `symplint.systems`, with its default integrator.
     q0, p0 : array_like
         Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library, and where
         `loop` is one of the library.
@@ -373,7 +374,8 @@ def _is_single(dtype: Any) -> bool:
     except TypeError:
         found = None
     if found is None or found not in (np.float32, np.float64):
-        raise InputError(f'dtype is {dtype!r}; give "float32" or "float64"')
+        smaller = "; a step that computes with fewer bits gets float32" if "float" in name else ""
+        raise InputError(f'dtype is {name}; give "float32" or "float64"{smaller}')
     return bool(found == np.float32)
 
 
