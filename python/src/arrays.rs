@@ -17,19 +17,41 @@ use crate::memory::Number;
 /// Rows and columns that are copied together, so that both lie in the cache.
 const TILE: usize = 64;
 
-/// Copies `source`, of one row for each sample, into rows of one for each degree of freedom.
-pub fn transpose<T: Number>(source: ArrayView2<'_, T>, rows: &mut RowsMut<'_>) {
+/// Copies numbers, and says whether all of them are finite.
+pub fn copy<T: Number>(to: &mut [f64], from: &[T]) -> bool {
+    // Zero times a finite number is zero, and NaN otherwise. Several sums, so that they are vectorised.
+    const LANES: usize = 8;
+    let mut sums = [0.0; LANES];
+    let (mut to, mut from) = (to.chunks_exact_mut(LANES), from.chunks_exact(LANES));
+    for (to, from) in to.by_ref().zip(from.by_ref()) {
+        for lane in 0..LANES {
+            let value = from[lane].value();
+            to[lane] = value;
+            sums[lane] += 0.0 * value;
+        }
+    }
+    for (to, from) in to.into_remainder().iter_mut().zip(from.remainder()) {
+        *to = from.value();
+        sums[0] += 0.0 * *to;
+    }
+    sums.iter().sum::<f64>() == 0.0
+}
+
+/// Copies `source`, of one row for each sample, into rows of one for each degree of freedom, and says whether all numbers
+/// are finite.
+pub fn transpose<T: Number>(source: ArrayView2<'_, T>, rows: &mut RowsMut<'_>) -> bool {
     let (samples, dof) = source.dim();
     // Samples side by side, as in the arrays that steps get and in what NumPy makes of them.
     if source.strides()[0] == 1 {
-        for i in 0..dof {
+        let of_row = |finite, i| {
             let column = source.column(i);
-            let column = column.as_slice().expect("values side by side");
-            for (to, from) in rows.row_mut(i).iter_mut().zip(column) {
-                *to = from.value();
-            }
-        }
-        return;
+            finite
+                & copy(
+                    rows.row_mut(i),
+                    column.as_slice().expect("values side by side"),
+                )
+        };
+        return (0..dof).fold(true, of_row);
     }
     for first in (0..dof).step_by(TILE) {
         let dofs = first..dof.min(first + TILE);
@@ -44,6 +66,7 @@ pub fn transpose<T: Number>(source: ArrayView2<'_, T>, rows: &mut RowsMut<'_>) {
             }
         }
     }
+    rows.as_rows().all_finite()
 }
 
 /// What a function returned in place of (q, p): two objects.
@@ -56,9 +79,13 @@ pub fn pair<'py>(
     {
         return Ok((tuple.get_item(0)?, tuple.get_item(1)?));
     }
-    let sized = (result.is_instance_of::<PyList>() || result.is_instance_of::<PyUntypedArray>())
-        && result.len()? == 2;
-    if sized {
+    // One array for both, of any library.
+    let is_array = result.is_instance_of::<PyUntypedArray>()
+        || result.hasattr("__dlpack__")?
+        || result.hasattr("__array__")?;
+    let stacked = (is_array || result.is_instance_of::<PyList>())
+        && result.len().is_ok_and(|length| length == 2);
+    if stacked {
         return Ok((result.get_item(0)?, result.get_item(1)?));
     }
     let found = match result.len() {
@@ -93,11 +120,12 @@ fn plain<'a, 'py, T: Number, D: Dimension>(
     aligned.then_some(array)
 }
 
-/// Copies the coordinates of all samples, an array of one row for each, into rows of one for each degree of freedom.
+/// Copies the coordinates of all samples, an array of one row for each, into rows of one for each degree of freedom, and says
+/// whether all are finite.
 ///
 /// # Errors
 /// If it is of another shape, or of something else than numbers.
-pub fn read_rows(object: &Bound<'_, PyAny>, name: &str, rows: &mut RowsMut<'_>) -> PyResult<()> {
+pub fn read_rows(object: &Bound<'_, PyAny>, name: &str, rows: &mut RowsMut<'_>) -> PyResult<bool> {
     let (samples, dof) = (rows.len(), rows.count());
     if let Some(array) = plain::<f64, Ix2>(object) {
         return read_array(array.try_readonly()?, name, rows);
@@ -120,14 +148,13 @@ fn read_array<T: Number>(
     array: PyReadonlyArray2<'_, T>,
     name: &str,
     rows: &mut RowsMut<'_>,
-) -> PyResult<()> {
+) -> PyResult<bool> {
     let expected = (rows.len(), rows.count());
     let view = array.as_array();
     if view.dim() != expected {
         return Err(wrong_shape(name, array.as_any(), expected));
     }
-    transpose(view, rows);
-    Ok(())
+    Ok(transpose(view, rows))
 }
 
 fn wrong_shape(name: &str, array: &Bound<'_, PyAny>, expected: (usize, usize)) -> PyErr {

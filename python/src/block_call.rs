@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use symplint::Block;
 use symplint::state::RowsMut;
 
-use crate::arrays::{pair, read_column, read_rows};
+use crate::arrays::{copy, pair, read_column, read_rows};
 use crate::calls::ends_programs;
 use crate::memory::{Memory, Number};
 
@@ -40,28 +40,27 @@ impl<'py> BlockCall<'py> {
         kept: &mut Option<Py<Memory>>,
         block: &mut Block<'_>,
     ) -> Result<bool, Failed> {
-        let width = (BATCH / block.dof().max(1)).max(1);
+        let width = width(block.len(), block.dof());
         let Block { q, p } = block.reborrow();
         let batches = q.column_blocks(width).zip(p.column_blocks(width));
         let mut finite = true;
         for (k, (q, p)) in batches.enumerate() {
             let mut batch = Block::new(q, p);
             let advanced = self.batch::<T>(kept, &mut batch);
-            advanced.map_err(|failed| Failed {
+            finite &= advanced.map_err(|failed| Failed {
                 sample: k * width + failed.sample,
                 ..failed
             })?;
-            finite &= batch.all_finite();
         }
         Ok(finite)
     }
 
-    /// Calls the function for all states at once.
+    /// Calls the function for all states at once, and says whether all are finite then.
     fn batch<T: Number>(
         &self,
         kept: &mut Option<Py<Memory>>,
         block: &mut Block<'_>,
-    ) -> Result<(), Failed> {
+    ) -> Result<bool, Failed> {
         let batch = Batch::<T>::lend(self.function.py(), kept, block, 0..block.len());
         let called = batch.call(self);
         let result = match called {
@@ -77,20 +76,16 @@ impl<'py> BlockCall<'py> {
             }
         };
         let taken = match result.is_none() {
-            true => {
-                batch.copy_to(block);
-                Ok(())
-            }
+            true => Ok(batch.copy_to(block)),
             false => self.take(result, block),
         };
         batch.end(kept);
         taken.map_err(|error| Failed { sample: 0, error })
     }
 
-    fn take(&self, result: Bound<'py, PyAny>, block: &mut Block<'_>) -> PyResult<()> {
+    fn take(&self, result: Bound<'py, PyAny>, block: &mut Block<'_>) -> PyResult<bool> {
         let (q, p) = pair(result, self.what)?;
-        read_rows(&q, "q", &mut block.q)?;
-        read_rows(&p, "p", &mut block.p)
+        Ok(read_rows(&q, "q", &mut block.q)? & read_rows(&p, "p", &mut block.p)?)
     }
 
     /// The first state that makes the function fail by itself, by bisection; 0 where none does.
@@ -186,14 +181,31 @@ impl<'py> BlockCall<'py> {
     }
 }
 
-/// States on loan to a function: rows of one number for each sample, as the library keeps them, of which the function
-/// sees the transpose.
+/// Samples of a batch: batches have about the same length, and begin at whole cache lines.
+fn width(samples: usize, dof: usize) -> usize {
+    let most = (BATCH / dof.max(1)).max(1);
+    let batches = samples.div_ceil(most).max(1);
+    let even = samples.div_ceil(batches).next_multiple_of(LINE);
+    if even <= most { even } else { most }
+}
+
+/// Numbers of a cache line.
+const LINE: usize = 8;
+
+/// States on loan to a function: rows of one number for each sample, of which the function sees the transpose, in Fortran
+/// order. Nothing lies between two rows: numpy takes such an array for one long row.
 struct Batch<'py, T> {
     memory: Bound<'py, Memory>,
     dof: usize,
     samples: usize,
-    stride: usize,
     number: std::marker::PhantomData<T>,
+}
+
+/// Where the momenta of so many positions begin.
+fn of_momenta(count: usize) -> usize {
+    // Half a page, so that a position and its momentum do not compete for the same cache lines.
+    const APART: usize = 256;
+    count.next_multiple_of(LINE) + APART
 }
 
 impl<'py, T: Number> Batch<'py, T> {
@@ -205,61 +217,46 @@ impl<'py, T: Number> Batch<'py, T> {
         range: Range<usize>,
     ) -> Self {
         let (dof, samples) = (block.dof(), range.len());
-        let stride = stride(samples);
-        let memory = take_memory::<T>(py, kept, 2 * dof * stride);
-        for (c, rows) in [(0, &block.q), (dof, &block.p)] {
-            for i in 0..dof {
-                Memory::with(&memory, (c + i) * stride, samples, |row: &mut [T]| {
+        let second = of_momenta(dof * samples);
+        let memory = take_memory::<T>(py, kept, second + dof * samples);
+        for (first, rows) in [(0, &block.q), (second, &block.p)] {
+            Memory::with(&memory, first, dof * samples, |states: &mut [T]| {
+                for (i, row) in states.chunks_exact_mut(samples.max(1)).enumerate() {
                     for (to, from) in row.iter_mut().zip(&rows.row(i)[range.clone()]) {
                         *to = T::of(*from);
                     }
-                });
-            }
+                }
+            });
         }
         Batch {
             memory,
             dof,
             samples,
-            stride,
             number: std::marker::PhantomData,
         }
     }
 
     fn call(&self, call: &BlockCall<'py>) -> PyResult<Bound<'py, PyAny>> {
         let shape = Ix2(self.samples, self.dof);
-        let strides = Ix2(1, self.stride);
+        let strides = Ix2(1, self.samples);
         let of = |first| Memory::array::<T, Ix2>(&self.memory, first, shape, strides).into_any();
-        call.call(&of(0), &of(self.dof * self.stride))
+        call.call(&of(0), &of(of_momenta(self.dof * self.samples)))
     }
 
-    /// Copies the states, changed in place, into the block of as many samples.
-    fn copy_to(&self, block: &mut Block<'_>) {
-        let copy = |c: usize, rows: &mut RowsMut<'_>| {
-            for i in 0..self.dof {
-                let first = (c + i) * self.stride;
-                Memory::with(&self.memory, first, self.samples, |row: &mut [T]| {
-                    for (to, from) in rows.row_mut(i).iter_mut().zip(row) {
-                        *to = from.value();
-                    }
-                });
-            }
+    /// Copies the states, changed in place, into the block of as many samples, and says whether all are finite.
+    fn copy_to(&self, block: &mut Block<'_>) -> bool {
+        let count = self.dof * self.samples;
+        let take = |first: usize, rows: &mut RowsMut<'_>| {
+            Memory::with(&self.memory, first, count, |states: &mut [T]| {
+                let of_rows = states.chunks_exact(self.samples.max(1)).enumerate();
+                of_rows.fold(true, |finite, (i, row)| finite & copy(rows.row_mut(i), row))
+            })
         };
-        copy(0, &mut block.q);
-        copy(self.dof, &mut block.p);
+        take(0, &mut block.q) & take(of_momenta(count), &mut block.p)
     }
 
     fn end(self, kept: &mut Option<Py<Memory>>) {
         keep_memory(self.memory, kept);
-    }
-}
-
-/// Distance of rows that do not compete for the same cache lines, in numbers.
-fn stride(samples: usize) -> usize {
-    const LINE: usize = 8;
-    const PAGE: usize = 512;
-    match samples.is_multiple_of(PAGE) {
-        true => samples + LINE,
-        false => samples,
     }
 }
 

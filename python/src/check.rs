@@ -13,6 +13,7 @@ use symplint::{Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Rule, Tim
 
 use crate::arrays;
 use crate::calls::{self, Call, Caller};
+use crate::coordinates::Stated;
 use crate::error::{diagnostic_error, input_error, other_error};
 use crate::functions::{Functions, Step};
 use crate::loops::NativeLoop;
@@ -33,8 +34,7 @@ pub struct Subject {
     single: bool,
     project: Option<Py<PyAny>>,
     dof: usize,
-    period: Option<Vec<f64>>,
-    weight: Option<Vec<f64>>,
+    coordinates: Stated,
     /// A loop of the library, or nothing: then a function, or else a circle.
     native_loop: Option<Py<NativeLoop>>,
     phase_loop: Option<Py<PyAny>>,
@@ -54,6 +54,7 @@ pub struct Settings {
     loops: usize,
     seed: u64,
     rule: String,
+    cutoffs: CutoffPair,
     samples: Option<usize>,
     budget: Option<usize>,
     jacobian: bool,
@@ -62,7 +63,7 @@ pub struct Settings {
 impl Settings {
     fn diagnostic(&self, py: Python<'_>) -> PyResult<Diagnostic> {
         let default = Diagnostic::default();
-        let rule = rule(py, &self.rule)?;
+        let rule = rule(py, &self.rule, self.cutoffs)?;
         Ok(Diagnostic {
             rule,
             samples: self.samples.map_or(SampleCount::Auto, SampleCount::Fixed),
@@ -81,15 +82,17 @@ impl Settings {
     }
 }
 
-/// The rule of this name, with the settings that a configuration has by default.
-pub fn rule(py: Python<'_>, name: &str) -> PyResult<Rule> {
-    let cutoff = Cutoff::Relative(1000.0);
+/// λ_q and λ_p of the finite-difference rule.
+pub type CutoffPair = (f64, f64);
+
+/// The rule of this name, with the settings that a configuration has by default, but for the cut-offs.
+pub fn rule(py: Python<'_>, name: &str, cutoffs: CutoffPair) -> PyResult<Rule> {
     let rules = [
         Rule::Auto,
         Rule::Pseudospectral,
         Rule::FiniteDifference(Cutoffs {
-            q: cutoff,
-            p: cutoff,
+            q: Cutoff::Relative(cutoffs.0),
+            p: Cutoff::Relative(cutoffs.1),
         }),
         Rule::Piecewise(Piecewise::default()),
         Rule::Streaming(Streaming::default()),
@@ -117,18 +120,9 @@ struct Shared {
 impl Subject {
     fn shared(&self, py: Python<'_>) -> PyResult<Shared> {
         let integrator = (self.integrator.as_ref()).map(|given| Arc::clone(&given.get().map));
-        let coordinates = Coordinates::plain(self.dof);
-        let coordinates = match &self.period {
-            Some(period) => coordinates.with_periods(period.clone()),
-            None => Ok(coordinates),
-        };
-        let coordinates = coordinates.and_then(|coordinates| match &self.weight {
-            Some(weight) => coordinates.with_weights(weight.clone()),
-            None => Ok(coordinates),
-        });
         Ok(Shared {
             integrator,
-            coordinates: coordinates.map_err(|error| diagnostic_error(py, &error, None))?,
+            coordinates: self.coordinates.of(py, self.dof)?,
             projects: self.project.is_some(),
             native_loop: (self.native_loop.as_ref()).map(|given| Arc::clone(&given.get().inner)),
             has_loop: self.phase_loop.is_some(),

@@ -217,7 +217,8 @@ impl Functions {
         let sampled = function.bind(py).call1((PyArray1::from_vec(py, s),))?;
         let (q, p) = pair(sampled, "loop")?;
         read_rows(&q, "q of the loop", &mut block.q)?;
-        read_rows(&p, "p of the loop", &mut block.p)
+        read_rows(&p, "p of the loop", &mut block.p)?;
+        Ok(())
     }
 
     fn tell_progress(&self, py: Python<'_>, h: Option<f64>) -> PyResult<()> {

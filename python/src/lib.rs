@@ -12,6 +12,7 @@
 //! | `step` | maps, manifolds and loops made of functions, as the diagnostic sees them |
 //! | `arrays` | numbers from Python objects, and blocks from arrays of any order |
 //! | `loops`, `models` | loops, systems and integrators of the library |
+//! | `coordinates` | periods and weights |
 //! | `check`, `measure` | a diagnosis; a comparison of loops |
 //! | `report`, `html` | what was found |
 //! | `error` | errors as exceptions |
@@ -20,6 +21,7 @@ mod arrays;
 mod block_call;
 mod calls;
 mod check;
+mod coordinates;
 mod error;
 mod functions;
 mod html;

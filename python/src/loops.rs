@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
-use symplint::{Circle, Coordinates, Ensemble, FourierLoop, Loop, SampledLoop};
+use symplint::{Circle, Ensemble, FourierLoop, Loop, SampledLoop};
 
 use crate::arrays;
+use crate::coordinates::Stated;
 use crate::error::diagnostic_error;
 
 /// A loop of the library.
@@ -68,21 +69,15 @@ impl NativeLoop {
 
     /// The trigonometric interpolant of samples.
     #[staticmethod]
-    #[pyo3(signature = (q, p, period=None))]
     fn sampled(
         py: Python<'_>,
         q: PyReadonlyArray2<'_, f64>,
         p: PyReadonlyArray2<'_, f64>,
-        period: Option<Vec<f64>>,
+        stated: Stated,
     ) -> PyResult<Self> {
         let states = arrays::ensemble(py, &q, &p)?;
-        let plain = Coordinates::plain(states.dof());
-        let coordinates = match period {
-            Some(period) => plain.with_periods(period),
-            None => Ok(plain),
-        };
-        let made = coordinates.and_then(|coordinates| SampledLoop::new(states, &coordinates));
-        Self::new(py, made)
+        let coordinates = stated.of(py, states.dof())?;
+        Self::new(py, SampledLoop::new(states, &coordinates))
     }
 
     /// Degrees of freedom.

@@ -2,33 +2,16 @@
 
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
-use symplint::{Coordinates, LoopIntegral, Snapshot, measure as compare};
+use symplint::{LoopIntegral, Snapshot, measure as compare};
 
 use crate::arrays;
-use crate::check::rule;
+use crate::check::{CutoffPair, rule};
+use crate::coordinates::Stated;
 use crate::error::{diagnostic_error, other_error};
 use crate::report::{self, Report};
 
 /// A loop as two arrays of one row for each sample, and the relative rounding error of their numbers.
 type Loop<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, bool);
-
-fn coordinates(
-    py: Python<'_>,
-    dof: usize,
-    period: Option<Vec<f64>>,
-    weight: Option<Vec<f64>>,
-) -> PyResult<Coordinates> {
-    let plain = Coordinates::plain(dof);
-    let with_periods = match period {
-        Some(period) => plain.with_periods(period),
-        None => Ok(plain),
-    };
-    let coordinates = with_periods.and_then(|coordinates| match weight {
-        Some(weight) => coordinates.with_weights(weight),
-        None => Ok(coordinates),
-    });
-    coordinates.map_err(|error| diagnostic_error(py, &error, None))
-}
 
 fn snapshot(py: Python<'_>, (q, p, single): &Loop<'_>, h: Option<f64>) -> PyResult<Snapshot> {
     let states = arrays::ensemble(py, q, p)?;
@@ -42,18 +25,13 @@ fn snapshot(py: Python<'_>, (q, p, single): &Loop<'_>, h: Option<f64>) -> PyResu
 
 /// Compares a loop before a step with the same loop after steps.
 #[pyfunction]
-#[pyo3(signature = (before, after, h, period, weight, title, config))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "the arguments of symplint.measure"
-)]
+#[pyo3(signature = (before, after, h, stated, title, config))]
 pub fn measure(
     py: Python<'_>,
     before: Loop<'_>,
     after: Vec<Loop<'_>>,
     h: Vec<Option<f64>>,
-    period: Option<Vec<f64>>,
-    weight: Option<Vec<f64>>,
+    stated: Stated,
     title: String,
     config: &str,
 ) -> PyResult<Report> {
@@ -61,7 +39,7 @@ pub fn measure(
     let config: serde_json::Value =
         serde_json::from_str(config).map_err(|error| other_error(py, &error.to_string()))?;
     let before = snapshot(py, &before, None)?;
-    let coordinates = coordinates(py, before.states.dof(), period, weight)?;
+    let coordinates = stated.of(py, before.states.dof())?;
     let after = (after.iter().zip(h))
         .map(|(states, h)| snapshot(py, states, h))
         .collect::<PyResult<Vec<Snapshot>>>()?;
@@ -76,18 +54,18 @@ type Integral = (f64, Option<f64>, f64, Vec<f64>);
 
 /// The loop integral of samples.
 #[pyfunction]
-#[pyo3(signature = (q, p, rule_name, period, weight))]
+#[pyo3(signature = (q, p, rule_name, cutoffs, stated))]
 pub fn loop_integral(
     py: Python<'_>,
     q: PyReadonlyArray2<'_, f64>,
     p: PyReadonlyArray2<'_, f64>,
     rule_name: &str,
-    period: Option<Vec<f64>>,
-    weight: Option<Vec<f64>>,
+    cutoffs: CutoffPair,
+    stated: Stated,
 ) -> PyResult<Integral> {
-    let rule = rule(py, rule_name)?;
+    let rule = rule(py, rule_name, cutoffs)?;
     let states = arrays::ensemble(py, &q, &p)?;
-    let coordinates = coordinates(py, states.dof(), period, weight)?;
+    let coordinates = stated.of(py, states.dof())?;
     let integral = py.detach(|| {
         states.check_finite(None)?;
         LoopIntegral::in_coordinates(&states, &rule, &coordinates)

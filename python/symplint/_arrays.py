@@ -27,7 +27,7 @@ def numbers(value: Any, name: str) -> Array:
         if np.ma.is_masked(array):
             raise ValueError(f"{name} has masked values; fill them with numbers")
         array = array.data
-    if array.dtype.kind not in "fiub":
+    if array.dtype.kind not in "fiub" and not _is_small_float(array.dtype):
         raise TypeError(f"{name} is of type {array.dtype}, and should hold real numbers")
     return np.require(np.asarray(array), dtype=np.float64, requirements="A")
 
@@ -36,8 +36,8 @@ def _as_numpy(value: Any, name: str) -> np.ndarray[Any, Any]:
     """An array of numpy from one of any library."""
     if isinstance(value, np.ndarray):
         return value
-    if getattr(value, "requires_grad", False):
-        value = value.detach()
+    if hasattr(value, "requires_grad"):
+        value = _plain_tensor(value)
     if hasattr(value, "__dlpack__") and not hasattr(value, "__array__"):
         return np.from_dlpack(_on_cpu(value))
     try:
@@ -50,6 +50,19 @@ def _as_numpy(value: Any, name: str) -> np.ndarray[Any, Any]:
         return np.asarray(on_cpu)
     except ValueError as error:
         raise ValueError(f"{name} is not an array of numbers: {error}") from None
+
+
+def _plain_tensor(tensor: Any) -> Any:
+    """A tensor of torch that may become an array of numpy: without derivatives and pending signs, and of a type that numpy has."""
+    for method in ("detach", "resolve_conj", "resolve_neg"):
+        if callable(plain := getattr(tensor, method, None)):
+            tensor = plain()
+    return tensor.float() if str(tensor.dtype) == "torch.bfloat16" else tensor
+
+
+def _is_small_float(dtype: np.dtype[Any]) -> bool:
+    """Whether it is bfloat16 or float8 as JAX has them, which numpy does not count as numbers."""
+    return dtype.kind == "V" and dtype.names is None and dtype.name.startswith(("bfloat", "float"))
 
 
 def _on_cpu(value: Any) -> Any:
@@ -87,6 +100,36 @@ def vector(value: Any, name: str, length: int | None = None) -> Array:
             f"{name} has {array.size} values for {length} degrees of freedom; give one for each, or a single number"
         )
     return array
+
+
+def coordinates(dof: int, period: Any, momentum_period: Any, weight: Any) -> dict[str, list[float] | None]:
+    """What the coordinates mean, as the native module takes it.
+
+    Raises
+    ------
+    InputError
+        If there is not one number for each degree of freedom.
+    """
+    stated = {"period": period, "momentum_period": momentum_period, "weight": weight}
+    return {name: None if value is None else vector(value, name, dof).tolist() for name, value in stated.items()}
+
+
+def cutoffs(value: Any) -> tuple[float, float]:
+    """λ_q and λ_p of the finite-difference rule.
+
+    Raises
+    ------
+    InputError
+        If it is not a positive number or a pair of them.
+    """
+    of_q, of_p = value if isinstance(value, tuple) and len(value) == 2 else (value, value)
+    try:
+        found = float(of_q), float(of_p)
+    except (TypeError, ValueError):
+        found = (0.0, 0.0)
+    if not (found[0] > 0.0 and found[1] > 0.0):
+        raise InputError(f"cutoff is {value!r}; give a positive number, or a pair of them for q and p")
+    return found
 
 
 def samples(value: Any, name: str) -> Array:

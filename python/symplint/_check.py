@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._arrays import vector
+from ._arrays import coordinates, cutoffs, vector
 from ._errors import InputError, NotSymplecticError
 from ._loops import Loop, centre, radii
 from ._progress import bar
@@ -44,9 +44,11 @@ def check(
     project: Callable[..., Any] | None = None,
     seed: int = 1,
     rule: str = "auto",
+    cutoff: float | tuple[float, float] = 1000.0,
     samples: int | str = "auto",
     budget: int | str = BUDGET,
     period: npt.ArrayLike | None = None,
+    momentum_period: npt.ArrayLike | None = None,
     weight: npt.ArrayLike | None = None,
     per_sample: bool = False,
     make: bool = False,
@@ -67,8 +69,9 @@ def check(
     step : callable
         ``step(q, p, h)`` gets arrays of shape (samples, dof), and returns two, or changes them in place and returns
         None. A row is one state; what happens to it must depend on nothing but this row and h. Arrays may be kept:
-        they are not used again then. The arrays are neither in C nor in Fortran order. An integrator of
-        `symplint.integrators` runs without Python, and so does a system of `symplint.systems`, with its default integrator.
+        they are not used again then. The arrays are in Fortran order. Results may be arrays of any order and library, torch
+        and JAX among them. An integrator of `symplint.integrators` runs without Python, and so does a system of
+        `symplint.systems`, with its default integrator.
     q0, p0 : array_like
         Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library, and where
         `loop` is one of the library.
@@ -91,6 +94,9 @@ def check(
         Seed of the random loops.
     rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}
         How loop integrals are computed.
+    cutoff : float or (float, float), optional
+        λ of the finite-difference rule, or λ_q and λ_p: a cell of the loop is left out where q changes faster than λ_q times
+        the largest absolute value of q, or p likewise.
     samples : int or "auto"
         Samples of each loop.
     budget : int or "auto"
@@ -98,6 +104,9 @@ def check(
         the library.
     period : float or array_like, optional
         Periods of the positions, 0 where a position is not periodic.
+    momentum_period : float or array_like, optional
+        Periods of the momenta, as those of the standard map on the torus. Loops must not wind round such a torus: ∮ p·dq has
+        no value there.
     weight : float or array_like, optional
         The canonical momentum is weight × p: masses, where p are velocities.
     per_sample : bool
@@ -154,8 +163,9 @@ def check(
     if isinstance(step, System):
         step = of_system(step)
     subject = _subject(
-        step, q0, p0, radius=radius, loop=loop, project=project, period=period, weight=weight,
-        per_sample=per_sample, make=make, reset=reset, dtype=dtype, threads=threads,
+        step, q0, p0, radius=radius, loop=loop, project=project, period=period,
+        momentum_period=momentum_period, weight=weight, per_sample=per_sample, make=make, reset=reset, dtype=dtype,
+        threads=threads,
     )  # fmt: skip
     compiled = subject["integrator"] is not None
     if step_sizes is not None and h is not None:
@@ -166,6 +176,7 @@ def check(
         "loops": _whole(loops, "loops", 1),
         "seed": _whole(seed, "seed", 0),
         "rule": rule,
+        "cutoffs": cutoffs(cutoff),
         "samples": _whole_or_auto(samples, "samples", 3),
         "budget": _whole_or_auto(budget, "budget", 200),
         "jacobian": bool(jacobian),
@@ -255,6 +266,7 @@ def _subject(
     loop: Any,
     project: Any,
     period: Any,
+    momentum_period: Any,
     weight: Any,
     per_sample: bool,
     make: bool,
@@ -271,8 +283,8 @@ def _subject(
             raise InputError(f"{name} is an object of type {type(function).__name__}; give a function")
     if integrator is not None:
         of_steps = {
-            "project": project, "period": period, "weight": weight, "reset": reset, "dtype": dtype,
-            "per_sample": per_sample or None, "make": make or None,
+            "project": project, "period": period, "momentum_period": momentum_period, "weight": weight, "reset": reset,
+            "dtype": dtype, "per_sample": per_sample or None, "make": make or None,
         }  # fmt: skip
         if refused := [name for name, value in of_steps.items() if value is not None]:
             raise InputError(f"{refused[0]} is for functions; an integrator of symplint states its own")
@@ -306,8 +318,7 @@ def _subject(
         "single": _is_single(dtype),
         "project": project,
         "dof": dof,
-        "period": None if period is None else vector(period, "period", dof).tolist(),
-        "weight": None if weight is None else vector(weight, "weight", dof).tolist(),
+        "coordinates": coordinates(dof, period, momentum_period, weight),
         "native_loop": native_loop,
         "phase_loop": loop if native_loop is None else None,
         "q0": centres[0],
@@ -319,8 +330,8 @@ def _subject(
 
 def _config(name: str, subject: dict[str, Any], settings: dict[str, Any], loop: Any) -> dict[str, Any]:
     """The arguments, for the report."""
-    own = ("dof", "per_sample", "make", "single", "period", "weight", "q0", "p0", "radii")
-    arguments = {key: subject[key] for key in own} | settings
+    own = ("dof", "per_sample", "make", "single", "q0", "p0", "radii")
+    arguments = {key: subject[key] for key in own} | subject["coordinates"] | settings
     arguments = {
         key: value
         for key, value in arguments.items()
@@ -363,7 +374,8 @@ def _is_single(dtype: Any) -> bool:
     except TypeError:
         found = None
     if found is None or found not in (np.float32, np.float64):
-        raise InputError(f'dtype is {dtype!r}; give "float32" or "float64"')
+        smaller = "; a step that computes with fewer bits gets float32" if "float" in name else ""
+        raise InputError(f'dtype is {name}; give "float32" or "float64"{smaller}')
     return bool(found == np.float32)
 
 

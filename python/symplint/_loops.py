@@ -7,7 +7,7 @@ from typing import Any
 import numpy.typing as npt
 
 from . import _native
-from ._arrays import Array, samples, vector
+from ._arrays import Array, coordinates, samples, vector
 from ._errors import InputError
 
 __all__ = ["Circle", "FourierLoop", "Loop", "SampledLoop", "circle"]
@@ -127,14 +127,21 @@ class SampledLoop(Loop):
     ----------
     q, p : array_like of shape (samples, dof)
         Row k is the state at s = k/samples.
-    period : array_like, optional
-        Periods of the positions, 0 where a position is not periodic.
+    period, momentum_period : float or array_like, optional
+        Periods of the positions and of the momenta, 0 where one is not periodic.
     """
 
-    def __init__(self, q: npt.ArrayLike, p: npt.ArrayLike, *, period: npt.ArrayLike | None = None) -> None:
+    def __init__(
+        self,
+        q: npt.ArrayLike,
+        p: npt.ArrayLike,
+        *,
+        period: npt.ArrayLike | None = None,
+        momentum_period: npt.ArrayLike | None = None,
+    ) -> None:
         rows_q, rows_p = samples(q, "q"), samples(p, "p")
-        periods = None if period is None else vector(period, "period", rows_q.shape[1])
-        super().__init__(_native.Loop.sampled(rows_q, rows_p, periods))
+        stated = coordinates(rows_q.shape[1], period, momentum_period, None)
+        super().__init__(_native.Loop.sampled(rows_q, rows_p, stated))
 
 
 def circle(

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._arrays import Array, is_single, samples, vector
+from ._arrays import Array, coordinates, cutoffs, is_single, samples
 from ._errors import InputError
 from ._report import Report
 
@@ -50,7 +50,9 @@ def loop_integral(
     p: npt.ArrayLike,
     *,
     rule: str = "auto",
+    cutoff: float | tuple[float, float] = 1000.0,
     period: npt.ArrayLike | None = None,
+    momentum_period: npt.ArrayLike | None = None,
     weight: npt.ArrayLike | None = None,
 ) -> LoopIntegral:
     """The loop integral ∮ p·dq of equispaced samples of a closed loop.
@@ -61,7 +63,9 @@ def loop_integral(
         Row k is the state at s = k/samples.
     rule : {"auto", "pseudospectral", "finite-difference"}
         How it is computed; "auto" is pseudospectral.
-    period, weight : float or array_like, optional
+    cutoff : float or (float, float), optional
+        λ of the finite-difference rule, as that of `check`.
+    period, momentum_period, weight : float or array_like, optional
         As those of `check`.
 
     Returns
@@ -79,7 +83,7 @@ def loop_integral(
     rows_q, rows_p = samples(q, "q"), samples(p, "p")
     dof = rows_q.shape[1]
     value, quadrature_error, roundoff, contributions = _native.loop_integral(
-        rows_q, rows_p, rule, _of_each(period, "period", dof), _of_each(weight, "weight", dof)
+        rows_q, rows_p, rule, cutoffs(cutoff), coordinates(dof, period, momentum_period, weight)
     )
     return LoopIntegral(value, quadrature_error, roundoff, tuple(contributions))
 
@@ -89,6 +93,7 @@ def measure(
     *after: tuple[npt.ArrayLike, npt.ArrayLike],
     h: float | Sequence[float | None] | None = None,
     period: npt.ArrayLike | None = None,
+    momentum_period: npt.ArrayLike | None = None,
     weight: npt.ArrayLike | None = None,
 ) -> Report:
     """Tell from the samples of a loop before and after a step whether the step is symplectic.
@@ -101,7 +106,7 @@ def measure(
         The same samples after one step; of several step sizes, each taken from `before`.
     h : float or sequence of float, optional
         Their step sizes.
-    period, weight : float or array_like, optional
+    period, momentum_period, weight : float or array_like, optional
         As those of `check`.
 
     Returns
@@ -123,11 +128,11 @@ def measure(
         raise InputError(f"h has {len(sizes)} values for {len(after)} loops after the step; give one for each")
     loops = [_loop(states, name) for states, name in [(before, "before"), *((states, "after") for states in after)]]
     dof = loops[0][0].shape[1]
-    periods, weights = _of_each(period, "period", dof), _of_each(weight, "weight", dof)
+    stated = coordinates(dof, period, momentum_period, weight)
     known = [size if size is not None and math.isfinite(size) else None for size in sizes]
     config = {"measure": {"dof": dof, "samples": loops[0][0].shape[0], "h": known}}
     title = f"measured · {dof} degree{'' if dof == 1 else 's'} of freedom"
-    native = _native.measure(loops[0], loops[1:], sizes, periods, weights, title, json.dumps(config))
+    native = _native.measure(loops[0], loops[1:], sizes, stated, title, json.dumps(config))
 
     def image(size: float, _: int) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         index = sizes.index(size) if size in sizes else 0
@@ -144,10 +149,6 @@ def _step_sizes(h: Any, count: int) -> list[float | None]:
         return [None if size is None else float(size) for size in (h if np.iterable(h) else [h])]
     except (TypeError, ValueError):
         raise InputError(f"h is {h!r}; give a number for each loop after the step") from None
-
-
-def _of_each(value: Any, name: str, dof: int) -> list[float] | None:
-    return None if value is None else vector(value, name, dof).tolist()
 
 
 def _loop(states: Any, name: str) -> tuple[Array, Array, bool]:

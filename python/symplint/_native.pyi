@@ -34,7 +34,7 @@ class Loop:
     @staticmethod
     def fourier(q0: _Vector, p0: _Vector, radii_q: _Vector, radii_p: _Vector, seed: int) -> Loop: ...
     @staticmethod
-    def sampled(q: _Array, p: _Array, period: _Vector | None = None) -> Loop: ...
+    def sampled(q: _Array, p: _Array, stated: Mapping[str, _Vector | None]) -> Loop: ...
     @property
     def dof(self) -> int: ...
     def sample(self, samples: int) -> tuple[_Array, _Array]: ...
@@ -125,13 +125,12 @@ def measure(
     before: tuple[_Array, _Array, bool],
     after: Sequence[tuple[_Array, _Array, bool]],
     h: Sequence[float | None],
-    period: _Vector | None,
-    weight: _Vector | None,
+    stated: Mapping[str, _Vector | None],
     title: str,
     config: str,
 ) -> Report: ...
 def loop_integral(
-    q: _Array, p: _Array, rule_name: str, period: _Vector | None, weight: _Vector | None
+    q: _Array, p: _Array, rule_name: str, cutoffs: tuple[float, float], stated: Mapping[str, _Vector | None]
 ) -> tuple[float, float | None, float, list[float]]: ...
 def advance_seconds(
     subject: Mapping[str, Any], h: float, samples: int, repetitions: int

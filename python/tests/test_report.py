@@ -157,6 +157,13 @@ def test_loop_integrals():
     assert abs(weighted.value - 23.0 * np.pi) < 1e-12
     rough = symplint.loop_integral(q, p, rule="finite-difference")
     assert 1e-4 < abs(rough.value - integral.value) < 0.5
+    # Cells where a coordinate changes too fast are left out: with a small cut-off, all but those where both change slowly.
+    assert symplint.loop_integral(q, p, rule="finite-difference", cutoff=1e-9).value == 0.0
+    some = symplint.loop_integral(q, p, rule="finite-difference", cutoff=(1e-9, 1000.0))
+    assert some.value == 0.0
+    for cutoff in (0.0, -1.0, float("nan"), "large", (1.0, 2.0, 3.0)):
+        with pytest.raises(symplint.InputError, match="cutoff"):
+            symplint.loop_integral(q, p, cutoff=cutoff)
     for arguments, words in [
         ((q, p[:-1]), "shape"),
         ((q[:2], p[:2]), "3 or more"),

@@ -107,6 +107,48 @@ def test_masses_are_weights_of_velocities():
     assert symplint.check(step, [1.0, 0.3], [0.5, 0.2], weight=mass, **arguments).kind == "symplectic"
 
 
+TURN = 2.0 * np.pi
+
+
+def standard_map(q, p, h):
+    p = p + 0.9 * h * np.sin(q)
+    return (q + h * p) % TURN, p % TURN
+
+
+def test_periods_of_momenta():
+    # The torus: a loop that lies across p = 2π comes back on both sides of it.
+    arguments = {"step_sizes": [2.0, 1.0], "radius": 0.5, "period": TURN}
+    report = symplint.check(standard_map, 3.0, 6.0, momentum_period=TURN, **arguments)
+    assert report.kind == "symplectic" and report.digits > 12, str(report)
+    assert report.to_dict()["config"]["check"]["momentum_period"] == [TURN]
+    # Without the period, wrapped momenta are jumps.
+    assert symplint.check(standard_map, 3.0, 6.0, **arguments).kind == "broken-loops"
+
+    def contracted(q, p, h):
+        return standard_map(q, 0.99 * p, h)
+
+    report = symplint.check(contracted, 3.0, 6.0, momentum_period=TURN, **arguments)
+    assert report.kind != "symplectic", str(report)
+
+    # The same numbers as those of the system of the library.
+    torus = symplint.systems.standard_map(strength=0.9, torus=True, q0=3.0, p0=6.0)
+    ours = symplint.check(torus, step_sizes=[2.0, 1.0], radius=0.5, loops=1, jacobian=False)
+    theirs = symplint.check(standard_map, 3.0, 6.0, momentum_period=TURN, **arguments, loops=1, jacobian=False)
+    assert np.allclose(ours.points["final"], theirs.points["final"], rtol=1e-13, atol=0.0)
+
+    q, p = symplint.circle(3.0, 6.0, radius=0.5)
+    q1, p1 = standard_map(q, p, 1.0)
+    assert np.ptp(p1) > 6.0
+    periods = {"period": TURN, "momentum_period": TURN}
+    assert symplint.measure((q, p), (q1, p1), h=1.0, **periods).kind == "symplectic"
+    assert symplint.measure((q, p), (q1, p1), h=1.0, period=TURN).kind != "symplectic"
+    assert abs(symplint.loop_integral(q1, p1, **periods).value - 0.25 * np.pi) < 1e-13
+    # Samples of such a loop as a loop: it leads to the same integral.
+    loop = symplint.SampledLoop(q1, p1, **periods)
+    report = symplint.check(standard_map, loop=loop, step_sizes=[1.0], loops=1, **periods)
+    assert report.kind == "symplectic", str(report)
+
+
 def test_a_langevin_thermostat_is_not_symplectic():
     # Friction and a noise that is the same for all samples: the map with its noise frozen contracts phase space.
     def step(q, p, h):

@@ -24,6 +24,7 @@ module symplint
         type(c_ptr) :: radius_q
         type(c_ptr) :: radius_p
         type(c_ptr) :: period
+        type(c_ptr) :: momentum_period
         type(c_ptr) :: weight
         type(c_ptr) :: rule
         integer(c_size_t) :: samples

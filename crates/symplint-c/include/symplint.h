@@ -118,6 +118,10 @@ typedef struct {
    */
   const double *period;
   /**
+   * Period of each momentum, 0 for none; or NULL. Loops must not wind round such a torus: the integral has no value there.
+   */
+  const double *momentum_period;
+  /**
    * Weight of each momentum, canonical momentum = weight * p; or NULL.
    */
   const double *weight;

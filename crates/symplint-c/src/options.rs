@@ -34,6 +34,8 @@ pub struct SymplintOptions {
     pub radius_p: *const f64,
     /// Period of each position, 0 for none; or NULL.
     pub period: *const f64,
+    /// Period of each momentum, 0 for none; or NULL. Loops must not wind round such a torus: the integral has no value there.
+    pub momentum_period: *const f64,
     /// Weight of each momentum, canonical momentum = weight * p; or NULL.
     pub weight: *const f64,
     /// "auto", "pseudospectral", "finite-difference", "piecewise" or "streaming"; NULL is "auto".
@@ -83,6 +85,7 @@ impl Default for SymplintOptions {
             radius_q: null,
             radius_p: null,
             period: null,
+            momentum_period: null,
             weight: null,
             rule: std::ptr::null(),
             samples: 0,
@@ -143,6 +146,7 @@ pub struct Settings {
     radius_q: Vec<f64>,
     radius_p: Vec<f64>,
     period: Option<Vec<f64>>,
+    momentum_period: Option<Vec<f64>>,
     weight: Option<Vec<f64>>,
     step_sizes: Vec<f64>,
     typical_step: Option<f64>,
@@ -203,6 +207,7 @@ impl Settings {
                 radius_q: radius("radius_q", read.radius_q)?,
                 radius_p: radius("radius_p", read.radius_p)?,
                 period: of_each("period", read.period)?,
+                momentum_period: of_each("momentum_period", read.momentum_period)?,
                 weight: of_each("weight", read.weight)?,
                 typical_step: step_sizes.is_empty().then_some(read.typical_step),
                 step_sizes,
@@ -232,6 +237,9 @@ impl Settings {
         let mut coordinates = Coordinates::plain(self.q0.len());
         if let Some(period) = &self.period {
             coordinates = coordinates.with_periods(period.clone())?;
+        }
+        if let Some(period) = &self.momentum_period {
+            coordinates = coordinates.with_momentum_periods(period.clone())?;
         }
         if let Some(weight) = &self.weight {
             coordinates = coordinates.with_weights(weight.clone())?;

@@ -45,6 +45,44 @@ static int step(void *pointer, double h, size_t dof, size_t samples, double *q, 
     }
 }
 
+/* The standard map on the torus. */
+static int standard_map(void *user, double h, size_t dof, size_t samples, double *q, double *p) {
+    const double turn = 6.283185307179586;
+    (void)user;
+    if (h != floor(h)) return 1;
+    for (size_t k = 0; k < dof * samples; k++) {
+        p[k] += 0.9 * h * sin(q[k]);
+        q[k] += h * p[k];
+        p[k] -= turn * floor(p[k] / turn);
+        q[k] -= turn * floor(q[k] / turn);
+    }
+    return 0;
+}
+
+/* A momentum that is wrapped: its period has to be stated. */
+static void torus(void) {
+    const double q0[1] = {3.0}, p0[1] = {6.0}, turn[1] = {6.283185307179586}, sizes[2] = {2, 1}, bad[1] = {-1};
+    SymplintReport *report = NULL;
+    SymplintOptions options;
+    symplint_options_init(&options, sizeof options);
+    CHECK(options.momentum_period == NULL);
+    options.step_sizes = sizes;
+    options.step_count = 2;
+    options.radius = 0.5;
+    options.period = turn;
+    options.momentum_period = turn;
+    CHECK(symplint_check(standard_map, NULL, 1, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(symplint_report_verdict(report) == SYMPLINT_VERDICT_SYMPLECTIC);
+    symplint_report_free(report);
+    options.momentum_period = NULL;
+    CHECK(symplint_check(standard_map, NULL, 1, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(symplint_report_verdict(report) != SYMPLINT_VERDICT_SYMPLECTIC);
+    symplint_report_free(report);
+    options.momentum_period = bad;
+    CHECK(symplint_check(standard_map, NULL, 1, q0, p0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(says("period") && report == NULL);
+}
+
 static void checks(void) {
     const double q0[2] = {0.3, -0.2}, p0[2] = {0.5, 0.1}, sizes[2] = {0.5, 0.125}, bad_period[2] = {-1, 0};
     struct user user = {NONE, 2, 0, 0};
@@ -202,6 +240,7 @@ static void integrals(void) {
 int main(void) {
     CHECK(strlen(symplint_version()) >= 5);
     checks();
+    torus();
     integrals();
     printf("%d failures\n", failures);
     return failures != 0;
