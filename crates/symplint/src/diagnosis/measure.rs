@@ -190,12 +190,17 @@ impl Run<'_> {
             phase_loop,
         } = subject;
         let start = self.count.made();
-        self.evidence.survey.scatter = survey::check_purity(
-            evaluator,
-            phase_loop,
-            self.largest,
-            self.plan.purity_samples,
-        )?;
+        let samples = self.plan.purity_samples;
+        let pure = survey::check_purity(evaluator, phase_loop, self.largest, samples);
+        // Where the given loop fails too, its samples tell more of where that is.
+        let beside = match pure {
+            Ok(scatter) => {
+                self.evidence.survey.scatter = scatter;
+                None
+            }
+            Err(error) if of_the_map(&error) => Some(error),
+            Err(error) => return Err(error),
+        };
         match survey::rounding_inside(subject, self.largest) {
             Ok(None) => {}
             Ok(Some(grains)) => {
@@ -208,6 +213,9 @@ impl Run<'_> {
         }
         self.evidence.evaluations.purity = self.count.made() - start;
         let given = self.given_loop(subject)?;
+        if let Some(error) = beside {
+            return Err(error);
+        }
         // Step sizes that failed before were tried on the given loop, too.
         self.evidence.evaluations.given_loop += start - self.evidence.evaluations.step_sizes;
         Ok((self, given))
@@ -246,6 +254,7 @@ impl Run<'_> {
             Some(seen) => seen,
             None => survey::of_few_samples(subject, self.largest)?,
         };
+        self.evidence.survey.one_state = seen.one_state;
         let of_grain = || survey::of_grain(&*subject.evaluator.grain()?);
         self.evidence.survey.output_precision = seen.output_precision.or_else(of_grain);
 

@@ -34,7 +34,7 @@ pub(super) fn step_sizes(subject: Subject<'_>, typical: f64) -> Result<Vec<f64>,
                 exponent + by as i32
             }
             Err(error) if of_the_map(&error) => {
-                failure = Some(error);
+                failure.get_or_insert(error);
                 fails = fails.min(exponent);
                 let works = tried
                     .iter()

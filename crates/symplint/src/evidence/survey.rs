@@ -11,6 +11,9 @@ pub struct Survey {
     /// Whether the map works in single precision inside, whatever it returns.
     #[serde(default)]
     pub single_inside: bool,
+    /// Whether all samples of the given loop came out at one state.
+    #[serde(default)]
+    pub one_state: bool,
     /// The relative rounding error of the states, where it was stated and is above that of double precision.
     #[serde(default)]
     pub stated_roundoff: Option<f64>,

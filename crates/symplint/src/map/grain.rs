@@ -65,6 +65,8 @@ struct Seen {
     few: Option<usize>,
     /// The least difference of these.
     least: Option<f64>,
+    /// The largest unit of which all values are multiples.
+    lattice: f64,
 }
 
 impl Grain {
@@ -221,6 +223,7 @@ impl Seen {
             range: extent.length(),
             few: Some(levels.count()).filter(|count| FEW * count <= values.len()),
             least: levels.least_difference(),
+            lattice: digits.lattice(),
         }
     }
 
@@ -229,11 +232,16 @@ impl Seen {
         let every = before.len().div_ceil(SAMPLES).max(1);
         let had = Levels::of(before.iter().step_by(every).copied()).count();
         let has_fewer = |count: usize| 2 * count < had || (written && had.max(count) > 1);
-        self.few = self.few.filter(|&count| has_fewer(count));
+        let range = Extent::of(before).length();
+        // One value, and on a lattice that is finer than the loop was wide, is what the map makes of all states.
+        let collapsed = |count: usize| count == 1 && self.lattice < range;
+        self.few = self
+            .few
+            .filter(|&count| has_fewer(count) && !collapsed(count));
         if self.few.is_some() {
             self.unit = self.unit.max(self.least.unwrap_or(0.0));
             // It is a few grains wide, or less.
-            self.range = self.range.max(Extent::of(before).length());
+            self.range = self.range.max(range);
         }
     }
 }

@@ -90,6 +90,8 @@ pub(crate) fn motion(
 pub(crate) struct Seen {
     pub motion: Option<Motion>,
     pub output_precision: Option<OutputPrecision>,
+    /// Whether all samples came out at one state.
+    pub one_state: bool,
 }
 
 struct Look {
@@ -114,6 +116,7 @@ impl Look {
         Seen {
             motion: self.motions.value(subject.coordinates()),
             output_precision: self.precision.value(),
+            one_state: self.precision.is_one_state(),
         }
     }
 }

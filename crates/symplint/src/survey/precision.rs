@@ -46,6 +46,12 @@ impl Precision {
         }
     }
 
+    /// Whether all samples came out at one state.
+    pub fn is_one_state(&self) -> bool {
+        let all = |digits: &[Digits; 4]| digits[2..].iter().all(Digits::is_one_value);
+        self.digits.iter().all(all)
+    }
+
     /// How coarsely the map rounds what it returns, if it does and no coordinate of the loop is like that: few
     /// digits before the step may make few after it.
     pub fn value(&self) -> Option<OutputPrecision> {

@@ -17,8 +17,7 @@ const ROUNDINGS: f64 = 256.0;
 /// sums do that many cores take in any order, the largest scatter of a coordinate is returned.
 ///
 /// # Errors
-/// [`Error::Memory`] where a sample comes out differently, and not by chance, and those of a map that fails where it did
-/// not before. One that fails at once is left to the measurement.
+/// [`Error::Memory`] where a sample comes out differently, and not by chance, and those of a map that fails.
 pub(crate) fn check_purity(
     evaluator: &Evaluator<'_>,
     phase_loop: &dyn Loop,
@@ -31,9 +30,7 @@ pub(crate) fn check_purity(
         .collect();
     let reversed: Vec<f64> = s.iter().rev().copied().collect();
     let twice = [s[0], s[0], s[1], s[0]];
-    let Ok(forward) = evaluator.image(phase_loop, h, &s) else {
-        return Ok(None);
-    };
+    let forward = evaluator.image(phase_loop, h, &s)?;
     let mut worst: Option<(f64, Difference, Error)> = None;
     let mut differs =
         |circumstance: &'static str, states: &Ensemble, from: usize, sample: usize| {

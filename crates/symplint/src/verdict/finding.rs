@@ -105,6 +105,8 @@ pub enum Finding {
         bound: f64,
         /// Step sizes of the given loop.
         range: StepRange,
+        /// Step sizes at which the map failed.
+        failed: usize,
         /// Random loops that bound the defect as well.
         random: usize,
         /// Whether the given loop counts: a loop that winds does not.
@@ -128,6 +130,8 @@ pub enum Finding {
         /// The step.
         step: Step,
     },
+    /// All samples came out at one state, which may be rounding: its numbers are multiples of more than the loop is wide.
+    OneState,
     /// Jumps too small to be told from the output precision of the map.
     SmallJumps {
         /// As a part of the range of the coordinate.
@@ -501,6 +505,8 @@ pub enum Advice {
     LoopWithForces,
     /// Check that the files differ.
     CheckCopies,
+    /// Check that the step returns what it advanced.
+    ReturnStates,
     /// Two samples or more in each cell.
     SamplesInCells,
     /// More samples and larger steps.

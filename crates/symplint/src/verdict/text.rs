@@ -73,6 +73,15 @@ fn random_loops(count: usize, range: &StepRange) -> String {
     }
 }
 
+/// ` (the map failed at 2 others)`, after a range of step sizes.
+fn but_failed(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        1 => " (the map failed at another one)".to_owned(),
+        others => format!(" (the map failed at {others} others)"),
+    }
+}
+
 fn plural(count: usize) -> &'static str {
     if count == 1 { "" } else { "s" }
 }
@@ -145,19 +154,22 @@ impl Display for Finding {
             Finding::Conserved {
                 bound,
                 range,
+                failed,
                 random,
                 given,
             } => match given {
                 true => write!(
                     f,
-                    "No defect above {bound:.1e} on the given loop{range}{}.",
+                    "No defect above {bound:.1e} on the given loop{range}{}{}.",
+                    but_failed(*failed),
                     random_loops(*random, range)
                 ),
                 false => write!(
                     f,
-                    "No defect above {bound:.1e} on {random} random loop{}{range}; the given one winds round a \
+                    "No defect above {bound:.1e} on {random} random loop{}{range}{}; the given one winds round a \
                      period.",
-                    plural(*random)
+                    plural(*random),
+                    but_failed(*failed)
                 ),
             },
             Finding::LittleMotion { motion, group } => little_motion(f, motion, *group),
@@ -171,6 +183,10 @@ impl Display for Finding {
                  do not resolve it.",
                 loop_name(*loop_index),
                 short(*cells_apart)
+            ),
+            Finding::OneState => f.write_str(
+                "All samples of the loop came out at one state: the step returns no others, or rounds to more than the \
+                 loop's size.",
             ),
             Finding::SmallJumps { size, step } => write!(
                 f,

@@ -1,7 +1,7 @@
 //! No defect: how large it may be.
 
 use super::{Case, Decision, change, range};
-use crate::evidence::{LoopEvidence, StepEvidence};
+use crate::evidence::{LoopEvidence, Omission, StepEvidence};
 use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding};
@@ -15,6 +15,7 @@ impl Case<'_> {
         let because = Finding::Conserved {
             bound,
             range: range(&given[0]),
+            failed: self.failed_steps(),
             random: random.count(),
             given: given[0].is_bounded(),
         };
@@ -26,6 +27,12 @@ impl Case<'_> {
             false => (!self.has_random_loops()).then_some(Advice::MoreLoops),
         });
         decision
+    }
+
+    /// At how many step sizes the map failed on the given loop.
+    fn failed_steps(&self) -> usize {
+        let failed = |omission: &&Omission| matches!(omission, Omission::StepFailed { .. });
+        self.evidence.omissions.iter().filter(failed).count()
     }
 
     /// What no defect exceeds, of loops that bound one: the given loop, and others that do not wind.

@@ -174,8 +174,11 @@ impl Case<'_> {
             // A digit above the bound: the defect goes as θ^6.
             false => (10.0 * bound / defect_of_order_4(motion.phase_advance)).powf(1.0 / 6.0),
         };
-        if motion.deformation == 0.0 && self.is_sampled() {
-            Advice::CheckCopies
+        if motion.deformation == 0.0 {
+            match self.is_sampled() {
+                true => Advice::CheckCopies,
+                false => Advice::ReturnStates,
+            }
         } else if factor < MOST_LARGER {
             let factor = Some(factor);
             Advice::LargerSteps { factor, step_size }
@@ -225,6 +228,10 @@ impl Case<'_> {
         let (given, others) = self.loops.split_first()?;
         let random: Vec<&LoopEvidence> = others.iter().collect();
         let weak = |found: &LoopEvidence, step: &StepEvidence| {
+            if self.evidence.survey.one_state {
+                let advice = vec![Advice::ReturnStates, Advice::MoreDigits];
+                return self.because(Finding::OneState, advice);
+            }
             let roundoff = step.defect.roundoff > 0.5 * step.defect.uncertainty();
             let because = Finding::WeakBound {
                 bound: step.bound(),

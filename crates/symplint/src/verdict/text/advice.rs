@@ -144,6 +144,10 @@ impl Display for Advice {
             Advice::CheckCopies => f.write_str(
                 "Check that the files after the step are not copies of the one before it.",
             ),
+            Advice::ReturnStates => f.write_str(
+                "Check that the step returns the states that it advanced, or writes them into the arrays that it gets; \
+                 if it does, take larger step sizes.",
+            ),
             Advice::SamplesInCells => f.write_str(
                 "Take more samples or a smaller loop: two samples or more in each cell that it crosses.",
             ),
