@@ -265,11 +265,8 @@ impl<'a> View<'a> {
                 estimates[k % ESTIMATES] +=
                     weight * (of_p * evaluate(&dq, x) - of_q * evaluate(&dp, x));
             }
-            // The noise of the map makes no jumps, and the coefficients of one do not fall.
-            let size = match q.decays() {
-                true => 0.0,
-                false => OF_A_MISS * (largest - self.scales.noise[i]).max(0.0),
-            };
+            // The noise of the map makes no jumps.
+            let size = OF_A_MISS * (largest - self.scales.noise[i]).max(0.0);
             jump += weight.abs() * size * Extent::of(&p.values).magnitude();
         }
         // From the derivative by x to that by s, and from sums to means.

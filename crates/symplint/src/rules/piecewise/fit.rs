@@ -65,11 +65,6 @@ impl Fit {
     pub fn range(&self) -> f64 {
         Extent::of(&self.values).length()
     }
-
-    /// Whether its coefficients fall as those of a smooth function do.
-    pub fn decays(&self) -> bool {
-        decays(&self.coefficients)
-    }
 }
 
 /// Sums of squares of coefficients at the beginning and at the end of the tail.
