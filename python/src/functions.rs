@@ -22,7 +22,7 @@ pub struct Step {
     pub per_sample: bool,
     /// Whether `function(h)` makes the step for h.
     pub make: bool,
-    /// Called before every batch of states.
+    /// Called before every call of the function.
     pub reset: Option<Py<PyAny>>,
     /// Whether its arrays are of single precision.
     pub single: bool,
@@ -160,9 +160,6 @@ impl Functions {
             .step
             .as_ref()
             .expect("only a Python map asks for a step");
-        if let Some(reset) = &step.reset {
-            reset.call0(py).map_err(of_batch)?;
-        }
         let function = if step.make {
             match self.made.get(&h.to_bits()) {
                 Some(made) => made.bind(py).clone(),
@@ -179,6 +176,7 @@ impl Functions {
         let call = BlockCall {
             function,
             h,
+            reset: (step.reset.as_ref()).map(|reset| reset.bind(py).clone()),
             what: if step.make { "advance" } else { "step" },
         };
         let memory = &mut self.memory;
@@ -199,6 +197,7 @@ impl Functions {
         let call = BlockCall {
             function: project.bind(py).clone(),
             h: None,
+            reset: None,
             what: "project",
         };
         let per_sample = self.step.as_ref().is_some_and(|step| step.per_sample);
