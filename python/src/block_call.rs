@@ -26,6 +26,8 @@ pub struct BlockCall<'py> {
     pub function: Bound<'py, PyAny>,
     /// Its third argument, if it has one.
     pub h: Option<f64>,
+    /// Called before every call of the function, if there is one.
+    pub reset: Option<Bound<'py, PyAny>>,
     /// What it is called in messages.
     pub what: &'static str,
 }
@@ -174,6 +176,9 @@ impl<'py> BlockCall<'py> {
     }
 
     fn call(&self, q: &Bound<'py, PyAny>, p: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        if let Some(reset) = &self.reset {
+            reset.call0()?;
+        }
         match self.h {
             Some(h) => self.function.call1((q, p, h)),
             None => self.function.call1((q, p)),

@@ -11,8 +11,9 @@ use crate::block_call::{BlockCall, Failed};
 use crate::calls::{Answer, Call, ends_programs};
 use crate::memory::{Loan, Memory};
 
-/// Exceptions that are kept to be the cause of an error of the diagnostic, at most.
-const KEPT: usize = 16;
+/// Exceptions that are kept to be the cause of an error of the diagnostic, at most: one for each step size and text, so more
+/// than there are step sizes in any sweep.
+const KEPT: usize = 256;
 
 /// A step as the user gives it.
 pub struct Step {
@@ -22,7 +23,7 @@ pub struct Step {
     pub per_sample: bool,
     /// Whether `function(h)` makes the step for h.
     pub make: bool,
-    /// Called before every batch of states.
+    /// Called before every call of the function.
     pub reset: Option<Py<PyAny>>,
     /// Whether its arrays are of single precision.
     pub single: bool,
@@ -44,8 +45,8 @@ pub struct Functions {
 
 /// An exception of a function of the user.
 struct Raised {
-    /// The text of the failure that it became; none where it did not become one.
-    reason: Option<String>,
+    /// The text of the failure that it became.
+    reason: String,
     h: Option<f64>,
     error: PyErr,
 }
@@ -107,14 +108,14 @@ impl Functions {
         let became = |raised: &Raised| match error {
             Error::StepFailed {
                 reason, step_size, ..
-            } => raised.h == Some(*step_size) && raised.reason.as_ref() == Some(reason),
+            } => raised.h == Some(*step_size) && raised.reason == *reason,
             // A loop or a projection that fails gives states that are not numbers.
             Error::NotFinite { .. } => raised.h.is_none(),
             _ => false,
         };
         let error = match error {
             Error::InStep { error, .. } => return self.cause(py, error),
-            _ => self.raised.iter().rev().find(|raised| became(raised))?,
+            _ => self.raised.iter().find(|raised| became(raised))?,
         };
         Some(error.error.clone_ref(py))
     }
@@ -142,14 +143,12 @@ impl Functions {
             sample,
             reason: reason.clone(),
         }));
-        if self.raised.len() == KEPT {
-            self.raised.remove(0);
+        let raised = Raised { reason, h, error };
+        let known =
+            (self.raised.iter()).any(|kept| kept.h == raised.h && kept.reason == raised.reason);
+        if !known && self.raised.len() < KEPT {
+            self.raised.push(raised);
         }
-        self.raised.push(Raised {
-            reason: Some(reason),
-            h,
-            error,
-        });
         Ok(())
     }
 
@@ -160,9 +159,6 @@ impl Functions {
             .step
             .as_ref()
             .expect("only a Python map asks for a step");
-        if let Some(reset) = &step.reset {
-            reset.call0(py).map_err(of_batch)?;
-        }
         let function = if step.make {
             match self.made.get(&h.to_bits()) {
                 Some(made) => made.bind(py).clone(),
@@ -179,6 +175,7 @@ impl Functions {
         let call = BlockCall {
             function,
             h,
+            reset: (step.reset.as_ref()).map(|reset| reset.bind(py).clone()),
             what: if step.make { "advance" } else { "step" },
         };
         let memory = &mut self.memory;
@@ -199,6 +196,7 @@ impl Functions {
         let call = BlockCall {
             function: project.bind(py).clone(),
             h: None,
+            reset: None,
             what: "project",
         };
         let per_sample = self.step.as_ref().is_some_and(|step| step.per_sample);

@@ -114,7 +114,7 @@ def check(
     make : bool
         Whether ``step(h)`` returns ``advance(q, p)``; it is called once for each h.
     reset : callable, optional
-        Called before every batch of states, for codes that keep state.
+        Called before every call of `step`, for codes that keep state.
     dtype : "float32", optional
         Where the map computes in single precision: `step` then gets arrays of it.
     jacobian : bool

@@ -45,6 +45,19 @@ def test_an_exception_is_the_cause_and_the_state_is_named():
     assert f"sample {error.sample} of {samples}" in str(error)
 
 
+def test_the_cause_is_kept_where_many_step_sizes_fail():
+    def step(q, p, h):
+        if (q > 1.9).any():
+            raise NoConvergence(f"h = {h}")
+        return verlet(q, p, h)
+
+    sizes = [0.5 / (k + 1) for k in range(24)]
+    with pytest.raises(symplint.StepError) as caught:
+        symplint.check(step, 1.0, 0.5, step_sizes=sizes)
+    cause = caught.value.__cause__
+    assert isinstance(cause, NoConvergence) and str(cause) == f"h = {caught.value.h}"
+
+
 def test_an_exception_in_a_step_of_one_state():
     def step(q, p, h):
         if q[0] > 1.9:

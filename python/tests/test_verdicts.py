@@ -189,7 +189,7 @@ def test_state_that_leaks_between_samples_is_named():
         symplint.check(Thermostat(), 1.0, 0.5)
     assert caught.value.h == 0.5 and 0.0 <= caught.value.s < 1.0
 
-    # A reset before every batch removes it.
+    # A reset before every call removes it.
     code = Thermostat()
 
     def reset():
@@ -200,6 +200,42 @@ def test_state_that_leaks_between_samples_is_named():
         return q, p * (1.0 - 1e-3 * h * code.heat)
 
     assert symplint.check(of_each, 1.0, 0.5, reset=reset).kind == "not-symplectic"
+
+
+@pytest.mark.parametrize("kind", ["batches", "per_sample", "make"])
+def test_reset_is_called_before_every_call(kind):
+    events = []
+
+    def step(q, p, h):
+        events.append("step")
+        return verlet(q, p, h)
+
+    def make(h):
+        return lambda q, p: step(q, p, h)
+
+    # 2,000 samples of 40 degrees of freedom are more than a batch.
+    ones = np.ones(40 if kind == "batches" else 1)
+    symplint.check(
+        make if kind == "make" else step, ones, ones, step_sizes=[0.25], samples=2000 if kind == "batches" else 64,
+        loops=1, jacobian=False, budget=20_000, reset=lambda: events.append("reset"),
+        **({} if kind == "batches" else {kind: True}),
+    )  # fmt: skip
+    assert events[::2] == ["reset"] * (len(events) // 2)
+    assert events[1::2] == ["step"] * (len(events) // 2)
+
+
+def test_reset_is_called_while_a_failing_sample_is_looked_for():
+    events = []
+
+    def step(q, p, h):
+        events.append("step")
+        if (q > 1.9).any():
+            raise ArithmeticError
+        return verlet(q, p, h)
+
+    with pytest.raises(symplint.StepError):
+        symplint.check(step, 1.0, 0.5, step_sizes=[0.25], reset=lambda: events.append("reset"))
+    assert events == ["reset", "step"] * (len(events) // 2)
 
 
 def test_a_periodic_position_that_is_wrapped():
