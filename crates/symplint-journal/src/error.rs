@@ -1,0 +1,43 @@
+//! Errors of journals.
+
+use std::path::PathBuf;
+
+/// Why a journal is not read or written.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum JournalError {
+    /// Another run writes to it.
+    #[error("{} is in use: another run writes to it; wait for its end, or use another folder", path.display())]
+    InUse {
+        /// The journal.
+        path: PathBuf,
+    },
+    /// A file that is no journal.
+    #[error("{} is not a journal of symplint; use another folder", path.display())]
+    NotAJournal {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The journal of another map, configuration or version.
+    #[error("{} is of another run: {difference}; use another folder, or remove the file to begin anew", path.display())]
+    OtherRun {
+        /// The journal.
+        path: PathBuf,
+        /// The first difference.
+        difference: String,
+    },
+    /// The operating system refuses to read or write it.
+    #[error(
+        "cannot {action} {}: {reason}; evaluations that were written are kept, and the same run goes on from them once \
+         the cause is gone",
+        path.display()
+    )]
+    File {
+        /// What was tried: `"read"` or `"write"`.
+        action: &'static str,
+        /// The journal.
+        path: PathBuf,
+        /// The error of the operating system.
+        reason: String,
+    },
+}

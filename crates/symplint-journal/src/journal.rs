@@ -1,0 +1,296 @@
+//! The journal: calls of a map, made or replayed.
+
+use std::collections::HashMap;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use symplint::{Block, StepFailure};
+
+use crate::difference::difference;
+use crate::error::JournalError;
+use crate::key::{Key, key};
+use crate::record::{CHECKSUM, Call, Header, PREFIX, header, read_header, read_record, record};
+
+/// How often records are written through to the disk, at most: a program that is killed loses none of them, a machine
+/// that fails the last ones.
+const SYNC: Duration = Duration::from_secs(1);
+
+/// Evaluations of a map that were made, in a file.
+///
+/// # Examples
+/// ```
+/// # let folder = tempfile::TempDir::new()?;
+/// # let path = folder.path().join("journal");
+/// use serde_json::json;
+/// use symplint::Ensemble;
+/// use symplint_journal::Journal;
+///
+/// let run = json!({ "map": "a drift", "version": "1.0" });
+/// let drift = |journal: &Journal, calls: &mut usize| {
+///     let mut states = Ensemble::zeros(1, 8);
+///     states.block().p.fill(1.0);
+///     let advanced = journal.advance(0.5, &mut states.block(), |block| {
+///         *calls += 1;
+///         block.q.fill(0.5);
+///         Ok(())
+///     });
+///     advanced.map(|()| states)
+/// };
+/// let mut calls = 0;
+/// let states = drift(&Journal::open(&path, &run)?, &mut calls)?;
+/// // The program ended, and is started again.
+/// let journal = Journal::open(&path, &run)?;
+/// assert_eq!(drift(&journal, &mut calls)?.q().row(0), states.q().row(0));
+/// assert_eq!((calls, journal.replayed()), (1, 8));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Journal {
+    path: PathBuf,
+    records: Mutex<Records>,
+    replayed: AtomicUsize,
+    failure: OnceLock<JournalError>,
+}
+
+struct Records {
+    /// Locked until it is closed.
+    file: File,
+    /// Where the next record begins.
+    end: u64,
+    /// Where the numbers of each call begin, and how many there are.
+    found: HashMap<Call, (u64, u64)>,
+    /// How often each call was asked for in this run.
+    asked: HashMap<Key, u32>,
+    synced: Instant,
+}
+
+impl Journal {
+    /// The journal in a file, which is made if it is not there, of a run that `run` describes: the map, the configuration, the
+    /// version of the program. A record that was cut off at the end of the file is removed.
+    ///
+    /// # Errors
+    /// If the file is no journal, or of another run, or one that still goes on, or cannot be read or written.
+    pub fn open(path: &Path, run: &Value) -> Result<Self, JournalError> {
+        let file_error = |action| {
+            move |error: io::Error| JournalError::File {
+                action,
+                path: path.to_owned(),
+                reason: error.to_string(),
+            }
+        };
+        let mut options = OpenOptions::new();
+        let opened = options
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(path);
+        let mut file = opened.map_err(file_error("write"))?;
+        // Some file systems of clusters have no locks.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            let path = path.to_owned();
+            return Err(JournalError::InUse { path });
+        }
+        let text = run.to_string();
+        let (end, found) = match read(&mut file).map_err(file_error("read"))? {
+            Contents::Foreign => {
+                let path = path.to_owned();
+                return Err(JournalError::NotAJournal { path });
+            }
+            Contents::Nothing => {
+                let bytes = header(&text);
+                let write = |file: &mut File| {
+                    file.set_len(0)?;
+                    file.rewind()?;
+                    file.write_all(&bytes)?;
+                    file.sync_data()
+                };
+                write(&mut file).map_err(file_error("write"))?;
+                (bytes.len() as u64, HashMap::new())
+            }
+            Contents::Records {
+                run: there,
+                end,
+                found,
+            } => {
+                let of_there = serde_json::from_str(&there).unwrap_or(Value::Null);
+                let of_here = serde_json::from_str(&text).unwrap_or(Value::Null);
+                if let Some(difference) = difference("", &of_there, &of_here) {
+                    return Err(JournalError::OtherRun {
+                        path: path.to_owned(),
+                        difference,
+                    });
+                }
+                file.set_len(end).map_err(file_error("write"))?;
+                (end, found)
+            }
+        };
+        Ok(Journal {
+            path: path.to_owned(),
+            records: Mutex::new(Records {
+                file,
+                end,
+                found,
+                asked: HashMap::new(),
+                synced: Instant::now(),
+            }),
+            replayed: AtomicUsize::new(0),
+            failure: OnceLock::new(),
+        })
+    }
+
+    /// Advances the states of a block by one step of size `h`: as the journal has it, or by `advance`, which is noted then.
+    /// The same call may be made on purpose more than once, to see whether the map has a memory: the journal tells the
+    /// first from the second.
+    ///
+    /// # Errors
+    /// The failure of `advance`, which is not noted: whoever goes on tries again. If the journal cannot be read or
+    /// written; [`failure`](Self::failure) has the reason then.
+    pub fn advance(
+        &self,
+        h: f64,
+        block: &mut Block<'_>,
+        advance: impl FnOnce(&mut Block<'_>) -> Result<(), StepFailure>,
+    ) -> Result<(), StepFailure> {
+        let call = self.next(key(h, block));
+        let replayed = self.replay(call, block);
+        match replayed.map_err(|error| self.failed("read", &error))? {
+            true => {
+                self.replayed.fetch_add(block.len(), Ordering::Relaxed);
+                Ok(())
+            }
+            false => {
+                advance(block)?;
+                self.note(call, block)
+                    .map_err(|error| self.failed("write", &error))
+            }
+        }
+    }
+
+    /// Evaluations that were replayed so far.
+    pub fn replayed(&self) -> usize {
+        self.replayed.load(Ordering::Relaxed)
+    }
+
+    /// Why the journal cannot be read or written any more, if that is so: then a diagnosis should end, and not pay for
+    /// evaluations that are lost.
+    pub fn failure(&self) -> Option<&JournalError> {
+        self.failure.get()
+    }
+
+    fn records(&self) -> MutexGuard<'_, Records> {
+        self.records.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn next(&self, key: Key) -> Call {
+        let mut records = self.records();
+        let asked = records.asked.entry(key).or_insert(0);
+        let before = *asked;
+        *asked = asked.saturating_add(1);
+        (key, before)
+    }
+
+    /// Writes into the block what the journal has of a call, and says whether it has it.
+    fn replay(&self, call: Call, block: &mut Block<'_>) -> io::Result<bool> {
+        let mut records = self.records();
+        let count = 2 * (block.dof() * block.len()) as u64;
+        let found = records.found.get(&call).copied();
+        let Some((first, _)) = found.filter(|(_, there)| *there == count) else {
+            return Ok(false);
+        };
+        records.file.seek(SeekFrom::Start(first))?;
+        let mut numbers = BufReader::new(&mut records.file);
+        let mut bytes = [0; 8];
+        for i in 0..2 * block.dof() {
+            let row = match i < block.dof() {
+                true => block.q.row_mut(i),
+                false => block.p.row_mut(i - block.dof()),
+            };
+            for x in row {
+                numbers.read_exact(&mut bytes)?;
+                *x = f64::from_bits(u64::from_le_bytes(bytes));
+            }
+        }
+        Ok(true)
+    }
+
+    /// Adds what came of a call. Where that fails the file ends as it did before.
+    fn note(&self, call: Call, block: &Block<'_>) -> io::Result<()> {
+        let rows = |i: usize| match i < block.dof() {
+            true => block.q.row(i),
+            false => block.p.row(i - block.dof()),
+        };
+        let numbers: Vec<f64> = (0..2 * block.dof())
+            .flat_map(|i| rows(i).iter().copied())
+            .collect();
+        let count = numbers.len() as u64;
+        let bytes = record(call, numbers.into_iter());
+        let mut records = self.records();
+        let end = records.end;
+        let records = &mut *records;
+        let mut write = || {
+            records.file.seek(SeekFrom::Start(end))?;
+            records.file.write_all(&bytes)?;
+            if records.synced.elapsed() >= SYNC {
+                records.file.sync_data()?;
+                records.synced = Instant::now();
+            }
+            Ok(())
+        };
+        if let Err(error) = write() {
+            // What is left of it is found to be torn, too.
+            let _ = records.file.set_len(end);
+            return Err(error);
+        }
+        records.found.insert(call, (end + PREFIX, count));
+        records.end += bytes.len() as u64;
+        Ok(())
+    }
+
+    fn failed(&self, action: &'static str, error: &io::Error) -> StepFailure {
+        let error = self.failure.get_or_init(|| JournalError::File {
+            action,
+            path: self.path.clone(),
+            reason: error.to_string(),
+        });
+        StepFailure {
+            sample: 0,
+            reason: error.to_string(),
+        }
+    }
+}
+
+/// What a file holds.
+enum Contents {
+    /// Nothing, or the beginning of a header.
+    Nothing,
+    /// Something else than a journal.
+    Foreign,
+    Records {
+        run: String,
+        /// Where the last whole record ends.
+        end: u64,
+        found: HashMap<Call, (u64, u64)>,
+    },
+}
+
+fn read(file: &mut File) -> io::Result<Contents> {
+    let length = file.metadata()?.len();
+    file.rewind()?;
+    let mut file = BufReader::with_capacity(1 << 16, file);
+    let (run, mut end) = match read_header(&mut file)? {
+        Header::Whole(run, end) => (run, end),
+        Header::Torn => return Ok(Contents::Nothing),
+        Header::Foreign => return Ok(Contents::Foreign),
+    };
+    let mut found = HashMap::new();
+    while let Some((call, count)) = read_record(&mut file, length.saturating_sub(end))? {
+        found.insert(call, (end + PREFIX, count));
+        end += PREFIX + 8 * count + CHECKSUM;
+    }
+    Ok(Contents::Records { run, end, found })
+}

@@ -1,0 +1,174 @@
+//! Journals that were cut off, that are of another run, and calls that are made more than once.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+use symplint::{Circle, Ensemble, StepFailure};
+use symplint_journal::{Journal, JournalError};
+
+fn run() -> Value {
+    json!({ "map": "pendulum", "version": "1", "config": { "seed": 1 } })
+}
+
+/// Three samples of a circle of this radius.
+fn states(radius: f64) -> Ensemble {
+    Ensemble::sample(
+        &Circle::new(vec![0.3, 0.1], vec![0.5, 0.2], radius).unwrap(),
+        3,
+    )
+    .unwrap()
+}
+
+/// All numbers of the states.
+fn numbers(states: &Ensemble) -> Vec<f64> {
+    let rows = (0..2).flat_map(|i| [states.q().row(i), states.p().row(i)]);
+    rows.flatten().copied().collect()
+}
+
+/// Advances states through the journal by a map that adds `shift`, and says whether it was called.
+fn advance(journal: &Journal, states: &mut Ensemble, h: f64, shift: f64) -> bool {
+    let mut called = false;
+    let map = |block: &mut symplint::Block<'_>| {
+        called = true;
+        for i in 0..2 {
+            block.q.row_mut(i).iter_mut().for_each(|q| *q += shift);
+        }
+        Ok(())
+    };
+    journal.advance(h, &mut states.block(), map).unwrap();
+    called
+}
+
+/// A journal of four calls, the last of them that of the first states once more.
+fn write(path: &Path) -> Vec<Ensemble> {
+    let journal = Journal::open(path, &run()).unwrap();
+    let calls = [(1.0, 0.5), (2.0, 0.5), (1.0, 0.25), (1.0, 0.5)];
+    (calls.iter().enumerate())
+        .map(|(k, &(radius, h))| {
+            let mut states = states(radius);
+            assert!(advance(&journal, &mut states, h, k as f64 + 1.0));
+            states
+        })
+        .collect()
+}
+
+/// How many of the calls are replayed, with the states of [`write`].
+fn replayed(path: &Path, expected: &[Ensemble]) -> usize {
+    let journal = Journal::open(path, &run()).unwrap();
+    let calls = [(1.0, 0.5), (2.0, 0.5), (1.0, 0.25), (1.0, 0.5)];
+    let mut replayed = 0;
+    for (k, (&(radius, h), expected)) in calls.iter().zip(expected).enumerate() {
+        let mut states = states(radius);
+        replayed += usize::from(!advance(&journal, &mut states, h, k as f64 + 1.0));
+        assert_eq!(numbers(&states), numbers(expected));
+    }
+    assert_eq!(journal.replayed(), 3 * replayed);
+    replayed
+}
+
+fn folder() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = folder.path().join("journal");
+    (folder, path)
+}
+
+#[test]
+fn every_call_is_replayed_the_second_of_two_alike_as_such() {
+    let (_folder, path) = folder();
+    let expected = write(&path);
+    assert_ne!(numbers(&expected[0]), numbers(&expected[3]));
+    assert_eq!(replayed(&path, &expected), 4);
+}
+
+#[test]
+fn a_journal_that_was_cut_off_anywhere_goes_on() {
+    let (_folder, path) = folder();
+    let expected = write(&path);
+    let whole = fs::read(&path).unwrap();
+    let record = 16 + 4 + 8 + 8 * 12 + 8;
+    let header = whole.len() - 4 * record;
+    for length in 0..=whole.len() {
+        fs::write(&path, &whole[..length]).unwrap();
+        assert_eq!(
+            replayed(&path, &expected),
+            length.saturating_sub(header) / record
+        );
+        assert_eq!(
+            fs::read(&path).unwrap(),
+            whole,
+            "cut off after {length} bytes"
+        );
+    }
+}
+
+#[test]
+fn records_from_a_damaged_one_on_are_made_again() {
+    let (_folder, path) = folder();
+    let expected = write(&path);
+    let whole = fs::read(&path).unwrap();
+    let record = 16 + 4 + 8 + 8 * 12 + 8;
+    for from_end in 1..=4 * record {
+        let mut damaged = whole.clone();
+        let at = whole.len() - from_end;
+        damaged[at] ^= 0x40;
+        fs::write(&path, &damaged).unwrap();
+        assert_eq!(replayed(&path, &expected), 4 - from_end.div_ceil(record));
+        assert_eq!(fs::read(&path).unwrap(), whole);
+    }
+}
+
+#[test]
+fn a_call_that_fails_is_not_noted() {
+    let (_folder, path) = folder();
+    let fails = |_: &mut symplint::Block<'_>| {
+        Err(StepFailure {
+            sample: 1,
+            reason: "no".into(),
+        })
+    };
+    let journal = Journal::open(&path, &run()).unwrap();
+    let failure = journal
+        .advance(0.5, &mut states(1.0).block(), fails)
+        .unwrap_err();
+    assert_eq!((failure.sample, &*failure.reason), (1, "no"));
+    assert!(journal.failure().is_none());
+    drop(journal);
+    let journal = Journal::open(&path, &run()).unwrap();
+    assert!(advance(&journal, &mut states(1.0), 0.5, 1.0));
+}
+
+#[test]
+fn other_runs_and_other_files_are_refused() {
+    let (_folder, path) = folder();
+    let expected = write(&path);
+    let open = |run: &Value| Journal::open(&path, run).map(|_| ()).unwrap_err();
+    let mut other = run();
+    other["config"]["seed"] = json!(2);
+    let error = open(&other);
+    assert!(matches!(error, JournalError::OtherRun { .. }));
+    assert!(
+        error
+            .to_string()
+            .contains("config.seed is 1 there and 2 here"),
+        "{error}"
+    );
+    let journal = Journal::open(&path, &run()).unwrap();
+    assert!(matches!(open(&run()), JournalError::InUse { .. }));
+    drop(journal);
+    assert_eq!(replayed(&path, &expected), 4);
+    for foreign in [
+        "something else",
+        "symplint journal 9\n",
+        "symplint journal 1\nfar too long a text",
+    ] {
+        fs::write(&path, foreign).unwrap();
+        assert!(
+            matches!(open(&run()), JournalError::NotAJournal { .. }),
+            "{foreign}"
+        );
+        assert_eq!(fs::read_to_string(&path).unwrap(), foreign);
+    }
+    let error = Journal::open(Path::new("/no/such/folder/journal"), &run()).map(|_| ());
+    assert!(matches!(error, Err(JournalError::File { .. })));
+}
