@@ -26,10 +26,10 @@ const AFTER: &str = "Examples:
   symplint reproduce fig2                         a figure of the paper
 
 Exit status of `check`, `measure` and `judge`: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
-failed run; 3 undecided.";
+failed run; 3 undecided; 130 interrupted.";
 
 const EXIT_STATUS: &str = "Exit status: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
-failed run; 3 undecided.";
+failed run; 3 undecided; 130 interrupted.";
 
 /// The commands.
 #[derive(Subcommand)]
@@ -62,6 +62,13 @@ pub enum Command {
     /// `measure --out` or `--json` wrote.
     #[command(after_help = EXIT_STATUS)]
     Judge(JudgeArgs),
+    /// Go on with a run of `check` that was stopped.
+    ///
+    /// With --out DIR, `check` notes every call of a program (system.name = "command") in DIR/journal, as soon as the call
+    /// ends. The same command, or this one, goes on where the run was stopped, and makes no call again that was
+    /// noted: the report is the same as that of a run that was never stopped. Runs of other systems begin anew.
+    #[command(after_help = EXIT_STATUS)]
+    Resume(ResumeArgs),
     /// Follow the loop integral and the energy in time.
     ///
     /// Takes trace.steps steps of size trace.step_size. The energy is that of the orbit from the centre of the
@@ -93,6 +100,7 @@ impl Command {
             Command::Measure(arguments) => arguments.run.threads,
             Command::Trace(arguments) => arguments.run.threads,
             Command::Reproduce(arguments) => arguments.threads,
+            Command::Resume(arguments) => arguments.threads,
             Command::Judge(_) | Command::List { .. } | Command::Init { .. } => None,
         }
     }
@@ -142,6 +150,36 @@ pub struct JudgeArgs {
     /// Print only the headline of the verdict
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// Arguments of `resume`.
+#[derive(Args)]
+pub struct ResumeArgs {
+    /// The folder that --out named
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Print the report as JSON on standard output, and nothing else there
+    #[arg(long)]
+    pub json: bool,
+    /// No progress bar and no table; only the verdict
+    #[arg(long)]
+    pub quiet: bool,
+    /// Number of threads; all cores if left out. Results do not depend on it
+    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
+    pub threads: Option<usize>,
+}
+
+impl ResumeArgs {
+    /// Where the results go.
+    pub fn run(&self) -> Run {
+        Run {
+            out: Some(self.folder.clone()),
+            force: false,
+            json: self.json,
+            quiet: self.quiet,
+            threads: self.threads,
+        }
+    }
 }
 
 /// Arguments of `trace`.

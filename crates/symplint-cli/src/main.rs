@@ -2,6 +2,7 @@
 
 mod cli;
 mod commands;
+mod interruption;
 mod output;
 mod provenance;
 
@@ -12,17 +13,9 @@ use clap::Parser;
 use cli::{Cli, Command};
 use commands::Failure;
 
-/// The exit status of a program that was interrupted.
-const INTERRUPTED: i32 = 130;
-
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    // Programs that are called as maps are ended, and their files removed. Without a handler the signals end this
-    // program, which then cleans up at its next run.
-    let _ = ctrlc::set_handler(|| {
-        symplint_command::stop_all();
-        std::process::exit(INTERRUPTED);
-    });
+    interruption::handle();
     match run(&cli) {
         Ok(status) => status,
         Err(failure) => {
@@ -48,6 +41,7 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
         Command::Loop(arguments) => commands::write_loop(arguments),
         Command::Measure(arguments) => commands::measure(arguments),
         Command::Judge(arguments) => commands::judge(arguments),
+        Command::Resume(arguments) => commands::resume(arguments),
         Command::Trace(arguments) => commands::trace(arguments),
         Command::Reproduce(arguments) => commands::reproduce(arguments),
         Command::List { what } => commands::list(*what),

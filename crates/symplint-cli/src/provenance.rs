@@ -1,6 +1,7 @@
 //! Where the reports of this program come from.
 
-use symplint_report::provenance::{Provenance, Run};
+use symplint_report::provenance::Provenance;
+pub use symplint_report::provenance::Run;
 
 /// A run that starts now.
 pub fn start() -> Run {

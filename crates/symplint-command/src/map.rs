@@ -3,10 +3,11 @@
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use symplint::{Block, Coordinates, Ensemble, StepFailure, TimeAdvance};
+use symplint_journal::Journal;
 
 use crate::CommandError;
 use crate::call::{Call, Program};
@@ -33,6 +34,7 @@ pub struct CommandMap {
     limits: Limits,
     workspace: Workspace,
     slots: Slots,
+    journal: OnceLock<Arc<Journal>>,
 }
 
 impl CommandMap {
@@ -63,6 +65,7 @@ impl CommandMap {
             slots: Slots::new(limits.workers.get()),
             limits,
             workspace: Workspace::temporary(),
+            journal: OnceLock::new(),
         })
     }
 
@@ -78,8 +81,35 @@ impl CommandMap {
         Ok(self)
     }
 
-    /// Advances the samples from `first` on that `states` holds.
-    fn call(&self, h: f64, states: Ensemble) -> Result<Ensemble, StepFailure> {
+    /// Notes all calls from now on in a journal, and makes none that it has already. One journal at most.
+    pub fn keep_journal(&self, journal: Arc<Journal>) {
+        let given = self.journal.set(journal);
+        assert!(given.is_ok(), "a map has one journal");
+    }
+
+    /// The words of the command that name files: what is run, with other code that it reads, as far as the command names it.
+    pub fn program_files(&self) -> Vec<(&str, PathBuf)> {
+        let of_word = |word: &'_ String| self.program.folder.join(word);
+        let words = self.program.command.iter();
+        let files = words.map(|word| (&**word, of_word(word)));
+        files.filter(|(_, path)| path.is_file()).collect()
+    }
+
+    /// Advances the samples of one call.
+    fn call(&self, h: f64, mut states: Ensemble) -> Result<Ensemble, StepFailure> {
+        let Some(journal) = self.journal.get() else {
+            return self.run(h, states);
+        };
+        journal.advance(h, &mut states.block(), |block| {
+            let after = self.run(h, part(block, 0, block.len()))?;
+            put_back(block, 0, &after);
+            Ok(())
+        })?;
+        Ok(states)
+    }
+
+    /// Runs the program once.
+    fn run(&self, h: f64, states: Ensemble) -> Result<Ensemble, StepFailure> {
         let call = Call {
             program: &self.program,
             coordinates: &self.coordinates,
@@ -146,6 +176,11 @@ impl TimeAdvance for CommandMap {
 
     fn coordinates(&self) -> Coordinates {
         self.coordinates.clone()
+    }
+
+    fn is_stopped(&self) -> bool {
+        // Calls that cannot be noted would be lost.
+        (self.journal.get()).is_some_and(|journal| journal.failure().is_some())
     }
 }
 

@@ -26,4 +26,5 @@ pub mod provenance;
 pub mod report;
 pub mod run_folder;
 pub mod table;
+mod whole_file;
 pub mod wrap;

@@ -44,6 +44,7 @@ impl Run {
             processor: processor(),
             seeds: BTreeMap::new(),
             files: Vec::new(),
+            replayed: 0,
         }
     }
 }
@@ -67,6 +68,8 @@ pub struct Provenance {
     pub seeds: BTreeMap<String, u64>,
     /// The files that were read and measured.
     pub files: Vec<HashedFile>,
+    /// Evaluations that an earlier run had made: they were read from its journal.
+    pub replayed: usize,
 }
 
 /// A file by its contents.

@@ -12,7 +12,8 @@ use symplint_report::table::{degrees_of_freedom, points_table};
 
 use super::Failure;
 use super::run_output::RunOutput;
-use crate::cli::CheckArgs;
+use crate::cli::{CheckArgs, Run};
+use crate::interruption;
 use crate::output::{Progress, say, verdict_text};
 use crate::provenance;
 
@@ -31,9 +32,22 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
     if let Some(keep) = &arguments.keep {
         settings.push(format!("system.keep={}", quoted(keep)?));
     }
-    let config = Config::load(&arguments.config, &settings)?;
+    diagnose(&started, Config::load(&arguments.config, &settings)?, run)
+}
+
+/// Diagnoses a configuration, or goes on where a run of it was stopped.
+pub(super) fn diagnose(
+    started: &provenance::Run,
+    config: Config,
+    run: &Run,
+) -> Result<ExitCode, Failure> {
     // Before the run, which may take hours.
-    let output = RunOutput::of_run("check", &config.resolved, run)?;
+    let mut output = RunOutput::of_run("check", &config.resolved, run)?;
+    if let (Some(output), Some(command)) = (&mut output, &config.system.command) {
+        output.keep_journal(command, run.force)?;
+        interruption::note_folder(output.folder.path());
+    }
+    let journal = output.as_ref().and_then(|output| output.journal.clone());
     let log = (output.as_ref()).map(|output| PointLog::new(&output.folder, &output.config));
     let progress = Progress::new("points", run.quiet || run.json);
     let outcome = config
@@ -45,6 +59,9 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
             progress.diagnosis(event);
         });
     progress.finish();
+    if let Some(failure) = journal.as_ref().and_then(|journal| journal.failure()) {
+        return Err(failure.clone().into());
+    }
     let kept = log.as_ref().and_then(PointLog::measured);
     if let (Err(_), Some(kept)) = (&outcome, kept) {
         anstream::eprintln!("note: the points measured before are in {}", kept.display());
@@ -62,11 +79,9 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
         log.finish()?;
     }
 
-    let report = Report::new(
-        &config.resolved,
-        &diagnosis,
-        provenance::of(&started, &config.resolved),
-    );
+    let mut provenance = provenance::of(started, &config.resolved);
+    provenance.replayed = journal.map_or(0, |journal| journal.replayed());
+    let report = Report::new(&config.resolved, &diagnosis, provenance);
     if let Some(output) = &output {
         output.folder.write_json("report.json", &report)?;
         let title = format!("{}, {}", config.system.name, config.integrator);

@@ -73,6 +73,9 @@ impl OccupiedError {
 /// The files of `check`, `trace` and `measure` beside the configuration and the figures.
 pub const RECORDS: &[&str] = &["report.json", "points.csv"];
 
+/// The evaluations of a map that costs.
+pub const JOURNAL: &str = "journal";
+
 pub fn figure_files(name: &str) -> [String; 2] {
     ["svg", "png"].map(|extension| format!("figures/{name}.{extension}"))
 }
@@ -89,6 +92,11 @@ pub fn config_text(command: &str, config: &toml::Table) -> String {
          # The configuration of the run with all defaults. To change it, copy it to another folder.\n\n\
          {config}"
     )
+}
+
+/// The command that wrote a `config.toml` into its run folder.
+pub fn command_of(text: &str) -> Option<&str> {
+    text.lines().next()?.strip_prefix(MARKER)
 }
 
 /// The run in a run folder.
@@ -132,11 +140,7 @@ impl EarlierRun {
             return Err(foreign(first));
         }
         let text = read(&path.join("config.toml"))?;
-        let command = text
-            .lines()
-            .next()
-            .and_then(|line| line.strip_prefix(MARKER));
-        let Some(command) = command else {
+        let Some(command) = command_of(&text) else {
             return Err(foreign("config.toml"));
         };
         let edited = || OccupiedError::Edited {
@@ -180,6 +184,7 @@ impl EarlierRun {
             _ => return vec!["claims.json".into(), "claims.md".into()],
         };
         let mut files: Vec<String> = RECORDS.iter().map(|&name| name.into()).collect();
+        files.extend((self.command == "check").then(|| JOURNAL.to_owned()));
         files.extend(figures.iter().flat_map(|name| figure_files(name)));
         let snapshots = self
             .config

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use symplint_config::{ConfigError, Place};
+use symplint_journal::JournalError;
 use symplint_paper::PaperError;
 use symplint_report::figure::FigureError;
 use symplint_report::loop_file::LoopFileError;
@@ -74,6 +75,17 @@ pub enum Failure {
         /// What is wrong with it.
         error: ReportError,
     },
+    /// The journal of a run.
+    #[error("{}", message(.0))]
+    Journal(#[from] JournalError),
+    /// A folder that holds no run to go on with.
+    #[error("{} holds no run of `symplint check`: {reason}", folder.display())]
+    NoRun {
+        /// The folder.
+        folder: PathBuf,
+        /// What is missing.
+        reason: String,
+    },
     /// The thread pool.
     #[error("cannot start the threads: {reason}")]
     Threads {
@@ -93,6 +105,8 @@ impl Failure {
             Failure::Unknown { suggestion, .. } => suggestion.clone(),
             Failure::Usage { remedy, .. } => remedy.clone(),
             Failure::Read { .. } => "give the report.json of a run folder".into(),
+            Failure::Journal(error) => split(error).1,
+            Failure::NoRun { .. } => "give the folder of --out".into(),
             Failure::Threads { .. } => "try --threads 1".into(),
             Failure::Run(_) | Failure::Model(_) | Failure::Figure(_) | Failure::Report { .. } => {
                 return None;
@@ -121,6 +135,19 @@ impl Failure {
             remedy: remedy.to_owned(),
         }
     }
+}
+
+/// The text of a journal's error, and the remedy after it.
+fn split(error: &JournalError) -> (String, String) {
+    let text = error.to_string();
+    let (message, remedy) = text
+        .split_once("; ")
+        .unwrap_or((&text, "use another folder"));
+    (message.to_owned(), remedy.to_owned())
+}
+
+fn message(error: &JournalError) -> String {
+    split(error).0
 }
 
 impl From<LoopFileError> for Failure {

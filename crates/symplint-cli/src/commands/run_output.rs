@@ -7,12 +7,16 @@
 use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
+use std::sync::Arc;
 
+use symplint_command::CommandMap;
+use symplint_journal::Journal;
 use symplint_report::figure::Figure;
+use symplint_report::provenance::HashedFile;
 use symplint_report::run_folder::RunFolder;
 
 use super::Failure;
-use super::earlier_run::{EarlierRun, RECORDS, config_text, figure_files, loop_file};
+use super::earlier_run::{EarlierRun, JOURNAL, RECORDS, config_text, figure_files, loop_file};
 use crate::cli::Run;
 
 /// The folder of a run, and the text of its `config.toml`.
@@ -21,6 +25,8 @@ pub struct RunOutput {
     pub folder: RunFolder,
     /// `config.toml`: the configuration with all defaults.
     pub config: String,
+    /// The evaluations, where the map is one that costs.
+    pub journal: Option<Arc<Journal>>,
     earlier: Option<EarlierRun>,
 }
 
@@ -52,8 +58,27 @@ impl RunOutput {
         Ok(RunOutput {
             folder: RunFolder::create(path)?,
             config: config_text(command, config),
+            journal: None,
             earlier,
         })
+    }
+
+    /// Notes the calls of a program from now on in the folder, and replays those that a run of the same made before it was
+    /// stopped. `anew` forgets them.
+    ///
+    /// # Errors
+    /// If the journal is of another version of the program or of this one, or cannot be written.
+    pub fn keep_journal(&mut self, map: &CommandMap, anew: bool) -> Result<(), Failure> {
+        let path = self.folder.journal();
+        if anew {
+            remove(&path)?;
+        }
+        // The run can be resumed from here on.
+        self.folder.write_config(&self.config)?;
+        let journal = Arc::new(Journal::open(&path, &run_of(map, &self.config)?)?);
+        map.keep_journal(Arc::clone(&journal));
+        self.journal = Some(journal);
+        Ok(())
     }
 
     /// Writes the figures of a run with `report.json`, `points.csv` and loops at the steps `snapshots`, and
@@ -67,6 +92,7 @@ impl RunOutput {
         snapshots: &[usize],
     ) -> Result<(), Failure> {
         let mut kept: Vec<String> = RECORDS.iter().map(|&name| name.into()).collect();
+        kept.extend(self.journal.is_some().then(|| JOURNAL.to_owned()));
         kept.extend(figures.iter().flat_map(|(name, _)| figure_files(name)));
         kept.extend(snapshots.iter().map(|step| loop_file(*step)));
         self.remove_earlier(&kept)?;
@@ -83,15 +109,36 @@ impl RunOutput {
     pub fn remove_earlier(&self, kept: &[String]) -> Result<(), Failure> {
         let files = self.earlier.as_ref().map_or(Vec::new(), EarlierRun::files);
         for file in files.into_iter().filter(|file| !kept.contains(file)) {
-            let path = self.folder.path().join(file);
-            match fs::remove_file(&path) {
-                Err(error) if error.kind() != ErrorKind::NotFound => {
-                    let reason = error.to_string();
-                    return Err(Failure::Write { path, reason });
-                }
-                _ => {}
-            }
+            remove(&self.folder.path().join(file))?;
         }
         Ok(())
     }
+}
+
+/// Removes a file that may not be there.
+fn remove(path: &Path) -> Result<(), Failure> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(Failure::Write {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// What a journal is of: the version of this program, the configuration, and the files that the command names.
+fn run_of(map: &CommandMap, config: &str) -> Result<serde_json::Value, Failure> {
+    let files = map.program_files().into_iter().map(|(word, path)| {
+        let read = HashedFile::read(&path).map_err(|error| Failure::Read {
+            reason: error.to_string(),
+            path,
+        })?;
+        Ok((word.to_owned(), read.sha256.into()))
+    });
+    let files: serde_json::Map<_, _> = files.collect::<Result<_, Failure>>()?;
+    Ok(serde_json::json!({
+        "symplint": env!("CARGO_PKG_VERSION"),
+        "config": config,
+        "files": files,
+    }))
 }

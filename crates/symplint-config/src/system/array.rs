@@ -50,5 +50,6 @@ fn pendulum_array(section: &Section, folder: &Path) -> Result<System, ConfigErro
         model: Model::Separable(Arc::new(array)),
         q0,
         p0,
+        command: None,
     })
 }

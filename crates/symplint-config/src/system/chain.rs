@@ -79,5 +79,6 @@ fn chain(
         model: Model::Separable(Arc::new(chain)),
         q0,
         p0,
+        command: None,
     })
 }

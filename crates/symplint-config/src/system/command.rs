@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use symplint::Coordinates;
+use symplint::{Coordinates, TimeAdvance};
 use symplint_command::{CommandMap, Limits};
 use symplint_models::Model;
 use symplint_report::loop_file::LoopFile;
@@ -99,11 +99,13 @@ pub const COMMAND: SystemInfo = SystemInfo {
         if let Some(keep) = section.optional_text("keep")? {
             map = (map.keeping(folder.join(keep))).map_err(|error| refused("keep", error))?;
         }
+        let map = Arc::new(map);
         Ok(System {
             name: "command",
-            model: Model::Map(Arc::new(map)),
+            model: Model::Map(Arc::clone(&map) as Arc<dyn TimeAdvance>),
             q0,
             p0,
+            command: Some(map),
         })
     },
 };

@@ -103,6 +103,7 @@ pub const PENDULUM_RATTLE: SystemInfo = SystemInfo {
             model: Model::Map(Arc::new(map)),
             q0: q0.to_vec(),
             p0: p0.to_vec(),
+            command: None,
         })
     },
 };
@@ -118,5 +119,6 @@ fn given(
         model: Model::Map(Arc::new(map)),
         q0: vec![section.number("q0", Accept::Finite)?],
         p0: vec![section.number("p0", Accept::Finite)?],
+        command: None,
     })
 }

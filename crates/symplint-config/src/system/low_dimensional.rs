@@ -153,6 +153,7 @@ fn plane(
         model: Model::Separable(Arc::new(hamiltonian)),
         q0: vec![section.number("q0", Accept::Finite)?],
         p0: vec![section.number("p0", Accept::Finite)?],
+        command: None,
     })
 }
 
@@ -168,5 +169,6 @@ fn space(
         model: Model::Separable(Arc::new(hamiltonian)),
         q0: section.numbers("q0", dof)?,
         p0: section.numbers("p0", dof)?,
+        command: None,
     })
 }

@@ -140,5 +140,6 @@ fn space(section: &Section, name: &'static str, model: Model) -> Result<System, 
         model,
         q0: section.numbers("q0", dof)?,
         p0: section.numbers("p0", dof)?,
+        command: None,
     })
 }

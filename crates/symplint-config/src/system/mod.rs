@@ -10,7 +10,9 @@ mod mechanics;
 mod pic;
 
 use std::path::Path;
+use std::sync::Arc;
 
+use symplint_command::CommandMap;
 use symplint_models::{Model, ModelError};
 
 pub use given_map::NOTHING;
@@ -29,6 +31,8 @@ pub struct System {
     pub q0: Vec<f64>,
     /// Initial momenta.
     pub p0: Vec<f64>,
+    /// The same map where it is a program.
+    pub command: Option<Arc<CommandMap>>,
 }
 
 /// A system that configurations may name.

@@ -118,6 +118,7 @@ fn pic<const D: usize>(
         model: Model::Separable(Arc::new(pic)),
         q0,
         p0,
+        command: None,
     })
 }
 

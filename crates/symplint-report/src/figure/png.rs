@@ -15,6 +15,7 @@ use super::font::Typeface;
 use super::geometry::Point;
 use super::palette::Color;
 use super::scene::{Align, Mark, Scene, Text};
+use crate::whole_file::write_whole;
 
 /// Pixels of the file for each page unit.
 const PIXELS: usize = 2;
@@ -60,7 +61,7 @@ pub(super) fn write(
     let picture = averaged(&large, width, height, enlarged);
 
     let file = encoded(&picture, width as u32, height as u32).map_err(|error| refused(&error))?;
-    std::fs::write(path, file).map_err(|source| FigureError::Write {
+    write_whole(path, &file).map_err(|source| FigureError::Write {
         path: path.to_path_buf(),
         source,
     })

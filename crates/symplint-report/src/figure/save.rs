@@ -6,6 +6,7 @@ use std::path::Path;
 use super::font::Typeface;
 use super::scene::Scene;
 use super::{Figure, FigureError, draw, png, svg};
+use crate::whole_file::write_whole;
 
 impl Figure {
     /// The figure as the text of an SVG file.
@@ -50,7 +51,8 @@ impl Figure {
 
         let path = folder.join(format!("{name}.svg"));
         let text = svg_text(&scene, &path)?;
-        fs::write(&path, text).map_err(|source| FigureError::Write { path, source })?;
+        write_whole(&path, text.as_bytes())
+            .map_err(|source| FigureError::Write { path, source })?;
 
         let path = folder.join(format!("{name}.png"));
         png::write(&scene, &face, &path, self.panels.len())

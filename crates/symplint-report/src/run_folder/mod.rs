@@ -14,6 +14,7 @@ pub use point_log::PointLog;
 pub use record_table::RecordTable;
 
 use crate::report::to_json;
+use crate::whole_file::write_whole;
 
 /// A file or folder of a run that cannot be written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -57,6 +58,11 @@ impl RunFolder {
         self.path.join("figures")
     }
 
+    /// Where evaluations of costly maps go.
+    pub fn journal(&self) -> PathBuf {
+        self.path.join("journal")
+    }
+
     /// Where points go.
     pub fn points(&self) -> PathBuf {
         self.path.join("points.csv")
@@ -94,7 +100,7 @@ impl RunFolder {
     /// If the file cannot be written.
     pub fn write_text(&self, name: &str, text: &str) -> Result<(), WriteError> {
         let path = self.path.join(name);
-        fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
+        write_whole(&path, text.as_bytes()).map_err(|error| cannot_write(&path, &error))
     }
 
     /// Writes JSON.

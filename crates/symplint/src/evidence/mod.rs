@@ -204,7 +204,8 @@ pub struct Evaluations {
     pub made: usize,
     /// Allowed.
     pub budget: usize,
-    /// Taken from a journal and not made again.
+    /// 0: what is measured does not depend on where evaluations come from. The provenance of a report says how many were taken
+    /// from a journal.
     pub replayed: usize,
     /// More that would resolve the loops, about and at most; 0 where they are resolved, and where no number is known
     /// to resolve them.
