@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use rayon::ThreadPool;
 use symplint::diagnosis::{Event, SampleCount};
 use symplint::map::{ProjectedLoop, balanced_radii};
 use symplint::rules::{Cutoff, Cutoffs, Piecewise, Streaming};
@@ -18,6 +17,7 @@ use crate::error::{diagnostic_error, input_error, other_error};
 use crate::functions::{Functions, Step};
 use crate::loops::NativeLoop;
 use crate::models::Integrator;
+use crate::pool;
 use crate::report::{self, Report};
 use crate::step::{PythonLoop, PythonMap, Stoppable};
 
@@ -150,17 +150,7 @@ impl Subject {
         )
     }
 
-    /// Threads of its own, if their number is given.
-    fn pool(&self, py: Python<'_>) -> PyResult<Option<ThreadPool>> {
-        let Some(threads) = self.threads else {
-            return Ok(None);
-        };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.map(Some)
-            .map_err(|error| other_error(py, &error.to_string()))
-    }
-
-    /// Runs `work` on the threads that were asked for, with the map and the loop.
+    /// Runs `work` on threads of its own, with the map and the loop.
     fn run<R: Send>(
         &self,
         py: Python<'_>,
@@ -170,18 +160,14 @@ impl Subject {
     ) -> PyResult<Ran<R>> {
         let shared = self.shared(py)?;
         let mut functions = self.functions(py, progress);
-        let pool = self.pool(py)?;
-        let on_pool = |caller: &Caller| match &pool {
-            Some(pool) => pool.install(|| shared.with(caller, step_size, work)),
-            None => shared.with(caller, step_size, work),
-        };
+        let pool = pool::own(py, self.threads)?;
+        let on_pool = |caller: &Caller| pool.install(|| shared.with(caller, step_size, work));
         let outcome = calls::run(py, on_pool, |py, call| functions.serve(py, call))?;
-        let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
         match outcome {
             Ok((result, evaluations)) => Ok(Ran {
                 result,
                 evaluations,
-                threads,
+                threads: pool.current_num_threads(),
                 functions,
             }),
             Err(error) => {

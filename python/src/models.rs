@@ -14,6 +14,7 @@ use symplint_models::integrators::catalogue::CATALOGUE;
 
 use crate::arrays;
 use crate::error::{config_error, diagnostic_error, input_error};
+use crate::pool;
 
 /// A system with an initial state.
 #[pyclass(frozen, module = "symplint._native")]
@@ -141,8 +142,9 @@ impl Integrator {
             );
             return Err(input_error(py, &message));
         }
-        let advanced = py.detach(|| states.advance(&*self.map, h));
-        advanced.map_err(|error| diagnostic_error(py, &error, None))?;
+        let map = Arc::clone(&self.map);
+        let advanced = pool::run(py, move || states.advance(&*map, h).map(|()| states))?;
+        let states = advanced.map_err(|error| diagnostic_error(py, &error, None))?;
         Ok(arrays::arrays(py, &states))
     }
 

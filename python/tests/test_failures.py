@@ -220,6 +220,7 @@ def step(q, p, h):
     p = p - h * np.sin(q)
     return q + h * p, p
 
+loop = symplint.circle(1.0, 1.0, samples=2**21)
 print("ready", flush=True)
 try:
     {check}
@@ -239,6 +240,7 @@ except KeyboardInterrupt:
             "symplint.check(symplint.integrators.strang(symplint.systems.fput(masses=64)), radius=0.1,"
             " budget=10**9, samples=2**16, loops=1000)",
         ),
+        ("pass", "symplint.measure(loop, *[loop] * 30)"),
     ],
 )
 def test_ctrl_c(body, check):
