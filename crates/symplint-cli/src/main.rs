@@ -4,6 +4,7 @@ mod cli;
 mod commands;
 mod output;
 mod provenance;
+mod signals;
 
 use std::process::ExitCode;
 
@@ -12,17 +13,9 @@ use clap::Parser;
 use cli::{Cli, Command};
 use commands::Failure;
 
-/// The exit status of a program that was interrupted.
-const INTERRUPTED: i32 = 130;
-
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    // Programs that are called as maps are ended, and their files removed. Without a handler the signals end this
-    // program, which then cleans up at its next run.
-    let _ = ctrlc::set_handler(|| {
-        symplint_command::stop_all();
-        std::process::exit(INTERRUPTED);
-    });
+    signals::handle();
     match run(&cli) {
         Ok(status) => status,
         Err(failure) => {
