@@ -1,10 +1,14 @@
 """Processes that were forked, and steps that call the library."""
 
+import copy
 import os
+import pickle
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+import symplint
 
 PARENT_AND_CHILD = """
 import os, sys, tempfile, warnings
@@ -95,3 +99,42 @@ def test_a_process_that_was_forked():
 @pytest.mark.parametrize("arguments", ["loop=circle", "rule='streaming'", "loop=circle, threads=1"])
 def test_functions_that_call_the_library(arguments):
     assert output(CALLS_THE_LIBRARY.format(arguments=arguments), RAYON_NUM_THREADS="2") == "done\n"
+
+
+def midpoint(q, p, h):
+    dq, dp = p - 0.5 * h * np.sin(q), -np.sin(q + 0.5 * h * p)
+    return q + h * dq, p + h * dp
+
+
+def test_reports_and_exceptions_go_from_process_to_process():
+    report = symplint.check(midpoint, 1.0, 0.5, step_sizes=[0.5, 0.25])
+    found = pickle.loads(pickle.dumps(report))
+    assert found.to_json() == report.to_json() and str(found) == str(report)
+    assert found.points.tobytes() == report.points.tobytes()
+    with pytest.raises(symplint.SymplintError, match="pickled"):
+        found.plot_loop()
+
+    with pytest.raises(symplint.NotSymplecticError) as caught:
+        symplint.assert_symplectic(midpoint, 1.0, 0.5, step_sizes=[0.5, 0.25])
+    found = pickle.loads(pickle.dumps(caught.value))
+    assert type(found) is symplint.NotSymplecticError and str(found) == str(caught.value)
+    assert found.report.kind == "not-symplectic"
+
+    def step(q, p, h):
+        if h == 0.25 and (q > 1.9).any():
+            raise ArithmeticError("too far")
+        return midpoint(q, p, h)
+
+    with pytest.raises(symplint.StepError) as caught:
+        symplint.check(step, 1.0, 0.5, step_sizes=[0.5, 0.25])
+    found = pickle.loads(pickle.dumps(caught.value))
+    assert type(found) is symplint.StepError and str(found) == str(caught.value)
+    assert (found.h, found.s, found.sample) == (0.25, caught.value.s, caught.value.sample)
+    assert found.report.to_json() == caught.value.report.to_json()
+
+
+def test_copies_of_reports_keep_the_map():
+    report = symplint.check(midpoint, 1.0, 0.5, step_sizes=[0.5])
+    for found in (copy.copy(report), copy.deepcopy(report)):
+        assert found.to_json() == report.to_json()
+        assert len(found._image(0.5, 16)[0][0]) == 16
