@@ -13,7 +13,7 @@ use symplint::{Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Rule, Tim
 use crate::arrays;
 use crate::calls::{self, Call, Caller};
 use crate::coordinates::Stated;
-use crate::error::{diagnostic_error, input_error, other_error};
+use crate::error::{input_error, other_error};
 use crate::functions::{Functions, Step};
 use crate::loops::NativeLoop;
 use crate::models::Integrator;
@@ -170,10 +170,7 @@ impl Subject {
                 threads: pool.current_num_threads(),
                 functions,
             }),
-            Err(error) => {
-                let cause = functions.cause(py, &error);
-                Err(diagnostic_error(py, &error, cause))
-            }
+            Err(error) => Err(functions.exception(py, &error)),
         }
     }
 }
@@ -264,7 +261,7 @@ pub fn check(
         result: mut diagnosis,
         evaluations,
         threads,
-        mut functions,
+        functions,
     } = subject.run(py, progress, step_size, measure)?;
     if evaluations > 0 {
         // They were made before the run, beside its budget.
@@ -274,10 +271,7 @@ pub fn check(
         counted.budget += evaluations;
         diagnosis.verdict = judge(&diagnosis.evidence);
     }
-    let failed = failed.get().map(|error| {
-        let cause = functions.cause(py, error);
-        diagnostic_error(py, error, cause)
-    });
+    let failed = (failed.get()).map(|error| functions.exception(py, error));
     Ok((Report::new(diagnosis, title, config, &run, threads), failed))
 }
 

@@ -25,7 +25,7 @@ impl NativeLoop {
             Ok(inner) => Ok(NativeLoop {
                 inner: Arc::new(inner),
             }),
-            Err(error) => Err(diagnostic_error(py, &error, None)),
+            Err(error) => Err(diagnostic_error(py, &error)),
         }
     }
 }
@@ -91,7 +91,7 @@ impl NativeLoop {
     fn sample<'py>(&self, py: Python<'py>, samples: usize) -> PyResult<Arrays<'py>> {
         let inner = Arc::clone(&self.inner);
         let states = pool::run(py, move || Ensemble::sample(&*inner, samples))?;
-        let states = states.map_err(|error| diagnostic_error(py, &error, None))?;
+        let states = states.map_err(|error| diagnostic_error(py, &error))?;
         Ok(arrays::arrays(py, &states))
     }
 

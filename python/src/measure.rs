@@ -48,7 +48,7 @@ pub fn measure(
         })
         .collect::<PyResult<Vec<Snapshot>>>()?;
     let diagnosis = pool::run(py, move || compare(&before, &after, &coordinates))?;
-    let diagnosis = diagnosis.map_err(|error| diagnostic_error(py, &error, None))?;
+    let diagnosis = diagnosis.map_err(|error| diagnostic_error(py, &error))?;
     let threads = pool::shared(py)?.current_num_threads();
     Ok(Report::new(diagnosis, title, config, &run, threads))
 }
@@ -74,7 +74,7 @@ pub fn loop_integral(
         states.check_finite(None)?;
         LoopIntegral::in_coordinates(&states, &rule, &coordinates)
     })?;
-    let found = integral.map_err(|error| diagnostic_error(py, &error, None))?;
+    let found = integral.map_err(|error| diagnostic_error(py, &error))?;
     Ok((
         found.value,
         found.quadrature_error,

@@ -153,7 +153,7 @@ impl Integrator {
         }
         let map = Arc::clone(&self.map);
         let advanced = pool::run(py, move || states.advance(&*map, h).map(|()| states))?;
-        let states = advanced.map_err(|error| diagnostic_error(py, &error, None))?;
+        let states = advanced.map_err(|error| diagnostic_error(py, &error))?;
         Ok(arrays::arrays(py, &states))
     }
 
