@@ -1,4 +1,4 @@
-"""A cell of an accelerator in Xtrack: two quadrupoles and two drifts (pip install xtrack).
+"""A cell of an accelerator in Xtrack: two quadrupoles and two drifts (pip install xsuite).
 
 Canonical pairs are (x, px), (y, py) and (zeta, pzeta), with pzeta = ptau / beta0. The relative momentum deviation delta is not
 canonical to zeta: a loop integral with it in the place of pzeta changes. A step of size h is a cell of h times the length.
@@ -6,7 +6,7 @@ canonical to zeta: a loop integral with it in the place of pzeta changes. A step
 
 import os
 
-# Xtrack compiles its C code when it is used first, which takes half a minute; `pip install xsuite` brings it compiled.
+# `pip install xsuite` brings the C code of Xtrack compiled; `pip install xtrack` alone compiles it at the first use, by gcc.
 os.environ.setdefault("XSUITE_ALLOW_KERNEL_COMPILATION", "1")
 
 import numpy as np

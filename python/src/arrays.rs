@@ -69,10 +69,11 @@ pub fn transpose<T: Number>(source: ArrayView2<'_, T>, rows: &mut RowsMut<'_>) -
     rows.as_rows().all_finite()
 }
 
-/// What a function returned in place of (q, p): two objects.
+/// What a function returned in place of (q, p): two objects. `remedy` says what it should do.
 pub fn pair<'py>(
     result: Bound<'py, PyAny>,
     what: &str,
+    remedy: &str,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     if let Ok(tuple) = result.cast::<PyTuple>()
         && tuple.len() == 2
@@ -93,7 +94,7 @@ pub fn pair<'py>(
         Err(_) => result.get_type().name()?.to_string(),
     };
     Err(PyTypeError::new_err(format!(
-        "{what} returned an object of type {found}; return q and p, or change both in place and return None"
+        "{what} returned an object of type {found}; {remedy}"
     )))
 }
 

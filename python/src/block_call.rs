@@ -15,6 +15,9 @@ use crate::memory::{Memory, Number};
 /// of a batch fit into the cache of a core, and a batch is long enough that calls do not count.
 const BATCH: usize = 1 << 15;
 
+/// What a function should do that did something else.
+const OR_IN_PLACE: &str = "return q and p, or change both in place and return None";
+
 /// An exception, and the sample of the block that caused it; 0 where that is not known.
 pub struct Failed {
     pub sample: usize,
@@ -86,7 +89,7 @@ impl<'py> BlockCall<'py> {
     }
 
     fn take(&self, result: Bound<'py, PyAny>, block: &mut Block<'_>) -> PyResult<bool> {
-        let (q, p) = pair(result, self.what)?;
+        let (q, p) = pair(result, self.what, OR_IN_PLACE)?;
         Ok(read_rows(&q, "q", &mut block.q)? & read_rows(&p, "p", &mut block.p)?)
     }
 
@@ -164,7 +167,7 @@ impl<'py> BlockCall<'py> {
                     Ok(())
                 }
                 false => {
-                    let (q, p) = pair(result, self.what)?;
+                    let (q, p) = pair(result, self.what, OR_IN_PLACE)?;
                     read_column(&q, "q", &mut block.q, sample)?;
                     read_column(&p, "p", &mut block.p, sample)
                 }

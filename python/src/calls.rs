@@ -16,7 +16,7 @@ use symplint::{Block, StepFailure};
 use crate::memory::{Loan, lend};
 
 /// How often Python may look whether Ctrl-C was pressed, where nothing else happens.
-const SIGNALS: Duration = Duration::from_millis(50);
+pub const SIGNALS: Duration = Duration::from_millis(50);
 
 /// Whether all states are finite now, or why they were not advanced.
 pub type Answer = Result<bool, StepFailure>;

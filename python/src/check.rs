@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use rayon::ThreadPool;
 use symplint::diagnosis::{Event, SampleCount};
 use symplint::map::{ProjectedLoop, balanced_radii};
 use symplint::rules::{Cutoff, Cutoffs, Piecewise, Streaming};
@@ -14,10 +13,11 @@ use symplint::{Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Rule, Tim
 use crate::arrays;
 use crate::calls::{self, Call, Caller};
 use crate::coordinates::Stated;
-use crate::error::{diagnostic_error, input_error, other_error};
+use crate::error::{input_error, other_error};
 use crate::functions::{Functions, Step};
 use crate::loops::NativeLoop;
 use crate::models::Integrator;
+use crate::pool;
 use crate::report::{self, Report};
 use crate::step::{PythonLoop, PythonMap, Stoppable};
 
@@ -150,17 +150,7 @@ impl Subject {
         )
     }
 
-    /// Threads of its own, if their number is given.
-    fn pool(&self, py: Python<'_>) -> PyResult<Option<ThreadPool>> {
-        let Some(threads) = self.threads else {
-            return Ok(None);
-        };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.map(Some)
-            .map_err(|error| other_error(py, &error.to_string()))
-    }
-
-    /// Runs `work` on the threads that were asked for, with the map and the loop.
+    /// Runs `work` on threads of its own, with the map and the loop.
     fn run<R: Send>(
         &self,
         py: Python<'_>,
@@ -170,24 +160,17 @@ impl Subject {
     ) -> PyResult<Ran<R>> {
         let shared = self.shared(py)?;
         let mut functions = self.functions(py, progress);
-        let pool = self.pool(py)?;
-        let on_pool = |caller: &Caller| match &pool {
-            Some(pool) => pool.install(|| shared.with(caller, step_size, work)),
-            None => shared.with(caller, step_size, work),
-        };
+        let pool = pool::own(py, self.threads)?;
+        let on_pool = |caller: &Caller| pool.install(|| shared.with(caller, step_size, work));
         let outcome = calls::run(py, on_pool, |py, call| functions.serve(py, call))?;
-        let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
         match outcome {
             Ok((result, evaluations)) => Ok(Ran {
                 result,
                 evaluations,
-                threads,
+                threads: pool.current_num_threads(),
                 functions,
             }),
-            Err(error) => {
-                let cause = functions.cause(py, &error);
-                Err(diagnostic_error(py, &error, cause))
-            }
+            Err(error) => Err(functions.exception(py, &error)),
         }
     }
 }
@@ -278,7 +261,7 @@ pub fn check(
         result: mut diagnosis,
         evaluations,
         threads,
-        mut functions,
+        functions,
     } = subject.run(py, progress, step_size, measure)?;
     if evaluations > 0 {
         // They were made before the run, beside its budget.
@@ -288,10 +271,7 @@ pub fn check(
         counted.budget += evaluations;
         diagnosis.verdict = judge(&diagnosis.evidence);
     }
-    let failed = failed.get().map(|error| {
-        let cause = functions.cause(py, error);
-        diagnostic_error(py, error, cause)
-    });
+    let failed = (failed.get()).map(|error| functions.exception(py, error));
     Ok((Report::new(diagnosis, title, config, &run, threads), failed))
 }
 

@@ -33,6 +33,6 @@ impl Stated {
             }
             Ok(coordinates)
         };
-        made().map_err(|error| diagnostic_error(py, &error, None))
+        made().map_err(|error| diagnostic_error(py, &error))
     }
 }

@@ -74,19 +74,15 @@ impl Failed {
     }
 }
 
-/// The exception for an error of the diagnostic. `cause` is the exception that the map raised.
-pub fn diagnostic_error(py: Python<'_>, error: &Error, cause: Option<PyErr>) -> PyErr {
+/// The exception for an error of the diagnostic.
+pub fn diagnostic_error(py: Python<'_>, error: &Error) -> PyErr {
     let message = error.to_string();
-    let raised = match Failed::of(error) {
+    match Failed::of(error) {
         None => input_error(py, &message),
         Some(Failed { h, s, sample }) => {
             let made =
                 class(py, "StepError").and_then(|class| class.call1((message, h, s, sample)));
             made.map_or_else(|error| error, PyErr::from_value)
         }
-    };
-    if cause.is_some() {
-        raised.set_cause(py, cause);
     }
-    raised
 }

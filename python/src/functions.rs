@@ -9,6 +9,7 @@ use symplint::{Block, Error, StepFailure};
 use crate::arrays::{pair, read_rows};
 use crate::block_call::{BlockCall, Failed};
 use crate::calls::{Answer, Call, ends_programs};
+use crate::error::{diagnostic_error, input_error};
 use crate::memory::{Loan, Memory};
 
 /// Exceptions that are kept to be the cause of an error of the diagnostic, at most: one for each step size and text, so more
@@ -43,12 +44,50 @@ pub struct Functions {
     measured: usize,
 }
 
+/// Which function it is.
+#[derive(Clone, Copy, PartialEq)]
+enum Of {
+    /// The step of this size.
+    Step(f64),
+    Project,
+    Loop,
+}
+
+impl Of {
+    /// What it is called where its failure is that of an argument.
+    fn name(self) -> Option<&'static str> {
+        match self {
+            Of::Step(_) => None,
+            Of::Project => Some("project"),
+            Of::Loop => Some("loop"),
+        }
+    }
+}
+
 /// An exception of a function of the user.
 struct Raised {
+    of: Of,
     /// The text of the failure that it became.
     reason: String,
-    h: Option<f64>,
     error: PyErr,
+}
+
+impl Raised {
+    /// Whether it became this error of the diagnostic.
+    fn became(&self, error: &Error) -> bool {
+        match (error, self.of) {
+            (Error::InStep { error, .. }, _) => self.became(error),
+            (
+                Error::StepFailed {
+                    reason, step_size, ..
+                },
+                Of::Step(h),
+            ) => h == *step_size && self.reason == *reason,
+            // A loop or a projection that fails gives states that are not numbers.
+            (Error::NotFinite { .. }, Of::Project | Of::Loop) => true,
+            _ => false,
+        }
+    }
 }
 
 impl Functions {
@@ -80,16 +119,16 @@ impl Functions {
         match call {
             Call::Step(h, mut loan) => {
                 let advanced = self.advance(py, h, &mut loan.block());
-                self.answer(py, loan, Some(h), advanced)
+                self.answer(py, loan, Of::Step(h), advanced)
             }
             Call::Project(mut loan) => {
                 let projected = self.project(py, &mut loan.block());
-                self.answer(py, loan, None, projected)
+                self.answer(py, loan, Of::Project, projected)
             }
             Call::Loop(s, mut loan) => {
                 let sampled = self.sample(py, s, &mut loan.block());
                 let sampled = (sampled.map(|()| true)).map_err(|error| Failed { sample: 0, error });
-                self.answer(py, loan, None, sampled)
+                self.answer(py, loan, Of::Loop, sampled)
             }
             Call::Planned(more) => {
                 self.planned += more;
@@ -103,21 +142,20 @@ impl Functions {
         }
     }
 
-    /// The exception of the user that became this error of the diagnostic, if one did.
-    pub fn cause(&mut self, py: Python<'_>, error: &Error) -> Option<PyErr> {
-        let became = |raised: &Raised| match error {
-            Error::StepFailed {
-                reason, step_size, ..
-            } => raised.h == Some(*step_size) && raised.reason == *reason,
-            // A loop or a projection that fails gives states that are not numbers.
-            Error::NotFinite { .. } => raised.h.is_none(),
-            _ => false,
+    /// The exception for an error of the diagnostic; its cause is that of a function of the user, if one raised it.
+    pub fn exception(&self, py: Python<'_>, error: &Error) -> PyErr {
+        let Some(raised) = self.raised.iter().find(|raised| raised.became(error)) else {
+            return diagnostic_error(py, error);
         };
-        let error = match error {
-            Error::InStep { error, .. } => return self.cause(py, error),
-            _ => self.raised.iter().find(|raised| became(raised))?,
+        let exception = match raised.of.name() {
+            None => diagnostic_error(py, error),
+            Some(name) => {
+                let reason = &raised.reason;
+                input_error(py, &format!("the {name} function failed: {reason}"))
+            }
         };
-        Some(error.error.clone_ref(py))
+        exception.set_cause(py, Some(raised.error.clone_ref(py)));
+        exception
     }
 
     /// Answers with what a function did. Of exceptions that end programs it is told who started the diagnosis.
@@ -125,7 +163,7 @@ impl Functions {
         &mut self,
         py: Python<'_>,
         loan: Loan<Answer>,
-        h: Option<f64>,
+        of: Of,
         result: Result<bool, Failed>,
     ) -> PyResult<()> {
         let Failed { sample, error } = match result {
@@ -143,9 +181,9 @@ impl Functions {
             sample,
             reason: reason.clone(),
         }));
-        let raised = Raised { reason, h, error };
+        let raised = Raised { of, reason, error };
         let known =
-            (self.raised.iter()).any(|kept| kept.h == raised.h && kept.reason == raised.reason);
+            (self.raised.iter()).any(|kept| kept.of == raised.of && kept.reason == raised.reason);
         if !known && self.raised.len() < KEPT {
             self.raised.push(raised);
         }
@@ -213,7 +251,7 @@ impl Functions {
             .as_ref()
             .expect("only a Python loop is sampled here");
         let sampled = function.bind(py).call1((PyArray1::from_vec(py, s),))?;
-        let (q, p) = pair(sampled, "loop")?;
+        let (q, p) = pair(sampled, "loop", "return q and p")?;
         read_rows(&q, "q of the loop", &mut block.q)?;
         read_rows(&p, "p of the loop", &mut block.p)?;
         Ok(())

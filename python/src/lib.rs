@@ -7,6 +7,7 @@
 //! | --- | --- |
 //! | `memory` | memory that Rust and numpy arrays share, blocks on loan to another thread; all `unsafe` |
 //! | `calls` | calls of Python functions from the threads of a diagnosis, served by the thread of the user |
+//! | `pool` | threads for the work of the library |
 //! | `functions` | the functions of the user |
 //! | `block_call` | one of them called for the states of a block |
 //! | `step` | maps, manifolds and loops made of functions, as the diagnostic sees them |
@@ -29,6 +30,7 @@ mod loops;
 mod measure;
 mod memory;
 mod models;
+mod pool;
 mod report;
 mod step;
 

@@ -9,6 +9,7 @@ use symplint::{Circle, Ensemble, FourierLoop, Loop, SampledLoop};
 use crate::arrays;
 use crate::coordinates::Stated;
 use crate::error::diagnostic_error;
+use crate::pool;
 
 /// A loop of the library.
 #[pyclass(frozen, name = "Loop", module = "symplint._native")]
@@ -24,7 +25,7 @@ impl NativeLoop {
             Ok(inner) => Ok(NativeLoop {
                 inner: Arc::new(inner),
             }),
-            Err(error) => Err(diagnostic_error(py, &error, None)),
+            Err(error) => Err(diagnostic_error(py, &error)),
         }
     }
 }
@@ -88,8 +89,9 @@ impl NativeLoop {
 
     /// Equispaced samples.
     fn sample<'py>(&self, py: Python<'py>, samples: usize) -> PyResult<Arrays<'py>> {
-        let states = py.detach(|| Ensemble::sample(&*self.inner, samples));
-        let states = states.map_err(|error| diagnostic_error(py, &error, None))?;
+        let inner = Arc::clone(&self.inner);
+        let states = pool::run(py, move || Ensemble::sample(&*inner, samples))?;
+        let states = states.map_err(|error| diagnostic_error(py, &error))?;
         Ok(arrays::arrays(py, &states))
     }
 

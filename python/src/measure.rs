@@ -8,6 +8,7 @@ use crate::arrays;
 use crate::check::{CutoffPair, rule};
 use crate::coordinates::Stated;
 use crate::error::{diagnostic_error, other_error};
+use crate::pool;
 use crate::report::{self, Report};
 
 /// A loop as two arrays of one row for each sample, and the relative rounding error of their numbers.
@@ -41,11 +42,14 @@ pub fn measure(
     let before = snapshot(py, &before, None)?;
     let coordinates = stated.of(py, before.states.dof())?;
     let after = (after.iter().zip(h))
-        .map(|(states, h)| snapshot(py, states, h))
+        .map(|(states, h)| {
+            py.check_signals()?;
+            snapshot(py, states, h)
+        })
         .collect::<PyResult<Vec<Snapshot>>>()?;
-    let diagnosis = py.detach(|| compare(&before, &after, &coordinates));
-    let diagnosis = diagnosis.map_err(|error| diagnostic_error(py, &error, None))?;
-    let threads = rayon::current_num_threads();
+    let diagnosis = pool::run(py, move || compare(&before, &after, &coordinates))?;
+    let diagnosis = diagnosis.map_err(|error| diagnostic_error(py, &error))?;
+    let threads = pool::shared(py)?.current_num_threads();
     Ok(Report::new(diagnosis, title, config, &run, threads))
 }
 
@@ -66,11 +70,11 @@ pub fn loop_integral(
     let rule = rule(py, rule_name, cutoffs)?;
     let states = arrays::ensemble(py, &q, &p)?;
     let coordinates = stated.of(py, states.dof())?;
-    let integral = py.detach(|| {
+    let integral = pool::run(py, move || {
         states.check_finite(None)?;
         LoopIntegral::in_coordinates(&states, &rule, &coordinates)
-    });
-    let found = integral.map_err(|error| diagnostic_error(py, &error, None))?;
+    })?;
+    let found = integral.map_err(|error| diagnostic_error(py, &error))?;
     Ok((
         found.value,
         found.quadrature_error,

@@ -14,6 +14,11 @@ use symplint_models::integrators::catalogue::CATALOGUE;
 
 use crate::arrays;
 use crate::error::{config_error, diagnostic_error, input_error};
+use crate::pool;
+
+/// The system that calls programs. It removes its files and ends its processes when it is dropped or at a signal, and Python
+/// promises neither.
+const NOT_HERE: &str = "command";
 
 /// A system with an initial state.
 #[pyclass(frozen, module = "symplint._native")]
@@ -27,6 +32,11 @@ impl System {
     /// The system of this name.
     #[new]
     fn new(py: Python<'_>, name: &str, keys: &Bound<'_, PyDict>) -> PyResult<Self> {
+        if name == NOT_HERE {
+            let message = "the system \"command\" is one of the program symplint; here, pass a function that calls the \
+                 program to symplint.check, or run `symplint check`";
+            return Err(input_error(py, message));
+        }
         let keys = table(py, name, keys)?;
         let (inner, resolved) =
             read_system(keys, Path::new("")).map_err(|e| config_error(py, &e))?;
@@ -141,8 +151,9 @@ impl Integrator {
             );
             return Err(input_error(py, &message));
         }
-        let advanced = py.detach(|| states.advance(&*self.map, h));
-        advanced.map_err(|error| diagnostic_error(py, &error, None))?;
+        let map = Arc::clone(&self.map);
+        let advanced = pool::run(py, move || states.advance(&*map, h).map(|()| states))?;
+        let states = advanced.map_err(|error| diagnostic_error(py, &error))?;
         Ok(arrays::arrays(py, &states))
     }
 
@@ -154,7 +165,8 @@ impl Integrator {
 /// All systems and integrators: (name, summary, default, keys) of each, with keys as (name, default or None, help).
 #[pyfunction]
 pub fn catalogue(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-    let systems = SYSTEMS.iter().map(|info| {
+    let of_python = SYSTEMS.iter().filter(|info| info.name != NOT_HERE);
+    let systems = of_python.map(|info| {
         let keys: Vec<_> = (info.keys.iter())
             .map(|key| (key.name, (!key.optional).then_some(key.value), key.help))
             .collect();

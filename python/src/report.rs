@@ -4,15 +4,16 @@ use std::path::PathBuf;
 
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
+use serde::Deserialize;
 use symplint::{Diagnosis, Ensemble};
 use symplint_report::figures::{measure_figures, step_sizes};
 use symplint_report::provenance::{Provenance, Run};
-use symplint_report::report::Report as JsonReport;
+use symplint_report::report::{Report as JsonReport, read_evidence};
 use symplint_report::run_folder::RunFolder;
 use symplint_report::table::{points_table, reasons};
 
 use crate::arrays;
-use crate::error::other_error;
+use crate::error::{input_error, other_error};
 use crate::html;
 
 /// The width of tables and paragraphs, in characters.
@@ -23,6 +24,13 @@ const WIDTH: usize = 100;
 pub struct Report {
     diagnosis: Diagnosis,
     title: String,
+    config: serde_json::Value,
+    provenance: Provenance,
+}
+
+/// What a report has beside evidence and what follows from it.
+#[derive(Deserialize)]
+struct Rest {
     config: serde_json::Value,
     provenance: Provenance,
 }
@@ -119,6 +127,20 @@ impl Report {
     #[getter]
     fn title(&self) -> &str {
         &self.title
+    }
+
+    /// The report that `to_json` wrote.
+    #[staticmethod]
+    fn from_json(py: Python<'_>, text: &str, title: String) -> PyResult<Self> {
+        let evidence = read_evidence(text).map_err(|error| input_error(py, &error.to_string()))?;
+        let Rest { config, provenance } =
+            serde_json::from_str(text).map_err(|error| input_error(py, &error.to_string()))?;
+        Ok(Report {
+            diagnosis: Diagnosis::of(evidence),
+            title,
+            config,
+            provenance,
+        })
     }
 
     /// The report as JSON, schema `symplint/report/2`.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 import numpy as np
@@ -100,6 +101,23 @@ def vector(value: Any, name: str, length: int | None = None) -> Array:
             f"{name} has {array.size} values for {length} degrees of freedom; give one for each, or a single number"
         )
     return array
+
+
+def whole(value: Any, name: str, least: int) -> int:
+    """A whole number that is not below `least`.
+
+    Raises
+    ------
+    InputError
+        If it is something else.
+    """
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = None
+    if number is None or not least <= number < 2**63:
+        raise InputError(f"{name} is {value!r}; give a whole number, {least} or more")
+    return number
 
 
 def coordinates(dof: int, period: Any, momentum_period: Any, weight: Any) -> dict[str, list[float] | None]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import operator
 import os
 from collections.abc import Callable
 from typing import Any
@@ -13,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._arrays import coordinates, cutoffs, vector
+from ._arrays import coordinates, cutoffs, vector, whole
 from ._errors import InputError, NotSymplecticError
 from ._loops import Loop, centre, radii
 from ._progress import bar
@@ -82,12 +81,12 @@ def check(
         halved.
     radius : float, array_like, pair of them or "auto"
         Radius of the loop: one for all degrees of freedom, one for each, a tuple of those for q and for p, or as the map
-        suggests.
+        suggests. Not together with `loop`.
     loop : Circle, FourierLoop, SampledLoop or callable, optional
         The loop, in place of a circle round (q0, p0): also a function that gets an array of s in [0, 1) and returns (q, p)
         of shape (len(s), dof).
     loops : int
-        Loops in all, the given one included; the others are random.
+        Loops in all, the given one included; the others are random. 10,000 at most.
     project : callable, optional
         ``project(q, p)`` puts states on the constraint manifold of the map, and returns or changes them as `step` does.
     seed : int
@@ -160,6 +159,8 @@ def check(
     >>> report.kind, report.order
     ('not-symplectic', 3.0)
     """
+    # Tracebacks of pytest end where the test calls this.
+    __tracebackhide__ = True
     if isinstance(step, System):
         step = of_system(step)
     subject = _subject(
@@ -173,8 +174,8 @@ def check(
     settings = {
         "step_sizes": None if step_sizes is None else vector(step_sizes, "step_sizes").tolist(),
         "typical": None if h is None else _number(h, "h"),
-        "loops": _whole(loops, "loops", 1),
-        "seed": _whole(seed, "seed", 0),
+        "loops": whole(loops, "loops", 1),
+        "seed": whole(seed, "seed", 0),
         "rule": rule,
         "cutoffs": cutoffs(cutoff),
         "samples": _whole_or_auto(samples, "samples", 3),
@@ -242,8 +243,10 @@ def assert_symplectic(
     The map changes a loop integral by 5.0e-3 at h = 2^-1, falling as h^1.
     ...
     """
+    __tracebackhide__ = True
+    least = None if digits is None else _number(digits, "digits")
     report = check(step, q0, p0, **arguments)
-    enough = digits is None or (report.digits is not None and report.digits >= digits)
+    enough = least is None or (report.digits is not None and report.digits >= least)
     if report.kind == "symplectic" and enough:
         return report
     name = _name(step)
@@ -304,6 +307,8 @@ def _subject(
     for other, found in (("the loop", native_loop), ("the system", integrator)):
         if found is not None and found.dof != dof:
             raise InputError(f"q0 has {dof} values and {other} {found.dof} degrees of freedom; they must agree")
+    if loop is not None and not (isinstance(radius, int | float) and radius == 1.0):
+        raise InputError("both loop and radius are given; the loop has a size of its own")
     if isinstance(radius, str) and radius != "auto":
         raise InputError(f'radius is "{radius}"; give a number, or "auto"')
     of_circle = None
@@ -324,7 +329,7 @@ def _subject(
         "q0": centres[0],
         "p0": centres[1],
         "radii": of_circle,
-        "threads": None if threads is None else _whole(threads, "threads", 1),
+        "threads": None if threads is None else whole(threads, "threads", 1),
     }
 
 
@@ -386,19 +391,9 @@ def _number(value: Any, name: str) -> float:
         raise InputError(f"{name} is {value!r}; give a number") from None
 
 
-def _whole(value: Any, name: str, least: int) -> int:
-    try:
-        number = operator.index(value)
-    except TypeError:
-        number = None
-    if number is None or not least <= number < 2**63:
-        raise InputError(f"{name} is {value!r}; give a whole number, {least} or more")
-    return number
-
-
 def _whole_or_auto(value: Any, name: str, least: int) -> int | None:
     if value is None or isinstance(value, str):
         if value in (None, "auto"):
             return None
         raise InputError(f'{name} is "{value}"; give "auto" or a whole number, {least} or more')
-    return _whole(value, name, least)
+    return whole(value, name, least)

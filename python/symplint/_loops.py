@@ -7,7 +7,7 @@ from typing import Any
 import numpy.typing as npt
 
 from . import _native
-from ._arrays import Array, coordinates, samples, vector
+from ._arrays import Array, coordinates, samples, vector, whole
 from ._errors import InputError
 
 __all__ = ["Circle", "FourierLoop", "Loop", "SampledLoop", "circle"]
@@ -60,7 +60,7 @@ class Loop:
         -------
         q, p : ndarray of shape (samples, dof)
         """
-        return self._native.sample(samples)
+        return self._native.sample(whole(samples, "samples", 3))
 
     def __call__(self, s: npt.ArrayLike) -> tuple[Array, Array]:
         return self._native.at(vector(s, "s"))
@@ -99,7 +99,9 @@ class Circle(Loop):
         phases: int | None = None,
     ) -> None:
         q, p = centre(q0, p0)
-        super().__init__(_native.Loop.circle(q, p, *radii(radius, q.size), dofs, phases))
+        moved = None if dofs is None else [whole(dof, "dofs", 0) for dof in dofs]
+        seed = None if phases is None else whole(phases, "phases", 0)
+        super().__init__(_native.Loop.circle(q, p, *radii(radius, q.size), moved, seed))
 
 
 class FourierLoop(Loop):
@@ -117,7 +119,7 @@ class FourierLoop(Loop):
 
     def __init__(self, q0: npt.ArrayLike, p0: npt.ArrayLike, radius: Any = 1.0, *, seed: int = 1) -> None:
         q, p = centre(q0, p0)
-        super().__init__(_native.Loop.fourier(q, p, *radii(radius, q.size), seed))
+        super().__init__(_native.Loop.fourier(q, p, *radii(radius, q.size), whole(seed, "seed", 0)))
 
 
 class SampledLoop(Loop):

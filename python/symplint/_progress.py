@@ -20,7 +20,7 @@ def bar(progress: Any) -> Iterator[Watch | None]:
     if callable(progress):
         yield progress
     elif progress in (None, False, True):
-        if not progress or not sys.stderr.isatty():
+        if not progress or not _is_terminal():
             yield None
             return
         try:
@@ -30,6 +30,11 @@ def bar(progress: Any) -> Iterator[Watch | None]:
             sys.stderr.flush()
     else:
         raise InputError(f"progress is {progress!r}; give True, or a function of (measured, planned, h)")
+
+
+def _is_terminal() -> bool:
+    """Whether standard error is one; programs without a console have none, and others close theirs."""
+    return sys.stderr is not None and not sys.stderr.closed and sys.stderr.isatty()
 
 
 def _draw(measured: int, planned: int, h: float | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import os
 from collections.abc import Callable
@@ -12,6 +13,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._arrays import Array
+from ._errors import SymplintError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,7 +40,8 @@ States = tuple[Array, Array]
 class Report:
     """The verdict on a map with all the numbers that led to it.
 
-    Printing it shows a table of the given loop and the verdict with its reasons.
+    Printing it shows a table of the given loop and the verdict with its reasons. It may be pickled, without the map: `plot_loop`
+    needs that.
     """
 
     def __init__(self, native: _native.Report, image: Callable[[float, int], tuple[States, States]]) -> None:
@@ -182,6 +185,16 @@ class Report:
         """The verdict with its reasons, as a text."""
         return self._native.reasons()
 
+    def __copy__(self) -> Report:
+        return Report(self._native, self._image)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Report:
+        return copy.copy(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Without the map, which need not be picklable.
+        return _restored, (self.to_json(), self._native.title)
+
     def __str__(self) -> str:
         return self._native.text()
 
@@ -190,6 +203,15 @@ class Report:
 
     def _repr_html_(self) -> str:
         return self._native.fragment()
+
+
+def _restored(text: str, title: str) -> Report:
+    """The report that was pickled."""
+
+    def image(size: float, samples: int) -> tuple[States, States]:
+        raise SymplintError("the report was pickled, which leaves out the map and the loop; draw the loop before that")
+
+    return Report(_native.Report.from_json(text, title), image)
 
 
 def _table(records: list[dict[str, Any]], columns: list[tuple[str, str]]) -> npt.NDArray[np.void]:

@@ -27,6 +27,23 @@ def test_scipy():
     assert example("scipy_solve_ivp").report().kind in ("not-symplectic", "broken-loops")
 
 
+@pytest.mark.parametrize(
+    ("needed", "name", "symplectic", "other"),
+    [
+        ("ase", "ase_copper", "verlet", "langevin"),
+        ("openmm", "openmm_water", "verlet", "langevin"),
+        ("torch", "torch_networks", "sympnet", "residual_network"),
+        ("xtrack", "xtrack_fodo", "make", "with_delta"),
+    ],
+)
+def test_a_map_that_is_and_one_that_is_not(needed, name, symplectic, other):
+    pytest.importorskip(needed)
+    module = example(name)
+    report = module.report(getattr(module, symplectic))
+    assert report.kind == "symplectic" and report.digits > 12, str(report)
+    assert module.report(getattr(module, other)).kind == "not-symplectic"
+
+
 def test_rebound():
     pytest.importorskip("rebound")
     module = example("rebound_planets")

@@ -132,13 +132,19 @@ def test_a_loop_that_fails():
     def raises(s):
         raise NoConvergence("no such loop")
 
-    with pytest.raises(symplint.SymplintError) as caught:
+    with pytest.raises(symplint.InputError, match="the loop function failed: NoConvergence: no such loop") as caught:
         symplint.check(verlet, 1.0, 0.5, loop=raises, **SIZES)
     assert isinstance(caught.value.__cause__, NoConvergence)
 
-    with pytest.raises(symplint.SymplintError) as caught:
+    with pytest.raises(symplint.InputError, match="shape") as caught:
         symplint.check(verlet, 1.0, 0.5, loop=lambda s: (s, s[:-1]), **SIZES)
     assert "shape" in str(caught.value.__cause__)
+
+    with pytest.raises(symplint.InputError, match="loop returned an object of type NoneType; return q and p$"):
+        symplint.check(verlet, 1.0, 0.5, loop=lambda s: None, **SIZES)
+
+    with pytest.raises(symplint.InputError, match="q of degree of freedom 0 is NaN"):
+        symplint.check(verlet, 1.0, 0.5, loop=lambda s: (s * np.nan, 0.0 * s), **SIZES)
 
     with pytest.raises(symplint.InputError, match="not closed"):
         symplint.check(verlet, 1.0, 0.5, loop=lambda s: (np.sin(6.0 * s), np.cos(6.0 * s)), **SIZES)
@@ -148,7 +154,7 @@ def test_a_projection_that_fails():
     def project(q, p):
         raise NoConvergence("off the manifold")
 
-    with pytest.raises(symplint.SymplintError) as caught:
+    with pytest.raises(symplint.InputError, match="the project function failed: NoConvergence: off") as caught:
         symplint.check(verlet, 1.0, 0.5, project=project, **SIZES)
     assert isinstance(caught.value.__cause__, NoConvergence)
 
@@ -220,6 +226,7 @@ def step(q, p, h):
     p = p - h * np.sin(q)
     return q + h * p, p
 
+loop = symplint.circle(1.0, 1.0, samples=2**21)
 print("ready", flush=True)
 try:
     {check}
@@ -239,6 +246,7 @@ except KeyboardInterrupt:
             "symplint.check(symplint.integrators.strang(symplint.systems.fput(masses=64)), radius=0.1,"
             " budget=10**9, samples=2**16, loops=1000)",
         ),
+        ("pass", "symplint.measure(loop, *[loop] * 30)"),
     ],
 )
 def test_ctrl_c(body, check):
@@ -341,6 +349,9 @@ def test_the_interpreter_is_free_while_the_library_works():
         ({"loop": symplint.Circle([0.0, 0.0], [0.0, 0.0])}, "must agree"),
         ({"loops": 0}, "loops is 0"),
         ({"loops": 2.5}, "loops is 2.5"),
+        ({"loops": 10**15}, "number of loops is 1000000000000000.0; give 10,000 or fewer"),
+        ({"loop": np.sin, "radius": 2.0}, "both loop and radius"),
+        ({"loop": np.sin, "radius": np.ones(1)}, "both loop and radius"),
         ({"seed": -1}, "seed is -1"),
         ({"rule": "simpson"}, "pseudospectral"),
         ({"samples": 2}, "samples is 2"),
@@ -364,6 +375,32 @@ def test_arguments_that_are_not_valid(arguments, words):
     with pytest.raises(symplint.InputError, match=words) as caught:
         symplint.check(**({"step": verlet, "q0": 1.0, "p0": 0.5} | arguments))
     assert isinstance(caught.value, ValueError) and isinstance(caught.value, symplint.SymplintError)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: symplint.FourierLoop(0.0, 0.0, seed=-1), "seed is -1"),
+        (lambda: symplint.Circle(0.0, 0.0, phases=-1), "phases is -1"),
+        (lambda: symplint.Circle(0.0, 0.0, dofs=[-1]), "dofs is -1"),
+        (lambda: symplint.Circle(0.0, 0.0).sample(-1), "samples is -1"),
+        (lambda: symplint.circle(0.0, 0.0, samples=2**70), "samples is 1180591620717411303424"),
+        (lambda: symplint.circle(0.0, 0.0, samples=10**15), "take fewer samples"),
+        (lambda: symplint.assert_symplectic(verlet, 1.0, 0.5, digits="x"), "digits is 'x'"),
+    ],
+)
+def test_numbers_that_are_not_valid(make, words):
+    with pytest.raises(symplint.InputError, match=words):
+        make()
+
+
+@pytest.mark.parametrize("stream", [None, "closed"])
+def test_progress_without_standard_error(stream, monkeypatch, tmp_path):
+    if stream == "closed":
+        stream = open(tmp_path / "errors", "w")  # noqa: SIM115
+        stream.close()
+    monkeypatch.setattr(sys, "stderr", stream)
+    assert symplint.check(verlet, 1.0, 0.5, **SIZES, progress=True).kind == "symplectic"
 
 
 def test_no_thread_and_no_file_is_left_behind(tmp_path, monkeypatch):

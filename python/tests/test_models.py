@@ -17,6 +17,12 @@ needs_program = pytest.mark.skipif(PROGRAM is None, reason="needs the program: s
 SIZES = {"step_sizes": [0.5, 0.25, 0.125]}
 
 
+def test_commands_are_for_the_program():
+    assert not hasattr(symplint.systems, "command")
+    with pytest.raises(symplint.InputError, match="pass a function that calls the program"):
+        symplint._native.System("command", {"command": ["true", "{before}", "{after}"], "q0": [1.0], "p0": [1.0]})
+
+
 def test_every_name_of_the_program_is_there():
     catalogue = symplint._native.catalogue()
     for kind, module in (("systems", symplint.systems), ("integrators", symplint.integrators)):

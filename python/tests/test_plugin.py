@@ -41,6 +41,25 @@ def test_bad(symplectic):
     result.stdout.fnmatch_lines([">*symplectic(leaky, 1.0, 0.5)"])
 
 
+def test_tracebacks_end_at_the_line_of_the_test(pytester):
+    result = run(
+        pytester,
+        """
+import symplint
+
+def test_assertion():
+    symplint.assert_symplectic(leaky, 1.0, 0.5)
+
+def test_argument():
+    symplint.check(leaky, 1.0, 0.5, loops=0)
+""",
+    )
+    result.assert_outcomes(failed=2)
+    result.stdout.fnmatch_lines([">*symplint.assert_symplectic(leaky, 1.0, 0.5)", ">*symplint.check(leaky, *, loops=0)"])
+    result.stdout.no_fnmatch_line("*def assert_symplectic(*")
+    result.stdout.no_fnmatch_line("*def check(*")
+
+
 def test_markers_and_options(pytester):
     text = """
 @pytest.mark.symplectic(digits=17)

@@ -1,6 +1,6 @@
 //! Loop integrals, of all degrees of freedom or of some, and their defect.
 
-use std::sync::OnceLock;
+use std::sync::{Mutex, PoisonError};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use symplint::{Coordinates, Defect, LoopIntegral, Rule};
@@ -61,10 +61,15 @@ impl From<&SymplintIntegral> for LoopIntegral {
 
 /// One thread for all integrals: many processes of a code may share a machine, and each of them uses its cores already.
 fn single_thread() -> Result<&'static ThreadPool, Failure> {
-    static POOL: OnceLock<ThreadPool> = OnceLock::new();
-    if let Some(pool) = POOL.get() {
+    // With the process that it belongs to: one that was forked has the pool of its parent without the thread.
+    static POOL: Mutex<Option<(u32, &'static ThreadPool)>> = Mutex::new(None);
+    let process = std::process::id();
+    let lock = || POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    let of_process = |(owner, pool)| (owner == process).then_some(pool);
+    if let Some(pool) = lock().and_then(of_process) {
         return Ok(pool);
     }
+    // Not locked meanwhile: another thread may fork.
     let built = ThreadPoolBuilder::new().num_threads(1).build();
     let built = built.map_err(|error| {
         Failure::new(
@@ -72,7 +77,14 @@ fn single_thread() -> Result<&'static ThreadPool, Failure> {
             format!("cannot start a thread: {error}"),
         )
     })?;
-    Ok(POOL.get_or_init(|| built))
+    let mut kept = lock();
+    if let Some(pool) = kept.and_then(of_process) {
+        return Ok(pool);
+    }
+    // That of a parent is never dropped: it would wait for its thread.
+    let pool = Box::leak(Box::new(built));
+    *kept = Some((process, pool));
+    Ok(pool)
 }
 
 /// The integrals of all degrees of freedom, one by one.

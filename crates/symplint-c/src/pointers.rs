@@ -170,6 +170,19 @@ impl Layout {
         check("q", q)?;
         check("p", p)?;
         assert!(i < self.dof, "degree of freedom {i} of {}", self.dof);
+        // Values that are read many times, by a stride of 0, need no memory of the caller, but here they do.
+        let mut reserved: Vec<f64> = Vec::new();
+        if (self.samples.checked_mul(2))
+            .is_none_or(|values| reserved.try_reserve_exact(values).is_err())
+        {
+            return Err(symplint::Error::TooLarge {
+                dof: 1,
+                samples: self.samples,
+                bytes: 16.0 * self.samples as f64,
+            }
+            .into());
+        }
+        drop(std::hint::black_box(reserved));
         let mut row = Ensemble::zeros(1, self.samples);
         let mut block = row.block();
         for (from, to) in [(q, block.q.row_mut(0)), (p, block.p.row_mut(0))] {

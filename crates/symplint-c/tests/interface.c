@@ -1,10 +1,15 @@
 /* The C interface with good and with bad arguments: every error is a status with a text, and none ends the program. */
 
+/* fork, alarm */
+#define _POSIX_C_SOURCE 200809L
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <symplint.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 static int failures = 0;
 
@@ -153,6 +158,8 @@ static void checks(void) {
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("radius"));
     bad = options, bad.loops = 0;
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("loops"));
+    bad = options, bad.loops = 1000000000000000;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("number of loops"));
     bad = options, bad.tolerance = NAN;
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("tolerance"));
     bad = options, bad.step_count = 0;
@@ -213,6 +220,16 @@ static void integrals(void) {
     CHECK(symplint_merge_integrals(0, parts, &other) == SYMPLINT_STATUS_BAD_ARGUMENT);
     CHECK(symplint_merge_integrals(DOF, NULL, &other) == SYMPLINT_STATUS_NULL_POINTER);
 
+    /* A process that was forked has no threads of its parent. */
+    pid_t child = fork();
+    if (child == 0) {
+        alarm(60);
+        SymplintStatus found = symplint_loop_integral(DOF, SAMPLES, q, p, SAMPLES, 1, NULL, weight, &other);
+        _exit(found != SYMPLINT_STATUS_OK || !same(&whole, &other));
+    }
+    int ended = -1;
+    CHECK(child > 0 && waitpid(child, &ended, 0) == child && ended == 0);
+
     /* A winding position. */
     const double period[1] = {6.283185307179586};
     for (int k = 0; k < SAMPLES; k++) rows[0][0][k] = fmod(1 + period[0] * k / SAMPLES, period[0]), rows[1][0][k] = 3;
@@ -224,6 +241,10 @@ static void integrals(void) {
     CHECK(symplint_loop_integral(1, 2, q, p, SAMPLES, 1, NULL, NULL, &other) == SYMPLINT_STATUS_BAD_ARGUMENT);
     CHECK(symplint_loop_integral((size_t)-1 / 4, SAMPLES, q, p, SAMPLES, 1, NULL, NULL, &other) ==
               SYMPLINT_STATUS_BAD_ARGUMENT && says("too large"));
+    CHECK(symplint_loop_integral(1, (size_t)1 << 55, q, p, SAMPLES, 1, NULL, NULL, &other) ==
+              SYMPLINT_STATUS_BAD_ARGUMENT && says("take fewer samples"));
+    CHECK(symplint_loop_integral(1, (size_t)-1 / 2, q, p, SAMPLES, 0, NULL, NULL, &other) ==
+              SYMPLINT_STATUS_BAD_ARGUMENT && says("take fewer samples"));
     CHECK(symplint_loop_integral(1, SAMPLES, NULL, p, SAMPLES, 1, NULL, NULL, &other) == SYMPLINT_STATUS_NULL_POINTER);
     CHECK(symplint_loop_integral(1, SAMPLES, q, NULL, SAMPLES, 1, NULL, NULL, &other) == SYMPLINT_STATUS_NULL_POINTER);
     CHECK(symplint_loop_integral(1, SAMPLES, q, p, SAMPLES, 1, NULL, NULL, NULL) == SYMPLINT_STATUS_NULL_POINTER);

@@ -2,9 +2,9 @@
 
 mod cli;
 mod commands;
-mod interruption;
 mod output;
 mod provenance;
+mod signals;
 
 use std::process::ExitCode;
 
@@ -15,7 +15,7 @@ use commands::Failure;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    interruption::handle();
+    signals::handle();
     match run(&cli) {
         Ok(status) => status,
         Err(failure) => {

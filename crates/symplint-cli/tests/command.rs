@@ -49,7 +49,7 @@ fn program() {
             eprintln!("the matrix is singular");
             std::process::exit(3);
         }
-        "hang" => {
+        "hang" | "leave" => {
             // With a process of its own, which has to end with it.
             let mut sleep = Command::new("sleep").arg("1000").spawn().unwrap();
             if let Ok(path) = std::env::var("SYMPLINT_TEST_PIDS") {
@@ -57,7 +57,10 @@ fn program() {
                 fs::write(format!("{path}.new"), pids).unwrap();
                 fs::rename(format!("{path}.new"), path).unwrap();
             }
-            let _ = sleep.wait();
+            match behaviour {
+                "hang" => drop(sleep.wait()),
+                _ => write(&file),
+            }
         }
         "half" => {
             write(&file);
@@ -388,6 +391,47 @@ mod signals {
             assert!(bench.left_behind().is_empty(), "{signal}");
             wait_until("the program ends", || !pids.iter().any(|pid| runs(pid)));
         }
+    }
+
+    #[test]
+    fn a_signal_that_was_ignored_at_the_start_is_ignored() {
+        let bench = Bench::new("hang", "workers = 1");
+        let pids = bench.folder.path().join("pids");
+        // As nohup does, which would also write to a file.
+        let child = Command::new("sh")
+            .args(["-c", "trap '' HUP; exec \"$0\" \"$@\""])
+            .arg(env!("CARGO_BIN_EXE_symplint"))
+            .arg("check")
+            .arg(bench.config())
+            .args(["--set", "diagnostic.step_sizes=[0.125]"])
+            .env("TMPDIR", bench.temporary.path())
+            .env("SYMPLINT_TEST_PIDS", &pids)
+            .stdout(Stdio::null())
+            .spawn();
+        let mut child = child.unwrap();
+        wait_until("the program is called", || pids.exists());
+        send("-HUP", &child.id().to_string());
+        std::thread::sleep(Duration::from_millis(500));
+        assert_eq!(child.try_wait().unwrap(), None);
+        send("-TERM", &child.id().to_string());
+        assert_eq!(child.wait().unwrap().code(), Some(130));
+    }
+
+    #[test]
+    fn what_a_program_leaves_behind_in_the_background_is_ended() {
+        let bench = Bench::new("leave", "workers = 1");
+        let pids = bench.folder.path().join("pids");
+        let mut command = bench.command(&[
+            "--set",
+            "diagnostic.step_sizes=[0.125]",
+            "--set",
+            "diagnostic.budget=200",
+        ]);
+        let output = command.env("SYMPLINT_TEST_PIDS", &pids).output().unwrap();
+        assert_ne!(output.status.code(), Some(2), "{}", said(&output));
+        let pids = fs::read_to_string(pids).unwrap();
+        wait_until("it ends", || !pids.split(' ').any(runs));
+        assert!(bench.left_behind().is_empty());
     }
 
     #[test]

@@ -1,9 +1,15 @@
 //! A process with a time limit, in a group of its own: what it starts ends with it.
 
 use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
+
+#[cfg(unix)]
+use rustix::io::Errno;
+#[cfg(unix)]
+use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 
 use crate::running::Running;
 
@@ -13,11 +19,11 @@ pub struct Streams {
     pub error: PathBuf,
 }
 
-/// How a process ended.
+/// How a process ended. What it had started and left behind was killed then.
 pub enum Ended {
     /// By itself.
     Exited(ExitStatus),
-    /// Its group was killed after the time limit.
+    /// It was killed after the time limit.
     TimedOut,
 }
 
@@ -54,7 +60,7 @@ pub fn run(
     let started = Instant::now();
     let mut poll = POLLS[0];
     let ended = loop {
-        match child.process().try_wait() {
+        match end(&mut child.process()) {
             Err(error) => break Err(format!("could not be waited for: {error}")),
             Ok(Some(status)) => break Ok(Ended::Exited(status)),
             Ok(None) => {}
@@ -80,19 +86,43 @@ fn own_group(command: &mut Command) {
     let _ = command;
 }
 
-/// Kills a process that runs, with all that it started.
-pub fn kill_group(child: &mut Child) {
-    // The number of one that has ended may be that of another by now.
-    if !matches!(child.try_wait(), Ok(None)) {
-        return;
-    }
+/// The status of a process that has ended, whose group is killed then.
+fn end(child: &mut Child) -> io::Result<Option<ExitStatus>> {
+    // Before the process is waited for: then the number of its group may be that of another.
     #[cfg(unix)]
-    if let Some(group) = i32::try_from(child.id())
-        .ok()
-        .and_then(rustix::process::Pid::from_raw)
+    if let Some(group) = group(child)
+        && has_ended(group)? == Some(true)
     {
-        let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
+        let _ = kill_process_group(group, Signal::KILL);
+    }
+    child.try_wait()
+}
+
+/// Kills a process that was not waited for, with all that it started.
+pub fn kill_group(child: &mut Child) {
+    #[cfg(unix)]
+    if let Some(group) = group(child)
+        && matches!(has_ended(group), Ok(Some(_)))
+    {
+        let _ = kill_process_group(group, Signal::KILL);
     }
     // Also where there are no groups.
     let _ = child.kill();
+}
+
+/// The group of a process.
+#[cfg(unix)]
+fn group(child: &Child) -> Option<Pid> {
+    i32::try_from(child.id()).ok().and_then(Pid::from_raw)
+}
+
+/// Whether a process has ended; nothing of one that was waited for.
+#[cfg(unix)]
+fn has_ended(process: Pid) -> io::Result<Option<bool>> {
+    let look = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+    match waitid(WaitId::Pid(process), look) {
+        Ok(found) => Ok(Some(found.is_some())),
+        Err(Errno::CHILD) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
 }

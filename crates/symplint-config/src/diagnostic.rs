@@ -1,7 +1,7 @@
 //! `[diagnostic]`: what `check` measures.
 
 use symplint::Diagnostic;
-use symplint::diagnosis::{SampleCount, SampleSweep};
+use symplint::diagnosis::{MOST_LOOPS, SampleCount, SampleSweep};
 use symplint::rules::{Closure, Cutoff, Cutoffs, Piecewise, Streaming};
 
 use super::document::{Node, Value};
@@ -116,9 +116,6 @@ pub const MOST_SAMPLES: u64 = 1 << 28;
 /// Steps of a long-time run at most.
 const MOST_STEPS: u64 = 100_000_000;
 
-/// Loops at most: each is sampled and advanced separately.
-const MOST_LOOPS: u64 = 10_000;
-
 /// The smallest budget that is accepted: one loop and the checks of the map take nearly as many evaluations.
 const LEAST_BUDGET: u64 = 200;
 
@@ -155,7 +152,7 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         typical_step: section.optional_number("step_size", Accept::Positive)?,
         step_sizes: step_sizes(&section)?,
         sample_sweep: sample_sweep(&section)?,
-        loops: section.whole_between("loops", 1, MOST_LOOPS)? as usize,
+        loops: section.whole_between("loops", 1, MOST_LOOPS as u64)? as usize,
         seed: section.whole("seed", 0)?,
         project: section.flag("project")?,
         jacobian: section.flag("jacobian")?,

@@ -13,9 +13,8 @@ use symplint_report::table::{degrees_of_freedom, points_table};
 use super::Failure;
 use super::run_output::RunOutput;
 use crate::cli::{CheckArgs, Run};
-use crate::interruption;
 use crate::output::{Progress, say, verdict_text};
-use crate::provenance;
+use crate::{provenance, signals};
 
 /// Diagnoses a configuration.
 ///
@@ -45,7 +44,7 @@ pub(super) fn diagnose(
     let mut output = RunOutput::of_run("check", &config.resolved, run)?;
     if let (Some(output), Some(command)) = (&mut output, &config.system.command) {
         output.keep_journal(command, run.force)?;
-        interruption::note_folder(output.folder.path());
+        signals::note_folder(output.folder.path());
     }
     let journal = output.as_ref().and_then(|output| output.journal.clone());
     let log = (output.as_ref()).map(|output| PointLog::new(&output.folder, &output.config));

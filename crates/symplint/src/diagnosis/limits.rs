@@ -12,6 +12,9 @@ pub(super) const DEFAULT_BUDGET: usize = 1_000_000;
 /// two step sizes, and a random loop.
 pub(super) const LEAST_BUDGET: usize = 200;
 
+/// Loops at most: each is sampled and advanced separately, and listed in the evidence.
+pub const MOST_LOOPS: usize = 10_000;
+
 /// The fewest samples that can tell: a smooth loop of a few Fourier modes is resolved to some digits, and jumps show.
 /// The same as `evidence::FEWEST_SAMPLES`.
 pub(super) const FEWEST_SAMPLES: usize = 32;

@@ -4,7 +4,7 @@ mod domain;
 mod other_loops;
 
 use super::initial_samples::InitialSamples;
-use super::limits::{KEPT_PART, LEAST_BUDGET};
+use super::limits::{KEPT_PART, LEAST_BUDGET, MOST_LOOPS};
 use super::plan::{self, Plan};
 use super::probe::{Known, Probe};
 use super::refined_samples::RefinedSamples;
@@ -33,7 +33,7 @@ impl Diagnostic {
     /// many steps) is then left out where they take more than 512 MiB.
     ///
     /// # Errors
-    /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, the map gives
+    /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, there are too many loops, the map gives
     /// different states for the same one, the loop is not closed or encloses no area, or the map fails on the given loop or
     /// returns states that are not finite at every step size: where it does so at some of them, the others are measured and
     /// those are noted ([`Omission::StepFailed`]).
@@ -50,6 +50,13 @@ impl Diagnostic {
                 what: "budget of evaluations",
                 value: budget as f64,
                 remedy: "give 200 or more",
+            });
+        }
+        if self.loops > MOST_LOOPS {
+            return Err(Error::OutOfRange {
+                what: "number of loops",
+                value: self.loops as f64,
+                remedy: "give 10,000 or fewer",
             });
         }
         let count = EvaluationCount::new(budget);

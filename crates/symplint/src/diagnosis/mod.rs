@@ -15,6 +15,8 @@ mod refined_samples;
 mod resolve;
 mod step_sizes;
 
+pub use limits::MOST_LOOPS;
+
 use crate::error::Error;
 use crate::evidence::Point;
 use crate::rules::{Piecewise, Rule, Streaming};
@@ -72,7 +74,7 @@ pub struct Diagnostic {
     pub typical_step: Option<f64>,
     /// An optional sweep over the number of samples.
     pub sample_sweep: Option<SampleSweep>,
-    /// Loops in all: the given one, and random ones of its size round its centre that are tried at
+    /// Loops in all, [`MOST_LOOPS`] at most: the given one, and random ones of its size round its centre that are tried at
     /// the largest step size; the first of them that shows a defect is tried at all. One
     /// loop is one probe, and a symmetric one hides terms of lower order. If there are two or more, and
     /// a position has a period, another random loop winds round it.

@@ -1,0 +1,68 @@
+//! Threads for the work of the library.
+//!
+//! Never those of rayon's global pool. A process that was forked, as `multiprocessing` and web servers fork, has the pool of its
+//! parent without the threads, and waits for them for ever. And a step that calls the library would wait for threads that
+//! all wait for the step: so a diagnosis has threads of its own, and everything else shares some.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Mutex, PoisonError};
+
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::calls::SIGNALS;
+use crate::error::other_error;
+
+/// So many new threads, or one for each core.
+pub fn own(py: Python<'_>, threads: Option<usize>) -> PyResult<ThreadPool> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
+    (pool.build()).map_err(|error| other_error(py, &format!("cannot start threads: {error}")))
+}
+
+/// The threads that this process shares.
+pub fn shared(py: Python<'_>) -> PyResult<&'static ThreadPool> {
+    // With the process that it belongs to. Of another one the threads are not here, and it is never dropped.
+    static SHARED: Mutex<Option<(u32, &'static ThreadPool)>> = Mutex::new(None);
+    let process = std::process::id();
+    // The interpreter is held as long as this is locked, and Python holds it when it forks.
+    let mut shared = SHARED.lock().unwrap_or_else(PoisonError::into_inner);
+    match *shared {
+        Some((owner, pool)) if owner == process => Ok(pool),
+        _ => {
+            let pool = Box::leak(Box::new(own(py, None)?));
+            *shared = Some((process, pool));
+            Ok(pool)
+        }
+    }
+}
+
+/// Runs `work` on the shared threads. Ctrl-C ends the wait for it: then it goes on, and what it finds is dropped.
+///
+/// # Errors
+/// If there are no threads; the exception that a signal raises.
+pub fn run<R: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce() -> R + Send + 'static,
+) -> PyResult<R> {
+    let (sender, mut results) = channel();
+    shared(py)?.spawn(move || {
+        // Nobody waits any more where a signal came.
+        let _ = sender.send(catch_unwind(AssertUnwindSafe(work)));
+    });
+    loop {
+        let next;
+        (results, next) = py.detach(move || {
+            let next = results.recv_timeout(SIGNALS);
+            (results, next)
+        });
+        match next {
+            Ok(Ok(result)) => return Ok(result),
+            Ok(Err(panic)) => resume_unwind(panic),
+            Err(RecvTimeoutError::Timeout) => py.check_signals()?,
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(other_error(py, "a thread ended without a result"));
+            }
+        }
+    }
+}
