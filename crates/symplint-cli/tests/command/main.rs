@@ -12,6 +12,8 @@ use serde_json::Value;
 use symplint_report::loop_file::LoopFile;
 use tempfile::TempDir;
 
+mod resume;
+
 /// The step size at which bad programs are bad.
 const BAD: f64 = 0.125;
 
@@ -41,6 +43,9 @@ fn program() {
     }
     file.path = after.clone();
     let write = |file: &LoopFile| file.write().map(|_| ()).unwrap();
+    if let Ok(path) = std::env::var("SYMPLINT_TEST_COUNT") {
+        resume::count(&path);
+    }
     if h != BAD {
         return write(&file);
     }
