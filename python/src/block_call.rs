@@ -6,9 +6,11 @@ use numpy::ndarray::{Ix1, Ix2};
 use pyo3::prelude::*;
 use symplint::Block;
 use symplint::state::RowsMut;
+use symplint_journal::JournalError;
 
 use crate::arrays::{copy, pair, read_column, read_rows};
 use crate::calls::ends_programs;
+use crate::error::other_error;
 use crate::memory::{Memory, Number};
 
 /// Coordinates that a function gets at once, at most: with the results and some temporary arrays, positions and momenta
@@ -22,6 +24,16 @@ const OR_IN_PLACE: &str = "return q and p, or change both in place and return No
 pub struct Failed {
     pub sample: usize,
     pub error: PyErr,
+}
+
+impl From<JournalError> for Failed {
+    /// That of states that cannot be noted.
+    fn from(error: JournalError) -> Self {
+        Failed {
+            sample: 0,
+            error: Python::attach(|py| other_error(py, &error.to_string())),
+        }
+    }
 }
 
 /// A function that is called for the states of a block.
@@ -190,7 +202,7 @@ impl<'py> BlockCall<'py> {
 }
 
 /// Samples of a batch: batches have about the same length, and begin at whole cache lines.
-fn width(samples: usize, dof: usize) -> usize {
+pub fn width(samples: usize, dof: usize) -> usize {
     let most = (BATCH / dof.max(1)).max(1);
     let batches = samples.div_ceil(most).max(1);
     let even = samples.div_ceil(batches).next_multiple_of(LINE);

@@ -1,5 +1,6 @@
 //! `symplint.check`: a diagnosis of a Python function or of an integrator of the library.
 
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
@@ -9,6 +10,7 @@ use symplint::diagnosis::{Event, SampleCount};
 use symplint::map::{ProjectedLoop, balanced_radii};
 use symplint::rules::{Cutoff, Cutoffs, Piecewise, Streaming};
 use symplint::{Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Rule, TimeAdvance, judge};
+use symplint_journal::Journal;
 
 use crate::arrays;
 use crate::calls::{self, Call, Caller};
@@ -154,12 +156,13 @@ impl Subject {
     fn run<R: Send>(
         &self,
         py: Python<'_>,
-        progress: Option<Py<PyAny>>,
+        (progress, journal): (Option<Py<PyAny>>, Option<Journal>),
         step_size: f64,
         work: impl FnOnce(&Caller, &dyn TimeAdvance, &dyn Loop) -> Result<R, Error> + Send,
     ) -> PyResult<Ran<R>> {
         let shared = self.shared(py)?;
         let mut functions = self.functions(py, progress);
+        functions.journal = journal;
         let pool = pool::own(py, self.threads)?;
         let on_pool = |caller: &Caller| pool.install(|| shared.with(caller, step_size, work));
         let outcome = calls::run(py, on_pool, |py, call| functions.serve(py, call))?;
@@ -227,10 +230,10 @@ impl Shared {
     }
 }
 
-/// Diagnoses a map. With the report comes the exception for a step size of the given loop that the map could not take, if
+/// Diagnoses a map. What it makes of states is noted in a journal, if a path and what the run is, as JSON, are given. With the report comes the exception for a step size of the given loop that the map could not take, if
 /// there is one.
 #[pyfunction]
-#[pyo3(signature = (subject, settings, title, config, progress=None))]
+#[pyo3(signature = (subject, settings, title, config, progress=None, journal=None))]
 pub fn check(
     py: Python<'_>,
     subject: Subject,
@@ -238,8 +241,10 @@ pub fn check(
     title: String,
     config: &str,
     progress: Option<Py<PyAny>>,
+    journal: Option<(PathBuf, String)>,
 ) -> PyResult<(Report, Option<PyErr>)> {
     let run = report::start();
+    let journal = journal.map(|(path, of)| open(py, &path, &of)).transpose()?;
     let config: serde_json::Value =
         serde_json::from_str(config).map_err(|error| other_error(py, &error.to_string()))?;
     let diagnostic = settings.diagnostic(py)?;
@@ -262,7 +267,7 @@ pub fn check(
         evaluations,
         threads,
         functions,
-    } = subject.run(py, progress, step_size, measure)?;
+    } = subject.run(py, (progress, journal), step_size, measure)?;
     if evaluations > 0 {
         // They were made before the run, beside its budget.
         let counted = &mut diagnosis.evidence.evaluations;
@@ -272,7 +277,15 @@ pub fn check(
         diagnosis.verdict = judge(&diagnosis.evidence);
     }
     let failed = (failed.get()).map(|error| functions.exception(py, error));
-    Ok((Report::new(diagnosis, title, config, &run, threads), failed))
+    let replayed = functions.journal.as_ref().map_or(0, Journal::replayed);
+    let report = Report::new(diagnosis, title, config, &run, threads).replaying(replayed);
+    Ok((report, failed))
+}
+
+/// The journal in a file, of what a text in JSON describes.
+fn open(py: Python<'_>, path: &Path, of: &str) -> PyResult<Journal> {
+    let of = serde_json::from_str(of).map_err(|error| other_error(py, &error.to_string()))?;
+    Journal::open(path, &of).map_err(|error| input_error(py, &error.to_string()))
 }
 
 type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
@@ -291,7 +304,7 @@ pub fn image<'py>(
         after.advance(map, h)?;
         Ok((before, after))
     };
-    let (before, after) = subject.run(py, None, h, advance)?.result;
+    let (before, after) = subject.run(py, (None, None), h, advance)?.result;
     Ok((arrays::arrays(py, &before), arrays::arrays(py, &after)))
 }
 
@@ -316,6 +329,6 @@ pub fn advance_seconds(
         };
         (0..repetitions).map(|_| once()).collect()
     };
-    let seconds = subject.run(py, None, h, advance)?.result;
+    let seconds = subject.run(py, (None, None), h, advance)?.result;
     Ok(seconds)
 }

@@ -5,9 +5,10 @@ use std::collections::HashMap;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use symplint::{Block, Error, StepFailure};
+use symplint_journal::Journal;
 
 use crate::arrays::{pair, read_rows};
-use crate::block_call::{BlockCall, Failed};
+use crate::block_call::{BlockCall, Failed, width};
 use crate::calls::{Answer, Call, ends_programs};
 use crate::error::{diagnostic_error, input_error};
 use crate::memory::{Loan, Memory};
@@ -36,6 +37,8 @@ pub struct Functions {
     pub project: Option<Py<PyAny>>,
     pub phase_loop: Option<Py<PyAny>>,
     pub progress: Option<Py<PyAny>>,
+    /// Where the states that the step makes are noted, if anywhere.
+    pub journal: Option<Journal>,
     /// Steps made for a step size, by its bits.
     made: HashMap<u64, Py<PyAny>>,
     memory: Option<Py<Memory>>,
@@ -103,6 +106,7 @@ impl Functions {
             project,
             phase_loop,
             progress,
+            journal: None,
             made: HashMap::new(),
             memory: None,
             raised: Vec::new(),
@@ -173,7 +177,9 @@ impl Functions {
             }
             Err(failed) => failed,
         };
-        if ends_programs(py, &error) {
+        // States that cannot be noted would be lost.
+        let lost = (self.journal.as_ref()).is_some_and(|journal| journal.failure().is_some());
+        if lost || ends_programs(py, &error) {
             return Err(error);
         }
         let reason = error.to_string();
@@ -209,20 +215,39 @@ impl Functions {
         } else {
             step.function.bind(py).clone()
         };
-        let h = (!step.make).then_some(h);
         let call = BlockCall {
             function,
-            h,
+            h: (!step.make).then_some(h),
             reset: (step.reset.as_ref()).map(|reset| reset.bind(py).clone()),
             what: if step.make { "advance" } else { "step" },
         };
         let memory = &mut self.memory;
-        match (step.per_sample, step.single) {
+        let mut advance = |block: &mut Block<'_>| match (step.per_sample, step.single) {
             (false, false) => call.all::<f64>(memory, block),
             (false, true) => call.all::<f32>(memory, block),
             (true, false) => call.each::<f64>(memory, block),
             (true, true) => call.each::<f32>(memory, block),
+        };
+        let Some(journal) = &self.journal else {
+            return advance(block);
+        };
+        // Every call of the function is noted by itself, as soon as it returns.
+        let width = match step.per_sample {
+            true => 1,
+            false => width(block.len(), block.dof()),
+        };
+        let Block { q, p } = block.reborrow();
+        let calls = q.column_blocks(width).zip(p.column_blocks(width));
+        for (k, (q, p)) in calls.enumerate() {
+            let noted = journal.advance(h, &mut Block::new(q, p), |states| {
+                advance(states).map(|_| ())
+            });
+            noted.map_err(|failed: Failed| Failed {
+                sample: k * width + failed.sample,
+                ..failed
+            })?;
         }
+        Ok(block.all_finite())
     }
 
     /// Puts the states of a block on the manifold.

@@ -59,6 +59,12 @@ impl Report {
         }
     }
 
+    /// The same of a run that took so many evaluations from a journal.
+    pub fn replaying(mut self, evaluations: usize) -> Self {
+        self.provenance.replayed = evaluations;
+        self
+    }
+
     fn json(&self) -> String {
         JsonReport::new(&self.config, &self.diagnosis, self.provenance.clone()).to_json()
     }

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 import json
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,7 @@ import numpy.typing as npt
 from . import _native
 from ._arrays import coordinates, cutoffs, vector, whole
 from ._errors import InputError, NotSymplecticError
+from ._fingerprint import fingerprint
 from ._loops import Loop, centre, radii
 from ._progress import bar
 from ._report import Report
@@ -121,7 +124,9 @@ def check(
     threads : int, optional
         Threads for the work of the library. `step` is called from the calling thread alone.
     out : path, optional
-        A folder to write the report to, as `Report.save` does.
+        A folder to write the report to, as `Report.save` does. Every call of `step` is noted there as soon as it returns: a
+        check that was stopped at any moment goes on from there when it is run again, and gives the report that it would
+        have given. Another step, recognised by its code and the numbers that it refers to, is refused.
     progress : bool or callable, optional
         True shows a bar on standard error if that is a terminal; a function gets how many points were measured, how many
         are planned, and the step size of the last one.
@@ -188,8 +193,9 @@ def check(
     config = _config(name, subject, settings, loop)
     dof = subject["dof"]
     title = f"{name} · {dof} degree{'' if dof == 1 else 's'} of freedom"
-    with bar(progress) as watch:
-        native, failed = _native.check(subject, settings, title, json.dumps(_finite(config)), watch)
+    journal = None if out is None or compiled else _journal(out, step, project, config, subject)
+    with bar(progress) as watch, _resumable(journal, out):
+        native, failed = _native.check(subject, settings, title, json.dumps(_finite(config)), watch, journal)
     report = Report(native, lambda size, samples: _native.image(subject, size, samples))
     if out is not None:
         report.save(out)
@@ -331,6 +337,34 @@ def _subject(
         "radii": of_circle,
         "threads": None if threads is None else whole(threads, "threads", 1),
     }
+
+
+def _journal(
+    out: str | os.PathLike[str], step: Any, project: Any, config: dict[str, Any], subject: dict[str, Any]
+) -> tuple[str, str]:
+    """Where evaluations are noted, and of which run."""
+    try:
+        os.makedirs(out, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot make the folder {os.fspath(out)}: {error.strerror}; give out another one") from None
+    run: dict[str, Any] = {"symplint": _native.__version__, **config, "step": fingerprint(step)}
+    if project is not None:
+        run["project"] = fingerprint(project)
+    # Long arrays are left out of the configuration.
+    run["centre"] = {key: np.asarray(subject[key]) for key in ("q0", "p0")}
+    run["centre"] = {key: hashlib.sha256(row.tobytes()).hexdigest() for key, row in run["centre"].items()}
+    return os.path.join(out, "journal"), json.dumps(_finite(run))
+
+
+@contextlib.contextmanager
+def _resumable(journal: tuple[str, str] | None, out: str | os.PathLike[str] | None) -> Iterator[None]:
+    """Says how to go on where Ctrl-C stops a run that can."""
+    try:
+        yield
+    except KeyboardInterrupt as stopped:
+        if journal is not None:
+            stopped.add_note(f"the same check with out={os.fspath(out or '')!r} goes on from here")
+        raise
 
 
 def _config(name: str, subject: dict[str, Any], settings: dict[str, Any], loop: Any) -> dict[str, Any]:

@@ -119,6 +119,7 @@ def check(
     title: str,
     config: str,
     progress: Callable[[int, int, float | None], object] | None = None,
+    journal: tuple[str, str] | None = None,
 ) -> tuple[Report, StepError | None]: ...
 def image(
     subject: Mapping[str, Any], h: float, samples: int

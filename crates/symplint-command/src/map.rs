@@ -103,7 +103,7 @@ impl CommandMap {
         journal.advance(h, &mut states.block(), |block| {
             let after = self.run(h, part(block, 0, block.len()))?;
             put_back(block, 0, &after);
-            Ok(())
+            Ok::<(), StepFailure>(())
         })?;
         Ok(states)
     }

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use symplint::StepFailure;
+
 /// Why a journal is not read or written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -40,4 +42,14 @@ pub enum JournalError {
         /// The error of the operating system.
         reason: String,
     },
+}
+
+impl From<JournalError> for StepFailure {
+    /// That of a step that was not taken, or is lost.
+    fn from(error: JournalError) -> Self {
+        StepFailure {
+            sample: 0,
+            reason: error.to_string(),
+        }
+    }
 }

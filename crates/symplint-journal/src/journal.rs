@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use symplint::{Block, StepFailure};
+use symplint::Block;
 
 use crate::difference::difference;
 use crate::error::JournalError;
@@ -28,7 +28,7 @@ const SYNC: Duration = Duration::from_secs(1);
 /// # let path = folder.path().join("journal");
 /// use serde_json::json;
 /// use symplint::Ensemble;
-/// use symplint_journal::Journal;
+/// use symplint_journal::{Journal, JournalError};
 ///
 /// let run = json!({ "map": "a drift", "version": "1.0" });
 /// let drift = |journal: &Journal, calls: &mut usize| {
@@ -37,7 +37,7 @@ const SYNC: Duration = Duration::from_secs(1);
 ///     let advanced = journal.advance(0.5, &mut states.block(), |block| {
 ///         *calls += 1;
 ///         block.q.fill(0.5);
-///         Ok(())
+///         Ok::<(), JournalError>(())
 ///     });
 ///     advanced.map(|()| states)
 /// };
@@ -150,12 +150,12 @@ impl Journal {
     /// # Errors
     /// The failure of `advance`, which is not noted: whoever goes on tries again. If the journal cannot be read or
     /// written; [`failure`](Self::failure) has the reason then.
-    pub fn advance(
+    pub fn advance<E: From<JournalError>>(
         &self,
         h: f64,
         block: &mut Block<'_>,
-        advance: impl FnOnce(&mut Block<'_>) -> Result<(), StepFailure>,
-    ) -> Result<(), StepFailure> {
+        advance: impl FnOnce(&mut Block<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
         let call = self.next(key(h, block));
         let replayed = self.replay(call, block);
         match replayed.map_err(|error| self.failed("read", &error))? {
@@ -166,7 +166,7 @@ impl Journal {
             false => {
                 advance(block)?;
                 self.note(call, block)
-                    .map_err(|error| self.failed("write", &error))
+                    .map_err(|error| self.failed("write", &error).into())
             }
         }
     }
@@ -251,16 +251,13 @@ impl Journal {
         Ok(())
     }
 
-    fn failed(&self, action: &'static str, error: &io::Error) -> StepFailure {
+    fn failed(&self, action: &'static str, error: &io::Error) -> JournalError {
         let error = self.failure.get_or_init(|| JournalError::File {
             action,
             path: self.path.clone(),
             reason: error.to_string(),
         });
-        StepFailure {
-            sample: 0,
-            reason: error.to_string(),
-        }
+        error.clone()
     }
 }
 

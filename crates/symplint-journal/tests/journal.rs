@@ -34,7 +34,7 @@ fn advance(journal: &Journal, states: &mut Ensemble, h: f64, shift: f64) -> bool
         for i in 0..2 {
             block.q.row_mut(i).iter_mut().for_each(|q| *q += shift);
         }
-        Ok(())
+        Ok::<(), JournalError>(())
     };
     journal.advance(h, &mut states.block(), map).unwrap();
     called

@@ -69,6 +69,7 @@ pub struct Provenance {
     /// The files that were read and measured.
     pub files: Vec<HashedFile>,
     /// Evaluations that an earlier run had made: they were read from its journal.
+    #[serde(default)]
     pub replayed: usize,
 }
 
