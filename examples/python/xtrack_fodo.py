@@ -2,12 +2,8 @@
 
 Canonical pairs are (x, px), (y, py) and (zeta, pzeta), with pzeta = ptau / beta0. The relative momentum deviation delta is not
 canonical to zeta: a loop integral with it in the place of pzeta changes. A step of size h is a cell of h times the length.
+xsuite brings the C code of Xtrack compiled; `pip install xtrack` alone needs gcc, and XSUITE_ALLOW_KERNEL_COMPILATION=1.
 """
-
-import os
-
-# `pip install xsuite` brings the C code of Xtrack compiled; `pip install xtrack` alone compiles it at the first use, by gcc.
-os.environ.setdefault("XSUITE_ALLOW_KERNEL_COMPILATION", "1")
 
 import numpy as np
 import symplint

@@ -33,7 +33,7 @@ def test_scipy():
         ("ase", "ase_copper", "verlet", "langevin"),
         ("openmm", "openmm_water", "verlet", "langevin"),
         ("torch", "torch_networks", "sympnet", "residual_network"),
-        ("xtrack", "xtrack_fodo", "make", "with_delta"),
+        ("xsuite", "xtrack_fodo", "make", "with_delta"),
     ],
 )
 def test_a_map_that_is_and_one_that_is_not(needed, name, symplectic, other):

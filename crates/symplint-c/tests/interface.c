@@ -220,16 +220,6 @@ static void integrals(void) {
     CHECK(symplint_merge_integrals(0, parts, &other) == SYMPLINT_STATUS_BAD_ARGUMENT);
     CHECK(symplint_merge_integrals(DOF, NULL, &other) == SYMPLINT_STATUS_NULL_POINTER);
 
-    /* A process that was forked has no threads of its parent. */
-    pid_t child = fork();
-    if (child == 0) {
-        alarm(60);
-        SymplintStatus found = symplint_loop_integral(DOF, SAMPLES, q, p, SAMPLES, 1, NULL, weight, &other);
-        _exit(found != SYMPLINT_STATUS_OK || !same(&whole, &other));
-    }
-    int ended = -1;
-    CHECK(child > 0 && waitpid(child, &ended, 0) == child && ended == 0);
-
     /* A winding position. */
     const double period[1] = {6.283185307179586};
     for (int k = 0; k < SAMPLES; k++) rows[0][0][k] = fmod(1 + period[0] * k / SAMPLES, period[0]), rows[1][0][k] = 3;
@@ -258,7 +248,28 @@ static void integrals(void) {
               SYMPLINT_STATUS_BAD_ARGUMENT && says("p of degree of freedom 2 is NaN at sample 7"));
 }
 
-int main(void) {
+/* A process that was forked has the memory of its parent and none of its threads. */
+static void forked(void) {
+    const double q[4] = {0, 1, 0, -1}, p[4] = {1, 0, -1, 0};
+    SymplintIntegral before, after;
+    CHECK(symplint_loop_integral(1, 4, q, p, 4, 1, NULL, NULL, &before) == SYMPLINT_STATUS_OK);
+    pid_t child = fork();
+    if (child == 0) {
+        alarm(60);
+        SymplintStatus found = symplint_loop_integral(1, 4, q, p, 4, 1, NULL, NULL, &after);
+        _exit(found != SYMPLINT_STATUS_OK || !same(&before, &after));
+    }
+    int ended = -1;
+    CHECK(child > 0 && waitpid(child, &ended, 0) == child && ended == 0);
+}
+
+/* With an argument, what valgrind must not see: it counts what the threads of a parent have allocated as lost in the child. */
+int main(int count, char **arguments) {
+    (void)arguments;
+    if (count > 1) {
+        forked();
+        return failures != 0;
+    }
     CHECK(strlen(symplint_version()) >= 5);
     checks();
     torus();
