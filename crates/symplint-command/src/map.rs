@@ -87,11 +87,12 @@ impl CommandMap {
         assert!(given.is_ok(), "a map has one journal");
     }
 
-    /// The words of the command that name files: what is run, with other code that it reads, as far as the command names it.
+    /// The files that the command names before the first placeholder, with their paths: the program, and the script that an
+    /// interpreter runs. What follows may be data that calls write.
     pub fn program_files(&self) -> Vec<(&str, PathBuf)> {
-        let of_word = |word: &'_ String| self.program.folder.join(word);
         let words = self.program.command.iter();
-        let files = words.map(|word| (&**word, of_word(word)));
+        let words = words.take_while(|word| !word.contains('{'));
+        let files = words.map(|word| (&**word, self.program.folder.join(word)));
         files.filter(|(_, path)| path.is_file()).collect()
     }
 

@@ -29,7 +29,7 @@ pub enum Ended {
 
 /// How long to sleep between two looks at a process: short at first, so that fast programs lose little, and never
 /// much beside the limit of 200 ms a call.
-const POLLS: [Duration; 2] = [Duration::from_micros(500), Duration::from_millis(10)];
+const POLLS: [Duration; 2] = [Duration::from_micros(500), Duration::from_millis(2)];
 
 /// Runs a command in `folder`.
 ///

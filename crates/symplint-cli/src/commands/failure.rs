@@ -76,7 +76,7 @@ pub enum Failure {
         error: ReportError,
     },
     /// The journal of a run.
-    #[error("{}", message(.0))]
+    #[error(transparent)]
     Journal(#[from] JournalError),
     /// A folder that holds no run to go on with.
     #[error("{} holds no run of `symplint check`: {reason}", folder.display())]
@@ -105,10 +105,13 @@ impl Failure {
             Failure::Unknown { suggestion, .. } => suggestion.clone(),
             Failure::Usage { remedy, .. } => remedy.clone(),
             Failure::Read { .. } => "give the report.json of a run folder".into(),
-            Failure::Journal(error) => split(error).1,
             Failure::NoRun { .. } => "give the folder of --out".into(),
             Failure::Threads { .. } => "try --threads 1".into(),
-            Failure::Run(_) | Failure::Model(_) | Failure::Figure(_) | Failure::Report { .. } => {
+            Failure::Run(_)
+            | Failure::Journal(_)
+            | Failure::Model(_)
+            | Failure::Figure(_)
+            | Failure::Report { .. } => {
                 return None;
             }
         })
@@ -135,19 +138,6 @@ impl Failure {
             remedy: remedy.to_owned(),
         }
     }
-}
-
-/// The text of a journal's error, and the remedy after it.
-fn split(error: &JournalError) -> (String, String) {
-    let text = error.to_string();
-    let (message, remedy) = text
-        .split_once("; ")
-        .unwrap_or((&text, "use another folder"));
-    (message.to_owned(), remedy.to_owned())
-}
-
-fn message(error: &JournalError) -> String {
-    split(error).0
 }
 
 impl From<LoopFileError> for Failure {

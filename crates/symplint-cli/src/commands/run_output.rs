@@ -126,7 +126,7 @@ fn remove(path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// What a journal is of: the version of this program, the configuration, and the files that the command names.
+/// What a journal is of: the version of this program, the configuration, and the program that is called.
 fn run_of(map: &CommandMap, config: &str) -> Result<serde_json::Value, Failure> {
     let files = map.program_files().into_iter().map(|(word, path)| {
         let read = HashedFile::read(&path).map_err(|error| Failure::Read {
@@ -139,6 +139,6 @@ fn run_of(map: &CommandMap, config: &str) -> Result<serde_json::Value, Failure> 
     Ok(serde_json::json!({
         "symplint": env!("CARGO_PKG_VERSION"),
         "config": config,
-        "files": files,
+        "program": files,
     }))
 }

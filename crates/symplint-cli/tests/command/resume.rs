@@ -154,6 +154,6 @@ fn a_program_that_was_changed_is_named() {
     let output = check(&[]);
     let text = said(&output);
     assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.contains("files.step.sh"), "{text}");
+    assert!(text.contains("program.step.sh"), "{text}");
     assert_eq!(check(&["--force"]).status.code(), Some(3));
 }
