@@ -112,6 +112,7 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                         });
                     *on = Arc::new(Stretched::in_dofs(on, 3.0, group?));
                 }
+                Advice::SmallerLoop { .. } => *on = Arc::new(Stretched::new(on, 0.1)),
                 Advice::SmallerLoopInDomain => *on = Arc::new(Stretched::new(on, 0.3)),
                 Advice::MoreSamplesOrSmallerLoop | Advice::SamplesInCells => more(diagnostic),
                 Advice::MoreSamplesAndLargerSteps => {

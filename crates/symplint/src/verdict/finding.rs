@@ -523,6 +523,11 @@ pub enum Advice {
     Project,
     /// Take a smaller loop that stays in the domain of the map.
     SmallerLoopInDomain,
+    /// A loop that a step does not deform by so many times its size.
+    SmallerLoop {
+        /// The largest motion of a coordinate against the mean motion, over half its range on the loop.
+        deformation: f64,
+    },
     /// Take more samples, or a smaller loop.
     MoreSamplesOrSmallerLoop,
     /// Take another rule than finite differences, which are of first order.

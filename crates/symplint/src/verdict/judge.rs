@@ -39,7 +39,7 @@ pub fn judge(evidence: &Evidence) -> Verdict {
         let first = matches!(
             decision.because,
             Finding::WeakBound { .. } | Finding::Unexplained { .. } | Finding::SmallJumps { .. }
-        );
+        ) && !matches!(decision.advice[..], [Advice::SmallerLoop { .. }, ..]);
         let place = if first { 0 } else { decision.advice.len() };
         decision.advice.insert(place, Advice::MoreDigits);
     }

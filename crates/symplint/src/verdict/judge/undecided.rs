@@ -7,8 +7,8 @@ use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding};
 use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
-    CONTRADICTS, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_LARGER, POINT_OF_DISC, SMALL,
-    defect_of_order_4,
+    CONTRADICTS, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_DEFORMATION, MOST_LARGER, POINT_OF_DISC,
+    SMALL, defect_of_order_4,
 };
 
 impl Case<'_> {
@@ -232,6 +232,7 @@ impl Case<'_> {
                 let advice = vec![Advice::ReturnStates, Advice::MoreDigits];
                 return self.because(Finding::OneState, advice);
             }
+            let deformation = step.motion.map_or(0.0, |motion| motion.deformation);
             let roundoff = step.defect.roundoff > 0.5 * step.defect.uncertainty();
             let because = Finding::WeakBound {
                 bound: step.bound(),
@@ -239,6 +240,7 @@ impl Case<'_> {
                 roundoff,
             };
             let advice = match (roundoff, self.is_sampled()) {
+                (_, false) if deformation > MOST_DEFORMATION => Advice::SmallerLoop { deformation },
                 (true, _) if self.evidence.survey.is_rounded() => Advice::MoreDigits,
                 (true, _) => Advice::LargerLoop,
                 (false, true) => Advice::MoreSamplesOfFile,

@@ -174,6 +174,11 @@ impl Display for Advice {
             Advice::SmallerLoopInDomain => f.write_str(
                 "Take a smaller loop, well inside the domain of the map, or set loops to 1.",
             ),
+            Advice::SmallerLoop { deformation } => write!(
+                f,
+                "Take a loop ten times smaller, or smaller step sizes: one step deforms this loop by {} times its size.",
+                short(*deformation)
+            ),
             Advice::MoreSamplesOrSmallerLoop => f.write_str(
                 "Take more samples or a smaller loop.",
             ),
