@@ -57,10 +57,13 @@ fn a_run_that_is_killed_again_and_again_ends_with_the_same_report() {
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     let needed = calls(&path("calls"));
 
-    let delays = [3, 40, 90, 10, 150, 60, 25, 120];
-    for milliseconds in delays {
+    // After so many calls in all.
+    let kills = [1, 2, 5, needed / 3, needed / 2, needed - 2];
+    for count in kills {
         let mut run = check(&killed, &path("more_calls")).spawn().unwrap();
-        std::thread::sleep(Duration::from_millis(milliseconds));
+        while calls(&path("more_calls")) < count && run.try_wait().unwrap().is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
         run.kill().unwrap();
         run.wait().unwrap();
     }
@@ -74,7 +77,7 @@ fn a_run_that_is_killed_again_and_again_ends_with_the_same_report() {
     // Two calls at a time were under way when a run was killed. They ended, and nobody took note.
     let made = calls(&path("more_calls"));
     assert!(
-        made <= needed + 2 * delays.len(),
+        made <= needed + 2 * kills.len(),
         "{made} calls, {needed} needed"
     );
 

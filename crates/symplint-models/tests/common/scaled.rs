@@ -1,5 +1,6 @@
 //! Maps and loops in other units: the canonical scaling (q_i, p_i) → (a_i q_i, p_i / a_i).
 
+use symplint::map::Constraint;
 use symplint::{Block, Coordinates, Loop, StepFailure, TimeAdvance};
 
 /// Something in scaled coordinates.
@@ -75,5 +76,21 @@ impl<M: TimeAdvance> TimeAdvance for Scaled<M> {
             .and_then(|found| found.with_weights(weights))
             .and_then(|found| found.with_grid_spacing(inner.grid_spacing() * self.factors[0]))
             .unwrap()
+    }
+
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        self.inner.constraint().map(|_| self as &dyn Constraint)
+    }
+}
+
+impl<M: TimeAdvance> Constraint for Scaled<M> {
+    fn project(&self, block: &mut Block<'_>) {
+        let constraint = self
+            .inner
+            .constraint()
+            .expect("asked for by a map that has one");
+        self.scale(block, true);
+        constraint.project(block);
+        self.scale(block, false);
     }
 }

@@ -7,8 +7,8 @@ use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding};
 use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
-    CONTRADICTS, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_DEFORMATION, MOST_LARGER, POINT_OF_DISC,
-    SMALL, defect_of_order_4,
+    CONTRADICTS, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_DEFORMATION, MOST_LARGER,
+    POINT_OF_DISC, SMALL, defect_of_order_4,
 };
 
 impl Case<'_> {
