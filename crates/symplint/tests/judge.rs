@@ -13,6 +13,7 @@ use symplint::{Defect, VerdictKind, judge};
 
 const JUMP: Break = Break {
     s: 0.25,
+    uncertainty: 1e-15,
     dof: 0,
     jump_q: 0.1,
     jump_p: 0.2,

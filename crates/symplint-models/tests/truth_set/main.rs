@@ -85,7 +85,8 @@ fn line(family: &Family, index: usize) -> Line {
             }
             line.order = order(&member.truth, found);
             let known = member.truth.breaks.as_ref().map(Vec::len);
-            let counted = ratios::given_breaks(found).map(|breaks| breaks.len());
+            let counted = ratios::found_breaks(&member.truth, found)
+                .map(|breaks| breaks.iter().flatten().count());
             line.breaks = known.map(|known| (known, counted));
             line.ratios = ratios::ratios(&member, found);
         }

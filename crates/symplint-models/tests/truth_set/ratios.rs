@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use symplint::breaks::Break;
 use symplint::{Diagnosis, VerdictKind};
 
 use crate::member::{Expected, Member, Truth};
@@ -78,27 +79,37 @@ fn integrals(truth: &Truth, diagnosis: &Diagnosis) -> Vec<(String, f64)> {
     found
 }
 
-/// Positions, where as many breaks were found as there are, or more: some are too narrow to be asked for.
+/// Positions of the breaks that were found. Those that were missed are counted apart.
 fn breaks(truth: &Truth, diagnosis: &Diagnosis) -> Vec<(String, f64)> {
-    let Some((positions, known)) = given_breaks(diagnosis).zip(truth.breaks.as_ref()) else {
-        return Vec::new();
-    };
-    if positions.len() < known.len() {
-        return Vec::new();
+    let name = format!("break position{}", kind(truth));
+    (found_breaks(truth, diagnosis)
+        .into_iter()
+        .flatten()
+        .flatten())
+    .map(|(distance, uncertainty)| (name.clone(), ratio(distance, uncertainty)))
+    .collect()
+}
+
+/// How far each known break is from the found one nearest to it, and how well the position of that is said to be known. A break
+/// that is nearest to no found one was missed. Nothing where the diagnosis does not say that it knows all of them.
+pub fn found_breaks(truth: &Truth, diagnosis: &Diagnosis) -> Option<Vec<Option<(f64, f64)>>> {
+    let (found, known) = given_breaks(diagnosis).zip(truth.breaks.as_ref())?;
+    let apart = |a: f64, b: f64| ((a - b + 0.5).rem_euclid(1.0) - 0.5).abs();
+    let mut nearest: Vec<Option<(f64, f64)>> = vec![None; known.len()];
+    for at in &found {
+        let distances = known.iter().map(|known| apart(at.s, known.s)).enumerate();
+        let Some((k, distance)) = distances.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            continue;
+        };
+        if nearest[k].is_none_or(|(other, _)| distance < other) {
+            nearest[k] = Some((distance, at.uncertainty));
+        }
     }
-    (known.iter())
-        .map(|at| {
-            let distance = (positions.iter())
-                .map(|s| ((s - at.s + 0.5).rem_euclid(1.0) - 0.5).abs())
-                .fold(f64::INFINITY, f64::min);
-            let name = format!("break position over its rounding{}", kind(truth));
-            (name, ratio(distance, at.rounding))
-        })
-        .collect()
+    Some(nearest)
 }
 
 /// The positions of all breaks of the given loop after the largest step, where they are known.
-pub fn given_breaks(diagnosis: &Diagnosis) -> Option<Vec<f64>> {
+pub fn given_breaks(diagnosis: &Diagnosis) -> Option<Vec<Break>> {
     let given = diagnosis.evidence.loops.first()?;
     let largest = given
         .steps
@@ -112,7 +123,7 @@ pub fn given_breaks(diagnosis: &Diagnosis) -> Option<Vec<f64>> {
     step.closing?;
     let of_step = (diagnosis.evidence.breaks.iter())
         .filter(|at| at.loop_index == 0 && at.step_size == Some(largest));
-    Some(of_step.map(|at| at.found.s).collect())
+    Some(of_step.map(|at| at.found).collect())
 }
 
 fn order(truth: &Truth, diagnosis: &Diagnosis) -> Option<(String, f64)> {

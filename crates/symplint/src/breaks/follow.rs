@@ -1,13 +1,13 @@
 //! Closing in on a suspected jump, one state at a time.
 
 use super::bracket::{Bracket, End, Progress, flickers, is_between_levels};
-use super::limits::{AROUND_A_ZONE, DISTANCES_AROUND, LOOKS};
+use super::limits::{AROUND_A_ZONE, DISTANCES_AROUND, LOOKS, ROUNDINGS, SAMPLES_OF_SIZE};
 use super::residual::{Coordinate, Suspect};
-use super::{Break, Search};
+use super::{Break, Search, uncertainty_of_position};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::Evaluator;
-use crate::signal::{Barycentric, nearest};
+use crate::signal::{Barycentric, Extent, UNIT_ROUNDOFF, nearest};
 use crate::state::Ensemble;
 
 /// A point of the advanced loop in one degree of freedom.
@@ -104,6 +104,7 @@ pub(super) fn follow(
     }
     let found = Search::Found(Break {
         s: bracket.high.rem_euclid(1.0),
+        uncertainty: bracket.high - bracket.low + uncertainty(phase_loop, dof, [jump_q, jump_p])?,
         dof,
         jump_q,
         jump_p,
@@ -143,6 +144,22 @@ pub(super) fn follow(
         }
     }
     Ok(Search::Clean)
+}
+
+/// How far along the loop the rounding of states may move a break with these jumps of q and p.
+fn uncertainty(phase_loop: &dyn Loop, dof: usize, jumps: [f64; 2]) -> Result<f64, Error> {
+    let states = Ensemble::sample(phase_loop, SAMPLES_OF_SIZE)?;
+    let rows = [states.q().row(dof), states.p().row(dof)];
+    let (mut rounding, mut largest) = (ROUNDINGS * UNIT_ROUNDOFF, 0.0f64);
+    for (row, jump) in rows.into_iter().zip(jumps) {
+        let extent = Extent::of(row);
+        if extent.length() > 0.0 {
+            let part = extent.magnitude() / extent.length();
+            rounding = rounding.max(ROUNDINGS * UNIT_ROUNDOFF * part);
+            largest = largest.max(2.0 * jump.abs() / extent.length());
+        }
+    }
+    Ok(uncertainty_of_position(rounding, largest))
 }
 
 /// The three points nearest to a jump on each side of it, the nearest first.

@@ -72,3 +72,6 @@ pub(super) const FINE: f64 = 1e-5;
 
 /// Where more than this part of the cells are flagged, the samples show no shape.
 pub(super) const MOST_FLAGGED: f64 = 0.25;
+
+/// Samples that show the size of a loop.
+pub(crate) const SAMPLES_OF_SIZE: usize = 8;

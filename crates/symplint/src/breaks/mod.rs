@@ -36,6 +36,10 @@ use crate::state::Ensemble;
 pub struct Break {
     /// Where: the loop parameter in [0, 1).
     pub s: f64,
+    /// How far from there it may be, along the loop: what the rounding of states makes of it, and the zone in which rounding
+    /// decides where a solver inside the map stops.
+    #[serde(default)]
+    pub uncertainty: f64,
     /// Degree of freedom.
     pub dof: usize,
     /// q(s⁺) − q(s⁻) there.
@@ -45,6 +49,17 @@ pub struct Break {
     /// The substep of the map that breaks the loop, 0 for the first; `None` where the map is one whole
     /// or it is not known.
     pub substep: Option<usize>,
+}
+
+/// Calibrated on the truth set: of 2,370 breaks the true errors are at most 0.6 times this part of the roundings that a
+/// state may be off in all.
+const PART_OF_ROUNDING: f64 = 0.05;
+
+/// How far the rounding of a state, this part of the loop, moves a break whose jump is this part of the size of the loop:
+/// a threshold is met to a rounding of what is compared with it, and where the break is that of a solver, this changes by
+/// no more than the jump along the loop.
+pub(crate) fn uncertainty_of_position(rounding: f64, jump: f64) -> f64 {
+    (PART_OF_ROUNDING * rounding / jump.min(1.0)).min(1.0)
 }
 
 impl Break {

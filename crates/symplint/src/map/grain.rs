@@ -65,8 +65,8 @@ struct Seen {
     few: Option<usize>,
     /// The least difference of these.
     least: Option<f64>,
-    /// The largest unit of which all values are multiples.
-    lattice: f64,
+    /// The largest value.
+    magnitude: f64,
 }
 
 impl Grain {
@@ -223,7 +223,7 @@ impl Seen {
             range: extent.length(),
             few: Some(levels.count()).filter(|count| FEW * count <= values.len()),
             least: levels.least_difference(),
-            lattice: digits.lattice(),
+            magnitude: extent.magnitude(),
         }
     }
 
@@ -233,8 +233,9 @@ impl Seen {
         let had = Levels::of(before.iter().step_by(every).copied()).count();
         let has_fewer = |count: usize| 2 * count < had || (written && had.max(count) > 1);
         let range = Extent::of(before).length();
-        // One value, and on a lattice that is finer than the loop was wide, is what the map makes of all states.
-        let collapsed = |count: usize| count == 1 && self.lattice < range;
+        // What is rounded to one value other than 0 is rounded to that value at most, in any unit: a loop that is wider
+        // takes several. One that does not is collapsed by the map.
+        let collapsed = |count: usize| count == 1 && self.magnitude > 0.0 && self.magnitude < range;
         self.few = self
             .few
             .filter(|&count| has_fewer(count) && !collapsed(count));

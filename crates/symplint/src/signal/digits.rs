@@ -110,16 +110,6 @@ impl Digits {
     pub fn is_one_value(&self) -> bool {
         self.seen.count_ones() <= 1
     }
-
-    /// The largest power of ten or two of which all of them are multiples; infinite of zeros alone.
-    pub fn lattice(&self) -> f64 {
-        match self.largest > 0.0 {
-            true => 10f64
-                .powi(self.place.into())
-                .max(2f64.powi(self.lowest.into())),
-            false => f64::INFINITY,
-        }
-    }
 }
 
 /// The exponent of the first binary digit of a number that is not 0.

@@ -172,6 +172,7 @@ fn breaks(rows: &[Row], samples: usize, wanted: impl Fn(&Jump) -> bool) -> Vec<B
         cells.dedup();
         found.extend(cells.into_iter().map(|cell| Break {
             s: (cell as f64 + 0.5) / samples as f64,
+            uncertainty: 0.5 / samples as f64,
             dof,
             jump_q: size(&q.jumps, cell),
             jump_p: size(&p.jumps, cell),

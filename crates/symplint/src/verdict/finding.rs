@@ -130,7 +130,7 @@ pub enum Finding {
         /// The step.
         step: Step,
     },
-    /// All samples came out at one state, which may be rounding: its numbers are multiples of more than the loop is wide.
+    /// All samples came out at one state, which may be rounding: where its numbers are 0, or larger than the loop is wide.
     OneState,
     /// Jumps too small to be told from the output precision of the map.
     SmallJumps {

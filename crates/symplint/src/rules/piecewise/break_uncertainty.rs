@@ -36,6 +36,10 @@ pub(super) fn break_uncertainty(refinement: &mut Refinement<'_>) -> Result<f64, 
             s: s.rem_euclid(1.0),
         })
         .collect();
+    for at in &uncertain {
+        let found = &mut refinement.breaks[at.index];
+        found.uncertainty = found.uncertainty.max(at.distance);
+    }
     let outwards = refinement.images(&points, 0)?;
     let (coordinates, dof) = (refinement.coordinates, refinement.coordinates.dof());
     let mut sum = 0.0;

@@ -13,7 +13,7 @@ use super::noise;
 use super::piece::{Piece, Smooth};
 use super::scales::Scales;
 use super::task::{OF_A_BREAK, Outcome, Task};
-use crate::breaks::{Break, Progress, REACH_BESIDE};
+use crate::breaks::{Break, Progress, REACH_BESIDE, uncertainty_of_position};
 use crate::error::Error;
 use crate::signal::nearest;
 use crate::state::{Coordinates, Ensemble, period};
@@ -72,6 +72,8 @@ pub(super) struct Found {
     pub images: [Image; 2],
     /// Whether rounding decides on which side of it the states beside it are, and not that of the states themselves.
     pub flickers: bool,
+    /// How far from there it may be along the curve, if that is more than a jump of its size may.
+    pub uncertainty: f64,
     /// The substep that breaks the curve, where the step has several.
     pub substep: Option<usize>,
 }
@@ -97,6 +99,9 @@ impl Found {
         });
         Break {
             s: self.sides[1].rem_euclid(1.0),
+            uncertainty: (self.sides[1] - self.sides[0]
+                + uncertainty_of_position(scales.input_rounding, size(most)))
+            .max(self.uncertainty),
             dof: most,
             jump_q: jump(most),
             jump_p: jump(dof + most),
@@ -311,6 +316,7 @@ impl<'a> Refinement<'a> {
                     images,
                     // The rounding of a state far from the origin is enough to make it.
                     flickers: jump.flickers() && self.scales.input_rounding < REACH_BESIDE,
+                    uncertainty: 0.0,
                     substep: None,
                 });
                 let parts = [left, right].into_iter();

@@ -229,7 +229,7 @@ impl Case<'_> {
         let random: Vec<&LoopEvidence> = others.iter().collect();
         let weak = |found: &LoopEvidence, step: &StepEvidence| {
             if self.evidence.survey.one_state {
-                let advice = vec![Advice::ReturnStates, Advice::MoreDigits];
+                let advice = vec![Advice::MoreDigits, Advice::ReturnStates];
                 return self.because(Finding::OneState, advice);
             }
             let deformation = step.motion.map_or(0.0, |motion| motion.deformation);
