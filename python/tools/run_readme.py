@@ -1,10 +1,13 @@
 """Runs the Python code of Markdown files as a reader does who pastes it: each file from its beginning, block by block.
 
-``README.md#Python`` is the section of that heading alone. Blocks of other languages are left out.
+``README.md#Python`` is the section of that heading alone. Blocks of other languages are left out. What the code writes into the
+working folder goes to a temporary one.
 """
 
+import os
 import re
 import sys
+import tempfile
 from pathlib import Path
 
 
@@ -18,8 +21,12 @@ def main() -> None:
         if not blocks:
             sys.exit(f"{name} has no Python code")
         namespace: dict[str, object] = {"__name__": "__main__"}
-        for number, block in enumerate(blocks, 1):
-            exec(compile(block, f"{name}, block {number}", "exec"), namespace)
+        here = os.getcwd()
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)
+            for number, block in enumerate(blocks, 1):
+                exec(compile(block, f"{name}, block {number}", "exec"), namespace)
+            os.chdir(here)
 
 
 if __name__ == "__main__":
