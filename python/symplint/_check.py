@@ -194,7 +194,7 @@ def check(
     dof = subject["dof"]
     title = f"{name} · {dof} degree{'' if dof == 1 else 's'} of freedom"
     journal = None if out is None or compiled else _journal(out, step, project, config, subject)
-    with bar(progress) as watch, _resumable(journal, out):
+    with bar(progress) as watch, _resumable(journal):
         native, failed = _native.check(subject, settings, title, json.dumps(_finite(config)), watch, journal)
     report = Report(native, lambda size, samples: _native.image(subject, size, samples))
     if out is not None:
@@ -343,27 +343,28 @@ def _journal(
     out: str | os.PathLike[str], step: Any, project: Any, config: dict[str, Any], subject: dict[str, Any]
 ) -> tuple[str, str]:
     """Where evaluations are noted, and of which run."""
+    folder = os.fsdecode(out)
     try:
-        os.makedirs(out, exist_ok=True)
+        os.makedirs(folder, exist_ok=True)
     except OSError as error:
-        raise InputError(f"cannot make the folder {os.fspath(out)}: {error.strerror}; give out another one") from None
+        raise InputError(f"cannot make the folder {folder!r}: {error.strerror}; give out another one") from None
     run: dict[str, Any] = {"symplint": _native.__version__, **config, "step": fingerprint(step)}
     if project is not None:
         run["project"] = fingerprint(project)
     # Long arrays are left out of the configuration.
     run["centre"] = {key: np.asarray(subject[key]) for key in ("q0", "p0")}
     run["centre"] = {key: hashlib.sha256(row.tobytes()).hexdigest() for key, row in run["centre"].items()}
-    return os.path.join(out, "journal"), json.dumps(_finite(run))
+    return os.path.join(folder, "journal"), json.dumps(_finite(run))
 
 
 @contextlib.contextmanager
-def _resumable(journal: tuple[str, str] | None, out: str | os.PathLike[str] | None) -> Iterator[None]:
+def _resumable(journal: tuple[str, str] | None) -> Iterator[None]:
     """Says how to go on where Ctrl-C stops a run that can."""
     try:
         yield
     except KeyboardInterrupt as stopped:
         if journal is not None:
-            stopped.add_note(f"the same check with out={os.fspath(out or '')!r} goes on from here")
+            stopped.add_note(f"the same check with out={os.path.dirname(journal[0])!r} goes on from here")
         raise
 
 

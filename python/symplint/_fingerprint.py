@@ -76,9 +76,12 @@ class _Seen:
         self.code.update(f"{source}\0".encode())
         for kind, default in (("defaults", function.__defaults__), ("defaults", function.__kwdefaults__)):
             self.add(_join(name, kind), default)
-        variables = inspect.getclosurevars(function)
         assigned = _assigned(function)
-        for kind in (variables.nonlocals, variables.globals):
+        cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+        # A cell is empty before the variable is assigned.
+        outer = {other: cell.cell_contents for other, cell in cells if cell != types.CellType()}
+        used = {other: function.__globals__.get(other) for other in _named(function, ("LOAD_GLOBAL", "LOAD_NAME"))}
+        for kind in (outer, used):
             for other in sorted(kind):
                 if other not in assigned:
                     self.add(_join(name, other), kind[other], assigned)
@@ -111,15 +114,20 @@ def _text(value: Any) -> str | None:
     return None
 
 
-def _assigned(function: types.FunctionType) -> frozenset[str]:
-    """Names of global and outer variables and of attributes that the code of a function assigns."""
+def _named(function: types.FunctionType, instructions: tuple[str, ...]) -> frozenset[str]:
+    """What instructions of these kinds name in the code of a function, and in that of functions inside it."""
 
     def names(code: types.CodeType) -> Iterator[str]:
         for instruction in dis.get_instructions(code):
-            if instruction.opname in ("STORE_GLOBAL", "STORE_DEREF", "STORE_ATTR"):
+            if instruction.opname in instructions:
                 yield str(instruction.argval)
         for constant in code.co_consts:
             if isinstance(constant, types.CodeType):
                 yield from names(constant)
 
     return frozenset(names(function.__code__))
+
+
+def _assigned(function: types.FunctionType) -> frozenset[str]:
+    """Names of global and outer variables and of attributes that the code of a function assigns."""
+    return _named(function, ("STORE_GLOBAL", "STORE_DEREF", "STORE_ATTR"))

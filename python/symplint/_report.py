@@ -136,7 +136,7 @@ class Report:
         folder : path
             It is made if it does not exist.
         """
-        self._native.save(os.fspath(folder))
+        self._native.save(os.fsdecode(folder))
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the defects of all loops against step sizes.

@@ -104,6 +104,9 @@ def test_another_step_is_refused_with_the_difference(tmp_path, monkeypatch):
     check(simulation.step, "method")
     assert simulation.calls > 0
     refuses(_Simulation(3.0).step, "method", 'step.values.strength is "1.0" there and "3.0" here')
+    # A global variable of the name of an attribute is no part of it.
+    monkeypatch.setitem(globals(), "strength", 5.0)
+    check(simulation.step, "method")
     masses = np.array([1.0, 2.0])
     check(lambda q, p, h: (q + h * p / masses[0], p), "array")
     masses[0] = 3.0
@@ -114,6 +117,7 @@ def test_a_folder_that_cannot_be_used_is_an_input_error(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(symplint.InputError, match="cannot make the folder"):
         symplint.check(_step, 1.0, 0.5, out=tmp_path / "file" / "run", **SETTINGS)
+    assert symplint.check(_step, 1.0, 0.5, out=str(tmp_path / "bytes").encode(), **SETTINGS).kind == "symplectic"
     (tmp_path / "journal").write_text("notes of mine")
     with pytest.raises(symplint.InputError, match="not a journal"):
         symplint.check(_step, 1.0, 0.5, out=tmp_path, **SETTINGS)

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+#[cfg(unix)]
+use std::sync::{Arc, atomic::AtomicBool};
 
 /// The exit status of a program that was interrupted.
 const INTERRUPTED: i32 = 130;
@@ -27,7 +29,9 @@ fn end() {
 /// this program, which then cleans up at its next run.
 #[cfg(unix)]
 pub fn handle() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    // At a limit of file sizes the write fails, with a message, and what was written before is kept.
+    let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
     let heeded = [SIGINT, SIGTERM, SIGHUP]
         .into_iter()
         .filter(|&signal| !ignores(signal));

@@ -160,3 +160,44 @@ fn a_program_that_was_changed_is_named() {
     assert!(text.contains("program.step.sh"), "{text}");
     assert_eq!(check(&["--force"]).status.code(), Some(3));
 }
+
+#[cfg(unix)]
+#[test]
+fn a_limit_of_file_sizes_is_an_error_and_the_run_goes_on_without_it() {
+    let bench = Bench::new("leapfrog", KEYS);
+    let folder = bench.folder.path().join("run");
+    let limited = |limit: &str| {
+        let mut command = Command::new("sh");
+        let script = format!("ulimit -f {limit}; exec \"$@\"");
+        command
+            .arg("-c")
+            .arg(script)
+            .arg("sh")
+            .arg(env!("CARGO_BIN_EXE_symplint"));
+        command
+            .arg("check")
+            .arg(bench.config())
+            .arg("--quiet")
+            .arg("--out")
+            .arg(&folder);
+        command.args(["--set", "diagnostic.budget=300"]);
+        command
+            .env("TMPDIR", bench.temporary.path())
+            .output()
+            .unwrap()
+    };
+    // Blocks of 512 bytes or of 1024: the configuration and a part of the journal fit.
+    let output = limited("4");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        text.contains("cannot write") && text.contains("journal"),
+        "{text}"
+    );
+    let output = limited("unlimited");
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let text = fs::read_to_string(folder.join("report.json")).unwrap();
+    let report: Value = serde_json::from_str(&text).unwrap();
+    assert!(report["provenance"]["replayed"].as_u64().unwrap() > 0);
+}
