@@ -20,7 +20,7 @@ def fingerprint(function: Any) -> dict[str, Any]:
     """What tells a function from another one: a digest of its code, and the numbers and texts that it refers to by name.
 
     The same of functions of the same package that it calls. Names that the code itself assigns are left out, as counters
-    are. What is not seen: other objects, files, and code that is not Python.
+    are. Not included: other objects, files, and compiled code.
     """
     seen = _Seen(function)
     seen.add("", function)

@@ -95,12 +95,12 @@ impl Command {
     /// The number of threads, if it is given.
     pub fn threads(&self) -> Option<usize> {
         match self {
-            Command::Check(arguments) => arguments.run.threads,
+            Command::Check(arguments) => arguments.run.shown.threads,
             Command::Loop(arguments) => arguments.threads,
-            Command::Measure(arguments) => arguments.run.threads,
-            Command::Trace(arguments) => arguments.run.threads,
+            Command::Measure(arguments) => arguments.run.shown.threads,
+            Command::Trace(arguments) => arguments.run.shown.threads,
             Command::Reproduce(arguments) => arguments.threads,
-            Command::Resume(arguments) => arguments.threads,
+            Command::Resume(arguments) => arguments.shown.threads,
             Command::Judge(_) | Command::List { .. } | Command::Init { .. } => None,
         }
     }
@@ -158,28 +158,9 @@ pub struct ResumeArgs {
     /// The folder that --out named
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Print the report as JSON on standard output, and nothing else there
-    #[arg(long)]
-    pub json: bool,
-    /// No progress bar and no table; only the verdict
-    #[arg(long)]
-    pub quiet: bool,
-    /// Number of threads; all cores if left out. Results do not depend on it
-    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
-    pub threads: Option<usize>,
-}
-
-impl ResumeArgs {
-    /// Where the results go.
-    pub fn run(&self) -> Run {
-        Run {
-            out: Some(self.folder.clone()),
-            force: false,
-            json: self.json,
-            quiet: self.quiet,
-            threads: self.threads,
-        }
-    }
+    /// Output and threads.
+    #[command(flatten)]
+    pub shown: Shown,
 }
 
 /// Arguments of `trace`.
@@ -370,6 +351,14 @@ pub struct Run {
     /// Replace another run in that folder; files that symplint did not write are never replaced
     #[arg(long, requires = "out")]
     pub force: bool,
+    /// The rest.
+    #[command(flatten)]
+    pub shown: Shown,
+}
+
+/// What a run shows on the terminal, and its threads.
+#[derive(Args, Clone)]
+pub struct Shown {
     /// Print the report as JSON on standard output, and nothing else there
     #[arg(long)]
     pub json: bool,

@@ -87,8 +87,8 @@ impl CommandMap {
         assert!(given.is_ok(), "a map has one journal");
     }
 
-    /// The files that the command names before the first placeholder, with their paths: the program, and the script that an
-    /// interpreter runs. What follows may be data that calls write.
+    /// The files that the command names before its first `{before}`, `{after}` or `{h}`, with their paths: the program, and the
+    /// script that an interpreter runs. Files named later may be data that calls write.
     pub fn program_files(&self) -> Vec<(&str, PathBuf)> {
         let words = self.program.command.iter();
         let words = words.take_while(|word| !word.contains('{'));

@@ -48,7 +48,7 @@ pub(super) fn diagnose(
     }
     let journal = output.as_ref().and_then(|output| output.journal.clone());
     let log = (output.as_ref()).map(|output| PointLog::new(&output.folder, &output.config));
-    let progress = Progress::new("points", run.quiet || run.json);
+    let progress = Progress::new("points", run.shown.quiet || run.shown.json);
     let outcome = config
         .diagnostic
         .run_watched(&*config.map, &*config.phase_loop, &|event| {
@@ -99,10 +99,10 @@ pub(super) fn diagnose(
             anstream::eprintln!("note: {note}");
         }
     }
-    if run.json {
+    if run.shown.json {
         say(report.to_json())?;
     } else {
-        if !run.quiet {
+        if !run.shown.quiet {
             let heading = format!(
                 "{} · {} · {}",
                 config.system.name,
@@ -116,12 +116,12 @@ pub(super) fn diagnose(
             let heading = heading + &radii.unwrap_or_default();
             say(points_table(&heading, &diagnosis))?;
         }
-        say(verdict_text(&diagnosis.verdict, run.quiet))?;
+        say(verdict_text(&diagnosis.verdict, run.shown.quiet))?;
         match &output {
-            Some(output) if !run.quiet => {
+            Some(output) if !run.shown.quiet => {
                 say(format!("\nWritten to {}", output.folder.path().display()))?;
             }
-            None if !run.quiet => {
+            None if !run.shown.quiet => {
                 say("\nAdd --out DIR to write figures, all points and the report.")?;
             }
             _ => {}

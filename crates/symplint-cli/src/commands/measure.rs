@@ -108,15 +108,15 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
             output.write_figures(figures, &[])?;
         }
     }
-    if run.json {
+    if run.shown.json {
         say(report.to_json())?;
     } else {
-        if !run.quiet {
+        if !run.shown.quiet {
             let heading = format!("{title} · {}", degrees_of_freedom(dof));
             say(points_table(&heading, &diagnosis))?;
         }
-        say(verdict_text(&diagnosis.verdict, run.quiet))?;
-        if let Some(output) = output.as_ref().filter(|_| !run.quiet) {
+        say(verdict_text(&diagnosis.verdict, run.shown.quiet))?;
+        if let Some(output) = output.as_ref().filter(|_| !run.shown.quiet) {
             say(format!("\nWritten to {}", output.folder.path().display()))?;
         }
     }

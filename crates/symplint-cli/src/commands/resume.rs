@@ -8,7 +8,7 @@ use symplint_config::Config;
 use super::Failure;
 use super::check::diagnose;
 use super::earlier_run::command_of;
-use crate::cli::ResumeArgs;
+use crate::cli::{ResumeArgs, Run};
 use crate::provenance;
 
 /// Goes on with a run of `check` that was stopped. Evaluations that its journal has are not made again.
@@ -27,6 +27,10 @@ pub fn resume(arguments: &ResumeArgs) -> Result<ExitCode, Failure> {
         Some(other) => return Err(no_run(format!("it is one of `symplint {other}`"))),
         None => return Err(no_run("config.toml is not that of a run".into())),
     }
-    let run = arguments.run();
+    let run = Run {
+        out: Some(folder.clone()),
+        force: false,
+        shown: arguments.shown.clone(),
+    };
     diagnose(&started, Config::load(&path, &[])?, &run)
 }

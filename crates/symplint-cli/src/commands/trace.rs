@@ -24,7 +24,7 @@ pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
     let config = Config::load(&arguments.config, &arguments.settings.set)?;
     let trace = settings(&config)?;
     let output = RunOutput::of_run("trace", &config.resolved, run)?;
-    let progress = Progress::new("steps", run.quiet || run.json);
+    let progress = Progress::new("steps", run.shown.quiet || run.shown.json);
     let record = follow(&trace, &config, &progress)?;
     progress.finish();
 
@@ -50,11 +50,11 @@ pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
         let figures = trace_figures(&title, &record, config.trace.step_size, energy);
         output.write_figures(figures, &trace.snapshots)?;
     }
-    if run.json {
+    if run.shown.json {
         say(report.to_json())?;
     } else {
-        say(trace_table(&record.points, run.quiet))?;
-        if let Some(output) = output.as_ref().filter(|_| !run.quiet) {
+        say(trace_table(&record.points, run.shown.quiet))?;
+        if let Some(output) = output.as_ref().filter(|_| !run.shown.quiet) {
             say(format!("\nWritten to {}", output.folder.path().display()))?;
         }
     }

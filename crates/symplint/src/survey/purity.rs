@@ -17,7 +17,8 @@ const ROUNDINGS: f64 = 256.0;
 /// sums do that many cores take in any order, the largest scatter of a coordinate is returned.
 ///
 /// # Errors
-/// [`Error::Memory`] where a sample comes out differently, and not by chance, and those of a map that fails.
+/// [`Error::Memory`] where the same state is advanced to different ones, and the differences are not random; those of a map that
+/// fails.
 pub(crate) fn check_purity(
     evaluator: &Evaluator<'_>,
     phase_loop: &dyn Loop,
