@@ -1,13 +1,14 @@
-//! Calls of Python functions from the threads of a diagnosis, all of them on the thread that started it.
+//! Calls of Python functions from a diagnosis, all of them on the thread that started it.
 //!
-//! Simulation codes need not be safe on several threads, and Python delivers Ctrl-C to its main thread alone. So the
-//! diagnosis runs beside the thread of the user, which serves its calls one by one, and holds the interpreter only
-//! then.
+//! Simulation codes need not be safe on several threads, and Python delivers Ctrl-C to its main thread alone. Where the
+//! diagnosis has one thread, it is the thread of the user: states stay in the cache of one core. Where it has more, or the
+//! map needs no Python, it runs beside the thread of the user, which serves its calls one by one. Either way the
+//! interpreter is held only for the calls.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
@@ -37,41 +38,25 @@ pub enum Call {
     Finished,
 }
 
-/// Where the threads of a diagnosis send their calls.
-pub struct Caller {
-    calls: Mutex<Sender<Call>>,
-    /// Set when the user stops the diagnosis: no more calls.
-    stopped: AtomicBool,
+/// Where a diagnosis sends its calls.
+pub trait Caller: Sync {
+    /// Makes a call, which may be served later.
+    fn tell(&self, call: Call);
+
+    /// Whether the user stopped the diagnosis: then calls are dropped.
+    fn is_stopped(&self) -> bool;
 }
 
-impl Caller {
-    /// Whether the user stopped the diagnosis.
-    pub fn is_stopped(&self) -> bool {
-        self.stopped.load(Ordering::Relaxed)
-    }
-
-    /// No more calls.
-    fn stop(&self) {
-        self.stopped.store(true, Ordering::Relaxed);
-    }
-
-    /// Lends a block for a call, and waits for the answer.
-    ///
-    /// # Errors
-    /// That of the call; if the diagnosis was stopped.
-    pub fn lend(&self, block: &mut Block<'_>, call: impl FnOnce(Loan<Answer>) -> Call) -> Answer {
-        if self.is_stopped() {
-            return Err(stopped());
-        }
-        lend(block, |loan| self.tell(call(loan))).unwrap_or_else(|| Err(stopped()))
-    }
-
-    /// Sends a call without waiting.
-    pub fn tell(&self, call: Call) {
-        let calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
-        // Nobody listens any more only if the diagnosis was stopped.
-        let _ = calls.send(call);
-    }
+/// Lends a block for a call, and waits for the answer.
+///
+/// # Errors
+/// That of the call; if the diagnosis was stopped.
+pub fn call(
+    caller: &dyn Caller,
+    block: &mut Block<'_>,
+    of: impl FnOnce(Loan<Answer>) -> Call,
+) -> Answer {
+    lend(block, |loan| caller.tell(of(loan))).unwrap_or_else(|| Err(stopped()))
 }
 
 /// The failure of a step that is not taken because the diagnosis was stopped.
@@ -82,17 +67,116 @@ pub fn stopped() -> StepFailure {
     }
 }
 
+/// Serves the calls of a diagnosis on the thread that makes them.
+struct Here<S> {
+    server: Mutex<Server<S>>,
+    stopped: AtomicBool,
+}
+
+struct Server<S> {
+    serve: S,
+    /// The exception that stopped the diagnosis.
+    stopped_by: Option<PyErr>,
+    /// When Python last looked for signals.
+    looked: Instant,
+}
+
+impl<S: FnMut(Python<'_>, Call) -> PyResult<()> + Send> Here<S> {
+    /// Serves a call, or none, and looks for signals.
+    fn serve(&self, server: &mut Server<S>, call: Option<Call>) {
+        if self.stopped.load(Ordering::Relaxed) {
+            // Whoever waits for an answer is told so when the call is dropped.
+            return;
+        }
+        let served = Python::attach(|py| {
+            let served = call.map_or(Ok(()), |call| (server.serve)(py, call));
+            served.and_then(|()| py.check_signals())
+        });
+        server.looked = Instant::now();
+        if let Err(error) = served {
+            self.stopped.store(true, Ordering::Relaxed);
+            server.stopped_by = Some(error);
+        }
+    }
+}
+
+impl<S: FnMut(Python<'_>, Call) -> PyResult<()> + Send> Caller for Here<S> {
+    fn tell(&self, call: Call) {
+        let mut server = self.server.lock().unwrap_or_else(PoisonError::into_inner);
+        self.serve(&mut server, Some(call));
+    }
+
+    fn is_stopped(&self) -> bool {
+        // Without any call for long, Ctrl-C is seen here.
+        if let Ok(mut server) = self.server.try_lock()
+            && server.looked.elapsed() > SIGNALS
+        {
+            self.serve(&mut server, None);
+        }
+        self.stopped.load(Ordering::Relaxed)
+    }
+}
+
+/// Runs `work` on this thread, which serves its calls, too.
+///
+/// # Errors
+/// What stops the diagnosis: an exception that `serve` returns, or the one that Ctrl-C raises.
+pub fn run_here<R: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&dyn Caller) -> R + Send,
+    serve: impl FnMut(Python<'_>, Call) -> PyResult<()> + Send,
+) -> PyResult<R> {
+    let here = Here {
+        server: Mutex::new(Server {
+            serve,
+            stopped_by: None,
+            looked: Instant::now(),
+        }),
+        stopped: AtomicBool::new(false),
+    };
+    let result = py.detach(|| work(&here));
+    let server = (here.server.into_inner()).unwrap_or_else(PoisonError::into_inner);
+    server.stopped_by.map_or(Ok(result), Err)
+}
+
+/// Sends the calls of a diagnosis to another thread.
+struct Beside {
+    calls: Mutex<Sender<Call>>,
+    stopped: AtomicBool,
+}
+
+impl Caller for Beside {
+    fn tell(&self, call: Call) {
+        if self.is_stopped() {
+            return;
+        }
+        self.send(call);
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stopped.load(Ordering::Relaxed)
+    }
+}
+
+impl Beside {
+    fn send(&self, call: Call) {
+        let calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
+        // Nobody listens any more only if the diagnosis was stopped.
+        let _ = calls.send(call);
+    }
+}
+
 /// Runs `work` beside this thread, which serves its calls meanwhile.
 ///
 /// # Errors
 /// What stops the diagnosis: an exception that `serve` returns, or the one that Ctrl-C raises.
-pub fn run<R: Send>(
+pub fn run_beside<R: Send>(
     py: Python<'_>,
-    work: impl FnOnce(&Caller) -> R + Send,
+    work: impl FnOnce(&dyn Caller) -> R + Send,
     mut serve: impl FnMut(Python<'_>, Call) -> PyResult<()>,
 ) -> PyResult<R> {
     let (sender, mut calls) = channel();
-    let caller = Caller {
+    let caller = Beside {
         calls: Mutex::new(sender),
         stopped: AtomicBool::new(false),
     };
@@ -116,7 +200,7 @@ pub fn run<R: Send>(
                 Ok(_) | Err(RecvTimeoutError::Timeout) => Ok(()),
             };
             if let Err(error) = served.and_then(|()| py.check_signals()) {
-                caller.stop();
+                caller.stopped.store(true, Ordering::Relaxed);
                 // After the first, which is the reason, Ctrl-C may be pressed again.
                 stopped_by.get_or_insert(error);
             }
@@ -131,11 +215,11 @@ pub fn run<R: Send>(
 }
 
 /// Says that the diagnosis is over, even if it panicked.
-struct Finished<'a>(&'a Caller);
+struct Finished<'a>(&'a Beside);
 
 impl Drop for Finished<'_> {
     fn drop(&mut self) {
-        self.0.tell(Call::Finished);
+        self.0.send(Call::Finished);
     }
 }
 

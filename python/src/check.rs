@@ -152,25 +152,33 @@ impl Subject {
         )
     }
 
-    /// Runs `work` on threads of its own, with the map and the loop.
+    /// Runs `work` with the map and the loop: on this thread, unless there are to be more or no Python function is the map.
     fn run<R: Send>(
         &self,
         py: Python<'_>,
         (progress, journal): (Option<Py<PyAny>>, Option<Journal>),
         step_size: f64,
-        work: impl FnOnce(&Caller, &dyn TimeAdvance, &dyn Loop) -> Result<R, Error> + Send,
+        work: impl FnOnce(&dyn Caller, &dyn TimeAdvance, &dyn Loop) -> Result<R, Error> + Send,
     ) -> PyResult<Ran<R>> {
         let shared = self.shared(py)?;
         let mut functions = self.functions(py, progress);
         functions.journal = journal;
-        let pool = pool::own(py, self.threads)?;
-        let on_pool = |caller: &Caller| pool.install(|| shared.with(caller, step_size, work));
-        let outcome = calls::run(py, on_pool, |py, call| functions.serve(py, call))?;
+        let serve = |py: Python<'_>, call: Call| functions.serve(py, call);
+        let with = |caller: &dyn Caller| shared.with(caller, step_size, work);
+        let (outcome, threads) = if self.step.is_some() && self.threads.is_none_or(|n| n == 1) {
+            pool::alone(py)?;
+            (calls::run_here(py, with, serve)?, 1)
+        } else {
+            let pool = pool::own(py, self.threads)?;
+            let on_pool = |caller: &dyn Caller| pool.install(|| with(caller));
+            let outcome = calls::run_beside(py, on_pool, serve)?;
+            (outcome, pool.current_num_threads())
+        };
         match outcome {
             Ok((result, evaluations)) => Ok(Ran {
                 result,
                 evaluations,
-                threads: pool.current_num_threads(),
+                threads,
                 functions,
             }),
             Err(error) => Err(functions.exception(py, &error)),
@@ -193,9 +201,9 @@ impl Shared {
     /// Calls `work` with the map and the loop, and says how many evaluations were made for radii that the map suggests.
     fn with<R>(
         &self,
-        caller: &Caller,
+        caller: &dyn Caller,
         step_size: f64,
-        work: impl FnOnce(&Caller, &dyn TimeAdvance, &dyn Loop) -> Result<R, Error>,
+        work: impl FnOnce(&dyn Caller, &dyn TimeAdvance, &dyn Loop) -> Result<R, Error>,
     ) -> Result<(R, usize), Error> {
         let map: Box<dyn TimeAdvance + '_> = match &self.integrator {
             Some(map) => Box::new(Stoppable::new(&**map, caller)),
@@ -252,7 +260,7 @@ pub fn check(
     let step_size = largest.or(diagnostic.typical_step).unwrap_or(1.0);
     let watched = progress.is_some();
     let failed: OnceLock<Error> = OnceLock::new();
-    let measure = |caller: &Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
+    let measure = |caller: &dyn Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
         diagnostic.run_watched(map, phase_loop, &|event| match event {
             Event::Planned(more) if watched => caller.tell(Call::Planned(more)),
             Event::Measured(point) if watched => caller.tell(Call::Measured(point.step_size)),
@@ -298,7 +306,7 @@ pub fn image<'py>(
     h: f64,
     samples: usize,
 ) -> PyResult<(Arrays<'py>, Arrays<'py>)> {
-    let advance = |_: &Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
+    let advance = |_: &dyn Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
         let before = Ensemble::sample(phase_loop, samples)?;
         let mut after = before.clone();
         after.advance(map, h)?;
@@ -318,7 +326,7 @@ pub fn advance_seconds(
     samples: usize,
     repetitions: usize,
 ) -> PyResult<Vec<f64>> {
-    let advance = |_: &Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
+    let advance = |_: &dyn Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
         let before = Ensemble::sample(phase_loop, samples)?;
         let mut states = before.clone();
         let mut once = || {

@@ -2,7 +2,7 @@
 //!
 //! Never those of rayon's global pool. A process that was forked, as `multiprocessing` and web servers fork, has the pool of its
 //! parent without the threads, and waits for them for ever. And a step that calls the library would wait for threads that
-//! all wait for the step: so a diagnosis has threads of its own, and everything else shares some.
+//! all wait for the step: so a diagnosis has threads of its own, or that of the user alone, and everything else shares some.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -18,6 +18,17 @@ use crate::error::other_error;
 pub fn own(py: Python<'_>, threads: Option<usize>) -> PyResult<ThreadPool> {
     let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
     (pool.build()).map_err(|error| other_error(py, &format!("cannot start threads: {error}")))
+}
+
+/// Makes this thread, as long as it lives, do by itself whatever it divides for several.
+pub fn alone(py: Python<'_>) -> PyResult<()> {
+    // It may be so already. A thread cannot leave a pool that it belongs to, so the pool is kept.
+    if rayon::current_thread_index().is_none() {
+        let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+        let pool = (pool.build()).map_err(|error| other_error(py, &error.to_string()))?;
+        std::mem::forget(pool);
+    }
+    Ok(())
 }
 
 /// The threads that this process shares.

@@ -3,24 +3,24 @@
 use symplint::map::Constraint;
 use symplint::{Block, Coordinates, Loop, StepFailure, TimeAdvance};
 
-use crate::calls::{Call, Caller, stopped};
+use crate::calls::{Call, Caller, call, stopped};
 
 /// Coordinates that are handed to the thread of the user at once, at most: 32 MiB of positions and as many of momenta.
 const MOST_VALUES: usize = 1 << 22;
 
 /// A map whose step is a Python function.
 pub struct PythonMap<'a> {
-    caller: &'a Caller,
+    caller: &'a dyn Caller,
     coordinates: Coordinates,
     projection: Option<Projection<'a>>,
 }
 
 /// A manifold on which a Python function puts states.
-struct Projection<'a>(&'a Caller);
+struct Projection<'a>(&'a dyn Caller);
 
 impl<'a> PythonMap<'a> {
     /// The map; `projects` says whether there is a function that puts states on a manifold.
-    pub fn new(caller: &'a Caller, coordinates: Coordinates, projects: bool) -> Self {
+    pub fn new(caller: &'a dyn Caller, coordinates: Coordinates, projects: bool) -> Self {
         PythonMap {
             caller,
             coordinates,
@@ -39,7 +39,7 @@ impl TimeAdvance for PythonMap<'_> {
     }
 
     fn advance_and_look(&self, h: f64, block: &mut Block<'_>) -> Result<bool, StepFailure> {
-        self.caller.lend(block, |loan| Call::Step(h, loan))
+        call(self.caller, block, |loan| Call::Step(h, loan))
     }
 
     fn block_width(&self) -> usize {
@@ -62,7 +62,7 @@ impl TimeAdvance for PythonMap<'_> {
 
 impl Constraint for Projection<'_> {
     fn project(&self, block: &mut Block<'_>) {
-        if self.0.lend(block, Call::Project).is_err() {
+        if call(self.0, block, Call::Project).is_err() {
             invalidate(block);
         }
     }
@@ -70,13 +70,13 @@ impl Constraint for Projection<'_> {
 
 /// A loop that a Python function samples.
 pub struct PythonLoop<'a> {
-    caller: &'a Caller,
+    caller: &'a dyn Caller,
     dof: usize,
 }
 
 impl<'a> PythonLoop<'a> {
     /// The loop in a phase space of so many degrees of freedom.
-    pub fn new(caller: &'a Caller, dof: usize) -> Self {
+    pub fn new(caller: &'a dyn Caller, dof: usize) -> Self {
         PythonLoop { caller, dof }
     }
 }
@@ -87,7 +87,7 @@ impl Loop for PythonLoop<'_> {
     }
 
     fn sample(&self, s: &[f64], block: &mut Block<'_>) {
-        let sampled = self.caller.lend(block, |loan| Call::Loop(s.to_vec(), loan));
+        let sampled = call(self.caller, block, |loan| Call::Loop(s.to_vec(), loan));
         if sampled.is_err() {
             invalidate(block);
         }
@@ -103,12 +103,12 @@ fn invalidate(block: &mut Block<'_>) {
 /// A compiled map that fails once the user has stopped the diagnosis.
 pub struct Stoppable<'a> {
     map: &'a dyn TimeAdvance,
-    caller: &'a Caller,
+    caller: &'a dyn Caller,
 }
 
 impl<'a> Stoppable<'a> {
     /// `map`, as long as the diagnosis is not stopped.
-    pub fn new(map: &'a dyn TimeAdvance, caller: &'a Caller) -> Self {
+    pub fn new(map: &'a dyn TimeAdvance, caller: &'a dyn Caller) -> Self {
         Stoppable { map, caller }
     }
 

@@ -122,7 +122,9 @@ def check(
     jacobian : bool
         Whether the Jacobian of one step is also checked.
     threads : int, optional
-        Threads for the work of the library. `step` is called from the calling thread alone.
+        Threads for the work of the library: by default, for a function, the calling thread alone, which is faster unless
+        there are very many degrees of freedom, and for an integrator of the library, one for each core. `step` is called
+        from the calling thread alone. Results do not depend on the number.
     out : path, optional
         A folder to write the report to, as `Report.save` does. Every call of `step` is noted there as soon as it returns: a
         check that was stopped at any moment goes on from there when it is run again, and gives the report that it would

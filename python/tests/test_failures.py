@@ -272,7 +272,7 @@ def test_a_step_is_called_by_the_calling_thread_alone():
         threads.add(threading.get_ident())
         return verlet(q, p, h)
 
-    found = [symplint.check(step, [1.0, 0.2], [0.5, 0.1], **SIZES, threads=count).points for count in (1, 2, 4)]
+    found = [symplint.check(step, [1.0, 0.2], [0.5, 0.1], **SIZES, threads=count).points for count in (None, 1, 2, 4)]
     assert threads == {threading.get_ident()}
     # Same bits on any number of threads.
     for other in found[1:]:
@@ -287,10 +287,11 @@ def test_checks_on_several_threads_and_within_each_other():
         assert report.evaluations > 0
         return verlet(q, p, h)
 
-    def run(name):
-        results[name] = symplint.check(inner, 1.0, 0.5, step_sizes=[0.5], loops=1, jacobian=False, threads=2).kind
+    def run(threads):
+        found = symplint.check(inner, 1.0, 0.5, step_sizes=[0.5], loops=1, jacobian=False, threads=threads)
+        results[threads] = found.kind
 
-    workers = [threading.Thread(target=run, args=(name,)) for name in range(3)]
+    workers = [threading.Thread(target=run, args=(threads,)) for threads in (None, 1, 2)]
     for worker in workers:
         worker.start()
     for worker in workers:
