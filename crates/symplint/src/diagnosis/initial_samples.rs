@@ -30,6 +30,30 @@ impl<'a> InitialSamples<'a> {
         }
     }
 
+    /// Tells the map that a step of each of these sizes is sure to be asked for of `samples` samples. Where they cannot be made,
+    /// whoever asks for them is told so.
+    pub fn prefetch(&mut self, samples: usize, sizes: impl Iterator<Item = f64>) {
+        let evaluator = self.subject.evaluator;
+        if evaluator.has_prefetch()
+            && let Ok(Ensembles {
+                before: Some(before),
+                ..
+            }) = self.of(samples)
+        {
+            sizes.for_each(|h| evaluator.prefetch(before, h));
+        }
+    }
+
+    /// The ensembles of so many samples.
+    fn of(&mut self, samples: usize) -> Result<&mut Ensembles, Error> {
+        let held = (self.ensembles.take()).filter(|held| held.after.samples() == samples);
+        let held = match held {
+            Some(held) => held,
+            None => Ensembles::new(self.subject, samples)?,
+        };
+        Ok(self.ensembles.insert(held))
+    }
+
     /// What a step of size `h` makes of `samples` samples.
     ///
     /// # Errors
@@ -39,12 +63,7 @@ impl<'a> InitialSamples<'a> {
             evaluator,
             phase_loop,
         } = self.subject;
-        let held = (self.ensembles.take()).filter(|held| held.after.samples() == samples);
-        let held = match held {
-            Some(held) => held,
-            None => Ensembles::new(self.subject, samples)?,
-        };
-        let Ensembles { before, after } = self.ensembles.insert(held);
+        let Ensembles { before, after } = self.of(samples)?;
         let advanced = match before {
             Some(before) => evaluator.advance_from(after, h, |first, block| {
                 copy_samples(before, first, block);

@@ -93,6 +93,7 @@ impl Diagnostic {
                 plan: Plan::new(diagnostic, budget, &evaluator),
                 largest,
                 failed: failed.clone(),
+                reserved: 0,
                 evidence: evidence.clone(),
             };
             match start.begin(subject) {
@@ -171,6 +172,8 @@ struct Run<'a> {
     largest: f64,
     /// Step sizes at which the map failed on the given loop; it is not asked for them again.
     failed: Vec<FailedStep>,
+    /// Evaluations that loops take which are still to come, and of which the map was told.
+    reserved: usize,
     evidence: Evidence,
 }
 
@@ -233,9 +236,9 @@ impl Run<'_> {
         self.failed.iter().any(|failed| failed.h == h)
     }
 
-    /// Evaluations left for loops: what the Jacobian and the domain of the map will take is kept.
+    /// Evaluations left for loops: what the Jacobian, the domain of the map and loops to come will take is kept.
     fn left(&self) -> usize {
-        let kept = self.plan.jacobian + self.plan.domain;
+        let kept = self.plan.jacobian + self.plan.domain + self.reserved;
         self.count.left().saturating_sub(kept)
     }
 
@@ -276,6 +279,10 @@ impl Run<'_> {
         self.evidence.loops.push(given);
         let affordable = self.affordable_steps(cost);
         (self.watch)(Event::Planned(affordable.len()));
+        if probe.keeps_samples() {
+            let further = affordable.iter().copied().filter(|&h| h != self.largest);
+            samples.prefetch(probe.samples, further.take(self.left() / cost));
+        }
         let mut omitted = diagnostic.step_sizes.len() - self.failed.len() - affordable.len();
         for h in affordable {
             let known = match h == self.largest {

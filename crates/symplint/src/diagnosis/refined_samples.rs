@@ -45,8 +45,7 @@ impl<'a> RefinedSamples<'a> {
     }
 
     fn coarse_first(subject: Subject<'a>, samples: usize, h: f64) -> Result<Self, Error> {
-        let doublings = (samples / COARSE).max(1).ilog2();
-        let mut count = samples >> doublings.min(samples.trailing_zeros());
+        let mut count = coarse(samples);
         let mut refined = RefinedSamples::new(subject, count, h)?;
         let grain = subject.evaluator.grain();
         let most = grain.map_or(f64::INFINITY, |grain| most_rounded(&grain));
@@ -90,6 +89,12 @@ impl<'a> RefinedSamples<'a> {
         }
         Ok(())
     }
+}
+
+/// The samples with which [`RefinedSamples::down_to_the_grain`] begins to double them to so many.
+pub(super) fn coarse(samples: usize) -> usize {
+    let doublings = (samples / COARSE).max(1).ilog2();
+    samples >> doublings.min(samples.trailing_zeros())
 }
 
 /// The most samples from which doubling begins where the map has this grain; infinite where it does not round.

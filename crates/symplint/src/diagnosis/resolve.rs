@@ -9,7 +9,7 @@ use super::limits::{
 use super::memory::fits;
 use super::plan::{Plan, power_below};
 use super::probe::Probe;
-use super::refined_samples::{RefinedSamples, most_rounded};
+use super::refined_samples::{RefinedSamples, coarse, most_rounded};
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
 use crate::evidence::WEAKEST_BOUND;
@@ -81,6 +81,18 @@ impl Diagnostic {
                 look(&refined.after);
                 probe
             }
+        }
+    }
+
+    /// The equispaced samples that [`resolve`](Self::resolve) is sure to advance first, if it is known.
+    pub(super) fn first_of_loop(&self, dof: usize, plan: &Plan) -> Option<usize> {
+        let first = plan.first_samples;
+        match (self.rule, self.samples) {
+            (Rule::Streaming(_), _) => None,
+            (Rule::Auto, _) if self.must_stream(dof) => None,
+            (_, SampleCount::Fixed(_)) => Some(first),
+            (Rule::Piecewise(_), SampleCount::Auto) => (first <= COARSE).then_some(first),
+            (_, SampleCount::Auto) => Some(coarse(first)),
         }
     }
 

@@ -213,6 +213,22 @@ impl<'a> Evaluator<'a> {
         self.advance_from(states, h, |_, _| Ok(()))
     }
 
+    /// Whether [`prefetch`](Self::prefetch) does anything.
+    pub fn has_prefetch(&self) -> bool {
+        self.substeps == self.map.substeps() && self.map.prefetch().is_some()
+    }
+
+    /// Tells the map of states that are sure to be advanced by a step of size `h`. They are counted when they are.
+    pub fn prefetch(&self, states: &mut Ensemble, h: f64) {
+        if self.has_prefetch()
+            && let Some(prefetch) = self.map.prefetch()
+        {
+            for block in states.blocks_of(self.map.block_width().max(1)) {
+                prefetch.begin(h, &block);
+            }
+        }
+    }
+
     /// The same from the states that `fill` writes into each block, which begins with the sample named: they
     /// are advanced while they are in the cache.
     ///
@@ -346,17 +362,35 @@ impl<'a> Evaluator<'a> {
         first_error(pairs.enumerate().map(each).collect())
     }
 
+    /// Tells the map that [`image`](Self::image) will be asked for at each set of parameters.
+    pub fn prefetch_images<'s>(
+        &self,
+        phase_loop: &dyn Loop,
+        h: f64,
+        sets: impl Iterator<Item = &'s [f64]>,
+    ) {
+        if self.has_prefetch() {
+            sets.for_each(|s| self.prefetch(&mut states_at(phase_loop, s), h));
+        }
+    }
+
     /// What one step makes of the loop at the parameters `s`, as many or few as wanted.
     ///
     /// # Errors
     /// Those of [`advance`](Self::advance).
     pub fn image(&self, phase_loop: &dyn Loop, h: f64, s: &[f64]) -> Result<Ensemble, Error> {
-        let mut states = Ensemble::zeros(phase_loop.dof(), s.len());
-        phase_loop.sample(s, &mut states.block());
+        let mut states = states_at(phase_loop, s);
         (self.advance(&mut states, h))
             .map_err(|error| error.at(|sample| StateAt::Loop(s[sample])))?;
         Ok(states)
     }
+}
+
+/// The states of the loop at the parameters `s`.
+fn states_at(phase_loop: &dyn Loop, s: &[f64]) -> Ensemble {
+    let mut states = Ensemble::zeros(phase_loop.dof(), s.len());
+    phase_loop.sample(s, &mut states.block());
+    states
 }
 
 /// What came of advancing a block that begins with sample `first`.

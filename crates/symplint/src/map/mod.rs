@@ -6,6 +6,7 @@ mod evaluator;
 mod grain;
 mod image_loop;
 mod loop_size;
+mod prefetch;
 mod tangent;
 
 pub use closures::{PerBlock, PerSample, StepOutcome};
@@ -15,6 +16,7 @@ pub(crate) use grain::{Before, Grain};
 pub(crate) use image_loop::ImageLoop;
 pub(crate) use loop_size::{ActionGroup, LoopSize};
 pub use loop_size::{BalancedRadii, balanced_radii};
+pub use prefetch::Prefetch;
 pub use tangent::TangentMap;
 
 #[cfg(doc)]
@@ -124,6 +126,11 @@ pub trait TimeAdvance: Send + Sync {
         false
     }
 
+    /// How the map is told of states before they are asked for, if it makes use of that.
+    fn prefetch(&self) -> Option<&dyn Prefetch> {
+        None
+    }
+
     /// The derivative of the step, if the map has it exactly. Without one, which is the default,
     /// derivatives are central differences.
     fn tangent(&self) -> Option<&dyn TangentMap> {
@@ -188,6 +195,9 @@ macro_rules! forward_time_advance {
             }
             fn is_stopped(&self) -> bool {
                 (**self).is_stopped()
+            }
+            fn prefetch(&self) -> Option<&dyn Prefetch> {
+                (**self).prefetch()
             }
             fn tangent(&self) -> Option<&dyn TangentMap> {
                 (**self).tangent()

@@ -1,6 +1,8 @@
 //! A block of samples: what a time-advance map works on.
 
-use crate::state::RowsMut;
+use std::ops::Range;
+
+use crate::state::{Ensemble, RowsMut};
 
 /// Positions and momenta of a run of samples, to be advanced in place.
 ///
@@ -45,6 +47,20 @@ impl<'a> Block<'a> {
     /// Whether no position and no momentum is infinite or NaN.
     pub fn all_finite(&self) -> bool {
         self.q.as_rows().all_finite() && self.p.as_rows().all_finite()
+    }
+
+    /// A copy of some samples.
+    ///
+    /// # Panics
+    /// If the block has fewer.
+    pub fn copy_of(&self, samples: Range<usize>) -> Ensemble {
+        let mut states = Ensemble::zeros(self.dof(), samples.len());
+        let mut copy = states.block();
+        for i in 0..self.dof() {
+            (copy.q.row_mut(i)).copy_from_slice(&self.q.row(i)[samples.clone()]);
+            (copy.p.row_mut(i)).copy_from_slice(&self.p.row(i)[samples.clone()]);
+        }
+        states
     }
 
     /// The same block for a shorter time, so that it can be passed on and used again.

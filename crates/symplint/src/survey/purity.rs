@@ -32,6 +32,8 @@ pub(crate) fn check_purity(
     let reversed: Vec<f64> = s.iter().rev().copied().collect();
     let twice = [s[0], s[0], s[1], s[0]];
     let forward = evaluator.image(phase_loop, h, &s)?;
+    let sets = [&reversed[..], &twice].into_iter().chain(s.chunks(1));
+    evaluator.prefetch_images(phase_loop, h, sets);
     let mut worst: Option<(f64, Difference, Error)> = None;
     let mut differs =
         |circumstance: &'static str, states: &Ensemble, from: usize, sample: usize| {

@@ -8,6 +8,7 @@ use crate::diagnosis::random_loops::{loop_of_kind, random_kind};
 use crate::diagnosis::resolve::Resolution;
 use crate::error::Error;
 use crate::evidence::{DofGroup, LoopEvidence, LoopKind, Omission, StepEvidence, Sweep};
+use crate::loops::FourierLoop;
 use crate::map::{ImageLoop, LoopSize};
 use crate::rules::{RuleKind, Subject};
 use crate::state::Ensemble;
@@ -18,6 +19,10 @@ const LOOPS_OF_GROUP: usize = 2;
 
 /// Random loops of an ample budget where the given loop breaks.
 const LOOPS_BESIDE_BREAKS: usize = 2;
+
+/// Loops are sure to be measured if all of them take no more than one part in so many of what is left: the first one
+/// may need more than the given one did.
+const SURE_PART: usize = 2;
 
 /// A loop beside the given one.
 pub(super) struct Other {
@@ -69,15 +74,26 @@ impl Run<'_> {
                 group: Some(group),
             }));
         }
+        let of_loop = given.cost.max(self.plan.first_samples);
+        let sure = self.sure_loops(of_loop).min(others.len());
+        self.prefetch_loops(subject, given, &others[..sure])?;
+        let mut omitted = 0;
         for (k, other) in others.iter().enumerate() {
-            if self.is_settled() {
+            if k >= sure && self.is_settled() {
                 break;
             }
-            if !self.try_loop(subject, given, other)? {
-                let omitted = others.len() - k;
-                self.omit(Omission::RandomLoops { count: omitted });
+            self.reserved = sure.saturating_sub(k + 1) * of_loop;
+            if self.try_loop(subject, given, other)? {
+                continue;
+            }
+            omitted += 1;
+            if k >= sure {
+                omitted += others.len() - k - 1;
                 break;
             }
+        }
+        if omitted > 0 {
+            self.omit(Omission::RandomLoops { count: omitted });
         }
         let winds = self.evidence.loops[0].winds;
         let affordable = self.left() >= given.cost.max(self.plan.first_samples);
@@ -86,6 +102,54 @@ impl Run<'_> {
         }
         self.evidence.evaluations.random_loops = self.count.made() - start;
         Ok(())
+    }
+
+    /// Tells the map of the first samples of loops that are sure to be measured.
+    fn prefetch_loops(
+        &self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+        others: &[Other],
+    ) -> Result<(), Error> {
+        let first = (self.diagnostic).first_of_loop(subject.dof(), &self.plan);
+        let Some(samples) = first.filter(|_| subject.evaluator.has_prefetch()) else {
+            return Ok(());
+        };
+        for other in others {
+            if let Some(random) = self.random(subject, given, other)? {
+                let subject = Subject {
+                    phase_loop: &subject.evaluator.on_manifold(random),
+                    ..subject
+                };
+                InitialSamples::new(subject).prefetch(samples, std::iter::once(self.largest));
+            }
+        }
+        Ok(())
+    }
+
+    /// So many loops beside the given one are measured whatever they show, where each takes so many evaluations: those
+    /// before which [`is_settled`](Self::is_settled) is false.
+    fn sure_loops(&self, of_loop: usize) -> usize {
+        let given = &self.evidence.loops[0];
+        let needed = match (given.is_broken(), self.plan.is_tight()) {
+            (true, true) => 0,
+            (true, false) => LOOPS_BESIDE_BREAKS,
+            (false, true) if given.shows_defect() => 1,
+            (false, _) => usize::MAX,
+        };
+        needed.min(self.left() / SURE_PART / of_loop)
+    }
+
+    /// The curve of a loop beside the given one, if there is one of its kind.
+    fn random(
+        &self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+        other: &Other,
+    ) -> Result<Option<FourierLoop>, Error> {
+        let seed = self.diagnostic.seed.wrapping_add(other.index as u64);
+        let coordinates = subject.coordinates();
+        loop_of_kind(other.kind, other.group, &given.size, coordinates, seed)
     }
 
     /// A random loop; whether the budget allowed it.
@@ -100,9 +164,7 @@ impl Run<'_> {
         if self.left() < least.max(self.plan.first_samples) {
             return Ok(false);
         }
-        let seed = self.diagnostic.seed.wrapping_add(other.index as u64);
-        let (kind, coordinates) = (other.kind, subject.coordinates());
-        let Some(random) = loop_of_kind(kind, other.group, &given.size, coordinates, seed)? else {
+        let Some(random) = self.random(subject, given, other)? else {
             return Ok(true);
         };
         let subject = Subject {
@@ -124,7 +186,7 @@ impl Run<'_> {
             Err(error) if of_the_map(&error) => self.failed(other, &error),
             // What nobody asked to move apart may be lost in rounding where it lies.
             Err(error @ (Error::NoArea { .. } | Error::LostInRounding { .. }))
-                if matches!(kind, LoopKind::Extended | LoopKind::Group) =>
+                if matches!(other.kind, LoopKind::Extended | LoopKind::Group) =>
             {
                 self.failed(other, &error);
             }
