@@ -249,11 +249,11 @@ pub fn ensemble(
     Ok(states)
 }
 
-/// States as two arrays of one row for each sample.
-pub fn arrays<'py>(
-    py: Python<'py>,
-    states: &Ensemble,
-) -> (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>) {
+/// Positions and momenta of one row for each sample.
+pub type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+/// States as two arrays.
+pub fn arrays<'py>(py: Python<'py>, states: &Ensemble) -> Arrays<'py> {
     let of = |rows: symplint::state::Rows<'_>| {
         let array = Array2::from_shape_fn((rows.len(), rows.count()), |(k, i)| rows.row(i)[k]);
         PyArray2::from_owned_array(py, array)

@@ -48,11 +48,31 @@ pub struct BlockCall<'py> {
 }
 
 impl<'py> BlockCall<'py> {
+    /// Calls the function for all states, one by one or a batch at a time, of numbers in single precision or not, and says
+    /// whether all are finite then.
+    ///
+    /// # Errors
+    /// The exception that it raised, or why its result is refused.
+    pub fn advance(
+        &self,
+        per_sample: bool,
+        single: bool,
+        kept: &mut Option<Py<Memory>>,
+        block: &mut Block<'_>,
+    ) -> Result<bool, Failed> {
+        match (per_sample, single) {
+            (false, false) => self.all::<f64>(kept, block),
+            (false, true) => self.all::<f32>(kept, block),
+            (true, false) => self.each::<f64>(kept, block),
+            (true, true) => self.each::<f32>(kept, block),
+        }
+    }
+
     /// Calls the function for all states, a batch at a time, and says whether all are finite then.
     ///
     /// # Errors
     /// The exception that it raised, or why its result is refused.
-    pub fn all<T: Number>(
+    fn all<T: Number>(
         &self,
         kept: &mut Option<Py<Memory>>,
         block: &mut Block<'_>,
@@ -144,7 +164,7 @@ impl<'py> BlockCall<'py> {
     ///
     /// # Errors
     /// The exception that it raised, or why its result is refused.
-    pub fn each<T: Number>(
+    fn each<T: Number>(
         &self,
         kept: &mut Option<Py<Memory>>,
         block: &mut Block<'_>,

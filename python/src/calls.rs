@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
-use symplint::{Block, StepFailure};
+use symplint::{Block, Ensemble, StepFailure};
 
 use crate::memory::{Loan, lend};
 
@@ -26,6 +26,8 @@ pub type Answer = Result<bool, StepFailure>;
 pub enum Call {
     /// Advance the states of a block.
     Step(f64, Loan<Answer>),
+    /// These states will have to be advanced.
+    Begin(f64, Ensemble),
     /// Put the states of a block on the constraint manifold.
     Project(Loan<Answer>),
     /// Write the states of a loop at these parameters.

@@ -1,10 +1,9 @@
 //! `symplint.check`: a diagnosis of a Python function or of an integrator of the library.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use numpy::PyArray2;
 use pyo3::prelude::*;
 use symplint::diagnosis::{Event, SampleCount};
 use symplint::map::{ProjectedLoop, balanced_radii};
@@ -12,7 +11,7 @@ use symplint::rules::{Cutoff, Cutoffs, Piecewise, Streaming};
 use symplint::{Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Rule, TimeAdvance, judge};
 use symplint_journal::Journal;
 
-use crate::arrays;
+use crate::arrays::{self, Arrays};
 use crate::calls::{self, Call, Caller};
 use crate::coordinates::Stated;
 use crate::error::{input_error, other_error};
@@ -22,6 +21,7 @@ use crate::models::Integrator;
 use crate::pool;
 use crate::report::{self, Report};
 use crate::step::{PythonLoop, PythonMap, Stoppable};
+use crate::workers::{self, Workers};
 
 /// What is tested: `symplint.check` has checked the types.
 #[derive(FromPyObject)]
@@ -45,6 +45,8 @@ pub struct Subject {
     /// Radii in q and p of a circle; nothing for those that the map suggests.
     radii: Option<(Vec<f64>, Vec<f64>)>,
     threads: Option<usize>,
+    /// Who takes the steps, if not this process.
+    workers: Option<Py<PyAny>>,
 }
 
 /// How it is tested.
@@ -112,6 +114,7 @@ struct Shared {
     integrator: Option<Arc<dyn TimeAdvance>>,
     coordinates: Coordinates,
     projects: bool,
+    has_workers: bool,
     native_loop: Option<Arc<dyn Loop>>,
     has_loop: bool,
     q0: Vec<f64>,
@@ -126,6 +129,7 @@ impl Subject {
             integrator,
             coordinates: self.coordinates.of(py, self.dof)?,
             projects: self.project.is_some(),
+            has_workers: self.workers.is_some(),
             native_loop: (self.native_loop.as_ref()).map(|given| Arc::clone(&given.get().inner)),
             has_loop: self.phase_loop.is_some(),
             q0: self.q0.clone(),
@@ -156,12 +160,16 @@ impl Subject {
     fn run<R: Send>(
         &self,
         py: Python<'_>,
-        (progress, journal): (Option<Py<PyAny>>, Option<Journal>),
+        (progress, journal): (Option<Py<PyAny>>, Option<Arc<Journal>>),
         step_size: f64,
         work: impl FnOnce(&dyn Caller, &dyn TimeAdvance, &dyn Loop) -> Result<R, Error> + Send,
     ) -> PyResult<Ran<R>> {
         let shared = self.shared(py)?;
         let mut functions = self.functions(py, progress);
+        let workers = self.workers.as_ref();
+        functions.workers = workers
+            .map(|workers| Workers::new(py, workers, journal.as_ref()))
+            .transpose()?;
         functions.journal = journal;
         let serve = |py: Python<'_>, call: Call| functions.serve(py, call);
         let with = |caller: &dyn Caller| shared.with(caller, step_size, work);
@@ -211,6 +219,7 @@ impl Shared {
                 caller,
                 self.coordinates.clone(),
                 self.projects,
+                self.has_workers,
             )),
         };
         let mut evaluations = 0;
@@ -252,7 +261,9 @@ pub fn check(
     journal: Option<(PathBuf, String)>,
 ) -> PyResult<(Report, Option<PyErr>)> {
     let run = report::start();
-    let journal = journal.map(|(path, of)| open(py, &path, &of)).transpose()?;
+    let journal = journal
+        .map(|(path, of)| workers::open(py, &path, &of))
+        .transpose()?;
     let config: serde_json::Value =
         serde_json::from_str(config).map_err(|error| other_error(py, &error.to_string()))?;
     let diagnostic = settings.diagnostic(py)?;
@@ -285,18 +296,19 @@ pub fn check(
         diagnosis.verdict = judge(&diagnosis.evidence);
     }
     let failed = (failed.get()).map(|error| functions.exception(py, error));
-    let replayed = functions.journal.as_ref().map_or(0, Journal::replayed);
-    let report = Report::new(diagnosis, title, config, &run, threads).replaying(replayed);
+    let replayed = (functions.journal.as_ref()).map_or(0, |journal| journal.replayed());
+    let found = functions.workers.as_ref().map(|workers| workers.found(py));
+    let found = found.transpose()?.unwrap_or_default();
+    if let Some(difference) = found.difference {
+        // What they leave of each other's states is noise.
+        diagnosis.evidence.survey.scatter.get_or_insert(difference);
+        diagnosis.verdict = judge(&diagnosis.evidence);
+    }
+    let report = (Report::new(diagnosis, title, config, &run, threads))
+        .replaying(replayed)
+        .by_workers(found.count);
     Ok((report, failed))
 }
-
-/// The journal in a file, of what a text in JSON describes.
-fn open(py: Python<'_>, path: &Path, of: &str) -> PyResult<Journal> {
-    let of = serde_json::from_str(of).map_err(|error| other_error(py, &error.to_string()))?;
-    Journal::open(path, &of).map_err(|error| input_error(py, &error.to_string()))
-}
-
-type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 
 /// Samples of the loop before and after a step of size h.
 #[pyfunction]

@@ -1,6 +1,7 @@
 //! The functions of the user, called on the thread that started the diagnosis.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -12,6 +13,7 @@ use crate::block_call::{BlockCall, Failed, width};
 use crate::calls::{Answer, Call, ends_programs};
 use crate::error::{diagnostic_error, input_error};
 use crate::memory::{Loan, Memory};
+use crate::workers::Workers;
 
 /// Exceptions that are kept to be the cause of an error of the diagnostic, at most: one for each step size and text, so more
 /// than there are step sizes in any sweep.
@@ -38,7 +40,9 @@ pub struct Functions {
     pub phase_loop: Option<Py<PyAny>>,
     pub progress: Option<Py<PyAny>>,
     /// Where the states that the step makes are noted, if anywhere.
-    pub journal: Option<Journal>,
+    pub journal: Option<Arc<Journal>>,
+    /// Who takes the steps, if not this process.
+    pub workers: Option<Workers>,
     /// Steps made for a step size, by its bits.
     made: HashMap<u64, Py<PyAny>>,
     memory: Option<Py<Memory>>,
@@ -107,6 +111,7 @@ impl Functions {
             phase_loop,
             progress,
             journal: None,
+            workers: None,
             made: HashMap::new(),
             memory: None,
             raised: Vec::new(),
@@ -121,8 +126,16 @@ impl Functions {
     /// An exception that stops the diagnosis.
     pub fn serve(&mut self, py: Python<'_>, call: Call) -> PyResult<()> {
         match call {
+            Call::Begin(h, states) => match &self.workers {
+                Some(workers) => workers.begin(py, h, &states),
+                None => Ok(()),
+            },
             Call::Step(h, mut loan) => {
-                let advanced = self.advance(py, h, &mut loan.block());
+                let mut block = loan.block();
+                let advanced = match &self.workers {
+                    Some(workers) => advance_by_workers(py, workers, h, &mut block)?,
+                    None => self.advance(py, h, &mut block),
+                };
                 self.answer(py, loan, Of::Step(h), advanced)
             }
             Call::Project(mut loan) => {
@@ -222,12 +235,8 @@ impl Functions {
             what: if step.make { "advance" } else { "step" },
         };
         let memory = &mut self.memory;
-        let mut advance = |block: &mut Block<'_>| match (step.per_sample, step.single) {
-            (false, false) => call.all::<f64>(memory, block),
-            (false, true) => call.all::<f32>(memory, block),
-            (true, false) => call.each::<f64>(memory, block),
-            (true, true) => call.each::<f32>(memory, block),
-        };
+        let mut advance =
+            |block: &mut Block<'_>| call.advance(step.per_sample, step.single, memory, block);
         let Some(journal) = &self.journal else {
             return advance(block);
         };
@@ -263,10 +272,7 @@ impl Functions {
             what: "project",
         };
         let per_sample = self.step.as_ref().is_some_and(|step| step.per_sample);
-        match per_sample {
-            false => call.all::<f64>(&mut self.memory, block),
-            true => call.each::<f64>(&mut self.memory, block),
-        }
+        call.advance(per_sample, false, &mut self.memory, block)
     }
 
     /// Writes the states of the loop at the parameters s.
@@ -290,5 +296,25 @@ impl Functions {
             }
             None => Ok(()),
         }
+    }
+}
+
+/// Lets workers advance the states of a block.
+///
+/// # Errors
+/// If states can be sent to no worker.
+fn advance_by_workers(
+    py: Python<'_>,
+    workers: &Workers,
+    h: f64,
+    block: &mut Block<'_>,
+) -> PyResult<Result<bool, Failed>> {
+    let states = block.copy_of(0..block.len());
+    match workers.advance(py, h, &states)? {
+        Ok((q, p)) => {
+            let finite = read_rows(&q, "q", &mut block.q)? & read_rows(&p, "p", &mut block.p)?;
+            Ok(Ok(finite))
+        }
+        Err((sample, error)) => Ok(Err(Failed { sample, error })),
     }
 }

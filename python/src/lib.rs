@@ -11,6 +11,7 @@
 //! | `functions` | the functions of the user |
 //! | `block_call` | one of them called for the states of a block |
 //! | `step` | maps, manifolds and loops made of functions, as the diagnostic sees them |
+//! | `workers` | steps that other processes take |
 //! | `arrays` | numbers from Python objects, and blocks from arrays of any order |
 //! | `loops`, `models` | loops, systems and integrators of the library |
 //! | `coordinates` | periods and weights |
@@ -33,6 +34,7 @@ mod models;
 mod pool;
 mod report;
 mod step;
+mod workers;
 
 /// The native part of symplint.
 #[pyo3::pymodule]
@@ -57,4 +59,6 @@ mod _native {
     use crate::models::{Integrator, System, catalogue};
     #[pymodule_export]
     use crate::report::Report;
+    #[pymodule_export]
+    use crate::workers::{SharedJournal, advance};
 }

@@ -65,6 +65,12 @@ impl Report {
         self
     }
 
+    /// The same of a run whose steps so many processes took.
+    pub fn by_workers(mut self, count: usize) -> Self {
+        self.provenance.workers = count;
+        self
+    }
+
     fn json(&self) -> String {
         JsonReport::new(&self.config, &self.diagnosis, self.provenance.clone()).to_json()
     }

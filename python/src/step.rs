@@ -1,6 +1,6 @@
 //! Functions of the user as maps, manifolds and loops: what the threads of a diagnosis see of them.
 
-use symplint::map::Constraint;
+use symplint::map::{Constraint, Prefetch};
 use symplint::{Block, Coordinates, Loop, StepFailure, TimeAdvance};
 
 use crate::calls::{Call, Caller, call, stopped};
@@ -13,18 +13,27 @@ pub struct PythonMap<'a> {
     caller: &'a dyn Caller,
     coordinates: Coordinates,
     projection: Option<Projection<'a>>,
+    /// Whether workers take the steps.
+    has_workers: bool,
 }
 
 /// A manifold on which a Python function puts states.
 struct Projection<'a>(&'a dyn Caller);
 
 impl<'a> PythonMap<'a> {
-    /// The map; `projects` says whether there is a function that puts states on a manifold.
-    pub fn new(caller: &'a dyn Caller, coordinates: Coordinates, projects: bool) -> Self {
+    /// The map; `projects` says whether there is a function that puts states on a manifold, and `has_workers` whether workers
+    /// take the steps.
+    pub fn new(
+        caller: &'a dyn Caller,
+        coordinates: Coordinates,
+        projects: bool,
+        has_workers: bool,
+    ) -> Self {
         PythonMap {
             caller,
             coordinates,
             projection: projects.then_some(Projection(caller)),
+            has_workers,
         }
     }
 }
@@ -54,9 +63,20 @@ impl TimeAdvance for PythonMap<'_> {
         self.caller.is_stopped()
     }
 
+    fn prefetch(&self) -> Option<&dyn Prefetch> {
+        self.has_workers.then_some(self)
+    }
+
     fn constraint(&self) -> Option<&dyn Constraint> {
         let projection = self.projection.as_ref()?;
         Some(projection)
+    }
+}
+
+impl Prefetch for PythonMap<'_> {
+    fn begin(&self, h: f64, block: &Block<'_>) {
+        let states = block.copy_of(0..block.len());
+        self.caller.tell(Call::Begin(h, states));
     }
 }
 

@@ -20,6 +20,7 @@ from ._fingerprint import fingerprint
 from ._loops import Loop, centre, radii
 from ._progress import bar
 from ._report import Report
+from ._workers import Workers
 from .integrators import Integrator, of_system
 from .systems import System
 
@@ -57,6 +58,7 @@ def check(
     reset: Callable[[], object] | None = None,
     dtype: npt.DTypeLike | None = None,
     jacobian: bool = True,
+    executor: Any = None,
     threads: int | None = None,
     out: str | os.PathLike[str] | None = None,
     progress: bool | Callable[[int, int, float | None], object] | None = None,
@@ -121,6 +123,11 @@ def check(
         Where the map computes in single precision: `step` then gets arrays of it.
     jacobian : bool
         Whether the Jacobian of one step is also checked.
+    executor : executor, optional
+        Who takes the steps: anything with a method `submit` or `map` as those of `concurrent.futures`, such as a pool of
+        processes, a client of Dask, or an ``MPIPoolExecutor``. States are cut into at most 64 arcs, or into single states where
+        `step` takes one, and `step` is called for each. Results do not depend on the number of workers. Where a worker
+        dies, another one takes its arcs.
     threads : int, optional
         Threads for the work of the library: by default, for a function, the calling thread alone, which is faster unless
         there are very many degrees of freedom, and for an integrator of the library, one for each core. `step` is called
@@ -173,7 +180,7 @@ def check(
     subject = _subject(
         step, q0, p0, radius=radius, loop=loop, project=project, period=period,
         momentum_period=momentum_period, weight=weight, per_sample=per_sample, make=make, reset=reset, dtype=dtype,
-        threads=threads,
+        threads=threads, executor=executor,
     )  # fmt: skip
     compiled = subject["integrator"] is not None
     if step_sizes is not None and h is not None:
@@ -196,8 +203,10 @@ def check(
     dof = subject["dof"]
     title = f"{name} · {dof} degree{'' if dof == 1 else 's'} of freedom"
     journal = None if out is None or compiled else _journal(out, step, project, config, subject)
-    with bar(progress) as watch, _resumable(journal):
+    workers = contextlib.nullcontext() if subject["workers"] is None else contextlib.closing(subject["workers"])
+    with bar(progress) as watch, _resumable(journal), workers:
         native, failed = _native.check(subject, settings, title, json.dumps(_finite(config)), watch, journal)
+    subject["workers"] = None
     report = Report(native, lambda size, samples: _native.image(subject, size, samples))
     if out is not None:
         report.save(out)
@@ -284,6 +293,7 @@ def _subject(
     reset: Any,
     dtype: Any,
     threads: int | None,
+    executor: Any = None,
 ) -> dict[str, Any]:
     """What is tested, as the native module takes it."""
     integrator = step if isinstance(step, Integrator) else None
@@ -295,7 +305,7 @@ def _subject(
     if integrator is not None:
         of_steps = {
             "project": project, "period": period, "momentum_period": momentum_period, "weight": weight, "reset": reset,
-            "dtype": dtype, "per_sample": per_sample or None, "make": make or None,
+            "dtype": dtype, "per_sample": per_sample or None, "make": make or None, "executor": executor,
         }  # fmt: skip
         if refused := [name for name, value in of_steps.items() if value is not None]:
             raise InputError(f"{refused[0]} is for functions; an integrator of symplint states its own")
@@ -338,6 +348,11 @@ def _subject(
         "p0": centres[1],
         "radii": of_circle,
         "threads": None if threads is None else whole(threads, "threads", 1),
+        "workers": None
+        if executor is None
+        else Workers(
+            executor, step, per_sample=bool(per_sample), make=bool(make), single=_is_single(dtype), reset=reset
+        ),
     }
 
 
@@ -353,6 +368,9 @@ def _journal(
     run: dict[str, Any] = {"symplint": _native.__version__, **config, "step": fingerprint(step)}
     if project is not None:
         run["project"] = fingerprint(project)
+    if subject["workers"] is not None and not subject["per_sample"]:
+        # Calls of arcs are not those of whole sets of states.
+        run["arcs"] = True
     # Long arrays are left out of the configuration.
     run["centre"] = {key: np.asarray(subject[key]) for key in ("q0", "p0")}
     run["centre"] = {key: hashlib.sha256(row.tobytes()).hexdigest() for key, row in run["centre"].items()}

@@ -81,10 +81,10 @@ class _Seen:
         # A cell is empty before the variable is assigned.
         outer = {other: cell.cell_contents for other, cell in cells if cell != types.CellType()}
         used = {other: function.__globals__.get(other) for other in _named(function, ("LOAD_GLOBAL", "LOAD_NAME"))}
-        for kind in (outer, used):
-            for other in sorted(kind):
+        for values in (outer, used):
+            for other in sorted(values):
                 if other not in assigned:
-                    self.add(_join(name, other), kind[other], assigned)
+                    self.add(_join(name, other), values[other], assigned)
 
     def _add_attributes(self, name: str, value: Any, unless: frozenset[str]) -> None:
         attributes = getattr(value, "__dict__", {})

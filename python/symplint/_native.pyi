@@ -56,6 +56,22 @@ class System:
     def config(self) -> str: ...
 
 @final
+class SharedJournal:
+    """The journal of a check whose states are advanced elsewhere."""
+
+    def find(self, h: float, q: _Array, p: _Array) -> tuple[object, tuple[_Array, _Array] | None]: ...
+    def note(self, call: object, q: _Array, p: _Array) -> None: ...
+
+def advance(
+    function: Callable[..., Any],
+    h: float | None,
+    reset: Callable[[], object] | None,
+    per_sample: bool,
+    single: bool,
+    q: _Array,
+    p: _Array,
+) -> tuple[tuple[_Array, _Array] | None, tuple[int, Exception] | None]: ...
+@final
 class Integrator:
     """One step of a method for a system."""
 

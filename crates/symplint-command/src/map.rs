@@ -102,7 +102,7 @@ impl CommandMap {
             return self.run(h, states);
         };
         journal.advance(h, &mut states.block(), |block| {
-            let after = self.run(h, part(block, 0, block.len()))?;
+            let after = self.run(h, block.copy_of(0..block.len()))?;
             put_back(block, 0, &after);
             Ok::<(), StepFailure>(())
         })?;
@@ -131,7 +131,7 @@ impl TimeAdvance for CommandMap {
         let batch = self.limits.batch.get();
         let firsts: Vec<usize> = (0..block.len()).step_by(batch).collect();
         let parts: Vec<Ensemble> = (firsts.iter())
-            .map(|&first| part(block, first, batch.min(block.len() - first)))
+            .map(|&first| block.copy_of(first..block.len().min(first + batch)))
             .collect();
         // Parts are taken in their order, and none after a failure: the first failure is the same however many are
         // advanced at a time, and a program that hangs is not waited for once more for each part.
@@ -183,18 +183,6 @@ impl TimeAdvance for CommandMap {
         // Calls that cannot be noted would be lost.
         (self.journal.get()).is_some_and(|journal| journal.failure().is_some())
     }
-}
-
-/// A copy of some samples of a block.
-fn part(block: &Block<'_>, first: usize, samples: usize) -> Ensemble {
-    let mut states = Ensemble::zeros(block.dof(), samples);
-    let mut copy = states.block();
-    let range = first..first + samples;
-    for i in 0..block.dof() {
-        (copy.q.row_mut(i)).copy_from_slice(&block.q.row(i)[range.clone()]);
-        (copy.p.row_mut(i)).copy_from_slice(&block.p.row(i)[range.clone()]);
-    }
-    states
 }
 
 fn put_back(block: &mut Block<'_>, first: usize, states: &Ensemble) {

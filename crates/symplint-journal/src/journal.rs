@@ -156,19 +156,43 @@ impl Journal {
         block: &mut Block<'_>,
         advance: impl FnOnce(&mut Block<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
-        let call = self.next(key(h, block));
-        let replayed = self.replay(call, block);
-        match replayed.map_err(|error| self.failed("read", &error))? {
-            true => {
-                self.replayed.fetch_add(block.len(), Ordering::Relaxed);
-                Ok(())
-            }
-            false => {
-                advance(block)?;
-                self.note(call, block)
-                    .map_err(|error| self.failed("write", &error).into())
-            }
+        let call = self.call(h, block);
+        if !self.replay(call, block)? {
+            advance(block)?;
+            self.note(call, block)?;
         }
+        Ok(())
+    }
+
+    /// The next call with these states and this step size, which differs from those before it: for calls that are begun
+    /// now and end later, in any order.
+    pub fn call(&self, h: f64, block: &Block<'_>) -> Call {
+        let key = key(h, block);
+        let mut records = self.records();
+        let asked = records.asked.entry(key).or_insert(0);
+        let before = *asked;
+        *asked = asked.saturating_add(1);
+        (key, before)
+    }
+
+    /// Writes into the block what the journal has of a call, and says whether it has it.
+    ///
+    /// # Errors
+    /// If the journal cannot be read.
+    pub fn replay(&self, call: Call, block: &mut Block<'_>) -> Result<bool, JournalError> {
+        let replayed = (self.read(call, block)).map_err(|error| self.failed("read", &error))?;
+        if replayed {
+            self.replayed.fetch_add(block.len(), Ordering::Relaxed);
+        }
+        Ok(replayed)
+    }
+
+    /// Notes what came of a call.
+    ///
+    /// # Errors
+    /// If the journal cannot be written: then it ends as it did before.
+    pub fn note(&self, call: Call, block: &Block<'_>) -> Result<(), JournalError> {
+        (self.write(call, block)).map_err(|error| self.failed("write", &error))
     }
 
     /// Evaluations that were replayed so far.
@@ -186,16 +210,7 @@ impl Journal {
         self.records.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn next(&self, key: Key) -> Call {
-        let mut records = self.records();
-        let asked = records.asked.entry(key).or_insert(0);
-        let before = *asked;
-        *asked = asked.saturating_add(1);
-        (key, before)
-    }
-
-    /// Writes into the block what the journal has of a call, and says whether it has it.
-    fn replay(&self, call: Call, block: &mut Block<'_>) -> io::Result<bool> {
+    fn read(&self, call: Call, block: &mut Block<'_>) -> io::Result<bool> {
         let mut records = self.records();
         let count = 2 * (block.dof() * block.len()) as u64;
         let found = records.found.get(&call).copied();
@@ -218,8 +233,7 @@ impl Journal {
         Ok(true)
     }
 
-    /// Adds what came of a call. Where that fails the file ends as it did before.
-    fn note(&self, call: Call, block: &Block<'_>) -> io::Result<()> {
+    fn write(&self, call: Call, block: &Block<'_>) -> io::Result<()> {
         let rows = |i: usize| match i < block.dof() {
             true => block.q.row(i),
             false => block.p.row(i - block.dof()),

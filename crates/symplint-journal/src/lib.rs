@@ -19,3 +19,4 @@ mod record;
 
 pub use error::JournalError;
 pub use journal::Journal;
+pub use record::Call;

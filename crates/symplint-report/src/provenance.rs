@@ -45,6 +45,7 @@ impl Run {
             seeds: BTreeMap::new(),
             files: Vec::new(),
             replayed: 0,
+            workers: 0,
         }
     }
 }
@@ -71,6 +72,9 @@ pub struct Provenance {
     /// Evaluations that an earlier run had made: they were read from its journal.
     #[serde(default)]
     pub replayed: usize,
+    /// Processes that took the steps, where workers did.
+    #[serde(default)]
+    pub workers: usize,
 }
 
 /// A file by its contents.

@@ -1,0 +1,449 @@
+"""Steps that the workers of an executor take: threads, processes, or other machines.
+
+States are cut into arcs that depend on their number alone, and put together in their order: what comes of them is the same to
+the last bit for any number of workers. Several arcs make one task where they take little time.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import socket
+import threading
+import time
+import traceback
+import uuid
+import warnings
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPoolExecutor
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._errors import InputError
+
+#: Arcs of one set of states, at most.
+MOST_ARCS = 64
+#: Seconds that a task should take, at least: to send it takes about a millisecond.
+TASK_SECONDS = 0.005
+#: States that every worker advances first, so that all can be compared.
+COMPARED = 8
+
+Array = npt.NDArray[np.float64]
+States = tuple[Array, Array]
+
+
+class Workers:
+    """The workers of an executor, which take the steps of a check."""
+
+    def __init__(self, executor: Any, step: Callable[..., Any], *, per_sample: bool, make: bool, single: bool, reset: Any):
+        # That of Dask has an interface of its own, beside the one of the standard library.
+        executor = executor.get_executor() if hasattr(executor, "get_executor") else executor
+        if not callable(getattr(executor, "submit", None)):
+            if not callable(getattr(executor, "map", None)):
+                message = "give one with a method submit or map, as those of concurrent.futures have"
+                raise InputError(f"executor is an object of type {type(executor).__name__}; {message}")
+            executor = _OfMap(executor)
+        self._executor: Any = executor
+        self._renewed = False
+        self._step = _Step(step, per_sample, make, single, reset, uuid.uuid4().hex)
+        if isinstance(executor, ProcessPoolExecutor):
+            _check_can_be_sent(self._step)
+        #: What notes the states that are advanced, if anything does.
+        self.journal: Any = None
+        self._begun: dict[bytes, deque[_Arc]] = {}
+        self._tasks: set[_Task] = set()
+        self._lock = threading.Lock()
+        self._compared: tuple[float, Array, Array] | None = None
+        self._reference: States | None = None
+        self._processes: set[str] = set()
+        self._difference: tuple[str, int, float] | None = None
+        #: Seconds that an arc takes, once that is known.
+        self._seconds: float | None = None
+
+    def begin(self, h: float, q: Array, p: Array) -> None:
+        """Lets workers begin to advance states that will be asked for."""
+        arcs = [_Arc(h, *states) for states in self._cut(q, p)]
+        for arc in arcs:
+            self._begun.setdefault(arc.key, deque()).append(arc)
+        self._submit(arcs)
+
+    def advance(self, h: float, q: Array, p: Array) -> tuple[States | None, tuple[int, BaseException] | None]:
+        """What comes of states, or the sample at which that failed first and why."""
+        arcs, new = [], []
+        for states in self._cut(q, p):
+            arc = _Arc(h, *states)
+            if begun := self._begun.get(arc.key):
+                arc = begun.popleft()
+                if not begun:
+                    del self._begun[arc.key]
+            else:
+                new.append(arc)
+            arcs.append(arc)
+        self._submit(new)
+        first = 0
+        for arc in arcs:
+            self._wait(arc)
+            if arc.failure is not None:
+                sample, error = arc.failure
+                return None, (first + sample, error)
+            first += len(arc.q)
+        done = [arc.after for arc in arcs if arc.after is not None]
+        return (np.concatenate([q for q, _ in done]), np.concatenate([p for _, p in done])), None
+
+    def found(self) -> tuple[int, tuple[str, int, float] | None]:
+        """How many processes took steps, and the largest difference between their results for the same states."""
+        return len(self._processes), self._difference
+
+    def close(self) -> None:
+        """Gives up what was not asked for; where a journal is kept, but for what is under way."""
+        under_way = [task for task in list(self._tasks) if task.future is not None and not task.future.cancel()]
+        try:
+            if self.journal is not None:
+                for task in under_way:
+                    task.done.wait()
+        finally:
+            # Another check may want it.
+            self.journal = None
+        if self._renewed:
+            self._executor.shutdown(wait=False, cancel_futures=True)
+        if self._difference is not None:
+            name, dof, size = self._difference
+            message = f"of the same states workers make {name} that differ by up to {size:.2g} in degree of freedom {dof}"
+            warnings.warn(f"{message}: that is taken for noise", stacklevel=4)
+
+    def _cut(self, q: Array, p: Array) -> Iterator[States]:
+        """The arcs of states."""
+        width = 1 if self._step.per_sample else max(1, -(-len(q) // MOST_ARCS))
+        for first in range(0, len(q), width):
+            yield q[first : first + width], p[first : first + width]
+
+    def _submit(self, arcs: list[_Arc]) -> None:
+        """Sends arcs to workers, but those that the journal has."""
+        wanted = []
+        for arc in arcs:
+            if self.journal is not None:
+                arc.call, found = self.journal.find(arc.h, arc.q, arc.p)
+                if found is not None:
+                    arc.finish(found)
+                    continue
+            wanted.append(arc)
+        if wanted and self._compared is None:
+            self._compared = (wanted[0].h, *_first(wanted, COMPARED))
+            # Those that have nothing else to do yet are compared meanwhile.
+            for _ in range(_count(self._executor) - len(wanted)):
+                self._send(_Task([]))
+        together = 1
+        # What is noted is lost with no more than the call under way.
+        if self._seconds is not None and self.journal is None:
+            together = max(1, int(TASK_SECONDS / max(self._seconds, 1e-9)))
+        for first in range(0, len(wanted), together):
+            self._send(_Task(wanted[first : first + together]))
+
+    def _send(self, task: _Task) -> None:
+        arguments = (self._step, self._compared, [(arc.h, arc.q, arc.p) for arc in task.arcs])
+        task.executor = self._executor
+        self._tasks.add(task)
+        for arc in task.arcs:
+            arc.task = task
+        try:
+            task.future = self._executor.submit(_advance, *arguments)
+        except BrokenExecutor as error:
+            task.broken = error
+            task.done.set()
+            return
+        except RuntimeError as error:
+            raise InputError(f"the executor takes no more work: {error}; shut it down after the check") from error
+        task.future.add_done_callback(lambda future: self._take(task, future))
+
+    def _take(self, task: _Task, future: Future[_Result]) -> None:
+        """Takes what a task made of its arcs, and notes it at once. Executors call this on threads of their own."""
+        try:
+            try:
+                result = future.result()
+            except BaseException as error:
+                # Dask makes tasks again where workers die, some times.
+                if isinstance(error, BrokenExecutor | CancelledError) or type(error).__name__ == "KilledWorker":
+                    task.broken = error
+                else:
+                    task.error = error
+                return
+            with self._lock:
+                self._compare(result)
+                if result.states:
+                    self._seconds = result.seconds / len(result.states)
+            journal = self.journal
+            for arc, after in zip(task.arcs, result.states, strict=False):
+                if isinstance(after, _Failure):
+                    arc.fail(after.sample, after.error)
+                    continue
+                if journal is not None:
+                    journal.note(arc.call, *after)
+                arc.finish(after)
+        except BaseException as error:
+            task.error = error
+        finally:
+            self._tasks.discard(task)
+            task.done.set()
+
+    def _wait(self, arc: _Arc) -> None:
+        """Waits until an arc is advanced. Where a worker died, it is sent to another one."""
+        while not arc.is_done:
+            task = arc.task
+            assert task is not None
+            if isinstance(self._executor, _OfMap):
+                self._executor.make()
+            task.done.wait()
+            if task.error is not None:
+                raise task.error
+            if not arc.is_done and task.broken is not None:
+                self._send_again(task)
+
+    def _send_again(self, broken: _Task) -> None:
+        """Sends all arcs that were lost with a worker to another one."""
+        if broken.executor is self._executor:
+            self._renew(broken)
+        waiting = [arc for arcs in self._begun.values() for arc in arcs]
+        lost = {arc.task for arc in waiting if arc.task is not None and arc.task.broken is not None}
+        for task in [broken, *(lost - {broken})]:
+            task.done.wait()
+            for arc in task.arcs:
+                if arc.is_done or arc.task is not task:
+                    continue
+                arc.deaths += 1
+                if arc.deaths < 2:
+                    self._send(_Task([arc]))
+                    continue
+                # It, or another one that was under way, ends workers: alone it is told from others.
+                self._settle()
+                alone = _Task([arc])
+                self._send(alone)
+                alone.done.wait()
+                if alone.broken is not None and not arc.is_done:
+                    reason = f"{type(alone.broken).__name__}: {alone.broken}"
+                    arc.fail(0, RuntimeError(f"every worker that was to advance this state died ({reason})"))
+                    self._renew(alone)
+
+    def _settle(self) -> None:
+        """Waits until no task is under way."""
+        for task in list(self._tasks):
+            task.done.wait()
+        if isinstance(self._executor, ProcessPoolExecutor) and getattr(self._executor, "_broken", False):
+            self._renew(None)
+
+    def _renew(self, broken: _Task | None) -> None:
+        """A pool of processes takes no more work after one of them died: another one like it does."""
+        if broken is not None and broken.executor is not self._executor:
+            return
+        if isinstance(self._executor, ProcessPoolExecutor):
+            old: Any = self._executor
+            self._executor = ProcessPoolExecutor(
+                max_workers=old._max_workers,
+                mp_context=old._mp_context,
+                initializer=old._initializer,
+                initargs=old._initargs,
+            )
+            if self._renewed:
+                old.shutdown(wait=False, cancel_futures=True)
+            self._renewed = True
+
+    def _compare(self, result: _Result) -> None:
+        """Compares what a worker makes of the same states with what the first one did."""
+        self._processes.add(result.process)
+        if result.compared is None:
+            return
+        if self._reference is None:
+            self._reference = result.compared
+        for name, of_first, found in zip("qp", self._reference, result.compared, strict=True):
+            apart = np.abs(found - of_first)
+            if of_first.tobytes() != found.tobytes() and apart.max(initial=0.0) > 0.0:
+                dof = int(apart.max(axis=0).argmax())
+                size = float(apart[:, dof].max())
+                if self._difference is None or size > self._difference[2]:
+                    self._difference = (name, dof, size)
+
+
+class _OfMap:
+    """An executor of what has a method map alone, as pools of `multiprocessing` and MPI have."""
+
+    def __init__(self, pool: Any) -> None:
+        self._pool = pool
+        self._waiting: list[tuple[Future[_Result], Any]] = []
+
+    def submit(self, function: Callable[..., _Result], *arguments: Any) -> Future[_Result]:
+        future: Future[_Result] = Future()
+        self._waiting.append((future, (function, arguments)))
+        return future
+
+    def make(self) -> None:
+        """Makes all tasks that wait."""
+        waiting, self._waiting = self._waiting, []
+        if waiting:
+            results = self._pool.map(_apply, [work for _, work in waiting])
+            for (future, _), result in zip(waiting, results, strict=True):
+                future.set_result(result)
+
+
+def _apply(work: tuple[Callable[..., _Result], tuple[Any, ...]]) -> _Result:
+    function, arguments = work
+    return function(*arguments)
+
+
+class _Arc:
+    """States that are advanced together."""
+
+    def __init__(self, h: float, q: Array, p: Array) -> None:
+        self.h, self.q, self.p = h, np.ascontiguousarray(q), np.ascontiguousarray(p)
+        digest = hashlib.blake2b(np.float64(h).tobytes(), digest_size=16)
+        digest.update(self.q.tobytes())
+        digest.update(self.p.tobytes())
+        self.key = digest.digest()
+        #: What the journal knows it by.
+        self.call: Any = None
+        self.task: _Task | None = None
+        self.after: States | None = None
+        self.failure: tuple[int, BaseException] | None = None
+        #: Workers that died with it.
+        self.deaths = 0
+
+    @property
+    def is_done(self) -> bool:
+        return self.after is not None or self.failure is not None
+
+    def finish(self, after: States) -> None:
+        self.after = after
+
+    def fail(self, sample: int, error: BaseException) -> None:
+        self.failure = (sample, error)
+
+
+class _Task:
+    """Arcs that a worker advances."""
+
+    def __init__(self, arcs: list[_Arc]) -> None:
+        self.arcs = arcs
+        self.executor: Any = None
+        self.future: Future[_Result] | None = None
+        self.done = threading.Event()
+        #: Why its worker is lost.
+        self.broken: BaseException | None = None
+        #: What stops the check.
+        self.error: BaseException | None = None
+
+
+class _Step:
+    """The step, as workers get it."""
+
+    def __init__(self, function: Any, per_sample: bool, make: bool, single: bool, reset: Any, of_check: str) -> None:
+        self.function, self.per_sample, self.make = function, per_sample, make
+        self.single, self.reset, self.of_check = single, reset, of_check
+        #: The process of the check.
+        self.home = _process()
+
+
+class _Failure:
+    """An exception of the step, and the sample of the arc."""
+
+    def __init__(self, sample: int, error: BaseException) -> None:
+        self.sample, self.error = sample, error
+
+
+class _Result:
+    """What a worker made of a task."""
+
+    def __init__(self) -> None:
+        self.process = _process()
+        self.states: list[States | _Failure] = []
+        self.seconds = 0.0
+        #: The states that all workers advance, with the first task of each.
+        self.compared: States | None = None
+
+
+def _process() -> str:
+    """This process on this machine."""
+    return f"{socket.gethostname()}:{os.getpid()}"
+
+
+#: The check for which this process has advanced the states that all workers advance, and the steps made for it.
+_known: dict[str, dict[float, Any]] = {}
+_known_lock = threading.Lock()
+
+
+def _advance(step: _Step, compared: tuple[float, Array, Array] | None, arcs: list[tuple[float, Array, Array]]) -> _Result:
+    """Advances arcs, in the process of a worker."""
+    with _known_lock:
+        is_first = step.of_check not in _known
+        if is_first:
+            _known.clear()
+            _known[step.of_check] = {}
+    result = _Result()
+    # The process of the check knows of no other one.
+    if is_first and compared is not None and step.home != result.process:
+        after = _call(step, *compared)
+        result.compared = None if isinstance(after, _Failure) else after
+    start = time.perf_counter()
+    for arc in arcs:
+        after = _call(step, *arc)
+        result.states.append(after)
+    result.seconds = time.perf_counter() - start
+    return result
+
+
+def _call(step: _Step, h: float, q: Array, p: Array) -> States | _Failure:
+    function = step.function
+    if step.make:
+        made = _known.get(step.of_check, {})
+        if h not in made:
+            try:
+                made[h] = step.function(h)
+            except Exception as error:
+                return _Failure(0, _sendable(step, error))
+        function = made[h]
+    states, failed = _native.advance(
+        function, None if step.make else h, step.reset, step.per_sample, step.single, q, p
+    )  # fmt: skip
+    if failed is not None:
+        sample, raised = failed
+        return _Failure(sample, _sendable(step, raised))
+    assert states is not None
+    return states
+
+
+def _sendable(step: _Step, error: BaseException) -> BaseException:
+    """The exception for the process of the check, with its traceback as a note, or one with its text where it cannot be sent."""
+    if step.home == _process():
+        return error
+    text = "".join(traceback.format_exception(error))
+    sent = error
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        sent = RuntimeError(f"{type(error).__name__}: {error}")
+    sent.add_note("in a worker:\n" + text)
+    return sent
+
+
+def _count(executor: Any) -> int:
+    """Workers of an executor, as far as it says so."""
+    # Of the standard library and of mpi4py; neither has a public name for it.
+    found = getattr(executor, "_max_workers", None) or getattr(executor, "num_workers", None)
+    return found if isinstance(found, int) else 0
+
+
+def _first(arcs: list[_Arc], count: int) -> States:
+    """The first states of arcs."""
+    q = np.concatenate([arc.q for arc in arcs[:count]])[:count]
+    p = np.concatenate([arc.p for arc in arcs[:count]])[:count]
+    return q, p
+
+
+def _check_can_be_sent(step: _Step) -> None:
+    try:
+        pickle.dumps(step)
+    except Exception as error:
+        remedy = "define it at the top level of a module, or give an executor of threads or of Dask"
+        raise InputError(f"step cannot be sent to other processes: {error}; {remedy}") from error
