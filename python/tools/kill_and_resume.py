@@ -125,7 +125,7 @@ def one(kind: str, scratch: Path, number: int, whole: tuple[dict, Counter, float
     time.sleep(random.Random(f"{kind} {number}").uniform(0.0, seconds))
     process.send_signal(signal.SIGKILL)
     process.wait()
-    # A program that was called when it happened ends on its own.
+    # A program that was called when it happened ends with it.
     time.sleep(0.3 if kind == "command" else 0.0)
     before = calls(counts).total()
     finish(kind, folder, counts)

@@ -31,6 +31,14 @@ failed run; 3 undecided; 130 interrupted.";
 const EXIT_STATUS: &str = "Exit status: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
 failed run; 3 undecided; 130 interrupted.";
 
+const JOBS: &str = "Example:
+  symplint plan run.toml --out run                  a round of calls
+  symplint advance run --part 1/8                   a part of it; likewise 2/8 to 8/8
+  symplint collect run                              the next round, or the verdict
+
+Exit status of `plan`: 0 there is a round, or the verdict is symplectic. Of `collect`: 4 there is another round; else that of \
+`check`. Of `advance`: 0 all calls were made; 2 some failed.";
+
 /// The commands.
 #[derive(Subcommand)]
 pub enum Command {
@@ -69,6 +77,24 @@ pub enum Command {
     /// noted: the report is the same as that of a run that was never stopped. Runs of other systems begin anew.
     #[command(after_help = EXIT_STATUS)]
     Resume(ResumeArgs),
+    /// Write the next calls of a program as files, for the jobs of a scheduler.
+    ///
+    /// Plans as `check` does, and makes no call: the calls that it needs next, a round of them, are written to DIR/round.
+    /// `symplint advance DIR --part K/N` makes one of N parts of them, in any order and wherever DIR is seen; `symplint collect
+    /// DIR` takes the results in, and writes the next round or, at the end, what `check --out DIR` writes.
+    #[command(after_help = JOBS)]
+    Plan(PlanArgs),
+    /// Make a part of a round of calls.
+    ///
+    /// Part K of N has every N-th call. A job that was stopped may be started again: what it made is kept. Calls that
+    /// fail are named; the others of the part are made.
+    #[command(after_help = JOBS)]
+    Advance(AdvanceArgs),
+    /// Take in what the jobs of a round made, and plan on or judge.
+    ///
+    /// Calls that are missing are in the next round again. A call that failed twice counts as a failure of the map.
+    #[command(after_help = JOBS)]
+    Collect(ResumeArgs),
     /// Follow the loop integral and the energy in time.
     ///
     /// Takes trace.steps steps of size trace.step_size. The energy is that of the orbit from the centre of the
@@ -100,8 +126,12 @@ impl Command {
             Command::Measure(arguments) => arguments.run.shown.threads,
             Command::Trace(arguments) => arguments.run.shown.threads,
             Command::Reproduce(arguments) => arguments.threads,
-            Command::Resume(arguments) => arguments.shown.threads,
-            Command::Judge(_) | Command::List { .. } | Command::Init { .. } => None,
+            Command::Resume(arguments) | Command::Collect(arguments) => arguments.shown.threads,
+            Command::Plan(arguments) => arguments.shown.threads,
+            Command::Advance(_)
+            | Command::Judge(_)
+            | Command::List { .. }
+            | Command::Init { .. } => None,
         }
     }
 }
@@ -152,7 +182,50 @@ pub struct JudgeArgs {
     pub quiet: bool,
 }
 
-/// Arguments of `resume`.
+/// Arguments of `plan`.
+#[derive(Args)]
+pub struct PlanArgs {
+    /// The configuration, of a program (system.name = "command")
+    pub config: PathBuf,
+    /// The run folder
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Replace the run of another configuration in DIR
+    #[arg(long)]
+    pub force: bool,
+    /// Changes of the configuration.
+    #[command(flatten)]
+    pub settings: Settings,
+    /// Output and threads.
+    #[command(flatten)]
+    pub shown: Shown,
+}
+
+/// Arguments of `advance`.
+#[derive(Args)]
+pub struct AdvanceArgs {
+    /// The folder that `plan --out` named
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Which part of how many
+    #[arg(long, value_name = "K/N", value_parser = part)]
+    pub part: (usize, usize),
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Parses a part of several: `3/8`.
+fn part(text: &str) -> Result<(usize, usize), String> {
+    let numbers = text.split_once('/');
+    let numbers = numbers.and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    match numbers {
+        Some((k, n)) if (1..=n).contains(&k) => Ok((k, n)),
+        _ => Err("give K/N with 1 ≤ K ≤ N, as in 3/8".into()),
+    }
+}
+
+/// Arguments of `resume` and `collect`.
 #[derive(Args)]
 pub struct ResumeArgs {
     /// The folder that --out named

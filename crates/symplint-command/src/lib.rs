@@ -6,6 +6,7 @@
 //! | module | holds |
 //! | --- | --- |
 //! | `map` | the map: blocks of samples cut into calls, some at a time |
+//! | `planned` | calls that are asked for, and made by the jobs of a scheduler |
 //! | `call` | one call: its files, and what can go wrong |
 //! | `process` | a process with a time limit, and its group |
 //! | `workspace` | the temporary folder, and folders that killed runs left behind |
@@ -14,6 +15,7 @@
 mod call;
 mod error;
 mod map;
+mod planned;
 mod process;
 mod running;
 mod workspace;

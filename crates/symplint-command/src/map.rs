@@ -1,16 +1,19 @@
 //! The map: blocks of samples cut into calls, some of them at a time.
 
+use std::collections::HashMap;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
+use symplint::map::Prefetch;
 use symplint::{Block, Coordinates, Ensemble, StepFailure, TimeAdvance};
-use symplint_journal::Journal;
+use symplint_journal::{Call as JournalCall, Journal, JournalError, Request};
 
 use crate::CommandError;
 use crate::call::{Call, Program};
+use crate::planned::Planned;
 use crate::workspace::{Workspace, is_empty};
 
 /// What calls may take.
@@ -35,6 +38,7 @@ pub struct CommandMap {
     workspace: Workspace,
     slots: Slots,
     journal: OnceLock<Arc<Journal>>,
+    planned: OnceLock<Planned>,
 }
 
 impl CommandMap {
@@ -66,6 +70,7 @@ impl CommandMap {
             limits,
             workspace: Workspace::temporary(),
             journal: OnceLock::new(),
+            planned: OnceLock::new(),
         })
     }
 
@@ -87,6 +92,51 @@ impl CommandMap {
         assert!(given.is_ok(), "a map has one journal");
     }
 
+    /// Makes no calls from now on: those that the journal has are replayed, those in `failed` fail, and all others are
+    /// [`missing`](Self::missing), which ends the diagnosis.
+    pub fn plan_only(&self, journal: Arc<Journal>, failed: HashMap<JournalCall, StepFailure>) {
+        let given = self.planned.set(Planned::new(journal, failed));
+        assert!(given.is_ok(), "a map is planned once");
+    }
+
+    /// The calls that were asked for and not made, each once.
+    pub fn missing(&self) -> Vec<Request> {
+        self.planned.get().map_or(Vec::new(), Planned::missing)
+    }
+
+    /// Makes calls, some at a time, and notes them in a journal; none that it has already. `made` is told of each.
+    ///
+    /// # Errors
+    /// If the journal cannot be read or written. Calls that fail are no error.
+    pub fn make(
+        &self,
+        requests: &[&Request],
+        journal: &Journal,
+        made: &(dyn Fn(&Request, Result<(), StepFailure>) + Sync),
+    ) -> Result<(), JournalError> {
+        let each = |k: usize| {
+            let request = requests[k];
+            let mut states = request.states.clone();
+            if journal.has(request.call) {
+                made(request, Ok(()));
+                return Ok(());
+            }
+            match self.run(request.h, states) {
+                Err(failure) => made(request, Err(failure)),
+                Ok(after) => {
+                    states = after;
+                    journal.note(request.call, &states.block())?;
+                    made(request, Ok(()));
+                }
+            }
+            Ok(())
+        };
+        self.in_order(requests.len(), each)
+            .into_iter()
+            .flatten()
+            .collect()
+    }
+
     /// The files that the command names before its first `{before}`, `{after}` or `{h}`, with their paths: the program, and the
     /// script that an interpreter runs. Files named later may be data that calls write.
     pub fn program_files(&self) -> Vec<(&str, PathBuf)> {
@@ -98,6 +148,9 @@ impl CommandMap {
 
     /// Advances the samples of one call.
     fn call(&self, h: f64, mut states: Ensemble) -> Result<Ensemble, StepFailure> {
+        if let Some(planned) = self.planned.get() {
+            return planned.advance(h, states);
+        }
         let Some(journal) = self.journal.get() else {
             return self.run(h, states);
         };
@@ -107,6 +160,48 @@ impl CommandMap {
             Ok::<(), StepFailure>(())
         })?;
         Ok(states)
+    }
+
+    /// The states of each call, and the first sample of it.
+    fn parts(&self, block: &Block<'_>) -> impl Iterator<Item = (usize, Ensemble)> {
+        let (batch, samples) = (self.limits.batch.get(), block.len());
+        let firsts = (0..samples).step_by(batch);
+        firsts.map(move |first| (first, block.copy_of(first..samples.min(first + batch))))
+    }
+
+    /// Does some things at a time. They are begun in their order, and none after a failure: the first failure is the same however
+    /// many are done at a time, and a program that hangs is not waited for once more for each. Nothing stands for what was not begun.
+    fn in_order<T: Send, E: Send>(
+        &self,
+        count: usize,
+        each: impl Fn(usize) -> Result<T, E> + Sync,
+    ) -> Vec<Option<Result<T, E>>> {
+        let results: Vec<Mutex<Option<Result<T, E>>>> =
+            (0..count).map(|_| Mutex::new(None)).collect();
+        let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let work = || {
+            while !failed.load(Ordering::Relaxed) {
+                let k = next.fetch_add(1, Ordering::Relaxed);
+                if k >= count {
+                    return;
+                }
+                let result = each(k);
+                if result.is_err() {
+                    failed.store(true, Ordering::Relaxed);
+                }
+                *results[k].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+            }
+        };
+        match self.limits.workers.get().min(count) {
+            0 | 1 => work(),
+            workers => std::thread::scope(|scope| {
+                for _ in 0..workers {
+                    scope.spawn(work);
+                }
+            }),
+        }
+        let taken = |result: Mutex<_>| result.into_inner().unwrap_or_else(PoisonError::into_inner);
+        results.into_iter().map(taken).collect()
     }
 
     /// Runs the program once.
@@ -128,40 +223,16 @@ impl TimeAdvance for CommandMap {
     }
 
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
-        let batch = self.limits.batch.get();
-        let firsts: Vec<usize> = (0..block.len()).step_by(batch).collect();
-        let parts: Vec<Ensemble> = (firsts.iter())
-            .map(|&first| block.copy_of(first..block.len().min(first + batch)))
-            .collect();
-        // Parts are taken in their order, and none after a failure: the first failure is the same however many are
-        // advanced at a time, and a program that hangs is not waited for once more for each part.
-        let results: Vec<Mutex<Option<Result<Ensemble, StepFailure>>>> =
-            parts.iter().map(|_| Mutex::new(None)).collect();
-        let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
-        let work = || {
-            while !failed.load(Ordering::Relaxed) {
-                let k = next.fetch_add(1, Ordering::Relaxed);
-                let Some(states) = parts.get(k) else {
-                    return;
-                };
-                let result = self.call(h, states.clone());
-                if result.is_err() {
-                    failed.store(true, Ordering::Relaxed);
-                }
-                *results[k].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
-            }
+        let parts: Vec<(usize, Ensemble)> = self.parts(block).collect();
+        let each = |k: usize| self.call(h, parts[k].1.clone());
+        let results = match self.planned.get() {
+            // All that are missing are to be known.
+            Some(_) => (0..parts.len()).map(|k| Some(each(k))).collect(),
+            None => self.in_order(parts.len(), each),
         };
-        match self.limits.workers.get().min(parts.len()) {
-            0 | 1 => work(),
-            workers => std::thread::scope(|scope| {
-                for _ in 0..workers {
-                    scope.spawn(work);
-                }
-            }),
-        }
-        for (first, result) in firsts.into_iter().zip(results) {
-            match result.into_inner().unwrap_or_else(PoisonError::into_inner) {
-                Some(Ok(states)) => put_back(block, first, &states),
+        for ((first, _), result) in parts.iter().zip(results) {
+            match result {
+                Some(Ok(states)) => put_back(block, *first, &states),
                 Some(Err(failure)) => {
                     return Err(StepFailure {
                         sample: first + failure.sample,
@@ -181,7 +252,20 @@ impl TimeAdvance for CommandMap {
 
     fn is_stopped(&self) -> bool {
         // Calls that cannot be noted would be lost.
-        (self.journal.get()).is_some_and(|journal| journal.failure().is_some())
+        let lost = (self.journal.get()).is_some_and(|journal| journal.failure().is_some());
+        lost || self.planned.get().is_some_and(Planned::lacks_calls)
+    }
+
+    fn prefetch(&self) -> Option<&dyn Prefetch> {
+        self.planned.get().map(|_| self as &dyn Prefetch)
+    }
+}
+
+impl Prefetch for CommandMap {
+    fn begin(&self, h: f64, block: &Block<'_>) {
+        if let Some(planned) = self.planned.get() {
+            (self.parts(block)).for_each(|(_, states)| planned.begin(h, states));
+        }
     }
 }
 

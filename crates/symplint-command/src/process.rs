@@ -55,6 +55,7 @@ pub fn run(
         command.current_dir(folder);
     }
     own_group(&mut command);
+    end_with_this_program(&mut command);
     let child = Running::spawn(&mut command)
         .map_err(|error| format!("could not be started: {error}; check system.command"))?;
     let started = Instant::now();
@@ -83,6 +84,25 @@ fn own_group(command: &mut Command) {
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(command, 0);
     #[cfg(not(unix))]
+    let _ = command;
+}
+
+/// Ends the process where this program is killed, which otherwise nobody would wait for: by the kernel, on Linux.
+fn end_with_this_program(command: &mut Command) {
+    #[cfg(target_os = "linux")]
+    {
+        use std::os::unix::process::CommandExt;
+
+        let end = || {
+            Ok(rustix::process::set_parent_process_death_signal(Some(
+                Signal::KILL,
+            ))?)
+        };
+        // SAFETY: the closure makes one system call, which may be made between fork and exec, and takes no lock and no memory.
+        // The signal comes when the thread that starts the process ends, and this thread waits for the process.
+        unsafe { command.pre_exec(end) };
+    }
+    #[cfg(not(target_os = "linux"))]
     let _ = command;
 }
 

@@ -1,6 +1,7 @@
 //! Errors of journals.
 
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
 use symplint::StepFailure;
 
@@ -42,6 +43,16 @@ pub enum JournalError {
         /// The error of the operating system.
         reason: String,
     },
+}
+
+impl JournalError {
+    pub(crate) fn of_file(action: &'static str, path: &Path, error: &io::Error) -> Self {
+        JournalError::File {
+            action,
+            path: path.to_owned(),
+            reason: error.to_string(),
+        }
+    }
 }
 
 impl From<JournalError> for StepFailure {

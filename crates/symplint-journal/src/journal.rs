@@ -75,13 +75,8 @@ impl Journal {
     /// # Errors
     /// If the file is no journal, or of another run, or one that still goes on, or cannot be read or written.
     pub fn open(path: &Path, run: &Value) -> Result<Self, JournalError> {
-        let file_error = |action| {
-            move |error: io::Error| JournalError::File {
-                action,
-                path: path.to_owned(),
-                reason: error.to_string(),
-            }
-        };
+        let file_error =
+            |action| move |error: io::Error| JournalError::of_file(action, path, &error);
         let mut options = OpenOptions::new();
         let opened = options
             .read(true)
@@ -195,6 +190,36 @@ impl Journal {
         (self.write(call, block)).map_err(|error| self.failed("write", &error))
     }
 
+    /// Whether the journal has what came of a call.
+    pub fn has(&self, call: Call) -> bool {
+        self.records().found.contains_key(&call)
+    }
+
+    /// Takes in the calls of another journal of the same map; returns how many this one did not have.
+    ///
+    /// # Errors
+    /// If one cannot be read, or the other not written.
+    pub fn merge(&self, other: &Journal) -> Result<usize, JournalError> {
+        let mut records = other.records();
+        let mut found: Vec<(Call, (u64, u64))> = records
+            .found
+            .iter()
+            .map(|(&call, &at)| (call, at))
+            .collect();
+        found.sort_unstable_by_key(|(_, (first, _))| *first);
+        let mut new = 0;
+        for (call, (first, count)) in found {
+            if self.has(call) {
+                continue;
+            }
+            let numbers = read_numbers(&mut records.file, first, count)
+                .map_err(|error| other.failed("read", &error))?;
+            (self.append(call, &numbers)).map_err(|error| self.failed("write", &error))?;
+            new += 1;
+        }
+        Ok(new)
+    }
+
     /// Evaluations that were replayed so far.
     pub fn replayed(&self) -> usize {
         self.replayed.load(Ordering::Relaxed)
@@ -241,8 +266,13 @@ impl Journal {
         let numbers: Vec<f64> = (0..2 * block.dof())
             .flat_map(|i| rows(i).iter().copied())
             .collect();
+        self.append(call, &numbers)
+    }
+
+    /// Adds a record. Where that fails the file ends as it did before.
+    fn append(&self, call: Call, numbers: &[f64]) -> io::Result<()> {
         let count = numbers.len() as u64;
-        let bytes = record(call, numbers.into_iter());
+        let bytes = record(call, numbers.iter().copied());
         let mut records = self.records();
         let end = records.end;
         let records = &mut *records;
@@ -266,13 +296,18 @@ impl Journal {
     }
 
     fn failed(&self, action: &'static str, error: &io::Error) -> JournalError {
-        let error = self.failure.get_or_init(|| JournalError::File {
-            action,
-            path: self.path.clone(),
-            reason: error.to_string(),
-        });
+        let error = (self.failure).get_or_init(|| JournalError::of_file(action, &self.path, error));
         error.clone()
     }
+}
+
+/// So many numbers from a place in a file on.
+fn read_numbers(file: &mut File, first: u64, count: u64) -> io::Result<Vec<f64>> {
+    file.seek(SeekFrom::Start(first))?;
+    let mut bytes = vec![0; 8 * count as usize];
+    file.read_exact(&mut bytes)?;
+    let number = |bytes: &[u8]| f64::from_le_bytes(bytes.try_into().expect("eight bytes"));
+    Ok(bytes.chunks_exact(8).map(number).collect())
 }
 
 /// What a file holds.

@@ -7,6 +7,7 @@
 //! | module | holds |
 //! | --- | --- |
 //! | `journal` | the journal: calls of a map, made or replayed |
+//! | `round` | calls that are to be made elsewhere, in a file |
 //! | `record` | the bytes of a header and of a record, with checksums |
 //! | `key` | what a call is known by |
 //! | `difference` | what two journals are of, compared |
@@ -16,7 +17,10 @@ mod error;
 mod journal;
 mod key;
 mod record;
+mod round;
 
 pub use error::JournalError;
 pub use journal::Journal;
+pub use key::{Key, key};
 pub use record::Call;
+pub use round::{Request, read_round, write_round};

@@ -12,13 +12,15 @@ use crate::plot::{
 };
 
 /// The figures of a diagnosis of `map` by `phase_loop` with their names, and a line on the one that was left
-/// out, if any. The loop is drawn after a step of size `h`.
+/// out, if any. The loop is drawn after a step of size `h`, which takes 720 evaluations, and not where `is_costly` says that they
+/// are too many.
 pub fn check_figures(
     title: &str,
     diagnosis: &Diagnosis,
     map: &dyn TimeAdvance,
     phase_loop: &dyn Loop,
     h: f64,
+    is_costly: bool,
 ) -> (Vec<(&'static str, Figure)>, Option<String>) {
     let mut figures = vec![("step_sizes", step_sizes(title, diagnosis))];
     if diagnosis
@@ -28,7 +30,11 @@ pub fn check_figures(
     {
         figures.push(("samples", samples(title, diagnosis)));
     }
-    let note = match advanced_loop(title, map, phase_loop, h) {
+    let drawn = match is_costly {
+        true => Err(format!("it would take {SAMPLES} more evaluations")),
+        false => advanced_loop(title, map, phase_loop, h),
+    };
+    let note = match drawn {
         Ok(figure) => {
             figures.push(("loop", figure));
             None
@@ -37,6 +43,9 @@ pub fn check_figures(
     };
     (figures, note)
 }
+
+/// Samples of the loop that is drawn.
+const SAMPLES: usize = 720;
 
 /// Series indices: what is closed has a colour of its own.
 const GIVEN: usize = 0;
@@ -157,7 +166,6 @@ fn advanced_loop(
     phase_loop: &dyn Loop,
     h: f64,
 ) -> Result<Figure, String> {
-    const SAMPLES: usize = 720;
     /// Of the states before the step. A run that streams its samples must not need more memory for a
     /// figure than for the verdict.
     const MOST_BYTES: usize = 512 << 20;

@@ -11,6 +11,7 @@ use symplint_report::run_folder::PointLog;
 use symplint_report::table::{degrees_of_freedom, points_table};
 
 use super::Failure;
+use super::plan::say_round;
 use super::run_output::RunOutput;
 use crate::cli::{CheckArgs, Run};
 use crate::output::{Progress, say, verdict_text};
@@ -31,20 +32,54 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
     if let Some(keep) = &arguments.keep {
         settings.push(format!("system.keep={}", quoted(keep)?));
     }
-    diagnose(&started, Config::load(&arguments.config, &settings)?, run)
+    let config = Config::load(&arguments.config, &settings)?;
+    let status = diagnose(&started, config, run, Calls::Here)?;
+    Ok(status.unwrap_or(ExitCode::SUCCESS))
 }
 
-/// Diagnoses a configuration, or goes on where a run of it was stopped.
+/// Who calls a program.
+pub(super) enum Calls {
+    /// This process.
+    Here,
+    /// The jobs of a scheduler.
+    ByJobs {
+        /// Whether to take in what they made.
+        collect: bool,
+    },
+}
+
+/// Diagnoses a configuration, or goes on where a run of it was stopped. No exit status where calls are to be made by jobs before it
+/// can go on.
 pub(super) fn diagnose(
     started: &provenance::Run,
     config: Config,
     run: &Run,
-) -> Result<ExitCode, Failure> {
+    calls: Calls,
+) -> Result<Option<ExitCode>, Failure> {
     // Before the run, which may take hours.
     let mut output = RunOutput::of_run("check", &config.resolved, run)?;
-    if let (Some(output), Some(command)) = (&mut output, &config.system.command) {
-        output.keep_journal(command, run.force)?;
-        signals::note_folder(output.folder.path());
+    let mut round = None;
+    match (calls, &mut output, &config.system.command) {
+        (Calls::Here, Some(output), Some(command)) => {
+            output.keep_journal(command, run.force)?;
+            signals::note_folder(output.folder.path());
+        }
+        (Calls::Here, ..) => {}
+        (Calls::ByJobs { collect }, Some(output), Some(command)) => {
+            if config.radii.is_some() {
+                return Err(Failure::Usage {
+                    message: "loop.radius = \"auto\" makes calls before they can be planned".into(),
+                    remedy: "give radii as numbers".into(),
+                });
+            }
+            round = Some(output.plan_calls(command, run.force, collect)?);
+        }
+        (Calls::ByJobs { .. }, ..) => {
+            return Err(Failure::Usage {
+                message: "only calls of programs are made by jobs".into(),
+                remedy: "set system.name = \"command\"".into(),
+            });
+        }
     }
     let journal = output.as_ref().and_then(|output| output.journal.clone());
     let log = (output.as_ref()).map(|output| PointLog::new(&output.folder, &output.config));
@@ -60,6 +95,15 @@ pub(super) fn diagnose(
     progress.finish();
     if let Some(failure) = journal.as_ref().and_then(|journal| journal.failure()) {
         return Err(failure.clone().into());
+    }
+    if let (Some(round), Some(output)) = (&round, &output) {
+        let missing = (config.system.command.as_ref()).map_or(Vec::new(), |map| map.missing());
+        if !missing.is_empty() {
+            round.write(&missing)?;
+            say_round(&missing, output.folder.path(), run.shown.quiet)?;
+            return Ok(None);
+        }
+        round.remove()?;
     }
     let kept = log.as_ref().and_then(PointLog::measured);
     if let (Err(_), Some(kept)) = (&outcome, kept) {
@@ -92,6 +136,7 @@ pub(super) fn diagnose(
             &*config.map,
             &*config.phase_loop,
             largest,
+            config.system.command.is_some(),
         );
         output.write_figures(figures, &[])?;
         // On standard error: standard output may be JSON.
@@ -127,7 +172,7 @@ pub(super) fn diagnose(
             _ => {}
         }
     }
-    Ok(exit_status(diagnosis.verdict.kind))
+    Ok(Some(exit_status(diagnosis.verdict.kind)))
 }
 
 /// A path of the command line as a value of a configuration, whose relative paths begin elsewhere.

@@ -1,12 +1,13 @@
 //! `symplint resume DIR`.
 
 use std::fs;
+use std::path::Path;
 use std::process::ExitCode;
 
 use symplint_config::Config;
 
 use super::Failure;
-use super::check::diagnose;
+use super::check::{Calls, diagnose};
 use super::earlier_run::command_of;
 use crate::cli::{ResumeArgs, Run};
 use crate::provenance;
@@ -14,10 +15,24 @@ use crate::provenance;
 /// Goes on with a run of `check` that was stopped. Evaluations that its journal has are not made again.
 pub fn resume(arguments: &ResumeArgs) -> Result<ExitCode, Failure> {
     let started = provenance::start();
-    let folder = &arguments.folder;
+    let config = config_of_run(&arguments.folder)?;
+    let run = Run {
+        out: Some(arguments.folder.clone()),
+        force: false,
+        shown: arguments.shown.clone(),
+    };
+    let status = diagnose(&started, config, &run, Calls::Here)?;
+    Ok(status.unwrap_or(ExitCode::SUCCESS))
+}
+
+/// The configuration of a run of `check` in a folder.
+///
+/// # Errors
+/// If there is none.
+pub(super) fn config_of_run(folder: &Path) -> Result<Config, Failure> {
     let path = folder.join("config.toml");
     let no_run = |reason: String| Failure::NoRun {
-        folder: folder.clone(),
+        folder: folder.to_owned(),
         reason,
     };
     let text = fs::read_to_string(&path)
@@ -27,10 +42,5 @@ pub fn resume(arguments: &ResumeArgs) -> Result<ExitCode, Failure> {
         Some(other) => return Err(no_run(format!("it is one of `symplint {other}`"))),
         None => return Err(no_run("config.toml is not that of a run".into())),
     }
-    let run = Run {
-        out: Some(folder.clone()),
-        force: false,
-        shown: arguments.shown.clone(),
-    };
-    diagnose(&started, Config::load(&path, &[])?, &run)
+    Ok(Config::load(&path, &[])?)
 }

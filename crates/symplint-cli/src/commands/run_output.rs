@@ -17,6 +17,7 @@ use symplint_report::run_folder::RunFolder;
 
 use super::Failure;
 use super::earlier_run::{EarlierRun, JOURNAL, RECORDS, config_text, figure_files, loop_file};
+use super::round::Round;
 use crate::cli::Run;
 
 /// The folder of a run, and the text of its `config.toml`.
@@ -69,16 +70,41 @@ impl RunOutput {
     /// # Errors
     /// If the journal is of another version of the program or of this one, or cannot be written.
     pub fn keep_journal(&mut self, map: &CommandMap, anew: bool) -> Result<(), Failure> {
+        let journal = self.open_journal(map, anew)?;
+        map.keep_journal(journal);
+        Ok(())
+    }
+
+    /// Replays the calls of a program that the journal has; jobs make the others. `collect` takes in those that they made.
+    ///
+    /// # Errors
+    /// Those of [`keep_journal`](Self::keep_journal), and of files that jobs wrote.
+    pub fn plan_calls(
+        &mut self,
+        map: &CommandMap,
+        anew: bool,
+        collect: bool,
+    ) -> Result<Round, Failure> {
+        let journal = self.open_journal(map, anew)?;
+        let round = Round::of_run(self.folder.path(), &run_of(map, &self.config)?);
+        if collect {
+            round.collect(&journal)?;
+        }
+        map.plan_only(journal, round.failed()?);
+        Ok(round)
+    }
+
+    fn open_journal(&mut self, map: &CommandMap, anew: bool) -> Result<Arc<Journal>, Failure> {
         let path = self.folder.journal();
         if anew {
             remove(&path)?;
+            Round::of_run(self.folder.path(), &serde_json::Value::Null).remove()?;
         }
         // The run can be resumed from here on.
         self.folder.write_config(&self.config)?;
         let journal = Arc::new(Journal::open(&path, &run_of(map, &self.config)?)?);
-        map.keep_journal(Arc::clone(&journal));
-        self.journal = Some(journal);
-        Ok(())
+        self.journal = Some(Arc::clone(&journal));
+        Ok(journal)
     }
 
     /// Writes the figures of a run with `report.json`, `points.csv` and loops at the steps `snapshots`, and
@@ -124,6 +150,19 @@ fn remove(path: &Path) -> Result<(), Failure> {
         }),
         _ => Ok(()),
     }
+}
+
+/// What the journal of the run in a folder is of.
+///
+/// # Errors
+/// If its configuration or a file of the program cannot be read.
+pub fn run_of_folder(map: &CommandMap, folder: &Path) -> Result<serde_json::Value, Failure> {
+    let path = folder.join("config.toml");
+    let config = fs::read_to_string(&path).map_err(|error| Failure::Read {
+        reason: error.to_string(),
+        path,
+    })?;
+    run_of(map, &config)
 }
 
 /// What a journal is of: the version of this program, the configuration, and the program that is called.

@@ -12,6 +12,7 @@ use serde_json::Value;
 use symplint_report::loop_file::LoopFile;
 use tempfile::TempDir;
 
+mod jobs;
 mod resume;
 
 /// The step size at which bad programs are bad.

@@ -20,11 +20,11 @@ pub fn count(path: &str) {
     file.write_all(b"call\n").unwrap();
 }
 
-fn calls(path: &Path) -> usize {
+pub fn calls(path: &Path) -> usize {
     fs::read_to_string(path).unwrap_or_default().lines().count()
 }
 
-fn report(folder: &Path) -> Value {
+pub fn report(folder: &Path) -> Value {
     let text = fs::read_to_string(folder.join("report.json")).unwrap();
     let mut report: Value = serde_json::from_str(&text).unwrap();
     report.as_object_mut().unwrap().remove("provenance");
@@ -91,6 +91,26 @@ fn a_run_that_is_killed_again_and_again_ends_with_the_same_report() {
         again["provenance"]["replayed"],
         again["evaluations"]["made"]
     );
+}
+
+#[test]
+fn a_run_of_a_file_in_the_current_folder_goes_on() {
+    let bench = Bench::new("leapfrog", KEYS);
+    for words in [
+        &["check", "run.toml", "--out", "run"][..],
+        &["resume", "run"],
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        command
+            .current_dir(bench.folder.path())
+            .args(words)
+            .arg("--quiet");
+        if words[0] == "check" {
+            command.args(["--set", "diagnostic.budget=300"]);
+        }
+        let output = command.output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    }
 }
 
 #[test]

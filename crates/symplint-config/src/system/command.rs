@@ -84,7 +84,8 @@ pub const COMMAND: SystemInfo = SystemInfo {
             None => folder.to_owned(),
         };
         // The resolved configuration may be read from a run folder, so it needs absolute paths.
-        let runs_in = std::path::absolute(&runs_in).unwrap_or(runs_in);
+        // An empty path, that of a file in the current folder, has no absolute one.
+        let runs_in = std::path::absolute(Path::new(".").join(&runs_in)).unwrap_or(runs_in);
         if let Some(path) = runs_in.to_str() {
             section.record("folder", path);
         }

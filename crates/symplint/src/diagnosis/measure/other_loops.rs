@@ -336,6 +336,10 @@ impl Run<'_> {
             .filter(|&h| h != self.largest && !self.has_failed(h))
             .collect();
         (self.watch)(Event::Planned(others.len()));
+        if probe.keeps_samples() {
+            let affordable = self.left() / first.evaluations.max(1);
+            samples.prefetch(probe.samples, others.iter().copied().take(affordable));
+        }
         for h in others {
             if self.left() < first.evaluations {
                 break;

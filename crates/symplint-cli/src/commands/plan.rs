@@ -1,0 +1,72 @@
+//! `symplint plan CONFIG.toml --out DIR` and `symplint collect DIR`: runs whose calls the jobs of a scheduler make.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use symplint_config::Config;
+use symplint_journal::Request;
+
+use super::Failure;
+use super::check::{Calls, diagnose};
+use super::resume::config_of_run;
+use crate::cli::{PlanArgs, ResumeArgs, Run};
+use crate::output::say;
+use crate::provenance;
+
+/// The exit status of `collect` where another round of calls is to be made.
+const ANOTHER_ROUND: u8 = 4;
+
+/// Writes the first calls of a run, or the next ones.
+pub fn plan(arguments: &PlanArgs) -> Result<ExitCode, Failure> {
+    let started = provenance::start();
+    let run = Run {
+        out: Some(arguments.out.clone()),
+        force: arguments.force,
+        shown: arguments.shown.clone(),
+    };
+    let config = Config::load(&arguments.config, &arguments.settings.set)?;
+    let status = diagnose(&started, config, &run, Calls::ByJobs { collect: false })?;
+    Ok(status.unwrap_or(ExitCode::SUCCESS))
+}
+
+/// Takes in what jobs made, and plans on or judges.
+pub fn collect(arguments: &ResumeArgs) -> Result<ExitCode, Failure> {
+    let started = provenance::start();
+    let config = config_of_run(&arguments.folder)?;
+    let run = Run {
+        out: Some(arguments.folder.clone()),
+        force: false,
+        shown: arguments.shown.clone(),
+    };
+    let status = diagnose(&started, config, &run, Calls::ByJobs { collect: true })?;
+    Ok(status.unwrap_or(ExitCode::from(ANOTHER_ROUND)))
+}
+
+/// Says what is to be done.
+pub(super) fn say_round(requests: &[Request], folder: &Path, quiet: bool) -> Result<(), Failure> {
+    let states: usize = requests
+        .iter()
+        .map(|request| request.states.samples())
+        .sum();
+    let mut sizes: Vec<f64> = requests.iter().map(|request| request.h).collect();
+    sizes.dedup();
+    let calls = match requests.len() {
+        1 => "1 call".to_owned(),
+        count => format!("{count} calls"),
+    };
+    let of = match sizes.len() {
+        1 => format!("h = {:?}", sizes[0]),
+        count => format!("{count} step sizes"),
+    };
+    say(format!(
+        "next round: {calls} with {states} states in all, {of}"
+    ))?;
+    if !quiet {
+        let folder = folder.display();
+        let count = requests.len();
+        say(format!(
+            "make them by `symplint advance {folder} --part K/N` for K = 1 … N, N up to {count}, then `symplint collect {folder}`"
+        ))?;
+    }
+    Ok(())
+}

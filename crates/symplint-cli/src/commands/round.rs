@@ -1,0 +1,248 @@
+//! A round of calls for the jobs of a scheduler, in a run folder: `round/calls`, and beside it what each job makes of its
+//! part, `part-K-of-N` with the states and `part-K-of-N.failed` with the calls that failed.
+
+use std::collections::HashMap;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use symplint::StepFailure;
+use symplint_journal::{Call, Journal, Request, read_round, write_round};
+
+use super::Failure;
+
+/// So often a call is made before its failure counts as that of the map.
+const MOST_FAILURES: usize = 2;
+
+/// The folder of rounds in a run folder.
+pub const ROUND: &str = "round";
+/// The calls that failed, in a run folder.
+pub const FAILED: &str = "failed.json";
+
+/// A round in a run folder.
+pub struct Round {
+    folder: PathBuf,
+    /// What the calls are of.
+    run: Value,
+}
+
+/// A call that failed.
+#[derive(Clone, Serialize, Deserialize)]
+struct FailedCall {
+    call: Call,
+    h: f64,
+    sample: usize,
+    reason: String,
+    /// How often.
+    times: usize,
+}
+
+impl Round {
+    /// That of a run in this folder.
+    pub fn of_run(folder: &Path, run: &Value) -> Self {
+        Round {
+            folder: folder.join(ROUND),
+            run: json!({ "round of": run }),
+        }
+    }
+
+    /// Writes the calls of a new round.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn write(&self, requests: &[Request]) -> Result<(), Failure> {
+        fs::create_dir_all(&self.folder).map_err(|error| write_error(&self.folder, &error))?;
+        Ok(write_round(
+            &self.folder.join("calls"),
+            &self.run,
+            requests,
+        )?)
+    }
+
+    /// The calls.
+    ///
+    /// # Errors
+    /// If there is no round, or it is of another run.
+    pub fn read(&self) -> Result<Vec<Request>, Failure> {
+        let path = self.folder.join("calls");
+        if !path.exists() {
+            return Err(Failure::Usage {
+                message: format!("{} has no round of calls", self.folder.display()),
+                remedy: "write one by `symplint plan CONFIG.toml --out DIR`".into(),
+            });
+        }
+        Ok(read_round(&path, &self.run)?)
+    }
+
+    /// The journal of part k of n.
+    ///
+    /// # Errors
+    /// If it cannot be written, or another job writes to it.
+    pub fn part(&self, k: usize, n: usize) -> Result<Journal, Failure> {
+        Ok(Journal::open(
+            &self.folder.join(part_name(k, n)),
+            &self.run,
+        )?)
+    }
+
+    /// Notes the calls of part k of n that failed, in place of those of an earlier run of this part.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn note_failed(
+        &self,
+        (k, n): (usize, usize),
+        failed: &[(&Request, StepFailure)],
+    ) -> Result<(), Failure> {
+        let path = self.folder.join(part_name(k, n) + ".failed");
+        let calls: Vec<FailedCall> = (failed.iter())
+            .map(|(request, failure)| FailedCall {
+                call: request.call,
+                h: request.h,
+                sample: failure.sample,
+                reason: failure.reason.clone(),
+                times: 1,
+            })
+            .collect();
+        write_calls(&path, &calls)
+    }
+
+    /// Takes what all parts made into the journal of the run and its list of failures, and removes them. How many calls that
+    /// were.
+    ///
+    /// # Errors
+    /// If a file cannot be read, written or removed, or a job is still under way.
+    pub fn collect(&self, journal: &Journal) -> Result<usize, Failure> {
+        let parts = self.parts()?;
+        // None is taken in before all have ended.
+        let journals = parts.iter().filter(|path| path.extension().is_none());
+        let journals: Vec<Journal> = (journals)
+            .map(|path| Ok(Journal::open(path, &self.run)?))
+            .collect::<Result<_, Failure>>()?;
+        let mut taken = 0;
+        for part in &journals {
+            taken += journal.merge(part)?;
+        }
+        let mut failed = self.failed_calls()?;
+        for path in parts.iter().filter(|path| path.extension().is_some()) {
+            for new in read_calls(path)? {
+                match failed.iter_mut().find(|known| known.call == new.call) {
+                    Some(known) => known.times += 1,
+                    None => failed.push(new),
+                }
+            }
+        }
+        failed.retain(|known| !journal.has(known.call));
+        write_calls(&self.of_failed(), &failed)?;
+        for path in parts {
+            fs::remove_file(&path).map_err(|error| write_error(&path, &error))?;
+        }
+        Ok(taken)
+    }
+
+    /// Removes the round of a run that has ended.
+    ///
+    /// # Errors
+    /// If it cannot be removed.
+    pub fn remove(&self) -> Result<(), Failure> {
+        for path in [self.folder.join("calls"), self.of_failed()] {
+            match fs::remove_file(&path) {
+                Err(error) if error.kind() != ErrorKind::NotFound => {
+                    return Err(write_error(&path, &error));
+                }
+                _ => {}
+            }
+        }
+        // It may hold parts of jobs that nobody waits for.
+        let _ = fs::remove_dir(&self.folder);
+        Ok(())
+    }
+
+    /// Calls that failed as often as counts.
+    ///
+    /// # Errors
+    /// If the list cannot be read.
+    pub fn failed(&self) -> Result<HashMap<Call, StepFailure>, Failure> {
+        let failed = self.failed_calls()?.into_iter();
+        Ok(failed
+            .filter(|failed| failed.times >= MOST_FAILURES)
+            .map(|failed| {
+                let FailedCall { sample, reason, .. } = failed;
+                (failed.call, StepFailure { sample, reason })
+            })
+            .collect())
+    }
+
+    fn failed_calls(&self) -> Result<Vec<FailedCall>, Failure> {
+        match self.of_failed() {
+            path if path.exists() => read_calls(&path),
+            _ => Ok(Vec::new()),
+        }
+    }
+
+    fn of_failed(&self) -> PathBuf {
+        self.folder.with_file_name(FAILED)
+    }
+
+    /// The files of the parts.
+    fn parts(&self) -> Result<Vec<PathBuf>, Failure> {
+        let entries = match fs::read_dir(&self.folder) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+            entries => entries.map_err(|error| read_error(&self.folder, &error))?,
+        };
+        let paths = entries.map(|entry| entry.map(|entry| entry.path()));
+        let paths: Result<Vec<PathBuf>, _> = paths.collect();
+        let mut paths = paths.map_err(|error| read_error(&self.folder, &error))?;
+        let is_part = |path: &PathBuf| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            name.starts_with("part-") && !name.ends_with(".part")
+        };
+        paths.retain(is_part);
+        paths.sort();
+        Ok(paths)
+    }
+}
+
+fn part_name(k: usize, n: usize) -> String {
+    format!("part-{k}-of-{n}")
+}
+
+fn read_calls(path: &Path) -> Result<Vec<FailedCall>, Failure> {
+    let text = fs::read_to_string(path).map_err(|error| read_error(path, &error))?;
+    serde_json::from_str(&text).map_err(|error| Failure::Read {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })
+}
+
+/// Writes a list of calls as a whole; none where it is empty.
+fn write_calls(path: &Path, calls: &[FailedCall]) -> Result<(), Failure> {
+    let beside = path.with_extension("part");
+    let write = || match calls.is_empty() {
+        true => match fs::remove_file(path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        },
+        false => {
+            fs::write(&beside, serde_json::to_string(calls)?)?;
+            fs::rename(&beside, path)
+        }
+    };
+    write().map_err(|error| write_error(path, &error))
+}
+
+fn read_error(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Read {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    }
+}
+
+fn write_error(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Write {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    }
+}

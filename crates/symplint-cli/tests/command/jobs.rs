@@ -1,0 +1,188 @@
+//! Runs whose calls are made by jobs: in any order, some at a time, and some again.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use super::resume::{calls, report};
+use super::{Bench, said};
+
+const KEYS: &str = "workers = 1\nbatch = 16\n";
+
+/// Parts of a round.
+const PARTS: usize = 8;
+
+fn symplint(words: &[&str], folder: &Path, counts: &Path) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+    command.arg(words[0]).arg(folder).args(&words[1..]);
+    command.env("SYMPLINT_TEST_COUNT", counts).output().unwrap()
+}
+
+/// Numbers that look random: the order of parts.
+fn shuffled(count: usize, seed: u64) -> Vec<usize> {
+    let mut order: Vec<usize> = (1..=count).collect();
+    order.sort_by_key(|&k| (k as u64 + 31 * seed).wrapping_mul(0x9E37_79B9_7F4A_7C15));
+    order
+}
+
+/// Makes rounds to the end by jobs, of which `job` may leave out some; returns how many rounds there were, and what `collect` said
+/// last.
+fn by_jobs(
+    bench: &Bench,
+    (folder, counts): (&Path, &Path),
+    settings: &[&str],
+    job: impl Fn(usize, usize) -> bool,
+) -> (usize, Output) {
+    let mut plan = Command::new(env!("CARGO_BIN_EXE_symplint"));
+    plan.arg("plan").arg(bench.config()).args(settings);
+    let planned = plan.arg("--out").arg(folder).output().unwrap();
+    assert_eq!(planned.status.code(), Some(0), "{}", said(&planned));
+    for round in 0..100 {
+        let order = shuffled(PARTS, round as u64);
+        // Two jobs at a time.
+        for pair in order.chunks(2) {
+            std::thread::scope(|scope| {
+                for &k in pair.iter().filter(|&&k| job(round, k)) {
+                    let part = format!("{k}/{PARTS}");
+                    scope.spawn(move || {
+                        symplint(&["advance", "--quiet", "--part", &part], folder, counts)
+                    });
+                }
+            });
+        }
+        let collected = symplint(&["collect", "--quiet"], folder, counts);
+        if collected.status.code() != Some(4) {
+            return (round + 1, collected);
+        }
+    }
+    panic!("there is no end of rounds");
+}
+
+#[test]
+fn parts_in_any_order_and_lost_ones_give_the_same_report() {
+    let bench = Bench::new("euler", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let settings = [
+        "--set",
+        "diagnostic.budget=500",
+        "--set",
+        "diagnostic.localise=false",
+    ];
+    let mut check = bench.command(&settings);
+    check
+        .arg("--quiet")
+        .env("SYMPLINT_TEST_COUNT", path("calls"));
+    let whole = check.arg("--out").arg(path("whole")).output().unwrap();
+    // Part 3 is lost in every second round.
+    let lost = |round: usize, k: usize| round % 2 == 0 || k != 3;
+    let of_jobs = (&*path("jobs"), &*path("calls_of_jobs"));
+    let (rounds, last) = by_jobs(&bench, of_jobs, &settings, lost);
+    assert_eq!(last.status.code(), whole.status.code(), "{}", said(&last));
+    assert_eq!(report(&path("jobs")), report(&path("whole")));
+    assert_eq!(calls(&path("calls_of_jobs")), calls(&path("calls")));
+    assert!(rounds < 25, "{rounds} rounds");
+    assert!(!path("jobs").join("round").exists());
+    for file in ["points.csv", "config.toml", "figures/step_sizes.svg"] {
+        let of = |folder: &str| std::fs::read(path(folder).join(file)).unwrap();
+        assert!(of("jobs") == of("whole"), "{file}");
+    }
+}
+
+#[test]
+fn a_call_that_fails_twice_is_a_failure_of_the_map() {
+    // It fails at one of the step sizes.
+    let bench = Bench::new("crash", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let settings = ["--set", "diagnostic.budget=300"];
+    let mut check = bench.command(&settings);
+    let whole = check
+        .arg("--quiet")
+        .arg("--out")
+        .arg(path("whole"))
+        .output()
+        .unwrap();
+    assert_eq!(whole.status.code(), Some(0), "{}", said(&whole));
+    let of_jobs = (&*path("jobs"), &*path("calls"));
+    let (_, last) = by_jobs(&bench, of_jobs, &settings, |_, _| true);
+    assert_eq!(last.status.code(), Some(0), "{}", said(&last));
+    let (of_jobs, of_check) = (report(&path("jobs")), report(&path("whole")));
+    assert_eq!(of_jobs["points"], of_check["points"]);
+    let omissions = of_jobs["evidence"]["omissions"].to_string();
+    assert!(omissions.contains("the matrix is singular"), "{omissions}");
+    assert!(!path("jobs").join("failed.json").exists());
+}
+
+#[test]
+fn a_job_names_what_failed_and_makes_the_rest() {
+    let bench = Bench::new("crash", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let settings = "diagnostic.step_sizes=[0.5, 0.125]";
+    let mut plan = Command::new(env!("CARGO_BIN_EXE_symplint"));
+    plan.arg("plan")
+        .arg(bench.config())
+        .arg("--out")
+        .arg(path("run"));
+    plan.args(["--set", settings, "--set", "diagnostic.budget=200"])
+        .output()
+        .unwrap();
+    for _ in 0..20 {
+        let made = symplint(&["advance", "--part", "1/1"], &path("run"), &path("calls"));
+        if made.status.code() == Some(2) {
+            let text = said(&made);
+            assert!(text.contains("h = 0.125 failed"), "{text}");
+            assert!(text.contains("the matrix is singular"), "{text}");
+            return;
+        }
+        assert_eq!(made.status.code(), Some(0), "{}", said(&made));
+        let collected = symplint(&["collect", "--quiet"], &path("run"), &path("calls"));
+        assert_eq!(collected.status.code(), Some(4), "{}", said(&collected));
+    }
+    panic!("no call failed");
+}
+
+#[test]
+fn what_cannot_be_planned_or_made_is_refused() {
+    let bench = Bench::new("leapfrog", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let refused = |output: Output, words: &str| {
+        let text = said(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains(words), "{words}: {text}");
+    };
+    let plan = |config: &Path, settings: &[&str]| {
+        let mut plan = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        plan.arg("plan").arg(config).args(settings).arg("--out");
+        plan.arg(path("run")).output().unwrap()
+    };
+    let pendulum = path("pendulum.toml");
+    std::fs::write(&pendulum, "[system]\nname = \"pendulum\"\n").unwrap();
+    refused(plan(&pendulum, &[]), "only calls of programs");
+    let auto = ["--set", "loop.radius=\"auto\""];
+    refused(plan(&bench.config(), &auto), "give radii as numbers");
+    std::fs::remove_dir_all(path("run")).ok();
+
+    let counts = path("calls");
+    let advance = |part: &str| symplint(&["advance", "--part", part], &path("run"), &counts);
+    refused(advance("1/2"), "config.toml cannot be read");
+    let planned = plan(&bench.config(), &["--set", "diagnostic.budget=200"]);
+    assert_eq!(planned.status.code(), Some(0), "{}", said(&planned));
+    for part in ["0/2", "3/2", "1", "a/b", "1/0"] {
+        refused(advance(part), "give K/N");
+    }
+    // A job is under way.
+    let round = path("run").join("round");
+    let text = std::fs::read(round.join("calls")).unwrap();
+    assert_eq!(advance("1/2").status.code(), Some(0));
+    let part = std::fs::File::open(round.join("part-1-of-2")).unwrap();
+    part.lock().unwrap();
+    let collect = || symplint(&["collect"], &path("run"), &counts);
+    refused(collect(), "another run writes to it");
+    drop(part);
+    // A file that was cut off.
+    std::fs::write(round.join("calls"), &text[..text.len() - 9]).unwrap();
+    refused(advance("2/2"), "is not a journal");
+    std::fs::remove_file(round.join("calls")).unwrap();
+    refused(advance("2/2"), "has no round of calls");
+    assert_eq!(collect().status.code(), Some(4));
+    assert_eq!(advance("2/2").status.code(), Some(0));
+}
