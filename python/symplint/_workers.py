@@ -28,8 +28,12 @@ from ._errors import InputError
 
 #: Arcs of one set of states, at most.
 MOST_ARCS = 64
-#: Seconds that a task should take, at least: to send it takes about a millisecond.
-TASK_SECONDS = 0.005
+#: Seconds that a task should take: to send it takes about a millisecond, and some where Dask does.
+TASK_SECONDS = 0.1
+#: Tasks for each worker, at least, so that all have about the same to do.
+TASKS_OF_WORKER = 8
+#: Seconds that a task should take where it is not known how many workers there are.
+SHORT_TASK_SECONDS = 0.005
 #: States that every worker advances first, so that all can be compared.
 COMPARED = 8
 
@@ -137,12 +141,21 @@ class Workers:
             # Those that have nothing else to do yet are compared meanwhile.
             for _ in range(_count(self._executor) - len(wanted)):
                 self._send(_Task([]))
-        together = 1
-        # What is noted is lost with no more than the call under way.
-        if self._seconds is not None and self.journal is None:
-            together = max(1, int(TASK_SECONDS / max(self._seconds, 1e-9)))
+        together = self._together(len(wanted))
         for first in range(0, len(wanted), together):
             self._send(_Task(wanted[first : first + together]))
+
+    def _together(self, arcs: int) -> int:
+        """How many of so many arcs make a task."""
+        # Of what is noted no more than the call under way is lost with a worker.
+        if self._seconds is None or self.journal is not None:
+            return 1
+        workers = _count(self._executor)
+        of_task = TASK_SECONDS if workers else SHORT_TASK_SECONDS
+        together = int(of_task / max(self._seconds, 1e-9))
+        if workers:
+            together = min(together, arcs // (TASKS_OF_WORKER * workers))
+        return max(1, together)
 
     def _send(self, task: _Task) -> None:
         arguments = (self._step, self._compared, [(arc.h, arc.q, arc.p) for arc in task.arcs])
@@ -429,8 +442,10 @@ def _sendable(step: _Step, error: BaseException) -> BaseException:
 
 def _count(executor: Any) -> int:
     """Workers of an executor, as far as it says so."""
-    # Of the standard library and of mpi4py; neither has a public name for it.
+    # Of the standard library, which has no public name for it, and of mpi4py.
     found = getattr(executor, "_max_workers", None) or getattr(executor, "num_workers", None)
+    if (client := getattr(executor, "_client", None)) is not None and hasattr(client, "nthreads"):
+        found = sum(client.nthreads().values())
     return found if isinstance(found, int) else 0
 
 

@@ -36,8 +36,8 @@ const JOBS: &str = "Example:
   symplint advance run --part 1/8                   a part of it; likewise 2/8 to 8/8
   symplint collect run                              the next round, or the verdict
 
-Exit status of `plan`: 0 there is a round, or the verdict is symplectic. Of `collect`: 4 there is another round; else that of \
-`check`. Of `advance`: 0 all calls were made; 2 some failed.";
+Exit status of `plan` and `collect`: 4 there is a round of calls to make; else that of `check`. Of `advance`: 0 all calls of the \
+part were made; 2 some failed.";
 
 /// The commands.
 #[derive(Subcommand)]

@@ -13,8 +13,8 @@ use crate::cli::{PlanArgs, ResumeArgs, Run};
 use crate::output::say;
 use crate::provenance;
 
-/// The exit status of `collect` where another round of calls is to be made.
-const ANOTHER_ROUND: u8 = 4;
+/// The exit status where a round of calls is to be made.
+const ROUND_TO_MAKE: u8 = 4;
 
 /// Writes the first calls of a run, or the next ones.
 pub fn plan(arguments: &PlanArgs) -> Result<ExitCode, Failure> {
@@ -26,7 +26,7 @@ pub fn plan(arguments: &PlanArgs) -> Result<ExitCode, Failure> {
     };
     let config = Config::load(&arguments.config, &arguments.settings.set)?;
     let status = diagnose(&started, config, &run, Calls::ByJobs { collect: false })?;
-    Ok(status.unwrap_or(ExitCode::SUCCESS))
+    Ok(status.unwrap_or(ExitCode::from(ROUND_TO_MAKE)))
 }
 
 /// Takes in what jobs made, and plans on or judges.
@@ -39,7 +39,7 @@ pub fn collect(arguments: &ResumeArgs) -> Result<ExitCode, Failure> {
         shown: arguments.shown.clone(),
     };
     let status = diagnose(&started, config, &run, Calls::ByJobs { collect: true })?;
-    Ok(status.unwrap_or(ExitCode::from(ANOTHER_ROUND)))
+    Ok(status.unwrap_or(ExitCode::from(ROUND_TO_MAKE)))
 }
 
 /// Says what is to be done.

@@ -35,7 +35,7 @@ fn by_jobs(
     let mut plan = Command::new(env!("CARGO_BIN_EXE_symplint"));
     plan.arg("plan").arg(bench.config()).args(settings);
     let planned = plan.arg("--out").arg(folder).output().unwrap();
-    assert_eq!(planned.status.code(), Some(0), "{}", said(&planned));
+    assert_eq!(planned.status.code(), Some(4), "{}", said(&planned));
     for round in 0..100 {
         let order = shuffled(PARTS, round as u64);
         // Two jobs at a time.
@@ -73,7 +73,7 @@ fn parts_in_any_order_and_lost_ones_give_the_same_report() {
         .env("SYMPLINT_TEST_COUNT", path("calls"));
     let whole = check.arg("--out").arg(path("whole")).output().unwrap();
     // Part 3 is lost in every second round.
-    let lost = |round: usize, k: usize| round % 2 == 0 || k != 3;
+    let lost = |round: usize, k: usize| round.is_multiple_of(2) || k != 3;
     let of_jobs = (&*path("jobs"), &*path("calls_of_jobs"));
     let (rounds, last) = by_jobs(&bench, of_jobs, &settings, lost);
     assert_eq!(last.status.code(), whole.status.code(), "{}", said(&last));
@@ -165,7 +165,7 @@ fn what_cannot_be_planned_or_made_is_refused() {
     let advance = |part: &str| symplint(&["advance", "--part", part], &path("run"), &counts);
     refused(advance("1/2"), "config.toml cannot be read");
     let planned = plan(&bench.config(), &["--set", "diagnostic.budget=200"]);
-    assert_eq!(planned.status.code(), Some(0), "{}", said(&planned));
+    assert_eq!(planned.status.code(), Some(4), "{}", said(&planned));
     for part in ["0/2", "3/2", "1", "a/b", "1/0"] {
         refused(advance(part), "give K/N");
     }
@@ -185,4 +185,56 @@ fn what_cannot_be_planned_or_made_is_refused() {
     refused(advance("2/2"), "has no round of calls");
     assert_eq!(collect().status.code(), Some(4));
     assert_eq!(advance("2/2").status.code(), Some(0));
+}
+
+/// A scheduler: runs the jobs of an array at the same time, and waits for them.
+const SBATCH: &str = r#"#!/bin/sh
+for word in "$@"; do
+    case $word in
+        --array=1-*) jobs=${word#--array=1-} ;;
+        --wrap=*) script=${word#--wrap=} ;;
+    esac
+done
+k=1
+while [ "$k" -le "$jobs" ]; do
+    SLURM_ARRAY_TASK_ID=$k sh -c "$script" &
+    k=$((k + 1))
+done
+wait
+"#;
+
+#[cfg(unix)]
+#[test]
+fn the_script_for_slurm_makes_all_rounds() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let bench = Bench::new("leapfrog", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    std::fs::create_dir(path("bin")).unwrap();
+    let sbatch = path("bin").join("sbatch");
+    std::fs::write(&sbatch, SBATCH).unwrap();
+    std::fs::set_permissions(&sbatch, PermissionsExt::from_mode(0o755)).unwrap();
+    let text = std::fs::read_to_string(bench.config()).unwrap() + "budget = 300\n";
+    std::fs::write(bench.config(), text).unwrap();
+    let symplint = Path::new(env!("CARGO_BIN_EXE_symplint")).parent().unwrap();
+    let own = std::env::var("PATH").unwrap();
+    let script = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/slurm/rounds.sh"
+    );
+    let output = Command::new("sh")
+        .arg(script)
+        .arg(bench.config())
+        .arg(path("run"))
+        .arg("3")
+        .env(
+            "PATH",
+            format!("{}:{}:{own}", path("bin").display(), symplint.display()),
+        )
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let whole = bench.check(&["--quiet", "--out", path("whole").to_str().unwrap()]);
+    assert_eq!(whole.status.code(), Some(0), "{}", said(&whole));
+    assert_eq!(report(&path("run")), report(&path("whole")));
 }
