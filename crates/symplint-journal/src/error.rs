@@ -29,6 +29,12 @@ pub enum JournalError {
         /// The first difference.
         difference: String,
     },
+    /// It is there no more.
+    #[error("{} was removed while the run went on, and the evaluations in it are lost; start the run again", path.display())]
+    Removed {
+        /// The journal.
+        path: PathBuf,
+    },
     /// The operating system refuses to read or write it.
     #[error(
         "cannot {action} {}: {reason}; evaluations that were written are kept, and the same run goes on from them once \

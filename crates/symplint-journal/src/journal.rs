@@ -281,6 +281,8 @@ impl Journal {
             records.file.write_all(&bytes)?;
             if records.synced.elapsed() >= SYNC {
                 records.file.sync_data()?;
+                // Until it is closed, a file without a name can be written to all the same.
+                self.path.metadata()?;
                 records.synced = Instant::now();
             }
             Ok(())
@@ -296,8 +298,12 @@ impl Journal {
     }
 
     fn failed(&self, action: &'static str, error: &io::Error) -> JournalError {
-        let error = (self.failure).get_or_init(|| JournalError::of_file(action, &self.path, error));
-        error.clone()
+        let path = &self.path;
+        let of_file = || match path.exists() {
+            true => JournalError::of_file(action, path, error),
+            false => JournalError::Removed { path: path.clone() },
+        };
+        self.failure.get_or_init(of_file).clone()
     }
 }
 

@@ -2,10 +2,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 use symplint::{Circle, Ensemble, StepFailure};
-use symplint_journal::{Journal, JournalError};
+use symplint_journal::{Journal, JournalError, Request, read_round, write_round};
 
 fn run() -> Value {
     json!({ "map": "pendulum", "version": "1", "config": { "seed": 1 } })
@@ -171,4 +172,70 @@ fn other_runs_and_other_files_are_refused() {
     }
     let error = Journal::open(Path::new("/no/such/folder/journal"), &run()).map(|_| ());
     assert!(matches!(error, Err(JournalError::File { .. })));
+}
+
+#[test]
+fn a_journal_that_is_removed_is_missed_within_a_second() {
+    let (_folder, path) = folder();
+    let journal = Journal::open(&path, &run()).unwrap();
+    assert!(advance(&journal, &mut states(1.0), 0.5, 1.0));
+    fs::remove_file(&path).unwrap();
+    std::thread::sleep(Duration::from_millis(1010));
+    let mut states = states(2.0);
+    let found = journal.advance(0.5, &mut states.block(), |_| Ok::<(), JournalError>(()));
+    assert_eq!(found, Err(JournalError::Removed { path: path.clone() }));
+    assert!(journal.failure().is_some());
+}
+
+#[test]
+fn a_journal_takes_in_the_calls_of_others() {
+    let (folder, path) = folder();
+    let other = folder.path().join("other");
+    let expected = write(&other);
+    {
+        let journal = Journal::open(&path, &run()).unwrap();
+        // One that both have.
+        assert!(advance(&journal, &mut states(1.0), 0.5, 1.0));
+        let part = Journal::open(&other, &run()).unwrap();
+        assert_eq!(journal.merge(&part), Ok(3));
+        assert_eq!(journal.merge(&part), Ok(0));
+    }
+    assert_eq!(replayed(&path, &expected), 4);
+}
+
+#[test]
+fn a_round_is_read_as_it_was_written() {
+    let (folder, path) = folder();
+    let journal = Journal::open(&path, &run()).unwrap();
+    let requests: Vec<Request> = (1..=5)
+        .map(|k| {
+            let mut states = states(f64::from(k));
+            let h = 1.0 / f64::from(k);
+            let call = journal.call(h, &states.block());
+            Request::new(call, h, states)
+        })
+        .collect();
+    let path = folder.path().join("calls");
+    write_round(&path, &run(), &requests).unwrap();
+    let read = read_round(&path, &run()).unwrap();
+    assert_eq!(read.len(), 5);
+    for (read, written) in read.iter().zip(&requests) {
+        assert_eq!((read.call, read.h), (written.call, written.h));
+        assert_eq!(numbers(&read.states), numbers(&written.states));
+    }
+    let refused = read_round(&path, &json!({ "map": "another" })).map(|_| ());
+    assert!(
+        matches!(refused, Err(JournalError::OtherRun { .. })),
+        "{refused:?}"
+    );
+    // Cut off anywhere it is none; only without a record does the file not show it.
+    let whole = fs::read(&path).unwrap();
+    for length in 0..whole.len() {
+        fs::write(&path, &whole[..length]).unwrap();
+        match read_round(&path, &run()) {
+            Err(JournalError::NotAJournal { .. }) => {}
+            Ok(read) => assert!(read.len() < 5, "{length}"),
+            Err(error) => panic!("{error}"),
+        }
+    }
 }

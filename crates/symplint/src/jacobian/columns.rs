@@ -76,9 +76,8 @@ impl Columns {
             let (u, v) = (&self.directions[i], &self.directions[j]);
             let (of_u, of_v) = (&self.derivatives[i], &self.derivatives[j]);
             let Estimate { value, mut error } = frame.change_of_form((u, of_u), (v, of_v));
-            if let [error_u, error_v] = [i, j].map(|k| self.direction_errors.get(k))
-                && let (Some(error_u), Some(error_v)) = (error_u, error_v)
-            {
+            let errors = [i, j].map(|k| self.direction_errors.get(k));
+            if let [Some(error_u), Some(error_v)] = errors {
                 error += frame.error_of_form((u, error_u), (v, error_v));
             }
             let norm = frame.norm(u) * frame.norm(v);
