@@ -28,10 +28,10 @@ from ._errors import InputError
 
 #: Arcs of one set of states, at most.
 MOST_ARCS = 64
-#: Seconds that a task should take: to send it takes about a millisecond, and some where Dask does.
-TASK_SECONDS = 0.1
+#: Seconds that a task should take: to send it takes about a millisecond, and eight where Dask does.
+TASK_SECONDS = 0.2
 #: Tasks for each worker, at least, so that all have about the same to do.
-TASKS_OF_WORKER = 8
+TASKS_OF_WORKER = 3
 #: Seconds that a task should take where it is not known how many workers there are.
 SHORT_TASK_SECONDS = 0.005
 #: States that every worker advances first, so that all can be compared.
