@@ -104,7 +104,7 @@ fn noise_of_mode(samples: usize, scaling: &Scaling) -> f64 {
 }
 
 /// Sobolev exponents of functions that jump: ½ by theory. Noise has −½, kinks have 3/2.
-const JUMPING: Range<f64> = 0.25..1.0;
+const JUMPING: Range<f64> = 0.0..1.25;
 
 /// The uncertainty that jumps make, in units of the largest momentum times the root of the sum of their squares: that of
 /// thirty-six equal ones that all add up.
@@ -117,6 +117,13 @@ const LITTLE: f64 = 1e-3;
 /// of J/(2πik), each with a phase of its own, and Σ 1/k² over an octave is about 1/(2 first).
 fn jump_size(first: usize, energy: f64) -> f64 {
     PI * (8.0 * first as f64 * energy).sqrt()
+}
+
+/// The last octave that stands clear of rounding, from the energies of the octaves and what rounding makes of a mode: there a
+/// smooth function is the smallest beside jumps.
+fn last_clear(energies: &[f64], noise: f64) -> Option<usize> {
+    let is_clear = |&j: &usize| energies[j].sqrt() > noise * f64::from(1u32 << j).sqrt();
+    (0..energies.len()).rev().find(is_clear)
 }
 
 /// Octaves of modes that a transform may have.
@@ -157,20 +164,17 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
     let of_positions = sobolev_exponent(&q_energies[..octaves], noise_of_mode(samples, of_q));
     let of_momenta = sobolev_exponent(&p_energies[..octaves], noise_of_mode(samples, of_p));
     // What the integral of the loop with its jumps closed has more than that between them.
-    let jumps = match octaves >= 2 {
-        // The last octaves alone: a smooth function stands above small jumps in those before.
-        true => {
-            let [before, last] = [q_energies[octaves - 2], q_energies[octaves - 1]];
-            let exponent = 0.5 * (before / last).log2();
-            let size = jump_size(1 << (octaves - 1), last / (n * n));
-            let noise = noise_of_mode(samples, of_q) * f64::from(1 << (octaves - 1)).sqrt();
-            let little = size < LITTLE && last.sqrt() > noise;
-            match little && JUMPING.contains(&exponent) {
+    let noise_of_positions = noise_of_mode(samples, of_q);
+    let jumps = match last_clear(&q_energies[..octaves], noise_of_positions) {
+        Some(last) if last > 0 => {
+            let exponent = 0.5 * (q_energies[last - 1] / q_energies[last]).log2();
+            let size = jump_size(1 << last, q_energies[last] / (n * n));
+            match size < LITTLE && JUMPING.contains(&exponent) {
                 true => OF_JUMPS * of_p.largest * of_q.unit * size,
                 false => 0.0,
             }
         }
-        false => 0.0,
+        _ => 0.0,
     };
     let regularity = least(of_positions, of_momenta);
 
