@@ -86,6 +86,7 @@ fn line(family: &Family, index: usize) -> Line {
             line.order = order(&member.truth, found);
             let known = member.truth.breaks.as_ref().map(Vec::len);
             let counted = ratios::found_breaks(&member.truth, found)
+                .filter(|_| !ratios::may_be_more(found))
                 .map(|breaks| breaks.iter().flatten().count());
             line.breaks = known.map(|known| (known, counted));
             line.ratios = ratios::ratios(&member, found);

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use symplint::breaks::Break;
+use symplint::evidence::StepEvidence;
 use symplint::{Diagnosis, VerdictKind};
 
 use crate::member::{Expected, Member, Truth};
@@ -19,7 +20,8 @@ pub fn ratios(member: &Member, diagnosis: &Diagnosis) -> Vec<(String, f64)> {
     found
 }
 
-/// Truths and results are known to one rounding, in units of the loop integral; errors below that count as that much.
+/// Truths and results are known to one rounding, in units of the loop integral, and positions to one of s; errors below that count as
+/// that much.
 const ROUNDING: f64 = 0.5 * f64::EPSILON;
 
 /// 0 for no error, infinite for an error where none is stated.
@@ -86,12 +88,12 @@ fn breaks(truth: &Truth, diagnosis: &Diagnosis) -> Vec<(String, f64)> {
         .into_iter()
         .flatten()
         .flatten())
-    .map(|(distance, uncertainty)| (name.clone(), ratio(distance, uncertainty)))
+    .map(|(distance, uncertainty)| (name.clone(), ratio(distance.max(ROUNDING), uncertainty)))
     .collect()
 }
 
 /// How far each known break is from the found one nearest to it, and how well the position of that is said to be known. A break
-/// that is nearest to no found one was missed. Nothing where the diagnosis does not say that it knows all of them.
+/// that is nearest to no found one was missed. Nothing where the diagnosis did not close the loop.
 pub fn found_breaks(truth: &Truth, diagnosis: &Diagnosis) -> Option<Vec<Option<(f64, f64)>>> {
     let (found, known) = given_breaks(diagnosis).zip(truth.breaks.as_ref())?;
     let apart = |a: f64, b: f64| ((a - b + 0.5).rem_euclid(1.0) - 0.5).abs();
@@ -108,21 +110,31 @@ pub fn found_breaks(truth: &Truth, diagnosis: &Diagnosis) -> Option<Vec<Option<(
     Some(nearest)
 }
 
-/// The positions of all breaks of the given loop after the largest step, where they are known.
-pub fn given_breaks(diagnosis: &Diagnosis) -> Option<Vec<Break>> {
+/// The step of the given loop with the largest step size.
+fn largest_step(diagnosis: &Diagnosis) -> Option<&StepEvidence> {
     let given = diagnosis.evidence.loops.first()?;
     let largest = given
         .steps
         .iter()
         .map(|step| step.step_size.unwrap_or(0.0))
         .fold(0.0, f64::max);
-    let step = given
+    given
         .steps
         .iter()
-        .find(|step| step.step_size == Some(largest))?;
+        .find(|step| step.step_size == Some(largest))
+}
+
+/// Whether the diagnosis says that there may be more breaks than it found.
+pub fn may_be_more(diagnosis: &Diagnosis) -> bool {
+    largest_step(diagnosis).is_some_and(|step| step.flickering > 0)
+}
+
+/// The breaks of the given loop after the largest step, where it could be closed.
+pub fn given_breaks(diagnosis: &Diagnosis) -> Option<Vec<Break>> {
+    let step = largest_step(diagnosis)?;
     step.closing?;
     let of_step = (diagnosis.evidence.breaks.iter())
-        .filter(|at| at.loop_index == 0 && at.step_size == Some(largest));
+        .filter(|at| at.loop_index == 0 && at.step_size == step.step_size);
     Some(of_step.map(|at| at.found).collect())
 }
 

@@ -57,7 +57,7 @@ const PART_OF_ROUNDING: f64 = 0.05;
 
 /// How far the rounding of a state, this part of the loop, moves a break whose jump is this part of the size of the loop:
 /// a threshold is met to a rounding of what is compared with it, and where the break is that of a solver, this changes by
-/// no more than the jump along the loop.
+/// no more than the jump along the loop. Where the break is none of a solver, positions are compared, and `jump` is 1.
 pub(crate) fn uncertainty_of_position(rounding: f64, jump: f64) -> f64 {
     (PART_OF_ROUNDING * rounding / jump.min(1.0)).min(1.0)
 }

@@ -249,8 +249,10 @@ pub enum Finding {
         loop_index: usize,
         /// The step.
         step: Step,
-        /// Breaks of that loop, where all are known.
+        /// Breaks of that loop that were found, where they can be closed.
         breaks: Option<usize>,
+        /// Whether there may be more: where a solver stops at a tolerance, two may be too close to each other to be seen.
+        at_least: bool,
         /// The largest jump.
         jump: Break,
         /// Whether only samples are known.

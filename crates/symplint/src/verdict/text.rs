@@ -273,9 +273,13 @@ impl Display for Finding {
                 loop_index,
                 step,
                 breaks,
+                at_least,
                 jump,
                 sampled,
-            } => fmt_jump(f, *loop_index, step, *breaks, jump, *sampled),
+            } => match sampled {
+                true => fmt_sampled_jump(f, step, jump),
+                false => fmt_jump(f, *loop_index, step, (*breaks, *at_least), jump),
+            },
             Finding::BrokenCount { broken, of } => {
                 write!(f, "{broken} of {of} advanced loops are broken.")
             }
@@ -467,24 +471,25 @@ impl Display for Finding {
     }
 }
 
+fn fmt_sampled_jump(f: &mut Formatter<'_>, step: &Step, jump: &Break) -> Result {
+    write!(
+        f,
+        "The largest jump {step}, in degree of freedom {} near s = {:.6}, is {:.3e} in q and {:.3e} in p, \
+         with every sample as with every second and every fourth.",
+        jump.dof, jump.s, jump.jump_q, jump.jump_p
+    )
+}
+
 fn fmt_jump(
     f: &mut Formatter<'_>,
     loop_index: usize,
     step: &Step,
-    breaks: Option<usize>,
+    (breaks, at_least): (Option<usize>, bool),
     jump: &Break,
-    sampled: bool,
 ) -> Result {
-    if sampled {
-        return write!(
-            f,
-            "The largest jump {step}, in degree of freedom {} near s = {:.6}, is {:.3e} in q and {:.3e} in p, \
-             with every sample as with every second and every fourth.",
-            jump.dof, jump.s, jump.jump_q, jump.jump_p
-        );
-    }
     let times = breaks.map_or(String::new(), |count| {
-        format!(" in {count} place{}", plural(count))
+        let at_least = if at_least { "at least " } else { "" };
+        format!(" in {at_least}{count} place{}", plural(count))
     });
     write!(
         f,

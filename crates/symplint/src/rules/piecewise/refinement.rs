@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::curves::{At, Curves, Image};
 use super::examine::{Finding, TurningPoints, View, Why};
 use super::jump::{Judgement, Jump};
-use super::limits::{BATCH_BYTES, ELSEWHERE, NOISE_LENGTH, SAFETY, SMALL};
+use super::limits::{BATCH_BYTES, ELSEWHERE, LARGE, NOISE_LENGTH, SAFETY, SMALL};
 use super::lobatto::DEGREE;
 use super::noise;
 use super::piece::{Piece, Smooth};
@@ -85,8 +85,9 @@ impl Found {
         nearest(high[c] - low[c], period(coordinates, c))
     }
 
-    /// The break in the degree of freedom that jumps most, in the sizes of the coordinates.
-    pub fn summary(&self, scales: &Scales, coordinates: &Coordinates) -> Break {
+    /// The break in the degree of freedom that jumps most, in the sizes of the coordinates; `of_solver` where the loop has
+    /// breaks of a solver that stops at a tolerance.
+    pub fn summary(&self, scales: &Scales, coordinates: &Coordinates, of_solver: bool) -> Break {
         let dof = coordinates.dof();
         let jump = |c: usize| self.jump(c, coordinates);
         let size = |i: usize| {
@@ -97,11 +98,14 @@ impl Found {
             let size = size(i);
             if size > most.1 { (i, size) } else { most }
         });
+        let compared = match of_solver || size(most) < LARGE {
+            true => size(most),
+            false => 1.0,
+        };
+        let rounding = uncertainty_of_position(scales.input_rounding, compared);
         Break {
             s: self.sides[1].rem_euclid(1.0),
-            uncertainty: (self.sides[1] - self.sides[0]
-                + uncertainty_of_position(scales.input_rounding, size(most)))
-            .max(self.uncertainty),
+            uncertainty: (self.sides[1] - self.sides[0] + rounding).max(self.uncertainty),
             dof: most,
             jump_q: jump(most),
             jump_p: jump(dof + most),

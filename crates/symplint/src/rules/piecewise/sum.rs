@@ -112,8 +112,10 @@ pub(super) fn sum(
     };
     let mut breaks = Vec::new();
     let (mut insubstantial, mut all_across, mut flickering) = (0.0, 0.0, 0);
-    for found in refinement.breaks.iter().filter(|found| found.curve == 0) {
-        let summary = found.summary(scales, coordinates);
+    let breaks_of_loop = || refinement.breaks.iter().filter(|found| found.curve == 0);
+    let of_solver = breaks_of_loop().any(|found| found.flickers);
+    for found in breaks_of_loop() {
+        let summary = found.summary(scales, coordinates, of_solver);
         let chord = found.chord(scales, coordinates);
         let reference = |i: usize| coordinates.weight(i) * scales.p_reference[i];
         let parts = chord.areas.iter().zip(&chord.gains).enumerate();

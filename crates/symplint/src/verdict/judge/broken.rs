@@ -64,6 +64,7 @@ impl Case<'_> {
             loop_index: found.index,
             step: self.name(found, step),
             breaks: step.closing.map(|closing| closing.breaks),
+            at_least: step.flickering > 0,
             jump,
             sampled: false,
         });
@@ -171,6 +172,7 @@ impl Case<'_> {
                 loop_index: found.index,
                 step: name,
                 breaks: Some(jumps.confirmed),
+                at_least: true,
                 jump,
                 sampled: true,
             }));
