@@ -182,7 +182,9 @@ mod tests {
         );
         // Half precision, bfloat16, and fixed-point numbers.
         let to_bits = |x: f64, bits: i32| {
-            let unit = 2f64.powi(x.abs().log2().floor() as i32 + 1 - bits);
+            // Of 0, too.
+            let exponent = x.abs().log2().floor().max(-100.0) as i32;
+            let unit = 2f64.powi(exponent + 1 - bits);
             (x / unit).round() * unit
         };
         close(
