@@ -296,6 +296,16 @@ pub enum Error {
         /// Evaluations that were asked for.
         wanted: usize,
     },
+    /// A one-form that has not twice as many coordinates as the map has degrees of freedom.
+    #[error(
+        "the one-form has {dimension} coordinates and the map {dof} degrees of freedom; there must be twice as many coordinates"
+    )]
+    FormDimension {
+        /// Coordinates of the one-form.
+        dimension: usize,
+        /// Degrees of freedom of the map.
+        dof: usize,
+    },
     /// The map asked to end the diagnosis ([`TimeAdvance::is_stopped`](crate::TimeAdvance::is_stopped)).
     #[error("the diagnosis was stopped before it was over")]
     Stopped,

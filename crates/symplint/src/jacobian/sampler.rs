@@ -172,7 +172,9 @@ impl<'a> Sampler<'a> {
                     }
                 }
                 unresolved.retain(|&point| {
-                    let resolved = found[point].iter().all(|noise| noise.resolved);
+                    let mut of_coordinates = found[point].iter().enumerate();
+                    let resolved =
+                        of_coordinates.all(|(c, noise)| noise.resolved || self.is_constant(c));
                     level + 1 < noise::LEVELS && !resolved && self.draw(noise::STATES)
                 });
                 if unresolved.is_empty() {
@@ -182,7 +184,12 @@ impl<'a> Sampler<'a> {
         }
         self.noise = vec![vec![0.0; self.coordinates()]; points.len()];
         for c in 0..self.coordinates() {
-            let shown: Vec<f64> = found.iter().map(|of_point| of_point[c].value()).collect();
+            let is_constant = self.is_constant(c);
+            let of_point = |of_point: &Vec<Noise>| match is_constant {
+                true => 0.0,
+                false => of_point[c].value(),
+            };
+            let shown: Vec<f64> = found.iter().map(of_point).collect();
             for (point, noise) in noise::at_each_place(&shown).into_iter().enumerate() {
                 let before = coordinate(&self.before, c)[point].abs();
                 let magnitude = before.max(self.after[point][c].abs());
@@ -191,6 +198,14 @@ impl<'a> Sampler<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Whether a coordinate has one value on the manifold of the map, as far as is known: it responds to nothing there.
+    fn is_constant(&self, c: usize) -> bool {
+        let before = coordinate(&self.before, c);
+        self.evaluator.constraint().is_some()
+            && before.iter().all(|&value| value == before[0])
+            && self.after.iter().all(|after| after[c] == before[0])
     }
 
     /// Advances points displaced along tangent vectors by each of `distances`.

@@ -15,6 +15,11 @@ pub trait Constraint: Send + Sync {
     /// It is a projection: states on the manifold stay where they are, to round-off. It must be smooth near the manifold.
     /// A state that cannot be projected is set to NaN, which becomes an error.
     fn project(&self, block: &mut Block<'_>);
+
+    /// Whether states between the substeps of a step are on the manifold, too. By default they need not be.
+    fn holds_between_substeps(&self) -> bool {
+        false
+    }
 }
 
 /// A loop whose states are projected onto the manifold of a map; of a map without one, the loop itself.

@@ -6,6 +6,7 @@ mod evaluator;
 mod grain;
 mod image_loop;
 mod loop_size;
+mod one_form;
 mod prefetch;
 mod tangent;
 
@@ -16,6 +17,7 @@ pub(crate) use grain::{Before, Grain};
 pub(crate) use image_loop::ImageLoop;
 pub(crate) use loop_size::{ActionGroup, LoopSize};
 pub use loop_size::{BalancedRadii, balanced_radii};
+pub use one_form::{NonCanonical, OneForm};
 pub use prefetch::Prefetch;
 pub use tangent::TangentMap;
 

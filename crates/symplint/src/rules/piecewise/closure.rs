@@ -24,9 +24,11 @@ pub(super) fn close(
     closure: Closure,
 ) -> Result<Vec<Chord>, Error> {
     let substeps = refinement.curves.evaluator.substeps();
+    // On a manifold a segment is put onto it and integrated as a curve, beyond the last substep, too.
+    let straight = refinement.curves.evaluator.constraint().is_none();
     let mut chords = Vec::new();
     let mut closed = 0;
-    for substep in 0..substeps {
+    for substep in 0..substeps + usize::from(!straight) {
         // Segments that begin here are from breaks of earlier substeps: all of them are known.
         if substep > 0 {
             let segments = refinement.curves.segments.iter().enumerate();
@@ -50,7 +52,7 @@ pub(super) fn close(
                 Closure::Chords => last,
                 Closure::Substeps => born,
             };
-            if birth == last {
+            if birth == last && straight {
                 chords.push(found.chord(scales, coordinates));
             } else {
                 refinement.curves.segments.push(Segment {

@@ -23,7 +23,8 @@ pub(super) struct Curves<'a> {
     pub lift: Lift,
 }
 
-/// A straight segment of states, t in [0, 1], between substeps of the map.
+/// A straight segment of states, t in [0, 1], between substeps of the map; where the map has a manifold that it does not leave
+/// there, one that is put onto it.
 pub(super) struct Segment {
     /// Both ends, from where the segment begins on.
     pub ends: [Image; 2],
@@ -109,6 +110,11 @@ impl Curves<'_> {
                     block.p.row_mut(i)[k] = blend(self.dof() + i);
                 }
             }
+            if let Some(constraint) = self.evaluator.constraint()
+                && (constraint.holds_between_substeps() || substep == self.evaluator.substeps())
+            {
+                constraint.project(&mut block);
+            }
         });
         states
     }
@@ -127,7 +133,11 @@ impl Curves<'_> {
             })
             .collect();
         let images = self.images_of_each(&different, substep)?;
-        let evaluations = different.len();
+        // Beyond the last substep nothing is left to be evaluated.
+        let evaluations = match substep == self.evaluator.substeps() {
+            true => 0,
+            false => different.len(),
+        };
         Ok((
             indices.into_iter().map(|k| images[k].clone()).collect(),
             evaluations,
