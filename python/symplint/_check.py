@@ -17,6 +17,7 @@ from . import _native
 from ._arrays import coordinates, cutoffs, vector, whole
 from ._errors import InputError, NotSymplecticError
 from ._fingerprint import fingerprint
+from ._form import CircleOfForm, FormOfRows, LoopOfForm, MapOfForm, Projection, one_form
 from ._loops import Loop, centre, radii
 from ._progress import bar
 from ._report import Report
@@ -56,6 +57,7 @@ def check(
     per_sample: bool = False,
     make: bool = False,
     reset: Callable[[], object] | None = None,
+    form: Callable[..., Any] | None = None,
     dtype: npt.DTypeLike | None = None,
     jacobian: bool = True,
     executor: Any = None,
@@ -114,11 +116,16 @@ def check(
     weight : float or array_like, optional
         The canonical momentum is weight × p: masses, where p are velocities.
     per_sample : bool
-        Whether `step` (and `project`) takes and returns one state: arrays of shape (dof,).
+        Whether `step` (and `project` and `form`) takes and returns one state: arrays of shape (dof,).
     make : bool
         Whether ``step(h)`` returns ``advance(q, p)``; it is called once for each h.
     reset : callable, optional
         Called before every call of `step`, for codes that keep state.
+    form : callable, optional
+        The one-form ϑ of non-canonical coordinates z, whose derivative is the symplectic form: ``form(z)`` gets an array of shape
+        (samples, n) and returns one like it. Then `step` is ``step(z, h)`` and returns one array or changes it in place, `q0`
+        is the centre z0, n numbers, `radius` has one number for each of them, and `loop` is a function of s that returns z. The loop
+        integral is ∮ ϑ(z)·dz; what a report calls degree of freedom i is the coordinate z_i.
     dtype : "float32", optional
         Where the map computes in single precision: `step` then gets arrays of it.
     jacobian : bool
@@ -172,11 +179,29 @@ def check(
     >>> report = symplint.check(midpoint, 1.0, 0.5)
     >>> report.kind, report.order
     ('not-symplectic', 3.0)
+
+    Lotka–Volterra in the populations x and y, in which the symplectic form is dx∧dy/(xy):
+
+    >>> def splitting(z, h):
+    ...     x, y = z.T
+    ...     x *= np.exp(h * (1.0 - y))
+    ...     y *= np.exp(h * (x - 1.0))
+    >>> def form(z):
+    ...     x, y = z.T
+    ...     return np.column_stack([-np.log(y) / x, 0.0 * y])
+    >>> symplint.check(splitting, [1.0, 1.5], radius=0.4, form=form).kind
+    'symplectic'
     """
     # Tracebacks of pytest end where the test calls this.
     __tracebackhide__ = True
     if isinstance(step, System):
         step = of_system(step)
+    name = _name(step)
+    if form is not None:
+        step, q0, p0, radius, loop, project = _of_form(
+            form, step, q0, p0, radius=radius, loop=loop, project=project, momentum_period=momentum_period, weight=weight,
+            per_sample=per_sample, make=make,
+        )  # fmt: skip
     subject = _subject(
         step, q0, p0, radius=radius, loop=loop, project=project, period=period,
         momentum_period=momentum_period, weight=weight, per_sample=per_sample, make=make, reset=reset, dtype=dtype,
@@ -198,10 +223,10 @@ def check(
     }
     if settings["budget"] is None and not compiled:
         settings["budget"] = BUDGET
-    name = _name(step)
     config = _config(name, subject, settings, loop)
     dof = subject["dof"]
-    title = f"{name} · {dof} degree{'' if dof == 1 else 's'} of freedom"
+    of_states = "coordinates" if form is not None else f"degree{'' if dof == 1 else 's'} of freedom"
+    title = f"{name} · {dof} {of_states}"
     journal = None if out is None or compiled else _journal(out, step, project, config, subject)
     workers = contextlib.nullcontext() if subject["workers"] is None else contextlib.closing(subject["workers"])
     with bar(progress) as watch, _resumable(journal), workers:
@@ -354,6 +379,42 @@ def _subject(
             executor, step, per_sample=bool(per_sample), make=bool(make), single=_is_single(dtype), reset=reset
         ),
     }
+
+
+def _of_form(
+    form: Any,
+    step: Any,
+    z0: Any,
+    p0: Any,
+    *,
+    radius: Any,
+    loop: Any,
+    project: Any,
+    momentum_period: Any,
+    weight: Any,
+    per_sample: bool,
+    make: bool,
+) -> tuple[Any, ...]:
+    """What is tested where a one-form is given: step, q0, p0, radius, loop and project of canonical coordinates."""
+    for name, function in (("form", form), ("step", step)):
+        if not callable(function) or isinstance(function, Integrator):
+            raise InputError(f"{name} is an object of type {type(function).__name__}; with a form, give a function")
+    canonical = {"p0": p0, "project": project, "momentum_period": momentum_period, "weight": weight}
+    if refused := [name for name, value in canonical.items() if value is not None]:
+        raise InputError(f"{refused[0]} is for canonical coordinates; with a form, all is said by z0, period and form")
+    if loop is not None and (isinstance(loop, Loop) or not callable(loop)):
+        raise InputError("loop is of canonical coordinates; with a form, give a function of s that returns z")
+    if isinstance(radius, tuple | str):
+        raise InputError(f"radius is {radius!r}; with a form, give a number, or one for each coordinate")
+    if z0 is None:
+        raise InputError("q0 is missing; with a form, give the state z0 round which loops are laid")
+    z0 = vector(z0, "q0")
+    of_rows = FormOfRows(form) if per_sample else form
+    if loop is None:
+        loop, radius = CircleOfForm(z0, radii(radius, z0.size)[0], of_rows), 1.0
+    else:
+        loop = LoopOfForm(loop, of_rows)
+    return MapOfForm(step, form, make), z0, one_form(of_rows, z0[None, :])[0], radius, loop, Projection(form)
 
 
 def _journal(

@@ -17,7 +17,6 @@ mod transform;
 
 use std::cell::Cell;
 use std::f64::consts::PI;
-use std::ops::Range;
 
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
@@ -103,8 +102,13 @@ fn noise_of_mode(samples: usize, scaling: &Scaling) -> f64 {
     margin * UNIT_ROUNDOFF * n.sqrt() * (scaling.largest / scaling.unit).max(1.0)
 }
 
-/// Sobolev exponents of functions that jump: ½ by theory. Noise has −½, kinks have 3/2.
-const JUMPING: Range<f64> = 0.0..1.25;
+/// Whether the Sobolev exponent that an octave and the one before tell is that of jumps, ½ by theory: not that of noise, −½, of
+/// which the exponent scatters the more the fewer modes there are, and not that of kinks, 3/2.
+fn looks_like_jumps(exponent: f64, octave: usize) -> bool {
+    // An energy of n independent modes scatters by 1/√n of itself; an octave has half as many modes as the next.
+    let scatter = 0.5 * std::f64::consts::LOG2_E * (3.0 / f64::from(1u32 << octave)).sqrt();
+    (-0.5 + 3.0 * scatter..1.25).contains(&exponent)
+}
 
 /// The uncertainty that jumps make, in units of the largest momentum times the root of the sum of their squares: that of
 /// thirty-six equal ones that all add up.
@@ -169,7 +173,7 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
         Some(last) if last > 0 => {
             let exponent = 0.5 * (q_energies[last - 1] / q_energies[last]).log2();
             let size = jump_size(1 << last, q_energies[last] / (n * n));
-            match size < LITTLE && JUMPING.contains(&exponent) {
+            match size < LITTLE && looks_like_jumps(exponent, last) {
                 true => OF_JUMPS * of_p.largest * of_q.unit * size,
                 false => 0.0,
             }
