@@ -60,7 +60,8 @@ pub enum Command {
     ///
     /// Each file after the step holds the states of BEFORE advanced by one step. Files are as `symplint loop`
     /// writes them; an .npz file may also hold `h`, `period` (of each position, 0 if it is not periodic),
-    /// `momentum_period` and `weight` (canonical momentum = weight × p). Options replace values in the files. Samples alone cannot
+    /// `momentum_period` and `weight` (canonical momentum = weight × p), or, in place of `q` and `p`, non-canonical coordinates `z`
+    /// and the one-form `theta` there, whose derivative is the symplectic form. Options replace values in the files. Samples alone cannot
     /// prove that a loop is broken, but they are evidence for it.
     #[command(after_help = EXIT_STATUS)]
     Measure(MeasureArgs),

@@ -691,3 +691,59 @@ fn periods_of_momenta_go_with_the_file() {
         assert_ne!(status(&none), 0, "{}", text(&none.stdout));
     }
 }
+
+#[test]
+fn one_forms_stand_in_for_momenta() {
+    // The circle in x and y of Lotka–Volterra, and u = ln x, v = −ln y, in which ω = dx∧dy/(xy) is canonical.
+    let folder = TempDir::new().unwrap();
+    let step = |[x, y]: [f64; 2]| {
+        let x = x * (0.5 * (1.0 - y)).exp();
+        [x, y * (0.4 * (x - 1.0)).exp() * (0.01 * y).exp()]
+    };
+    let before: Vec<[f64; 2]> = (0..64)
+        .map(|k| (TAU * f64::from(k) / 64.0).sin_cos())
+        .map(|(sin, cos)| [1.0 + 0.4 * sin, 1.5 + 0.4 * cos])
+        .collect();
+    let after: Vec<[f64; 2]> = before.iter().map(|&z| step(z)).collect();
+    let rows = |states: &[[f64; 2]], of: &dyn Fn([f64; 2]) -> Vec<f64>| {
+        let values: Vec<f64> = states.iter().flat_map(|&z| of(z)).collect();
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        npy(
+            "<f8",
+            false,
+            &format!("(64, {})", values.len() / 64),
+            &bytes,
+        )
+    };
+    for (name, states) in [("before", &before), ("after", &after)] {
+        let of_form = [
+            ("z", rows(states, &|z| z.to_vec())),
+            ("theta", rows(states, &|[x, y]| vec![-y.ln() / x, 0.0])),
+        ];
+        npz(
+            &folder.path().join(format!("{name}_z.npz")),
+            false,
+            &of_form,
+        );
+        let of_logarithms = [
+            ("q", rows(states, &|[x, _]| vec![x.ln()])),
+            ("p", rows(states, &|[_, y]| vec![-y.ln()])),
+        ];
+        npz(
+            &folder.path().join(format!("{name}.npz")),
+            false,
+            &of_logarithms,
+        );
+    }
+    let point = |arguments: &[&str]| report(folder.path(), arguments)["points"][0].clone();
+    let of_form = point(&["before_z.npz", "after_z.npz"]);
+    let of_logarithms = point(&["before.npz", "after.npz"]);
+    let defect = |point: &Value| point["signed_defect"].as_f64().unwrap();
+    assert!(defect(&of_form).abs() > 1e-3);
+    assert!((defect(&of_form) - defect(&of_logarithms)).abs() < 1e-13);
+    // Without z there is nothing to integrate.
+    let alone = [("theta", rows(&before, &|z| z.to_vec()))];
+    npz(&folder.path().join("alone.npz"), false, &alone);
+    let said = refused(folder.path(), &["alone.npz", "after.npz"]);
+    assert!(said.contains("alone.npz") && said.contains('z'), "{said}");
+}

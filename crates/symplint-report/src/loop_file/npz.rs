@@ -94,7 +94,11 @@ pub fn read(path: &Path, fewest: usize) -> Result<LoopFile, LoopFileError> {
     let file = File::open(path).map_err(|error| unreadable(error.to_string()))?;
     let zip = ZipArchive::new(file).map_err(|error| unreadable(error.to_string()))?;
     let mut archive = Archive { path, zip };
-    let (q, p) = (archive.required("q")?, archive.required("p")?);
+    // ∮ ϑ·dz of non-canonical coordinates is ∮ p·dq with q = z and p = ϑ.
+    let (q, p) = match archive.optional("theta", Accept::Floats)? {
+        Some(theta) => (archive.required("z")?, theta),
+        None => (archive.required("q")?, archive.required("p")?),
+    };
     let mut loaded = LoopFile::from_arrays(path, &q, &p, fewest)?;
     let dof = loaded.states.dof();
     loaded.step_size = archive.setting("h", dof)?.map(|h| h[0]);
