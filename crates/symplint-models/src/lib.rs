@@ -3,6 +3,7 @@
 //! * [`systems`]: pendula, a wedge, oscillators, Hénon–Heiles, Kepler, chains, a charge in a magnetic
 //!   field, a force without a potential.
 //! * [`discrete`]: maps that are given, not integrated: the Hénon map and the standard map.
+//! * [`non_canonical`]: Lotka–Volterra, a massless charge, a guiding centre, a charge by its velocity.
 //! * [`pic`]: electrostatic particle-in-cell plasmas in one and two dimensions.
 //! * [`integrators`]: splitting and Runge–Kutta methods, explicit and implicit, as data, and a
 //!   [catalogue](integrators::catalogue) of them by name.
@@ -51,6 +52,7 @@ mod hamiltonian;
 pub mod integrators;
 pub mod maps;
 mod model;
+pub mod non_canonical;
 mod periodic_grid;
 mod periodic_spline;
 pub mod pic;
