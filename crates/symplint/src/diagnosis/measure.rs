@@ -33,7 +33,7 @@ impl Diagnostic {
     /// many steps) is then left out where they take more than 512 MiB.
     ///
     /// # Errors
-    /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, there are too many loops, the map gives
+    /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, there is no loop or too many, the map gives
     /// different states for the same one, the loop is not closed or encloses no area, or the map fails on the given loop or
     /// returns states that are not finite at every step size: where it does so at some of them, the others are measured and
     /// those are noted ([`Omission::StepFailed`]).
@@ -52,11 +52,11 @@ impl Diagnostic {
                 remedy: "give 200 or more",
             });
         }
-        if self.loops > MOST_LOOPS {
+        if !(1..=MOST_LOOPS).contains(&self.loops) {
             return Err(Error::OutOfRange {
                 what: "number of loops",
                 value: self.loops as f64,
-                remedy: "give 10,000 or fewer",
+                remedy: "give 1 to 10,000",
             });
         }
         let count = EvaluationCount::new(budget);
