@@ -7,6 +7,13 @@ use npyz::{NpyFile, Order, WriterBuilder};
 
 use super::LoopFileError;
 
+/// Bytes of a header at most, as `numpy.load` has it.
+const LONGEST_HEADER: usize = 10_000;
+
+/// Brackets of a header that are opened at most. A dictionary with a shape has 2, one with a structured type some more;
+/// where they are inside one another the parser takes up to four times as long for each.
+const MOST_BRACKETS: usize = 8;
+
 /// An array of numbers in row-major order.
 pub struct Array {
     /// Lengths along each axis.
@@ -49,6 +56,7 @@ impl Array {
         if let Some(promised) = header_size(bytes).filter(|&size| size > bytes.len() as u128) {
             return Err(cut_short(promised));
         }
+        check_header(bytes).map_err(broken)?;
         let file = NpyFile::new(bytes).map_err(|error| broken(error.to_string()))?;
         let descr = file.dtype().descr();
         let kind = descr.trim_matches('\'').to_owned();
@@ -116,6 +124,28 @@ impl Array {
     }
 }
 
+/// Refuses headers that take the parser long: none that numpy writes of an array of numbers.
+fn check_header(bytes: &[u8]) -> Result<(), String> {
+    let header = match header_size(bytes) {
+        Some(size) => &bytes[..bytes.len().min(size as usize)],
+        None => return Ok(()),
+    };
+    if header.len() > LONGEST_HEADER {
+        return Err(format!(
+            "its header has {} bytes, and {LONGEST_HEADER} are the most that is read",
+            header.len()
+        ));
+    }
+    let opens = |byte: &&u8| matches!(byte, b'{' | b'[' | b'(');
+    let brackets = header.iter().filter(opens).count();
+    if brackets > MOST_BRACKETS {
+        return Err(format!(
+            "its header has {brackets} brackets, and {MOST_BRACKETS} are the most that is read"
+        ));
+    }
+    Ok(())
+}
+
 /// Size of the header of an `.npy` file with all that comes before it; `None` if it is not such a file.
 fn header_size(bytes: &[u8]) -> Option<u128> {
     if !bytes.starts_with(b"\x93NUMPY") {
@@ -124,5 +154,35 @@ fn header_size(bytes: &[u8]) -> Option<u128> {
     match *bytes.get(6)? {
         1 => Some(10 + u128::from(u16::from_le_bytes(bytes.get(8..10)?.try_into().ok()?))),
         _ => Some(12 + u128::from(u32::from_le_bytes(bytes.get(8..12)?.try_into().ok()?))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The error of a file of version 2 with this header and no values.
+    fn error_of(header: &str) -> String {
+        let mut bytes = b"\x93NUMPY\x02\x00".to_vec();
+        bytes.extend((header.len() as u32).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        let decoded = Array::decode(&bytes, Accept::Floats, Path::new("a.npy"), "");
+        decoded.err().unwrap().to_string()
+    }
+
+    /// Without the limits the first of them takes longer than anyone waits: four times as long for each bracket.
+    #[test]
+    fn headers_that_take_the_parser_long_are_refused() {
+        for open in ["{", "{1:", "{'}':", "(", "["] {
+            let error = error_of(&open.repeat(MOST_BRACKETS));
+            assert!(error.contains("holds no array"), "{open}: {error}");
+            let error = error_of(&open.repeat(4000));
+            assert!(
+                error.contains("are the most that is read"),
+                "{open}: {error}"
+            );
+        }
+        let error = error_of(&"9".repeat(1 << 20));
+        assert!(error.contains("has 1048588 bytes"), "{error}");
     }
 }

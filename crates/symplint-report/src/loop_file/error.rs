@@ -47,6 +47,18 @@ pub enum LoopFileError {
         /// Why.
         reason: String,
     },
+    /// An array of an archive that unpacks to far more than it takes there.
+    #[error("{} has {packed} bytes that unpack to more than {most} bytes in `{array}`", path.display())]
+    TooCompressed {
+        /// The file.
+        path: PathBuf,
+        /// The array.
+        array: &'static str,
+        /// Bytes that it takes in the archive.
+        packed: u64,
+        /// Bytes that it may unpack to.
+        most: u64,
+    },
     /// The header promises more than there is.
     #[error(
         "{} is cut short{}: its header promises {promised} bytes and the file has {there}",
@@ -164,6 +176,9 @@ impl LoopFileError {
                 "write it by numpy.savez(file, q=q, p=p) with arrays of shape (samples, dof)"
             }
             LoopFileError::Broken { .. } => "write it again by numpy, as an array of numbers",
+            LoopFileError::TooCompressed { .. } => {
+                "if it is not damaged, write it by numpy.savez, without compression"
+            }
             LoopFileError::CutShort { .. } => "write it again",
             LoopFileError::Type { .. } => {
                 "store double or single precision numbers: array.astype(float)"

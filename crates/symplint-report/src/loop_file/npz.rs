@@ -10,11 +10,17 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 use super::array::{Accept, Array};
 use super::{LoopFile, LoopFileError};
 
-/// Bytes of an unpacked array at most: more than any ensemble needs. A forged archive can claim any size.
-const MOST_BYTES: u64 = 1 << 36;
+/// An array may unpack to so many bytes, whatever it takes in the archive: 16 MiB are two million numbers.
+const UNPACKED: u64 = 1 << 24;
+
+/// Larger ones may unpack to so many times what they take in the archive. Samples of a loop hardly shrink: what is forged
+/// to fill the memory reaches a factor of 1000.
+const MOST_SHRUNK: u64 = 100;
 
 struct Archive<'a> {
     path: &'a Path,
+    /// Its size, which no entry can exceed: headers can claim anything.
+    bytes: u64,
     zip: ZipArchive<File>,
 }
 
@@ -46,9 +52,19 @@ impl Archive<'_> {
             .zip
             .by_name(&file)
             .map_err(|error| broken(error.to_string()))?;
+        let packed = entry.compressed_size().min(self.bytes);
+        let most = UNPACKED.max(packed.saturating_mul(MOST_SHRUNK));
         let mut bytes = Vec::new();
-        let read = entry.take(MOST_BYTES).read_to_end(&mut bytes);
+        let read = entry.take(most + 1).read_to_end(&mut bytes);
         read.map_err(|error| broken(error.to_string()))?;
+        if bytes.len() as u64 > most {
+            return Err(LoopFileError::TooCompressed {
+                path: self.path.to_owned(),
+                array: name,
+                packed,
+                most,
+            });
+        }
         Array::decode(&bytes, accept, self.path, name).map(Some)
     }
 
@@ -92,8 +108,12 @@ pub fn read(path: &Path, fewest: usize) -> Result<LoopFile, LoopFileError> {
         reason,
     };
     let file = File::open(path).map_err(|error| unreadable(error.to_string()))?;
+    let bytes = file
+        .metadata()
+        .map_err(|error| unreadable(error.to_string()))?;
+    let bytes = bytes.len();
     let zip = ZipArchive::new(file).map_err(|error| unreadable(error.to_string()))?;
-    let mut archive = Archive { path, zip };
+    let mut archive = Archive { path, bytes, zip };
     // ∮ ϑ·dz of non-canonical coordinates is ∮ p·dq with q = z and p = ϑ.
     let (q, p) = match archive.optional("theta", Accept::Floats)? {
         Some(theta) => (archive.required("z")?, theta),
@@ -151,4 +171,41 @@ pub fn write(file: &LoopFile) -> Result<Vec<PathBuf>, LoopFileError> {
         reason: error.to_string(),
     })?;
     Ok(vec![file.path.clone()])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An archive with q and p of zeros, compressed.
+    fn archive_of_zeros(path: &Path, samples: usize) {
+        let mut zip = ZipWriter::new(File::create(path).unwrap());
+        let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
+        let array = Array {
+            shape: vec![samples, 1],
+            values: vec![0.0; samples],
+            single: false,
+        };
+        for name in ["q.npy", "p.npy"] {
+            zip.start_file(name, options).unwrap();
+            zip.write_all(&array.encode().unwrap()).unwrap();
+        }
+        zip.finish().unwrap();
+    }
+
+    #[test]
+    fn what_unpacks_to_much_more_than_it_takes_is_refused() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("loop.npz");
+        archive_of_zeros(&path, 1 << 20);
+        assert_eq!(read(&path, 3).unwrap().states.samples(), 1 << 20);
+        archive_of_zeros(&path, 1 << 21);
+        let error = read(&path, 3).err().unwrap();
+        assert!(matches!(error, LoopFileError::TooCompressed { most, .. } if most == UNPACKED));
+        assert!(
+            error.to_string().contains("more than 16777216 bytes"),
+            "{error}"
+        );
+        assert!(error.remedy().contains("numpy.savez"));
+    }
 }
