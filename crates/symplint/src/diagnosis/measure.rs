@@ -152,6 +152,17 @@ fn check_step_sizes(diagnostic: &Diagnostic) -> Result<(), Error> {
             });
         }
     }
+    // Halvings of a denormal number are rounded.
+    if let Some(typical) = diagnostic
+        .typical_step
+        .filter(|typical| !typical.is_normal())
+    {
+        return Err(Error::OutOfRange {
+            what: "typical step size",
+            value: typical,
+            remedy: "give one of 2^-1022 or more",
+        });
+    }
     match diagnostic.step_sizes.is_empty() && diagnostic.typical_step.is_none() {
         true => Err(Error::OutOfRange {
             what: "number of step sizes",

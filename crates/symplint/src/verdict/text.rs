@@ -503,7 +503,11 @@ fn fmt_jump(
         jump.s
     )?;
     match jump.substep {
-        Some(substep) => write!(f, ", made by substep {} of the map.", substep + 1),
+        Some(substep) => write!(
+            f,
+            ", made by substep {} of the map.",
+            substep.saturating_add(1)
+        ),
         None => f.write_str("."),
     }
 }
@@ -573,7 +577,11 @@ fn fmt_substeps(f: &mut Formatter<'_>, substeps: &[SubstepDefect], step: &Step) 
             others = others.max(substep.change.abs() + uncertainty);
             continue;
         }
-        let mut text = format!("substep {} ({})", substep.substep + 1, substep.name);
+        let mut text = format!(
+            "substep {} ({})",
+            substep.substep.saturating_add(1),
+            substep.name
+        );
         if breaks {
             text += " breaks the loop";
         }
