@@ -110,12 +110,13 @@ fn damaged_round(u: &mut Unstructured<'_>) -> Result<()> {
         let Ok(read) = read_round(path, &run()) else {
             return Ok(());
         };
-        // One that was cut off between two records cannot be told from a shorter one.
-        assert!(read.len() <= requests.len());
-        for (read, written) in read.iter().zip(&requests) {
-            assert_eq!(read.call, written.call);
-            assert_eq!(read.h.to_bits(), written.h.to_bits());
-            assert!(same(&read.states, &written.states));
+        // Where whole records were cut off or repeated, checksums are right.
+        for read in &read {
+            let is_read = |written: &Request| {
+                (read.call, read.h.to_bits()) == (written.call, written.h.to_bits())
+                    && same(&read.states, &written.states)
+            };
+            assert!(requests.iter().any(is_read), "a damaged call was read");
         }
         Ok(())
     })
