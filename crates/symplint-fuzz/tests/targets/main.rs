@@ -105,7 +105,7 @@ fn no_target_panics_hangs_or_takes_memory() {
         // That of the first call: tables, seeds.
         function(&[]);
         let count = match target {
-            "evidence" | "check" => 500,
+            "evidence" | "check" => 2000,
             _ => 3000,
         };
         let start = Instant::now();

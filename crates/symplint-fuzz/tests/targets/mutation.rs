@@ -59,7 +59,7 @@ pub fn of(inputs: &[Vec<u8>], random: &mut ChaCha8Rng) -> Vec<u8> {
             }
             _ => {
                 let token = TOKENS[below(random, TOKENS.len())];
-                let replaced = if random.next_u32() % 2 == 0 {
+                let replaced = if random.next_u32().is_multiple_of(2) {
                     end
                 } else {
                     place
