@@ -102,12 +102,12 @@ fn noise_of_mode(samples: usize, scaling: &Scaling) -> f64 {
     margin * UNIT_ROUNDOFF * n.sqrt() * (scaling.largest / scaling.unit).max(1.0)
 }
 
-/// Whether the Sobolev exponent that an octave and the one before tell is that of jumps, ½ by theory: not that of noise, −½, of
-/// which the exponent scatters the more the fewer modes there are, and not that of kinks, 3/2.
+/// Whether the Sobolev exponent that an octave and the one before tell is that of jumps, ½ by theory: nearer to it than to that of
+/// noise, −½, of which the exponent scatters the more the fewer modes there are, and not that of kinks, 3/2.
 fn looks_like_jumps(exponent: f64, octave: usize) -> bool {
     // An energy of n independent modes scatters by 1/√n of itself; an octave has half as many modes as the next.
     let scatter = 0.5 * std::f64::consts::LOG2_E * (3.0 / f64::from(1u32 << octave)).sqrt();
-    (-0.5 + 3.0 * scatter..1.25).contains(&exponent)
+    ((-0.5 + 3.0 * scatter).max(0.0)..1.25).contains(&exponent)
 }
 
 /// The uncertainty that jumps make, in units of the largest momentum times the root of the sum of their squares: that of
