@@ -8,7 +8,7 @@
 //! * [`integrators`]: splitting and Runge–Kutta methods, explicit and implicit, as data, and a
 //!   [catalogue](integrators::catalogue) of them by name.
 //! * [`maps`]: maps made from maps: sequences, repetitions, inverses, adjoints, and maps with a fault.
-//! * [`Separable`], [`Hamiltonian`] and [`DriftKick`]: what a system of your own supplies;
+//! * [`Separable`], [`Hamiltonian`], [`SplitHamiltonian`] and [`DriftKick`]: what a system of your own supplies;
 //!   [`Model`] is any of them.
 //! * [`DriftKickTangent`] and [`HamiltonianTangent`]: what gives its steps exact Jacobians.
 //! * [`elementary`]: sines and cosines of rows of states, fast and the same in every system.
@@ -57,6 +57,7 @@ mod periodic_grid;
 mod periodic_spline;
 pub mod pic;
 mod random;
+mod split_hamiltonian;
 pub mod systems;
 mod tangent;
 
@@ -65,4 +66,5 @@ pub use hamiltonian::{DriftKick, Hamiltonian, Separable};
 pub use model::Model;
 pub use periodic_grid::PeriodicGrid;
 pub use periodic_spline::PeriodicSpline;
+pub use split_hamiltonian::{PartFlow, SplitHamiltonian};
 pub use tangent::{DriftKickTangent, HamiltonianTangent, PhasePoints, SlopeTangent};

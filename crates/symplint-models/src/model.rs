@@ -5,6 +5,7 @@ use std::sync::Arc;
 use symplint::TimeAdvance;
 
 use crate::hamiltonian::{DriftKick, Hamiltonian, Separable};
+use crate::split_hamiltonian::SplitHamiltonian;
 use crate::systems::ChargedParticle;
 
 /// A system of one of the kinds there are. The kind says which integrators can advance it.
@@ -14,6 +15,8 @@ pub enum Model {
     Separable(Arc<dyn Separable>),
     /// H(q, p): Runge–Kutta methods, explicit and implicit.
     General(Arc<dyn Hamiltonian>),
+    /// H = H_0 + … + H_n−1, each part with an exact flow: splitting methods, and what `General` has.
+    Split(Arc<dyn SplitHamiltonian>),
     /// A force without a potential: splitting methods.
     Forced(Arc<dyn DriftKick>),
     /// A charge in a magnetic field: what `General` has, and Boris.
@@ -28,6 +31,7 @@ impl Model {
         match self {
             Model::Separable(system) => Separable::dof(system),
             Model::General(system) => Hamiltonian::dof(system),
+            Model::Split(system) => Hamiltonian::dof(system),
             Model::Forced(system) => DriftKick::dof(system),
             Model::Charged(system) => Hamiltonian::dof(system),
             Model::Map(map) => map.dof(),
@@ -39,6 +43,7 @@ impl Model {
         match self {
             Model::Separable(system) => Some(system),
             Model::General(system) => Some(system),
+            Model::Split(system) => Some(system),
             Model::Charged(system) => Some(system),
             Model::Forced(_) | Model::Map(_) => None,
         }
@@ -49,6 +54,7 @@ impl Model {
         match self {
             Model::Separable(_) => "a separable Hamiltonian",
             Model::General(_) => "a Hamiltonian that is not separable",
+            Model::Split(_) => "a sum of Hamiltonians with exact flows",
             Model::Forced(_) => "a force without a potential",
             Model::Charged(_) => "a charge in a magnetic field",
             Model::Map(_) => "a map, with nothing to integrate",

@@ -5,7 +5,7 @@ use symplint::TimeAdvance;
 use super::implicit::{ImplicitRungeKutta, StageSolver};
 use super::splitting::{Splitting, SplittingMethod, Variant};
 use super::tableau::{Tableau, TableauPair};
-use super::{AdaptiveStrang, Boris, RungeKutta};
+use super::{AdaptiveStrang, Boris, PartSplitting, RungeKutta};
 use crate::error::ModelError;
 use crate::model::Model;
 
@@ -39,6 +39,9 @@ impl Maker {
             (Maker::Splitting(method, variant), Model::Forced(system)) => {
                 boxed(Ok(Splitting::new(method(variant), system)))
             }
+            (Maker::Splitting(method, variant), Model::Split(system)) => {
+                boxed(Ok(PartSplitting::new(&method(variant), system)))
+            }
             (Maker::AdaptiveStrang(variant), Model::Separable(system)) => {
                 boxed(Ok(AdaptiveStrang::new(variant, system)))
             }
@@ -49,6 +52,9 @@ impl Maker {
                 boxed(RungeKutta::separable(tableau(), system))
             }
             (Maker::RungeKutta(tableau), Model::General(system)) => {
+                boxed(RungeKutta::new(tableau(), system))
+            }
+            (Maker::RungeKutta(tableau), Model::Split(system)) => {
                 boxed(RungeKutta::new(tableau(), system))
             }
             (Maker::RungeKutta(tableau), Model::Charged(system)) => {
@@ -63,6 +69,9 @@ impl Maker {
             (Maker::Implicit(tableau), Model::General(system)) => {
                 boxed(ImplicitRungeKutta::new(tableau(), system, solver))
             }
+            (Maker::Implicit(tableau), Model::Split(system)) => {
+                boxed(ImplicitRungeKutta::new(tableau(), system, solver))
+            }
             (Maker::Implicit(tableau), Model::Charged(system)) => {
                 boxed(ImplicitRungeKutta::new(tableau(), system, solver))
             }
@@ -74,7 +83,10 @@ impl Maker {
     /// What it is for, in words that complete "this is for …".
     pub(super) fn needs(self) -> &'static str {
         match self {
-            Maker::Splitting(..) | Maker::AdaptiveStrang(_) => {
+            Maker::Splitting(..) => {
+                "parts with exact flows, such as drifts of positions and kicks of momenta by a force of the positions"
+            }
+            Maker::AdaptiveStrang(_) => {
                 "positions that drift with their momenta and momenta kicked by a force of the positions"
             }
             Maker::RungeKutta(_) | Maker::Implicit(_) => "Hamiltonians",

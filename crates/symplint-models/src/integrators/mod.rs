@@ -1,7 +1,7 @@
 //! Time-advance maps of Hamiltonian systems: splitting methods and Runge–Kutta methods.
 //!
 //! A method is data: a list of substeps ([`splitting_methods`]) or a Butcher tableau
-//! ([`tableaus`]). Each family has one stepping loop: [`Splitting`], [`RungeKutta`] where stages
+//! ([`tableaus`]). Each family has one stepping loop: [`Splitting`], [`PartSplitting`] for more than two parts, [`RungeKutta`] where stages
 //! are explicit, [`ImplicitRungeKutta`] where they are to be solved. [`AdaptiveStrang`] and
 //! [`Boris`] stand for themselves. The [`catalogue`] gives all of them by name.
 
@@ -12,6 +12,7 @@ pub mod catalogue;
 mod dormand_prince;
 mod implicit;
 mod maker;
+mod part_splitting;
 mod runge_kutta;
 mod splitting;
 pub mod splitting_methods;
@@ -22,6 +23,7 @@ pub mod tableaus;
 pub use adaptive_strang::AdaptiveStrang;
 pub use boris::Boris;
 pub use implicit::{ImplicitRungeKutta, Solver, StageSolver, Stop};
+pub use part_splitting::PartSplitting;
 pub use runge_kutta::RungeKutta;
 pub use splitting::{Flow, Splitting, SplittingMethod, Substep, Variant};
 pub use tableau::{Residual, Tableau, TableauPair};
