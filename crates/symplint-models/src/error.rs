@@ -77,6 +77,16 @@ pub enum ModelError {
         /// Cells given.
         cells: usize,
     },
+    /// A list of a state with too few or too many entries.
+    #[error("there are {got} {what} where {expected} are needed; give one for each")]
+    StateLength {
+        /// What the list holds.
+        what: &'static str,
+        /// Entries given.
+        got: usize,
+        /// Entries needed.
+        expected: usize,
+    },
     /// No integrator has this name.
     #[error("there is no integrator \"{name}\"; there are {}", .known.join(", "))]
     UnknownIntegrator {

@@ -5,6 +5,7 @@
 //! * [`discrete`]: maps that are given, not integrated: the Hénon map and the standard map.
 //! * [`non_canonical`]: Lotka–Volterra, a massless charge, a guiding centre, a charge by its velocity.
 //! * [`pic`]: electrostatic particle-in-cell plasmas in one and two dimensions.
+//! * [`gempic`]: electromagnetic particle-in-cell plasmas in one dimension of space and two of velocity.
 //! * [`integrators`]: splitting and Runge–Kutta methods, explicit and implicit, as data, and a
 //!   [catalogue](integrators::catalogue) of them by name.
 //! * [`maps`]: maps made from maps: sequences, repetitions, inverses, adjoints, and maps with a fault.
@@ -48,6 +49,7 @@ pub mod bspline;
 pub mod discrete;
 pub mod elementary;
 mod error;
+pub mod gempic;
 mod hamiltonian;
 pub mod integrators;
 pub mod maps;

@@ -49,7 +49,9 @@ mod scratch;
 mod shape;
 mod system;
 mod tangent;
+mod weights;
 
 pub use initial::{Landau, TwoStream, VelocityConvention};
 pub use shape::ShapeFamily;
-pub use system::{ParticleWeights, Pic, Pic1d, Pic2d, PicConfig};
+pub use system::{Pic, Pic1d, Pic2d, PicConfig};
+pub use weights::ParticleWeights;

@@ -8,23 +8,10 @@ use super::line::LineForce;
 use super::mesh::Mesh;
 use super::plane::PlaneForce;
 use super::shape::{Shape, ShapeFamily};
+use super::weights::ParticleWeights;
 use crate::error::ModelError;
 use crate::hamiltonian::Separable;
 use crate::tangent::DriftKickTangent;
-
-/// How much charge, and as much mass, each particle carries.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ParticleWeights {
-    /// The same for all `particles`, so that their density in the box is `density`: n_0 L^D / N_p.
-    Equal {
-        /// N_p.
-        particles: usize,
-        /// n_0.
-        density: f64,
-    },
-    /// One for each particle.
-    Each(Vec<f64>),
-}
 
 /// What a particle-in-cell system is made of.
 ///
@@ -133,25 +120,8 @@ impl<const D: usize> Pic<D> {
         const { assert!(D == 1 || D == 2, "there are boxes of 1 and 2 axes") };
         let shape = Shape::new(config.family, config.degree)?;
         let mesh = Mesh::new(shape, config.cells, config.length)?;
-        let weights = match config.weights {
-            ParticleWeights::Each(weights) => weights,
-            ParticleWeights::Equal { particles, density } => {
-                let share = config.length.powi(D as i32) / particles.max(1) as f64;
-                check_not_zero("the density of the particles", density)?;
-                vec![density * share; particles]
-            }
-        };
-        if weights.is_empty() {
-            return Err(ModelError::Empty {
-                system: "a plasma",
-                parts: "particles",
-            });
-        }
-        for &weight in &weights {
-            check_not_zero("the weight of a particle", weight)?;
-        }
+        let weights = config.weights.of_box(config.length.powi(D as i32))?;
         let charge: f64 = weights.iter().sum();
-        ModelError::check_finite("the total weight of the particles", charge)?;
         let background = mesh.background(charge);
         let solver = FieldSolver::new(&mesh, config.filter_passes);
         let force = match D {
@@ -300,17 +270,6 @@ impl<const D: usize> Pic<D> {
             }
         });
     }
-}
-
-fn check_not_zero(what: &'static str, value: f64) -> Result<(), ModelError> {
-    if value.is_finite() && value != 0.0 {
-        return Ok(());
-    }
-    Err(ModelError::OutOfRange {
-        what,
-        value,
-        remedy: "give a finite number other than 0",
-    })
 }
 
 /// Every axis of a particle carries its weight.

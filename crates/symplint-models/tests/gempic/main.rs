@@ -1,0 +1,10 @@
+//! The geometric electromagnetic particle-in-cell plasma against its definition, and its properties.
+
+mod bracket;
+#[path = "../common/mod.rs"]
+mod common;
+mod flows;
+mod hamiltonian;
+mod invariants;
+mod loops;
+mod reference;
