@@ -4,13 +4,14 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
 use symplint::Block;
 use symplint::state::RowsMut;
 use symplint::state::scratch::with_buffer;
 
 use super::part::{ACROSS, ALONG};
 use super::particles::Particles;
-use super::polynomials::{add_moments, value_of_one};
+use super::polynomials::{add_moments, slope, value, value_of_one};
 use crate::split_hamiltonian::PartFlow;
 
 /// Samples that are taken through a pass side by side: their coordinates share cache lines.
@@ -48,6 +49,11 @@ impl Layout {
             len: currents + (sequence.len() - along) * cells,
         }
     }
+
+    /// Whether there is a flow along x.
+    fn follows_charge(&self) -> bool {
+        self.currents > self.charges
+    }
 }
 
 impl<const N: usize> Particles<N> {
@@ -70,7 +76,7 @@ impl<const N: usize> Particles<N> {
                 let tables = tables.as_chunks_mut().0;
                 self.tabulate(&pass, block, tables, work);
                 displacements.fill(0.0);
-                self.push(&pass, block, tables, displacements);
+                push(self, &pass, block, tables, displacements);
                 self.settle(&pass, block, tables, displacements, work);
             });
         }
@@ -103,62 +109,48 @@ impl<const N: usize> Particles<N> {
         }
     }
 
-    /// Moves all particles, and sums what the fields get of them.
-    fn push(
+    /// Moves one particle of one sample: its x, its y and its momentum along x.
+    #[inline(always)]
+    fn push_one(
         &self,
         pass: &Pass<'_>,
-        block: &mut Block<'_>,
-        tables: &mut [[f64; N]],
+        weight: f64,
+        [x, y, p1]: [&mut f64; 3],
+        p2: f64,
+        table: &mut [[f64; N]],
         displacements: &mut [f64],
     ) {
-        let (h, sequence, layout) = (pass.h, pass.sequence, pass.layout);
-        let particles = self.weights.len();
-        let inverse_mass = 1.0 / self.mass;
-        let follows_charge = layout.currents > layout.charges;
-        let (mut xs, rest) = block.q.reborrow().split_at_row(particles);
-        let (mut ys, _) = rest.split_at_row(particles);
-        let (mut along, rest) = block.p.reborrow().split_at_row(particles);
-        let (across, _) = rest.split_at_row(particles);
-        for (a, &weight) in self.weights.iter().enumerate() {
-            let (xs, ys) = (
-                &mut xs.row_mut(a)[pass.group.clone()],
-                &mut ys.row_mut(a)[pass.group.clone()],
-            );
-            let along = &mut along.row_mut(a)[pass.group.clone()];
-            let across = &across.row(a)[pass.group.clone()];
-            let samples = (xs.iter_mut().zip(ys)).zip(along.iter_mut().zip(across));
-            let sums = (tables.chunks_exact_mut(layout.len))
-                .zip(displacements.chunks_exact_mut(sequence.len()));
-            for (((x, y), (p1, p2)), (table, displacements)) in samples.zip(sums) {
-                let (mut cell, mut fraction) = self.grid.locate(*x);
-                let (mut charges, mut currents) = (layout.charges, layout.currents);
-                if follows_charge {
-                    add_moments(&mut table[charges + cell], weight, fraction);
-                }
-                for (flow, displacement) in sequence.iter().zip(displacements) {
-                    let tau = flow.fraction * h;
-                    if flow.part == ALONG {
-                        let before = self.charge * value_of_one(&table[cell], fraction);
-                        let shift = tau * inverse_mass * (*p1 - before);
-                        *x += shift;
-                        *displacement += weight * shift;
-                        (cell, fraction) = self.grid.locate(*x);
-                        // The velocity is the same at both ends.
-                        *p1 += self.charge * value_of_one(&table[cell], fraction) - before;
-                        charges += layout.cells;
-                        add_moments(&mut table[charges + cell], weight, fraction);
-                    } else {
-                        debug_assert_eq!(flow.part, ACROSS);
-                        let (one, zero) = table.split_at(layout.cells);
-                        let [potential, field] =
-                            self.potentials_at([one, zero], (cell, fraction)).across;
-                        let velocity = inverse_mass * (p2 - self.charge * potential);
-                        *y += tau * velocity;
-                        *p1 += tau * self.charge * velocity * field;
-                        add_moments(&mut table[currents + cell], weight * velocity, fraction);
-                        currents += layout.cells;
-                    }
-                }
+        let layout = pass.layout;
+        let (mut cell, mut fraction) = self.grid.locate(*x);
+        let (mut charges, mut currents) = (layout.charges, layout.currents);
+        // q A1 where the particle is; what is not used is not computed.
+        let mut potential = 0.0;
+        if layout.follows_charge() {
+            potential = self.charge * value_of_one(&table[cell], fraction);
+            add_moments(&mut table[charges + cell], weight, fraction);
+        }
+        for (flow, displacement) in pass.sequence.iter().zip(displacements) {
+            let tau = flow.fraction * pass.h;
+            if flow.part == ALONG {
+                let shift = tau * self.inverse_mass * (*p1 - potential);
+                *x += shift;
+                *displacement += weight * shift;
+                (cell, fraction) = self.grid.locate(*x);
+                // The velocity is the same at both ends.
+                let before = potential;
+                potential = self.charge * value_of_one(&table[cell], fraction);
+                *p1 += potential - before;
+                charges += layout.cells;
+                add_moments(&mut table[charges + cell], weight, fraction);
+            } else {
+                debug_assert_eq!(flow.part, ACROSS);
+                let polynomial = &table[layout.cells + cell];
+                let velocity = self.inverse_mass * (p2 - self.charge * value(polynomial, fraction));
+                let field = self.grid.cells_per_length() * slope(polynomial, fraction);
+                *y += tau * velocity;
+                *p1 += tau * self.charge * velocity * field;
+                add_moments(&mut table[currents + cell], weight * velocity, fraction);
+                currents += layout.cells;
             }
         }
     }
@@ -210,6 +202,52 @@ impl<const N: usize> Particles<N> {
                     currents += cells;
                 }
             }
+        }
+    }
+}
+
+/// Moves all particles, and sums what the fields get of them.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn push<const N: usize>(
+    all: &Particles<N>,
+    pass: &Pass<'_>,
+    block: &mut Block<'_>,
+    tables: &mut [[f64; N]],
+    displacements: &mut [f64],
+) {
+    let particles = all.weights.len();
+    let (mut xs, rest) = block.q.reborrow().split_at_row(particles);
+    let (mut ys, _) = rest.split_at_row(particles);
+    let (mut along, rest) = block.p.reborrow().split_at_row(particles);
+    let (across, _) = rest.split_at_row(particles);
+    let slices = (
+        xs.as_mut_slice(),
+        ys.as_mut_slice(),
+        along.as_mut_slice(),
+        across.as_rows().as_slice(),
+    );
+    // A row has one value where there is one sample: they are taken all at once.
+    if let (1, (Some(xs), Some(ys), Some(along), Some(across))) = (pass.group.len(), slices)
+        && xs.len() == particles
+    {
+        let coordinates = (xs.iter_mut().zip(ys)).zip(along.iter_mut().zip(across));
+        for (((x, y), (p1, p2)), &weight) in coordinates.zip(&all.weights) {
+            all.push_one(pass, weight, [x, y, p1], *p2, tables, displacements);
+        }
+        return;
+    }
+    for (a, &weight) in all.weights.iter().enumerate() {
+        let (xs, ys) = (
+            &mut xs.row_mut(a)[pass.group.clone()],
+            &mut ys.row_mut(a)[pass.group.clone()],
+        );
+        let along = &mut along.row_mut(a)[pass.group.clone()];
+        let across = &across.row(a)[pass.group.clone()];
+        let samples = (xs.iter_mut().zip(ys)).zip(along.iter_mut().zip(across));
+        let sums = (tables.chunks_exact_mut(pass.layout.len))
+            .zip(displacements.chunks_exact_mut(pass.sequence.len()));
+        for (((x, y), (p1, p2)), (table, displacements)) in samples.zip(sums) {
+            all.push_one(pass, weight, [x, y, p1], *p2, table, displacements);
         }
     }
 }
