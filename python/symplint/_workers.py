@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._errors import InputError
+from ._errors import InputError, SymplintError
 
 #: Arcs of one set of states, at most.
 MOST_ARCS = 64
@@ -34,6 +34,8 @@ TASK_SECONDS = 0.2
 TASKS_OF_WORKER = 3
 #: Seconds that a task should take where it is not known how many workers there are.
 SHORT_TASK_SECONDS = 0.005
+#: Seconds after which it is looked whether there are any workers left.
+SECONDS_OF_A_LOOK = 1.0
 #: States that every worker advances first, so that all can be compared.
 COMPARED = 8
 
@@ -53,6 +55,7 @@ class Workers:
                 raise InputError(f"executor is an object of type {type(executor).__name__}; {message}")
             executor = _OfMap(executor)
         self._executor: Any = executor
+        self._scheduler = _scheduler(executor)
         self._renewed = False
         self._step = _Step(step, per_sample, make, single, reset, uuid.uuid4().hex)
         if isinstance(executor, ProcessPoolExecutor):
@@ -109,7 +112,10 @@ class Workers:
         try:
             if self.journal is not None:
                 for task in under_way:
-                    task.done.wait()
+                    self._wait_for(task)
+        except SymplintError:
+            # What is under way is lost with the connection.
+            pass
         finally:
             # Another check may want it.
             self.journal = None
@@ -210,11 +216,29 @@ class Workers:
             assert task is not None
             if isinstance(self._executor, _OfMap):
                 self._executor.make()
-            task.done.wait()
+            self._wait_for(task)
             if task.error is not None:
                 raise task.error
             if not arc.is_done and task.broken is not None:
                 self._send_again(task)
+
+    def _wait_for(self, task: _Task) -> None:
+        while not task.done.wait(SECONDS_OF_A_LOOK):
+            self._check_connection()
+
+    def _check_connection(self) -> None:
+        """Whether tasks may still end: to those who wait Dask says nothing of a scheduler that is gone, or was started again."""
+        client = getattr(self._executor, "_client", None)
+        if getattr(client, "status", None) in ("closing", "closed"):
+            remedy = "run the check again when there are workers; with out= no step is taken again"
+            raise SymplintError(f"the connection to the scheduler of the executor is lost; {remedy}")
+        scheduler = _scheduler(self._executor)
+        if scheduler not in (None, self._scheduler):
+            self._scheduler = scheduler
+            for task in list(self._tasks):
+                task.broken = CancelledError("the scheduler was started again")
+                self._tasks.discard(task)
+                task.done.set()
 
     def _send_again(self, broken: _Task) -> None:
         """Sends all arcs that were lost with a worker to another one."""
@@ -447,6 +471,12 @@ def _count(executor: Any) -> int:
     if (client := getattr(executor, "_client", None)) is not None and hasattr(client, "nthreads"):
         found = sum(client.nthreads().values())
     return found if isinstance(found, int) else 0
+
+
+def _scheduler(executor: Any) -> Any:
+    """What tells the scheduler of Dask that an executor is connected with from one that was started again."""
+    client = getattr(executor, "_client", None)
+    return (getattr(client, "_scheduler_identity", None) or {}).get("id")
 
 
 def _first(arcs: list[_Arc], count: int) -> States:

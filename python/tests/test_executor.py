@@ -6,9 +6,11 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+import types
 import warnings
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -232,3 +234,34 @@ def test_what_workers_did_is_noted(tmp_path, monkeypatch, per_sample):
     if not per_sample:
         with pytest.raises(symplint.InputError, match="arcs"):
             symplint.check(interrupted, [1.0, 0.2], [0.5, 0.1], **SETTINGS, out=tmp_path / "run")
+
+
+class _OfScheduler:
+    """An executor as that of Dask: what the scheduler had is lost with it, and nobody is told."""
+
+    def __init__(self, answered):
+        self._pool = ThreadPoolExecutor(1)
+        self._client = types.SimpleNamespace(status="running", nthreads=lambda: {"worker": 1}, _scheduler_identity={"id": "first"})
+        self.answered = answered
+        self.lost = 0
+
+    def submit(self, function, *arguments):
+        if self.answered > 0 or self._client._scheduler_identity["id"] == "second":
+            self.answered -= 1
+            return self._pool.submit(function, *arguments)
+        self.lost += 1
+        return Future()
+
+
+@pytest.mark.parametrize("out", [False, True])
+def test_a_scheduler_that_is_gone_ends_a_check_and_one_that_is_started_again_does_not(tmp_path, out):
+    arguments = {**SETTINGS, "per_sample": True} | ({"out": tmp_path} if out else {})
+    gone = _OfScheduler(answered=30)
+    gone._client.status = "closed"
+    with pytest.raises(symplint.SymplintError, match="connection to the scheduler of the executor is lost"):
+        symplint.check(verlet, 1.0, 0.5, executor=gone, **arguments)
+    again = _OfScheduler(answered=30)
+    threading.Timer(1.0, lambda: again._client._scheduler_identity.update(id="second")).start()
+    found = symplint.check(verlet, 1.0, 0.5, executor=again, **arguments)
+    assert again.lost > 0
+    assert bits(found) == bits(symplint.check(verlet, 1.0, 0.5, **SETTINGS, per_sample=True))
