@@ -72,7 +72,7 @@ impl MassMatrices {
             let buffer: &mut [Complex64] = bytemuck::cast_slice_mut(buffer);
             let (modes, rest) = buffer.split_at_mut(cells);
             let (solved, scratch) = rest.split_at_mut(cells);
-            // Without the cell width, both parts have the same size.
+            // Without the cell width, both parts have the same size where both fields have.
             let (to_one, to_zero) = (self.width, 1.0 / self.width);
             for ((mode, one), zero) in modes.iter_mut().zip(&*one).zip(&*zero) {
                 *mode = Complex64::new(to_one * one, to_zero * zero);
@@ -113,12 +113,13 @@ mod tests {
             for cells in (1..=12).chain([31, 64]) {
                 let width = 0.07;
                 let masses = MassMatrices::new(degree, cells, width);
-                let right = |seed: f64| -> Vec<f64> {
+                // Fields of one size.
+                let right = |seed: f64, size: f64| -> Vec<f64> {
                     (0..cells)
-                        .map(|j| (seed * (j * j + 1) as f64).sin())
+                        .map(|j| size * (seed * (j * j + 1) as f64).sin())
                         .collect()
                 };
-                let (one, zero) = (right(0.7), right(1.3));
+                let (one, zero) = (right(0.7, 1.0 / width), right(1.3, width));
                 let (mut e1, mut e2) = (one.clone(), zero.clone());
                 masses.solve(&mut e1, &mut e2);
                 for i in 0..cells {
@@ -127,7 +128,8 @@ mod tests {
                         product_at(masses.zero(), &e2, i) * width,
                     ];
                     assert!(
-                        (got_one - one[i]).abs() < 1e-13 && (got_zero - zero[i]).abs() < 1e-13,
+                        (got_one - one[i]).abs() < 1e-13 / width
+                            && (got_zero - zero[i]).abs() < 1e-13 * width,
                         "degree {degree}, {cells} cells: {got_one} for {}, {got_zero} for {}",
                         one[i],
                         zero[i]

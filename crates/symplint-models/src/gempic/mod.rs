@@ -5,6 +5,7 @@
 
 mod electromagnetic;
 mod energy;
+mod initial;
 mod mass;
 mod overlap;
 mod part;
@@ -12,6 +13,8 @@ mod particles;
 mod pass;
 mod physical;
 mod polynomials;
+mod quiet;
 
 pub use electromagnetic::{Gempic, GempicConfig};
+pub use initial::InitialPlasma;
 pub use physical::{FieldEnergies, PhysicalState};

@@ -197,6 +197,11 @@ impl Gempic {
         })
     }
 
+    /// Σ w Λ⁰_j of particles at `x`.
+    pub(super) fn charges_at(&self, x: &[f64], sums: &mut [f64]) {
+        self.particles.charges(Rows::new(x, x.len(), 1, 1), 0, sums);
+    }
+
     fn of_state<R>(&self, q: &[f64], p: &[f64], work: impl FnOnce(Sample<'_>) -> R) -> R {
         let dof = self.degrees_of_freedom();
         assert_eq!((q.len(), p.len()), (dof, dof), "degrees of freedom");

@@ -185,7 +185,7 @@ fn positions<const D: usize>(
 
 /// The θ in [0, 1] for which θ + A sin(2πkθ) / 2πk, the distribution function of
 /// 1 + A cos(2πkθ), is `u`.
-fn wave_quantile(amplitude: f64, mode: f64, u: f64) -> f64 {
+pub(crate) fn wave_quantile(amplitude: f64, mode: f64, u: f64) -> f64 {
     // The same curve in every wavelength.
     let wavelengths = (mode * u).floor();
     let rest = mode * u - wavelengths;

@@ -51,6 +51,7 @@ mod system;
 mod tangent;
 mod weights;
 
+pub(crate) use initial::wave_quantile;
 pub use initial::{Landau, TwoStream, VelocityConvention};
 pub use shape::ShapeFamily;
 pub use system::{Pic, Pic1d, Pic2d, PicConfig};

@@ -5,6 +5,8 @@ mod bracket;
 mod common;
 mod flows;
 mod hamiltonian;
+mod initial;
 mod invariants;
 mod loops;
+mod physics;
 mod reference;
