@@ -8,6 +8,7 @@ mod initial;
 mod low_dimensional;
 mod mechanics;
 mod pic;
+mod pic_1d2v;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -76,6 +77,7 @@ pub const SYSTEMS: &[SystemInfo] = &[
     array::PENDULUM_ARRAY,
     pic::PIC_1D,
     pic::PIC_2D,
+    pic_1d2v::PIC_1D2V,
     command::COMMAND,
 ];
 

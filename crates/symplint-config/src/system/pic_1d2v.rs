@@ -1,0 +1,106 @@
+//! Electromagnetic particle-in-cell.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use symplint_models::gempic::{Gempic, GempicConfig, InitialPlasma};
+use symplint_models::pic::ParticleWeights;
+use symplint_models::{Hamiltonian, Model, ModelError, SplitHamiltonian};
+
+use super::initial::{Initial, initial};
+use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
+use crate::ConfigError;
+use crate::section::{Accept, Key, Section};
+
+pub const PIC_1D2V: SystemInfo = SystemInfo {
+    name: "pic-1d2v",
+    summary: "geometric electromagnetic particle-in-cell (GEMPIC) on a periodic line, two velocities, \
+              in canonical variables",
+    keys: &[
+        Key::new(
+            "degree",
+            "3",
+            "degree of the B-splines of V0, 1 to 5; forces are discontinuous for 1",
+        ),
+        Key::new("cells", "8", "number of cells"),
+        Key::optional(
+            "length",
+            "5.0",
+            "length of the box; if left out 2π/1.25, 2π/0.2, 2π/0.5 and 2π in the order of initial",
+        ),
+        Key::new("particles", "4", "number of electrons, of density 1"),
+        Key::new(
+            "initial",
+            "\"random\"",
+            "\"weibel\", \"streaming-weibel\", \"landau\", \"random\"; or { file = \"state.npy\" } with rows \
+             positions and momenta (.csv: columns)",
+        ),
+        Key::new("seed", "42", "seed of the initial state"),
+        Key::optional(
+            "amplitude",
+            "0.01",
+            "amplitude of the wave or of random potentials; if left out -1e-4, -1e-3, 0.5 and 0.5",
+        ),
+    ],
+    integrator: STRANG,
+    budget: None,
+    build,
+};
+
+fn build(section: &Section, folder: &Path) -> Result<System, ConfigError> {
+    let names = InitialPlasma::ALL.map(|(name, _)| name);
+    let degree = section.whole("degree", 0)? as usize;
+    let cells = section.whole("cells", 1)? as usize;
+    let particles = section.whole_between("particles", 1, MOST_DOF)? as usize;
+    let seed = section.whole("seed", 0)?;
+    let length = section.optional_number("length", Accept::Positive)?;
+    let amplitude = section.optional_number("amplitude", Accept::Finite)?;
+    // A state from a file must have this length, so the file is read before the box is known.
+    let dof = 2 * (particles + cells);
+    let (plasma, state) = match initial(section, folder, &names, dof)? {
+        Initial::State(q, p) => (InitialPlasma::Random, Some((q, p))),
+        Initial::Named(name) => {
+            let known = InitialPlasma::ALL.iter().find(|(known, _)| *known == name);
+            (
+                known.map_or(InitialPlasma::Random, |(_, plasma)| *plasma),
+                None,
+            )
+        }
+    };
+    let length = length.unwrap_or(plasma.length());
+    section.record("length", length);
+    let config = GempicConfig {
+        degree,
+        cells,
+        length,
+        weights: ParticleWeights::Equal {
+            particles,
+            density: 1.0,
+        },
+        ..GempicConfig::default()
+    };
+    let key_of = |error: &ModelError| match error {
+        ModelError::Degree { .. } => "degree",
+        ModelError::TooManyCells { .. } => "cells",
+        ModelError::OutOfRange { .. } => "length",
+        _ => "particles",
+    };
+    let gempic = Gempic::new(config).map_err(|error| refused(section, key_of(&error), error))?;
+    let (q0, p0) = match state {
+        Some(state) => state,
+        None => {
+            let amplitude = amplitude.unwrap_or(plasma.amplitude());
+            section.record("amplitude", amplitude);
+            let drawn = plasma.sample(&gempic, amplitude, seed);
+            drawn.map_err(|error| refused(section, "amplitude", error))?
+        }
+    };
+    debug_assert_eq!(q0.len(), Hamiltonian::dof(&gempic));
+    Ok(System {
+        name: "pic-1d2v",
+        model: Model::Split(Arc::new(gempic) as Arc<dyn SplitHamiltonian>),
+        q0,
+        p0,
+        command: None,
+    })
+}
