@@ -233,7 +233,11 @@ fn integrators_that_do_not_fit_are_refused() {
     refused(
         double,
         &["integrator.name=strang"],
-        &["\"strang\" is for parts with exact flows", "not separable", "gauss6"],
+        &[
+            "\"strang\" is for parts with exact flows",
+            "not separable",
+            "gauss6",
+        ],
     );
     refused(
         double,
