@@ -17,6 +17,7 @@ mod transform;
 
 use std::cell::Cell;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
@@ -102,12 +103,23 @@ fn noise_of_mode(samples: usize, scaling: &Scaling) -> f64 {
     margin * UNIT_ROUNDOFF * n.sqrt() * (scaling.largest / scaling.unit).max(1.0)
 }
 
-/// Whether the Sobolev exponent that an octave and the one before tell is that of jumps, ½ by theory: nearer to it than to that of
-/// noise, −½, of which the exponent scatters the more the fewer modes there are, and not that of kinks, 3/2.
-fn looks_like_jumps(exponent: f64, octave: usize) -> bool {
+/// Sobolev exponents of functions that jump: ½ by theory. Noise has −½, kinks have 3/2.
+const JUMPING: Range<f64> = 0.25..1.0;
+
+/// Jumps of this part of the size of a coordinate, taken together, are too small to be followed: they bound the digits alone.
+const NOT_FOLLOWED: f64 = 1e-10;
+
+/// Whether the Sobolev exponent that an octave and the one before tell is that of jumps of this `size`. Larger ones are followed where
+/// samples show them, and states may have a noise under which kinks look like jumps. For those too small to be followed, beside which
+/// there is the rounding of double precision alone, it need only be nearer to that of jumps than to that of noise, by how much that
+/// scatters.
+fn looks_like_jumps(exponent: f64, octave: usize, size: f64) -> bool {
     // An energy of n independent modes scatters by 1/√n of itself; an octave has half as many modes as the next.
     let scatter = 0.5 * std::f64::consts::LOG2_E * (3.0 / f64::from(1u32 << octave)).sqrt();
-    ((-0.5 + 3.0 * scatter).max(0.0)..1.25).contains(&exponent)
+    match size < NOT_FOLLOWED {
+        true => ((-0.5 + 3.0 * scatter).max(0.0)..1.25).contains(&exponent),
+        false => JUMPING.contains(&exponent),
+    }
 }
 
 /// The uncertainty that jumps make, in units of the largest momentum times the root of the sum of their squares: that of
@@ -173,7 +185,7 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
         Some(last) if last > 0 => {
             let exponent = 0.5 * (q_energies[last - 1] / q_energies[last]).log2();
             let size = jump_size(1 << last, q_energies[last] / (n * n));
-            match size < LITTLE && looks_like_jumps(exponent, last) {
+            match size < LITTLE && looks_like_jumps(exponent, last, size) {
                 true => OF_JUMPS * of_p.largest * of_q.unit * size,
                 false => 0.0,
             }
