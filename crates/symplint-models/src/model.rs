@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use symplint::TimeAdvance;
 
+use crate::gempic::Gempic;
 use crate::hamiltonian::{DriftKick, Hamiltonian, Separable};
 use crate::split_hamiltonian::SplitHamiltonian;
 use crate::systems::ChargedParticle;
@@ -17,6 +18,8 @@ pub enum Model {
     General(Arc<dyn Hamiltonian>),
     /// H = H_0 + … + H_n−1, each part with an exact flow: splitting methods, and what `General` has.
     Split(Arc<dyn SplitHamiltonian>),
+    /// An electromagnetic plasma: what `Split` has, and the schemes of particle-in-cell codes.
+    Plasma(Gempic),
     /// A force without a potential: splitting methods.
     Forced(Arc<dyn DriftKick>),
     /// A charge in a magnetic field: what `General` has, and Boris.
@@ -32,6 +35,7 @@ impl Model {
             Model::Separable(system) => Separable::dof(system),
             Model::General(system) => Hamiltonian::dof(system),
             Model::Split(system) => Hamiltonian::dof(system),
+            Model::Plasma(system) => Hamiltonian::dof(system),
             Model::Forced(system) => DriftKick::dof(system),
             Model::Charged(system) => Hamiltonian::dof(system),
             Model::Map(map) => map.dof(),
@@ -44,6 +48,7 @@ impl Model {
             Model::Separable(system) => Some(system),
             Model::General(system) => Some(system),
             Model::Split(system) => Some(system),
+            Model::Plasma(system) => Some(system),
             Model::Charged(system) => Some(system),
             Model::Forced(_) | Model::Map(_) => None,
         }
@@ -54,6 +59,7 @@ impl Model {
         match self {
             Model::Separable(_) => "a separable Hamiltonian",
             Model::General(_) => "a Hamiltonian that is not separable",
+            Model::Plasma(_) => "an electromagnetic plasma",
             Model::Split(_) => "a sum of Hamiltonians with exact flows",
             Model::Forced(_) => "a force without a potential",
             Model::Charged(_) => "a charge in a magnetic field",

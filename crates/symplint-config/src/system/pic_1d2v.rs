@@ -1,11 +1,10 @@
 //! Electromagnetic particle-in-cell.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use symplint_models::gempic::{Gempic, GempicConfig, InitialPlasma};
 use symplint_models::pic::ParticleWeights;
-use symplint_models::{Hamiltonian, Model, ModelError, SplitHamiltonian};
+use symplint_models::{Hamiltonian, Model, ModelError};
 
 use super::initial::{Initial, initial};
 use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
@@ -98,7 +97,7 @@ fn build(section: &Section, folder: &Path) -> Result<System, ConfigError> {
     debug_assert_eq!(q0.len(), Hamiltonian::dof(&gempic));
     Ok(System {
         name: "pic-1d2v",
-        model: Model::Split(Arc::new(gempic) as Arc<dyn SplitHamiltonian>),
+        model: Model::Plasma(gempic),
         q0,
         p0,
         command: None,

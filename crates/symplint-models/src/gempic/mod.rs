@@ -8,17 +8,15 @@
 //! put:
 //!
 //! ```
-//! use std::sync::Arc;
 //! use symplint::{Circle, Defect, Ensemble, LoopIntegral, Rule};
 //! use symplint_models::gempic::{Gempic, GempicConfig, InitialPlasma};
 //! use symplint_models::integrators::catalogue;
-//! use symplint_models::{Model, SplitHamiltonian};
+//! use symplint_models::Model;
 //!
 //! let plasma = Gempic::new(GempicConfig { degree: 4, ..GempicConfig::default() })?;
 //! let (q, p) = InitialPlasma::Random.sample(&plasma, 0.1, 1)?;
 //! assert!(plasma.gauss_residual(&q, &p) < 1e-13);
-//! let model = Model::Split(Arc::new(plasma) as Arc<dyn SplitHamiltonian>);
-//! let step = catalogue::build("strang", None, model)?;
+//! let step = catalogue::build("strang", None, Model::Plasma(plasma))?;
 //!
 //! let mut ensemble = Ensemble::sample(&Circle::new(q, p, 0.2)?, 1024)?;
 //! let integral = |e: &_| LoopIntegral::in_coordinates(e, &Rule::Pseudospectral, &step.coordinates());

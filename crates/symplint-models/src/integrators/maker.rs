@@ -1,5 +1,7 @@
 //! How the catalogue makes its maps: of which family, for which systems.
 
+use std::sync::Arc;
+
 use symplint::TimeAdvance;
 
 use super::implicit::{ImplicitRungeKutta, StageSolver};
@@ -76,6 +78,7 @@ impl Maker {
                 boxed(ImplicitRungeKutta::new(tableau(), system, solver))
             }
             (Maker::Boris, Model::Charged(particle)) => boxed(Ok(Boris::new(particle))),
+            (maker, Model::Plasma(plasma)) => maker.make(Model::Split(Arc::new(plasma)), solver),
             _ => None,
         }
     }
