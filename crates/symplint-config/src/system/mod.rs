@@ -77,6 +77,7 @@ pub const SYSTEMS: &[SystemInfo] = &[
     array::PENDULUM_ARRAY,
     pic::PIC_1D,
     pic::PIC_2D,
+    pic::PIC_ES1,
     pic_1d2v::PIC_1D2V,
     command::COMMAND,
 ];

@@ -4,9 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use symplint_models::pic::{
-    Landau, ParticleWeights, Pic, PicConfig, ShapeFamily, TwoStream, VelocityConvention,
+    Landau, MomentumConservingConfig, MomentumConservingPic, ParticleWeights, Pic, PicConfig,
+    ShapeFamily, TwoStream, VelocityConvention,
 };
-use symplint_models::{Model, ModelError, Separable};
+use symplint_models::{Model, ModelError};
 
 use super::initial::{Initial, initial};
 use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
@@ -36,6 +37,8 @@ const MOST_PASSES: u64 = 1_000_000;
 
 /// The keys; `cells` is the default number of cells along each axis.
 const fn keys(cells: &'static str) -> [Key; 15] {
+    let [density, weights, rest @ ..] = PARTICLE_KEYS;
+    let [initial, thermal, velocities, beam, amplitude, mode, seed] = rest;
     [
         Key::new(
             "family",
@@ -54,37 +57,115 @@ const fn keys(cells: &'static str) -> [Key; 15] {
         ),
         Key::new("length", "50.0", "length of each axis"),
         Key::new("particles", "2", "number of particles"),
-        Key::new(
-            "density",
-            "1.0",
-            "mean density; each particle has the weight density × length^D / particles",
-        ),
-        Key::optional(
-            "weights",
-            "[10.0, 40.0]",
-            "one for each particle, in place of particles and density; p = weight × v",
-        ),
+        density,
+        weights,
         Key::new("filter", "0", "number of passes of the binary filter"),
-        Key::new(
-            "initial",
-            "\"two-stream\"",
-            "\"two-stream\", \"landau\"; or { file = \"state.npy\" } with rows x and v (.csv: columns)",
-        ),
-        Key::new("thermal_velocity", "1.0", "thermal velocity v_th"),
-        Key::new(
-            "velocities",
-            "\"text\"",
-            "what v_th means: \"text\", exp(-v²/v_th²), or \"code\", variance v_th²",
-        ),
-        Key::new("beam_velocity", "3.0", "v_b of \"two-stream\""),
-        Key::new(
-            "amplitude",
-            "0.5",
-            "amplitude of the density or velocity wave",
-        ),
-        Key::new("mode", "1", "number of its wavelengths in the box"),
-        Key::new("seed", "42", "seed of the random initial state"),
+        initial,
+        thermal,
+        velocities,
+        beam,
+        amplitude,
+        mode,
+        seed,
     ]
+}
+
+/// Keys of the particles and of their initial state.
+const PARTICLE_KEYS: [Key; 9] = [
+    Key::new(
+        "density",
+        "1.0",
+        "mean density; each particle has the weight density × length^D / particles",
+    ),
+    Key::optional(
+        "weights",
+        "[10.0, 40.0]",
+        "one for each particle, in place of particles and density; p = weight × v",
+    ),
+    Key::new(
+        "initial",
+        "\"two-stream\"",
+        "\"two-stream\", \"landau\"; or { file = \"state.npy\" } with rows x and v (.csv: columns)",
+    ),
+    Key::new("thermal_velocity", "1.0", "thermal velocity v_th"),
+    Key::new(
+        "velocities",
+        "\"text\"",
+        "what v_th means: \"text\", exp(-v²/v_th²), or \"code\", variance v_th²",
+    ),
+    Key::new("beam_velocity", "3.0", "v_b of \"two-stream\""),
+    Key::new(
+        "amplitude",
+        "0.5",
+        "amplitude of the density or velocity wave",
+    ),
+    Key::new("mode", "1", "number of its wavelengths in the box"),
+    Key::new("seed", "42", "seed of the random initial state"),
+];
+
+/// The keys of the textbook scheme.
+const ES1_KEYS: [Key; 13] = {
+    let [density, weights, rest @ ..] = PARTICLE_KEYS;
+    let [initial, thermal, velocities, beam, amplitude, mode, seed] = rest;
+    [
+        Key::new(
+            "degree",
+            "1",
+            "degree of the shape, 0 (nearest grid point) to 5; the force is discontinuous for 0",
+        ),
+        Key::new("cells", "128", "number of cells"),
+        Key::new("length", "50.0", "length of the line"),
+        Key::new("particles", "2", "number of particles"),
+        density,
+        weights,
+        initial,
+        thermal,
+        velocities,
+        beam,
+        amplitude,
+        mode,
+        seed,
+    ]
+};
+
+pub const PIC_ES1: SystemInfo = SystemInfo {
+    name: "pic-es1",
+    summary: "textbook momentum-conserving particle-in-cell on a periodic line (ES1), whose force has no potential",
+    keys: &ES1_KEYS,
+    integrator: STRANG,
+    budget: None,
+    build: es1,
+};
+
+fn es1(section: &Section, folder: &Path) -> Result<System, ConfigError> {
+    let config = MomentumConservingConfig {
+        weights: weights(section)?,
+        cells: section.whole("cells", 1)? as usize,
+        length: section.number("length", Accept::Positive)?,
+        degree: section.whole("degree", 0)? as usize,
+    };
+    let plasma = MomentumConservingPic::new(config)
+        .map_err(|error| refused(section, key_of(section, &error), error))?;
+    let (q0, p0) = state::<1>((plasma.particles(), plasma.length()), section, folder)?;
+    Ok(System {
+        name: "pic-es1",
+        model: Model::Forced(Arc::new(plasma)),
+        q0,
+        p0,
+        command: None,
+    })
+}
+
+/// The key that an error of a plasma is of.
+fn key_of(section: &Section, error: &ModelError) -> &'static str {
+    match error {
+        ModelError::Degree { .. } | ModelError::ShapeDegree { .. } => "degree",
+        ModelError::TooManyCells { .. } | ModelError::TooFewCells { .. } => "cells",
+        _ if section.written_place("weights").is_some() => "weights",
+        ModelError::OutOfRange { what, .. } if what.contains("length") => "length",
+        ModelError::OutOfRange { .. } => "density",
+        _ => "particles",
+    }
 }
 
 fn pic<const D: usize>(
@@ -103,16 +184,9 @@ fn pic<const D: usize>(
         degree: section.whole("degree", 0)? as usize,
         filter_passes: section.whole_between("filter", 0, MOST_PASSES)? as u32,
     };
-    let key_of = |error: &ModelError| match error {
-        ModelError::Degree { .. } | ModelError::ShapeDegree { .. } => "degree",
-        ModelError::TooManyCells { .. } | ModelError::TooFewCells { .. } => "cells",
-        _ if section.written_place("weights").is_some() => "weights",
-        ModelError::OutOfRange { what, .. } if what.contains("length") => "length",
-        ModelError::OutOfRange { .. } => "density",
-        _ => "particles",
-    };
-    let pic = Pic::<D>::new(config).map_err(|error| refused(section, key_of(&error), error))?;
-    let (q0, p0) = state(&pic, section, folder)?;
+    let pic =
+        Pic::<D>::new(config).map_err(|error| refused(section, key_of(section, &error), error))?;
+    let (q0, p0) = state::<D>((pic.particles(), pic.length()), section, folder)?;
     Ok(System {
         name,
         model: Model::Separable(Arc::new(pic)),
@@ -140,8 +214,9 @@ fn weights(section: &Section) -> Result<ParticleWeights, ConfigError> {
     Ok(ParticleWeights::Each(weights))
 }
 
+/// The initial state of so many particles in a box of `D` axes of this length.
 fn state<const D: usize>(
-    pic: &Pic<D>,
+    (particles, length): (usize, f64),
     section: &Section,
     folder: &Path,
 ) -> Result<(Vec<f64>, Vec<f64>), ConfigError> {
@@ -154,7 +229,7 @@ fn state<const D: usize>(
         "code" => VelocityConvention::Code,
         _ => VelocityConvention::Text,
     };
-    let drawn = match initial(section, folder, &["two-stream", "landau"], pic.dof())? {
+    let drawn = match initial(section, folder, &["two-stream", "landau"], D * particles)? {
         Initial::State(x, v) => return Ok((x, v)),
         Initial::Named("landau") => Landau {
             amplitude,
@@ -162,7 +237,7 @@ fn state<const D: usize>(
             thermal_velocity,
             convention,
         }
-        .sample(pic, seed),
+        .sample_box::<D>(particles, length, seed),
         Initial::Named(_) => TwoStream {
             beam_velocity,
             thermal_velocity,
@@ -170,7 +245,7 @@ fn state<const D: usize>(
             mode,
             convention,
         }
-        .sample(pic, seed),
+        .sample_box::<D>(particles, length, seed),
     };
     drawn.map_err(|error| refused(section, "amplitude", error))
 }

@@ -100,6 +100,19 @@ impl Landau {
         pic: &Pic<D>,
         seed: u64,
     ) -> Result<(Vec<f64>, Vec<f64>), ModelError> {
+        self.sample_box::<D>(pic.particles(), pic.length(), seed)
+    }
+
+    /// The same for any `particles` in a box of `D` axes of the given length.
+    ///
+    /// # Errors
+    /// As [`sample`](Self::sample).
+    pub fn sample_box<const D: usize>(
+        &self,
+        particles: usize,
+        length: f64,
+        seed: u64,
+    ) -> Result<(Vec<f64>, Vec<f64>), ModelError> {
         let (amplitude, mode) = (self.amplitude, check_mode(self.mode)?);
         if !(-1.0..=1.0).contains(&amplitude) {
             return Err(ModelError::OutOfRange {
@@ -111,7 +124,9 @@ impl Landau {
         check_thermal_velocity(self.thermal_velocity)?;
         let deviation = self.convention.standard_deviation(self.thermal_velocity);
         let mut uniform = Uniform::from_seed(seed);
-        let x = positions(pic, &mut uniform, |u| wave_quantile(amplitude, mode, u));
+        let x = positions::<D>((particles, length), &mut uniform, |u| {
+            wave_quantile(amplitude, mode, u)
+        });
         let normal = Normal::from(uniform);
         let v = normal.take(x.len()).map(|z| deviation * z).collect();
         Ok((x, v))
@@ -128,20 +143,33 @@ impl TwoStream {
         pic: &Pic<D>,
         seed: u64,
     ) -> Result<(Vec<f64>, Vec<f64>), ModelError> {
+        self.sample_box::<D>(pic.particles(), pic.length(), seed)
+    }
+
+    /// The same for any `particles` in a box of `D` axes of the given length.
+    ///
+    /// # Errors
+    /// As [`sample`](Self::sample).
+    pub fn sample_box<const D: usize>(
+        &self,
+        particles: usize,
+        length: f64,
+        seed: u64,
+    ) -> Result<(Vec<f64>, Vec<f64>), ModelError> {
         let mode = check_mode(self.mode)?;
         check_thermal_velocity(self.thermal_velocity)?;
         ModelError::check_finite("the velocity of the beams", self.beam_velocity)?;
         ModelError::check_finite("the amplitude of the velocity wave", self.amplitude)?;
         let deviation = self.convention.standard_deviation(self.thermal_velocity);
         let mut uniform = Uniform::from_seed(seed);
-        let x = positions(pic, &mut uniform, |u| u);
-        let beams: Vec<f64> = (uniform.by_ref().take(pic.particles()))
+        let x = positions::<D>((particles, length), &mut uniform, |u| u);
+        let beams: Vec<f64> = (uniform.by_ref().take(particles))
             .map(|u| self.beam_velocity.copysign(u - 0.5))
             .collect();
         let normal = Normal::from(uniform);
         let mut v: Vec<f64> = normal.take(x.len()).map(|z| deviation * z).collect();
         for (particle, beam) in beams.iter().enumerate() {
-            let wave = libm::sin(TAU * mode * (x[D * particle] / pic.length()));
+            let wave = libm::sin(TAU * mode * (x[D * particle] / length));
             v[D * particle] = (1.0 + self.amplitude * wave) * (beam + v[D * particle]);
         }
         Ok((x, v))
@@ -173,13 +201,13 @@ fn check_thermal_velocity(value: f64) -> Result<(), ModelError> {
 /// One position after the other, all axes of a particle together; `quantile` is that of the
 /// first axis, in units of the length.
 fn positions<const D: usize>(
-    pic: &Pic<D>,
+    (particles, length): (usize, f64),
     uniform: &mut Uniform,
     quantile: impl Fn(f64) -> f64,
 ) -> Vec<f64> {
-    let numbers = uniform.by_ref().take(D * pic.particles()).enumerate();
+    let numbers = uniform.by_ref().take(D * particles).enumerate();
     numbers
-        .map(|(i, u)| pic.length() * if i % D == 0 { quantile(u) } else { u })
+        .map(|(i, u)| length * if i % D == 0 { quantile(u) } else { u })
         .collect()
 }
 

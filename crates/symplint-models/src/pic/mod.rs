@@ -29,6 +29,9 @@
 //! `polynomials` has what all particles of a cell share, `runs` does without that where cells are
 //! more than particles (`carrier` has both), and `pairs` without a mesh where there are few. In a plane, `plane` goes by
 //! `runs` on both axes. Where there are many particles, `portions` shares them out to the threads. `tangent` has the derivative of the force.
+//!
+//! `momentum_conserving` is the scheme of textbooks, [`MomentumConservingPic`], whose force is no gradient. It shares nothing
+//! with the others but the particles' weights and initial states.
 
 mod by_functions;
 mod carrier;
@@ -38,6 +41,7 @@ mod field;
 mod initial;
 mod line;
 mod mesh;
+mod momentum_conserving;
 mod packed;
 mod pairs;
 mod place;
@@ -53,6 +57,7 @@ mod weights;
 
 pub(crate) use initial::wave_quantile;
 pub use initial::{Landau, TwoStream, VelocityConvention};
+pub use momentum_conserving::{MomentumConservingConfig, MomentumConservingPic};
 pub use shape::ShapeFamily;
 pub use system::{Pic, Pic1d, Pic2d, PicConfig};
 pub use weights::ParticleWeights;
