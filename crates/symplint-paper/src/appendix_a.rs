@@ -26,14 +26,14 @@ pub const ITEM: Item = Item {
 };
 
 /// Offset between the kinks of q and those of p, in turns: not on any grid.
-const OFFSET: f64 = 0.297_531_4;
+pub(super) const OFFSET: f64 = 0.297_531_4;
 
 /// Where the kinks of q lie.
-const START: f64 = 0.123_456_7;
+pub(super) const START: f64 = 0.123_456_7;
 
 /// The Bernoulli polynomials of degree m on [0, 1): their periodic continuation has Fourier coefficients
 /// −m!/(2πik)^m, so it lies in H^r for every r < m − 1/2.
-fn bernoulli(degree: usize, x: f64) -> f64 {
+pub(super) fn bernoulli(degree: usize, x: f64) -> f64 {
     let x = x - x.floor();
     let y = x - 0.5;
     let y2 = y * y;
@@ -50,7 +50,7 @@ fn bernoulli(degree: usize, x: f64) -> f64 {
 }
 
 /// ∮ p dq for q(s) = B_m(s + a), p(s) = B_m(s + b): (−1)^{m+1} (m!)²/(2m − 1)! B_{2m−1}(a − b).
-fn exact(degree: usize) -> f64 {
+pub(super) fn exact(degree: usize) -> f64 {
     let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
     let sign = if degree.is_multiple_of(2) { -1.0 } else { 1.0 };
     let factor = factorial(degree).powi(2) / factorial(2 * degree - 1);
@@ -68,7 +68,7 @@ struct Row {
 }
 
 /// A loop of limited smoothness, with its integral in closed form.
-enum Curve {
+pub(super) enum Curve {
     /// Bernoulli polynomials of this degree.
     Bernoulli(usize),
     /// q(s) = Σ_j 2^(−αj) sin(2π 2^j s + φ_j) and p(s) the same sum of cosines, continuous and nowhere smooth: in H^r for every
@@ -85,7 +85,7 @@ impl Curve {
         }
     }
 
-    fn exact(&self) -> f64 {
+    pub(super) fn exact(&self) -> f64 {
         match self {
             Curve::Bernoulli(degree) => exact(*degree),
             Curve::Lacunary(alpha) => PI / (1.0 - 2f64.powf(1.0 - 2.0 * alpha)),
@@ -93,7 +93,7 @@ impl Curve {
     }
 
     /// q and p at s = k/samples.
-    fn at(&self, k: usize, samples: usize) -> (f64, f64) {
+    pub(super) fn at(&self, k: usize, samples: usize) -> (f64, f64) {
         match *self {
             Curve::Bernoulli(degree) => {
                 let s = k as f64 / samples as f64;

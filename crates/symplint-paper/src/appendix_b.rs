@@ -28,23 +28,23 @@ pub const ITEM: Item = Item {
 };
 
 /// Jumps of q by 1 at s = 0.3 and of p by −1/2 at s = 0.8.
-fn q(s: f64) -> f64 {
+pub(super) fn q(s: f64) -> f64 {
     (TAU * s).sin() - s + if s > 0.3 { 1.0 } else { 0.0 }
 }
 
-fn p(s: f64) -> f64 {
+pub(super) fn p(s: f64) -> f64 {
     1.0 + s * (1.0 - s) - if s > 0.8 { 0.5 } else { 0.0 }
 }
 
 /// ∫ p q' ds without the jumps, q' = 2π cos 2πs − 1: the smooth part of p gives
 /// −1/π − 7/6, its step −½ [sin 2πs − s] from 0.8 to 1.
-fn exact() -> f64 {
+pub(super) fn exact() -> f64 {
     -1.0 / PI - 7.0 / 6.0 - 0.5 * (-(TAU * 0.8).sin() - 0.2)
 }
 
 /// The bound of theorem 2, with L_q = 2π + 1, TV(p) = 1/2 + 1/2 + 1/2 (the jump back at s = 1 is the third) and
 /// two omitted cells of |p| ≤ 5/4, one for the jump of q and two for those of p.
-fn bound(samples: f64) -> f64 {
+pub(super) fn bound(samples: f64) -> f64 {
     (TAU + 1.0) / samples * (1.5 + 3.0 * 1.25)
 }
 

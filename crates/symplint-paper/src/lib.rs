@@ -10,6 +10,7 @@ mod appendix_b;
 mod broken_loops;
 mod claim;
 mod closed_forms;
+mod convergence;
 mod drift;
 mod error;
 mod families;
@@ -27,6 +28,7 @@ mod fig9;
 mod fig9_claims;
 mod formulas;
 mod interpolated;
+mod near_symplectic;
 mod particle_scaling;
 mod physics;
 mod pic;
@@ -67,6 +69,8 @@ pub struct Item {
 pub const ITEMS: &[Item] = &[
     fig1::ITEM,
     fig2::ITEM,
+    convergence::ITEM,
+    near_symplectic::ITEM,
     closed_forms::ITEM,
     fig3::ITEM,
     fig4::ITEM,
