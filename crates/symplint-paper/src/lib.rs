@@ -8,6 +8,7 @@ mod accumulation;
 mod appendix_a;
 mod appendix_b;
 mod broken_loops;
+mod census;
 mod claim;
 mod closed_forms;
 mod convergence;
@@ -85,4 +86,5 @@ pub const ITEMS: &[Item] = &[
     formulas::ITEM,
     appendix_a::ITEM,
     appendix_b::ITEM,
+    census::ITEM,
 ];

@@ -1,0 +1,64 @@
+//! The figure of the census: defects against energy errors, and against step sizes.
+
+use symplint_report::figure::{Figure, Panel, Scale, Style};
+use symplint_report::plot::{axis, error_axis, reference_slope, series, step_axis, uncertainty};
+
+use super::judged::Judged;
+use super::schemes::Family;
+
+/// The shape by which schemes are compared over step sizes: its forces are smooth for all of them.
+const DEGREE: usize = 3;
+
+/// The figure.
+pub fn draw(rows: &[Judged]) -> Figure {
+    let mut families: Vec<Family> = Vec::new();
+    for row in rows {
+        if !families.contains(&row.family) {
+            families.push(row.family);
+        }
+    }
+    let of = |family: Family| rows.iter().filter(move |row| row.family == family);
+    let clouds = (families.iter().enumerate()).map(|(k, &family)| {
+        let points = of(family).map(|row| (row.record.energy_error, row.record.defect));
+        series(family.name(), points.collect(), Style::Points, k)
+    });
+    let mut curves = Vec::new();
+    for (k, &family) in families.iter().enumerate() {
+        for row in of(family).filter(|row| row.record.degree == DEGREE) {
+            let label = family.name();
+            curves.push(series(
+                label,
+                row.over_steps.clone(),
+                Style::LineAndPoints,
+                k,
+            ));
+        }
+    }
+    let smooth = || rows.iter().filter(|row| row.record.degree == DEGREE);
+    if let Some(steepest) = smooth().filter(|row| row.record.order == Some(3.0)).last() {
+        curves.push(reference_slope(&steepest.over_steps, 3.0, "h"));
+    }
+    curves.push(uncertainty(
+        smooth().flat_map(|row| row.uncertainties.clone()),
+    ));
+    Figure::new(
+        vec![
+            Panel {
+                title: "every scheme and shape, at one step size".into(),
+                x: axis("largest relative error of the energy", Scale::Log10),
+                y: error_axis(),
+                series: clouds.collect(),
+                equal_aspect: false,
+            },
+            Panel {
+                title: "one step, cubic shapes".into(),
+                x: step_axis(),
+                y: error_axis(),
+                series: curves,
+                equal_aspect: false,
+            },
+        ],
+        2,
+    )
+    .with_shared_legend()
+}

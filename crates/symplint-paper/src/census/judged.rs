@@ -1,0 +1,146 @@
+//! What is found of one scheme.
+
+use serde::Serialize;
+use symplint::evidence::Localisation;
+use symplint::{Diagnosis, Diagnostic, VerdictKind};
+
+use super::schemes::{Family, Scheme};
+use super::watched::watch;
+use crate::PaperError;
+use crate::settings::Settings;
+
+/// Step sizes of the verdict: those of the table of the energy-conserving schemes.
+pub const STEP_SIZES: [f64; 4] = [0.4, 0.2, 0.1, 0.05];
+
+/// One scheme, judged.
+pub struct Judged {
+    /// The scheme.
+    pub family: Family,
+    /// |E| of the given loop against h, breaks closed.
+    pub over_steps: Vec<(f64, f64)>,
+    /// How far off these may be.
+    pub uncertainties: Vec<(f64, f64)>,
+    /// The verdict.
+    pub kind: VerdictKind,
+    /// The line of the table.
+    pub record: Record,
+}
+
+/// What tables and data hold of a scheme.
+#[derive(Serialize)]
+pub struct Record {
+    /// Its name.
+    pub scheme: &'static str,
+    /// Degree of the shape of the charge.
+    pub degree: usize,
+    /// The verdict in a few words.
+    pub verdict: String,
+    /// k of defect ~ h^k.
+    pub order: Option<f64>,
+    /// Digits to which loop integrals are conserved.
+    pub digits: Option<f64>,
+    /// Breaks of the given loop at the largest step.
+    pub breaks: usize,
+    /// Cell boundaries that particles pass round the loop.
+    pub crossings: usize,
+    /// Whether integrals are conserved once breaks are closed.
+    pub closed_conserved: Option<bool>,
+    /// Relative change of a loop integral at the step size of the run, breaks left open; the largest of all loops.
+    pub defect: f64,
+    /// The largest relative change of the energy over the run.
+    pub energy_error: f64,
+    /// The largest residual of Gauss' law over the run, where it is not solved for in each step.
+    pub gauss_residual: Option<f64>,
+    /// The largest change of the momentum along x over the run.
+    pub momentum_change: f64,
+    /// The substeps that change a loop integral or break a loop.
+    pub substeps: String,
+    /// Evaluations of the map for the verdict.
+    pub evaluations: usize,
+}
+
+impl Judged {
+    /// Judges a scheme and watches a run.
+    pub fn of(scheme: &Scheme, settings: &Settings) -> Result<Self, PaperError> {
+        let (h, time) = (settings.number("step_size"), settings.number("time"));
+        let diagnostic = Diagnostic {
+            step_sizes: STEP_SIZES.to_vec(),
+            loops: 3,
+            budget: Some(settings.count("budget")),
+            ..Diagnostic::default()
+        };
+        let diagnosis = diagnostic.run(&*scheme.map, &scheme.phase_loop)?;
+        let (q, p) = &scheme.centre;
+        let watched = watch(&scheme.plasma, &*scheme.map, (q, p), (h, time))?;
+        let given: Vec<_> = (diagnosis.points().into_iter())
+            .filter(|point| point.loop_index == 0)
+            .collect();
+        let largest = given
+            .iter()
+            .max_by(|a, b| a.step_size.total_cmp(&b.step_size));
+        let verdict = &diagnosis.verdict;
+        let record = Record {
+            scheme: scheme.family.name(),
+            degree: scheme.degree,
+            verdict: verdict.headline(),
+            order: verdict.order,
+            digits: verdict.digits,
+            breaks: largest.and_then(|point| point.jumps).unwrap_or(0),
+            crossings: scheme.crossings,
+            closed_conserved: verdict.conserved_once_closed,
+            defect: defect_at(&diagnosis, h),
+            energy_error: watched.energy,
+            gauss_residual: watched.gauss,
+            momentum_change: watched.momentum,
+            substeps: (diagnosis.evidence.localisation.as_ref())
+                .map_or_else(String::new, faulty_substeps),
+            evaluations: diagnosis.evidence.evaluations.made,
+        };
+        let closed =
+            |point: &symplint::evidence::Point| point.closed_defect.unwrap_or(point.defect);
+        Ok(Judged {
+            family: scheme.family,
+            over_steps: given
+                .iter()
+                .map(|point| (point.step_size, closed(point)))
+                .collect(),
+            uncertainties: (given.iter())
+                .map(|point| {
+                    let quadrature = point.quadrature_error.unwrap_or(f64::NAN);
+                    (point.step_size, quadrature + point.roundoff)
+                })
+                .collect(),
+            kind: verdict.kind,
+            record,
+        })
+    }
+}
+
+/// The largest relative change of a loop integral at the step size nearest to `h`.
+fn defect_at(diagnosis: &Diagnosis, h: f64) -> f64 {
+    let points = diagnosis.points();
+    let distance = |point: &symplint::evidence::Point| (point.step_size / h).ln().abs();
+    let nearest = points.iter().map(distance).fold(f64::INFINITY, f64::min);
+    (points.iter())
+        .filter(|point| distance(point) == nearest)
+        .map(|point| point.defect)
+        .fold(0.0, f64::max)
+}
+
+/// The names of the substeps that change the integral by more than the uncertainty, or have breaks of their own.
+fn faulty_substeps(localisation: &Localisation) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for substep in &localisation.substeps {
+        let changes = (substep.uncertainty).is_some_and(|bound| substep.change.abs() > bound);
+        // H_p1 for 0.5 h and H_p1 for h are one.
+        let name = substep
+            .name
+            .split([' ', ','])
+            .next()
+            .unwrap_or(&substep.name);
+        if (changes || substep.new_breaks > 0) && !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names.join(", ")
+}

@@ -1,0 +1,52 @@
+//! Which particle-in-cell schemes are symplectic: the schemes that people use, one by one.
+
+mod claims;
+mod figure;
+mod judged;
+mod plasma;
+mod schemes;
+mod table;
+mod watched;
+
+use rayon::prelude::*;
+use symplint_report::run_folder::RunFolder;
+
+use super::claim::Claim;
+use super::settings::{Key, Settings};
+use super::{Item, PaperError};
+use judged::Judged;
+
+pub const ITEM: Item = Item {
+    id: "census",
+    title: "particle-in-cell schemes: which are symplectic, and what else they conserve",
+    cost: "20 s",
+    keys: &[
+        Key::whole(
+            "budget",
+            60_000,
+            1000,
+            "evaluations of each scheme for its verdict, 1000 or more",
+        ),
+        Key::positive(
+            "step_size",
+            0.2,
+            "h of the run over which energy, Gauss' law and momentum are watched",
+        ),
+        Key::positive("time", 20.0, "length of that run"),
+        Key::whole("seed", 11, 0, "seed of the initial states and the loops"),
+    ],
+    check: None,
+    run,
+};
+
+fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError> {
+    let schemes = schemes::all(settings.whole("seed"))?;
+    let rows: Vec<Judged> = (schemes.par_iter())
+        .map(|scheme| Judged::of(scheme, settings))
+        .collect::<Result<_, PaperError>>()?;
+    let records: Vec<_> = rows.iter().map(|row| &row.record).collect();
+    folder.write_csv("census.csv", &records)?;
+    folder.write_text("census.md", &table::markdown(&rows))?;
+    figure::draw(&rows).save(&folder.figures(), "census")?;
+    Ok(claims::claims(&rows))
+}

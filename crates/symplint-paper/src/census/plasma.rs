@@ -1,0 +1,56 @@
+//! The plasmas of the census, by what can be watched of them.
+
+use symplint::state::Rows;
+use symplint_models::Hamiltonian;
+use symplint_models::gempic::Gempic;
+use symplint_models::pic::{MomentumConservingPic, Pic1d};
+
+/// A discretised plasma.
+pub enum Plasma {
+    /// The textbook's, with a force that conserves the momentum.
+    MomentumConserving(MomentumConservingPic),
+    /// Electrostatic and variational.
+    Variational(Pic1d),
+    /// Electromagnetic.
+    Electromagnetic(Gempic),
+}
+
+/// What is watched of a state.
+#[derive(Clone, Copy, Debug)]
+pub struct Observed {
+    /// The energy.
+    pub energy: f64,
+    /// How far Gauss' law is from being satisfied, where the field is not computed from it in every step.
+    pub gauss: Option<f64>,
+    /// The momentum along x.
+    pub momentum: f64,
+}
+
+impl Plasma {
+    /// What there is to watch of one state.
+    pub fn observe(&self, q: &[f64], p: &[f64]) -> Observed {
+        let energy_of = |system: &dyn Hamiltonian| {
+            let mut energy = [0.0];
+            let rows = |values| Rows::new(values, q.len(), 1, 1);
+            system.energy(rows(q), rows(p), &mut energy);
+            energy[0]
+        };
+        match self {
+            Plasma::MomentumConserving(pic) => Observed {
+                energy: pic.energy(q, p),
+                gauss: None,
+                momentum: pic.momentum(p),
+            },
+            Plasma::Variational(pic) => Observed {
+                energy: energy_of(pic),
+                gauss: None,
+                momentum: pic.momentum(p)[0],
+            },
+            Plasma::Electromagnetic(gempic) => Observed {
+                energy: energy_of(gempic),
+                gauss: Some(gempic.gauss_residual(q, p)),
+                momentum: gempic.momentum(q, p)[0],
+            },
+        }
+    }
+}

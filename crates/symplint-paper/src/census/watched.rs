@@ -1,0 +1,49 @@
+//! What a scheme conserves over a run.
+
+use symplint::state::Rows;
+use symplint::{Ensemble, TimeAdvance};
+
+use super::plasma::Plasma;
+use crate::PaperError;
+
+/// The largest changes of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Watched {
+    /// Of the energy, relative to the initial one.
+    pub energy: f64,
+    /// The largest residual of Gauss' law.
+    pub gauss: Option<f64>,
+    /// Of the momentum along x.
+    pub momentum: f64,
+}
+
+/// Follows one state for `time` in steps of size `h`.
+pub fn watch(
+    plasma: &Plasma,
+    map: &dyn TimeAdvance,
+    (q, p): (&[f64], &[f64]),
+    (h, time): (f64, f64),
+) -> Result<Watched, PaperError> {
+    let mut ensemble = Ensemble::zeros(q.len(), 1);
+    let mut block = ensemble.block();
+    for i in 0..q.len() {
+        (block.q.row_mut(i)[0], block.p.row_mut(i)[0]) = (q[i], p[i]);
+    }
+    let start = plasma.observe(q, p);
+    let mut watched = Watched {
+        energy: 0.0,
+        gauss: start.gauss,
+        momentum: 0.0,
+    };
+    for _ in 0..(time / h).round() as usize {
+        ensemble.advance(map, h)?;
+        let block = ensemble.block();
+        let column = |rows: Rows<'_>| (0..q.len()).map(|i| rows.row(i)[0]).collect::<Vec<_>>();
+        let now = plasma.observe(&column(block.q.as_rows()), &column(block.p.as_rows()));
+        let largest = |so_far: f64, change: f64| so_far.max(change.abs());
+        watched.energy = largest(watched.energy, now.energy / start.energy - 1.0);
+        watched.momentum = largest(watched.momentum, now.momentum - start.momentum);
+        watched.gauss = (watched.gauss.zip(now.gauss)).map(|(so_far, now)| so_far.max(now));
+    }
+    Ok(watched)
+}
