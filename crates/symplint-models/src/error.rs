@@ -170,6 +170,12 @@ pub enum ModelError {
          method"
     )]
     NoIterations,
+    /// Newton's method for a scheme that is solved by fixed-point iteration alone.
+    #[error("\"{integrator}\" is solved by fixed-point iteration alone; leave out Newton's method")]
+    NoNewton {
+        /// The integrator.
+        integrator: &'static str,
+    },
     /// Newton's method for more equations than dense matrices are meant for.
     #[error(
         "Newton's method would solve {unknowns} equations for each sample with dense matrices, and \

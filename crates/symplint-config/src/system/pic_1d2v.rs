@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use symplint_models::gempic::{Gempic, GempicConfig, InitialPlasma};
+use symplint_models::gempic::{Fields, Gempic, GempicConfig, InitialPlasma};
 use symplint_models::pic::ParticleWeights;
 use symplint_models::{Hamiltonian, Model, ModelError};
 
@@ -13,13 +13,18 @@ use crate::section::{Accept, Key, Section};
 
 pub const PIC_1D2V: SystemInfo = SystemInfo {
     name: "pic-1d2v",
-    summary: "geometric electromagnetic particle-in-cell (GEMPIC) on a periodic line, two velocities, \
+    summary: "electromagnetic particle-in-cell (GEMPIC or Yee fields) on a periodic line, two velocities, \
               in canonical variables",
     keys: &[
         Key::new(
             "degree",
             "3",
             "degree of the B-splines of V0, 1 to 5; forces are discontinuous for 1",
+        ),
+        Key::new(
+            "fields",
+            "\"finite-element\"",
+            "\"finite-element\", with mass matrices of splines, or \"yee\", by finite differences",
         ),
         Key::new("cells", "8", "number of cells"),
         Key::optional(
@@ -49,6 +54,9 @@ pub const PIC_1D2V: SystemInfo = SystemInfo {
 fn build(section: &Section, folder: &Path) -> Result<System, ConfigError> {
     let names = InitialPlasma::ALL.map(|(name, _)| name);
     let degree = section.whole("degree", 0)? as usize;
+    let fields = Fields::ALL.map(|(name, _)| name);
+    let chosen = section.choice("fields", &fields)?;
+    let fields = Fields::ALL.iter().find(|(name, _)| *name == chosen);
     let cells = section.whole("cells", 1)? as usize;
     let particles = section.whole_between("particles", 1, MOST_DOF)? as usize;
     let seed = section.whole("seed", 0)?;
@@ -70,6 +78,7 @@ fn build(section: &Section, folder: &Path) -> Result<System, ConfigError> {
     section.record("length", length);
     let config = GempicConfig {
         degree,
+        fields: fields.map_or(Fields::default(), |(_, fields)| *fields),
         cells,
         length,
         weights: ParticleWeights::Equal {

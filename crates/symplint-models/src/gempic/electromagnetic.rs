@@ -15,11 +15,36 @@ use crate::periodic_grid::PeriodicGrid;
 use crate::pic::ParticleWeights;
 use crate::split_hamiltonian::{PartFlow, SplitHamiltonian};
 
+/// How fields are discretised: what the mass matrices of V0 and V1 are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Fields {
+    /// By finite elements: integrals of products of splines.
+    #[default]
+    FiniteElement,
+    /// By finite differences on the grid of Yee: the diagonal matrices Δx and 1/Δx. Coefficients of V0 are values at nodes, those
+    /// of V1 integrals over edges, and the curl is a difference of neighbours.
+    ///
+    /// Splines of degree p and p − 1 are the shapes by which particles feel the fields; with the splitting that is the
+    /// charge-conserving symplectic scheme of J. Squire, H. Qin & W. M. Tang, Phys. Plasmas 19 (2012) 084501, and of J. Xiao
+    /// et al., Phys. Plasmas 22 (2015) 112504.
+    Yee,
+}
+
+impl Fields {
+    /// Both, by their names in configurations.
+    pub const ALL: [(&'static str, Fields); 2] = [
+        ("finite-element", Fields::FiniteElement),
+        ("yee", Fields::Yee),
+    ];
+}
+
 /// What a [`Gempic`] is made of. c = ε0 = 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GempicConfig {
     /// p, the degree of the splines of V0, 1 to 5; those of V1 have degree p − 1.
     pub degree: usize,
+    /// How fields are discretised.
+    pub fields: Fields,
     /// N, the number of cells.
     pub cells: usize,
     /// L, the length of the box.
@@ -37,6 +62,7 @@ impl Default for GempicConfig {
     fn default() -> Self {
         GempicConfig {
             degree: 3,
+            fields: Fields::FiniteElement,
             cells: 8,
             length: std::f64::consts::TAU,
             weights: ParticleWeights::Equal {
@@ -74,6 +100,7 @@ impl Default for GempicConfig {
 #[derive(Clone)]
 pub struct Gempic {
     pub(super) degree: usize,
+    pub(super) fields: Fields,
     pub(super) grid: PeriodicGrid,
     pub(super) charge: f64,
     pub(super) mass: f64,
@@ -103,6 +130,7 @@ impl Gempic {
     pub fn new(config: GempicConfig) -> Result<Self, ModelError> {
         let GempicConfig {
             degree,
+            fields,
             cells,
             length,
             charge,
@@ -130,7 +158,8 @@ impl Gempic {
         };
         Ok(Gempic {
             degree,
-            masses: MassMatrices::new(degree, cells, length / cells as f64),
+            masses: MassMatrices::new(fields, degree, cells, length / cells as f64),
+            fields,
             grid,
             charge,
             mass,

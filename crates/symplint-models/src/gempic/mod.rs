@@ -31,6 +31,8 @@
 //! the particles, any number of them in one pass, `energy` has H and its gradient, `physical` the way to velocities and
 //! fields, and what is watched. `overlap` and `mass` make and solve the mass matrices, `polynomials` goes between
 //! splines and cells, `particles` has what particles and splines share. `initial` and `quiet` are initial states.
+//!
+//! `schemes` has what other particle-in-cell codes do with the same particles and fields.
 
 mod electromagnetic;
 mod energy;
@@ -43,7 +45,9 @@ mod pass;
 mod physical;
 mod polynomials;
 mod quiet;
+mod schemes;
 
-pub use electromagnetic::{Gempic, GempicConfig};
+pub use electromagnetic::{Fields, Gempic, GempicConfig};
 pub use initial::InitialPlasma;
 pub use physical::{FieldEnergies, PhysicalState};
+pub use schemes::{Boris1d2v, Orbit, PlasmaStep};

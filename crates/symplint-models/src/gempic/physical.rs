@@ -3,7 +3,7 @@
 use symplint::state::Rows;
 use symplint::state::scratch::with_buffer;
 
-use super::electromagnetic::{Gempic, difference};
+use super::electromagnetic::{Fields, Gempic, difference};
 use super::energy::Sample;
 use super::mass::product_at;
 use super::overlap::overlaps;
@@ -183,10 +183,14 @@ impl Gempic {
                 b.copy_from_slice(sample.a2);
                 difference(b);
                 // ∫ Λ⁰_i Λ¹_j depends on j − i, from 1 − p to p; `one` and `zero` are −e1 and −e2.
-                let overlaps = overlaps(degree, degree - 1);
+                // On the grid of Yee a node lies between two edges.
+                let (overlaps, before) = match self.fields {
+                    Fields::FiniteElement => (overlaps(degree, degree - 1), degree - 1),
+                    Fields::Yee => (vec![0.5, 0.5], 0),
+                };
                 for i in 0..cells {
                     for (k, overlap) in overlaps.iter().enumerate() {
-                        let j = (i + k + degree * cells - (degree - 1)) % cells;
+                        let j = (i + k + degree * cells - before) % cells;
                         momentum[0] -= zero[i] * overlap * b[j];
                     }
                     let product = product_at(self.masses.one(), b, i) / self.width();

@@ -7,6 +7,7 @@ use super::maker::Maker;
 use super::splitting::Variant;
 use super::{aliases, splitting_methods, tableaus};
 use crate::error::ModelError;
+use crate::gempic::{Boris1d2v, Orbit};
 use crate::model::Model;
 
 /// What there is to know of an integrator before it is built.
@@ -40,9 +41,16 @@ impl IntegratorInfo {
 
     /// Whether its steps have stages to be solved, by a [`StageSolver`].
     pub fn is_implicit(&self) -> bool {
-        matches!(self.makers[0], Maker::Implicit(_))
+        self.makers[0].is_implicit()
     }
 }
+
+/// The push of Boris in its default form.
+const BORIS: Boris1d2v = Boris1d2v {
+    is_staggered: false,
+    gathers_at_nodes: false,
+    deposits_directly: false,
+};
 
 const FIRST: &[&str] = &["position-first", "momentum-first"];
 
@@ -230,6 +238,54 @@ pub const CATALOGUE: &[IntegratorInfo] = &[
         makers: &[Maker::Boris],
     },
     IntegratorInfo {
+        name: "boris-pic",
+        variants: &["synchronised", "staggered", "nodal", "direct"],
+        order: 2,
+        symplectic: false,
+        summary: "The push of Boris with leapfrog fields and charge-conserving currents, for pic-1d2v only: velocities \
+                  at whole steps or staggered, fields gathered at nodes, or currents deposited directly",
+        reference: "Birdsall & Langdon 1985; Esirkepov 2001",
+        makers: &[
+            Maker::BorisPic(BORIS),
+            Maker::BorisPic(Boris1d2v {
+                is_staggered: true,
+                ..BORIS
+            }),
+            Maker::BorisPic(Boris1d2v {
+                gathers_at_nodes: true,
+                ..BORIS
+            }),
+            Maker::BorisPic(Boris1d2v {
+                deposits_directly: true,
+                ..BORIS
+            }),
+        ],
+    },
+    IntegratorInfo {
+        name: "crank-nicolson",
+        variants: &["midpoint", "sub-stepped", "orbit-averaged"],
+        order: 2,
+        symplectic: false,
+        summary: "Crank–Nicolson for particles and fields, conserves the energy, for pic-1d2v only: fields in the middle \
+                  of each orbit, of four sub-steps of it, or averaged along it, which conserves the charge as well",
+        reference: "Chen, Chacón & Barnes 2011; Kormann & Sonnendrücker 2021",
+        makers: &[
+            Maker::CrankNicolson(Orbit::Midpoint),
+            Maker::CrankNicolson(Orbit::SubStepped(4)),
+            Maker::CrankNicolson(Orbit::Averaged),
+        ],
+    },
+    IntegratorInfo {
+        name: "ecsim",
+        variants: &[],
+        // 2 where there is no magnetic field.
+        order: 1,
+        symplectic: false,
+        summary: "Drifts, and velocities and fields implicitly in between, conserves the energy, for pic-1d2v only",
+        reference: "Lapenta 2017",
+        makers: &[Maker::Ecsim],
+    },
+    IntegratorInfo {
         name: "adaptive-strang",
         variants: FIRST,
         order: 0,
@@ -384,7 +440,11 @@ mod tests {
                         (tableau().order(), tableau().is_symplectic())
                     }
                     // These are no tables.
-                    Maker::AdaptiveStrang(_) | Maker::Boris => continue,
+                    Maker::AdaptiveStrang(_)
+                    | Maker::Boris
+                    | Maker::BorisPic(_)
+                    | Maker::CrankNicolson(_)
+                    | Maker::Ecsim => continue,
                     Maker::Partitioned(pair) => (
                         pair().position().order(),
                         pair().is_symplectic_if_separable(),
@@ -428,7 +488,8 @@ mod tests {
             known.map(|info| info.name).collect()
         };
         let separable = names(Model::Separable(Arc::new(HenonHeiles)));
-        assert_eq!(separable.len(), CATALOGUE.len() - 1);
+        // All but those for charges and plasmas.
+        assert_eq!(separable.len(), CATALOGUE.len() - 4);
         let general = names(Model::General(Arc::new(DoublePendulum::default())));
         assert!(general.contains(&"rk4") && general.contains(&"gauss6"));
         assert!(!general.contains(&"strang") && !general.contains(&"partitioned-rk"));

@@ -9,6 +9,7 @@ use super::splitting::{Splitting, SplittingMethod, Variant};
 use super::tableau::{Tableau, TableauPair};
 use super::{AdaptiveStrang, Boris, PartSplitting, RungeKutta};
 use crate::error::ModelError;
+use crate::gempic::{Boris1d2v, Orbit, PlasmaStep};
 use crate::model::Model;
 
 /// How an integrator of the catalogue is made.
@@ -20,9 +21,20 @@ pub(super) enum Maker {
     Partitioned(fn() -> TableauPair),
     Implicit(fn() -> Tableau),
     Boris,
+    BorisPic(Boris1d2v),
+    CrankNicolson(Orbit),
+    Ecsim,
 }
 
 impl Maker {
+    /// Whether its steps have equations to be solved, by a [`StageSolver`].
+    pub(super) fn is_implicit(self) -> bool {
+        matches!(
+            self,
+            Maker::Implicit(_) | Maker::CrankNicolson(_) | Maker::Ecsim
+        )
+    }
+
     /// The map, or nothing where it is not for this kind of system.
     pub(super) fn make(
         self,
@@ -78,6 +90,13 @@ impl Maker {
                 boxed(ImplicitRungeKutta::new(tableau(), system, solver))
             }
             (Maker::Boris, Model::Charged(particle)) => boxed(Ok(Boris::new(particle))),
+            (Maker::BorisPic(scheme), Model::Plasma(plasma)) => {
+                boxed(Ok(PlasmaStep::boris(plasma, scheme)))
+            }
+            (Maker::CrankNicolson(orbit), Model::Plasma(plasma)) => {
+                boxed(PlasmaStep::crank_nicolson(plasma, orbit, solver))
+            }
+            (Maker::Ecsim, Model::Plasma(plasma)) => boxed(PlasmaStep::ecsim(plasma, solver)),
             (maker, Model::Plasma(plasma)) => maker.make(Model::Split(Arc::new(plasma)), solver),
             _ => None,
         }
@@ -95,6 +114,9 @@ impl Maker {
             Maker::RungeKutta(_) | Maker::Implicit(_) => "Hamiltonians",
             Maker::Partitioned(_) => "separable Hamiltonians",
             Maker::Boris => "a charge in a magnetic field",
+            Maker::BorisPic(_) | Maker::CrankNicolson(_) | Maker::Ecsim => {
+                "electromagnetic plasmas"
+            }
         }
     }
 }

@@ -10,3 +10,4 @@ mod invariants;
 mod loops;
 mod physics;
 mod reference;
+mod schemes;

@@ -67,7 +67,7 @@ impl StageSolver {
     pub const MOST_UNKNOWNS: usize = 96;
 
     /// Checks the settings for a method with so many unknowns for each sample.
-    pub(super) fn check(&self, unknowns: usize) -> Result<(), ModelError> {
+    pub(crate) fn check(&self, unknowns: usize) -> Result<(), ModelError> {
         let iterations = match self.stop {
             Stop::Converged { tolerance, .. } if !(tolerance.is_finite() && tolerance >= 0.0) => {
                 return Err(ModelError::OutOfRange {

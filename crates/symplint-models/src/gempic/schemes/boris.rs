@@ -1,0 +1,160 @@
+//! The push of Boris with leapfrog fields, part by part.
+
+use super::Substep;
+use super::coupling::Coupling;
+use super::orbit::along;
+use crate::gempic::electromagnetic::{Gempic, difference};
+use crate::gempic::physical::PhysicalState;
+
+/// What Boris codes differ in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Boris1d2v {
+    /// Whether velocities are half a step behind positions, as codes store them.
+    pub is_staggered: bool,
+    /// Whether E1 and B are averaged to the nodes and weighted by the shape of the charge ("momentum-conserving"), and
+    /// not by the shape one degree lower that belongs to their places on the grid ("energy-conserving", Galerkin).
+    pub gathers_at_nodes: bool,
+    /// Whether the current along x is q v1 times the shape in the middle of the way, and not what the law of charge
+    /// conservation says: T. Z. Esirkepov, Comput. Phys. Commun. 135 (2001) 144; on a line and for linear shapes that is the
+    /// zigzag scheme of T. Umeda et al., Comput. Phys. Commun. 156 (2003) 73.
+    pub deposits_directly: bool,
+}
+
+/// The parts of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    /// Half of the electric kick, a rotation, the other half.
+    WholeKick,
+    /// The second half of the rotation, then half of the kick.
+    FirstKick,
+    /// Half of the kick, then the first half of the rotation.
+    LastKick,
+    /// a −= (h/2) e.
+    Faraday,
+    /// Positions by velocities, and the current meanwhile.
+    Drift,
+    /// M0 e2 += h Cᵀ M1 b.
+    Ampere,
+}
+
+/// One part of a step.
+pub(super) struct BorisPart {
+    gempic: Gempic,
+    coupling: Coupling,
+    scheme: Boris1d2v,
+    part: Part,
+}
+
+impl BorisPart {
+    pub(super) fn new(gempic: &Gempic, scheme: Boris1d2v, part: Part) -> Self {
+        BorisPart {
+            coupling: Coupling::new(gempic.degree, gempic.grid),
+            gempic: gempic.clone(),
+            scheme,
+            part,
+        }
+    }
+
+    fn kick(&self, h: f64, state: &mut PhysicalState) {
+        let half_charge = 0.5 * h * self.gempic.charge / self.gempic.mass;
+        let mut b = state.a2.clone();
+        difference(&mut b);
+        let mut e1 = state.e1.clone();
+        if self.scheme.gathers_at_nodes {
+            to_nodes(&mut e1, self.coupling.per_length());
+            to_nodes(&mut b, self.coupling.per_length());
+        }
+        for a in 0..state.x.len() {
+            let splines = self.coupling.at(state.x[a]);
+            let of_edges = |values: &[f64]| match self.scheme.gathers_at_nodes {
+                true => splines.of_zero(values),
+                false => splines.of_one(values),
+            };
+            let kick = [of_edges(&e1), splines.of_zero(&state.e2)].map(|e| half_charge * e);
+            let t = half_charge * of_edges(&b);
+            let v = [state.v1[a], state.v2[a]];
+            let add = |v: [f64; 2]| [v[0] + kick[0], v[1] + kick[1]];
+            let v = match self.part {
+                Part::FirstKick => add(half_rotation(v, t)),
+                Part::LastKick => half_rotation(add(v), t),
+                _ => add(half_rotation(half_rotation(add(v), t), t)),
+            };
+            [state.v1[a], state.v2[a]] = v;
+        }
+    }
+
+    fn drift(&self, h: f64, state: &mut PhysicalState) {
+        let (cells, coupling) = (self.coupling.cells(), &self.coupling);
+        let (mut along_x, mut across) = (vec![0.0; cells], vec![0.0; cells]);
+        for a in 0..state.x.len() {
+            let charge = self.gempic.charge * self.gempic.weights[a];
+            let (x, v1, v2) = (state.x[a], state.v1[a], state.v2[a]);
+            let way = h * v1;
+            along(
+                coupling,
+                !self.scheme.deposits_directly,
+                x,
+                way,
+                |x, weight| {
+                    coupling
+                        .at(x)
+                        .deposit_one(charge * way * weight, &mut along_x);
+                },
+            );
+            let middle = coupling.at(x + 0.5 * way);
+            middle.deposit_zero(charge * h * v2, &mut across);
+            state.x[a] += way;
+            state.y[a] += h * v2;
+        }
+        self.gempic.masses.solve(&mut along_x, &mut across);
+        for j in 0..cells {
+            state.e1[j] -= along_x[j];
+            state.e2[j] -= across[j];
+        }
+    }
+
+    fn ampere(&self, h: f64, state: &mut PhysicalState) {
+        let mut potential = state.a2.clone();
+        let mut curl = vec![0.0; potential.len()];
+        self.gempic.curl_of_field(&mut potential, &mut curl);
+        // The other field is no concern of Ampère's law across.
+        potential.fill(0.0);
+        self.gempic.masses.solve(&mut potential, &mut curl);
+        for (e2, curl) in state.e2.iter_mut().zip(curl) {
+            *e2 += h * curl;
+        }
+    }
+}
+
+impl Substep for BorisPart {
+    fn advance(&self, h: f64, state: &mut PhysicalState) -> Result<(), String> {
+        match self.part {
+            Part::WholeKick | Part::FirstKick | Part::LastKick => self.kick(h, state),
+            Part::Drift => self.drift(h, state),
+            Part::Ampere => self.ampere(h, state),
+            Part::Faraday => {
+                for j in 0..state.e1.len() {
+                    state.a1[j] -= 0.5 * h * state.e1[j];
+                    state.a2[j] -= 0.5 * h * state.e2[j];
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Half of Boris' rotation by the angle 2 atan t.
+fn half_rotation([v1, v2]: [f64; 2], t: f64) -> [f64; 2] {
+    let cosine = 1.0 / (1.0 + t * t).sqrt();
+    [cosine * (v1 + t * v2), cosine * (v2 - t * v1)]
+}
+
+/// From integrals over edges j − 1/2 … to values on the nodes between edges j and j + 1.
+fn to_nodes(edges: &mut [f64], per_length: f64) {
+    let first = edges[0];
+    let last = edges.len() - 1;
+    for j in 0..last {
+        edges[j] = 0.5 * per_length * (edges[j] + edges[j + 1]);
+    }
+    edges[last] = 0.5 * per_length * (edges[last] + first);
+}

@@ -1,0 +1,121 @@
+//! Splines at a particle: what gathers fields and deposits charge, for any degree.
+
+use crate::bspline::{self, CellWeights};
+use crate::periodic_grid::PeriodicGrid;
+
+/// The splines of V0 and V1 on a grid.
+#[derive(Clone, Debug)]
+pub(super) struct Coupling {
+    degree: usize,
+    grid: PeriodicGrid,
+}
+
+/// The splines that do not vanish at one place.
+pub(super) struct SplinesAt {
+    cells: usize,
+    zero: Span,
+    one: Span,
+}
+
+/// Functions in sequence round the circle, and their values.
+struct Span {
+    first: usize,
+    count: usize,
+    values: CellWeights,
+}
+
+impl Coupling {
+    pub(super) fn new(degree: usize, grid: PeriodicGrid) -> Self {
+        Coupling { degree, grid }
+    }
+
+    pub(super) fn cells(&self) -> usize {
+        self.grid.cells()
+    }
+
+    /// Cells per unit of length.
+    pub(super) fn per_length(&self) -> f64 {
+        self.grid.cells_per_length()
+    }
+
+    pub(super) fn at(&self, x: f64) -> SplinesAt {
+        let (cell, fraction) = self.grid.locate(x);
+        let cells = self.cells();
+        let span = |degree: usize, scale: f64| Span {
+            // The spline that starts in this cell is the last of those that do not vanish.
+            first: (cell + cells * degree - degree) % cells,
+            count: degree + 1,
+            values: bspline::weights(degree, fraction).map(|value| scale * value),
+        };
+        SplinesAt {
+            cells,
+            zero: span(self.degree, 1.0),
+            one: span(self.degree - 1, self.per_length()),
+        }
+    }
+
+    /// The parts of the way from x to x + `way` on which splines are polynomials, in the order of the way: where they begin
+    /// and end, from 0 to 1.
+    pub(super) fn pieces(&self, x: f64, way: f64, mut each: impl FnMut(f64, f64)) {
+        let per_length = self.per_length();
+        let (from, length) = (x * per_length, way * per_length);
+        let (mut node, next) = match way > 0.0 {
+            true => (from.floor() + 1.0, 1.0),
+            false => (from.ceil() - 1.0, -1.0),
+        };
+        let mut here = 0.0;
+        loop {
+            // Not by differences of places, which are rounded more than a short way is long.
+            let there = (node - from) / length;
+            if !(there < 1.0) {
+                break;
+            }
+            each(here, there);
+            here = there;
+            node += next;
+        }
+        each(here, 1.0);
+    }
+}
+
+impl Span {
+    fn sum(&self, cells: usize, coefficients: &[f64]) -> f64 {
+        let mut j = self.first;
+        let mut sum = 0.0;
+        for value in &self.values[..self.count] {
+            sum += value * coefficients[j];
+            j = if j + 1 == cells { 0 } else { j + 1 };
+        }
+        sum
+    }
+
+    fn add(&self, cells: usize, charge: f64, sums: &mut [f64]) {
+        let mut j = self.first;
+        for value in &self.values[..self.count] {
+            sums[j] += charge * value;
+            j = if j + 1 == cells { 0 } else { j + 1 };
+        }
+    }
+}
+
+impl SplinesAt {
+    /// The function of V0 with these coefficients.
+    pub(super) fn of_zero(&self, coefficients: &[f64]) -> f64 {
+        self.zero.sum(self.cells, coefficients)
+    }
+
+    /// The function of V1 with these coefficients.
+    pub(super) fn of_one(&self, coefficients: &[f64]) -> f64 {
+        self.one.sum(self.cells, coefficients)
+    }
+
+    /// Adds `charge` Λ⁰_j to every sum.
+    pub(super) fn deposit_zero(&self, charge: f64, sums: &mut [f64]) {
+        self.zero.add(self.cells, charge, sums);
+    }
+
+    /// Adds `charge` Λ¹_j to every sum.
+    pub(super) fn deposit_one(&self, charge: f64, sums: &mut [f64]) {
+        self.one.add(self.cells, charge, sums);
+    }
+}

@@ -1,0 +1,112 @@
+//! The orbit of a particle through a step in given mean fields, where fields and currents are taken on it.
+
+use super::coupling::Coupling;
+
+/// Where on the orbit of a step fields are gathered and currents deposited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Orbit {
+    /// In its middle (L. Chen, G. Chacón & D. C. Barnes, J. Comput. Phys. 230 (2011) 7018, without sub-stepping).
+    Midpoint,
+    /// In the middle of each of so many equal sub-steps of the particle, as the same article has them.
+    SubStepped(usize),
+    /// All along the straight way, exactly: the charge is conserved as well (K. Kormann & E. Sonnendrücker, J. Comput.
+    /// Phys. 425 (2021) 109890).
+    Averaged,
+}
+
+/// The means of the fields of a step.
+pub(super) struct MeanFields<'a> {
+    pub(super) e1: &'a [f64],
+    pub(super) e2: &'a [f64],
+    pub(super) b: &'a [f64],
+}
+
+/// E1, E2 and B as a particle feels them.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Felt {
+    e1: f64,
+    e2: f64,
+    b: f64,
+}
+
+/// Points of a straight way and their weights.
+///
+/// A way is integrated piece by piece between nodes, where splines of degree up to 5 are polynomials: three points of
+/// Gauss are exact.
+pub(super) fn along(
+    coupling: &Coupling,
+    is_averaged: bool,
+    x: f64,
+    way: f64,
+    mut each: impl FnMut(f64, f64),
+) {
+    /// √(3/5) and the weights of the rule on [−1, 1], halved.
+    const NODE: f64 = 0.774_596_669_241_483_4;
+    const OUTER: f64 = 5.0 / 18.0;
+    const INNER: f64 = 8.0 / 18.0;
+    if !is_averaged || way == 0.0 {
+        return each(x + 0.5 * way, 1.0);
+    }
+    coupling.pieces(x, way, |from, to| {
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        let share = to - from;
+        each(x + way * (middle - NODE * half), OUTER * share);
+        each(x + way * middle, INNER * share);
+        each(x + way * (middle + NODE * half), OUTER * share);
+    });
+}
+
+/// The fields on a straight way.
+pub(super) fn felt(
+    coupling: &Coupling,
+    is_averaged: bool,
+    fields: &MeanFields<'_>,
+    x: f64,
+    way: f64,
+) -> Felt {
+    let mut felt = Felt::default();
+    along(coupling, is_averaged, x, way, |x, weight| {
+        let splines = coupling.at(x);
+        felt.e1 += weight * splines.of_one(fields.e1);
+        felt.e2 += weight * splines.of_zero(fields.e2);
+        felt.b += weight * splines.of_one(fields.b);
+    });
+    felt
+}
+
+/// The mean velocity of a step of size h: v̄ = v + (h q/2m)(E + v̄ × B), which is linear in v̄.
+pub(super) fn mean_velocity(v: [f64; 2], felt: Felt, half_charge: f64) -> [f64; 2] {
+    let (a1, a2) = (v[0] + half_charge * felt.e1, v[1] + half_charge * felt.e2);
+    let t = half_charge * felt.b;
+    let factor = 1.0 / (1.0 + t * t);
+    [factor * (a1 + t * a2), factor * (a2 - t * a1)]
+}
+
+/// The mean velocity of a particle that moves by h v̄1 meanwhile, to round-off; `None` where the iteration does not
+/// converge. `half_charge` is h q/2m.
+pub(super) fn solve_orbit(
+    coupling: &Coupling,
+    is_averaged: bool,
+    fields: &MeanFields<'_>,
+    (x, v): (f64, [f64; 2]),
+    (h, half_charge): (f64, f64),
+) -> Option<[f64; 2]> {
+    /// An iteration contracts by h² ∂E/∂x, which is well below 1 in steps that resolve the plasma frequency.
+    const MOST: usize = 100;
+    /// Changes that no longer fall are round-off below this part of the velocity.
+    const ROUNDOFF: f64 = 1e-13;
+    let mut mean = v;
+    let mut least = f64::INFINITY;
+    for _ in 0..MOST {
+        let felt = felt(coupling, is_averaged, fields, x, h * mean[0]);
+        let next = mean_velocity(v, felt, half_charge);
+        let change = (next[0] - mean[0]).abs();
+        let size = next[0].abs().max(next[1].abs());
+        mean = next;
+        if change == 0.0 || change >= least && change <= ROUNDOFF * size {
+            return Some(mean);
+        }
+        least = least.min(change);
+    }
+    None
+}
