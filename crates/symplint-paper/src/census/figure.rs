@@ -4,38 +4,30 @@ use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, error_axis, reference_slope, series, step_axis, uncertainty};
 
 use super::judged::Judged;
-use super::schemes::Family;
+use super::schemes::FAMILIES;
 
 /// The shape by which schemes are compared over step sizes: its forces are smooth for all of them.
 const DEGREE: usize = 3;
 
 /// The figure.
 pub fn draw(rows: &[Judged]) -> Figure {
-    let mut families: Vec<Family> = Vec::new();
-    for row in rows {
-        if !families.contains(&row.family) {
-            families.push(row.family);
-        }
-    }
-    let of = |family: Family| rows.iter().filter(move |row| row.family == family);
-    let clouds = (families.iter().enumerate()).map(|(k, &family)| {
-        let points = of(family).map(|row| (row.record.energy_error, row.record.defect));
-        series(family.name(), points.collect(), Style::Points, k)
+    let of = |family: &'static str| rows.iter().filter(move |row| row.family == family);
+    let clouds = (FAMILIES.iter().enumerate()).map(|(k, family)| {
+        let points = of(family.name).map(|row| (row.record.energy_error, row.record.defect));
+        series(family.name, points.collect(), Style::Points, k)
     });
     let mut curves = Vec::new();
-    for (k, &family) in families.iter().enumerate() {
-        for row in of(family).filter(|row| row.record.degree == DEGREE) {
-            let label = family.name();
-            curves.push(series(
-                label,
-                row.over_steps.clone(),
-                Style::LineAndPoints,
-                k,
-            ));
+    for (k, family) in FAMILIES.iter().enumerate() {
+        for row in of(family.name).filter(|row| row.record.degree == DEGREE) {
+            let curve = row.over_steps.clone();
+            curves.push(series(family.name, curve, Style::LineAndPoints, k));
         }
     }
     let smooth = || rows.iter().filter(|row| row.record.degree == DEGREE);
-    if let Some(steepest) = smooth().filter(|row| row.record.order == Some(3.0)).last() {
+    if let Some(steepest) = smooth()
+        .filter(|row| row.family == super::schemes::CRANK_NICOLSON)
+        .last()
+    {
         curves.push(reference_slope(&steepest.over_steps, 3.0, "h"));
     }
     curves.push(uncertainty(

@@ -1,21 +1,22 @@
 //! What is found of one scheme.
 
 use serde::Serialize;
-use symplint::evidence::Localisation;
+use symplint::evidence::{Localisation, Point};
 use symplint::{Diagnosis, Diagnostic, VerdictKind};
 
-use super::schemes::{Family, Scheme};
+use super::schemes::Scheme;
+use super::slope::slope;
 use super::watched::watch;
 use crate::PaperError;
 use crate::settings::Settings;
 
-/// Step sizes of the verdict: those of the table of the energy-conserving schemes.
-pub const STEP_SIZES: [f64; 4] = [0.4, 0.2, 0.1, 0.05];
+/// Step sizes of the verdict: the largest advances plasma oscillations by 0.4 rad.
+pub const STEP_SIZES: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.025];
 
 /// One scheme, judged.
 pub struct Judged {
     /// The scheme.
-    pub family: Family,
+    pub family: &'static str,
     /// |E| of the given loop against h, breaks closed.
     pub over_steps: Vec<(f64, f64)>,
     /// How far off these may be.
@@ -35,8 +36,10 @@ pub struct Record {
     pub degree: usize,
     /// The verdict in a few words.
     pub verdict: String,
-    /// k of defect ~ h^k.
+    /// k of defect ~ h^k, where the verdict has one.
     pub order: Option<f64>,
+    /// The same of the root mean square over small loops, where no loop breaks.
+    pub slope: Option<f64>,
     /// Digits to which loop integrals are conserved.
     pub digits: Option<f64>,
     /// Breaks of the given loop at the largest step.
@@ -49,6 +52,8 @@ pub struct Record {
     pub defect: f64,
     /// The largest relative change of the energy over the run.
     pub energy_error: f64,
+    /// That in its second half, over that in its first.
+    pub energy_growth: f64,
     /// The largest residual of Gauss' law over the run, where it is not solved for in each step.
     pub gauss_residual: Option<f64>,
     /// The largest change of the momentum along x over the run.
@@ -66,7 +71,7 @@ impl Judged {
         let diagnostic = Diagnostic {
             step_sizes: STEP_SIZES.to_vec(),
             loops: 3,
-            budget: Some(settings.count("budget")),
+            budget: Some(settings.count("budget") / scheme.cost),
             ..Diagnostic::default()
         };
         let diagnosis = diagnostic.run(&*scheme.map, &scheme.phase_loop)?;
@@ -79,37 +84,42 @@ impl Judged {
             .iter()
             .max_by(|a, b| a.step_size.total_cmp(&b.step_size));
         let verdict = &diagnosis.verdict;
+        let closed = |point: &Point| point.closed_defect.unwrap_or(point.defect);
+        let over_steps: Vec<_> = (given.iter())
+            .map(|point| (point.step_size, closed(point)))
+            .collect();
+        let uncertainties: Vec<_> = (given.iter())
+            .map(|point| {
+                let quadrature = point.quadrature_error.unwrap_or(f64::NAN);
+                (point.step_size, quadrature + point.roundoff)
+            })
+            .collect();
         let record = Record {
-            scheme: scheme.family.name(),
+            scheme: scheme.family,
             degree: scheme.degree,
             verdict: verdict.headline(),
             order: verdict.order,
+            slope: match verdict.kind {
+                VerdictKind::NotSymplectic => Some(slope(scheme)?),
+                _ => None,
+            },
             digits: verdict.digits,
             breaks: largest.and_then(|point| point.jumps).unwrap_or(0),
             crossings: scheme.crossings,
             closed_conserved: verdict.conserved_once_closed,
             defect: defect_at(&diagnosis, h),
-            energy_error: watched.energy,
+            energy_error: watched.energy[0].max(watched.energy[1]),
+            energy_growth: watched.energy[1] / watched.energy[0],
             gauss_residual: watched.gauss,
             momentum_change: watched.momentum,
             substeps: (diagnosis.evidence.localisation.as_ref())
                 .map_or_else(String::new, faulty_substeps),
             evaluations: diagnosis.evidence.evaluations.made,
         };
-        let closed =
-            |point: &symplint::evidence::Point| point.closed_defect.unwrap_or(point.defect);
         Ok(Judged {
             family: scheme.family,
-            over_steps: given
-                .iter()
-                .map(|point| (point.step_size, closed(point)))
-                .collect(),
-            uncertainties: (given.iter())
-                .map(|point| {
-                    let quadrature = point.quadrature_error.unwrap_or(f64::NAN);
-                    (point.step_size, quadrature + point.roundoff)
-                })
-                .collect(),
+            over_steps,
+            uncertainties,
             kind: verdict.kind,
             record,
         })
@@ -119,7 +129,7 @@ impl Judged {
 /// The largest relative change of a loop integral at the step size nearest to `h`.
 fn defect_at(diagnosis: &Diagnosis, h: f64) -> f64 {
     let points = diagnosis.points();
-    let distance = |point: &symplint::evidence::Point| (point.step_size / h).ln().abs();
+    let distance = |point: &Point| (point.step_size / h).ln().abs();
     let nearest = points.iter().map(distance).fold(f64::INFINITY, f64::min);
     (points.iter())
         .filter(|point| distance(point) == nearest)
@@ -133,11 +143,10 @@ fn faulty_substeps(localisation: &Localisation) -> String {
     for substep in &localisation.substeps {
         let changes = (substep.uncertainty).is_some_and(|bound| substep.change.abs() > bound);
         // H_p1 for 0.5 h and H_p1 for h are one.
-        let name = substep
-            .name
-            .split([' ', ','])
-            .next()
-            .unwrap_or(&substep.name);
+        let end = [" of ", " for "]
+            .iter()
+            .find_map(|word| substep.name.find(word));
+        let name = &substep.name[..end.unwrap_or(substep.name.len())];
         if (changes || substep.new_breaks > 0) && !names.contains(&name) {
             names.push(name);
         }

@@ -5,6 +5,7 @@ mod figure;
 mod judged;
 mod plasma;
 mod schemes;
+mod slope;
 mod table;
 mod watched;
 
@@ -19,13 +20,13 @@ use judged::Judged;
 pub const ITEM: Item = Item {
     id: "census",
     title: "particle-in-cell schemes: which are symplectic, and what else they conserve",
-    cost: "20 s",
+    cost: "25 s",
     keys: &[
         Key::whole(
             "budget",
-            60_000,
-            1000,
-            "evaluations of each scheme for its verdict, 1000 or more",
+            100_000,
+            2000,
+            "evaluations of each explicit scheme for its verdict; implicit ones have a fifth",
         ),
         Key::positive(
             "step_size",

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use symplint::TimeAdvance;
 use symplint::loops::FourierLoop;
-use symplint_models::gempic::{Gempic, GempicConfig, InitialPlasma};
-use symplint_models::integrators::catalogue::build;
+use symplint_models::Model;
+use symplint_models::gempic::{Fields, Gempic, GempicConfig, InitialPlasma};
+use symplint_models::integrators::catalogue::{build, build_solved_by, find};
+use symplint_models::integrators::{StageSolver, Stop};
 use symplint_models::pic::{
     Landau, MomentumConservingConfig, MomentumConservingPic, ParticleWeights, Pic1d, PicConfig,
 };
-use symplint_models::{Hamiltonian, Model};
 
 use super::plasma::Plasma;
 use crate::PaperError;
@@ -19,35 +20,126 @@ const PARTICLES: usize = 4;
 const CELLS: usize = 8;
 const LENGTH: f64 = TAU;
 
-/// What distinguishes schemes, whatever the shape.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Family {
-    /// Birdsall & Langdon's ES1: momentum-conserving, electrostatic.
-    Textbook,
-    /// Lewis: variational, electrostatic.
-    Lewis,
-    /// GEMPIC with an integrator of this name for all of it.
-    Geometric(&'static str),
+/// A scheme whatever the shape.
+#[derive(Debug)]
+pub struct Family {
+    /// Its name in tables and figures.
+    pub name: &'static str,
+    /// How it is made.
+    kind: Kind,
+    /// Degrees of the shape of the charge, from the first to the last.
+    degrees: (usize, usize),
 }
 
-impl Family {
-    /// Its name in tables and figures.
-    pub fn name(self) -> &'static str {
-        match self {
-            Family::Textbook => "ES1 (momentum-conserving), leapfrog",
-            Family::Lewis => "Lewis (variational), leapfrog",
-            Family::Geometric("strang") => "GEMPIC, Strang splitting",
-            Family::Geometric("averaged-vector-field") => "GEMPIC, averaged vector field",
-            Family::Geometric("rk4") => "GEMPIC, classical Runge–Kutta",
-            Family::Geometric(_) => "GEMPIC",
-        }
+/// How a scheme is made.
+#[derive(Debug)]
+enum Kind {
+    /// Birdsall & Langdon's ES1.
+    Textbook,
+    /// Lewis.
+    Lewis,
+    /// Particles and fields of `pic-1d2v`, and an integrator of the catalogue with a variant.
+    Electromagnetic(Fields, &'static str, Option<&'static str>),
+    /// The same with a tolerance of the solver.
+    Tolerance(Fields, &'static str, f64),
+}
+
+use Fields::{FiniteElement, Yee};
+use Kind::{Electromagnetic, Lewis, Textbook, Tolerance};
+
+const fn family(name: &'static str, degrees: (usize, usize), kind: Kind) -> Family {
+    Family {
+        name,
+        kind,
+        degrees,
     }
 }
+
+/// Momentum-conserving, electrostatic.
+pub const TEXTBOOK: &str = "ES1, leapfrog";
+/// Variational, electrostatic.
+pub const LEWIS: &str = "Lewis, leapfrog";
+/// The geometric splitting with finite elements.
+pub const GEMPIC: &str = "GEMPIC, Strang";
+/// The same splitting on Yee's grid.
+pub const YEE_SPLITTING: &str = "Yee fields, Strang";
+/// What most electromagnetic codes run.
+pub const BORIS_YEE: &str = "Boris–Yee";
+/// The same with velocities as codes store them.
+pub const STAGGERED: &str = "Boris–Yee, staggered v";
+/// The same with fields from the nodes.
+pub const NODAL: &str = "Boris–Yee, nodal gather";
+/// The same with a current that does not follow the charge.
+pub const DIRECT: &str = "Boris–Yee, direct current";
+/// Chen, Chacón & Barnes.
+pub const CRANK_NICOLSON: &str = "Crank–Nicolson";
+/// The same with sub-steps of the orbits.
+pub const SUB_STEPPED: &str = "Crank–Nicolson, sub-steps";
+/// Kormann & Sonnendrücker.
+pub const AVERAGED: &str = "Crank–Nicolson, orbit mean";
+/// Chen, Chacón & Barnes, as people run it.
+pub const LOOSE: &str = "Crank–Nicolson, tol 1e-6";
+/// Lapenta.
+pub const ECSIM: &str = "ECSIM";
+
+/// The schemes, in the order of the table.
+pub const FAMILIES: [Family; 13] = [
+    family(TEXTBOOK, (0, 3), Textbook),
+    family(LEWIS, (1, 3), Lewis),
+    family(
+        GEMPIC,
+        (1, 4),
+        Electromagnetic(FiniteElement, "strang", None),
+    ),
+    family(YEE_SPLITTING, (1, 4), Electromagnetic(Yee, "strang", None)),
+    family(
+        BORIS_YEE,
+        (1, 4),
+        Electromagnetic(Yee, "boris-pic", Some("synchronised")),
+    ),
+    family(
+        STAGGERED,
+        (1, 4),
+        Electromagnetic(Yee, "boris-pic", Some("staggered")),
+    ),
+    family(
+        NODAL,
+        (1, 4),
+        Electromagnetic(Yee, "boris-pic", Some("nodal")),
+    ),
+    family(
+        DIRECT,
+        (1, 4),
+        Electromagnetic(Yee, "boris-pic", Some("direct")),
+    ),
+    // Implicit equations with fields that jump need not have a solution.
+    family(
+        CRANK_NICOLSON,
+        (2, 4),
+        Electromagnetic(FiniteElement, "crank-nicolson", Some("midpoint")),
+    ),
+    family(
+        SUB_STEPPED,
+        (2, 4),
+        Electromagnetic(FiniteElement, "crank-nicolson", Some("sub-stepped")),
+    ),
+    family(
+        AVERAGED,
+        (2, 4),
+        Electromagnetic(FiniteElement, "crank-nicolson", Some("orbit-averaged")),
+    ),
+    family(
+        LOOSE,
+        (4, 4),
+        Tolerance(FiniteElement, "crank-nicolson", 1e-6),
+    ),
+    family(ECSIM, (1, 4), Electromagnetic(FiniteElement, "ecsim", None)),
+];
 
 /// One scheme with one shape, and the loop on which it is judged.
 pub struct Scheme {
     /// The scheme.
-    pub family: Family,
+    pub family: &'static str,
     /// Degree of the shape of the charge.
     pub degree: usize,
     /// What can be watched.
@@ -58,27 +150,57 @@ pub struct Scheme {
     pub centre: (Vec<f64>, Vec<f64>),
     /// The loop: three Fourier modes in every coordinate.
     pub phase_loop: FourierLoop,
+    /// Other loops round the same centre, a quarter of its size.
+    pub small_loops: Vec<FourierLoop>,
     /// Cell boundaries that particles pass round the loop.
     pub crossings: usize,
+    /// About what an evaluation costs, in those of explicit schemes.
+    pub cost: usize,
 }
 
-/// All schemes.
+/// All schemes with all shapes.
 pub fn all(seed: u64) -> Result<Vec<Scheme>, PaperError> {
-    let mut schemes = Vec::new();
-    for degree in 0..=3 {
-        schemes.push(textbook(degree, seed)?);
-    }
-    for degree in 1..=3 {
-        schemes.push(lewis(degree, seed)?);
-    }
-    // Implicit equations with a force that jumps need not have a solution.
-    for (integrator, lowest) in [("strang", 1), ("rk4", 1), ("averaged-vector-field", 2)] {
-        for degree in lowest..=4 {
-            schemes.push(geometric(integrator, degree, seed)?);
-        }
-    }
-    Ok(schemes)
+    let of_family = |family: &'static Family| {
+        (family.degrees.0..=family.degrees.1).map(move |degree| one(family, degree, seed))
+    };
+    FAMILIES.iter().flat_map(of_family).collect()
 }
+
+fn one(family: &Family, degree: usize, seed: u64) -> Result<Scheme, PaperError> {
+    let exactly = StageSolver::default();
+    let (plasma, map, centre) = match family.kind {
+        Textbook => textbook(degree, seed)?,
+        Lewis => lewis(degree, seed)?,
+        Electromagnetic(fields, integrator, variant) => {
+            electromagnetic((fields, degree), (integrator, variant, exactly), seed)?
+        }
+        Tolerance(fields, integrator, tolerance) => {
+            let stop = Stop::Converged {
+                tolerance,
+                max_iterations: StageSolver::MAX_ITERATIONS,
+            };
+            let solver = StageSolver { stop, ..exactly };
+            electromagnetic((fields, degree), (integrator, None, solver), seed)?
+        }
+    };
+    let is_implicit = match family.kind {
+        Textbook | Lewis => false,
+        Electromagnetic(_, integrator, _) | Tolerance(_, integrator, _) => {
+            find(integrator)?.is_implicit()
+        }
+    };
+    let made = scheme((family.name, degree), plasma, map, centre, seed)?;
+    Ok(Scheme {
+        cost: if is_implicit { OF_ITERATIONS } else { 1 },
+        ..made
+    })
+}
+
+/// About what an implicit step costs, in explicit ones.
+const OF_ITERATIONS: usize = 5;
+
+/// A plasma, a step of it, and positions and momenta to begin with.
+type Made = (Plasma, Box<dyn TimeAdvance>, (Vec<f64>, Vec<f64>));
 
 fn weights() -> ParticleWeights {
     ParticleWeights::Equal {
@@ -92,7 +214,7 @@ fn electrostatic_state(seed: u64) -> Result<(Vec<f64>, Vec<f64>), PaperError> {
     Ok(Landau::default().sample_box::<1>(PARTICLES, LENGTH, seed)?)
 }
 
-fn textbook(degree: usize, seed: u64) -> Result<Scheme, PaperError> {
+fn textbook(degree: usize, seed: u64) -> Result<Made, PaperError> {
     let pic = MomentumConservingPic::new(MomentumConservingConfig {
         weights: weights(),
         cells: CELLS,
@@ -100,17 +222,14 @@ fn textbook(degree: usize, seed: u64) -> Result<Scheme, PaperError> {
         degree,
     })?;
     let map = build("leapfrog", None, Model::Forced(Arc::new(pic.clone())))?;
-    let plasma = Plasma::MomentumConserving(pic);
-    scheme(
-        (Family::Textbook, degree),
-        plasma,
+    Ok((
+        Plasma::MomentumConserving(pic),
         map,
         electrostatic_state(seed)?,
-        seed,
-    )
+    ))
 }
 
-fn lewis(degree: usize, seed: u64) -> Result<Scheme, PaperError> {
+fn lewis(degree: usize, seed: u64) -> Result<Made, PaperError> {
     let pic = Pic1d::new(PicConfig {
         weights: weights(),
         cells: CELLS,
@@ -119,46 +238,41 @@ fn lewis(degree: usize, seed: u64) -> Result<Scheme, PaperError> {
         ..PicConfig::default()
     })?;
     let map = build("leapfrog", None, Arc::new(pic.clone()))?;
-    let plasma = Plasma::Variational(pic);
-    scheme(
-        (Family::Lewis, degree),
-        plasma,
-        map,
-        electrostatic_state(seed)?,
-        seed,
-    )
+    Ok((Plasma::Variational(pic), map, electrostatic_state(seed)?))
 }
 
-fn geometric(integrator: &'static str, degree: usize, seed: u64) -> Result<Scheme, PaperError> {
+fn electromagnetic(
+    (fields, degree): (Fields, usize),
+    (integrator, variant, solver): (&str, Option<&str>, StageSolver),
+    seed: u64,
+) -> Result<Made, PaperError> {
+    /// Of random potentials and fields.
+    const AMPLITUDE: f64 = 0.2;
     let gempic = Gempic::new(GempicConfig {
         degree,
+        fields,
         cells: CELLS,
         length: LENGTH,
         weights: weights(),
         ..GempicConfig::default()
     })?;
-    let centre = InitialPlasma::Random.sample(&gempic, 0.2, seed)?;
-    let map = build(integrator, None, Model::Plasma(gempic.clone()))?;
-    debug_assert_eq!(centre.0.len(), Hamiltonian::dof(&gempic));
-    let plasma = Plasma::Electromagnetic(gempic);
-    scheme(
-        (Family::Geometric(integrator), degree),
-        plasma,
-        map,
-        centre,
-        seed,
-    )
+    let centre = InitialPlasma::Random.sample(&gempic, AMPLITUDE, seed)?;
+    let model = Model::Plasma(gempic.clone());
+    let map = build_solved_by(solver, integrator, variant, model)?;
+    Ok((Plasma::Electromagnetic(gempic), map, centre))
 }
 
 fn scheme(
-    (family, degree): (Family, usize),
+    (family, degree): (&'static str, usize),
     plasma: Plasma,
     map: Box<dyn TimeAdvance>,
     centre: (Vec<f64>, Vec<f64>),
     seed: u64,
 ) -> Result<Scheme, PaperError> {
-    /// Particles pass some boundaries, and stay in a part of the box.
-    const OF_PARTICLES: f64 = 0.5;
+    /// Enough that not all defects pass through 0 at the same step size.
+    const SMALL_LOOPS: u64 = 6;
+    /// About half a cell: particles pass some boundaries.
+    const OF_PARTICLES: f64 = 0.4;
     /// Fields change by about as much as they are.
     const OF_FIELDS: f64 = 0.2;
     let (q, p) = centre.clone();
@@ -175,7 +289,11 @@ fn scheme(
             }
         })
         .collect();
-    let phase_loop = FourierLoop::random(q, p, &radii, &radii, seed)?;
+    let phase_loop = FourierLoop::random(q.clone(), p.clone(), &radii, &radii, seed)?;
+    let small: Vec<f64> = radii.iter().map(|radius| 0.25 * radius).collect();
+    let small_loops = (1..=SMALL_LOOPS)
+        .map(|k| FourierLoop::random(q.clone(), p.clone(), &small, &small, seed.wrapping_add(k)))
+        .collect::<Result<_, _>>()?;
     let crossings = crossings(&phase_loop)?;
     Ok(Scheme {
         family,
@@ -184,7 +302,9 @@ fn scheme(
         map,
         centre,
         phase_loop,
+        small_loops,
         crossings,
+        cost: 1,
     })
 }
 

@@ -7,20 +7,23 @@ use super::judged::{Judged, Record};
 /// All schemes as a Markdown table.
 pub fn markdown(rows: &[Judged]) -> String {
     let mut text = String::from(
-        "| scheme | degree | verdict | breaks a crossing | closed integrals | defect | energy | Gauss' law | momentum | which substep |\n\
-         |---|---|---|---|---|---|---|---|---|---|\n",
+        "| scheme | degree | verdict | order | breaks a crossing | closed integrals | defect | energy | Gauss' law | momentum | which substep |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|\n",
     );
-    for Judged { record, .. } in rows {
+    for row in rows {
+        let record = &row.record;
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {} | {} | {:.0e} | {:.0e} | {} | {:.0e} | {} |",
+            "| {} | {} | {} | {} | {} | {} | {:.0e} | {:.0e} | {} | {:.0e} | {} |",
             record.scheme,
             record.degree,
-            record.verdict,
+            verdict(row),
+            order(record),
             breaks(record),
             match record.closed_conserved {
                 Some(true) => "conserved",
                 Some(false) => "change",
+                None if record.breaks > 0 => "open",
                 None => "",
             },
             record.defect,
@@ -31,6 +34,19 @@ pub fn markdown(rows: &[Judged]) -> String {
         );
     }
     text
+}
+
+/// The verdict, with its digits.
+fn verdict(row: &Judged) -> String {
+    match row.record.digits {
+        Some(digits) => format!("{} to {digits} digits", row.kind),
+        None => row.kind.to_string(),
+    }
+}
+
+/// k of defect ~ h^k, by small loops.
+fn order(record: &Record) -> String {
+    (record.slope).map_or_else(String::new, |slope| format!("{slope:.1}"))
 }
 
 fn breaks(record: &Record) -> String {

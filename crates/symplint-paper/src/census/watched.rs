@@ -9,8 +9,8 @@ use crate::PaperError;
 /// The largest changes of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Watched {
-    /// Of the energy, relative to the initial one.
-    pub energy: f64,
+    /// Of the energy, relative to the initial one, in the first and in the second half of the run.
+    pub energy: [f64; 2],
     /// The largest residual of Gauss' law.
     pub gauss: Option<f64>,
     /// Of the momentum along x.
@@ -31,17 +31,19 @@ pub fn watch(
     }
     let start = plasma.observe(q, p);
     let mut watched = Watched {
-        energy: 0.0,
+        energy: [0.0; 2],
         gauss: start.gauss,
         momentum: 0.0,
     };
-    for _ in 0..(time / h).round() as usize {
+    let steps = (time / h).round() as usize;
+    for step in 0..steps {
         ensemble.advance(map, h)?;
         let block = ensemble.block();
         let column = |rows: Rows<'_>| (0..q.len()).map(|i| rows.row(i)[0]).collect::<Vec<_>>();
         let now = plasma.observe(&column(block.q.as_rows()), &column(block.p.as_rows()));
         let largest = |so_far: f64, change: f64| so_far.max(change.abs());
-        watched.energy = largest(watched.energy, now.energy / start.energy - 1.0);
+        let half = &mut watched.energy[usize::from(2 * step >= steps)];
+        *half = largest(*half, now.energy / start.energy - 1.0);
         watched.momentum = largest(watched.momentum, now.momentum - start.momentum);
         watched.gauss = (watched.gauss.zip(now.gauss)).map(|(so_far, now)| so_far.max(now));
     }

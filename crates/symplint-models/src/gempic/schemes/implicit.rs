@@ -30,6 +30,8 @@ pub(super) struct MeanFieldStep {
 struct Pushed {
     positions: Vec<[f64; 2]>,
     velocities: Vec<[f64; 2]>,
+    /// Mean velocities of the last sub-step: where the next iteration begins.
+    means: Vec<[f64; 2]>,
     current1: Vec<f64>,
     current2: Vec<f64>,
 }
@@ -60,16 +62,22 @@ impl MeanFieldStep {
         h: f64,
         state: &PhysicalState,
         fields: &MeanFields<'_>,
+        guess: Option<&Pushed>,
     ) -> Result<Pushed, String> {
         let (cells, particles) = (self.coupling.cells(), state.x.len());
         let mut pushed = Pushed {
             positions: Vec::with_capacity(particles),
             velocities: Vec::with_capacity(particles),
+            means: Vec::with_capacity(particles),
             current1: vec![0.0; cells],
             current2: vec![0.0; cells],
         };
         for a in 0..particles {
-            self.push_one(h, a, state, fields, &mut pushed)?;
+            let guess = match (guess, self.push) {
+                (Some(before), Push::Moving(Orbit::Midpoint | Orbit::Averaged)) => before.means[a],
+                _ => [state.v1[a], state.v2[a]],
+            };
+            self.push_one(h, (a, guess), state, fields, &mut pushed)?;
         }
         Ok(pushed)
     }
@@ -77,7 +85,7 @@ impl MeanFieldStep {
     fn push_one(
         &self,
         h: f64,
-        a: usize,
+        (a, mut guess): (usize, [f64; 2]),
         state: &PhysicalState,
         fields: &MeanFields<'_>,
         pushed: &mut Pushed,
@@ -100,8 +108,13 @@ impl MeanFieldStep {
                     (mean_velocity(v, felt, half_charge), 0.0)
                 }
                 Push::Moving(_) => {
-                    let found =
-                        solve_orbit(coupling, is_averaged, fields, (x, v), (part, half_charge));
+                    let found = solve_orbit(
+                        coupling,
+                        is_averaged,
+                        fields,
+                        (x, v, guess),
+                        (part, half_charge),
+                    );
                     let mean = found.ok_or_else(|| {
                         format!(
                             "the orbit of particle {a} did not converge; take a smaller step size, or a degree of 2 or \
@@ -121,9 +134,11 @@ impl MeanFieldStep {
                 place = [x + way, place[1] + part * mean[1]];
             }
             v = [2.0 * mean[0] - v[0], 2.0 * mean[1] - v[1]];
+            guess = if parts == 1 { mean } else { v };
         }
         pushed.positions.push(place);
         pushed.velocities.push(v);
+        pushed.means.push(guess);
         Ok(())
     }
 
@@ -178,6 +193,7 @@ impl MeanFieldStep {
         let size = largest(state);
         let mut means = [state.e1.clone(), state.e2.clone()];
         let (mut least, mut stalls) = (f64::INFINITY, 0);
+        let mut before = None;
         for iteration in 1..=most {
             let b = self.mean_magnetic_field(h, state, &means[1]);
             let fields = MeanFields {
@@ -185,7 +201,7 @@ impl MeanFieldStep {
                 e2: &means[1],
                 b: &b,
             };
-            let pushed = self.push(h, state, &fields)?;
+            let pushed = self.push(h, state, &fields, before.as_ref())?;
             let next = self.means(h, state, &curl, &pushed);
             let change = h.abs() * distance(&means, &next);
             means = next;
@@ -203,6 +219,7 @@ impl MeanFieldStep {
             if is_over {
                 return Ok((pushed, means));
             }
+            before = Some(pushed);
         }
         Err(format!(
             "the mean fields did not converge in {most} iterations: one changes them by {:.1e} of the state; take a \

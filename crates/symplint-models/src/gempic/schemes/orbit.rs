@@ -83,19 +83,19 @@ pub(super) fn mean_velocity(v: [f64; 2], felt: Felt, half_charge: f64) -> [f64; 
 }
 
 /// The mean velocity of a particle that moves by h v̄1 meanwhile, to round-off; `None` where the iteration does not
-/// converge. `half_charge` is h q/2m.
+/// converge. It begins at `guess`; `half_charge` is h q/2m.
 pub(super) fn solve_orbit(
     coupling: &Coupling,
     is_averaged: bool,
     fields: &MeanFields<'_>,
-    (x, v): (f64, [f64; 2]),
+    (x, v, guess): (f64, [f64; 2], [f64; 2]),
     (h, half_charge): (f64, f64),
 ) -> Option<[f64; 2]> {
     /// An iteration contracts by h² ∂E/∂x, which is well below 1 in steps that resolve the plasma frequency.
     const MOST: usize = 100;
     /// Changes that no longer fall are round-off below this part of the velocity.
     const ROUNDOFF: f64 = 1e-13;
-    let mut mean = v;
+    let mut mean = guess;
     let mut least = f64::INFINITY;
     for _ in 0..MOST {
         let felt = felt(coupling, is_averaged, fields, x, h * mean[0]);
