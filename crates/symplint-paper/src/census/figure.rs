@@ -19,8 +19,9 @@ pub fn draw(rows: &[Judged]) -> Figure {
     let mut curves = Vec::new();
     for (k, family) in FAMILIES.iter().enumerate() {
         for row in of(family.name).filter(|row| row.record.degree == DEGREE) {
-            let curve = row.over_steps.clone();
-            curves.push(series(family.name, curve, Style::LineAndPoints, k));
+            let curve = row.small_loops.defects.clone();
+            // The markers are those of the other panel.
+            curves.push(series("", curve, Style::LineAndPoints, k));
         }
     }
     let smooth = || rows.iter().filter(|row| row.record.degree == DEGREE);
@@ -28,10 +29,10 @@ pub fn draw(rows: &[Judged]) -> Figure {
         .filter(|row| row.family == super::schemes::CRANK_NICOLSON)
         .last()
     {
-        curves.push(reference_slope(&steepest.over_steps, 3.0, "h"));
+        curves.push(reference_slope(&steepest.small_loops.defects, 3.0, "h"));
     }
     curves.push(uncertainty(
-        smooth().flat_map(|row| row.uncertainties.clone()),
+        smooth().flat_map(|row| row.small_loops.uncertainties.clone()),
     ));
     Figure::new(
         vec![
@@ -43,7 +44,7 @@ pub fn draw(rows: &[Judged]) -> Figure {
                 equal_aspect: false,
             },
             Panel {
-                title: "one step, cubic shapes".into(),
+                title: "small loops, cubic shapes".into(),
                 x: step_axis(),
                 y: error_axis(),
                 series: curves,

@@ -5,22 +5,17 @@ use symplint::evidence::{Localisation, Point};
 use symplint::{Diagnosis, Diagnostic, VerdictKind};
 
 use super::schemes::Scheme;
-use super::slope::slope;
+use super::small_loops::{STEP_SIZES, SmallLoops};
 use super::watched::watch;
 use crate::PaperError;
 use crate::settings::Settings;
-
-/// Step sizes of the verdict: the largest advances plasma oscillations by 0.4 rad.
-pub const STEP_SIZES: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.025];
 
 /// One scheme, judged.
 pub struct Judged {
     /// The scheme.
     pub family: &'static str,
-    /// |E| of the given loop against h, breaks closed.
-    pub over_steps: Vec<(f64, f64)>,
-    /// How far off these may be.
-    pub uncertainties: Vec<(f64, f64)>,
+    /// Defects against step sizes.
+    pub small_loops: SmallLoops,
     /// The verdict.
     pub kind: VerdictKind,
     /// The line of the table.
@@ -38,7 +33,7 @@ pub struct Record {
     pub verdict: String,
     /// k of defect ~ h^k, where the verdict has one.
     pub order: Option<f64>,
-    /// The same of the root mean square over small loops, where no loop breaks.
+    /// The same of small loops together, at the two smallest step sizes, where no loop breaks.
     pub slope: Option<f64>,
     /// Digits to which loop integrals are conserved.
     pub digits: Option<f64>,
@@ -84,25 +79,13 @@ impl Judged {
             .iter()
             .max_by(|a, b| a.step_size.total_cmp(&b.step_size));
         let verdict = &diagnosis.verdict;
-        let closed = |point: &Point| point.closed_defect.unwrap_or(point.defect);
-        let over_steps: Vec<_> = (given.iter())
-            .map(|point| (point.step_size, closed(point)))
-            .collect();
-        let uncertainties: Vec<_> = (given.iter())
-            .map(|point| {
-                let quadrature = point.quadrature_error.unwrap_or(f64::NAN);
-                (point.step_size, quadrature + point.roundoff)
-            })
-            .collect();
+        let small_loops = SmallLoops::of(scheme)?;
         let record = Record {
             scheme: scheme.family,
             degree: scheme.degree,
             verdict: verdict.headline(),
             order: verdict.order,
-            slope: match verdict.kind {
-                VerdictKind::NotSymplectic => Some(slope(scheme)?),
-                _ => None,
-            },
+            slope: (verdict.kind == VerdictKind::NotSymplectic).then(|| small_loops.slope()),
             digits: verdict.digits,
             breaks: largest.and_then(|point| point.jumps).unwrap_or(0),
             crossings: scheme.crossings,
@@ -118,8 +101,7 @@ impl Judged {
         };
         Ok(Judged {
             family: scheme.family,
-            over_steps,
-            uncertainties,
+            small_loops,
             kind: verdict.kind,
             record,
         })

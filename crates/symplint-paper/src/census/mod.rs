@@ -5,7 +5,7 @@ mod figure;
 mod judged;
 mod plasma;
 mod schemes;
-mod slope;
+mod small_loops;
 mod table;
 mod watched;
 

@@ -270,7 +270,7 @@ fn scheme(
     seed: u64,
 ) -> Result<Scheme, PaperError> {
     /// Enough that not all defects pass through 0 at the same step size.
-    const SMALL_LOOPS: u64 = 6;
+    const SMALL_LOOPS: u64 = 4;
     /// About half a cell: particles pass some boundaries.
     const OF_PARTICLES: f64 = 0.4;
     /// Fields change by about as much as they are.
