@@ -101,7 +101,11 @@ pub(super) fn solve_orbit(
         let felt = felt(coupling, is_averaged, fields, x, h * mean[0]);
         let next = mean_velocity(v, felt, half_charge);
         let change = (next[0] - mean[0]).abs();
-        let size = next[0].abs().max(next[1].abs());
+        // Where a particle turns round, rounding is that of the velocity before.
+        let size = [v, next]
+            .into_iter()
+            .flatten()
+            .fold(0.0, |size: f64, v| size.max(v.abs()));
         mean = next;
         if change == 0.0 || change >= least && change <= ROUNDOFF * size {
             return Some(mean);
