@@ -16,8 +16,8 @@ const ROUNDOFF: f64 = 1e-12;
 /// An order is told by a slope within so much of it: steps are not small.
 const SLOPE: f64 = 0.4;
 
-/// Quadratic shapes have fields with kinks, whose derivatives an order takes for granted.
-const SMOOTH: usize = 3;
+/// Of smaller degrees second derivatives of fields jump, which an order takes for granted.
+const SMOOTH: usize = 4;
 
 /// All of them.
 pub fn claims(rows: &[Judged]) -> Vec<Claim> {

@@ -6,7 +6,7 @@ use super::schemes::Scheme;
 use crate::PaperError;
 
 /// The largest advances plasma oscillations by 0.4 rad.
-pub const STEP_SIZES: [f64; 4] = [0.4, 0.2, 0.1, 0.05];
+pub const STEP_SIZES: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.025];
 
 /// Defects of small loops, which break nowhere unless a particle passes a node on them.
 ///

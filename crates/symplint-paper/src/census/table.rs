@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use symplint::VerdictKind;
+
 use super::judged::{Judged, Record};
 
 /// All schemes as a Markdown table.
@@ -19,7 +21,7 @@ pub fn markdown(rows: &[Judged]) -> String {
             record.degree,
             verdict(row),
             order(record),
-            breaks(record),
+            breaks(row),
             match record.closed_conserved {
                 Some(true) => "conserved",
                 Some(false) => "change",
@@ -49,9 +51,11 @@ fn order(record: &Record) -> String {
     (record.slope).map_or_else(String::new, |slope| format!("{slope:.1}"))
 }
 
-fn breaks(record: &Record) -> String {
-    match record.breaks {
-        0 => "none".into(),
-        breaks => format!("{:.1}", breaks as f64 / record.crossings as f64),
+/// Breaks for each cell boundary that a particle passes.
+fn breaks(row: &Judged) -> String {
+    match (row.kind, row.record.breaks) {
+        (VerdictKind::BrokenLoops, 0) => "not counted".into(),
+        (_, 0) => "none".into(),
+        (_, breaks) => format!("{:.1}", breaks as f64 / row.record.crossings as f64),
     }
 }
