@@ -19,7 +19,7 @@ pub enum Model {
     /// H = H_0 + … + H_n−1, each part with an exact flow: splitting methods, and what `General` has.
     Split(Arc<dyn SplitHamiltonian>),
     /// An electromagnetic plasma: what `Split` has, and the schemes of particle-in-cell codes.
-    Plasma(Gempic),
+    Plasma(Arc<Gempic>),
     /// A force without a potential: splitting methods.
     Forced(Arc<dyn DriftKick>),
     /// A charge in a magnetic field: what `General` has, and Boris.
@@ -35,7 +35,7 @@ impl Model {
             Model::Separable(system) => Separable::dof(system),
             Model::General(system) => Hamiltonian::dof(system),
             Model::Split(system) => Hamiltonian::dof(system),
-            Model::Plasma(system) => Hamiltonian::dof(system),
+            Model::Plasma(system) => Hamiltonian::dof(&**system),
             Model::Forced(system) => DriftKick::dof(system),
             Model::Charged(system) => Hamiltonian::dof(system),
             Model::Map(map) => map.dof(),
@@ -48,7 +48,7 @@ impl Model {
             Model::Separable(system) => Some(system),
             Model::General(system) => Some(system),
             Model::Split(system) => Some(system),
-            Model::Plasma(system) => Some(system),
+            Model::Plasma(system) => Some(&**system),
             Model::Charged(system) => Some(system),
             Model::Forced(_) | Model::Map(_) => None,
         }
@@ -71,6 +71,12 @@ impl Model {
 impl From<Arc<dyn Separable>> for Model {
     fn from(system: Arc<dyn Separable>) -> Self {
         Model::Separable(system)
+    }
+}
+
+impl From<Gempic> for Model {
+    fn from(plasma: Gempic) -> Self {
+        Model::Plasma(Arc::new(plasma))
     }
 }
 

@@ -106,7 +106,7 @@ fn build(section: &Section, folder: &Path) -> Result<System, ConfigError> {
     debug_assert_eq!(q0.len(), Hamiltonian::dof(&gempic));
     Ok(System {
         name: "pic-1d2v",
-        model: Model::Plasma(gempic),
+        model: Model::from(gempic),
         q0,
         p0,
         command: None,

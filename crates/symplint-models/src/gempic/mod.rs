@@ -16,7 +16,7 @@
 //! let plasma = Gempic::new(GempicConfig { degree: 4, ..GempicConfig::default() })?;
 //! let (q, p) = InitialPlasma::Random.sample(&plasma, 0.1, 1)?;
 //! assert!(plasma.gauss_residual(&q, &p) < 1e-13);
-//! let step = catalogue::build("strang", None, Model::Plasma(plasma))?;
+//! let step = catalogue::build("strang", None, Model::from(plasma))?;
 //!
 //! let mut ensemble = Ensemble::sample(&Circle::new(q, p, 0.2)?, 1024)?;
 //! let integral = |e: &_| LoopIntegral::in_coordinates(e, &Rule::Pseudospectral, &step.coordinates());

@@ -1,7 +1,5 @@
 //! How the catalogue makes its maps: of which family, for which systems.
 
-use std::sync::Arc;
-
 use symplint::TimeAdvance;
 
 use super::implicit::{ImplicitRungeKutta, StageSolver};
@@ -91,13 +89,15 @@ impl Maker {
             }
             (Maker::Boris, Model::Charged(particle)) => boxed(Ok(Boris::new(particle))),
             (Maker::BorisPic(scheme), Model::Plasma(plasma)) => {
-                boxed(Ok(PlasmaStep::boris(plasma, scheme)))
+                boxed(Ok(PlasmaStep::boris((*plasma).clone(), scheme)))
             }
             (Maker::CrankNicolson(orbit), Model::Plasma(plasma)) => {
-                boxed(PlasmaStep::crank_nicolson(plasma, orbit, solver))
+                boxed(PlasmaStep::crank_nicolson((*plasma).clone(), orbit, solver))
             }
-            (Maker::Ecsim, Model::Plasma(plasma)) => boxed(PlasmaStep::ecsim(plasma, solver)),
-            (maker, Model::Plasma(plasma)) => maker.make(Model::Split(Arc::new(plasma)), solver),
+            (Maker::Ecsim, Model::Plasma(plasma)) => {
+                boxed(PlasmaStep::ecsim((*plasma).clone(), solver))
+            }
+            (maker, Model::Plasma(plasma)) => maker.make(Model::Split(plasma), solver),
             _ => None,
         }
     }

@@ -277,7 +277,7 @@ fn energy_conserving_schemes_have_defects_of_order_three_in_one_velocity() {
         .collect();
     // The defect of one loop may pass through 0 as h changes: the root mean square of several.
     let defects = |name: &str| {
-        let map = catalogue::build(name, None, Model::Plasma(gempic.clone())).unwrap();
+        let map = catalogue::build(name, None, Model::from(gempic.clone())).unwrap();
         STEPS.map(|h| {
             let square = |phase_loop: &FourierLoop| {
                 let found = defect(&*map, phase_loop, 1024, |ensemble| {

@@ -58,7 +58,7 @@ fn history(
     rows: impl Fn(&[f64], &[f64]) -> Vec<f64>,
 ) -> Vec<f64> {
     let dof = q.len();
-    let step = catalogue::build(scheme.integrator, None, Model::Plasma(gempic.clone())).unwrap();
+    let step = catalogue::build(scheme.integrator, None, Model::from(gempic.clone())).unwrap();
     (0..(time / h) as usize)
         .map(|_| {
             let q_rows = RowsMut::new(&mut q, dof, 1, 1);

@@ -44,7 +44,7 @@ fn reference(degree: usize, fields: Discretisation) -> Plasma {
 }
 
 fn build(gempic: &Gempic, name: &str, variant: Option<&str>) -> Box<dyn TimeAdvance> {
-    catalogue::build(name, variant, Model::Plasma(gempic.clone())).unwrap()
+    catalogue::build(name, variant, Model::from(gempic.clone())).unwrap()
 }
 
 fn start(gempic: &Gempic, seed: usize) -> State {
@@ -422,7 +422,7 @@ fn light_obeys_the_dispersion_relation_of_yee() {
 
 #[test]
 fn what_cannot_be_solved_is_refused() {
-    let model = || Model::Plasma(plasma(3, Discretisation::FiniteElement));
+    let model = || Model::from(plasma(3, Discretisation::FiniteElement));
     let newton = StageSolver {
         solver: Solver::Newton,
         ..StageSolver::default()
@@ -458,5 +458,30 @@ fn what_cannot_be_solved_is_refused() {
             "{}",
             failure.reason
         );
+    });
+}
+
+/// Steps of any size end: particles that pass more cells than anybody wants are refused.
+#[test]
+fn huge_steps_fail() {
+    let gempic = plasma(3, Discretisation::Yee);
+    for (name, variant) in ENERGY_CONSERVING.into_iter().chain([
+        ("boris-pic", Some("synchronised")),
+        ("boris-pic", Some("staggered")),
+    ]) {
+        let map = build(&gempic, name, variant);
+        for h in [1e9, 1e150, 1e300, -1e300] {
+            let (mut q, mut p) = start(&gempic, 5);
+            crate::flows::with_block(&mut q, &mut p, |block| {
+                // Whatever comes out, it comes.
+                let _ = map.advance(h, block);
+            });
+        }
+    }
+    let map = build(&gempic, "boris-pic", None);
+    let (mut q, mut p) = start(&gempic, 5);
+    crate::flows::with_block(&mut q, &mut p, |block| {
+        let failure = map.advance(1e9, block).unwrap_err();
+        assert!(failure.reason.contains("in one step"), "{}", failure.reason);
     });
 }

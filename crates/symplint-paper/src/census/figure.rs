@@ -4,7 +4,7 @@ use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, error_axis, reference_slope, series, step_axis, uncertainty};
 
 use super::judged::Judged;
-use super::schemes::FAMILIES;
+use super::schemes::{CRANK_NICOLSON, FAMILIES};
 
 /// The shape by which schemes are compared over step sizes: its forces are smooth for all of them.
 const DEGREE: usize = 3;
@@ -25,10 +25,7 @@ pub fn draw(rows: &[Judged]) -> Figure {
         }
     }
     let smooth = || rows.iter().filter(|row| row.record.degree == DEGREE);
-    if let Some(steepest) = smooth()
-        .filter(|row| row.family == super::schemes::CRANK_NICOLSON)
-        .last()
-    {
+    if let Some(steepest) = smooth().find(|row| row.family == CRANK_NICOLSON) {
         curves.push(reference_slope(&steepest.small_loops.defects, 3.0, "h"));
     }
     curves.push(uncertainty(

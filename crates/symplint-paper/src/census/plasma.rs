@@ -1,5 +1,7 @@
 //! The plasmas of the census, by what can be watched of them.
 
+use std::sync::Arc;
+
 use symplint::state::Rows;
 use symplint_models::Hamiltonian;
 use symplint_models::gempic::Gempic;
@@ -10,9 +12,9 @@ pub enum Plasma {
     /// The textbook's, with a force that conserves the momentum.
     MomentumConserving(MomentumConservingPic),
     /// Electrostatic and variational.
-    Variational(Pic1d),
+    Variational(Arc<Pic1d>),
     /// Electromagnetic.
-    Electromagnetic(Gempic),
+    Electromagnetic(Box<Gempic>),
 }
 
 /// What is watched of a state.
@@ -42,12 +44,12 @@ impl Plasma {
                 momentum: pic.momentum(p),
             },
             Plasma::Variational(pic) => Observed {
-                energy: energy_of(pic),
+                energy: energy_of(&**pic),
                 gauss: None,
                 momentum: pic.momentum(p)[0],
             },
             Plasma::Electromagnetic(gempic) => Observed {
-                energy: energy_of(gempic),
+                energy: energy_of(&**gempic),
                 gauss: Some(gempic.gauss_residual(q, p)),
                 momentum: gempic.momentum(q, p)[0],
             },

@@ -237,7 +237,8 @@ fn lewis(degree: usize, seed: u64) -> Result<Made, PaperError> {
         degree,
         ..PicConfig::default()
     })?;
-    let map = build("leapfrog", None, Arc::new(pic.clone()))?;
+    let pic = Arc::new(pic);
+    let map = build("leapfrog", None, Arc::clone(&pic))?;
     Ok((Plasma::Variational(pic), map, electrostatic_state(seed)?))
 }
 
@@ -257,9 +258,9 @@ fn electromagnetic(
         ..GempicConfig::default()
     })?;
     let centre = InitialPlasma::Random.sample(&gempic, AMPLITUDE, seed)?;
-    let model = Model::Plasma(gempic.clone());
+    let model = Model::from(gempic.clone());
     let map = build_solved_by(solver, integrator, variant, model)?;
-    Ok((Plasma::Electromagnetic(gempic), map, centre))
+    Ok((Plasma::Electromagnetic(Box::new(gempic)), map, centre))
 }
 
 fn scheme(

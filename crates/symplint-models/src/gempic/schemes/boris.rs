@@ -83,13 +83,19 @@ impl BorisPart {
         }
     }
 
-    fn drift(&self, h: f64, state: &mut PhysicalState) {
+    fn drift(&self, h: f64, state: &mut PhysicalState) -> Result<(), String> {
         let (cells, coupling) = (self.coupling.cells(), &self.coupling);
         let (mut along_x, mut across) = (vec![0.0; cells], vec![0.0; cells]);
         for a in 0..state.x.len() {
             let charge = self.gempic.charge * self.gempic.weights[a];
             let (x, v1, v2) = (state.x[a], state.v1[a], state.v2[a]);
             let way = h * v1;
+            if coupling.is_too_long(way) {
+                return Err(format!(
+                    "particle {a} moves by {way:.1e} in one step, {:.1e} cells; take a smaller step size",
+                    way * coupling.per_length()
+                ));
+            }
             along(
                 coupling,
                 !self.scheme.deposits_directly,
@@ -111,6 +117,7 @@ impl BorisPart {
             state.e1[j] -= along_x[j];
             state.e2[j] -= across[j];
         }
+        Ok(())
     }
 
     fn ampere(&self, h: f64, state: &mut PhysicalState) {
@@ -130,7 +137,7 @@ impl Substep for BorisPart {
     fn advance(&self, h: f64, state: &mut PhysicalState) -> Result<(), String> {
         match self.part {
             Part::WholeKick | Part::FirstKick | Part::LastKick => self.kick(h, state),
-            Part::Drift => self.drift(h, state),
+            Part::Drift => return self.drift(h, state),
             Part::Ampere => self.ampere(h, state),
             Part::Faraday => {
                 for j in 0..state.e1.len() {

@@ -54,6 +54,13 @@ impl Coupling {
         }
     }
 
+    /// Whether a way passes so many cells that going through them one by one is of no use.
+    pub(super) fn is_too_long(&self, way: f64) -> bool {
+        /// A step that resolves anything passes a few.
+        const MOST_CELLS: f64 = 1e5;
+        (way * self.per_length()).abs() > MOST_CELLS || way.is_nan()
+    }
+
     /// The parts of the way from x to x + `way` on which splines are polynomials, in the order of the way: where they begin
     /// and end, from 0 to 1.
     pub(super) fn pieces(&self, x: f64, way: f64, mut each: impl FnMut(f64, f64)) {
@@ -67,7 +74,7 @@ impl Coupling {
         loop {
             // Not by differences of places, which are rounded more than a short way is long.
             let there = (node - from) / length;
-            if !(there < 1.0) {
+            if there >= 1.0 || there.is_nan() {
                 break;
             }
             each(here, there);

@@ -98,6 +98,9 @@ pub(super) fn solve_orbit(
     let mut mean = guess;
     let mut least = f64::INFINITY;
     for _ in 0..MOST {
+        if coupling.is_too_long(h * mean[0]) {
+            return None;
+        }
         let felt = felt(coupling, is_averaged, fields, x, h * mean[0]);
         let next = mean_velocity(v, felt, half_charge);
         let change = (next[0] - mean[0]).abs();
