@@ -44,7 +44,7 @@ fn centred_spline(degree: usize, x: f64) -> f64 {
 /// of every Fourier mode.
 fn field_by_modes(degree: usize, x: &[f64]) -> Vec<f64> {
     let width = LENGTH / CELLS as f64;
-    let offset = if degree % 2 == 0 { 0.5 } else { 0.0 };
+    let offset = if degree.is_multiple_of(2) { 0.5 } else { 0.0 };
     let shape = |x: f64, node: usize| -> f64 {
         let distance = x / width - (node as f64 + offset);
         (-6..=6)
