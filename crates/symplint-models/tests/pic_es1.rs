@@ -349,5 +349,5 @@ fn what_cannot_be_built_is_refused() {
     });
     assert!(length.is_err());
     let dense = MomentumConservingPic::new(config()).unwrap();
-    assert_eq!(DriftKick::dof(&dense), 2);
+    assert_eq!(DriftKick::dof(&dense), 4);
 }
