@@ -1,5 +1,7 @@
 //! Every integrator by name.
 
+use std::num::NonZeroUsize;
+
 use symplint::TimeAdvance;
 
 use super::implicit::StageSolver;
@@ -271,7 +273,7 @@ pub const CATALOGUE: &[IntegratorInfo] = &[
         reference: "Chen, Chacón & Barnes 2011; Kormann & Sonnendrücker 2021",
         makers: &[
             Maker::CrankNicolson(Orbit::Midpoint),
-            Maker::CrankNicolson(Orbit::SubStepped(4)),
+            Maker::CrankNicolson(Orbit::SubStepped(NonZeroUsize::new(4).unwrap())),
             Maker::CrankNicolson(Orbit::Averaged),
         ],
     },

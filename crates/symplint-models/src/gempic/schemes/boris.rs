@@ -156,7 +156,7 @@ fn half_rotation([v1, v2]: [f64; 2], t: f64) -> [f64; 2] {
     [cosine * (v1 + t * v2), cosine * (v2 - t * v1)]
 }
 
-/// From integrals over edges j − 1/2 … to values on the nodes between edges j and j + 1.
+/// From integrals over edges to values at nodes, node j between edges j and j + 1.
 fn to_nodes(edges: &mut [f64], per_length: f64) {
     let first = edges[0];
     let last = edges.len() - 1;

@@ -17,7 +17,7 @@ enum Push {
     Held,
 }
 
-/// z' = z + h J ∇H(z̄) with z̄ the mean of z and z', and the bracket J at a place of the orbit. H is quadratic in velocities
+/// z' = z + h J ∇H(z̄) with z̄ the mean of z and z', and the bracket J taken on the orbit. H is quadratic in velocities
 /// and fields and does not depend on positions, so that it is conserved.
 pub(super) struct MeanFieldStep {
     gempic: Gempic,
@@ -94,7 +94,7 @@ impl MeanFieldStep {
         let charge = gempic.charge * gempic.weights[a];
         let (mut place, mut v) = ([state.x[a], state.y[a]], [state.v1[a], state.v2[a]]);
         let (parts, is_averaged) = match self.push {
-            Push::Moving(Orbit::SubStepped(parts)) => (parts, false),
+            Push::Moving(Orbit::SubStepped(parts)) => (parts.get(), false),
             Push::Moving(orbit) => (1, orbit == Orbit::Averaged),
             Push::Held => (1, false),
         };

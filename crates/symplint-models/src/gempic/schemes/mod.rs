@@ -41,7 +41,7 @@ pub struct PlasmaStep {
 }
 
 impl PlasmaStep {
-    /// Crank–Nicolson for particles and fields: z' = z + h J ∇H(z̄), z̄ the mean of z and z' (L. Chen, G. Chacón & D. C.
+    /// Crank–Nicolson for particles and fields: z' = z + h J ∇H(z̄), z̄ the mean of z and z' (G. Chen, L. Chacón & D. C.
     /// Barnes, J. Comput. Phys. 230 (2011) 7018; with magnetic fields S. Markidis & G. Lapenta, J. Comput. Phys. 230 (2011)
     /// 7037). Order 2, symmetric, conserves the energy as far as the solver goes, and is not symplectic.
     ///

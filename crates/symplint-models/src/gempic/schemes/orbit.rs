@@ -1,14 +1,16 @@
 //! The orbit of a particle through a step in given mean fields, where fields and currents are taken on it.
 
+use std::num::NonZeroUsize;
+
 use super::coupling::Coupling;
 
 /// Where on the orbit of a step fields are gathered and currents deposited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Orbit {
-    /// In its middle (L. Chen, G. Chacón & D. C. Barnes, J. Comput. Phys. 230 (2011) 7018, without sub-stepping).
+    /// In its middle (G. Chen, L. Chacón & D. C. Barnes, J. Comput. Phys. 230 (2011) 7018, without sub-stepping).
     Midpoint,
     /// In the middle of each of so many equal sub-steps of the particle, as the same article has them.
-    SubStepped(usize),
+    SubStepped(NonZeroUsize),
     /// All along the straight way, exactly: the charge is conserved as well (K. Kormann & E. Sonnendrücker, J. Comput.
     /// Phys. 425 (2021) 109890).
     Averaged,
