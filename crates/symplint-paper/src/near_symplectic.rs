@@ -13,7 +13,7 @@ use symplint_report::plot::{axis, series};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement};
-use super::settings::{Key, Settings};
+use super::settings::{Key, SettingError, Settings, check_steps};
 use super::sweep::{Line, halvings, line_text, power_law_line};
 use super::{Item, PaperError};
 
@@ -26,9 +26,20 @@ pub const ITEM: Item = Item {
         Key::positive("radius", 0.05, "radius of the loop"),
         Key::positive("time", 50.0, "how long the loop is followed"),
     ],
-    check: None,
+    check: Some(check),
     run,
 };
+
+/// The smallest step size is 2^-FINEST.
+const FINEST: i32 = 5;
+
+/// Steps of one loop at most.
+const MOST_STEPS: f64 = 1e6;
+
+fn check(settings: &Settings) -> Result<(), SettingError> {
+    let time = ("time", settings.number("time"));
+    check_steps(time, 0.5f64.powi(FINEST), MOST_STEPS)
+}
 
 /// What is followed, with what the section says of it.
 const METHODS: [(&str, Option<&str>); 5] = [
@@ -80,7 +91,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     for (name, variant) in METHODS {
         let map = build(name, variant, Arc::clone(&system))?;
         let mut of_method = Vec::new();
-        for h in halvings(-2, -5) {
+        for h in halvings(-2, -FINEST) {
             of_method.push(follow(&*map, &phase_loop, samples, (h, time))?);
         }
         for followed in &of_method {

@@ -214,6 +214,24 @@ pub enum SettingError {
     },
 }
 
+/// Refuses a run of more than `most` steps: the setting `key`, which is `time`, or the step size has to be changed.
+pub fn check_steps(
+    (key, time): (&'static str, f64),
+    step_size: f64,
+    most: f64,
+) -> Result<(), SettingError> {
+    let steps = time / step_size;
+    match steps <= most {
+        true => Ok(()),
+        false => Err(SettingError::TooManySteps {
+            key,
+            steps,
+            step_size,
+            remedy: format!("give {key} = {:.4e} or less", most * step_size),
+        }),
+    }
+}
+
 impl SettingError {
     /// The setting.
     pub fn key(&self) -> &str {

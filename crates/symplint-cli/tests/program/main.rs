@@ -597,6 +597,14 @@ fn runs_without_end_are_refused() {
     for expected in ["fig8.until", "too many", "at most"] {
         assert!(error.contains(expected), "{expected}: {error}");
     }
+    for item in ["near-symplectic", "census"] {
+        let folder = TempDir::new().unwrap();
+        let out = folder.path().to_str().unwrap();
+        let output = symplint(&["reproduce", item, "--set", "time=1e300", "--out", out]);
+        assert_eq!(output.status.code(), Some(2));
+        let error = text(&output.stderr);
+        assert!(error.contains(&format!("{item}.time")), "{error}");
+    }
     for item in ["fig4", "fig5", "fig7", "fig9"] {
         let folder = TempDir::new().unwrap();
         let out = folder.path().to_str().unwrap();

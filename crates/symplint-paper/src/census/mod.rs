@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::Claim;
-use super::settings::{Key, Settings};
+use super::settings::{Key, SettingError, Settings, check_steps};
 use super::{Item, PaperError};
 use judged::Judged;
 
@@ -36,9 +36,17 @@ pub const ITEM: Item = Item {
         Key::positive("time", 20.0, "length of that run"),
         Key::whole("seed", 11, 0, "seed of the initial states and the loops"),
     ],
-    check: None,
+    check: Some(check),
     run,
 };
+
+/// Steps of a run at most, of every scheme.
+const MOST_STEPS: f64 = 1e5;
+
+fn check(settings: &Settings) -> Result<(), SettingError> {
+    let time = ("time", settings.number("time"));
+    check_steps(time, settings.number("step_size"), MOST_STEPS)
+}
 
 fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError> {
     let schemes = schemes::all(settings.whole("seed"))?;
