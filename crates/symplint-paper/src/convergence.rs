@@ -19,9 +19,9 @@ pub const ITEM: Item = Item {
     title: "errors of both rules over degrees of freedom, and which rule is faster (section 2.4)",
     cost: "1 s",
     keys: &[
-        Key::whole("from", 1 << 6, 3, "fewest samples, made odd"),
-        Key::whole("to", 1 << 13, 3, "most samples, made odd"),
-        Key::whole_between("dof", 256, (1, 1 << 16), "most degrees of freedom"),
+        Key::whole_between("from", 1 << 6, (3, 1 << 16), "fewest samples, made odd"),
+        Key::whole_between("to", 1 << 13, (3, 1 << 16), "most samples, made odd"),
+        Key::whole_between("dof", 256, (1, 1 << 10), "most degrees of freedom"),
     ],
     check: None,
     run,
