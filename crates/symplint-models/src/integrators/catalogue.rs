@@ -231,6 +231,15 @@ pub const CATALOGUE: &[IntegratorInfo] = &[
         makers: &[Maker::Implicit(tableaus::averaged_vector_field)],
     },
     IntegratorInfo {
+        name: "discrete-gradient",
+        variants: &[],
+        order: 2,
+        symplectic: false,
+        summary: "The midpoint discrete gradient, conserves any energy as far as it is solved",
+        reference: "Gonzalez 1996; HLW, section V.5",
+        makers: &[Maker::DiscreteGradient],
+    },
+    IntegratorInfo {
         name: "boris",
         variants: &[],
         order: 2,
@@ -443,6 +452,7 @@ mod tests {
                     }
                     // These are no tables.
                     Maker::AdaptiveStrang(_)
+                    | Maker::DiscreteGradient
                     | Maker::Boris
                     | Maker::BorisPic(_)
                     | Maker::CrankNicolson(_)

@@ -2,7 +2,7 @@
 
 use symplint::TimeAdvance;
 
-use super::implicit::{ImplicitRungeKutta, StageSolver};
+use super::implicit::{DiscreteGradient, ImplicitRungeKutta, StageSolver};
 use super::splitting::{Splitting, SplittingMethod, Variant};
 use super::tableau::{Tableau, TableauPair};
 use super::{AdaptiveStrang, Boris, PartSplitting, RungeKutta};
@@ -18,6 +18,7 @@ pub(super) enum Maker {
     RungeKutta(fn() -> Tableau),
     Partitioned(fn() -> TableauPair),
     Implicit(fn() -> Tableau),
+    DiscreteGradient,
     Boris,
     BorisPic(Boris1d2v),
     CrankNicolson(Orbit),
@@ -29,7 +30,7 @@ impl Maker {
     pub(super) fn is_implicit(self) -> bool {
         matches!(
             self,
-            Maker::Implicit(_) | Maker::CrankNicolson(_) | Maker::Ecsim
+            Maker::Implicit(_) | Maker::DiscreteGradient | Maker::CrankNicolson(_) | Maker::Ecsim
         )
     }
 
@@ -87,6 +88,18 @@ impl Maker {
             (Maker::Implicit(tableau), Model::Charged(system)) => {
                 boxed(ImplicitRungeKutta::new(tableau(), system, solver))
             }
+            (Maker::DiscreteGradient, Model::Separable(system)) => {
+                boxed(DiscreteGradient::new(system, solver))
+            }
+            (Maker::DiscreteGradient, Model::General(system)) => {
+                boxed(DiscreteGradient::new(system, solver))
+            }
+            (Maker::DiscreteGradient, Model::Split(system)) => {
+                boxed(DiscreteGradient::new(system, solver))
+            }
+            (Maker::DiscreteGradient, Model::Charged(system)) => {
+                boxed(DiscreteGradient::new(system, solver))
+            }
             (Maker::Boris, Model::Charged(particle)) => boxed(Ok(Boris::new(particle))),
             (Maker::BorisPic(scheme), Model::Plasma(plasma)) => {
                 boxed(Ok(PlasmaStep::boris((*plasma).clone(), scheme)))
@@ -111,7 +124,7 @@ impl Maker {
             Maker::AdaptiveStrang(_) => {
                 "positions that drift with their momenta and momenta kicked by a force of the positions"
             }
-            Maker::RungeKutta(_) | Maker::Implicit(_) => "Hamiltonians",
+            Maker::RungeKutta(_) | Maker::Implicit(_) | Maker::DiscreteGradient => "Hamiltonians",
             Maker::Partitioned(_) => "separable Hamiltonians",
             Maker::Boris => "a charge in a magnetic field",
             Maker::BorisPic(_) | Maker::CrankNicolson(_) | Maker::Ecsim => {

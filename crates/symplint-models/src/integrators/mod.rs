@@ -2,8 +2,8 @@
 //!
 //! A method is data: a list of substeps ([`splitting_methods`]) or a Butcher tableau
 //! ([`tableaus`]). Each family has one stepping loop: [`Splitting`], [`PartSplitting`] for more than two parts, [`RungeKutta`] where stages
-//! are explicit, [`ImplicitRungeKutta`] where they are to be solved. [`AdaptiveStrang`] and
-//! [`Boris`] stand for themselves. The [`catalogue`] gives all of them by name.
+//! are explicit, [`ImplicitRungeKutta`] where they are to be solved. [`AdaptiveStrang`],
+//! [`Boris`] and [`DiscreteGradient`] stand for themselves. The [`catalogue`] gives all of them by name.
 
 mod adaptive_strang;
 pub mod aliases;
@@ -22,7 +22,7 @@ pub mod tableaus;
 
 pub use adaptive_strang::AdaptiveStrang;
 pub use boris::Boris;
-pub use implicit::{ImplicitRungeKutta, Solver, StageSolver, Stop};
+pub use implicit::{DiscreteGradient, ImplicitRungeKutta, Solver, StageSolver, Stop};
 pub use part_splitting::PartSplitting;
 pub use runge_kutta::RungeKutta;
 pub use splitting::{Flow, Splitting, SplittingMethod, Substep, Variant};

@@ -386,6 +386,11 @@ pub fn not_symplectic(classical: Truth) -> Vec<(&'static str, Truth, &'static st
             of_order(3.0),
             "conserves H; differs from the midpoint rule at h³, by no Hamiltonian field",
         ),
+        (
+            "discrete-gradient",
+            of_order(3.0),
+            "conserves H; differs from the midpoint rule at h³, by no Hamiltonian field",
+        ),
     ]
 }
 

@@ -44,6 +44,11 @@ fn oscillators() -> Vec<Case> {
             SYMPLECTIC,
             "the average of a linear field is its value at the midpoint",
         ),
+        (
+            "discrete-gradient",
+            SYMPLECTIC,
+            "for a quadratic H its correction vanishes, and it is the midpoint rule",
+        ),
         ("implicit-midpoint", SYMPLECTIC, "the Cayley transform"),
         ("wrong-sign-euler", of_order(2.0), "det = 1 + 2h²ω²"),
         (

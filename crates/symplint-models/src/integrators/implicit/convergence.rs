@@ -1,5 +1,7 @@
 //! Which samples of a block are solved: each by its own figures.
 
+use super::solver::Stop;
+
 /// Mark of a sample that is solved; changes are not negative.
 const SOLVED: f64 = -1.0;
 
@@ -9,12 +11,23 @@ const SOLVED: f64 = -1.0;
 pub(super) struct Convergence<'a> {
     /// Size of a sample's state.
     sizes: &'a mut [f64],
+    /// Changes up to this may be round-off.
+    floors: &'a mut [f64],
     /// The least that an iteration changed so far, or `SOLVED`.
     least: &'a mut [f64],
     /// Iterations since then.
     stalls: &'a mut [f64],
     /// What this iteration has changed so far.
     change: &'a mut [f64],
+}
+
+/// A sample that is not solved after the most iterations.
+pub(super) struct Unsolved {
+    pub(super) sample: usize,
+    /// The least change of an iteration, relative to the size of the sample.
+    pub(super) change: f64,
+    pub(super) tolerance: f64,
+    pub(super) max_iterations: usize,
 }
 
 impl<'a> Convergence<'a> {
@@ -26,23 +39,28 @@ impl<'a> Convergence<'a> {
 
     /// Values of scratch memory for a block of `len` samples.
     pub(super) fn room(len: usize) -> usize {
-        4 * len
+        5 * len
     }
 
     /// Nothing solved yet.
     pub(super) fn new(of_states: impl Iterator<Item = f64>, room: &'a mut [f64]) -> Self {
-        let len = room.len() / 4;
+        let len = room.len() / 5;
         let (sizes, rest) = room.split_at_mut(len);
+        let (floors, rest) = rest.split_at_mut(len);
         let (least, rest) = rest.split_at_mut(len);
         let (stalls, change) = rest.split_at_mut(len);
         for (size, of_state) in sizes.iter_mut().zip(of_states) {
             *size = of_state;
+        }
+        for (floor, size) in floors.iter_mut().zip(&*sizes) {
+            *floor = Self::ROUNDOFF * size;
         }
         least.fill(f64::INFINITY);
         stalls.fill(0.0);
         change.fill(0.0);
         Convergence {
             sizes,
+            floors,
             least,
             stalls,
             change,
@@ -59,6 +77,11 @@ impl<'a> Convergence<'a> {
         self.sizes[sample]
     }
 
+    /// Says that changes of a sample up to `change` may be round-off, where that is more than its state's.
+    pub(super) fn raise_floor(&mut self, sample: usize, change: f64) {
+        self.floors[sample] = self.floors[sample].max(change);
+    }
+
     /// Notes a change of a sample that is open. A change that is not a number stays.
     pub(super) fn note(&mut self, sample: usize, change: f64) {
         let noted = &mut self.change[sample];
@@ -69,7 +92,7 @@ impl<'a> Convergence<'a> {
 
     /// Ends an iteration; whether going on is of no use, because everything is solved or nothing
     /// open is finite.
-    pub(super) fn settle(&mut self, tolerance: f64) -> bool {
+    fn settle(&mut self, tolerance: f64) -> bool {
         let mut over = true;
         for sample in 0..self.sizes.len() {
             if !self.is_open(sample) {
@@ -88,8 +111,8 @@ impl<'a> Convergence<'a> {
             } else {
                 self.stalls[sample] += 1.0;
             }
-            let stalled = self.stalls[sample] >= Self::PATIENCE
-                && self.least[sample] <= Self::ROUNDOFF * size;
+            let stalled =
+                self.stalls[sample] >= Self::PATIENCE && self.least[sample] <= self.floors[sample];
             if change <= tolerance * size || stalled {
                 self.least[sample] = SOLVED;
             } else {
@@ -99,8 +122,39 @@ impl<'a> Convergence<'a> {
         over
     }
 
+    /// Iterates until `stop`. A fixed number of iterations leaves nothing unsolved, as it asks for no more.
+    pub(super) fn run(
+        &mut self,
+        stop: Stop,
+        mut iterate: impl FnMut(&mut Self),
+    ) -> Result<(), Unsolved> {
+        let (tolerance, max_iterations) = match stop {
+            Stop::Iterations(iterations) => {
+                (0..iterations).for_each(|_| iterate(self));
+                return Ok(());
+            }
+            Stop::Converged {
+                tolerance,
+                max_iterations,
+            } => (tolerance, max_iterations),
+        };
+        for _ in 0..max_iterations {
+            iterate(self);
+            if self.settle(tolerance) {
+                break;
+            }
+        }
+        let unsolved = self.first_open().map(|(sample, change)| Unsolved {
+            sample,
+            change,
+            tolerance,
+            max_iterations,
+        });
+        unsolved.map_or(Ok(()), Err)
+    }
+
     /// The first sample that is not solved, with the least change of it relative to its size.
-    pub(super) fn first_open(&self) -> Option<(usize, f64)> {
+    fn first_open(&self) -> Option<(usize, f64)> {
         let sample = (0..self.least.len()).find(|&sample| self.is_open(sample))?;
         Some((sample, self.least[sample] / self.sizes[sample]))
     }
@@ -111,7 +165,7 @@ mod tests {
     use super::*;
 
     fn solved_after(tolerance: f64, changes: &[f64]) -> Option<usize> {
-        let mut room = [0.0; 4];
+        let mut room = [0.0; 5];
         let mut convergence = Convergence::new([2.0].into_iter(), &mut room);
         changes.iter().position(|&change| {
             convergence.note(0, change);
@@ -139,8 +193,25 @@ mod tests {
     }
 
     #[test]
+    fn noise_that_is_known_is_round_off() {
+        let noise = [1e-3, 1e-9, 2e-9, 1e-9, 3e-9, 1e-9];
+        assert_eq!(solved_after(0.0, &noise), None);
+        let mut room = [0.0; 5];
+        let mut convergence = Convergence::new([2.0].into_iter(), &mut room);
+        convergence.raise_floor(0, 1.5e-9);
+        // What is less than the rounding of the state changes nothing.
+        convergence.raise_floor(0, 1e-30);
+        let solved = noise.iter().position(|&change| {
+            convergence.note(0, change);
+            convergence.settle(0.0);
+            !convergence.is_open(0)
+        });
+        assert_eq!(solved, Some(4));
+    }
+
+    #[test]
     fn what_is_not_a_number_is_never_solved() {
-        let mut room = [0.0; 8];
+        let mut room = [0.0; 10];
         let mut convergence = Convergence::new([1.0, 1.0].into_iter(), &mut room);
         for change in [0.5, f64::NAN, 0.1] {
             convergence.note(1, change);

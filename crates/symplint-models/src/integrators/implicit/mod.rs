@@ -1,12 +1,14 @@
-//! Implicit Runge–Kutta methods, their stages solved sample by sample.
+//! Implicit methods, their equations solved sample by sample: Runge–Kutta methods and a discrete gradient.
 
 mod convergence;
+mod discrete_gradient;
 mod field;
 mod newton;
 mod solver;
 mod stages;
 mod tangent;
 
+pub use discrete_gradient::DiscreteGradient;
 pub use solver::{Solver, StageSolver, Stop};
 
 use symplint::map::TangentMap;
@@ -16,7 +18,7 @@ use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 use super::tableau::TableauPair;
 use crate::error::ModelError;
 use crate::hamiltonian::Hamiltonian;
-use convergence::Convergence;
+use convergence::{Convergence, Unsolved};
 use field::{OfSystem, SlopeField};
 use stages::{Stages, room};
 
@@ -96,35 +98,20 @@ impl<H: Hamiltonian> ImplicitRungeKutta<H> {
         stages: &mut Stages<'_, F>,
         convergence: &mut Convergence<'_>,
     ) -> Result<(), StepFailure> {
-        match stop {
-            Stop::Iterations(iterations) => {
-                for _ in 0..iterations {
-                    self.iterate(stages, convergence);
-                }
-                Ok(())
-            }
-            Stop::Converged {
-                tolerance,
-                max_iterations,
-            } => {
-                for _ in 0..max_iterations {
-                    self.iterate(stages, convergence);
-                    if convergence.settle(tolerance) {
-                        break;
-                    }
-                }
-                let unsolved = convergence
-                    .first_open()
-                    .map(|(sample, change)| StepFailure {
-                        sample,
-                        reason: self.failure(change, tolerance, max_iterations),
-                    });
-                unsolved.map_or(Ok(()), Err)
-            }
-        }
+        let solved = convergence.run(stop, |convergence| self.iterate(stages, convergence));
+        solved.map_err(|unsolved| StepFailure {
+            sample: unsolved.sample,
+            reason: self.failure(&unsolved),
+        })
     }
 
-    fn failure(&self, change: f64, tolerance: f64, max_iterations: usize) -> String {
+    fn failure(&self, unsolved: &Unsolved) -> String {
+        let Unsolved {
+            change,
+            tolerance,
+            max_iterations,
+            ..
+        } = unsolved;
         let name = self.method.name();
         if !change.is_finite() {
             return format!(
