@@ -243,7 +243,7 @@ impl<'a, H: Hamiltonian> Step<'a, H> {
                 convergence.raise_floor(k, (h * noise * self.largest[k]).abs());
             }
             // An energy that is not a number is not left out.
-            if !(missing.abs() <= rounding) {
+            if missing.abs() > rounding || missing.is_nan() {
                 self.along[k] = missing / square;
             }
         }
