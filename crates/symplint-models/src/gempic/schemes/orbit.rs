@@ -112,7 +112,10 @@ pub(super) fn solve_orbit(
             .flatten()
             .fold(0.0, |size: f64, v| size.max(v.abs()));
         mean = next;
-        if change == 0.0 || change >= least && change <= ROUNDOFF * size {
+        // Of a particle that is almost at rest, velocities are rounded less than the place where it feels the field.
+        let of_place = f64::EPSILON * x.abs().max(1.0 / coupling.per_length());
+        let is_roundoff = change <= ROUNDOFF * size || (h * change).abs() <= of_place;
+        if change == 0.0 || change >= least && is_roundoff {
             return Some(mean);
         }
         least = least.min(change);
