@@ -1,6 +1,6 @@
 //! The journal: calls of a map, made or replayed.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -14,7 +14,9 @@ use symplint::Block;
 use crate::difference::difference;
 use crate::error::JournalError;
 use crate::key::{Key, key};
-use crate::record::{CHECKSUM, Call, Header, PREFIX, header, read_header, read_record, record};
+use crate::record::{
+    CHECKSUM, COUNT, Call, Header, PREFIX, header, read_header, read_record, record,
+};
 
 /// How often records are written through to the disk, at most: a program that is killed loses none of them, a machine
 /// that fails the last ones.
@@ -70,7 +72,8 @@ struct Records {
 
 impl Journal {
     /// The journal in a file, which is made if it is not there, of a run that `run` describes: the map, the configuration, the
-    /// version of the program. A record that was cut off at the end of the file is removed.
+    /// version of the program. A record that was cut off at the end of the file is removed, and one whose bytes changed is
+    /// passed over: its call is made again.
     ///
     /// # Errors
     /// If the file is no journal, or of another run, or one that still goes on, or cannot be read or written.
@@ -339,10 +342,49 @@ fn read(file: &mut File) -> io::Result<Contents> {
         Header::Torn => return Ok(Contents::Nothing),
         Header::Foreign => return Ok(Contents::Foreign),
     };
-    let mut found = HashMap::new();
-    while let Some((call, count)) = read_record(&mut file, length.saturating_sub(end))? {
-        found.insert(call, (end + PREFIX, count));
-        end += PREFIX + 8 * count + CHECKSUM;
+    let (mut found, mut counts) = (HashMap::new(), BTreeSet::new());
+    loop {
+        while let Some((call, count)) = read_record(&mut file, length.saturating_sub(end))? {
+            found.insert(call, (end + PREFIX, count));
+            counts.insert(count);
+            end += size(count);
+        }
+        match after_damage(&mut file, (end, length), &counts)? {
+            Some(next) => end = next,
+            None => return Ok(Contents::Records { run, end, found }),
+        }
+        file.seek(SeekFrom::Start(end))?;
     }
-    Ok(Contents::Records { run, end, found })
+}
+
+/// Bytes of a record of so many numbers.
+fn size(count: u64) -> u64 {
+    PREFIX + 8 * count + CHECKSUM
+}
+
+/// Where the next whole record begins after one at `at` that is not whole: after so many numbers as it says that it has, or as
+/// others have, in case these bytes changed. There is none after a record that was cut off at the end of the file.
+fn after_damage(
+    file: &mut (impl Read + Seek),
+    (at, length): (u64, u64),
+    counts: &BTreeSet<u64>,
+) -> io::Result<Option<u64>> {
+    let mut count = Vec::new();
+    file.seek(SeekFrom::Start(at + COUNT))?;
+    file.take(8).read_to_end(&mut count)?;
+    let stated = <[u8; 8]>::try_from(&count[..]).map(u64::from_le_bytes);
+    for count in stated.into_iter().chain(counts.iter().copied()) {
+        let next = count.checked_mul(8).and_then(|bytes| {
+            let next = at.checked_add(PREFIX + CHECKSUM)?.checked_add(bytes)?;
+            (next < length).then_some(next)
+        });
+        let Some(next) = next else {
+            continue;
+        };
+        file.seek(SeekFrom::Start(next))?;
+        if read_record(file, length - next)?.is_some() {
+            return Ok(Some(next));
+        }
+    }
+    Ok(None)
 }

@@ -21,8 +21,11 @@ use crate::key::Key;
 /// How every journal begins.
 pub const MAGIC: &[u8] = b"symplint journal 1\n";
 
-/// Bytes before the numbers of a record.
-pub const PREFIX: u64 = 16 + 4 + 8;
+/// Bytes before the count of numbers of a record.
+pub const COUNT: u64 = 16 + 4;
+
+/// Bytes before its numbers.
+pub const PREFIX: u64 = COUNT + 8;
 
 /// Bytes of a checksum.
 pub const CHECKSUM: u64 = 8;
