@@ -3,6 +3,7 @@
 mod bracket;
 #[path = "../common/mod.rs"]
 mod common;
+mod energy_conserving;
 mod flows;
 mod hamiltonian;
 mod initial;

@@ -22,7 +22,7 @@ pub fn plasma(degree: usize, fields: Discretisation) -> Gempic {
 }
 
 /// The same by its definition.
-fn reference(degree: usize, fields: Discretisation) -> Plasma {
+pub fn reference(degree: usize, fields: Discretisation) -> Plasma {
     let mut plasma = Plasma::new(GempicConfig {
         charge: -1.0,
         mass: 1.0,
