@@ -66,7 +66,10 @@ impl Subject {
             Box<dyn symplint::TimeAdvance>,
         ),
     > + '_ {
-        let entries = CATALOGUE.iter().filter(|info| info.is_for(&self.model));
+        // The discrete gradient has no tangent map: its derivative would need those of H between the ends of a step.
+        let entries = CATALOGUE
+            .iter()
+            .filter(|info| info.is_for(&self.model) && info.name != "discrete-gradient");
         let forms = entries.flat_map(|info| {
             let variants: Vec<Option<&str>> = match info.variants {
                 [] => vec![None],
