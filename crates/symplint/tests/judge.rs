@@ -237,6 +237,7 @@ fn a_break_of_any_loop_breaks_and_closing_says_whether_that_is_all() {
             breaks: 2,
             chord: 3.0,
             closed: defect(signed, uncertainty),
+            bend: 0.0,
             straight,
         });
         judge(&evidence)
@@ -268,6 +269,43 @@ fn a_break_of_any_loop_breaks_and_closing_says_whether_that_is_all() {
     let mut random = of_map(vec![step(0.5, 0.0, 1e-15)]);
     random.loops[1].steps[0].jump = Some(JUMP);
     assert_eq!(kind(&random), BrokenLoops);
+}
+
+#[test]
+fn a_closed_integral_changes_by_more_than_other_curves_could_make() {
+    let closing = |signed: f64, bend: f64| Closing {
+        breaks: 1,
+        chord: 1.0,
+        closed: defect(signed, 1e-14),
+        bend,
+        straight: false,
+    };
+    let judged = |closings: &[Closing]| {
+        let steps = closings.iter().zip([0.5, 0.25]).map(|(&closing, h)| {
+            let mut step = step(h, -3.0, 1e-10);
+            (step.jump, step.closing) = (Some(JUMP), Some(closing));
+            step
+        });
+        judge(&of_map(steps.collect()))
+    };
+    for (signed, bend, conserved) in [
+        (0.11, 0.1, Some(false)),
+        (-0.11, 0.1, Some(false)),
+        (0.09, 0.1, None),
+        // Conserved to round-off, however much other curves could have made.
+        (9e-14, 0.1, Some(true)),
+    ] {
+        let verdict = judged(&[closing(signed, bend)]);
+        assert_eq!(
+            verdict.conserved_once_closed, conserved,
+            "{signed} of {bend}"
+        );
+        let told = verdict.evidence().concat().contains("other curves");
+        assert_eq!(told, conserved.is_none());
+    }
+    // A smaller change that proves something before a larger one that does not.
+    let verdict = judged(&[closing(0.09, 0.1), closing(0.01, 1e-3)]);
+    assert_eq!(verdict.conserved_once_closed, Some(false));
 }
 
 #[test]
@@ -421,6 +459,7 @@ fn breaks_about_which_rounding_decides_point_to_a_solver() {
             breaks,
             chord: 1e-9,
             closed: defect(0.0, 1e-14),
+            bend: 0.0,
             straight: false,
         });
         let advice = judge(&evidence).advice;

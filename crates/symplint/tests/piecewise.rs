@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use symplint::rules::{Closure, Piecewise, PiecewiseIntegral};
 use symplint::{
-    Block, Circle, Coordinates, Ensemble, Error, FourierLoop, Loop, LoopIntegral, PerSample, Rule,
-    StepFailure, TimeAdvance,
+    Block, Circle, Coordinates, Diagnostic, Ensemble, Error, FourierLoop, Loop, LoopIntegral,
+    PerSample, Rule, StepFailure, TimeAdvance, VerdictKind,
 };
 
 fn unit_circle() -> Circle {
@@ -359,6 +359,59 @@ fn known_breaks_save_evaluations_and_wrong_ones_do_no_harm() {
         assert_eq!(found.breaks.len(), 2);
         assert!((found.continuous.value - PI).abs() < 1e-12);
     }
+}
+
+/// H = (p − A(q))²/2 + q²/2 with a vector potential that jumps at q = 0.3: both parts take their exact flows.
+struct JumpingPotential(f64);
+
+impl TimeAdvance for JumpingPotential {
+    fn dof(&self) -> usize {
+        1
+    }
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        (0..2).try_for_each(|k| self.advance_substep(k, h, block))
+    }
+    fn substeps(&self) -> usize {
+        2
+    }
+    fn advance_substep(&self, k: usize, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        let a = |q: f64| if q < 0.3 { 0.0 } else { self.0 };
+        for j in 0..block.len() {
+            let (q, p) = (block.q.row(0)[j], block.p.row(0)[j]);
+            if k == 0 {
+                let velocity = p - a(q);
+                block.q.row_mut(0)[j] = q + h * velocity;
+                block.p.row_mut(0)[j] = velocity + a(q + h * velocity);
+            } else {
+                block.p.row_mut(0)[j] = p - h * q;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn segments_between_sides_that_differ_in_q_and_p_prove_nothing() {
+    // Velocities between p and p − A turn round where they meet the jump: what closes the break is no straight line.
+    let circle = Circle::new(vec![0.3], vec![0.1], 0.5).unwrap();
+    let (map, h) = (JumpingPotential(0.8), 0.5);
+    let found = Piecewise::default().integrate(&map, &circle, h).unwrap();
+    let before = PI * 0.25;
+    let changed = (found.closed().value - before).abs();
+    assert!(
+        changed > 1e-3 && changed < found.bend,
+        "{changed:e} {:e}",
+        found.bend
+    );
+    let found = Diagnostic::halving(-1, -3).run(&map, &circle).unwrap();
+    assert_eq!(found.verdict.kind, VerdictKind::BrokenLoops);
+    assert_eq!(
+        found.verdict.conserved_once_closed, None,
+        "{}",
+        found.verdict
+    );
+    // Momenta alone jump in the kicks of a force that jumps: every curve contributes the same.
+    assert!(integrate(&LIE_TROTTER_Q, h).bend < 1e-14);
 }
 
 /// Says that it has one degree of freedom less than it has.

@@ -172,6 +172,7 @@ impl<'a> Probe<'a> {
                 breaks: closed.breaks,
                 chord: closed.chord,
                 closed: closed.defect,
+                bend: closed.bend,
                 straight: closed.straight,
             }),
             omitted_cells: advanced.integral.omitted.as_ref().map(Vec::len),

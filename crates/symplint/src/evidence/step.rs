@@ -55,6 +55,10 @@ pub struct Closing {
     pub chord: f64,
     /// Change of the closed loop integral.
     pub closed: Defect,
+    /// What curves other than straight segments could contribute where the breaks begin, relative as the defect is: the
+    /// products of the jumps in q and in p. A closed integral that changes by less proves nothing.
+    #[serde(default)]
+    pub bend: f64,
     /// Whether the closing segments are straight after the whole step, as its substeps are not known: a step may bend
     /// what closes a break.
     #[serde(default)]
@@ -97,6 +101,16 @@ pub(crate) const MOST_CELLS_APART: f64 = 0.5;
 /// A bound on the defect above this is too weak to call a map symplectic. Conventional: single precision
 /// gives bounds of 1e-7 and should pass.
 pub(crate) const WEAKEST_BOUND: f64 = 1e-6;
+
+impl Closing {
+    /// Whether the closed integral changes, however the breaks are closed: beyond its uncertainty, and by more than curves
+    /// other than straight segments could make.
+    pub fn is_changed(&self) -> bool {
+        // A step that is one whole may bend what closes a break.
+        !self.straight
+            && self.closed.magnitude() > SIGNIFICANT * self.closed.uncertainty() + self.bend
+    }
+}
 
 impl StepEvidence {
     /// Whether the samples are too far apart to resolve the grid of the map, or a period.

@@ -130,6 +130,8 @@ pub(crate) struct Closed {
     /// What the closing segments contribute to the loop integral.
     pub chord: f64,
     pub defect: Defect,
+    /// What other curves could contribute, relative as the defect is.
+    pub bend: f64,
     /// Whether the segments are straight after the whole step, and not in the substep that breaks the loop.
     pub straight: bool,
 }

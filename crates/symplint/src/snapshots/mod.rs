@@ -138,6 +138,7 @@ fn evidence(initial: &Initial<'_>, step: &Compared, samples: usize) -> StepEvide
             breaks: broken.confirmed,
             chord: broken.chord,
             closed: broken.closed_defect,
+            bend: 0.0,
             straight: true,
         }),
         jumping: step.broken.map(|broken| JumpingCells {

@@ -304,6 +304,9 @@ pub enum Finding {
         /// Whether it is closed by straight chords, as substeps are not known: that proves nothing.
         #[serde(default)]
         straight: bool,
+        /// Where the change proves nothing: what other curves that close the breaks could contribute.
+        #[serde(default)]
+        bend: Option<f64>,
         /// Which loop.
         loop_index: usize,
         /// The step.

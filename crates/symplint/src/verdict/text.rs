@@ -326,16 +326,23 @@ impl Display for Finding {
             Finding::ClosedChanges {
                 change,
                 straight,
+                bend,
                 loop_index,
                 step,
             } => {
                 let (by_chords, name) = (by_chords(*straight), loop_name(*loop_index));
-                match straight {
-                    false => write!(
+                match (straight, bend) {
+                    (false, None) => write!(
                         f,
                         "With its breaks closed the integral of {name} still changes by {change} {step}."
                     ),
-                    true => write!(
+                    (false, Some(bend)) => write!(
+                        f,
+                        "With its breaks closed by straight segments the integral of {name} differs by {change} {step}. That \
+                         proves nothing: q and p of a degree of freedom jump together, and other curves across the \
+                         breaks contribute up to about {bend:.1e} more or less."
+                    ),
+                    (true, _) => write!(
                         f,
                         "With its breaks closed{by_chords} the integral of {name} differs by {change} {step}. That proves \
                          nothing: a step may bend what closes a break."

@@ -18,15 +18,20 @@ pub(super) struct Chord {
     pub gains: Vec<f64>,
 }
 
+/// What closes the breaks.
+pub(super) struct Closing {
+    /// The segments that are straight after the whole step; the others are curves of the refinement.
+    pub chords: Vec<Chord>,
+    /// See [`PiecewiseIntegral::bend`](super::PiecewiseIntegral::bend).
+    pub bend: f64,
+}
+
 /// Closes every break of the loop, and those of the closing segments.
-pub(super) fn close(
-    refinement: &mut Refinement<'_>,
-    closure: Closure,
-) -> Result<Vec<Chord>, Error> {
+pub(super) fn close(refinement: &mut Refinement<'_>, closure: Closure) -> Result<Closing, Error> {
     let substeps = refinement.curves.evaluator.substeps();
     // On a manifold a segment is put onto it and integrated as a curve, beyond the last substep, too.
     let straight = refinement.curves.evaluator.constraint().is_none();
-    let mut chords = Vec::new();
+    let (mut chords, mut bend) = (Vec::new(), 0.0);
     let mut closed = 0;
     for substep in 0..substeps + usize::from(!straight) {
         // Segments that begin here are from breaks of earlier substeps: all of them are known.
@@ -52,6 +57,7 @@ pub(super) fn close(
                 Closure::Chords => last,
                 Closure::Substeps => born,
             };
+            bend += found.bend(birth, coordinates);
             if birth == last && straight {
                 chords.push(found.chord(scales, coordinates));
             } else {
@@ -66,7 +72,7 @@ pub(super) fn close(
         }
         closed = refinement.breaks.len();
     }
-    Ok(chords)
+    Ok(Closing { chords, bend })
 }
 
 /// The first stage at which the two sides of a break are apart.
@@ -86,6 +92,17 @@ fn birth(found: &Found, scales: &Scales, coordinates: &Coordinates) -> usize {
 }
 
 impl Found {
+    /// The area of the rectangles that the segment between its sides at this stage is a diagonal of, in the planes of the
+    /// degrees of freedom: other monotone curves between them stay within.
+    fn bend(&self, stage: usize, coordinates: &Coordinates) -> f64 {
+        let dof = coordinates.dof();
+        let [low, high] = self.images.each_ref().map(|image| image.stage(stage));
+        let apart = |c: usize| nearest(high[c] - low[c], period(coordinates, c));
+        (0..dof)
+            .map(|i| (coordinates.weight(i) * apart(i) * apart(dof + i)).abs())
+            .sum()
+    }
+
     /// The straight segment between its sides after the step.
     pub fn chord(&self, scales: &Scales, coordinates: &Coordinates) -> Chord {
         let dof = coordinates.dof();

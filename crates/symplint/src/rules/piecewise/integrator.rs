@@ -45,6 +45,7 @@ impl LoopIntegrator for Piecewise {
             closing,
             flickering,
             insubstantial,
+            bend,
             ..
         } = pieces;
         let mut little = 0.0;
@@ -81,6 +82,7 @@ impl LoopIntegrator for Piecewise {
                 flickering,
                 chord: closing.iter().sum(),
                 defect: Defect::between(initial, &closed)?,
+                bend: bend / initial.value.abs(),
                 straight: self.closure == Closure::Chords || subject.evaluator.substeps() == 1,
             }),
             integral,

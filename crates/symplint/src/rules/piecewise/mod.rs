@@ -127,6 +127,10 @@ pub struct PiecewiseIntegral {
     pub insubstantial: f64,
     /// Contribution of the closing segments in each degree of freedom.
     pub closing: Vec<f64>,
+    /// What other curves than straight segments could contribute, where the breaks begin: the sum of |Δq Δp| over breaks and
+    /// degrees of freedom. 0 where momenta jump alone, as by a force that jumps, or positions alone: every curve contributes
+    /// the same then.
+    pub bend: f64,
     /// Every break, by its s.
     pub breaks: Vec<Break>,
     /// Breaks at which rounding decides on which side of them a state is, hundreds of roundings of s away from them:
@@ -244,9 +248,9 @@ impl Piecewise {
         let mut refinement = Refinement::new(curves, coordinates, scales, budget, samples);
         refinement.run(0, pieces)?;
         search_nested(&mut refinement)?;
-        let chords = close(&mut refinement, self.closure)?;
+        let closing = close(&mut refinement, self.closure)?;
         let break_uncertainty = break_uncertainty(&mut refinement)?;
-        let mut integral = sum::sum(&refinement, &chords, break_uncertainty)?;
+        let mut integral = sum::sum(&refinement, &closing, break_uncertainty)?;
         if refinement.curves.lift.winds {
             integral.continuous.quadrature_error = None;
         }

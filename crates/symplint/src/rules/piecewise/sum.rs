@@ -1,7 +1,7 @@
 //! The integral from its parts.
 
 use super::PiecewiseIntegral;
-use super::closure::Chord;
+use super::closure::Closing;
 use super::limits::{ESTIMATES, NEIGHBOURS, OF_AN_ESTIMATE};
 use super::piece::Smooth;
 use super::refinement::Refinement;
@@ -17,7 +17,7 @@ use crate::signal::{CompensatedSum, UNIT_ROUNDOFF, nearest};
 /// the positions return but for the breaks and whole periods.
 pub(super) fn sum(
     refinement: &Refinement<'_>,
-    chords: &[Chord],
+    closed: &Closing,
     break_uncertainty: f64,
 ) -> Result<PiecewiseIntegral, Error> {
     let (coordinates, scales) = (refinement.coordinates, &refinement.scales);
@@ -41,7 +41,7 @@ pub(super) fn sum(
     }
     let pieces = sums(&mut smooth[..of_loop].iter().map(|piece| part(piece)));
     let of_segments = smooth[of_loop..].iter().map(|piece| part(piece));
-    let of_chords = chords
+    let of_chords = (closed.chords)
         .iter()
         .map(|chord| (&chord.areas[..], &chord.gains[..]));
     let segments = sums(&mut of_segments.chain(of_chords));
@@ -160,6 +160,7 @@ pub(super) fn sum(
         break_uncertainty,
         insubstantial,
         closing: of_closing,
+        bend: closed.bend,
         breaks,
         flickering,
         pieces: of_loop,

@@ -118,28 +118,32 @@ impl Case<'_> {
     fn closed(&self) -> Option<Closed> {
         let closed = self.steps().filter_map(|(found, step)| {
             let closing = step.closing.filter(|_| !found.winds)?;
-            Some((found, step, closing.closed, closing.straight))
+            Some((found, step, closing))
         });
-        let (found, step, defect, straight) =
-            closed.max_by(|a, b| a.2.magnitude().total_cmp(&b.2.magnitude()))?;
+        // A change that proves something before a larger one that does not.
+        let (found, step, closing) = closed.max_by(|(.., a), (.., b)| {
+            let by_size = || a.closed.magnitude().total_cmp(&b.closed.magnitude());
+            a.is_changed().cmp(&b.is_changed()).then_with(by_size)
+        })?;
         let (loop_index, name) = (found.index, self.name(found, step));
+        let defect = closing.closed;
         if defect.magnitude() > crate::evidence::SIGNIFICANT * defect.uncertainty() {
             return Some(Closed {
                 finding: Finding::ClosedChanges {
                     change: change(&defect),
-                    straight,
+                    straight: closing.straight,
+                    bend: (!closing.is_changed()).then_some(closing.bend),
                     loop_index,
                     step: name,
                 },
-                // A step may bend what closes a break.
-                conserved: (!straight).then_some(false),
+                conserved: closing.is_changed().then_some(false),
             });
         }
         let bound = defect.magnitude() + defect.uncertainty();
         (bound <= WEAKEST_BOUND).then_some(Closed {
             finding: Finding::ClosedConserved {
                 bound,
-                straight,
+                straight: closing.straight,
                 loop_index,
                 step: name,
             },
