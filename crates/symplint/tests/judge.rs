@@ -289,9 +289,9 @@ fn a_closed_integral_changes_by_more_than_other_curves_could_make() {
         judge(&of_map(steps.collect()))
     };
     for (signed, bend, conserved) in [
-        (0.11, 0.1, Some(false)),
-        (-0.11, 0.1, Some(false)),
-        (0.09, 0.1, None),
+        (0.11, 0.01, Some(false)),
+        (-0.11, 0.01, Some(false)),
+        (0.09, 0.01, None),
         // Conserved to round-off, however much other curves could have made.
         (9e-14, 0.1, Some(true)),
     ] {
@@ -304,7 +304,7 @@ fn a_closed_integral_changes_by_more_than_other_curves_could_make() {
         assert_eq!(told, conserved.is_none());
     }
     // A smaller change that proves something before a larger one that does not.
-    let verdict = judged(&[closing(0.09, 0.1), closing(0.01, 1e-3)]);
+    let verdict = judged(&[closing(0.09, 0.01), closing(0.011, 1e-3)]);
     assert_eq!(verdict.conserved_once_closed, Some(false));
 }
 
@@ -511,6 +511,25 @@ fn orders_are_those_of_whole_slopes_above_one_half() {
         assert_eq!(verdict.kind, NotSymplectic);
         assert_eq!(verdict.order, order, "h^{slope}");
     }
+}
+
+#[test]
+fn a_loop_that_hides_terms_of_lower_order_states_no_order() {
+    // The defects of the random loop change their sign, and fall by four at the smallest steps.
+    let sizes = [0.4, 0.2, 0.1, 0.05];
+    let of_random = |defects: [f64; 4]| {
+        let mut evidence = of_map(sizes.map(|h| step(h, -0.3 * h.powi(3), 1e-13)).into());
+        let steps = sizes.iter().zip(defects);
+        evidence.loops[1].steps = steps.map(|(&h, defect)| step(h, defect, 1e-13)).collect();
+        judge(&evidence)
+    };
+    let verdict = of_random([-4.7e-2, 5.9e-3, 2.3e-3, 5.6e-4]);
+    assert_eq!((verdict.kind, verdict.order), (NotSymplectic, None));
+    assert!(!verdict.summary().contains("falling as"), "{verdict}");
+    assert!(verdict.advice().concat().contains("smaller step sizes"));
+    // They fall no slower here.
+    let verdict = of_random([-4.7e-2, 5.9e-3, 4.5e-3, 5.6e-4]);
+    assert_eq!(verdict.order, Some(3.0));
 }
 
 #[test]

@@ -56,7 +56,7 @@ pub struct Closing {
     /// Change of the closed loop integral.
     pub closed: Defect,
     /// What curves other than straight segments could contribute where the breaks begin, relative as the defect is: the
-    /// products of the jumps in q and in p. A closed integral that changes by less proves nothing.
+    /// products of the jumps in q and in p. A closed integral that changes by not much more proves nothing.
     #[serde(default)]
     pub bend: f64,
     /// Whether the closing segments are straight after the whole step, as its substeps are not known: a step may bend
@@ -103,12 +103,12 @@ pub(crate) const MOST_CELLS_APART: f64 = 0.5;
 pub(crate) const WEAKEST_BOUND: f64 = 1e-6;
 
 impl Closing {
-    /// Whether the closed integral changes, however the breaks are closed: beyond its uncertainty, and by more than curves
-    /// other than straight segments could make.
+    /// Whether the closed integral changes, however the breaks are closed: what other curves than straight segments could
+    /// make is a part of its uncertainty then.
     pub fn is_changed(&self) -> bool {
         // A step that is one whole may bend what closes a break.
         !self.straight
-            && self.closed.magnitude() > SIGNIFICANT * self.closed.uncertainty() + self.bend
+            && self.closed.magnitude() > SIGNIFICANT * (self.closed.uncertainty() + self.bend)
     }
 }
 

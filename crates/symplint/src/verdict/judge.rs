@@ -7,7 +7,7 @@ mod undecided;
 
 use super::finding::{Advice, Change, Finding, Step, StepRange};
 use super::jacobian::{JacobianVerdict, compare_jacobian};
-use super::order::{Fit, fit_order};
+use super::order::{Fit, fit_order, smallest_steps_slope};
 use super::thresholds::{FAR, FEWEST_POINTS, SMALL, TREND};
 use super::{Verdict, VerdictKind, long_time};
 use crate::evidence::{Evidence, LoopEvidence, LoopKind, Motion, Omission, Origin, StepEvidence};
@@ -148,18 +148,21 @@ impl<'a> Case<'a> {
         Some((given, largest))
     }
 
-    /// The law of the lowest order: a symmetric loop can hide terms of lower order.
+    /// The law of the lowest order: a symmetric loop can hide terms of lower order. None where the defects of another loop
+    /// fall more slowly at the smallest steps, without a law of their own.
     fn trend(&self) -> Option<&'a Fit> {
-        let contractible = |fit: &&Fit| {
-            let of_fit = self
-                .loops
-                .iter()
-                .find(|found| found.index == fit.loop_index);
-            of_fit.is_none_or(|found| !found.winds)
-        };
-        (self.fits.iter().filter(contractible))
+        let contractible = || self.loops.iter().filter(|found| !found.winds);
+        let of_loop =
+            |found: &LoopEvidence| (self.fits.iter()).find(|fit| fit.loop_index == found.index);
+        let lowest = contractible()
+            .filter_map(of_loop)
             .filter(|fit| fit.slope > TREND)
-            .min_by(|a, b| a.slope.total_cmp(&b.slope))
+            .min_by(|a, b| a.slope.total_cmp(&b.slope))?;
+        let falls_slower = |found: &LoopEvidence| {
+            of_loop(found).is_none()
+                && smallest_steps_slope(found).is_some_and(|slope| slope < lowest.slope - TREND)
+        };
+        (!contractible().any(falls_slower)).then_some(lowest)
     }
 
     fn not_symplectic(&self) -> Option<Decision> {
@@ -217,7 +220,7 @@ impl<'a> Case<'a> {
         if steps.iter().any(|step| step.step_size.is_none()) {
             return Some(Advice::StateStepSizes);
         }
-        if !self.fits.is_empty() {
+        if !self.fits.is_empty() && self.fits.iter().all(|fit| fit.slope <= TREND) {
             return Some(Advice::DefectDoesNotFall);
         }
         let given = steps.len();

@@ -49,18 +49,7 @@ type Datum = (f64, f64, f64);
 /// is part of it. With three points, or where no such law passes through them, the mean slope. `None`
 /// with fewer than three points, over less than a factor of four, or where the slopes disagree.
 pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
-    let mut data: Vec<Datum> = (evidence.steps.iter())
-        .filter_map(|step| {
-            let defect = &step.defect;
-            Some((step.step_size?.abs(), defect.signed, defect.uncertainty()))
-        })
-        // What is not known, or not above its uncertainty, is not a point of a law.
-        .filter(|&(_, signed, uncertainty)| signed.abs() > uncertainty)
-        .collect();
-    data.sort_by(|a, b| a.0.total_cmp(&b.0));
-    data.dedup_by(|a, b| a.0 == b.0);
-    let first = data.iter().position(|d| d.1.abs() > CLEAR * d.2)?;
-    let data = &data[first..data.len().min(first + MOST_POINTS)];
+    let data = &clear_data(evidence)[..];
     if data.len() < FEWEST_POINTS || data[data.len() - 1].0 < NARROWEST_RANGE * data[0].0 {
         return None;
     }
@@ -75,6 +64,34 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
         from: data[0].0,
         to: data[data.len() - 1].0,
     })
+}
+
+/// The slope of log |E| over log h between the two smallest steps where the defect is clear of its uncertainty.
+pub(super) fn smallest_steps_slope(evidence: &LoopEvidence) -> Option<f64> {
+    match clear_data(evidence)[..] {
+        [fine, coarse, ..] => Some(local_slope(&fine, &coarse)),
+        _ => None,
+    }
+}
+
+/// The defects at the smallest steps where it is clear of its uncertainty, the smallest first.
+fn clear_data(evidence: &LoopEvidence) -> Vec<Datum> {
+    let mut data: Vec<Datum> = (evidence.steps.iter())
+        .filter_map(|step| {
+            let defect = &step.defect;
+            Some((step.step_size?.abs(), defect.signed, defect.uncertainty()))
+        })
+        // What is not known, or not above its uncertainty, is not a point of a law.
+        .filter(|&(_, signed, uncertainty)| signed.abs() > uncertainty)
+        .collect();
+    data.sort_by(|a, b| a.0.total_cmp(&b.0));
+    data.dedup_by(|a, b| a.0 == b.0);
+    let clear = data.into_iter().skip_while(|d| d.1.abs() <= CLEAR * d.2);
+    clear.take(MOST_POINTS).collect()
+}
+
+fn local_slope(a: &Datum, b: &Datum) -> f64 {
+    (b.1 / a.1).abs().ln() / (b.0 / a.0).ln()
 }
 
 /// The exponent k of h^k (a + b h + c h²), and how far it can be off: a whole number if one fits,
@@ -106,18 +123,20 @@ fn polynomial_law(data: &[Datum]) -> Option<(f64, f64)> {
 
 /// The mean slope of log |E| over log h, and half the spread of the local slopes.
 fn plain_law(data: &[Datum]) -> (f64, f64) {
-    let slope = |a: &Datum, b: &Datum| (b.1 / a.1).abs().ln() / (b.0 / a.0).ln();
     if data
         .windows(2)
         .any(|pair| pair[0].1.signum() != pair[1].1.signum())
     {
         return (f64::NAN, f64::INFINITY);
     }
-    let (low, high) = (data.windows(2).map(|pair| slope(&pair[0], &pair[1])))
+    let (low, high) = (data.windows(2).map(|pair| local_slope(&pair[0], &pair[1])))
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| {
             (l.min(s), h.max(s))
         });
-    (slope(&data[0], &data[data.len() - 1]), (high - low) / 2.0)
+    (
+        local_slope(&data[0], &data[data.len() - 1]),
+        (high - low) / 2.0,
+    )
 }
 
 fn exponents(from: f64, to: f64) -> impl DoubleEndedIterator<Item = f64> {

@@ -340,7 +340,7 @@ impl Display for Finding {
                         f,
                         "With its breaks closed by straight segments the integral of {name} differs by {change} {step}. That \
                          proves nothing: q and p of a degree of freedom jump together, and other curves across the \
-                         breaks contribute up to about {bend:.1e} more or less."
+                         breaks contribute about as much as {bend:.1e}."
                     ),
                     (true, _) => write!(
                         f,
