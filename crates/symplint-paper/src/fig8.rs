@@ -175,7 +175,7 @@ fn steps_until(until: f64, h: f64, updates_per_step: usize) -> Result<usize, Set
                     if remedy.1 > worst.1 { remedy } else { worst }
                 },
             );
-        return Err(SettingError::TooManySteps {
+        return Err(SettingError::Steps {
             key,
             steps,
             step_size: h,

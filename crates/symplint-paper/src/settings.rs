@@ -200,9 +200,9 @@ pub enum SettingError {
         /// What it takes.
         words: &'static [&'static str],
     },
-    /// Settings that together would not end.
-    #[error("{key}: {steps:.1e} steps of {step_size:e} are too many")]
-    TooManySteps {
+    /// Settings that together would not end, or hardly begin.
+    #[error("{key}: {steps:.1e} steps of {step_size:e} are too many or too few")]
+    Steps {
         /// The setting to change.
         key: &'static str,
         /// The number of steps.
@@ -214,22 +214,24 @@ pub enum SettingError {
     },
 }
 
-/// Refuses a run of more than `most` steps: the setting `key`, which is `time`, or the step size has to be changed.
+/// Refuses a run of fewer or more steps than these: the setting `key`, which is `time`, or the step size has to be changed.
 pub fn check_steps(
     (key, time): (&'static str, f64),
     step_size: f64,
-    most: f64,
+    [fewest, most]: [f64; 2],
 ) -> Result<(), SettingError> {
     let steps = time / step_size;
-    match steps <= most {
-        true => Ok(()),
-        false => Err(SettingError::TooManySteps {
-            key,
-            steps,
-            step_size,
-            remedy: format!("give {key} = {:.4e} or less", most * step_size),
-        }),
-    }
+    let remedy = match (steps < fewest, steps <= most) {
+        (false, true) => return Ok(()),
+        (true, _) => format!("give {key} = {:.4e} or more", fewest * step_size),
+        (_, false) => format!("give {key} = {:.4e} or less", most * step_size),
+    };
+    Err(SettingError::Steps {
+        key,
+        steps,
+        step_size,
+        remedy,
+    })
 }
 
 impl SettingError {
@@ -240,7 +242,7 @@ impl SettingError {
             SettingError::Value { key, .. }
             | SettingError::TooMany { key, .. }
             | SettingError::Word { key, .. }
-            | SettingError::TooManySteps { key, .. } => key,
+            | SettingError::Steps { key, .. } => key,
         }
     }
 
@@ -251,7 +253,7 @@ impl SettingError {
             SettingError::Value { expected, .. } => format!("give {expected}"),
             SettingError::TooMany { most, .. } => format!("give at most {most}"),
             SettingError::Word { words, .. } => format!("there are: {}", words.join(", ")),
-            SettingError::TooManySteps { remedy, .. } => remedy.clone(),
+            SettingError::Steps { remedy, .. } => remedy.clone(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What is found of one scheme.
 
 use serde::Serialize;
-use symplint::evidence::{Localisation, Point};
+use symplint::evidence::Localisation;
 use symplint::{Diagnosis, Diagnostic, VerdictKind};
 
 use super::schemes::Scheme;
@@ -37,9 +37,9 @@ pub struct Record {
     pub slope: Option<f64>,
     /// Digits to which loop integrals are conserved.
     pub digits: Option<f64>,
-    /// Breaks of the given loop at the largest step.
+    /// Breaks of the loop at the largest step.
     pub breaks: usize,
-    /// Cell boundaries that particles pass round the loop.
+    /// Cell boundaries that particles pass round the loop, before the step.
     pub crossings: usize,
     /// Whether integrals are conserved once breaks are closed.
     pub closed_conserved: Option<bool>,
@@ -63,8 +63,13 @@ impl Judged {
     /// Judges a scheme and watches a run.
     pub fn of(scheme: &Scheme, settings: &Settings) -> Result<Self, PaperError> {
         let (h, time) = (settings.number("step_size"), settings.number("time"));
+        // The step size of the run is one of those judged.
+        let mut step_sizes = STEP_SIZES.to_vec();
+        if !step_sizes.contains(&h) {
+            step_sizes.push(h);
+        }
         let diagnostic = Diagnostic {
-            step_sizes: STEP_SIZES.to_vec(),
+            step_sizes,
             loops: 3,
             budget: Some(settings.count("budget") / scheme.cost),
             ..Diagnostic::default()
@@ -108,15 +113,12 @@ impl Judged {
     }
 }
 
-/// The largest relative change of a loop integral at the step size nearest to `h`.
+/// The largest relative change of a loop integral at the step size `h`; NaN where the budget left it out.
 fn defect_at(diagnosis: &Diagnosis, h: f64) -> f64 {
-    let points = diagnosis.points();
-    let distance = |point: &Point| (point.step_size / h).ln().abs();
-    let nearest = points.iter().map(distance).fold(f64::INFINITY, f64::min);
-    (points.iter())
-        .filter(|point| distance(point) == nearest)
+    (diagnosis.points().into_iter())
+        .filter(|point| point.step_size == h)
         .map(|point| point.defect)
-        .fold(0.0, f64::max)
+        .fold(f64::NAN, f64::max)
 }
 
 /// The names of the substeps that change the integral by more than the uncertainty, or have breaks of their own.

@@ -40,12 +40,12 @@ pub const ITEM: Item = Item {
     run,
 };
 
-/// Steps of a run at most, of every scheme.
-const MOST_STEPS: f64 = 1e5;
+/// Steps of a run, of every scheme: its halves are compared.
+const STEPS: [f64; 2] = [10.0, 1e5];
 
 fn check(settings: &Settings) -> Result<(), SettingError> {
     let time = ("time", settings.number("time"));
-    check_steps(time, settings.number("step_size"), MOST_STEPS)
+    check_steps(time, settings.number("step_size"), STEPS)
 }
 
 fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError> {

@@ -9,7 +9,7 @@ use super::judged::{Judged, Record};
 /// All schemes as a Markdown table.
 pub fn markdown(rows: &[Judged]) -> String {
     let mut text = String::from(
-        "| scheme | degree | verdict | order | breaks a crossing | closed integrals | defect | energy | Gauss' law | momentum | which substep |\n\
+        "| scheme | degree | verdict | order | breaks (crossings) | closed integrals | defect | energy | Gauss' law | momentum | which substep |\n\
          |---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {
@@ -46,16 +46,16 @@ fn verdict(row: &Judged) -> String {
     }
 }
 
-/// k of defect ~ h^k, by small loops.
+/// k of defect ~ h^k, of small loops and small steps.
 fn order(record: &Record) -> String {
     (record.slope).map_or_else(String::new, |slope| format!("{slope:.1}"))
 }
 
-/// Breaks for each cell boundary that a particle passes.
+/// Breaks, and how many cell boundaries particles pass on the loop.
 fn breaks(row: &Judged) -> String {
     match (row.kind, row.record.breaks) {
         (VerdictKind::BrokenLoops, 0) => "not counted".into(),
         (_, 0) => "none".into(),
-        (_, breaks) => format!("{:.1}", breaks as f64 / row.record.crossings as f64),
+        (_, breaks) => format!("{breaks} ({})", row.record.crossings),
     }
 }
