@@ -461,6 +461,34 @@ fn what_cannot_be_solved_is_refused() {
     });
 }
 
+/// A particle so far out that its place is rounded to more than a cell has no field: the numbers of its cells are no longer
+/// told apart, and going through them would not end.
+#[test]
+fn places_that_are_rounded_to_more_than_a_cell_fail() {
+    let gempic = plasma(4, Discretisation::Yee);
+    let variants = ["midpoint", "sub-stepped", "orbit-averaged"].map(|v| ("crank-nicolson", v));
+    let pushes = ["synchronised", "staggered", "nodal", "direct"].map(|v| ("boris-pic", v));
+    for (name, variant) in variants.into_iter().chain(pushes) {
+        let map = build(&gempic, name, Some(variant));
+        let advance = |x: f64| {
+            let mut physical = random_state(&gempic, 5);
+            physical.x[1] = x;
+            let (mut q, mut p) = gempic.state(&physical).unwrap();
+            let mut outcome = Ok(());
+            crate::flows::with_block(&mut q, &mut p, |block| outcome = map.advance(0.1, block));
+            outcome.map_err(|failure| failure.reason)
+        };
+        for x in [1e17, -1e17, 1e300] {
+            let reason = advance(x).unwrap_err();
+            for part in ["particle 1", "rounding is", "inside the box"] {
+                assert!(reason.contains(part), "{name}, {variant}: {reason}");
+            }
+        }
+        // Rounded to 3e-4 of a cell.
+        assert_eq!(advance(1e12), Ok(()), "{name}, {variant}");
+    }
+}
+
 /// Steps of any size end: particles that pass more cells than anybody wants are refused.
 #[test]
 fn huge_steps_fail() {

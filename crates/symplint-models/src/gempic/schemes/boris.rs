@@ -90,12 +90,8 @@ impl BorisPart {
             let charge = self.gempic.charge * self.gempic.weights[a];
             let (x, v1, v2) = (state.x[a], state.v1[a], state.v2[a]);
             let way = h * v1;
-            if coupling.is_too_long(way) {
-                return Err(format!(
-                    "particle {a} moves by {way:.1e} in one step, {:.1e} cells; take a smaller step size",
-                    way * coupling.per_length()
-                ));
-            }
+            let passable = coupling.check_way(x, way);
+            passable.map_err(|impassable| format!("particle {a} {impassable}"))?;
             along(
                 coupling,
                 !self.scheme.deposits_directly,
