@@ -11,7 +11,7 @@ use symplint_models::integrators::{Solver, StageSolver, Stop};
 use symplint_models::maps::{Damped, SinglePrecision};
 use symplint_models::{Model, ModelError};
 
-use super::document::{Node, SETTING};
+use super::document::Node;
 use super::error::ConfigError;
 use super::section::{Accept, Key, Section, suggestion};
 use super::system::NOTHING;
@@ -26,7 +26,9 @@ pub fn keys(default: &'static str) -> [Key; 8] {
         Key::optional(
             "variant",
             "\"position-first\"",
-            "\"position-first\" or \"momentum-first\"; for rk2 \"midpoint\" or \"heun\"",
+            "\"position-first\" or \"momentum-first\"; for rk2 \"midpoint\" or \"heun\"; for crank-nicolson \"midpoint\", \
+             \"sub-stepped\" or \"orbit-averaged\"; for boris-pic \"synchronised\", \"staggered\", \"nodal\" or \
+             \"direct\"; for partitioned-rk \"strang-position-first\" or \"strang-momentum-first\"",
         ),
         Key::optional(
             "solver",
@@ -41,7 +43,7 @@ pub fn keys(default: &'static str) -> [Key; 8] {
         Key::optional(
             "max_iterations",
             "50",
-            "iterations after which the solver fails; 200 if left out",
+            "iterations after which the solver fails; 1000 if left out",
         ),
         Key::optional(
             "iterations",
@@ -175,6 +177,11 @@ fn refusal(section: &Section, name: &str, error: &ModelError) -> ConfigError {
             ),
             "use \"fixed-point\"",
         ),
+        ModelError::NoNewton { integrator } => section.error(
+            "solver",
+            format!("\"{integrator}\" is solved by fixed-point iteration alone"),
+            "leave the key out",
+        ),
         other => section.error("name", other.to_string(), "choose another integrator"),
     }
 }
@@ -185,7 +192,7 @@ fn solver(section: &Section, info: &IntegratorInfo) -> Result<StageSolver, Confi
     if !info.is_implicit() {
         let written = |key: &&str| section.written_place(key).is_some();
         return match OF_SOLVER.into_iter().find(written) {
-            Some(key) if !of_another(section, key) => Err(section.error(
+            Some(key) if !section.is_overruled(key, "name") => Err(section.error(
                 key,
                 format!("\"{}\" is explicit and does not accept this key", info.name),
                 "leave the key out",
@@ -251,16 +258,23 @@ fn with_faults(
 /// that does not have it.
 fn variant_of_another(section: &Section, name: &str) -> bool {
     let written = section.written_text("variant");
-    of_another(section, "variant")
+    section.is_overruled("variant", "name")
         && written.is_some_and(|variant| resolve(name, Some(variant)).is_err())
 }
 
-/// Whether `key` is from the file and the name of the integrator is from `--set`.
-fn of_another(section: &Section, key: &str) -> bool {
-    let set = |key| {
-        section
-            .written_place(key)
-            .is_some_and(|place| place.source.name == SETTING)
-    };
-    set("name") && !set(key)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_help_names_every_variant() {
+        let keys = keys("\"strang\"");
+        let help = keys.iter().find(|key| key.name == "variant").unwrap().help;
+        for info in CATALOGUE {
+            for variant in info.variants {
+                let named = help.contains(&format!("\"{variant}\""));
+                assert!(named, "{variant} of {} is not in: {help}", info.name);
+            }
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use super::document::{Node, Table, Value};
+use super::document::{Node, SETTING, Table, Value};
 use super::error::{ConfigError, Place};
 use super::number;
 
@@ -142,6 +142,15 @@ impl Section {
     /// The position of a key, if it was written.
     pub fn written_place(&self, key: &str) -> Option<&Place> {
         self.table.entries.get(key).map(|(_, node)| &node.place)
+    }
+
+    /// Whether `key` is from the file, and `chosen`, which decides whether it applies, from `--set`.
+    pub fn is_overruled(&self, key: &str, chosen: &str) -> bool {
+        let is_set = |key| {
+            self.written_place(key)
+                .is_some_and(|place| place.source.name == SETTING)
+        };
+        is_set(chosen) && !is_set(key)
     }
 
     /// The value of a key, if it was written and is a string.

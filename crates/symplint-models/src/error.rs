@@ -57,6 +57,15 @@ pub enum ModelError {
         /// Cells that one spline covers.
         needed: usize,
     },
+    /// Too few cells for a node to have two neighbours.
+    #[error(
+        "on {cells} cells the neighbours of a node are one and the same, so that centred differences are 0 and no \
+         particle feels a force; give at least 3 cells"
+    )]
+    NoCentredDifference {
+        /// Cells given.
+        cells: usize,
+    },
     /// More cells than memory is meant to be spent on.
     #[error("{cells} cells are more than the {limit} provided for; give fewer")]
     TooManyCells {

@@ -181,7 +181,7 @@ fn newton_takes_steps_that_fixed_points_do_not() {
     assert_eq!(failure.sample, 1);
     for part in [
         "implicit-midpoint",
-        "200 iterations",
+        "1000 iterations",
         "smaller step",
         "Newton",
     ] {

@@ -338,11 +338,18 @@ fn what_cannot_be_built_is_refused() {
             ..
         })
     ));
-    let cells = MomentumConservingPic::new(MomentumConservingConfig {
-        cells: 0,
-        ..config()
-    });
-    assert!(cells.is_err());
+    let on =
+        |cells: usize| MomentumConservingPic::new(MomentumConservingConfig { cells, ..config() });
+    assert!(on(0).is_err());
+    // Both neighbours of a node are the same one: the field would be 0, and every scheme exact.
+    for cells in [1, 2] {
+        assert_eq!(
+            on(cells).unwrap_err(),
+            ModelError::NoCentredDifference { cells }
+        );
+    }
+    let field = on(3).unwrap().field(&[1.0, 2.1, 5.0, 5.5]);
+    assert!(field.iter().any(|field| field.abs() > 0.01), "{field:?}");
     let length = MomentumConservingPic::new(MomentumConservingConfig {
         length: -1.0,
         ..config()

@@ -310,8 +310,29 @@ fn bad_solvers_are_refused() {
     refused(
         PENDULUM,
         &[gauss, "integrator.max_iterations=1"],
-        &["did not converge in 1 iterations", "smaller step size"],
+        &[
+            "did not converge in 1 iterations",
+            "smaller step size",
+            "max_iterations",
+        ],
     );
+    let plasma = "[system]\nname = \"pic-1d2v\"\n";
+    for name in ["crank-nicolson", "discrete-gradient"] {
+        let name = format!("integrator.name={name}");
+        refused(
+            plasma,
+            &[&name, "integrator.solver=newton"],
+            &["integrator.solver: ", "fixed-point", "leave the key out"],
+        );
+        refused(
+            plasma,
+            &[&name, "integrator.max_iterations=1"],
+            &[
+                "did not converge in 1 iterations",
+                "a larger max_iterations",
+            ],
+        );
+    }
     refused(
         PENDULUM,
         &["integrator.precision=half"],
@@ -430,6 +451,72 @@ fn bad_plasmas_are_refused() {
         "[system]\nname = \"two-cell\"\nlength = 0\n",
         &[],
         &["above 0"],
+    );
+}
+
+#[test]
+fn grids_without_centred_differences_are_refused() {
+    for cells in [1, 2] {
+        refused(
+            "[system]\nname = \"pic-es1\"\n",
+            &[&format!("system.cells={cells}")],
+            &["system.cells", "no particle feels a force", "at least 3"],
+        );
+    }
+}
+
+/// They would be recorded as if they described the state.
+#[test]
+fn keys_of_another_initial_state_are_refused() {
+    let rows = |count: usize| "0.25,0.5\n".repeat(count);
+    for (system, dof, keys) in [
+        (
+            "pic-es1",
+            4,
+            &[
+                "thermal_velocity = 1.0",
+                "velocities = \"text\"",
+                "beam_velocity = 3.0",
+                "amplitude = 0.5",
+                "mode = 1",
+                "seed = 42",
+            ][..],
+        ),
+        ("pic-1d2v", 24, &["amplitude = 0.5", "seed = 42"]),
+        ("pendulum-array", 1024, &["seed = 42"]),
+        ("toda", 32, &["mode = 1", "amplitude = 1.0"]),
+    ] {
+        let state = TempDir::new().unwrap();
+        let path = state.path().join("state.csv");
+        fs::write(&path, rows(dof)).unwrap();
+        let system = format!("[system]\nname = \"{system}\"\n");
+        let file = format!("initial = {{ file = '{}' }}\n", path.display());
+        for key in keys {
+            let name = key.split(' ').next().unwrap();
+            let place = format!("system.{name}: applies to initial = ");
+            let expected = [place.as_str(), "run.toml:4:", "leave the key out"];
+            refused(&format!("{system}{file}{key}\n"), &[], &expected);
+            // Where the file is named by --set, keys of the other state are left behind.
+            let (_folder, run) = configuration(&format!("{system}{key}\n"));
+            let set = format!("system.{}", file.trim());
+            let out = state.path().join(format!("out-{name}"));
+            let output = symplint(&[
+                "loop",
+                run.to_str().unwrap(),
+                "--samples",
+                "8",
+                "--set",
+                &set,
+                "--out",
+                out.to_str().unwrap(),
+            ]);
+            assert!(output.status.success(), "{}", text(&output.stderr));
+        }
+    }
+    refused(
+        "[system]\nname = \"pic-1d\"\ninitial = \"landau\"\nbeam_velocity = 3.0\n",
+        &[],
+        &["system.beam_velocity: applies to initial = \"two-stream\" only"],
     );
 }
 

@@ -38,11 +38,11 @@ fn pendulum_array(section: &Section, folder: &Path) -> Result<System, ConfigErro
     let pendula = section.whole_between("pendula", 1, MOST_DOF)? as usize;
     let alpha = section.number("alpha", Accept::Finite)?;
     let k = section.number("k", Accept::Finite)?;
-    let seed = section.whole("seed", 0)?;
     let array =
         PendulumArray::new(pendula, alpha, k).map_err(|e| refused(section, "pendula", e))?;
-    let (q0, p0) = match initial(section, folder, &["uniform"], pendula)? {
-        Initial::Named(_) => array.uniform_state(seed),
+    let kinds = (&["uniform"][..], &["seed"][..]);
+    let (q0, p0) = match initial(section, folder, kinds, pendula)? {
+        Initial::Named(_) => array.uniform_state(section.whole("seed", 0)?),
         Initial::State(q, p) => (q, p),
     };
     Ok(System {

@@ -68,10 +68,13 @@ fn chain(
         _ => Ends::Fixed,
     };
     let chain = Chain::new(bond, masses, ends).map_err(|e| refused(section, "masses", e))?;
-    let mode = section.whole_between("mode", 1, MOST_DOF)? as usize;
-    let amplitude = section.number("amplitude", Accept::Finite)?;
-    let (q0, p0) = match initial(section, folder, &["mode"], masses)? {
-        Initial::Named(_) => (chain.mode_shape(mode, amplitude), vec![0.0; masses]),
+    let kinds = (&["mode"][..], &["mode", "amplitude"][..]);
+    let (q0, p0) = match initial(section, folder, kinds, masses)? {
+        Initial::Named(_) => {
+            let mode = section.whole_between("mode", 1, MOST_DOF)? as usize;
+            let amplitude = section.number("amplitude", Accept::Finite)?;
+            (chain.mode_shape(mode, amplitude), vec![0.0; masses])
+        }
         Initial::State(q, p) => (q, p),
     };
     Ok(System {

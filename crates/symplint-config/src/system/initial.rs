@@ -16,11 +16,12 @@ pub enum Initial {
 }
 
 /// Reads `initial`: one of `names`, or a file with the state of `dof` degrees of freedom, its path
-/// relative to `folder` and recorded as an absolute one.
+/// relative to `folder` and recorded as an absolute one. The keys `of_named` describe named states, and are refused beside a
+/// file.
 pub fn initial(
     section: &Section,
     folder: &Path,
-    names: &[&'static str],
+    (names, of_named): (&[&'static str], &[&'static str]),
     dof: usize,
 ) -> Result<Initial, ConfigError> {
     let node = section.node("initial")?;
@@ -51,6 +52,8 @@ pub fn initial(
                 inner.record("file", absolute);
             }
             section.adopt("initial", inner);
+            let names = names.join("\" or \"");
+            refuse_unused(section, of_named, &format!("initial = \"{names}\""))?;
             Ok(Initial::State(q, p))
         }
         _ => {
@@ -61,5 +64,16 @@ pub fn initial(
                 format!("must be \"{names}\" or {{ file = \"state.npy\" }}"),
             ))
         }
+    }
+}
+
+/// Refuses keys that were written and describe another kind of initial state, `of`. Those in a file are passed over where
+/// `--set` says which state to begin with.
+pub fn refuse_unused(section: &Section, keys: &[&str], of: &str) -> Result<(), ConfigError> {
+    let is_unused =
+        |key: &&&str| section.written_place(key).is_some() && !section.is_overruled(key, "initial");
+    match keys.iter().find(is_unused) {
+        None => Ok(()),
+        Some(key) => Err(section.error(key, format!("applies to {of} only"), "leave the key out")),
     }
 }

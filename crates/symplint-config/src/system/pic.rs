@@ -9,7 +9,7 @@ use symplint_models::pic::{
 };
 use symplint_models::{Model, ModelError};
 
-use super::initial::{Initial, initial};
+use super::initial::{Initial, initial, refuse_unused};
 use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
@@ -113,7 +113,7 @@ const ES1_KEYS: [Key; 13] = {
             "1",
             "degree of the shape, 0 (nearest grid point) to 5; the force is discontinuous for 0",
         ),
-        Key::new("cells", "8", "number of cells"),
+        Key::new("cells", "8", "number of cells, at least 3"),
         Key::new("length", "10.0", "length of the line"),
         Key::new("particles", "4", "number of particles"),
         density,
@@ -160,7 +160,9 @@ fn es1(section: &Section, folder: &Path) -> Result<System, ConfigError> {
 fn key_of(section: &Section, error: &ModelError) -> &'static str {
     match error {
         ModelError::Degree { .. } | ModelError::ShapeDegree { .. } => "degree",
-        ModelError::TooManyCells { .. } | ModelError::TooFewCells { .. } => "cells",
+        ModelError::TooManyCells { .. }
+        | ModelError::TooFewCells { .. }
+        | ModelError::NoCentredDifference { .. } => "cells",
         _ if section.written_place("weights").is_some() => "weights",
         ModelError::OutOfRange { what, .. } if what.contains("length") => "length",
         ModelError::OutOfRange { .. } => "density",
@@ -220,8 +222,20 @@ fn state<const D: usize>(
     section: &Section,
     folder: &Path,
 ) -> Result<(Vec<f64>, Vec<f64>), ConfigError> {
+    let of_named = [
+        "thermal_velocity",
+        "velocities",
+        "beam_velocity",
+        "amplitude",
+        "mode",
+        "seed",
+    ];
+    let kinds = (&["two-stream", "landau"][..], &of_named[..]);
+    let name = match initial(section, folder, kinds, D * particles)? {
+        Initial::State(x, v) => return Ok((x, v)),
+        Initial::Named(name) => name,
+    };
     let thermal_velocity = section.number("thermal_velocity", Accept::NotNegative)?;
-    let beam_velocity = section.number("beam_velocity", Accept::Finite)?;
     let amplitude = section.number("amplitude", Accept::Finite)?;
     let mode = section.whole_between("mode", 1, u64::from(u32::MAX))? as u32;
     let seed = section.whole("seed", 0)?;
@@ -229,23 +243,24 @@ fn state<const D: usize>(
         "code" => VelocityConvention::Code,
         _ => VelocityConvention::Text,
     };
-    let drawn = match initial(section, folder, &["two-stream", "landau"], D * particles)? {
-        Initial::State(x, v) => return Ok((x, v)),
-        Initial::Named("landau") => Landau {
+    let drawn = if name == "landau" {
+        refuse_unused(section, &["beam_velocity"], "initial = \"two-stream\"")?;
+        let landau = Landau {
             amplitude,
             mode,
             thermal_velocity,
             convention,
-        }
-        .sample_box::<D>(particles, length, seed),
-        Initial::Named(_) => TwoStream {
-            beam_velocity,
+        };
+        landau.sample_box::<D>(particles, length, seed)
+    } else {
+        let two_stream = TwoStream {
+            beam_velocity: section.number("beam_velocity", Accept::Finite)?,
             thermal_velocity,
             amplitude,
             mode,
             convention,
-        }
-        .sample_box::<D>(particles, length, seed),
+        };
+        two_stream.sample_box::<D>(particles, length, seed)
     };
     drawn.map_err(|error| refused(section, "amplitude", error))
 }

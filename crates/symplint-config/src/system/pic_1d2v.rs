@@ -59,12 +59,10 @@ fn build(section: &Section, folder: &Path) -> Result<System, ConfigError> {
     let fields = Fields::ALL.iter().find(|(name, _)| *name == chosen);
     let cells = section.whole("cells", 1)? as usize;
     let particles = section.whole_between("particles", 1, MOST_DOF)? as usize;
-    let seed = section.whole("seed", 0)?;
     let length = section.optional_number("length", Accept::Positive)?;
-    let amplitude = section.optional_number("amplitude", Accept::Finite)?;
     // A state from a file must have this length, so the file is read before the box is known.
     let dof = 2 * (particles + cells);
-    let (plasma, state) = match initial(section, folder, &names, dof)? {
+    let (plasma, state) = match initial(section, folder, (&names, &["seed", "amplitude"]), dof)? {
         Initial::State(q, p) => (InitialPlasma::Random, Some((q, p))),
         Initial::Named(name) => {
             let known = InitialPlasma::ALL.iter().find(|(known, _)| *known == name);
@@ -97,6 +95,8 @@ fn build(section: &Section, folder: &Path) -> Result<System, ConfigError> {
     let (q0, p0) = match state {
         Some(state) => state,
         None => {
+            let seed = section.whole("seed", 0)?;
+            let amplitude = section.optional_number("amplitude", Accept::Finite)?;
             let amplitude = amplitude.unwrap_or(plasma.amplitude());
             section.record("amplitude", amplitude);
             let drawn = plasma.sample(&gempic, amplitude, seed);

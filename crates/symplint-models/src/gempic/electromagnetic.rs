@@ -25,8 +25,9 @@ pub enum Fields {
     /// of V1 integrals over edges, and the curl is a difference of neighbours.
     ///
     /// Splines of degree p and p − 1 are the shapes by which particles feel the fields; with the splitting that is the
-    /// charge-conserving symplectic scheme of J. Squire, H. Qin & W. M. Tang, Phys. Plasmas 19 (2012) 084501, and of J. Xiao
-    /// et al., Phys. Plasmas 22 (2015) 112504.
+    /// charge-conserving symplectic scheme of J. Xiao et al., Phys. Plasmas 22 (2015) 112504. The scheme of J. Squire, H. Qin
+    /// & W. M. Tang, Phys. Plasmas 19 (2012) 084501, has the same kind of grid and shapes, and comes from a discrete action
+    /// and not from a splitting.
     Yee,
 }
 

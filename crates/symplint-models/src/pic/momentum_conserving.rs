@@ -15,7 +15,7 @@ use crate::tangent::DriftKickTangent;
 pub struct MomentumConservingConfig {
     /// Number and weights of the particles.
     pub weights: ParticleWeights,
-    /// Cells of the line.
+    /// Cells of the line, at least 3.
     pub cells: usize,
     /// L, its length.
     pub length: f64,
@@ -83,8 +83,8 @@ impl MomentumConservingPic {
     /// The system that `config` describes.
     ///
     /// # Errors
-    /// If there is no particle, a weight or the density is zero or not finite, the degree is above 5, there is no cell or
-    /// more than memory is meant to be spent on, or the length is not positive and finite.
+    /// If there is no particle, a weight or the density is zero or not finite, the degree is above 5, there are fewer than 3
+    /// cells or more than memory is meant to be spent on, or the length is not positive and finite.
     pub fn new(config: MomentumConservingConfig) -> Result<Self, ModelError> {
         if config.degree > MAX_DEGREE {
             return Err(ModelError::Degree {
@@ -94,6 +94,11 @@ impl MomentumConservingPic {
             });
         }
         let grid = PeriodicGrid::new(config.cells, config.length)?;
+        if config.cells < 3 {
+            return Err(ModelError::NoCentredDifference {
+                cells: config.cells,
+            });
+        }
         let weights = config.weights.of_box(config.length)?;
         let coordinates = Coordinates::plain(weights.len()).with_weights(weights.clone());
         let coordinates =

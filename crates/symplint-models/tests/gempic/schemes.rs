@@ -3,7 +3,7 @@
 use symplint::TimeAdvance;
 use symplint_models::gempic::{Fields as Discretisation, Gempic, GempicConfig, PhysicalState};
 use symplint_models::integrators::{Solver, StageSolver, Stop, catalogue};
-use symplint_models::{Model, ModelError};
+use symplint_models::{Model, ModelError, SplitHamiltonian};
 
 use crate::common::{State, distance, stepped};
 use crate::reference::{Fields, Plasma, config, gauss, random_state};
@@ -459,6 +459,66 @@ fn what_cannot_be_solved_is_refused() {
             failure.reason
         );
     });
+}
+
+/// A particle so far out that its place is rounded to more than a cell has no field: the numbers of its cells are no longer
+/// told apart, and going through them would not end.
+#[test]
+fn places_that_are_rounded_to_more_than_a_cell_fail() {
+    let gempic = plasma(4, Discretisation::Yee);
+    let variants = ["midpoint", "sub-stepped", "orbit-averaged"].map(|v| ("crank-nicolson", v));
+    let pushes = ["synchronised", "staggered", "nodal", "direct"].map(|v| ("boris-pic", v));
+    for (name, variant) in variants.into_iter().chain(pushes) {
+        let map = build(&gempic, name, Some(variant));
+        let advance = |x: f64| {
+            let mut physical = random_state(&gempic, 5);
+            physical.x[1] = x;
+            let (mut q, mut p) = gempic.state(&physical).unwrap();
+            let mut outcome = Ok(());
+            crate::flows::with_block(&mut q, &mut p, |block| outcome = map.advance(0.1, block));
+            outcome.map_err(|failure| failure.reason)
+        };
+        for x in [1e17, -1e17, 1e300] {
+            let reason = advance(x).unwrap_err();
+            for part in ["particle 1", "rounding is", "inside the box"] {
+                assert!(reason.contains(part), "{name}, {variant}: {reason}");
+            }
+        }
+        // Rounded to 3e-4 of a cell.
+        assert_eq!(advance(1e12), Ok(()), "{name}, {variant}");
+    }
+}
+
+/// The kick by e and Faraday's law are one flow of the splitting; apart, neither is symplectic.
+#[test]
+fn electric_substeps_of_boris_are_flows_of_the_splitting() {
+    const H: f64 = 0.3;
+    for fields in DISCRETISATIONS {
+        for degree in 1..=5 {
+            let gempic = plasma(degree, fields);
+            let begin = start(&gempic, 5);
+            for (variant, substeps) in [
+                ("synchronised", &[1, 4][..]),
+                ("direct", &[1, 4]),
+                ("staggered", &[2]),
+            ] {
+                let map = build(&gempic, "boris-pic", Some(variant));
+                for &substep in substeps {
+                    let mut expected = begin.clone();
+                    crate::flows::with_block(&mut expected.0, &mut expected.1, |block| {
+                        // H_E.
+                        gempic.flow(0, 0.5 * H, block);
+                    });
+                    let mut found = begin.clone();
+                    crate::flows::with_block(&mut found.0, &mut found.1, |block| {
+                        map.advance_substep(substep, H, block).unwrap();
+                    });
+                    let off = distance(&found, &expected);
+                    assert!(off < 1e-14, "{variant}, {fields:?}, {degree}: {off:e}");
+                }
+            }
+        }
+    }
 }
 
 /// Steps of any size end: particles that pass more cells than anybody wants are refused.

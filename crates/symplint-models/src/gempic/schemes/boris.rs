@@ -1,7 +1,7 @@
 //! The push of Boris with leapfrog fields, part by part.
 
 use super::Substep;
-use super::coupling::Coupling;
+use super::coupling::{Coupling, SplinesAt};
 use super::orbit::along;
 use crate::gempic::electromagnetic::{Gempic, difference};
 use crate::gempic::physical::PhysicalState;
@@ -16,21 +16,26 @@ pub struct Boris1d2v {
     pub gathers_at_nodes: bool,
     /// Whether the current along x is q v1 times the shape in the middle of the way, and not what the law of charge
     /// conservation says: T. Z. Esirkepov, Comput. Phys. Commun. 135 (2001) 144; on a line and for linear shapes that is the
-    /// zigzag scheme of T. Umeda et al., Comput. Phys. Commun. 156 (2003) 73.
+    /// current along x of the zigzag scheme of T. Umeda et al., Comput. Phys. Commun. 156 (2003) 73. The law says nothing of
+    /// the current across, which is q v2 times the shape in the middle of the way in either case; Esirkepov takes the mean of
+    /// both ends, Umeda the middles of the segments between nodes.
     pub deposits_directly: bool,
 }
 
 /// The parts of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
-    /// Half of the electric kick, a rotation, the other half.
-    WholeKick,
-    /// The second half of the rotation, then half of the kick.
-    FirstKick,
-    /// Half of the kick, then the first half of the rotation.
-    LastKick,
+    /// Half of Boris' rotation of a step.
+    HalfRotation,
+    /// All of it.
+    Rotation,
+    /// v += (h/2) (q/m) E.
+    Kick,
     /// a −= (h/2) e.
     Faraday,
+    /// Both. Fields gathered by the shapes of the grid change m v and −q A by the same: canonical momenta stay, and this is
+    /// H_E. Neither of the two alone is symplectic.
+    KickAndFaraday,
     /// Positions by velocities, and the current meanwhile.
     Drift,
     /// M0 e2 += h Cᵀ M1 b.
@@ -55,31 +60,56 @@ impl BorisPart {
         }
     }
 
-    fn kick(&self, h: f64, state: &mut PhysicalState) {
-        let half_charge = 0.5 * h * self.gempic.charge / self.gempic.mass;
+    fn rotate(&self, h: f64, state: &mut PhysicalState) {
+        let half_charge = self.half_charge(h);
         let mut b = state.a2.clone();
         difference(&mut b);
-        let mut e1 = state.e1.clone();
-        if self.scheme.gathers_at_nodes {
-            to_nodes(&mut e1, self.coupling.per_length());
-            to_nodes(&mut b, self.coupling.per_length());
+        self.to_where_it_is_gathered(&mut b);
+        for a in 0..state.x.len() {
+            let t = half_charge * self.of_edges(&self.coupling.at(state.x[a]), &b);
+            let mut v = half_rotation([state.v1[a], state.v2[a]], t);
+            if self.part == Part::Rotation {
+                v = half_rotation(v, t);
+            }
+            [state.v1[a], state.v2[a]] = v;
         }
+    }
+
+    fn kick(&self, h: f64, state: &mut PhysicalState) {
+        let half_charge = self.half_charge(h);
+        let mut e1 = state.e1.clone();
+        self.to_where_it_is_gathered(&mut e1);
         for a in 0..state.x.len() {
             let splines = self.coupling.at(state.x[a]);
-            let of_edges = |values: &[f64]| match self.scheme.gathers_at_nodes {
-                true => splines.of_zero(values),
-                false => splines.of_one(values),
-            };
-            let kick = [of_edges(&e1), splines.of_zero(&state.e2)].map(|e| half_charge * e);
-            let t = half_charge * of_edges(&b);
-            let v = [state.v1[a], state.v2[a]];
-            let add = |v: [f64; 2]| [v[0] + kick[0], v[1] + kick[1]];
-            let v = match self.part {
-                Part::FirstKick => add(half_rotation(v, t)),
-                Part::LastKick => half_rotation(add(v), t),
-                _ => add(half_rotation(half_rotation(add(v), t), t)),
-            };
-            [state.v1[a], state.v2[a]] = v;
+            state.v1[a] += half_charge * self.of_edges(&splines, &e1);
+            state.v2[a] += half_charge * splines.of_zero(&state.e2);
+        }
+    }
+
+    fn faraday(h: f64, state: &mut PhysicalState) {
+        for j in 0..state.e1.len() {
+            state.a1[j] -= 0.5 * h * state.e1[j];
+            state.a2[j] -= 0.5 * h * state.e2[j];
+        }
+    }
+
+    /// h q/2m.
+    fn half_charge(&self, h: f64) -> f64 {
+        0.5 * h * self.gempic.charge / self.gempic.mass
+    }
+
+    /// E1 or B from integrals over edges to what is weighted to particles.
+    fn to_where_it_is_gathered(&self, edges: &mut [f64]) {
+        if self.scheme.gathers_at_nodes {
+            to_nodes(edges, self.coupling.per_length());
+        }
+    }
+
+    /// E1 or B at a particle.
+    fn of_edges(&self, splines: &SplinesAt, values: &[f64]) -> f64 {
+        match self.scheme.gathers_at_nodes {
+            true => splines.of_zero(values),
+            false => splines.of_one(values),
         }
     }
 
@@ -90,12 +120,8 @@ impl BorisPart {
             let charge = self.gempic.charge * self.gempic.weights[a];
             let (x, v1, v2) = (state.x[a], state.v1[a], state.v2[a]);
             let way = h * v1;
-            if coupling.is_too_long(way) {
-                return Err(format!(
-                    "particle {a} moves by {way:.1e} in one step, {:.1e} cells; take a smaller step size",
-                    way * coupling.per_length()
-                ));
-            }
+            let passable = coupling.check_way(x, way);
+            passable.map_err(|impassable| format!("particle {a} {impassable}"))?;
             along(
                 coupling,
                 !self.scheme.deposits_directly,
@@ -136,15 +162,15 @@ impl BorisPart {
 impl Substep for BorisPart {
     fn advance(&self, h: f64, state: &mut PhysicalState) -> Result<(), String> {
         match self.part {
-            Part::WholeKick | Part::FirstKick | Part::LastKick => self.kick(h, state),
+            Part::HalfRotation | Part::Rotation => self.rotate(h, state),
+            Part::Kick => self.kick(h, state),
+            Part::Faraday => Self::faraday(h, state),
+            Part::KickAndFaraday => {
+                self.kick(h, state);
+                Self::faraday(h, state);
+            }
             Part::Drift => return self.drift(h, state),
             Part::Ampere => self.ampere(h, state),
-            Part::Faraday => {
-                for j in 0..state.e1.len() {
-                    state.a1[j] -= 0.5 * h * state.e1[j];
-                    state.a2[j] -= 0.5 * h * state.e2[j];
-                }
-            }
         }
         Ok(())
     }

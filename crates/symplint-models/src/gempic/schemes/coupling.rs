@@ -1,5 +1,7 @@
 //! Splines at a particle: what gathers fields and deposits charge, for any degree.
 
+use std::fmt;
+
 use crate::bspline::{self, CellWeights};
 use crate::periodic_grid::PeriodicGrid;
 
@@ -24,9 +26,42 @@ struct Span {
     values: CellWeights,
 }
 
+/// Why the cells on a way cannot be gone through one by one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Impassable {
+    /// There are too many of them.
+    TooLong { way: f64, cells: f64 },
+    /// A place on it is rounded to more than a cell.
+    Unresolved { place: f64, rounding_in_cells: f64 },
+}
+
+impl fmt::Display for Impassable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Impassable::TooLong { way, cells } => write!(
+                f,
+                "moves by {way:.1e} in one step, {cells:.1e} cells; take a smaller step size"
+            ),
+            Impassable::Unresolved {
+                place,
+                rounding_in_cells,
+            } => write!(
+                f,
+                "comes to x = {place:.1e}, where rounding is {rounding_in_cells:.1e} cells; give initial positions \
+                 inside the box"
+            ),
+        }
+    }
+}
+
 impl Coupling {
     pub(super) fn new(degree: usize, grid: PeriodicGrid) -> Self {
         Coupling { degree, grid }
+    }
+
+    /// The degree of the splines of V0.
+    pub(super) fn degree(&self) -> usize {
+        self.degree
     }
 
     pub(super) fn cells(&self) -> usize {
@@ -54,15 +89,29 @@ impl Coupling {
         }
     }
 
-    /// Whether a way passes so many cells that going through them one by one is of no use.
-    pub(super) fn is_too_long(&self, way: f64) -> bool {
+    /// Whether the cells on the way from x to x + `way` can be gone through one by one.
+    pub(super) fn check_way(&self, x: f64, way: f64) -> Result<(), Impassable> {
         /// A step that resolves anything passes a few.
         const MOST_CELLS: f64 = 1e5;
-        (way * self.per_length()).abs() > MOST_CELLS || way.is_nan()
+        let cells = (way * self.per_length()).abs();
+        if cells > MOST_CELLS || way.is_nan() {
+            return Err(Impassable::TooLong { way, cells });
+        }
+        let end = x + way;
+        let place = if end.abs() > x.abs() { end } else { x };
+        let rounding_in_cells = f64::EPSILON * place.abs() * self.per_length();
+        // From here on numbers of cells are not told from their neighbours.
+        if rounding_in_cells >= 1.0 || place.is_nan() {
+            return Err(Impassable::Unresolved {
+                place,
+                rounding_in_cells,
+            });
+        }
+        Ok(())
     }
 
     /// The parts of the way from x to x + `way` on which splines are polynomials, in the order of the way: where they begin
-    /// and end, from 0 to 1.
+    /// and end, from 0 to 1. The way has passed [`check_way`](Self::check_way): for others this might not end.
     pub(super) fn pieces(&self, x: f64, way: f64, mut each: impl FnMut(f64, f64)) {
         let per_length = self.per_length();
         let (from, length) = (x * per_length, way * per_length);

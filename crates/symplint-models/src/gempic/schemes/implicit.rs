@@ -2,7 +2,7 @@
 
 use super::Substep;
 use super::coupling::Coupling;
-use super::orbit::{MeanFields, Orbit, along, felt, mean_velocity, solve_orbit};
+use super::orbit::{MeanFields, Orbit, Unsolved, along, felt, mean_velocity, solve_orbit};
 use crate::gempic::electromagnetic::{Gempic, difference};
 use crate::gempic::mass::product_at;
 use crate::gempic::physical::PhysicalState;
@@ -115,12 +115,7 @@ impl MeanFieldStep {
                         (x, v, guess),
                         (part, half_charge),
                     );
-                    let mean = found.ok_or_else(|| {
-                        format!(
-                            "the orbit of particle {a} did not converge; take a smaller step size, or a degree of 2 or \
-                             more, whose fields are continuous"
-                        )
-                    })?;
+                    let mean = found.map_err(|unsolved| self.orbit_failure(a, &unsolved))?;
                     (mean, part * mean[0])
                 }
             };
@@ -140,6 +135,20 @@ impl MeanFieldStep {
         pushed.velocities.push(v);
         pushed.means.push(guess);
         Ok(())
+    }
+
+    fn orbit_failure(&self, particle: usize, unsolved: &Unsolved) -> String {
+        let iterations = match unsolved {
+            Unsolved::Impassable(impassable) => return format!("particle {particle} {impassable}"),
+            Unsolved::NotConverged(iterations) => iterations,
+        };
+        let smoother = match self.coupling.degree() {
+            1 => ", or a degree of 2 or more, whose fields are continuous",
+            _ => "",
+        };
+        format!(
+            "the orbit of particle {particle} did not converge in {iterations} iterations; take a smaller step size{smoother}"
+        )
     }
 
     /// The mean fields that currents give: ē1 = e1 − (h/2) M1⁻¹ J1, and ē2 from Ampère's and Faraday's laws together,
@@ -223,7 +232,7 @@ impl MeanFieldStep {
         }
         Err(format!(
             "the mean fields did not converge in {most} iterations: one changes them by {:.1e} of the state; take a \
-             smaller step size or a looser tolerance",
+             smaller step size, a larger max_iterations or a looser tolerance",
             least / size
         ))
     }

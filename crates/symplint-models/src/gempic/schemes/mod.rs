@@ -41,12 +41,13 @@ pub struct PlasmaStep {
 }
 
 impl PlasmaStep {
-    /// Crank–Nicolson for particles and fields: z' = z + h J ∇H(z̄), z̄ the mean of z and z' (G. Chen, L. Chacón & D. C.
-    /// Barnes, J. Comput. Phys. 230 (2011) 7018; with magnetic fields S. Markidis & G. Lapenta, J. Comput. Phys. 230 (2011)
-    /// 7037). Order 2, symmetric, conserves the energy as far as the solver goes, and is not symplectic.
+    /// Crank–Nicolson for particles and fields: z' = z + h J ∇H(z̄), z̄ the mean of z and z': the time discretisation of
+    /// G. Chen, L. Chacón & D. C. Barnes, J. Comput. Phys. 230 (2011) 7018, whose orbits conserve the charge, too (see
+    /// [`Orbit`]); with magnetic fields S. Markidis & G. Lapenta, J. Comput. Phys. 230 (2011) 7037. Order 2, symmetric, conserves the energy as far as the solver goes, and is not symplectic.
     ///
     /// Mean fields are found by fixed-point iteration. For given mean fields each particle is solved for to round-off, and
-    /// the fields' own waves are exact, so that h ω_p has to be small and not h c/Δx.
+    /// for given currents the fields are solved for directly, so that h ω_p has to be small and not h c/Δx. A wave of the
+    /// frequency ω0 on the grid has that of Crank–Nicolson, (2/h) atan(h ω0/2).
     ///
     /// # Errors
     /// If the solver allows no iteration, its tolerance is negative or not finite, or it is Newton's method.
@@ -89,24 +90,30 @@ impl PlasmaStep {
     pub fn boris(gempic: Gempic, scheme: Boris1d2v) -> Self {
         let part =
             |part: Part| -> Arc<dyn Substep> { Arc::new(BorisPart::new(&gempic, scheme, part)) };
-        let faraday = ("Faraday's law for 0.5 h", part(Part::Faraday));
+        let half_rotation = ("rotation of 0.5 h", part(Part::HalfRotation));
+        let kick = (
+            "kick and Faraday's law for 0.5 h",
+            part(Part::KickAndFaraday),
+        );
         let push = ("drift and current", part(Part::Drift));
         let ampere = ("Ampère's law", part(Part::Ampere));
         let substeps = match scheme.is_staggered {
+            // The kick that belongs to the last of Faraday's law is the first of the next step.
             true => vec![
-                ("Boris kick of h", part(Part::WholeKick)),
-                faraday.clone(),
+                ("kick of 0.5 h", part(Part::Kick)),
+                ("rotation of h", part(Part::Rotation)),
+                kick,
                 push,
                 ampere,
-                faraday,
+                ("Faraday's law for 0.5 h", part(Part::Faraday)),
             ],
             false => vec![
-                ("Boris kick of 0.5 h", part(Part::FirstKick)),
-                faraday.clone(),
+                half_rotation.clone(),
+                kick.clone(),
                 push,
                 ampere,
-                faraday,
-                ("Boris kick of 0.5 h", part(Part::LastKick)),
+                kick,
+                half_rotation,
             ],
         };
         PlasmaStep { gempic, substeps }

@@ -2,14 +2,17 @@
 
 use std::num::NonZeroUsize;
 
-use super::coupling::Coupling;
+use super::coupling::{Coupling, Impassable};
 
 /// Where on the orbit of a step fields are gathered and currents deposited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Orbit {
-    /// In its middle (G. Chen, L. Chacón & D. C. Barnes, J. Comput. Phys. 230 (2011) 7018, without sub-stepping).
+    /// In its middle: the time discretisation of G. Chen, L. Chacón & D. C. Barnes, J. Comput. Phys. 230 (2011) 7018,
+    /// without their sub-steps. Theirs adapt, and stop at the faces of cells, which conserves the charge as well as the
+    /// energy; a step that stops nowhere conserves the energy alone.
     Midpoint,
-    /// In the middle of each of so many equal sub-steps of the particle, as the same article has them.
+    /// In the middle of each of so many equal sub-steps of the particle. They do not adapt and do not stop at faces, so
+    /// that the charge is not conserved.
     SubStepped(NonZeroUsize),
     /// All along the straight way, exactly: the charge is conserved as well (K. Kormann & E. Sonnendrücker, J. Comput.
     /// Phys. 425 (2021) 109890).
@@ -84,15 +87,23 @@ pub(super) fn mean_velocity(v: [f64; 2], felt: Felt, half_charge: f64) -> [f64; 
     [factor * (a1 + t * a2), factor * (a2 - t * a1)]
 }
 
-/// The mean velocity of a particle that moves by h v̄1 meanwhile, to round-off; `None` where the iteration does not
-/// converge. It begins at `guess`; `half_charge` is h q/2m.
+/// Why an orbit was not found.
+pub(super) enum Unsolved {
+    /// An iterate cannot be followed through the cells.
+    Impassable(Impassable),
+    /// So many iterations were not enough.
+    NotConverged(usize),
+}
+
+/// The mean velocity of a particle that moves by h v̄1 meanwhile, to round-off. The iteration begins at `guess`;
+/// `half_charge` is h q/2m.
 pub(super) fn solve_orbit(
     coupling: &Coupling,
     is_averaged: bool,
     fields: &MeanFields<'_>,
     (x, v, guess): (f64, [f64; 2], [f64; 2]),
     (h, half_charge): (f64, f64),
-) -> Option<[f64; 2]> {
+) -> Result<[f64; 2], Unsolved> {
     /// An iteration contracts by h² ∂E/∂x, which is well below 1 in steps that resolve the plasma frequency.
     const MOST: usize = 100;
     /// Changes that no longer fall are round-off below this part of the velocity.
@@ -100,10 +111,9 @@ pub(super) fn solve_orbit(
     let mut mean = guess;
     let mut least = f64::INFINITY;
     for _ in 0..MOST {
-        if coupling.is_too_long(h * mean[0]) {
-            return None;
-        }
-        let felt = felt(coupling, is_averaged, fields, x, h * mean[0]);
+        let way = h * mean[0];
+        coupling.check_way(x, way).map_err(Unsolved::Impassable)?;
+        let felt = felt(coupling, is_averaged, fields, x, way);
         let next = mean_velocity(v, felt, half_charge);
         let change = (next[0] - mean[0]).abs();
         // Where a particle turns round, rounding is that of the velocity before.
@@ -116,9 +126,9 @@ pub(super) fn solve_orbit(
         let of_place = f64::EPSILON * x.abs().max(1.0 / coupling.per_length());
         let is_roundoff = change <= ROUNDOFF * size || (h * change).abs() <= of_place;
         if change == 0.0 || change >= least && is_roundoff {
-            return Some(mean);
+            return Ok(mean);
         }
         least = least.min(change);
     }
-    None
+    Err(Unsolved::NotConverged(MOST))
 }

@@ -104,7 +104,8 @@ fn failure(unsolved: &Unsolved) -> String {
     }
     format!(
         "the discrete gradient did not converge in {max_iterations} iterations: one changes the state by {change:.1e} of \
-         it where {tolerance:.1e} was asked for; take a smaller step size or a looser tolerance"
+         it where {tolerance:.1e} was asked for; take a smaller step size, a larger max_iterations or a looser \
+         tolerance"
     )
 }
 

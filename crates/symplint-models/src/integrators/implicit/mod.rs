@@ -126,7 +126,7 @@ impl<H: Hamiltonian> ImplicitRungeKutta<H> {
         format!(
             "the stages of {name} did not converge in {max_iterations} iterations: one changes them \
              by {change:.1e} of the state where {tolerance:.1e} was asked for; take a smaller step \
-             size, {other} or a looser tolerance"
+             size, a larger max_iterations, {other} or a looser tolerance"
         )
     }
 }
