@@ -7,6 +7,7 @@ import hashlib
 import json
 import math
 import os
+import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -142,7 +143,7 @@ def check(
     out : path, optional
         A folder to write the report to, as `Report.save` does. Every call of `step` is noted there as soon as it returns: a
         check that was stopped at any moment goes on from there when it is run again, and gives the report that it would
-        have given. Another step, recognised by its code and the numbers that it refers to, is refused.
+        have given. Another step, recognised by its code and by what it refers to, is refused.
     progress : bool or callable, optional
         True shows a bar on standard error if that is a terminal; a function gets how many points were measured, how many
         are planned, and the step size of the last one.
@@ -427,8 +428,11 @@ def _journal(
     except OSError as error:
         raise InputError(f"cannot make the folder {folder!r}: {error.strerror}; give out another one") from None
     run: dict[str, Any] = {"symplint": _native.__version__, **config, "step": fingerprint(step)}
-    if project is not None:
-        run["project"] = fingerprint(project)
+    # Code is compiled in another way by every version of Python.
+    run["python"] = sys.implementation.cache_tag
+    for name, function in (("project", project), ("reset", subject["reset"])):
+        if function is not None:
+            run[name] = fingerprint(function)
     if subject["workers"] is not None and not subject["per_sample"]:
         # Calls of arcs are not those of whole sets of states.
         run["arcs"] = True
