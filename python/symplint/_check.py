@@ -442,15 +442,42 @@ def _journal(
     return os.path.join(folder, "journal"), json.dumps(_finite(run))
 
 
+#: Journals of the checks that go on, by their paths.
+_journals: list[str] = []
+
+
 @contextlib.contextmanager
 def _resumable(journal: tuple[str, str] | None) -> Iterator[None]:
     """Says how to go on where Ctrl-C stops a run that can."""
+    if journal is None:
+        yield
+        return
+    _journals.append(journal[0])
     try:
         yield
     except KeyboardInterrupt as stopped:
-        if journal is not None:
-            stopped.add_note(f"the same check with out={os.path.dirname(journal[0])!r} goes on from here")
+        stopped.add_note(f"the same check with out={os.path.dirname(journal[0])!r} goes on from here")
         raise
+    finally:
+        _journals.remove(journal[0])
+
+
+def _let_go() -> None:
+    """Lets a process that was forked go of journals: it may outlive this one, and would keep them locked."""
+    for journal in _journals:
+        with contextlib.suppress(OSError):
+            of_journal = os.stat(journal)
+            for name in os.listdir("/dev/fd"):
+                with contextlib.suppress(OSError):
+                    if os.path.samestat(os.fstat(int(name)), of_journal):
+                        # Its number is not free: what opened it closes it.
+                        nothing = os.open(os.devnull, os.O_RDWR)
+                        os.dup2(nothing, int(name), inheritable=False)
+                        os.close(nothing)
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_let_go)
 
 
 def _config(name: str, subject: dict[str, Any], settings: dict[str, Any], loop: Any) -> dict[str, Any]:
