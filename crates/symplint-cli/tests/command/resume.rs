@@ -237,7 +237,8 @@ fn a_run_that_keeps_its_files_goes_on() {
     let keep = path("kept");
     let check = |out: &str| {
         let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=300"]);
-        command.arg(format!("--keep={}", keep.display()));
+        // Relative to the configuration, also when the run is resumed.
+        command.args(["--set", "system.keep=kept"]);
         command.arg("--out").arg(path(out)).output().unwrap()
     };
     let kept = || fs::read_dir(&keep).unwrap().count();
