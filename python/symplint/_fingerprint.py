@@ -7,6 +7,7 @@ import functools
 import hashlib
 import importlib
 import importlib.util
+import inspect
 import json
 import os
 import pathlib
@@ -188,8 +189,11 @@ class _Seen:
         used = {other: globals_[other] for other in names if other in globals_}
         for defaults in (function.__defaults__ or (), function.__kwdefaults__ or {}):
             self._add(_join(name, "defaults"), "", defaults, frozenset())
-        for held in (outer, used, vars(function), self._imported(function)):
+        for held in (outer, used, self._imported(function)):
             self._add_all(name, held, changed)
+        # It may count its calls itself, by its name.
+        own = frozenset(path.removeprefix(f"{code.co_name}.") for path in changed)
+        self._add_all(name, dict(vars(function)), own)
 
     def _add_all(self, name: str, values: dict[str, Any], unless: frozenset[str]) -> None:
         for other in sorted(values):
@@ -217,7 +221,7 @@ class _Seen:
         unless = frozenset(
             other.removeprefix(f"{holder}.") for holder in (path, kind.__name__) for other in unless | self._changed(kind)
         )
-        for other, value in vars(kind).items():
+        for other, value in list(vars(kind).items()):
             part = _join(name, other)
             if isinstance(value, property):
                 for function in (value.fget, value.fset, value.fdel):
@@ -248,7 +252,7 @@ class _Seen:
             held, unless = _attributes(value), unless | {_join(path, other) for other in self._changed(kind)}
         elif _root(_module(kind)) in sys.stdlib_module_names:
             held = _of_python(value)
-        elif (numbers := _as_array(value)) is not None:
+        elif not isinstance(value, np.ndarray) and (numbers := _as_array(value)) is not None:
             held = {"": numbers}
         else:
             held = _attributes(value) | {other: getattr(value, other) for other in WRAPPED if _has(value, other)}
@@ -257,7 +261,7 @@ class _Seen:
 
     def _add_items(self, name: str, path: str, value: Any, unless: frozenset[str]) -> None:
         if isinstance(value, dict | types.MappingProxyType):
-            for k, (key, item) in enumerate(value.items()):
+            for k, (key, item) in enumerate(list(value.items())):
                 text = _text(key)
                 if text is None:
                     text = f"#{k}"
@@ -266,6 +270,9 @@ class _Seen:
         elif isinstance(value, list | tuple | deque):
             for k, item in enumerate(value):
                 self._add(f"{name}[{k}]", f"{path}[{k}]", item, unless)
+        elif isinstance(value, np.ndarray):
+            # Of objects.
+            self._add(name, path, value.tolist(), unless)
         elif isinstance(value, set | frozenset):
             self._note(name, *sorted(self._alone(item) for item in value))
         elif isinstance(value, str | bytes | int | float | complex):
@@ -341,9 +348,10 @@ def _title(value: Any) -> str:
 
 
 def _has(value: Any, name: str) -> bool:
-    """Whether it has an attribute. Others than functions may make up any."""
+    """Whether it has a function of this name. Some objects make up any attribute that they are asked for."""
     try:
-        return callable(getattr(value, name, None))
+        inspect.getattr_static(value, name)
+        return callable(getattr(value, name))
     except Exception:
         return False
 
@@ -370,7 +378,7 @@ def _as_array(value: Any) -> np.ndarray | None:
         found = np.asarray(value.detach() if _has(value, "detach") else value)
     except Exception:
         return None
-    return None if found.dtype.hasobject else found
+    return found
 
 
 def _text(value: Any) -> str | None:

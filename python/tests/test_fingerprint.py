@@ -8,6 +8,7 @@ import subprocess
 import sys
 import textwrap
 import types
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -108,6 +109,9 @@ EDITS = {
     "a set": ("K = {1.0, 5.0}\ndef step(q, p, h): return q + h * p, p - h * sum(K) * q", "1.0", "2.0"),
     "an array in a dictionary": (
         "import numpy as np\nP = {'k': np.array([1.0])}\ndef step(q, p, h): return q, p - h * P['k'] * q", "1.0", "2.0",
+    ),
+    "an array of objects": (
+        "import numpy as np\nP = np.array([{'k': 1.0}])\ndef step(q, p, h): return q, p - h * P[0]['k'] * q", "1.0", "2.0",
     ),
     "an array of another library": (
         """
@@ -327,6 +331,7 @@ COUNTING = {
     "a set that grows": ("seen = set()", "seen.add(h)"),
     "an attribute of an object": ("class T: calls = 0\nt = T()\nt.calls = 0", "t.calls += 1"),
     "an attribute of a class": ("class T: calls = 0", "T.calls += 1"),
+    "an attribute of itself": ("", "step.calls = getattr(step, 'calls', 0) + 1"),
     "an object in an object": ("class T: pass\nt = T()\nt.of = T()\nt.of.calls = 0", "t.of.calls += 1"),
     "a method of an object": (
         "class T:\n    def __init__(self): self.calls = [0]\n    def count(self): self.calls[0] += 1\nt = T()", "t.count()",
@@ -405,6 +410,15 @@ def test_the_same_in_every_process(tmp_path):
         command = [sys.executable, tmp_path / "program.py"]
         found.add(subprocess.check_output(command, env=os.environ | {"PYTHONHASHSEED": seed}, text=True))
     assert len(found) == 1
+
+
+def test_objects_that_make_up_attributes_have_an_end():
+    made_up = Mock()
+
+    def step(q, p, h):
+        return q, p + made_up.k
+
+    assert len(fingerprint(step)["values"]) < 100
 
 
 def test_what_holds_itself_and_what_is_deep_has_an_end(tmp_path):
