@@ -7,7 +7,6 @@ the last bit for any number of workers. Several arcs make one task where they ta
 from __future__ import annotations
 
 import hashlib
-import inspect
 import os
 import pickle
 import socket
@@ -22,10 +21,12 @@ from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPo
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _native
+from ._arrays import Array
+from ._comparison import Comparison, States
 from ._errors import InputError, SymplintError
+from ._pools import OfMap, OfPool, has_callbacks
 
 #: Arcs of one set of states, at most.
 MOST_ARCS = 64
@@ -42,9 +43,6 @@ COMPARED = 8
 #: Checks at once that a worker tells from each other.
 MOST_CHECKS = 16
 
-Array = npt.NDArray[np.float64]
-States = tuple[Array, Array]
-
 
 class Workers:
     """The workers of an executor, which take the steps of a check."""
@@ -56,7 +54,7 @@ class Workers:
             if not callable(getattr(executor, "map", None)):
                 message = "give one with a method submit or map, as those of concurrent.futures have"
                 raise InputError(f"executor is an object of type {type(executor).__name__}; {message}")
-            executor = _OfPool(executor) if _has_callbacks(executor) else _OfMap(executor)
+            executor = OfPool(executor) if has_callbacks(executor) else OfMap(executor)
         self._executor: Any = executor
         self._scheduler = _scheduler(executor)
         self._renewed = False
@@ -71,16 +69,7 @@ class Workers:
         self._broken: list[_Task] = []
         self._sent = 0
         self._lock = threading.Lock()
-        self._compared: tuple[float, Array, Array] | None = None
-        self._reference: States | None = None
-        self._processes: set[str] = set()
-        self._difference: tuple[str, int, float] | None = None
-        #: What stops the check where a worker makes no numbers of states of which others make some.
-        self._unlike: SymplintError | None = None
-        #: Where the journal has what the first worker made of the compared states, and further differences.
-        self._calls: tuple[Any, Any] | None = None
-        #: States of these that were taken from it.
-        self._recalled = 0
+        self.comparison = Comparison()
         #: Seconds that an arc takes, once that is known.
         self._seconds: float | None = None
 
@@ -119,9 +108,10 @@ class Workers:
     def found(self) -> tuple[int, tuple[str, int, float] | None, int]:
         """How many processes took steps, the largest difference between their results for the same states, and how many
         states were taken from the journal to be compared with alone."""
-        if self._unlike is not None:
-            raise self._unlike
-        return len(self._processes), self._difference, self._recalled
+        found = self.comparison
+        if found.unlike is not None:
+            raise found.unlike
+        return len(found.processes), found.difference, found.recalled
 
     def close(self) -> None:
         """Gives up what was not asked for; where a journal is kept, but for what is under way."""
@@ -136,10 +126,11 @@ class Workers:
         finally:
             # Another check may want it.
             self.journal = None
+            self.comparison.end()
         if self._renewed:
             self._executor.shutdown(wait=False, cancel_futures=True)
-        if self._difference is not None:
-            name, dof, size = self._difference
+        if self.comparison.difference is not None:
+            name, dof, size = self.comparison.difference
             message = f"of the same states workers make {name} that differ by up to {size:.2g} in degree of freedom {dof}"
             warnings.warn(f"{message}: that is taken for noise", stacklevel=4)
 
@@ -151,11 +142,10 @@ class Workers:
 
     def _submit(self, arcs: list[_Arc]) -> None:
         """Sends arcs to workers, but those that the journal has."""
-        is_first = self._compared is None and bool(arcs)
+        is_first = self.comparison.states is None and bool(arcs)
         if is_first:
             # The first ones of all, so that those who go on with a run are compared with those who began it.
-            self._compared = (arcs[0].h, *_first(arcs, COMPARED))
-            self._recall()
+            self.comparison.begin(self.journal, arcs[0].h, *_first(arcs, COMPARED))
         wanted = []
         for arc in arcs:
             if self.journal is not None:
@@ -185,7 +175,7 @@ class Workers:
         return max(1, together)
 
     def _send(self, task: _Task) -> None:
-        arguments = (self._step, self._compared, [(arc.h, arc.q, arc.p) for arc in task.arcs])
+        arguments = (self._step, self.comparison.states, [(arc.h, arc.q, arc.p) for arc in task.arcs])
         self._sent += 1
         task.executor, task.number = self._executor, self._sent
         self._tasks.add(task)
@@ -213,7 +203,7 @@ class Workers:
                     task.error = error
                 return
             with self._lock:
-                self._compare(result)
+                self.comparison.take(result.process, result.compared)
                 if result.states:
                     self._seconds = result.seconds / len(result.states)
             journal = self.journal
@@ -242,10 +232,10 @@ class Workers:
         while not arc.is_done:
             task = arc.task
             assert task is not None
-            if isinstance(self._executor, _OfMap):
+            if isinstance(self._executor, OfMap):
                 self._executor.make()
             self._wait_for(task)
-            if (error := task.error or self._unlike) is not None:
+            if (error := task.error or self.comparison.unlike) is not None:
                 raise error
             if not arc.is_done and task.broken is not None:
                 self._send_again(task)
@@ -257,7 +247,7 @@ class Workers:
     def _check_connection(self) -> None:
         """Whether tasks may still end: to those who wait Dask says nothing of a scheduler that is gone, or was started again,
         and pools nothing of a process that died."""
-        if isinstance(self._executor, _OfPool):
+        if isinstance(self._executor, OfPool):
             self._executor.check()
         client = getattr(self._executor, "_client", None)
         if getattr(client, "status", None) in ("closing", "closed"):
@@ -332,147 +322,10 @@ class Workers:
                 old.shutdown(wait=False, cancel_futures=True)
             self._renewed = True
 
-    def _recall(self) -> None:
-        """Takes from the journal what workers of a run that was stopped made of the compared states."""
-        if self.journal is None:
-            return
-        assert self._compared is not None
-        _, q, p = self._compared
-        # No step has such a size.
-        of_reference, self._reference = self.journal.find(np.inf, q, p)
-        self._recalled += 0 if self._reference is None else len(q)
-        of_difference, found = self.journal.find(np.nan, q[:1], p[:1])
-        while found is not None:
-            self._recalled += 1
-            self._difference = _largest(*found)
-            of_difference, found = self.journal.find(np.nan, q[:1], p[:1])
-        self._calls = of_reference, of_difference
-
-    def _compare(self, result: _Result) -> None:
-        """Compares what a worker makes of the same states with what the first one did."""
-        self._processes.add(result.process)
-        if result.compared is None:
-            return
-        if self._reference is None:
-            self._reference = result.compared
-            if self.journal is not None and self._calls is not None:
-                self.journal.note(self._calls[0], *self._reference)
-        apart = [_apart(of_first, found) for of_first, found in zip(self._reference, result.compared, strict=True)]
-        if not np.isfinite(apart).all():
-            remedy = "see that all have the same processor and libraries"
-            message = f"worker {result.process} makes numbers that are not finite of states of which others make finite ones"
-            self._unlike = SymplintError(f"{message}, or the other way round; {remedy}")
-            return
-        name, dof, size = _largest(*apart)
-        if size > (0.0 if self._difference is None else self._difference[2]):
-            self._difference = (name, dof, size)
-            if self.journal is not None and self._calls is not None:
-                assert self._compared is not None
-                self.journal.note(self._calls[1], *apart)
-                # A larger one is another record.
-                of_difference, _ = self.journal.find(np.nan, *(rows[:1] for rows in self._compared[1:]))
-                self._calls = self._calls[0], of_difference
-
-
-def _apart(first: Array, found: Array) -> Array:
-    """The largest distance between two results in each degree of freedom, as one row: infinite where only one is finite."""
-    with np.errstate(invalid="ignore"):
-        apart = np.abs(found - first)
-    # What neither worker makes a number of is the same.
-    same = (first == found) | (np.isnan(first) & np.isnan(found))
-    apart[same] = 0.0
-    apart[~np.isfinite(apart)] = np.inf
-    largest: Array = apart.max(axis=0, keepdims=True)
-    return largest
-
-
-def _largest(q: Array, p: Array) -> tuple[str, int, float]:
-    """The largest number of two rows, and where it is."""
-    name, row = max((("q", q), ("p", p)), key=lambda of: float(of[1].max()))
-    return name, int(row.argmax()), float(row.max())
-
-
 def _died(first: int, count: int, reason: str) -> str:
     if count == 1:
         return f"every worker that was to advance this state died ({reason})"
     return f"every worker that was to advance samples {first} to {first + count - 1} died, at one of them ({reason})"
-
-
-class _OfPool:
-    """An executor of what has a method apply_async that calls back, as pools of `multiprocessing` have."""
-
-    def __init__(self, pool: Any) -> None:
-        self._pool = pool
-        self._max_workers = getattr(pool, "_processes", None)
-        #: Those that it had since: a dead one is replaced, and what it had to do is lost.
-        self._processes = {process for process in _processes(pool) if process.exitcode is None}
-        self._ends_processes = getattr(pool, "_maxtasksperchild", None) is not None
-
-    def submit(self, function: Callable[..., _Result], *arguments: Any) -> Future[_Result]:
-        future: Future[_Result] = Future()
-
-        def take(result: _Result) -> None:
-            if future.set_running_or_notify_cancel():
-                future.set_result(result)
-
-        def fail(error: BaseException) -> None:
-            if future.set_running_or_notify_cancel():
-                future.set_exception(error)
-
-        try:
-            self._pool.apply_async(function, arguments, callback=take, error_callback=fail)
-        except ValueError as error:
-            raise RuntimeError(str(error)) from error
-        return future
-
-    def check(self) -> None:
-        """Raises where a process died: a pool says nothing of it, and waits for its result for ever."""
-        self._processes |= _processes(self._pool)
-        for process in self._processes:
-            code = process.exitcode
-            if code is not None and not (self._ends_processes and code == 0):
-                remedy = "give a concurrent.futures.ProcessPoolExecutor, which replaces it; with out= no step is taken again"
-                raise SymplintError(f"a process of the pool ended with exit code {code}, and its task is lost; {remedy}")
-
-
-class _OfMap:
-    """An executor of what has a method map alone."""
-
-    def __init__(self, pool: Any) -> None:
-        # Results are noted one by one where they come so.
-        self._map = getattr(pool, "imap", pool.map)
-        self._waiting: list[tuple[Future[_Result], Any]] = []
-
-    def submit(self, function: Callable[..., _Result], *arguments: Any) -> Future[_Result]:
-        future: Future[_Result] = Future()
-        self._waiting.append((future, (function, arguments)))
-        return future
-
-    def make(self) -> None:
-        """Makes all tasks that wait."""
-        waiting, self._waiting = self._waiting, []
-        if waiting:
-            results = self._map(_apply, [work for _, work in waiting])
-            for (future, _), result in zip(waiting, results, strict=True):
-                future.set_result(result)
-
-
-def _processes(pool: Any) -> set[Any]:
-    """Processes of a pool, which has no public name for them."""
-    return {process for process in getattr(pool, "_pool", None) or () if hasattr(process, "exitcode")}
-
-
-def _has_callbacks(pool: Any) -> bool:
-    try:
-        parameters = inspect.signature(pool.apply_async).parameters
-    except (AttributeError, TypeError, ValueError):
-        return False
-    return {"callback", "error_callback"} <= parameters.keys()
-
-
-def _apply(work: tuple[Callable[..., _Result], tuple[Any, ...]]) -> _Result:
-    function, arguments = work
-    return function(*arguments)
 
 
 class _Arc:

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import symplint
-from symplint._workers import Workers, _advance, _Result, _Step
+from symplint._workers import Workers, _advance, _Step
 
 SETTINGS = {"step_sizes": [0.5, 0.25, 0.125], "budget": 2000, "loops": 3}
 
@@ -345,7 +345,7 @@ def step(q, p, h):
         file.write(f"{{os.getpid()}}\\n")
     if Path("calls").read_text().count("\\n") == 10 and len(sys.argv) > 1:
         os.kill(os.getppid(), 9)
-    time.sleep(0.01)
+    time.sleep(0.02)
     return verlet(q, p, h)
 
 if __name__ == "__main__":
@@ -369,8 +369,8 @@ def test_workers_that_outlive_a_killed_program_do_not_keep_its_journal(tmp_path,
         with contextlib.suppress(ProcessLookupError):
             os.killpg(killed.pid, signal.SIGKILL)
     assert found.returncode == 0, found.stderr
-    # What came back before is noted.
-    assert int(found.stdout) >= 8
+    # What came back before is noted, but for what was on its way.
+    assert int(found.stdout) >= 4
 
 
 APART = 0
@@ -502,10 +502,9 @@ def test_workers_that_make_no_numbers_are_told(other, is_unlike):
     with ThreadPoolExecutor(1) as executor:
         workers = Workers(executor, verlet, per_sample=False, make=False, single=False, reset=None)
     for value in (2.0, other):
-        result = _Result()
         # What nobody makes numbers of is alike.
-        result.compared = (np.array([[1.0], [value], [np.nan]]), np.array([[np.inf], [0.0], [0.0]]))
-        workers._compare(result)
+        compared = (np.array([[1.0], [value], [np.nan]]), np.array([[np.inf], [0.0], [0.0]]))
+        workers.comparison.take("process", compared)
     if is_unlike:
         with pytest.raises(symplint.SymplintError, match="not finite of states"):
             workers.found()
