@@ -211,6 +211,28 @@ fn a_command_that_is_refused_changes_nothing() {
 }
 
 #[test]
+fn a_run_that_goes_on_is_not_replaced_by_force() {
+    let bench = Bench::new("leapfrog", KEYS);
+    let folder = bench.folder.path().join("run");
+    let check = |more: &[&str]| {
+        let mut command = bench.command(&["--quiet", "--out"]);
+        command.arg(&folder).args(more).output().unwrap()
+    };
+    let few = ["--set", "diagnostic.budget=300"];
+    assert_eq!(check(&few).status.code(), Some(0));
+    let before = contents(&folder);
+    let journal = fs::File::open(folder.join("journal")).unwrap();
+    journal.lock().unwrap();
+    let output = check(&["--force", "--set", "diagnostic.budget=400"]);
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(in_one_line(&output).contains("another run writes to it"));
+    assert!(contents(&folder) == before);
+    drop(journal);
+    let output = check(&["--force", "--set", "diagnostic.budget=400"]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+}
+
+#[test]
 fn how_a_run_goes_is_no_other_run() {
     let bench = Bench::new("leapfrog", KEYS);
     let path = |name: &str| bench.folder.path().join(name);
