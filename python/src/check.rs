@@ -300,12 +300,15 @@ pub fn check(
     let found = functions.workers.as_ref().map(|workers| workers.found(py));
     let found = found.transpose()?.unwrap_or_default();
     if let Some(difference) = found.difference {
-        // What they leave of each other's states is noise.
-        diagnosis.evidence.survey.scatter.get_or_insert(difference);
-        diagnosis.verdict = judge(&diagnosis.evidence);
+        // What they leave of each other's states is noise: the larger one counts.
+        let scatter = &mut diagnosis.evidence.survey.scatter;
+        if scatter.is_none_or(|chance| difference.size > chance.size) {
+            *scatter = Some(difference);
+            diagnosis.verdict = judge(&diagnosis.evidence);
+        }
     }
     let report = (Report::new(diagnosis, title, config, &run, threads))
-        .replaying(replayed)
+        .replaying(replayed - found.recalled.min(replayed))
         .by_workers(found.count);
     Ok((report, failed))
 }

@@ -7,6 +7,7 @@ import hashlib
 import json
 import math
 import os
+import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -142,7 +143,7 @@ def check(
     out : path, optional
         A folder to write the report to, as `Report.save` does. Every call of `step` is noted there as soon as it returns: a
         check that was stopped at any moment goes on from there when it is run again, and gives the report that it would
-        have given. Another step, recognised by its code and the numbers that it refers to, is refused.
+        have given. Another step, recognised by its code and by what it refers to, is refused.
     progress : bool or callable, optional
         True shows a bar on standard error if that is a terminal; a function gets how many points were measured, how many
         are planned, and the step size of the last one.
@@ -427,8 +428,11 @@ def _journal(
     except OSError as error:
         raise InputError(f"cannot make the folder {folder!r}: {error.strerror}; give out another one") from None
     run: dict[str, Any] = {"symplint": _native.__version__, **config, "step": fingerprint(step)}
-    if project is not None:
-        run["project"] = fingerprint(project)
+    # Code is compiled in another way by every version of Python.
+    run["python"] = sys.implementation.cache_tag
+    for name, function in (("project", project), ("reset", subject["reset"])):
+        if function is not None:
+            run[name] = fingerprint(function)
     if subject["workers"] is not None and not subject["per_sample"]:
         # Calls of arcs are not those of whole sets of states.
         run["arcs"] = True
@@ -438,15 +442,42 @@ def _journal(
     return os.path.join(folder, "journal"), json.dumps(_finite(run))
 
 
+#: Journals of the checks that go on, by their paths.
+_journals: list[str] = []
+
+
 @contextlib.contextmanager
 def _resumable(journal: tuple[str, str] | None) -> Iterator[None]:
     """Says how to go on where Ctrl-C stops a run that can."""
+    if journal is None:
+        yield
+        return
+    _journals.append(journal[0])
     try:
         yield
     except KeyboardInterrupt as stopped:
-        if journal is not None:
-            stopped.add_note(f"the same check with out={os.path.dirname(journal[0])!r} goes on from here")
+        stopped.add_note(f"the same check with out={os.path.dirname(journal[0])!r} goes on from here")
         raise
+    finally:
+        _journals.remove(journal[0])
+
+
+def _let_go() -> None:
+    """Lets a process that was forked go of journals: it may outlive this one, and would keep them locked."""
+    for journal in _journals:
+        with contextlib.suppress(OSError):
+            of_journal = os.stat(journal)
+            for name in os.listdir("/dev/fd"):
+                with contextlib.suppress(OSError):
+                    if os.path.samestat(os.fstat(int(name)), of_journal):
+                        # Its number is not free: what opened it closes it.
+                        nothing = os.open(os.devnull, os.O_RDWR)
+                        os.dup2(nothing, int(name), inheritable=False)
+                        os.close(nothing)
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_let_go)
 
 
 def _config(name: str, subject: dict[str, Any], settings: dict[str, Any], loop: Any) -> dict[str, Any]:

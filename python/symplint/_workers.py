@@ -21,10 +21,12 @@ from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPo
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _native
+from ._arrays import Array
+from ._comparison import Comparison, States
 from ._errors import InputError, SymplintError
+from ._pools import OfMap, OfPool, has_callbacks
 
 #: Arcs of one set of states, at most.
 MOST_ARCS = 64
@@ -38,9 +40,8 @@ SHORT_TASK_SECONDS = 0.005
 SECONDS_OF_A_LOOK = 1.0
 #: States that every worker advances first, so that all can be compared.
 COMPARED = 8
-
-Array = npt.NDArray[np.float64]
-States = tuple[Array, Array]
+#: Checks at once that a worker tells from each other.
+MOST_CHECKS = 16
 
 
 class Workers:
@@ -53,7 +54,7 @@ class Workers:
             if not callable(getattr(executor, "map", None)):
                 message = "give one with a method submit or map, as those of concurrent.futures have"
                 raise InputError(f"executor is an object of type {type(executor).__name__}; {message}")
-            executor = _OfMap(executor)
+            executor = OfPool(executor) if has_callbacks(executor) else OfMap(executor)
         self._executor: Any = executor
         self._scheduler = _scheduler(executor)
         self._renewed = False
@@ -64,11 +65,11 @@ class Workers:
         self.journal: Any = None
         self._begun: dict[bytes, deque[_Arc]] = {}
         self._tasks: set[_Task] = set()
+        #: Tasks that were lost with a worker, until their arcs are sent again.
+        self._broken: list[_Task] = []
+        self._sent = 0
         self._lock = threading.Lock()
-        self._compared: tuple[float, Array, Array] | None = None
-        self._reference: States | None = None
-        self._processes: set[str] = set()
-        self._difference: tuple[str, int, float] | None = None
+        self.comparison = Comparison()
         #: Seconds that an arc takes, once that is known.
         self._seconds: float | None = None
 
@@ -95,6 +96,8 @@ class Workers:
         first = 0
         for arc in arcs:
             self._wait(arc)
+            if arc.reason is not None:
+                return None, (first, RuntimeError(_died(first, len(arc.q), arc.reason)))
             if arc.failure is not None:
                 sample, error = arc.failure
                 return None, (first + sample, error)
@@ -102,9 +105,13 @@ class Workers:
         done = [arc.after for arc in arcs if arc.after is not None]
         return (np.concatenate([q for q, _ in done]), np.concatenate([p for _, p in done])), None
 
-    def found(self) -> tuple[int, tuple[str, int, float] | None]:
-        """How many processes took steps, and the largest difference between their results for the same states."""
-        return len(self._processes), self._difference
+    def found(self) -> tuple[int, tuple[str, int, float] | None, int]:
+        """How many processes took steps, the largest difference between their results for the same states, and how many
+        states were taken from the journal to be compared with alone."""
+        found = self.comparison
+        if found.unlike is not None:
+            raise found.unlike
+        return len(found.processes), found.difference, found.recalled
 
     def close(self) -> None:
         """Gives up what was not asked for; where a journal is kept, but for what is under way."""
@@ -119,10 +126,11 @@ class Workers:
         finally:
             # Another check may want it.
             self.journal = None
+            self.comparison.end()
         if self._renewed:
             self._executor.shutdown(wait=False, cancel_futures=True)
-        if self._difference is not None:
-            name, dof, size = self._difference
+        if self.comparison.difference is not None:
+            name, dof, size = self.comparison.difference
             message = f"of the same states workers make {name} that differ by up to {size:.2g} in degree of freedom {dof}"
             warnings.warn(f"{message}: that is taken for noise", stacklevel=4)
 
@@ -134,6 +142,10 @@ class Workers:
 
     def _submit(self, arcs: list[_Arc]) -> None:
         """Sends arcs to workers, but those that the journal has."""
+        is_first = self.comparison.states is None and bool(arcs)
+        if is_first:
+            # The first ones of all, so that those who go on with a run are compared with those who began it.
+            self.comparison.begin(self.journal, arcs[0].h, *_first(arcs, COMPARED))
         wanted = []
         for arc in arcs:
             if self.journal is not None:
@@ -142,8 +154,7 @@ class Workers:
                     arc.finish(found)
                     continue
             wanted.append(arc)
-        if wanted and self._compared is None:
-            self._compared = (wanted[0].h, *_first(wanted, COMPARED))
+        if wanted and is_first:
             # Those that have nothing else to do yet are compared meanwhile.
             for _ in range(_count(self._executor) - len(wanted)):
                 self._send(_Task([]))
@@ -164,16 +175,16 @@ class Workers:
         return max(1, together)
 
     def _send(self, task: _Task) -> None:
-        arguments = (self._step, self._compared, [(arc.h, arc.q, arc.p) for arc in task.arcs])
-        task.executor = self._executor
+        arguments = (self._step, self.comparison.states, [(arc.h, arc.q, arc.p) for arc in task.arcs])
+        self._sent += 1
+        task.executor, task.number = self._executor, self._sent
         self._tasks.add(task)
         for arc in task.arcs:
             arc.task = task
         try:
             task.future = self._executor.submit(_advance, *arguments)
         except BrokenExecutor as error:
-            task.broken = error
-            task.done.set()
+            self._lose(task, error)
             return
         except RuntimeError as error:
             raise InputError(f"the executor takes no more work: {error}; shut it down after the check") from error
@@ -187,12 +198,12 @@ class Workers:
             except BaseException as error:
                 # Dask makes tasks again where workers die, some times.
                 if isinstance(error, BrokenExecutor | CancelledError) or type(error).__name__ == "KilledWorker":
-                    task.broken = error
+                    self._lose(task, error)
                 else:
                     task.error = error
                 return
             with self._lock:
-                self._compare(result)
+                self.comparison.take(result.process, result.compared)
                 if result.states:
                     self._seconds = result.seconds / len(result.states)
             journal = self.journal
@@ -209,16 +220,23 @@ class Workers:
             self._tasks.discard(task)
             task.done.set()
 
+    def _lose(self, task: _Task, error: BaseException) -> None:
+        """A task whose worker is lost."""
+        task.broken = error
+        self._tasks.discard(task)
+        self._broken.append(task)
+        task.done.set()
+
     def _wait(self, arc: _Arc) -> None:
         """Waits until an arc is advanced. Where a worker died, it is sent to another one."""
         while not arc.is_done:
             task = arc.task
             assert task is not None
-            if isinstance(self._executor, _OfMap):
+            if isinstance(self._executor, OfMap):
                 self._executor.make()
             self._wait_for(task)
-            if task.error is not None:
-                raise task.error
+            if (error := task.error or self.comparison.unlike) is not None:
+                raise error
             if not arc.is_done and task.broken is not None:
                 self._send_again(task)
 
@@ -227,7 +245,10 @@ class Workers:
             self._check_connection()
 
     def _check_connection(self) -> None:
-        """Whether tasks may still end: to those who wait Dask says nothing of a scheduler that is gone, or was started again."""
+        """Whether tasks may still end: to those who wait Dask says nothing of a scheduler that is gone, or was started again,
+        and pools nothing of a process that died."""
+        if isinstance(self._executor, OfPool):
+            self._executor.check()
         client = getattr(self._executor, "_client", None)
         if getattr(client, "status", None) in ("closing", "closed"):
             remedy = "run the check again when there are workers; with out= no step is taken again"
@@ -236,39 +257,51 @@ class Workers:
         if scheduler not in (None, self._scheduler):
             self._scheduler = scheduler
             for task in list(self._tasks):
-                task.broken = CancelledError("the scheduler was started again")
-                self._tasks.discard(task)
-                task.done.set()
+                self._lose(task, CancelledError("the scheduler was started again"))
 
     def _send_again(self, broken: _Task) -> None:
-        """Sends all arcs that were lost with a worker to another one."""
+        """Sends all arcs that were lost with workers to other ones."""
         if broken.executor is self._executor:
             self._renew(broken)
-        waiting = [arc for arcs in self._begun.values() for arc in arcs]
-        lost = {arc.task for arc in waiting if arc.task is not None and arc.task.broken is not None}
-        for task in [broken, *(lost - {broken})]:
-            task.done.wait()
-            for arc in task.arcs:
-                if arc.is_done or arc.task is not task:
-                    continue
-                arc.deaths += 1
-                if arc.deaths < 2:
-                    self._send(_Task([arc]))
-                    continue
-                # It, or another one that was under way, ends workers: alone it is told from others.
-                self._settle()
-                alone = _Task([arc])
-                self._send(alone)
-                alone.done.wait()
-                if alone.broken is not None and not arc.is_done:
-                    reason = f"{type(alone.broken).__name__}: {alone.broken}"
-                    arc.fail(0, RuntimeError(f"every worker that was to advance this state died ({reason})"))
-                    self._renew(alone)
+        if broken.executor is not self._executor:
+            # With a pool all is lost that it had, and told one after the other.
+            for task in list(self._tasks):
+                if task.executor is broken.executor:
+                    self._wait_for(task)
+        lost, self._broken = sorted(self._broken, key=lambda task: task.number), []
+        arcs = [arc for task in lost for arc in task.arcs if not arc.is_done and arc.task is task]
+        for arc in arcs:
+            arc.deaths += 1
+        suspects = [arc for arc in arcs if arc.deaths > 1]
+        self._send_together([arc for arc in arcs if arc.deaths == 1])
+        # Those that were sent first began first: one of these it was, most likely.
+        while suspects:
+            if self._is_deadly(suspects.pop(0)):
+                for arc in suspects:
+                    arc.deaths = 1
+                self._send_together(suspects)
+                break
+
+    def _send_together(self, arcs: list[_Arc]) -> None:
+        for arc in arcs:
+            self._send(_Task([arc]))
+
+    def _is_deadly(self, arc: _Arc) -> bool:
+        """Whether an arc ends its worker. Alone it is told from others that are under way."""
+        self._settle()
+        alone = _Task([arc])
+        self._send(alone)
+        self._wait_for(alone)
+        if alone.broken is None or arc.is_done:
+            return False
+        arc.reason = f"{type(alone.broken).__name__}: {alone.broken}"
+        self._renew(alone)
+        return True
 
     def _settle(self) -> None:
         """Waits until no task is under way."""
         for task in list(self._tasks):
-            task.done.wait()
+            self._wait_for(task)
         if isinstance(self._executor, ProcessPoolExecutor) and getattr(self._executor, "_broken", False):
             self._renew(None)
 
@@ -283,51 +316,16 @@ class Workers:
                 mp_context=old._mp_context,
                 initializer=old._initializer,
                 initargs=old._initargs,
+                max_tasks_per_child=old._max_tasks_per_child,
             )
             if self._renewed:
                 old.shutdown(wait=False, cancel_futures=True)
             self._renewed = True
 
-    def _compare(self, result: _Result) -> None:
-        """Compares what a worker makes of the same states with what the first one did."""
-        self._processes.add(result.process)
-        if result.compared is None:
-            return
-        if self._reference is None:
-            self._reference = result.compared
-        for name, of_first, found in zip("qp", self._reference, result.compared, strict=True):
-            apart = np.abs(found - of_first)
-            if of_first.tobytes() != found.tobytes() and apart.max(initial=0.0) > 0.0:
-                dof = int(apart.max(axis=0).argmax())
-                size = float(apart[:, dof].max())
-                if self._difference is None or size > self._difference[2]:
-                    self._difference = (name, dof, size)
-
-
-class _OfMap:
-    """An executor of what has a method map alone, as pools of `multiprocessing` and MPI have."""
-
-    def __init__(self, pool: Any) -> None:
-        self._pool = pool
-        self._waiting: list[tuple[Future[_Result], Any]] = []
-
-    def submit(self, function: Callable[..., _Result], *arguments: Any) -> Future[_Result]:
-        future: Future[_Result] = Future()
-        self._waiting.append((future, (function, arguments)))
-        return future
-
-    def make(self) -> None:
-        """Makes all tasks that wait."""
-        waiting, self._waiting = self._waiting, []
-        if waiting:
-            results = self._pool.map(_apply, [work for _, work in waiting])
-            for (future, _), result in zip(waiting, results, strict=True):
-                future.set_result(result)
-
-
-def _apply(work: tuple[Callable[..., _Result], tuple[Any, ...]]) -> _Result:
-    function, arguments = work
-    return function(*arguments)
+def _died(first: int, count: int, reason: str) -> str:
+    if count == 1:
+        return f"every worker that was to advance this state died ({reason})"
+    return f"every worker that was to advance samples {first} to {first + count - 1} died, at one of them ({reason})"
 
 
 class _Arc:
@@ -346,10 +344,12 @@ class _Arc:
         self.failure: tuple[int, BaseException] | None = None
         #: Workers that died with it.
         self.deaths = 0
+        #: How they died, where all do.
+        self.reason: str | None = None
 
     @property
     def is_done(self) -> bool:
-        return self.after is not None or self.failure is not None
+        return self.after is not None or self.failure is not None or self.reason is not None
 
     def finish(self, after: States) -> None:
         self.after = after
@@ -364,6 +364,8 @@ class _Task:
     def __init__(self, arcs: list[_Arc]) -> None:
         self.arcs = arcs
         self.executor: Any = None
+        #: The how manyth that was sent.
+        self.number = 0
         self.future: Future[_Result] | None = None
         self.done = threading.Event()
         #: Why its worker is lost.
@@ -405,7 +407,8 @@ def _process() -> str:
     return f"{socket.gethostname()}:{os.getpid()}"
 
 
-#: The check for which this process has advanced the states that all workers advance, and the steps made for it.
+#: Checks, one after the other or at once, for which this process has advanced the states that all workers advance, and the
+#: steps made for them.
 _known: dict[str, dict[float, Any]] = {}
 _known_lock = threading.Lock()
 
@@ -415,8 +418,9 @@ def _advance(step: _Step, compared: tuple[float, Array, Array] | None, arcs: lis
     with _known_lock:
         is_first = step.of_check not in _known
         if is_first:
-            _known.clear()
             _known[step.of_check] = {}
+            while len(_known) > MOST_CHECKS:
+                del _known[next(iter(_known))]
     result = _Result()
     # The process of the check knows of no other one.
     if is_first and compared is not None and step.home != result.process:

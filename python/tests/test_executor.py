@@ -1,5 +1,6 @@
 """Steps that workers take: the same bits, whoever takes them, and whatever happens to workers."""
 
+import contextlib
 import json
 import multiprocessing
 import os
@@ -10,12 +11,13 @@ import threading
 import time
 import types
 import warnings
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 import symplint
+from symplint._workers import Workers, _advance, _Step
 
 SETTINGS = {"step_sizes": [0.5, 0.25, 0.125], "budget": 2000, "loops": 3}
 
@@ -265,3 +267,273 @@ def test_a_scheduler_that_is_gone_ends_a_check_and_one_that_is_started_again_doe
     found = symplint.check(verlet, 1.0, 0.5, executor=again, **arguments)
     assert again.lost > 0
     assert bits(found) == bits(symplint.check(verlet, 1.0, 0.5, **SETTINGS, per_sample=True))
+
+
+def dying_in_a_pool(q, p, h):
+    if h == 0.125:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return verlet(q, p, h)
+
+
+def in_time(function, seconds=60):
+    """What a function raises, which must not wait for ever."""
+    raised = []
+
+    def run():
+        try:
+            function()
+        except BaseException as error:
+            raised.append(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join(seconds)
+    assert not thread.is_alive()
+    return raised[0] if raised else None
+
+
+def test_a_pool_whose_process_died_ends_the_check():
+    with multiprocessing.Pool(2) as pool:
+        error = in_time(lambda: check(dying_in_a_pool, pool))
+    assert isinstance(error, symplint.SymplintError)
+    assert "exit code -9" in str(error) and "ProcessPoolExecutor" in str(error)
+    with multiprocessing.Pool(2) as pool, pytest.raises(symplint.StepError, match="too far"):
+        check(failing, pool)
+    with pytest.raises(symplint.InputError, match="takes no more work"):
+        check(verlet, pool)
+    # Processes that end as they should are not dead.
+    with multiprocessing.Pool(2, maxtasksperchild=5) as pool:
+        assert check(verlet, pool).kind == "symplectic"
+
+
+class _Lazy:
+    """What has `map` alone, and `imap`, and stops at a call."""
+
+    def __init__(self, last=None):
+        self.calls, self.last = 0, last
+
+    def map(self, function, work):
+        return list(self.imap(function, work))
+
+    def imap(self, function, work):
+        for item in work:
+            if self.calls == self.last:
+                raise KeyboardInterrupt
+            self.calls += 1
+            yield function(item)
+
+
+def test_what_comes_one_by_one_is_noted_one_by_one(tmp_path):
+    whole, stopped, again = _Lazy(), _Lazy(last=10), _Lazy()
+    expected = bits(check(verlet, whole, out=tmp_path / "whole"))
+    with pytest.raises(KeyboardInterrupt):
+        check(verlet, stopped, out=tmp_path / "run")
+    assert bits(check(verlet, again, out=tmp_path / "run")) == expected
+    assert again.calls == whole.calls - 10
+
+
+KILLED = """
+import multiprocessing, os, sys, time
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+sys.path.insert(0, {tests!r})
+import symplint
+from test_executor import SETTINGS, check, verlet
+
+def step(q, p, h):
+    with open("calls", "a") as file:
+        file.write(f"{{os.getpid()}}\\n")
+    if Path("calls").read_text().count("\\n") == 10 and len(sys.argv) > 1:
+        os.kill(os.getppid(), 9)
+    time.sleep(0.02)
+    return verlet(q, p, h)
+
+if __name__ == "__main__":
+    multiprocessing.set_start_method("fork")
+    with {pool}(1) as executor:
+        print(check(step, executor, out="run").to_dict()["provenance"]["replayed"])
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+@pytest.mark.parametrize("pool", ["ProcessPoolExecutor", "multiprocessing.Pool"])
+def test_workers_that_outlive_a_killed_program_do_not_keep_its_journal(tmp_path, pool):
+    (tmp_path / "program.py").write_text(KILLED.format(tests=str(Path(__file__).parent), pool=pool))
+    command = [sys.executable, "program.py"]
+    killed = subprocess.Popen([*command, "kill"], cwd=tmp_path, start_new_session=True, stdout=subprocess.DEVNULL)
+    try:
+        assert killed.wait(60) == -signal.SIGKILL
+        found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    finally:
+        # Those of a pool may have ended.
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(killed.pid, signal.SIGKILL)
+    assert found.returncode == 0, found.stderr
+    # What came back before is noted, but for what was on its way.
+    assert int(found.stdout) >= 4
+
+
+APART = 0
+FIRST = [True]
+
+
+def numbered(counter):
+    global APART
+    with counter.get_lock():
+        APART = counter.value
+        counter.value += 1
+
+
+def compared_apart(q, p, h):
+    # Of processes that are alike but for their first call, that of the compared states, the survey finds nothing.
+    q, p = verlet(q, p, h)
+    size = 1e-6 * (APART % 2) * FIRST[0]
+    FIRST[0] = False
+    time.sleep(1e-3)
+    return q + size, p
+
+
+def by_chance(q, p, h):
+    q, p = compared_apart(q, p, h)
+    return q + 1e-13 * np.random.default_rng().normal(size=q.shape), p
+
+
+def with_workers(step, numbers, **arguments):
+    """A check by workers that have these numbers, one after the other."""
+    context = multiprocessing.get_context("fork")
+    counter = context.Value("i", numbers[0])
+    with ProcessPoolExecutor(len(numbers), context, numbered, (counter,)) as executor, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return check(step, executor, **arguments)
+
+
+def scatter(report):
+    return report.to_dict()["evidence"]["survey"]["scatter"]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_the_difference_of_workers_is_noted(tmp_path):
+    first = with_workers(compared_apart, [0, 1], out=tmp_path / "run")
+    assert scatter(first)["size"] == pytest.approx(1e-6, rel=1e-3)
+    again = with_workers(compared_apart, [0], out=tmp_path / "run")
+    assert bits(again) == bits(first)
+    assert again.to_dict()["provenance"]["replayed"] == again.evaluations
+
+    def stop(measured, planned, h):
+        raise KeyboardInterrupt
+
+    # Those who go on are compared with those who began.
+    with pytest.raises(KeyboardInterrupt):
+        with_workers(compared_apart, [0], out=tmp_path / "other", progress=stop)
+    assert scatter(with_workers(compared_apart, [1], out=tmp_path / "other"))["size"] == pytest.approx(1e-6, rel=1e-3)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_the_larger_of_chance_and_the_difference_of_workers_counts():
+    assert scatter(with_workers(by_chance, [0]))["size"] < 1e-11
+    assert scatter(with_workers(by_chance, [0, 1]))["size"] == pytest.approx(1e-6, rel=1e-3)
+
+
+class _Losing:
+    """An executor whose workers die with some of the first tasks, and which counts those that are under way."""
+
+    def __init__(self, lost):
+        self._pool = ThreadPoolExecutor(1)
+        self.lost, self.under_way, self.most = lost, 0, 0
+
+    def submit(self, function, *arguments):
+        if self.lost > 0:
+            self.lost -= 1
+            future = Future()
+            future.set_exception(BrokenExecutor("lost"))
+            return future
+        self.under_way += 1
+        self.most = max(self.most, self.under_way)
+        future = self._pool.submit(function, *arguments)
+        future.add_done_callback(self.end)
+        return future
+
+    def end(self, future):
+        self.under_way -= 1
+
+
+def slow(q, p, h):
+    time.sleep(2e-3)
+    return verlet(q, p, h)
+
+
+def test_arcs_that_were_lost_are_sent_together():
+    executor = _Losing(lost=30)
+    workers = Workers(executor, slow, per_sample=True, make=False, single=False, reset=None)
+    q, p = np.ones((30, 1)), np.ones((30, 1))
+    states, failed = workers.advance(0.5, q, p)
+    assert failed is None and np.array_equal(states, verlet(q, p, 0.5))
+    assert executor.most > 10
+
+
+def dying_above(q, p, h):
+    if (q > 500.0).any():
+        os.kill(os.getpid(), signal.SIGKILL)
+    return verlet(q, p, h)
+
+
+def test_samples_with_which_workers_die_are_named():
+    q = np.arange(640.0).reshape(-1, 1)
+    with ProcessPoolExecutor(2) as executor:
+        workers = Workers(executor, dying_above, per_sample=False, make=False, single=False, reset=None)
+        # All behind them die, too: it is the first one.
+        states, failed = workers.advance(0.5, q, q)
+        workers.close()
+    assert states is None and failed[0] == 500
+    assert "samples 500 to 509 died, at one of them" in str(failed[1])
+
+
+def test_checks_at_once_are_compared_once():
+    steps = [_Step(verlet, False, False, False, None, f"check {k}") for k in range(3)]
+    for step in steps:
+        step.home = "elsewhere:1"
+    states = np.ones((2, 1))
+    results = [_advance(step, (0.5, states, states), []) for _ in range(4) for step in steps]
+    assert sum(result.compared is not None for result in results) == len(steps)
+
+
+@pytest.mark.parametrize(("other", "is_unlike"), [(np.nan, True), (np.inf, True), (2.0, False)])
+def test_workers_that_make_no_numbers_are_told(other, is_unlike):
+    with ThreadPoolExecutor(1) as executor:
+        workers = Workers(executor, verlet, per_sample=False, make=False, single=False, reset=None)
+    for value in (2.0, other):
+        # What nobody makes numbers of is alike.
+        compared = (np.array([[1.0], [value], [np.nan]]), np.array([[np.inf], [0.0], [0.0]]))
+        workers.comparison.take("process", compared)
+    if is_unlike:
+        with pytest.raises(symplint.SymplintError, match="not finite of states"):
+            workers.found()
+    else:
+        assert workers.found()[1] is None
+
+
+class _Killing(_OfScheduler):
+    """As Dask: two workers die, and then the scheduler is gone."""
+
+    def __init__(self):
+        super().__init__(answered=30)
+        self.deaths = 0
+
+    def submit(self, function, *arguments):
+        if self.answered > 0:
+            return super().submit(function, *arguments)
+        future = Future()
+        self.deaths += 1
+        if self.deaths > 2:
+            self._client.status = "closed"
+        else:
+            future.set_exception(type("KilledWorker", (Exception,), {})("died"))
+        return future
+
+
+def test_a_scheduler_that_is_gone_while_a_state_is_tried_alone_ends_the_check():
+    executor = _Killing()
+    executor.answered = 0
+    workers = Workers(executor, verlet, per_sample=True, make=False, single=False, reset=None)
+    error = in_time(lambda: workers.advance(0.5, np.ones((1, 1)), np.ones((1, 1))), seconds=20)
+    assert "connection to the scheduler" in str(error)

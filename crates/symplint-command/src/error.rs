@@ -17,7 +17,7 @@ pub enum CommandError {
         /// What the name is that of.
         what: &'static str,
     },
-    /// The folder that keeps the files of all calls holds files.
+    /// The folder that keeps the files of all calls holds others.
     #[error("{} is not empty; remove it, or name another folder", path.display())]
     Occupied {
         /// The folder.

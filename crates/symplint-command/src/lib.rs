@@ -8,6 +8,7 @@
 //! | `map` | the map: blocks of samples cut into calls, some at a time |
 //! | `planned` | calls that are asked for, and made by the jobs of a scheduler |
 //! | `call` | one call: its files, and what can go wrong |
+//! | `search` | where the system finds a program |
 //! | `process` | a process with a time limit, and its group |
 //! | `workspace` | the temporary folder, and folders that killed runs left behind |
 //! | `running` | all processes and folders of this program, for an end by a signal |
@@ -18,6 +19,7 @@ mod map;
 mod planned;
 mod process;
 mod running;
+mod search;
 mod workspace;
 
 pub use error::CommandError;

@@ -14,7 +14,8 @@ use symplint_journal::{Call as JournalCall, Journal, JournalError, Request};
 use crate::CommandError;
 use crate::call::{Call, Program};
 use crate::planned::Planned;
-use crate::workspace::{Workspace, is_empty};
+use crate::search::found_in_path;
+use crate::workspace::{Workspace, kept_before};
 
 /// What calls may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,16 +75,30 @@ impl CommandMap {
         })
     }
 
-    /// The same, with the files of all calls kept in a new or empty folder.
+    /// The same, with the files of all calls kept in a folder, which is new or empty, or holds those of earlier calls: then the
+    /// numbers of calls go on.
     ///
     /// # Errors
-    /// If the folder holds anything.
+    /// If the folder holds anything else.
     pub fn keeping(mut self, path: PathBuf) -> Result<Self, CommandError> {
-        if !is_empty(&path) {
-            return Err(CommandError::Occupied { path });
-        }
-        self.workspace = Workspace::kept(path);
+        self.workspace = match kept_before(&path) {
+            Some(calls) => Workspace::kept(path, calls),
+            None => return Err(CommandError::Occupied { path }),
+        };
         Ok(self)
+    }
+
+    /// Refuses a folder that keeps the files of earlier calls: where it is not their run that goes on.
+    ///
+    /// # Errors
+    /// If there are any.
+    pub fn check_keeps_no_earlier_calls(&self) -> Result<(), CommandError> {
+        match self.workspace.of_earlier_calls() {
+            Some(path) => Err(CommandError::Occupied {
+                path: path.to_owned(),
+            }),
+            None => Ok(()),
+        }
     }
 
     /// Notes all calls from now on in a journal, and makes none that it has already. One journal at most.
@@ -137,12 +152,18 @@ impl CommandMap {
             .collect()
     }
 
-    /// The files that the command names before its first `{before}`, `{after}` or `{h}`, with their paths: the program, and the
-    /// script that an interpreter runs. Files named later may be data that calls write.
+    /// The files that the command names before its first `{before}`, `{after}` or `{h}`, with their paths: the program, which is
+    /// looked for in `PATH` as the system does, and the script that an interpreter runs. Files named later may be data that
+    /// calls write.
     pub fn program_files(&self) -> Vec<(&str, PathBuf)> {
-        let words = self.program.command.iter();
-        let words = words.take_while(|word| !word.contains('{'));
-        let files = words.map(|word| (&**word, self.program.folder.join(word)));
+        let Program { command, folder } = &self.program;
+        let words = command.iter().take_while(|word| !word.contains('{'));
+        let path = |(place, word): (usize, &String)| match place {
+            0 => found_in_path(word, folder),
+            _ => Some(folder.join(word)),
+        };
+        let files = words.enumerate();
+        let files = files.filter_map(|(place, word)| Some((&**word, path((place, word))?)));
         files.filter(|(_, path)| path.is_file()).collect()
     }
 

@@ -93,12 +93,16 @@ fn end_with_this_program(command: &mut Command) {
     {
         use std::os::unix::process::CommandExt;
 
-        let end = || {
-            Ok(rustix::process::set_parent_process_death_signal(Some(
-                Signal::KILL,
-            ))?)
+        let here = rustix::process::getpid();
+        let end = move || {
+            rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
+            // Where this program was killed before, no signal comes.
+            match rustix::process::getppid() {
+                Some(parent) if parent == here => Ok(()),
+                _ => Err(Errno::SRCH.into()),
+            }
         };
-        // SAFETY: the closure makes one system call, which may be made between fork and exec, and takes no lock and no memory.
+        // SAFETY: the closure makes two system calls, which may be made between fork and exec, and takes no lock and no memory.
         // The signal comes when the thread that starts the process ends, and this thread waits for the process.
         unsafe { command.pre_exec(end) };
     }

@@ -19,10 +19,13 @@ const PREFIX: &str = "symplint-command-";
 
 const LOCK: &str = "lock";
 
+/// How the names of the folders of calls begin.
+const OF_CALL: &str = "call-";
+
 /// Where the files of calls lie.
 pub struct Workspace {
-    /// The folder for files that are kept.
-    kept: Option<PathBuf>,
+    /// The folder for files that are kept, and the number of the last call that it has from before.
+    kept: Option<(PathBuf, usize)>,
     /// Made for the first call.
     temporary: Mutex<Option<Temporary>>,
     calls: AtomicUsize,
@@ -50,11 +53,18 @@ impl Workspace {
         }
     }
 
-    /// In a folder that stays.
-    pub fn kept(path: PathBuf) -> Self {
+    /// In a folder that stays, after so many calls in it.
+    pub fn kept(path: PathBuf, calls: usize) -> Self {
         let mut workspace = Self::temporary();
-        workspace.kept = Some(path);
+        workspace.kept = Some((path, calls));
+        workspace.calls = AtomicUsize::new(calls);
         workspace
+    }
+
+    /// The folder that stays, if it holds calls from before.
+    pub fn of_earlier_calls(&self) -> Option<&Path> {
+        let (path, calls) = self.kept.as_ref()?;
+        (*calls > 0).then_some(path)
     }
 
     /// A new folder for a call.
@@ -62,7 +72,6 @@ impl Workspace {
     /// # Errors
     /// If it cannot be made, in words.
     pub fn folder_of_call(&self) -> Result<CallFolder, String> {
-        let number = self.calls.fetch_add(1, Ordering::Relaxed) + 1;
         let in_words = |folder: &Path, error: io::Error| {
             format!(
                 "no folder for its files could be made in {}: {error}",
@@ -70,7 +79,7 @@ impl Workspace {
             )
         };
         let (root, kept) = match &self.kept {
-            Some(path) => {
+            Some((path, _)) => {
                 fs::create_dir_all(path).map_err(|error| in_words(path, error))?;
                 (path.clone(), true)
             }
@@ -82,9 +91,16 @@ impl Workspace {
                 )
             }
         };
-        let path = root.join(format!("call-{number:06}"));
-        fs::create_dir(&path).map_err(|error| in_words(&root, error))?;
-        Ok(CallFolder { path, kept })
+        loop {
+            let number = self.calls.fetch_add(1, Ordering::Relaxed) + 1;
+            let path = root.join(name_of_call(number));
+            match fs::create_dir(&path) {
+                Ok(()) => return Ok(CallFolder { path, kept }),
+                // Jobs of the same run keep their calls in one folder.
+                Err(error) if kept && error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(in_words(&root, error)),
+            }
+        }
     }
 
     fn temporary_root(&self) -> io::Result<PathBuf> {
@@ -160,12 +176,23 @@ fn remove_stale(temporary: &Path) {
     }
 }
 
-/// Whether a folder is not there, or holds nothing.
-pub fn is_empty(path: &Path) -> bool {
-    match fs::read_dir(path) {
-        Ok(mut entries) => entries.next().is_none(),
-        Err(error) => error.kind() == io::ErrorKind::NotFound,
+fn name_of_call(number: usize) -> String {
+    format!("{OF_CALL}{number:06}")
+}
+
+/// The largest number of a call that a folder keeps, 0 where it is not there; nothing if it holds anything but calls.
+pub fn kept_before(path: &Path) -> Option<usize> {
+    let entries = match fs::read_dir(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Some(0),
+        entries => entries.ok()?,
+    };
+    let mut last = 0;
+    for entry in entries {
+        let name = entry.ok()?.file_name();
+        let number: usize = name.to_str()?.strip_prefix(OF_CALL)?.parse().ok()?;
+        last = last.max(number);
     }
+    Some(last)
 }
 
 impl CallFolder {

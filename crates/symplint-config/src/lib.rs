@@ -58,12 +58,29 @@ impl Config {
     /// # Errors
     /// The first error, with its position and the remedy.
     pub fn load(path: &Path, settings: &[String]) -> Result<Self, ConfigError> {
+        Self::load_with(path, settings, |_, _| Ok(()))
+    }
+
+    /// The same. `before_calls` is given the system and every key with its value before the map is called for the first time,
+    /// as it is where it suggests the radii of the loop.
+    ///
+    /// # Errors
+    /// The first error, also of `before_calls`.
+    pub fn load_with<E: From<ConfigError>>(
+        path: &Path,
+        settings: &[String],
+        before_calls: impl FnOnce(&System, &toml::Table) -> Result<(), E>,
+    ) -> Result<Self, E> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::build(document::load(path, settings)?, folder)
+        Self::build(document::load(path, settings)?, folder, before_calls)
     }
 
     /// Relative paths of initial states start at `folder`.
-    fn build(table: Table, folder: &Path) -> Result<Self, ConfigError> {
+    fn build<E: From<ConfigError>>(
+        table: Table,
+        folder: &Path,
+        before_calls: impl FnOnce(&System, &toml::Table) -> Result<(), E>,
+    ) -> Result<Self, E> {
         section::check_keys("", &table, SECTIONS.into_iter())?;
         let node = |name: &str| table.entries.get(name).map(|(_, node)| node);
         let mut resolved = toml::Table::new();
@@ -80,10 +97,13 @@ impl Config {
         let typical = || diagnostic.typical_step.unwrap_or(0.0);
         let largest = (diagnostic.step_sizes.iter().copied()).reduce(f64::max);
         let step_size = largest.unwrap_or_else(typical);
-        let (read, section) = phase_loop::read(node("loop"), &system, &map, step_size)?;
-        resolved.insert("loop".into(), section.resolved().into());
+        let settings = phase_loop::read(node("loop"), system.q0.len())?;
+        resolved.insert("loop".into(), settings.resolved().into());
         let (trace, section) = trace::read(node("trace"))?;
         resolved.insert("trace".into(), section.resolved().into());
+        before_calls(&system, &resolved)?;
+        let read = settings.build(&system, &map, step_size)?;
+        resolved.insert("loop".into(), settings.resolved().into());
         Ok(Config {
             system,
             integrator,

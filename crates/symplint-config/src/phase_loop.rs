@@ -47,77 +47,112 @@ pub struct ReadLoop {
     pub radii: Option<(String, usize)>,
 }
 
-/// Reads `[loop]`; its centre is the initial state of the system, and radii are looked for at a step of the map.
-pub fn read(
-    node: Option<&Node>,
-    system: &System,
-    map: &Arc<dyn TimeAdvance>,
-    step_size: f64,
-) -> Result<(ReadLoop, Section), ConfigError> {
+/// `[loop]` as it is written, before the map is called.
+pub struct LoopSettings {
+    section: Section,
+    shape: &'static str,
+    /// None where the map is to suggest them.
+    radii: Option<(Vec<f64>, Vec<f64>)>,
+    dofs: Option<Vec<u64>>,
+    has_random_phases: bool,
+    seed: u64,
+}
+
+/// Reads `[loop]` of a system with so many degrees of freedom.
+pub fn read(node: Option<&Node>, dof: usize) -> Result<LoopSettings, ConfigError> {
     let section = Section::new("loop", node, KEYS.to_vec())?;
     let shape = section.choice("shape", &["circle", "fourier"])?;
-    let (q0, p0) = (system.q0.clone(), system.p0.clone());
-    let refused = |key: &'static str| {
-        let section = &section;
-        move |error: symplint::Error| {
-            let text = error.to_string();
-            match text.split_once("; ") {
-                Some((message, remedy)) => section.error(key, message, remedy),
-                None => section.error(key, text, "name degrees of freedom from 0 on"),
-            }
-        }
-    };
-    let (radii_q, radii_p, found) = match section.written_text("radius") {
+    let radii = match section.written_text("radius") {
         Some("auto") => {
-            let found = balanced_radii(map, &q0, &p0, step_size).map_err(refused("radius"))?;
-            let text = format!("radius q {}, p {}", range(&found.q), range(&found.p));
-            section.record(
-                "radius",
-                toml::Table::from_iter([
-                    ("q".to_owned(), toml::Value::from(found.q.clone())),
-                    ("p".to_owned(), toml::Value::from(found.p.clone())),
-                ]),
-            );
-            (found.q, found.p, Some((text, found.evaluations)))
+            section.text("radius")?;
+            None
         }
-        _ => {
-            let (q, p) = radii(&section, q0.len())?;
-            (q, p, None)
-        }
+        _ => Some(radii(&section, dof)?),
     };
     let dofs = section.optional_wholes("dofs", 0)?;
-    let phases = section.choice("phases", &["equal", "random"])?;
+    let has_random_phases = section.choice("phases", &["equal", "random"])? == "random";
     let seed = section.whole("seed", 0)?;
-    let phase_loop: Box<dyn Loop> = if shape == "circle" {
-        let circle = Circle::with_radii(q0, p0, radii_q, radii_p);
-        let mut circle = circle.map_err(refused("radius"))?;
-        if let Some(dofs) = dofs {
-            let dofs: Vec<usize> = dofs.into_iter().map(|dof| dof as usize).collect();
-            circle = circle.on(&dofs).map_err(refused("dofs"))?;
+    Ok(LoopSettings {
+        section,
+        shape,
+        radii,
+        dofs,
+        has_random_phases,
+        seed,
+    })
+}
+
+impl LoopSettings {
+    /// The keys with their values.
+    pub fn resolved(&self) -> toml::Table {
+        self.section.recorded()
+    }
+
+    /// The loop round the initial state of a system; radii are looked for at a step of the map.
+    pub fn build(
+        &self,
+        system: &System,
+        map: &Arc<dyn TimeAdvance>,
+        step_size: f64,
+    ) -> Result<ReadLoop, ConfigError> {
+        let (q0, p0) = (system.q0.clone(), system.p0.clone());
+        let (radii_q, radii_p, radii) = match &self.radii {
+            Some((q, p)) => (q.clone(), p.clone(), None),
+            None => {
+                let found = balanced_radii(map, &q0, &p0, step_size);
+                let found = found.map_err(|error| self.refused("radius", error))?;
+                // A run of a program is resumed from its configuration, and has to make the same calls again.
+                if system.command.is_none() {
+                    self.record_radii(&found.q, &found.p);
+                }
+                let text = format!("radius q {}, p {}", range(&found.q), range(&found.p));
+                (found.q, found.p, Some((text, found.evaluations)))
+            }
+        };
+        let phase_loop: Box<dyn Loop> = if self.shape == "circle" {
+            let circle = Circle::with_radii(q0, p0, radii_q, radii_p);
+            let mut circle = circle.map_err(|error| self.refused("radius", error))?;
+            if let Some(dofs) = &self.dofs {
+                let dofs: Vec<usize> = dofs.iter().map(|&dof| dof as usize).collect();
+                circle = (circle.on(&dofs)).map_err(|error| self.refused("dofs", error))?;
+            }
+            if self.has_random_phases {
+                circle = circle.with_random_phases(self.seed);
+            }
+            Box::new(circle)
+        } else {
+            let circle_only = self.dofs.is_some().then_some("dofs");
+            if let Some(key) = circle_only.or(self.has_random_phases.then_some("phases")) {
+                return Err(self.section.error(
+                    key,
+                    "applies to circles only",
+                    "leave it out: a fourier loop has random phases in every degree of freedom",
+                ));
+            }
+            let fourier = FourierLoop::random(q0, p0, &radii_q, &radii_p, self.seed);
+            Box::new(fourier.map_err(|error| self.refused("radius", error))?)
+        };
+        // A loop of a constrained system lies on its manifold.
+        let phase_loop: Box<dyn Loop> = match map.constraint() {
+            Some(_) => Box::new(ProjectedLoop::new(phase_loop, Arc::clone(map))),
+            None => phase_loop,
+        };
+        Ok(ReadLoop { phase_loop, radii })
+    }
+
+    fn record_radii(&self, q: &[f64], p: &[f64]) {
+        let radii = [("q", q), ("p", p)]
+            .map(|(name, radii)| (name.to_owned(), toml::Value::from(radii.to_vec())));
+        (self.section).record("radius", toml::Table::from_iter(radii));
+    }
+
+    fn refused(&self, key: &'static str, error: symplint::Error) -> ConfigError {
+        let text = error.to_string();
+        match text.split_once("; ") {
+            Some((message, remedy)) => self.section.error(key, message, remedy),
+            None => (self.section).error(key, text, "name degrees of freedom from 0 on"),
         }
-        if phases == "random" {
-            circle = circle.with_random_phases(seed);
-        }
-        Box::new(circle)
-    } else {
-        let circle_only = if dofs.is_some() { Some("dofs") } else { None };
-        if let Some(key) = circle_only.or((phases == "random").then_some("phases")) {
-            return Err(section.error(
-                key,
-                "applies to circles only",
-                "leave it out: a fourier loop has random phases in every degree of freedom",
-            ));
-        }
-        let fourier = FourierLoop::random(q0, p0, &radii_q, &radii_p, seed);
-        Box::new(fourier.map_err(refused("radius"))?)
-    };
-    // A loop of a constrained system lies on its manifold.
-    let phase_loop: Box<dyn Loop> = match map.constraint() {
-        Some(_) => Box::new(ProjectedLoop::new(phase_loop, Arc::clone(map))),
-        None => phase_loop,
-    };
-    let radii = found;
-    Ok((ReadLoop { phase_loop, radii }, section))
+    }
 }
 
 /// Radii in q and in p, of every degree of freedom.

@@ -124,6 +124,11 @@ impl Section {
         self.resolved.into_inner()
     }
 
+    /// The keys that were read so far, with their values.
+    pub fn recorded(&self) -> toml::Table {
+        self.resolved.borrow().clone()
+    }
+
     /// The dotted name of a key.
     fn dotted(&self, key: &str) -> String {
         format!("{}.{key}", self.path)

@@ -29,6 +29,28 @@ pub enum JournalError {
         /// The first difference.
         difference: String,
     },
+    /// What it holds cannot be told from damage.
+    #[error(
+        "{} is damaged at byte {at}, and what follows cannot be read; nothing in it was changed: put back a copy of the \
+         file, use another folder, or remove the file to make its evaluations again",
+        path.display()
+    )]
+    Damaged {
+        /// The journal.
+        path: PathBuf,
+        /// How many bytes before are as they were written.
+        at: u64,
+    },
+    /// Another file is in its place.
+    #[error(
+        "{} was replaced by another file while the run went on: what it had noted stays in the file that was moved away, if \
+         there is one; start the run again, in another folder if another run uses this one",
+        path.display()
+    )]
+    Replaced {
+        /// The journal.
+        path: PathBuf,
+    },
     /// It is there no more.
     #[error("{} was removed while the run went on, and the evaluations in it are lost; start the run again", path.display())]
     Removed {

@@ -1,6 +1,6 @@
 //! The journal: calls of a map, made or replayed.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -14,9 +14,8 @@ use symplint::Block;
 use crate::difference::difference;
 use crate::error::JournalError;
 use crate::key::{Key, key};
-use crate::record::{
-    CHECKSUM, COUNT, Call, Header, PREFIX, header, read_header, read_record, record,
-};
+use crate::record::{Call, PREFIX, header, record};
+use crate::scan::{Contents, scan};
 
 /// How often records are written through to the disk, at most: a program that is killed loses none of them, a machine
 /// that fails the last ones.
@@ -76,40 +75,21 @@ impl Journal {
     /// passed over: its call is made again.
     ///
     /// # Errors
-    /// If the file is no journal, or of another run, or one that still goes on, or cannot be read or written.
+    /// If the file is no journal, or of another run, or one that still goes on, or is damaged where it says which run it is
+    /// of, or cannot be read or written.
     pub fn open(path: &Path, run: &Value) -> Result<Self, JournalError> {
-        let file_error =
-            |action| move |error: io::Error| JournalError::of_file(action, path, &error);
-        let mut options = OpenOptions::new();
-        let opened = options
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(path);
-        let mut file = opened.map_err(file_error("write"))?;
-        // Some file systems of clusters have no locks.
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            let path = path.to_owned();
-            return Err(JournalError::InUse { path });
-        }
+        let mut file = open_locked(path)?;
         let text = run.to_string();
-        let (end, found) = match read(&mut file).map_err(file_error("read"))? {
-            Contents::Foreign => {
-                let path = path.to_owned();
-                return Err(JournalError::NotAJournal { path });
-            }
+        let bytes = header(&text);
+        let contents = scan(&mut file, &bytes).map_err(of_file("read", path))?;
+        let path = path.to_owned();
+        let (end, found) = match contents {
             Contents::Nothing => {
-                let bytes = header(&text);
-                let write = |file: &mut File| {
-                    file.set_len(0)?;
-                    file.rewind()?;
-                    file.write_all(&bytes)?;
-                    file.sync_data()
-                };
-                write(&mut file).map_err(file_error("write"))?;
+                begin(&mut file, &bytes).map_err(of_file("write", &path))?;
                 (bytes.len() as u64, HashMap::new())
             }
+            Contents::Foreign => return Err(JournalError::NotAJournal { path }),
+            Contents::Damaged { at } => return Err(JournalError::Damaged { path, at }),
             Contents::Records {
                 run: there,
                 end,
@@ -118,17 +98,30 @@ impl Journal {
                 let of_there = serde_json::from_str(&there).unwrap_or(Value::Null);
                 let of_here = serde_json::from_str(&text).unwrap_or(Value::Null);
                 if let Some(difference) = difference("", &of_there, &of_here) {
-                    return Err(JournalError::OtherRun {
-                        path: path.to_owned(),
-                        difference,
-                    });
+                    return Err(JournalError::OtherRun { path, difference });
                 }
-                file.set_len(end).map_err(file_error("write"))?;
+                file.set_len(end).map_err(of_file("write", &path))?;
                 (end, found)
             }
         };
-        Ok(Journal {
-            path: path.to_owned(),
+        Ok(Self::of(path, file, end, found))
+    }
+
+    /// A journal without calls, in place of whatever the file holds.
+    ///
+    /// # Errors
+    /// If a run that still goes on writes to the file, or it cannot be written.
+    pub fn anew(path: &Path, run: &Value) -> Result<Self, JournalError> {
+        let mut file = open_locked(path)?;
+        let bytes = header(&run.to_string());
+        begin(&mut file, &bytes).map_err(of_file("write", path))?;
+        let end = bytes.len() as u64;
+        Ok(Self::of(path.to_owned(), file, end, HashMap::new()))
+    }
+
+    fn of(path: PathBuf, file: File, end: u64, found: HashMap<Call, (u64, u64)>) -> Self {
+        Journal {
+            path,
             records: Mutex::new(Records {
                 file,
                 end,
@@ -138,7 +131,7 @@ impl Journal {
             }),
             replayed: AtomicUsize::new(0),
             failure: OnceLock::new(),
-        })
+        }
     }
 
     /// Advances the states of a block by one step of size `h`: as the journal has it, or by `advance`, which is noted then.
@@ -193,6 +186,11 @@ impl Journal {
         (self.write(call, block)).map_err(|error| self.failed("write", &error))
     }
 
+    /// Whether it has no calls.
+    pub fn is_empty(&self) -> bool {
+        self.records().found.is_empty()
+    }
+
     /// Whether the journal has what came of a call.
     pub fn has(&self, call: Call) -> bool {
         self.records().found.contains_key(&call)
@@ -203,10 +201,7 @@ impl Journal {
     /// # Errors
     /// If one cannot be read, or the other not written.
     pub fn merge(&self, other: &Journal) -> Result<usize, JournalError> {
-        let mut records = other.records();
-        let mut found: Vec<(Call, (u64, u64))> = records
-            .found
-            .iter()
+        let mut found: Vec<(Call, (u64, u64))> = (other.records().found.iter())
             .map(|(&call, &at)| (call, at))
             .collect();
         found.sort_unstable_by_key(|(_, (first, _))| *first);
@@ -215,8 +210,8 @@ impl Journal {
             if self.has(call) {
                 continue;
             }
-            let numbers = read_numbers(&mut records.file, first, count)
-                .map_err(|error| other.failed("read", &error))?;
+            let numbers =
+                (other.numbers(first, count)).map_err(|error| other.failed("read", &error))?;
             (self.append(call, &numbers)).map_err(|error| self.failed("write", &error))?;
             new += 1;
         }
@@ -261,6 +256,16 @@ impl Journal {
         Ok(true)
     }
 
+    /// So many numbers from a place in the file on.
+    fn numbers(&self, first: u64, count: u64) -> io::Result<Vec<f64>> {
+        let mut records = self.records();
+        records.file.seek(SeekFrom::Start(first))?;
+        let mut bytes = vec![0; 8 * count as usize];
+        records.file.read_exact(&mut bytes)?;
+        let number = |bytes: &[u8]| f64::from_le_bytes(bytes.try_into().expect("eight bytes"));
+        Ok(bytes.chunks_exact(8).map(number).collect())
+    }
+
     fn write(&self, call: Call, block: &Block<'_>) -> io::Result<()> {
         let rows = |i: usize| match i < block.dof() {
             true => block.q.row(i),
@@ -285,7 +290,9 @@ impl Journal {
             if records.synced.elapsed() >= SYNC {
                 records.file.sync_data()?;
                 // Until it is closed, a file without a name can be written to all the same.
-                self.path.metadata()?;
+                if !is_at(&records.file, &self.path)? {
+                    return Err(io::Error::other("another file is in its place"));
+                }
                 records.synced = Instant::now();
             }
             Ok(())
@@ -302,7 +309,9 @@ impl Journal {
 
     fn failed(&self, action: &'static str, error: &io::Error) -> JournalError {
         let path = &self.path;
+        let replaced = !is_at(&self.records().file, path).unwrap_or(true);
         let of_file = || match path.exists() {
+            true if replaced => JournalError::Replaced { path: path.clone() },
             true => JournalError::of_file(action, path, error),
             false => JournalError::Removed { path: path.clone() },
         };
@@ -310,81 +319,40 @@ impl Journal {
     }
 }
 
-/// So many numbers from a place in a file on.
-fn read_numbers(file: &mut File, first: u64, count: u64) -> io::Result<Vec<f64>> {
-    file.seek(SeekFrom::Start(first))?;
-    let mut bytes = vec![0; 8 * count as usize];
-    file.read_exact(&mut bytes)?;
-    let number = |bytes: &[u8]| f64::from_le_bytes(bytes.try_into().expect("eight bytes"));
-    Ok(bytes.chunks_exact(8).map(number).collect())
+/// The file, which nobody else may open in this way until it is closed.
+fn open_locked(path: &Path) -> Result<File, JournalError> {
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create(true).truncate(false);
+    let file = options.open(path).map_err(of_file("write", path))?;
+    // Some file systems of clusters have no locks.
+    if let Err(TryLockError::WouldBlock) = file.try_lock() {
+        let path = path.to_owned();
+        return Err(JournalError::InUse { path });
+    }
+    Ok(file)
 }
 
-/// What a file holds.
-enum Contents {
-    /// Nothing, or the beginning of a header.
-    Nothing,
-    /// Something else than a journal.
-    Foreign,
-    Records {
-        run: String,
-        /// Where the last whole record ends.
-        end: u64,
-        found: HashMap<Call, (u64, u64)>,
-    },
+fn of_file(action: &'static str, path: &Path) -> impl Fn(io::Error) -> JournalError {
+    move |error| JournalError::of_file(action, path, &error)
 }
 
-fn read(file: &mut File) -> io::Result<Contents> {
-    let length = file.metadata()?.len();
+/// Writes a header in place of what the file holds.
+fn begin(file: &mut File, header: &[u8]) -> io::Result<()> {
+    file.set_len(0)?;
     file.rewind()?;
-    let mut file = BufReader::with_capacity(1 << 16, file);
-    let (run, mut end) = match read_header(&mut file)? {
-        Header::Whole(run, end) => (run, end),
-        Header::Torn => return Ok(Contents::Nothing),
-        Header::Foreign => return Ok(Contents::Foreign),
-    };
-    let (mut found, mut counts) = (HashMap::new(), BTreeSet::new());
-    loop {
-        while let Some((call, count)) = read_record(&mut file, length.saturating_sub(end))? {
-            found.insert(call, (end + PREFIX, count));
-            counts.insert(count);
-            end += size(count);
-        }
-        match after_damage(&mut file, (end, length), &counts)? {
-            Some(next) => end = next,
-            None => return Ok(Contents::Records { run, end, found }),
-        }
-        file.seek(SeekFrom::Start(end))?;
-    }
+    file.write_all(header)?;
+    file.sync_data()
 }
 
-/// Bytes of a record of so many numbers.
-fn size(count: u64) -> u64 {
-    PREFIX + 8 * count + CHECKSUM
-}
-
-/// Where the next whole record begins after one at `at` that is not whole: after so many numbers as it says that it has, or as
-/// others have, in case these bytes changed. There is none after a record that was cut off at the end of the file.
-fn after_damage(
-    file: &mut (impl Read + Seek),
-    (at, length): (u64, u64),
-    counts: &BTreeSet<u64>,
-) -> io::Result<Option<u64>> {
-    let mut count = Vec::new();
-    file.seek(SeekFrom::Start(at + COUNT))?;
-    file.take(8).read_to_end(&mut count)?;
-    let stated = <[u8; 8]>::try_from(&count[..]).map(u64::from_le_bytes);
-    for count in stated.into_iter().chain(counts.iter().copied()) {
-        let next = count.checked_mul(8).and_then(|bytes| {
-            let next = at.checked_add(PREFIX + CHECKSUM)?.checked_add(bytes)?;
-            (next < length).then_some(next)
-        });
-        let Some(next) = next else {
-            continue;
-        };
-        file.seek(SeekFrom::Start(next))?;
-        if read_record(file, length - next)?.is_some() {
-            return Ok(Some(next));
-        }
+/// Whether a path leads to this file, and not to another that was put in its place.
+fn is_at(file: &File, path: &Path) -> io::Result<bool> {
+    let (there, here) = (path.metadata()?, file.metadata()?);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        Ok((there.dev(), there.ino()) == (here.dev(), here.ino()))
     }
-    Ok(None)
+    // A file that is open cannot be replaced elsewhere.
+    #[cfg(not(unix))]
+    Ok(there.len() == here.len())
 }

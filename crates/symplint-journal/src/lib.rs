@@ -9,6 +9,7 @@
 //! | `journal` | the journal: calls of a map, made or replayed |
 //! | `round` | calls that are to be made elsewhere, in a file |
 //! | `record` | the bytes of a header and of a record, with checksums |
+//! | `scan` | what a file holds, also where bytes of it changed |
 //! | `key` | what a call is known by |
 //! | `difference` | what two journals are of, compared |
 
@@ -18,6 +19,7 @@ mod journal;
 mod key;
 mod record;
 mod round;
+mod scan;
 
 pub use error::JournalError;
 pub use journal::Journal;

@@ -64,8 +64,8 @@ fn with_checksum(mut bytes: Vec<u8>) -> Vec<u8> {
 pub enum Header {
     /// What the run is, and how many bytes say so.
     Whole(String, u64),
-    /// It was cut off when it was written: nothing follows.
-    Torn,
+    /// It is not whole, or its bytes changed.
+    Damaged,
     /// It is not a journal.
     Foreign,
 }
@@ -80,14 +80,14 @@ pub fn read_header(file: &mut impl Read) -> io::Result<Header> {
     file.up_to(MAGIC.len() as u64, &mut magic)?;
     if magic != MAGIC {
         return Ok(match MAGIC.starts_with(&magic) {
-            true => Header::Torn,
+            true => Header::Damaged,
             false => Header::Foreign,
         });
     }
     let (mut length, mut text) = (Vec::new(), Vec::new());
     file.up_to(8, &mut length)?;
     let Ok(length) = <[u8; 8]>::try_from(&length[..]).map(u64::from_le_bytes) else {
-        return Ok(Header::Torn);
+        return Ok(Header::Damaged);
     };
     if length > LONGEST_TEXT {
         return Ok(Header::Foreign);
@@ -95,10 +95,15 @@ pub fn read_header(file: &mut impl Read) -> io::Result<Header> {
     file.up_to(length, &mut text)?;
     let whole = file.ends_with_checksum()?;
     Ok(match String::from_utf8(text) {
-        _ if !whole => Header::Torn,
+        _ if !whole => Header::Damaged,
         Ok(text) => Header::Whole(text, MAGIC.len() as u64 + 8 + length + CHECKSUM),
         Err(_) => Header::Foreign,
     })
+}
+
+/// Bytes of a record of so many numbers.
+pub fn size(count: u64) -> u64 {
+    PREFIX + 8 * count + CHECKSUM
 }
 
 /// Reads a record of a file that has so many bytes left: the call and the count of its numbers, if it is whole.

@@ -12,7 +12,9 @@ use symplint::{Block, Ensemble};
 
 use crate::difference::difference;
 use crate::error::JournalError;
-use crate::record::{CHECKSUM, Call, Header, PREFIX, header, read_header, read_record, record};
+use crate::record::{
+    CHECKSUM, Call, Header, PREFIX, header, read_header, read_record, record, size,
+};
 
 /// A call that is to be made.
 pub struct Request {
@@ -118,7 +120,7 @@ pub fn read_round(path: &Path, run: &Value) -> Result<Vec<Request>, JournalError
             .map(|bytes| f64::from_le_bytes(bytes.try_into().expect("eight bytes")))
             .collect();
         requests.push(Request::of(call, &numbers).ok_or_else(foreign)?);
-        left = left.saturating_sub(PREFIX + 8 * count + CHECKSUM);
+        left = left.saturating_sub(size(count));
     }
     Ok(requests)
 }

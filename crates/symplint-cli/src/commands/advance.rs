@@ -4,26 +4,29 @@ use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
 use symplint::StepFailure;
+use symplint_config::Config;
 use symplint_journal::Request;
 
 use super::Failure;
 use super::resume::config_of_run;
 use super::round::Round;
-use super::run_output::run_of_folder;
+use super::run_output::run_of_config;
 use crate::cli::AdvanceArgs;
 use crate::output::{Progress, say};
 
 /// Makes the calls of a part, each once: those that an earlier job for the same part made are not made again.
 pub fn advance(arguments: &AdvanceArgs) -> Result<ExitCode, Failure> {
     let (k, n) = arguments.part;
-    let config = config_of_run(&arguments.folder)?;
+    let path = config_of_run(&arguments.folder)?;
+    // A run whose configuration makes calls of its own has no round.
+    let config = Config::load_with(&path, &[], |_, _| Round::check_there(&arguments.folder))?;
     let Some(map) = &config.system.command else {
         return Err(Failure::Usage {
             message: format!("{} is not the run of a command", arguments.folder.display()),
             remedy: "only calls of programs (system.name = \"command\") are made by jobs".into(),
         });
     };
-    let round = Round::of_run(&arguments.folder, &run_of_folder(map, &arguments.folder)?);
+    let round = Round::of_run(&arguments.folder, &run_of_config(map, &config.resolved)?);
     let requests = round.read()?;
     // Calls of one step size, which take about as long, go to different parts.
     let part: Vec<&Request> = requests.iter().skip(k - 1).step_by(n).collect();

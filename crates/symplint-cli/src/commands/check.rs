@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use symplint::{VerdictKind, judge};
-use symplint_config::Config;
+use symplint_config::{Config, System};
 use symplint_report::figures::check_figures;
 use symplint_report::report::Report;
 use symplint_report::run_folder::PointLog;
@@ -12,6 +12,7 @@ use symplint_report::table::{degrees_of_freedom, points_table};
 
 use super::Failure;
 use super::plan::say_round;
+use super::round::Round;
 use super::run_output::RunOutput;
 use crate::cli::{CheckArgs, Run};
 use crate::output::{Progress, say, verdict_text};
@@ -32,8 +33,8 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
     if let Some(keep) = &arguments.keep {
         settings.push(format!("system.keep={}", quoted(keep)?));
     }
-    let config = Config::load(&arguments.config, &settings)?;
-    let status = diagnose(&started, config, run, Calls::Here)?;
+    let source = (&*arguments.config, &*settings);
+    let status = diagnose(&started, source, run, Calls::Here)?;
     Ok(status.unwrap_or(ExitCode::SUCCESS))
 }
 
@@ -48,39 +49,21 @@ pub(super) enum Calls {
     },
 }
 
-/// Diagnoses a configuration, or goes on where a run of it was stopped. No exit status where calls are to be made by jobs before it
-/// can go on.
+/// Diagnoses a configuration, a file and settings, or goes on where a run of it was stopped. No exit status where calls are to be
+/// made by jobs before it can go on.
 pub(super) fn diagnose(
     started: &provenance::Run,
-    config: Config,
+    (path, settings): (&Path, &[String]),
     run: &Run,
     calls: Calls,
 ) -> Result<Option<ExitCode>, Failure> {
-    // Before the run, which may take hours.
-    let mut output = RunOutput::of_run("check", &config.resolved, run)?;
-    let mut round = None;
-    match (calls, &mut output, &config.system.command) {
-        (Calls::Here, Some(output), Some(command)) => {
-            output.keep_journal(command, run.force)?;
-            signals::note_folder(output.folder.path());
-        }
-        (Calls::Here, ..) => {}
-        (Calls::ByJobs { collect }, Some(output), Some(command)) => {
-            if config.radii.is_some() {
-                return Err(Failure::Usage {
-                    message: "loop.radius = \"auto\" makes calls before they can be planned".into(),
-                    remedy: "give radii as numbers".into(),
-                });
-            }
-            round = Some(output.plan_calls(command, run.force, collect)?);
-        }
-        (Calls::ByJobs { .. }, ..) => {
-            return Err(Failure::Usage {
-                message: "only calls of programs are made by jobs".into(),
-                remedy: "set system.name = \"command\"".into(),
-            });
-        }
-    }
+    let (mut output, mut round) = (None, None);
+    // Before the run, which may take hours, and before its first call.
+    let config = Config::load_with(path, settings, |system, resolved| {
+        output = RunOutput::of_run("check", resolved, run)?;
+        round = prepare(&mut output, system, resolved, calls)?;
+        Ok::<(), Failure>(())
+    })?;
     let journal = output.as_ref().and_then(|output| output.journal.clone());
     let log = (output.as_ref()).map(|output| PointLog::new(&output.folder, &output.config));
     let progress = Progress::new("points", run.shown.quiet || run.shown.json);
@@ -173,6 +156,44 @@ pub(super) fn diagnose(
         }
     }
     Ok(Some(exit_status(diagnosis.verdict.kind)))
+}
+
+/// Opens the journal of a program; a round of calls where jobs make them.
+fn prepare(
+    output: &mut Option<RunOutput>,
+    system: &System,
+    resolved: &toml::Table,
+    calls: Calls,
+) -> Result<Option<Round>, Failure> {
+    let refused = |message: &str, remedy: &str| {
+        let (message, remedy) = (message.into(), remedy.into());
+        Err(Failure::Usage { message, remedy })
+    };
+    match (calls, output, &system.command) {
+        (Calls::Here, Some(output), Some(command)) => {
+            output.keep_journal(command)?;
+            signals::note_folder(output.folder.path());
+            Ok(None)
+        }
+        (Calls::Here, None, Some(command)) => {
+            (command.check_keeps_no_earlier_calls()).map_err(Failure::of_command)?;
+            Ok(None)
+        }
+        (Calls::Here, _, None) => Ok(None),
+        (Calls::ByJobs { collect }, Some(output), Some(command)) => {
+            if resolved["loop"]["radius"].as_str() == Some("auto") {
+                return refused(
+                    "loop.radius = \"auto\" makes calls before they can be planned",
+                    "give radii as numbers",
+                );
+            }
+            output.plan_calls(command, collect).map(Some)
+        }
+        (Calls::ByJobs { .. }, ..) => refused(
+            "only calls of programs are made by jobs",
+            "set system.name = \"command\"",
+        ),
+    }
 }
 
 /// A path of the command line as a value of a configuration, whose relative paths begin elsewhere.

@@ -6,8 +6,10 @@ use std::fs;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use serde_json::Value as Json;
 use symplint_config::parse_number;
 use symplint_report::report::to_json;
+use symplint_report::run_folder::PROBE;
 
 /// The beginning of a `config.toml` in a run folder; the command follows.
 const MARKER: &str = "# symplint run folder: ";
@@ -73,6 +75,9 @@ impl OccupiedError {
 /// The files of `check`, `trace` and `measure` beside the configuration and the figures.
 pub const RECORDS: &[&str] = &["report.json", "points.csv"];
 
+/// How a run goes, and not what it finds: a run goes on with other values of these keys.
+const NOT_OF_THE_RUN: &[&str] = &["system.workers", "system.timeout", "system.keep"];
+
 /// The evaluations of a map that costs.
 pub const JOURNAL: &str = "journal";
 
@@ -97,6 +102,43 @@ pub fn config_text(command: &str, config: &toml::Table) -> String {
 /// The command that wrote a `config.toml` into its run folder.
 pub fn command_of(text: &str) -> Option<&str> {
     text.lines().next()?.strip_prefix(MARKER)
+}
+
+/// What a run is known by: its configuration by value, without keys that do not matter.
+pub fn identity(config: &toml::Table) -> Json {
+    known_by("", &serde_json::json!(config))
+}
+
+fn known_by(dotted: &str, value: &Json) -> Json {
+    // Digits, which compare bit by bit.
+    let digits = |number: f64| Json::from(format!("{number:?}"));
+    match value {
+        Json::Object(table) => {
+            let keys = table
+                .iter()
+                .map(|(key, value)| (key, join(dotted, key), value));
+            let keys = keys.filter(|(_, dotted, _)| !NOT_OF_THE_RUN.contains(&&**dotted));
+            let pairs = keys.map(|(key, dotted, value)| (key.clone(), known_by(&dotted, value)));
+            Json::Object(pairs.collect())
+        }
+        // The words of a program are no numbers.
+        Json::Array(list) if dotted != "system.command" => {
+            list.iter().map(|value| known_by(dotted, value)).collect()
+        }
+        Json::Number(number) => number.as_f64().map_or(Json::Null, digits),
+        Json::String(text) => parse_number(text).map_or_else(|| value.clone(), digits),
+        _ => value.clone(),
+    }
+}
+
+/// The value of a number, also of one that is written as a string.
+fn number(value: &toml::Value) -> Option<f64> {
+    match value {
+        toml::Value::Integer(number) => Some(*number as f64),
+        toml::Value::Float(number) => Some(*number),
+        toml::Value::String(text) => parse_number(text),
+        _ => None,
+    }
 }
 
 /// The run in a run folder.
@@ -129,6 +171,7 @@ impl EarlierRun {
         if names.iter().any(|name| name == "figures") && is_empty_folder(&path.join("figures")) {
             names.retain(|name| name != "figures");
         }
+        names.retain(|name| !is_left_by_a_kill(name));
         let Some(first) = names.first() else {
             return Ok(None);
         };
@@ -156,7 +199,7 @@ impl EarlierRun {
         }
         let report = path.join("report.json");
         if report.exists() {
-            let written: serde_json::Value =
+            let written: Json =
                 serde_json::from_str(&read(&report)?).map_err(|_| foreign("report.json"))?;
             let is_ours =
                 (written["schema"].as_str()).is_some_and(|schema| schema.starts_with("symplint/"));
@@ -164,8 +207,8 @@ impl EarlierRun {
                 return Err(foreign("report.json"));
             }
             // Converted to text and back, as the report was, so that numbers are rounded in the same way.
-            let of_config: Option<serde_json::Value> = serde_json::from_str(&to_json(&config)).ok();
-            if of_config.as_ref() != Some(&written["config"]) {
+            let of_config: Json = serde_json::from_str(&to_json(&config)).unwrap_or(Json::Null);
+            if known_by("", &of_config) != known_by("", &written["config"]) {
                 return Err(edited());
             }
         }
@@ -232,7 +275,8 @@ impl EarlierRun {
 /// The first difference of two configurations, as text. A section that only this run has does not count: with it,
 /// `reproduce` adds items.
 fn difference(path: &str, there: &toml::Table, here: &toml::Table) -> Option<String> {
-    for (key, there) in there {
+    let is_of_the_run = |key: &String| !NOT_OF_THE_RUN.contains(&&*join(path, key));
+    for (key, there) in there.iter().filter(|(key, _)| is_of_the_run(key)) {
         let dotted = join(path, key);
         let found = match (there, here.get(key)) {
             (toml::Value::Table(there), Some(toml::Value::Table(here))) => {
@@ -251,7 +295,7 @@ fn difference(path: &str, there: &toml::Table, here: &toml::Table) -> Option<Str
         }
     }
     (here.keys())
-        .find(|key| !path.is_empty() && !there.contains_key(*key))
+        .find(|key| !path.is_empty() && !there.contains_key(*key) && is_of_the_run(key))
         .map(|key| format!("this run has {}, and it does not", join(path, key)))
 }
 
@@ -278,20 +322,31 @@ fn short(value: &toml::Value) -> String {
     }
 }
 
-/// Whether two values are the same, also where one number is written in another way.
+/// Whether two values are the same, also where one number is written in another way. Strings are not numbers to one another:
+/// they may be words of a program. Nor is -0.0 the same as 0.0: calls differ in their bits.
 fn same(one: &toml::Value, other: &toml::Value) -> bool {
-    let number = |value: &toml::Value| match value {
-        toml::Value::Integer(number) => Some(*number as f64),
-        toml::Value::Float(number) => Some(*number),
-        toml::Value::String(text) => parse_number(text),
-        _ => None,
-    };
+    let bits = |value| number(value).map(f64::to_bits);
     match (one, other) {
+        (toml::Value::String(one), toml::Value::String(other)) => one == other,
         (toml::Value::Array(one), toml::Value::Array(other)) => {
             one.len() == other.len() && one.iter().zip(other).all(|(a, b)| same(a, b))
         }
-        _ => one == other || number(one).is_some_and(|value| Some(value) == number(other)),
+        _ => match (bits(one), bits(other)) {
+            (None, None) => one == other,
+            (one, other) => one == other,
+        },
     }
+}
+
+/// Whether a run that was killed while it wrote one of its files left this name behind.
+fn is_left_by_a_kill(name: &str) -> bool {
+    let written = name
+        .strip_prefix('.')
+        .and_then(|name| name.strip_suffix(".part"));
+    name == PROBE
+        || written.is_some_and(|name| {
+            RECORDS.contains(&name) || ["config.toml", "claims.json", "claims.md"].contains(&name)
+        })
 }
 
 fn is_empty_folder(path: &Path) -> bool {

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use symplint_command::CommandError;
 use symplint_config::{ConfigError, Place};
 use symplint_journal::JournalError;
 use symplint_paper::PaperError;
@@ -124,6 +125,18 @@ impl Failure {
                 .as_ref()
                 .map(|(place, label)| (place, label.as_str())),
             _ => None,
+        }
+    }
+
+    /// A command that cannot be used as it is set. Its text ends with the remedy.
+    pub fn of_command(error: CommandError) -> Self {
+        let text = format!("system.keep: {error}");
+        let (message, remedy) = text
+            .split_once("; ")
+            .unwrap_or((&text, "name another folder"));
+        Failure::Usage {
+            message: message.to_owned(),
+            remedy: remedy.to_owned(),
         }
     }
 

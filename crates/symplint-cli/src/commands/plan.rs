@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use symplint_config::Config;
 use symplint_journal::Request;
 
 use super::Failure;
@@ -24,8 +23,8 @@ pub fn plan(arguments: &PlanArgs) -> Result<ExitCode, Failure> {
         force: arguments.force,
         shown: arguments.shown.clone(),
     };
-    let config = Config::load(&arguments.config, &arguments.settings.set)?;
-    let status = diagnose(&started, config, &run, Calls::ByJobs { collect: false })?;
+    let source = (&*arguments.config, &*arguments.settings.set);
+    let status = diagnose(&started, source, &run, Calls::ByJobs { collect: false })?;
     Ok(status.unwrap_or(ExitCode::from(ROUND_TO_MAKE)))
 }
 
@@ -38,7 +37,12 @@ pub fn collect(arguments: &ResumeArgs) -> Result<ExitCode, Failure> {
         force: false,
         shown: arguments.shown.clone(),
     };
-    let status = diagnose(&started, config, &run, Calls::ByJobs { collect: true })?;
+    let status = diagnose(
+        &started,
+        (&config, &[]),
+        &run,
+        Calls::ByJobs { collect: true },
+    )?;
     Ok(status.unwrap_or(ExitCode::from(ROUND_TO_MAKE)))
 }
 

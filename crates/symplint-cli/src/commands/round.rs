@@ -2,14 +2,14 @@
 //! part, `part-K-of-N` with the states and `part-K-of-N.failed` with the calls that failed.
 
 use std::collections::HashMap;
-use std::fs;
+use std::fs::{self, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use symplint::StepFailure;
-use symplint_journal::{Call, Journal, Request, read_round, write_round};
+use symplint_journal::{Call, Journal, JournalError, Request, read_round, write_round};
 
 use super::Failure;
 
@@ -18,6 +18,8 @@ const MOST_FAILURES: usize = 2;
 
 /// The folder of rounds in a run folder.
 pub const ROUND: &str = "round";
+/// The calls of a round, in its folder.
+const CALLS: &str = "calls";
 /// The calls that failed, in a run folder.
 pub const FAILED: &str = "failed.json";
 
@@ -54,11 +56,7 @@ impl Round {
     /// If they cannot be written.
     pub fn write(&self, requests: &[Request]) -> Result<(), Failure> {
         fs::create_dir_all(&self.folder).map_err(|error| write_error(&self.folder, &error))?;
-        Ok(write_round(
-            &self.folder.join("calls"),
-            &self.run,
-            requests,
-        )?)
+        Ok(write_round(&self.folder.join(CALLS), &self.run, requests)?)
     }
 
     /// The calls.
@@ -66,14 +64,21 @@ impl Round {
     /// # Errors
     /// If there is no round, or it is of another run.
     pub fn read(&self) -> Result<Vec<Request>, Failure> {
-        let path = self.folder.join("calls");
-        if !path.exists() {
-            return Err(Failure::Usage {
-                message: format!("{} has no round of calls", self.folder.display()),
+        Ok(read_round(&self.folder.join(CALLS), &self.run)?)
+    }
+
+    /// Checks that there is a round in a run folder.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn check_there(folder: &Path) -> Result<(), Failure> {
+        match folder.join(ROUND).join(CALLS).exists() {
+            true => Ok(()),
+            false => Err(Failure::Usage {
+                message: format!("{} has no round of calls", folder.display()),
                 remedy: "write one by `symplint plan CONFIG.toml --out DIR`".into(),
-            });
+            }),
         }
-        Ok(read_round(&path, &self.run)?)
     }
 
     /// The journal of part k of n.
@@ -126,12 +131,10 @@ impl Round {
             taken += journal.merge(part)?;
         }
         let mut failed = self.failed_calls()?;
-        for path in parts.iter().filter(|path| path.extension().is_some()) {
-            for new in read_calls(path)? {
-                match failed.iter_mut().find(|known| known.call == new.call) {
-                    Some(known) => known.times += 1,
-                    None => failed.push(new),
-                }
+        for new in failed_in_round(&parts)? {
+            match failed.iter_mut().find(|known| known.call == new.call) {
+                Some(known) => known.times += 1,
+                None => failed.push(new),
             }
         }
         failed.retain(|known| !journal.has(known.call));
@@ -142,12 +145,28 @@ impl Round {
         Ok(taken)
     }
 
-    /// Removes the round of a run that has ended.
+    /// Checks that no job is under way.
+    ///
+    /// # Errors
+    /// If one is, or a file cannot be read.
+    pub fn check_idle(&self) -> Result<(), Failure> {
+        for path in self.parts()? {
+            let file = fs::File::open(&path).map_err(|error| read_error(&path, &error))?;
+            if let Err(TryLockError::WouldBlock) = file.try_lock() {
+                return Err(JournalError::InUse { path }.into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Removes the round of a run that has ended, or begins anew, with what jobs made that nobody waits for.
     ///
     /// # Errors
     /// If it cannot be removed.
     pub fn remove(&self) -> Result<(), Failure> {
-        for path in [self.folder.join("calls"), self.of_failed()] {
+        let mut paths = self.parts()?;
+        paths.extend([self.folder.join(CALLS), self.of_failed()]);
+        for path in paths {
             match fs::remove_file(&path) {
                 Err(error) if error.kind() != ErrorKind::NotFound => {
                     return Err(write_error(&path, &error));
@@ -155,7 +174,7 @@ impl Round {
                 _ => {}
             }
         }
-        // It may hold parts of jobs that nobody waits for.
+        // It may hold a file that a job that was killed did not write to its end, which the next round replaces.
         let _ = fs::remove_dir(&self.folder);
         Ok(())
     }
@@ -203,6 +222,19 @@ impl Round {
         paths.sort();
         Ok(paths)
     }
+}
+
+/// The calls that failed in a round, each once: those that several jobs made, for parts of different numbers, too.
+fn failed_in_round(parts: &[PathBuf]) -> Result<Vec<FailedCall>, Failure> {
+    let mut failed: Vec<FailedCall> = Vec::new();
+    for path in parts.iter().filter(|path| path.extension().is_some()) {
+        for new in read_calls(path)? {
+            if !failed.iter().any(|known| known.call == new.call) {
+                failed.push(new);
+            }
+        }
+    }
+    Ok(failed)
 }
 
 fn part_name(k: usize, n: usize) -> String {

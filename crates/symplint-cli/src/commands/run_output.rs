@@ -16,7 +16,9 @@ use symplint_report::provenance::HashedFile;
 use symplint_report::run_folder::RunFolder;
 
 use super::Failure;
-use super::earlier_run::{EarlierRun, JOURNAL, RECORDS, config_text, figure_files, loop_file};
+use super::earlier_run::{
+    EarlierRun, JOURNAL, RECORDS, config_text, figure_files, identity, loop_file,
+};
 use super::round::Round;
 use crate::cli::Run;
 
@@ -26,6 +28,10 @@ pub struct RunOutput {
     pub folder: RunFolder,
     /// `config.toml`: the configuration with all defaults.
     pub config: String,
+    /// What the run is known by.
+    identity: serde_json::Value,
+    /// Whether a run of the same is in the folder, and goes on.
+    goes_on: bool,
     /// The evaluations, where the map is one that costs.
     pub journal: Option<Arc<Journal>>,
     earlier: Option<EarlierRun>,
@@ -59,18 +65,22 @@ impl RunOutput {
         Ok(RunOutput {
             folder: RunFolder::create(path)?,
             config: config_text(command, config),
+            identity: identity(config),
+            goes_on: earlier.is_some() && !force,
             journal: None,
             earlier,
         })
     }
 
     /// Notes the calls of a program from now on in the folder, and replays those that a run of the same made before it was
-    /// stopped. `anew` forgets them.
+    /// stopped, also by jobs, which are not waited for any more.
     ///
     /// # Errors
-    /// If the journal is of another version of the program or of this one, or cannot be written.
-    pub fn keep_journal(&mut self, map: &CommandMap, anew: bool) -> Result<(), Failure> {
-        let journal = self.open_journal(map, anew)?;
+    /// If the journal is of another version of the program or of this one, or a job is under way, or a file cannot be written.
+    pub fn keep_journal(&mut self, map: &CommandMap) -> Result<(), Failure> {
+        let (journal, round) = self.open_journal(map)?;
+        round.collect(&journal)?;
+        round.remove()?;
         map.keep_journal(journal);
         Ok(())
     }
@@ -79,14 +89,8 @@ impl RunOutput {
     ///
     /// # Errors
     /// Those of [`keep_journal`](Self::keep_journal), and of files that jobs wrote.
-    pub fn plan_calls(
-        &mut self,
-        map: &CommandMap,
-        anew: bool,
-        collect: bool,
-    ) -> Result<Round, Failure> {
-        let journal = self.open_journal(map, anew)?;
-        let round = Round::of_run(self.folder.path(), &run_of(map, &self.config)?);
+    pub fn plan_calls(&mut self, map: &CommandMap, collect: bool) -> Result<Round, Failure> {
+        let (journal, round) = self.open_journal(map)?;
         if collect {
             round.collect(&journal)?;
         }
@@ -94,17 +98,38 @@ impl RunOutput {
         Ok(round)
     }
 
-    fn open_journal(&mut self, map: &CommandMap, anew: bool) -> Result<Arc<Journal>, Failure> {
+    /// The journal and the round of calls of this run. Nothing in the folder changes before it is known that both are of this run,
+    /// or are to be replaced, and that nobody writes to them.
+    fn open_journal(&mut self, map: &CommandMap) -> Result<(Arc<Journal>, Round), Failure> {
         let path = self.folder.journal();
-        if anew {
-            remove(&path)?;
-            Round::of_run(self.folder.path(), &serde_json::Value::Null).remove()?;
+        let run = run_of(map, &self.identity)?;
+        let round = Round::of_run(self.folder.path(), &run);
+        if !self.goes_on {
+            map.check_keeps_no_earlier_calls()
+                .map_err(Failure::of_command)?;
+        }
+        let journal = match &self.earlier {
+            Some(_) if self.goes_on => Journal::open(&path, &run)?,
+            Some(_) => {
+                round.check_idle()?;
+                Journal::anew(&path, &run)?
+            }
+            None => {
+                // First: a folder with a journal alone would be none of a run.
+                self.folder.write_config(&self.config)?;
+                Journal::anew(&path, &run)?
+            }
+        };
+        if !self.goes_on {
+            round.remove()?;
+            // The report of the run that was replaced would not fit the configuration.
+            remove(&self.folder.path().join("report.json"))?;
         }
         // The run can be resumed from here on.
         self.folder.write_config(&self.config)?;
-        let journal = Arc::new(Journal::open(&path, &run_of(map, &self.config)?)?);
+        let journal = Arc::new(journal);
         self.journal = Some(Arc::clone(&journal));
-        Ok(journal)
+        Ok((journal, round))
     }
 
     /// Writes the figures of a run with `report.json`, `points.csv` and loops at the steps `snapshots`, and
@@ -155,18 +180,13 @@ fn remove(path: &Path) -> Result<(), Failure> {
 /// What the journal of the run in a folder is of.
 ///
 /// # Errors
-/// If its configuration or a file of the program cannot be read.
-pub fn run_of_folder(map: &CommandMap, folder: &Path) -> Result<serde_json::Value, Failure> {
-    let path = folder.join("config.toml");
-    let config = fs::read_to_string(&path).map_err(|error| Failure::Read {
-        reason: error.to_string(),
-        path,
-    })?;
-    run_of(map, &config)
+/// If a file of the program cannot be read.
+pub fn run_of_config(map: &CommandMap, config: &toml::Table) -> Result<serde_json::Value, Failure> {
+    run_of(map, &identity(config))
 }
 
 /// What a journal is of: the version of this program, the configuration, and the program that is called.
-fn run_of(map: &CommandMap, config: &str) -> Result<serde_json::Value, Failure> {
+fn run_of(map: &CommandMap, config: &serde_json::Value) -> Result<serde_json::Value, Failure> {
     let files = map.program_files().into_iter().map(|(word, path)| {
         let read = HashedFile::read(&path).map_err(|error| Failure::Read {
             reason: error.to_string(),

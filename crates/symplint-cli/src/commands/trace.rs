@@ -21,7 +21,12 @@ use crate::provenance;
 pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
     let started = provenance::start();
     let run = &arguments.run;
-    let config = Config::load(&arguments.config, &arguments.settings.set)?;
+    let set = &arguments.settings.set;
+    let config = Config::load_with(&arguments.config, set, |system, _| {
+        let command = system.command.as_ref();
+        let checked = command.map_or(Ok(()), |command| command.check_keeps_no_earlier_calls());
+        checked.map_err(Failure::of_command)
+    })?;
     let trace = settings(&config)?;
     let output = RunOutput::of_run("trace", &config.resolved, run)?;
     let progress = Progress::new("steps", run.shown.quiet || run.shown.json);

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use super::resume::{calls, report};
-use super::{Bench, said};
+use super::{Bench, in_one_line, said};
 
 const KEYS: &str = "workers = 1\nbatch = 16\n";
 
@@ -189,6 +189,7 @@ fn what_cannot_be_planned_or_made_is_refused() {
 
 /// A scheduler: runs the jobs of an array at the same time, and waits for them.
 const SBATCH: &str = r#"#!/bin/sh
+echo 17
 for word in "$@"; do
     case $word in
         --array=1-*) jobs=${word#--array=1-} ;;
@@ -203,17 +204,16 @@ done
 wait
 "#;
 
+/// Runs the script for SLURM with a scheduler.
 #[cfg(unix)]
-#[test]
-fn the_script_for_slurm_makes_all_rounds() {
+fn rounds(bench: &Bench, sbatch: &str) -> Output {
     use std::os::unix::fs::PermissionsExt;
 
-    let bench = Bench::new("leapfrog", KEYS);
     let path = |name: &str| bench.folder.path().join(name);
     std::fs::create_dir(path("bin")).unwrap();
-    let sbatch = path("bin").join("sbatch");
-    std::fs::write(&sbatch, SBATCH).unwrap();
-    std::fs::set_permissions(&sbatch, PermissionsExt::from_mode(0o755)).unwrap();
+    let file = path("bin").join("sbatch");
+    std::fs::write(&file, sbatch).unwrap();
+    std::fs::set_permissions(&file, PermissionsExt::from_mode(0o755)).unwrap();
     let text = std::fs::read_to_string(bench.config()).unwrap() + "budget = 300\n";
     std::fs::write(bench.config(), text).unwrap();
     let symplint = Path::new(env!("CARGO_BIN_EXE_symplint")).parent().unwrap();
@@ -222,19 +222,134 @@ fn the_script_for_slurm_makes_all_rounds() {
         env!("CARGO_MANIFEST_DIR"),
         "/../../examples/slurm/rounds.sh"
     );
-    let output = Command::new("sh")
+    let places = format!("{}:{}:{own}", path("bin").display(), symplint.display());
+    Command::new("sh")
         .arg(script)
         .arg(bench.config())
         .arg(path("run"))
         .arg("3")
-        .env(
-            "PATH",
-            format!("{}:{}:{own}", path("bin").display(), symplint.display()),
-        )
+        .env("PATH", places)
         .output()
-        .unwrap();
+        .unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn the_script_for_slurm_makes_all_rounds() {
+    let bench = Bench::new("leapfrog", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let output = rounds(&bench, SBATCH);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     let whole = bench.check(&["--quiet", "--out", path("whole").to_str().unwrap()]);
     assert_eq!(whole.status.code(), Some(0), "{}", said(&whole));
     assert_eq!(report(&path("run")), report(&path("whole")));
+}
+
+#[cfg(unix)]
+#[test]
+fn the_script_for_slurm_ends_where_jobs_are_refused_or_never_run() {
+    for (sbatch, words) in [
+        ("#!/bin/sh\nexit 1\n", "sbatch takes no jobs"),
+        ("#!/bin/sh\necho 17\nexit 1\n", "two rounds made no call"),
+    ] {
+        let bench = Bench::new("leapfrog", KEYS);
+        let output = rounds(&bench, sbatch);
+        assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+        assert!(said(&output).contains(words), "{}", said(&output));
+    }
+    // A call that fails is no end.
+    let output = rounds(&Bench::new("crash", KEYS), SBATCH);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+}
+
+/// Plans a run of the bench, of few evaluations.
+fn plan(bench: &Bench, out: &Path, more: &[&str]) -> Output {
+    let mut plan = Command::new(env!("CARGO_BIN_EXE_symplint"));
+    plan.arg("plan").arg(bench.config()).arg("--out").arg(out);
+    plan.args(["--quiet", "--set", "diagnostic.budget=300"]);
+    plan.args(more).output().unwrap()
+}
+
+#[test]
+fn a_run_that_is_planned_anew_forgets_the_parts_of_the_old_one() {
+    let bench = Bench::new("crash", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let run = path("run");
+    let bad = ["--set", "diagnostic.step_sizes=[0.125]"];
+    assert_eq!(plan(&bench, &run, &bad).status.code(), Some(4));
+    let advance = |part: &str| symplint(&["advance", "--part", part], &run, &path("calls"));
+    assert_eq!(advance("1/1").status.code(), Some(2));
+    let part = run.join("round").join("part-1-of-1");
+    assert!(part.exists() && part.with_extension("failed").exists());
+
+    let good = ["--force", "--set", "diagnostic.step_sizes=[0.5]"];
+    // While the job is under way nothing is replaced.
+    let file = std::fs::File::open(&part).unwrap();
+    file.lock().unwrap();
+    let refused = plan(&bench, &run, &good);
+    assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
+    drop(file);
+    assert_eq!(plan(&bench, &run, &bad).status.code(), Some(4));
+
+    assert_eq!(plan(&bench, &run, &good).status.code(), Some(4));
+    assert!(!part.exists() && !part.with_extension("failed").exists());
+    assert_eq!(advance("1/1").status.code(), Some(0));
+    let collected = symplint(&["collect", "--quiet"], &run, &path("calls"));
+    assert_ne!(collected.status.code(), Some(2), "{}", said(&collected));
+}
+
+#[test]
+fn a_call_that_fails_in_two_jobs_of_a_round_failed_once() {
+    let bench = Bench::new("crash", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let run = path("run");
+    let bad = ["--set", "diagnostic.step_sizes=[0.125]"];
+    assert_eq!(plan(&bench, &run, &bad).status.code(), Some(4));
+    for part in ["1/1", "1/2", "2/2"] {
+        symplint(
+            &["advance", "--quiet", "--part", part],
+            &run,
+            &path("calls"),
+        );
+    }
+    let collected = symplint(&["collect", "--quiet"], &run, &path("calls"));
+    assert_eq!(collected.status.code(), Some(4), "{}", said(&collected));
+    let failed = std::fs::read_to_string(run.join("failed.json")).unwrap();
+    let failed: serde_json::Value = serde_json::from_str(&failed).unwrap();
+    let failed = failed.as_array().unwrap();
+    assert!(!failed.is_empty());
+    assert!(failed.iter().all(|call| call["times"] == 1), "{failed:?}");
+}
+
+#[test]
+fn a_run_that_goes_on_without_jobs_takes_in_theirs_and_waits_for_none() {
+    let bench = Bench::new("leapfrog", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let run = path("run");
+    assert_eq!(plan(&bench, &run, &[]).status.code(), Some(4));
+    let advance = || symplint(&["advance", "--part", "1/1"], &run, &path("calls"));
+    assert_eq!(advance().status.code(), Some(0));
+    let made = calls(&path("calls"));
+    let resume = || symplint(&["resume", "--quiet"], &run, &path("more_calls"));
+    let part = std::fs::File::open(run.join("round/part-1-of-1")).unwrap();
+    part.lock().unwrap();
+    let refused = resume();
+    assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
+    assert!(in_one_line(&refused).contains("another run writes to it"));
+    drop(part);
+    let output = resume();
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert!(!run.join("round").exists());
+    let whole = path("whole");
+    let mut check = bench.command(&["--quiet", "--set", "diagnostic.budget=300", "--out"]);
+    check.arg(&whole).env("SYMPLINT_TEST_COUNT", path("needed"));
+    assert_eq!(check.status().unwrap().code(), Some(0));
+    assert_eq!(made + calls(&path("more_calls")), calls(&path("needed")));
+    assert_eq!(report(&run), report(&whole));
+    let late = advance();
+    assert!(
+        in_one_line(&late).contains("has no round"),
+        "{}",
+        said(&late)
+    );
 }

@@ -145,6 +145,12 @@ impl Bench {
     }
 }
 
+/// What it said, without line breaks, which fit it to the terminal.
+fn in_one_line(output: &Output) -> String {
+    let text = said(output);
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 fn said(output: &Output) -> String {
     [&output.stdout, &output.stderr]
         .map(|bytes| String::from_utf8_lossy(bytes).into_owned())

@@ -2,13 +2,13 @@
 
 use std::fs::{self, OpenOptions};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::Duration;
 
 use serde_json::Value;
 
-use super::{Bench, said};
+use super::{Bench, in_one_line, said};
 
 /// One more call of the program.
 pub fn count(path: &str) {
@@ -148,6 +148,226 @@ fn what_is_no_stopped_run_is_refused() {
     refused(resume(&folder, &[]), "was changed after the run");
     fs::write(&config, "name = 1\n").unwrap();
     refused(resume(&folder, &[]), "is not that of a run");
+}
+
+/// All files of a folder.
+fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.is_dir() {
+            true => files.extend(contents(&path)),
+            false => files.push((path.clone(), fs::read(path).unwrap())),
+        }
+    }
+    files.sort();
+    files
+}
+
+#[test]
+fn a_command_that_is_refused_changes_nothing() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let check = |word: &str, q0: &str, more: &[&str]| {
+        let text = format!(
+            "[system]\nname = \"command\"\n\
+             command = [\"sh\", \"-c\", 'cp \"$0\" \"$1\"', \"{{before}}\", \"{{after}}\", \"{word}\"]\n\
+             q0 = [{q0}]\np0 = [0.5]\n[diagnostic]\nstep_sizes = [0.5]\nbudget = 200\n"
+        );
+        fs::write(path("run.toml"), text).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        command.arg("check").arg(path("run.toml")).args(more);
+        command.arg("--out").arg(path("run")).output().unwrap()
+    };
+    // It moves nothing.
+    assert_eq!(check("1", "0.0", &[]).status.code(), Some(3));
+    let before = contents(&path("run"));
+    for (word, q0, key) in [
+        ("1.0", "0.0", "system.command"),
+        ("1", "-0.0", "system.q0"),
+        ("1", "0.5", "system.q0"),
+    ] {
+        let output = check(word, q0, &[]);
+        let text = in_one_line(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(&format!("{key} is [")), "{text}");
+        assert!(text.contains("here"), "{text}");
+        assert!(contents(&path("run")) == before, "{word} {q0}");
+    }
+    // A journal of another version is refused as late as can be.
+    let journal = path("run").join("journal");
+    let whole = fs::read(&journal).unwrap();
+    fs::write(&journal, "notes of mine").unwrap();
+    let damaged = contents(&path("run"));
+    let output = check("1", "0", &["--set", "system.workers=1"]);
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(contents(&path("run")) == damaged);
+    fs::write(&journal, whole).unwrap();
+    let output = resume(&path("run"), &[]);
+    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    // The same number in other digits.
+    let output = check("1", "0", &[]);
+    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+}
+
+#[test]
+fn a_run_that_goes_on_is_not_replaced_by_force() {
+    let bench = Bench::new("leapfrog", KEYS);
+    let folder = bench.folder.path().join("run");
+    let check = |more: &[&str]| {
+        let mut command = bench.command(&["--quiet", "--out"]);
+        command.arg(&folder).args(more).output().unwrap()
+    };
+    let few = ["--set", "diagnostic.budget=300"];
+    assert_eq!(check(&few).status.code(), Some(0));
+    let before = contents(&folder);
+    let journal = fs::File::open(folder.join("journal")).unwrap();
+    journal.lock().unwrap();
+    let output = check(&["--force", "--set", "diagnostic.budget=400"]);
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(in_one_line(&output).contains("another run writes to it"));
+    assert!(contents(&folder) == before);
+    drop(journal);
+    let output = check(&["--force", "--set", "diagnostic.budget=400"]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+}
+
+#[test]
+fn how_a_run_goes_is_no_other_run() {
+    let bench = Bench::new("leapfrog", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let check = |settings: &[&str], counts: &str| {
+        let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=300", "--out"]);
+        command.arg(path("run")).args(settings);
+        let output = command.env("SYMPLINT_TEST_COUNT", path(counts)).output();
+        let output = output.unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    };
+    check(&[], "calls");
+    let keep = format!("system.keep={:?}", path("kept"));
+    let others = ["system.workers=1", "system.timeout=50", &keep];
+    check(&others.map(|other| ["--set", other]).concat(), "more_calls");
+    assert_eq!(calls(&path("more_calls")), 0);
+    let output = resume(&path("run"), &["--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+}
+
+#[test]
+fn a_run_that_keeps_its_files_goes_on() {
+    let bench = Bench::new("leapfrog", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let keep = path("kept");
+    let check = |out: &str| {
+        let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=300"]);
+        // Relative to the configuration, also when the run is resumed.
+        command.args(["--set", "system.keep=kept"]);
+        command.arg("--out").arg(path(out)).output().unwrap()
+    };
+    let kept = || fs::read_dir(&keep).unwrap().count();
+    let output = check("run");
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let (needed, whole) = (kept(), report(&path("run")));
+    // Half of the journal is lost.
+    let journal = path("run").join("journal");
+    let bytes = fs::read(&journal).unwrap();
+    fs::write(&journal, &bytes[..bytes.len() / 2]).unwrap();
+    let output = resume(&path("run"), &["--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert!(kept() > needed);
+    assert_eq!(report(&path("run")), whole);
+    let output = check("run");
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    // Another run.
+    let output = check("other");
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(in_one_line(&output).contains("is not empty"));
+}
+
+#[test]
+fn radii_that_the_map_suggests_are_looked_for_once() {
+    let bench = Bench::new("leapfrog", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let check = |counts: &str, more: &[&str]| {
+        let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=300"]);
+        command
+            .args(["--set", "loop.radius=auto", "--out"])
+            .arg(path("run"));
+        command.args(more).env("SYMPLINT_TEST_COUNT", path(counts));
+        command.output().unwrap()
+    };
+    let output = check("calls", &[]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let whole = report(&path("run"));
+    assert!(whole["evaluations"]["sizes"].as_u64().unwrap() > 0);
+    let output = check("no_calls", &[]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    // Another run is refused before its first call.
+    let output = check("no_calls", &["--set", "system.q0=[0.25]"]);
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert_eq!(calls(&path("no_calls")), 0);
+    let output = resume(&path("run"), &["--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert_eq!(report(&path("run")), whole);
+}
+
+#[test]
+fn what_a_run_left_that_was_killed_at_once_is_no_file_of_others() {
+    let bench = Bench::new("leapfrog", KEYS);
+    let folder = bench.folder.path().join("run");
+    fs::create_dir_all(folder.join("figures")).unwrap();
+    for name in [".config.toml.part", ".writable"] {
+        fs::write(folder.join(name), "# sympl").unwrap();
+    }
+    let arguments = ["--quiet", "--set", "diagnostic.budget=300", "--out"];
+    let check = || bench.command(&arguments).arg(&folder).output().unwrap();
+    assert_eq!(check().status.code(), Some(0), "{}", said(&check()));
+    fs::write(folder.join(".report.json.part"), "{").unwrap();
+    assert_eq!(check().status.code(), Some(0));
+    let other = bench.folder.path().join("other");
+    fs::create_dir(&other).unwrap();
+    fs::write(other.join(".notes.part"), "").unwrap();
+    let refused = bench.command(&arguments).arg(&other).output().unwrap();
+    assert!(in_one_line(&refused).contains("did not write .notes.part"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_program_of_path_that_was_changed_is_named() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::create_dir(path("bin")).unwrap();
+    let program = path("bin").join("some-step");
+    let text = "[system]\nname = \"command\"\ncommand = [\"some-step\", \"{before}\", \"{after}\"]\n\
+                q0 = [1.0]\np0 = [0.5]\n[diagnostic]\nstep_sizes = [0.5]\nbudget = 200\n";
+    fs::write(path("run.toml"), text).unwrap();
+    let check = |comment: &str| {
+        fs::write(
+            &program,
+            format!("#!/bin/sh\ncp \"$1\" \"$2\" # {comment}\n"),
+        )
+        .unwrap();
+        fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+        let places = format!(
+            "{}:{}",
+            path("bin").display(),
+            std::env::var("PATH").unwrap()
+        );
+        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        command.arg("check").arg(path("run.toml")).arg("--quiet");
+        command.arg("--out").arg(path("run")).env("PATH", places);
+        command.output().unwrap()
+    };
+    assert_eq!(check("as it was").status.code(), Some(3));
+    assert_eq!(check("as it was").status.code(), Some(3));
+    let output = check("as it is");
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(
+        in_one_line(&output).contains("program.some-step"),
+        "{}",
+        said(&output)
+    );
 }
 
 #[test]

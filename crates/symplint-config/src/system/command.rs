@@ -66,7 +66,7 @@ pub const COMMAND: SystemInfo = SystemInfo {
         Key::optional(
             "keep",
             "\"symplint-calls\"",
-            "a new folder that keeps the files of all calls; they are removed if left out",
+            "a folder that keeps the files of all calls, new but for a run that goes on; they are removed if left out",
         ),
     ],
     integrator: NONE,
@@ -98,7 +98,12 @@ pub const COMMAND: SystemInfo = SystemInfo {
         let mut map = CommandMap::new(command, &runs_in, coordinates, limits(section)?)
             .map_err(|error| refused("command", error))?;
         if let Some(keep) = section.optional_text("keep")? {
-            map = (map.keeping(folder.join(keep))).map_err(|error| refused("keep", error))?;
+            let keep = folder.join(keep);
+            let keep = std::path::absolute(&keep).unwrap_or(keep);
+            if let Some(path) = keep.to_str() {
+                section.record("keep", path);
+            }
+            map = (map.keeping(keep)).map_err(|error| refused("keep", error))?;
         }
         let map = Arc::new(map);
         Ok(System {

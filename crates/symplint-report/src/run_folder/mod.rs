@@ -26,6 +26,9 @@ pub struct WriteError {
     pub reason: String,
 }
 
+/// A file that is there for a moment, to see whether files can be written.
+pub const PROBE: &str = ".writable";
+
 /// A folder for what a run leaves behind.
 pub struct RunFolder {
     path: PathBuf,
@@ -42,7 +45,7 @@ impl RunFolder {
         };
         let figures = folder.figures();
         fs::create_dir_all(&figures).map_err(|error| cannot_write(&figures, &error))?;
-        let probe = path.join(".writable");
+        let probe = path.join(PROBE);
         fs::write(&probe, "").map_err(|error| cannot_write(path, &error))?;
         fs::remove_file(&probe).map_err(|error| cannot_write(path, &error))?;
         Ok(folder)
