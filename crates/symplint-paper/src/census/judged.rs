@@ -43,8 +43,10 @@ pub struct Record {
     pub crossings: usize,
     /// Whether integrals are conserved once breaks are closed.
     pub closed_conserved: Option<bool>,
-    /// Relative change of a loop integral at the step size of the run, breaks left open; the largest of all loops.
+    /// Relative change of a loop integral, breaks left open; the largest of all loops.
     pub defect: f64,
+    /// The step size that it belongs to: that of the run, or the nearest that the budget allowed.
+    pub defect_step_size: f64,
     /// The largest relative change of the energy over the run.
     pub energy_error: f64,
     /// That in its second half, over that in its first.
@@ -85,6 +87,7 @@ impl Judged {
             .max_by(|a, b| a.step_size.total_cmp(&b.step_size));
         let verdict = &diagnosis.verdict;
         let small_loops = SmallLoops::of(scheme)?;
+        let (defect_step_size, defect) = defect_near(&diagnosis, h);
         let record = Record {
             scheme: scheme.family,
             degree: scheme.degree,
@@ -95,7 +98,8 @@ impl Judged {
             breaks: largest.and_then(|point| point.jumps).unwrap_or(0),
             crossings: scheme.crossings,
             closed_conserved: verdict.conserved_once_closed,
-            defect: defect_at(&diagnosis, h),
+            defect,
+            defect_step_size,
             energy_error: watched.energy[0].max(watched.energy[1]),
             energy_growth: watched.energy[1] / watched.energy[0],
             gauss_residual: watched.gauss,
@@ -113,12 +117,19 @@ impl Judged {
     }
 }
 
-/// The largest relative change of a loop integral at the step size `h`; NaN where the budget left it out.
-fn defect_at(diagnosis: &Diagnosis, h: f64) -> f64 {
-    (diagnosis.points().into_iter())
-        .filter(|point| point.step_size == h)
-        .map(|point| point.defect)
-        .fold(f64::NAN, f64::max)
+/// The measured step size nearest to `h`, and the largest relative change of a loop integral there.
+fn defect_near(diagnosis: &Diagnosis, h: f64) -> (f64, f64) {
+    let points = diagnosis.points();
+    let distance = |h_of_point: f64| (h_of_point / h).ln().abs();
+    let sizes = points.iter().map(|point| point.step_size);
+    let nearest = sizes
+        .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+        .unwrap_or(h);
+    let defects = points
+        .iter()
+        .filter(|point| point.step_size == nearest)
+        .map(|point| point.defect);
+    (nearest, defects.fold(f64::NAN, f64::max))
 }
 
 /// The names of the substeps that change the integral by more than the uncertainty, or have breaks of their own.

@@ -55,7 +55,10 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         .collect::<Result<_, PaperError>>()?;
     let records: Vec<_> = rows.iter().map(|row| &row.record).collect();
     folder.write_csv("census.csv", &records)?;
-    folder.write_text("census.md", &table::markdown(&rows))?;
+    folder.write_text(
+        "census.md",
+        &table::markdown(&rows, settings.number("step_size")),
+    )?;
     figure::draw(&rows).save(&folder.figures(), "census")?;
     Ok(claims::claims(&rows))
 }

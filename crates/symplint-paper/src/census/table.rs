@@ -6,8 +6,8 @@ use symplint::VerdictKind;
 
 use super::judged::{Judged, Record};
 
-/// All schemes as a Markdown table.
-pub fn markdown(rows: &[Judged]) -> String {
+/// All schemes as a Markdown table; runs have steps of this size.
+pub fn markdown(rows: &[Judged], step_size: f64) -> String {
     let mut text = String::from(
         "| scheme | degree | verdict | order | breaks (crossings) | closed integrals | defect | energy | Gauss' law | momentum | which substep |\n\
          |---|---|---|---|---|---|---|---|---|---|---|\n",
@@ -16,7 +16,7 @@ pub fn markdown(rows: &[Judged]) -> String {
         let record = &row.record;
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {} | {} | {} | {:.0e} | {:.0e} | {} | {:.0e} | {} |",
+            "| {} | {} | {} | {} | {} | {} | {} | {:.0e} | {} | {:.0e} | {} |",
             record.scheme,
             record.degree,
             verdict(row),
@@ -28,7 +28,7 @@ pub fn markdown(rows: &[Judged]) -> String {
                 None if record.breaks > 0 => "open",
                 None => "",
             },
-            record.defect,
+            defect(record, step_size),
             record.energy_error,
             (record.gauss_residual).map_or("solved".into(), |residual| format!("{residual:.0e}")),
             record.momentum_change,
@@ -49,6 +49,14 @@ fn verdict(row: &Judged) -> String {
 /// k of defect ~ h^k, of small loops and small steps.
 fn order(record: &Record) -> String {
     (record.slope).map_or_else(String::new, |slope| format!("{slope:.1}"))
+}
+
+/// With its step size where it is another one.
+fn defect(record: &Record, step_size: f64) -> String {
+    match record.defect_step_size == step_size {
+        true => format!("{:.0e}", record.defect),
+        false => format!("{:.0e} (h = {})", record.defect, record.defect_step_size),
+    }
 }
 
 /// Breaks, and how many cell boundaries particles pass on the loop.
