@@ -1,6 +1,8 @@
 //! Whole diagnoses: evidence, verdict and words.
 
-use symplint::{Diagnosis, Diagnostic};
+use symplint::diagnosis::SampleCount;
+use symplint::rules::{Cutoffs, Streaming};
+use symplint::{Diagnostic, Evidence, Rule, Verdict};
 
 use crate::maps::cases;
 use crate::record::check;
@@ -8,15 +10,24 @@ use crate::record::check;
 /// Coefficients of smoother loops reach round-off before they show how smooth these are, and those of noise show nothing.
 const REGULARITY: [f64; 2] = [0.0, 6.0];
 
-fn write(text: &mut String, name: &str, what: &str, found: &Diagnosis) {
-    let mut evidence = found.evidence.clone();
+fn limit_regularities(evidence: &mut Evidence) {
     for step in (evidence.loops.iter_mut()).flat_map(|found| &mut found.steps) {
         step.regularity = step
             .regularity
             .map(|s| s.clamp(REGULARITY[0], REGULARITY[1]));
     }
+}
+
+/// The verdict, and what evidence has of numbers and words, line by line.
+pub fn write(text: &mut String, heading: &str, verdict: &Verdict, evidence: &Evidence) {
+    let mut evidence = evidence.clone();
+    limit_regularities(&mut evidence);
+    *text += &format!("== {heading}\n{verdict}\n");
     let evidence = serde_json::to_string_pretty(&evidence).unwrap();
-    *text += &format!("== {name}, {what}\n{}\n{evidence}\n", found.verdict);
+    let lines = evidence.lines().map(str::trim);
+    for line in lines.filter(|line| !line.trim_end_matches(',').ends_with("null")) {
+        *text += &format!("{line}\n");
+    }
 }
 
 fn diagnose(diagnostic: &Diagnostic, what: &str, file: &str) {
@@ -25,7 +36,10 @@ fn diagnose(diagnostic: &Diagnostic, what: &str, file: &str) {
     let cases = cases().into_iter();
     for case in cases.filter(|case| !case.name.starts_with("solver")) {
         match diagnostic.run(&*case.map, &*case.phase_loop) {
-            Ok(found) => write(&mut text, case.name, what, &found),
+            Ok(found) => {
+                let heading = format!("{}, {what}", case.name);
+                write(&mut text, &heading, &found.verdict, &found.evidence);
+            }
             Err(error) => text += &format!("== {}, {what}\n{error}\n", case.name),
         }
     }
@@ -50,4 +64,27 @@ fn on_the_default_budget() {
         ..Diagnostic::halving(-1, -3)
     };
     diagnose(&diagnostic, "60,000 evaluations", "on_a_large_budget");
+}
+
+#[test]
+fn by_finite_differences() {
+    let diagnostic = Diagnostic {
+        rule: Rule::FiniteDifference(Cutoffs::relative(20.0)),
+        samples: SampleCount::Fixed(400),
+        loops: 2,
+        budget: Some(20_000),
+        ..Diagnostic::halving(-1, -2)
+    };
+    diagnose(&diagnostic, "finite differences", "by_finite_differences");
+}
+
+#[test]
+fn by_streaming() {
+    let diagnostic = Diagnostic {
+        rule: Rule::Streaming(Streaming::default()),
+        loops: 2,
+        budget: Some(20_000),
+        ..Diagnostic::halving(-1, -2)
+    };
+    diagnose(&diagnostic, "streaming", "by_streaming");
 }

@@ -1,5 +1,5 @@
 //! Numbers that were recorded, so that no change of them goes unnoticed: integrals with their error estimates, breaks,
-//! pieces and evaluations of each rule, and whole diagnoses with their words.
+//! pieces and evaluations of each rule, whole diagnoses, and sentences.
 //!
 //! That they are right is the matter of the other tests, with closed forms. Where a change is meant, run
 //! `RECORD=1 cargo test --release -p symplint --test recorded`, and read the difference.
@@ -8,3 +8,5 @@ mod diagnoses;
 mod maps;
 mod record;
 mod rules;
+mod sentences;
+mod snapshots;
