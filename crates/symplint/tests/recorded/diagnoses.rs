@@ -2,10 +2,11 @@
 
 use symplint::diagnosis::SampleCount;
 use symplint::rules::{Cutoffs, Streaming};
+use symplint::verdict::Finding;
 use symplint::{Diagnostic, Evidence, Rule, Verdict};
 
 use crate::maps::cases;
-use crate::record::check;
+use crate::record::{ROUND_OFF, check};
 
 /// Coefficients of smoother loops reach round-off before they show how smooth these are, and those of noise show nothing.
 const REGULARITY: [f64; 2] = [0.0, 6.0];
@@ -23,6 +24,19 @@ pub fn write(text: &mut String, heading: &str, verdict: &Verdict, evidence: &Evi
     let mut evidence = evidence.clone();
     limit_regularities(&mut evidence);
     *text += &format!("== {heading}\n{verdict}\n");
+    // Which loop bounds a defect at round-off is chance.
+    let chance = |finding: &&Finding| matches!(finding, Finding::Bound { measured, .. } if *measured < ROUND_OFF);
+    for finding in verdict
+        .findings
+        .iter()
+        .skip(1)
+        .filter(|finding| !chance(finding))
+    {
+        *text += &format!("{finding}\n");
+    }
+    for sentence in verdict.advice() {
+        *text += &format!("{sentence}\n");
+    }
     let evidence = serde_json::to_string_pretty(&evidence).unwrap();
     let lines = evidence.lines().map(str::trim);
     for line in lines.filter(|line| !line.trim_end_matches(',').ends_with("null")) {

@@ -147,6 +147,12 @@ fn ring(dof: usize, loop_seed: u64) -> Box<dyn Loop> {
     Box::new(FourierLoop::random(zero.clone(), zero, &radius, &radius, loop_seed).unwrap())
 }
 
+/// A loop round the period of the interpolated forces.
+fn winding() -> Box<dyn Loop> {
+    let around = FourierLoop::random(vec![0.4], vec![2.0], &[0.1], &[0.3], 2).unwrap();
+    Box::new(around.winding(0, 1.0).unwrap())
+}
+
 /// Springs between neighbours in a chain, the one in the middle with a gap that closes at once.
 fn chain(dof: usize, jump: f64) -> Box<dyn TimeAdvance> {
     strang(Coordinates::plain(dof), move |q, i| {
@@ -300,6 +306,12 @@ pub fn cases() -> Vec<Case> {
             Box::new(standard_map.with_coordinates(torus).unwrap()),
             circle(PI - 0.2, 5.9, 1.0),
             1.0,
+        ),
+        case(
+            "winding, nearest grid point",
+            interpolated(8.0, 0),
+            winding(),
+            0.5,
         ),
         case("chain", chain(5, 0.0), ring(5, 3), 0.5),
         case("chain with a gap", chain(5, 0.05), ring(5, 3), 0.5),

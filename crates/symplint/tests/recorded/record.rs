@@ -7,7 +7,7 @@ use std::path::Path;
 /// processor: so do digits.
 const RELATIVE: f64 = 1e-2;
 /// Round-off of numbers about 1 is no difference.
-const ROUND_OFF: f64 = 1e-11;
+pub const ROUND_OFF: f64 = 1e-11;
 
 /// Compares `found` with `results/NAME.txt` word by word, or writes it there.
 pub fn check(name: &str, found: &str) {
