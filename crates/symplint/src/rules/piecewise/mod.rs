@@ -117,6 +117,7 @@ impl Default for Piecewise {
 
 /// What the piecewise rule finds of an advanced loop.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct PiecewiseIntegral {
     /// I_ac: the absolutely continuous part, what the paper's rules aim at.
     pub continuous: LoopIntegral,
