@@ -198,7 +198,8 @@ impl<'a> Census<'a> {
     }
 
     fn all(&self, family: &'static str, holds: impl Fn(&Judged) -> bool) -> bool {
-        self.of(family).all(holds)
+        // Nothing holds of no schemes.
+        self.of(family).next().is_some() && self.of(family).all(holds)
     }
 
     fn worst(&self, family: &'static str, of: impl Fn(&Judged) -> f64) -> f64 {
