@@ -581,3 +581,73 @@ proptest! {
         prop_assert!((a.value - b.value).abs() < 1e-13);
     }
 }
+
+#[test]
+fn integrals_of_parts_are_merged_to_that_of_the_whole() {
+    const SAMPLES: usize = 64;
+    let mut whole = Ensemble::zeros(4, SAMPLES);
+    for i in 0..4 {
+        for k in 0..SAMPLES {
+            let s = k as f64 / SAMPLES as f64;
+            let jump = f64::from(k >= 10 * i + 5);
+            let x = TAU * s + i as f64;
+            whole.block().q.row_mut(i)[k] = (i + 1) as f64 * x.sin();
+            whole.block().p.row_mut(i)[k] = x.cos() + jump;
+        }
+    }
+    let rows = |range: std::ops::Range<usize>| {
+        let mut part = Ensemble::zeros(range.len(), SAMPLES);
+        for (row, i) in range.enumerate() {
+            part.block()
+                .q
+                .row_mut(row)
+                .copy_from_slice(whole.q().row(i));
+            part.block()
+                .p
+                .row_mut(row)
+                .copy_from_slice(whole.p().row(i));
+        }
+        part
+    };
+    for rule in [
+        Rule::Pseudospectral,
+        Rule::FiniteDifference(Cutoffs::relative(3.0)),
+    ] {
+        let expected = LoopIntegral::of(&whole, &rule).unwrap();
+        let parts = [0..1, 1..3, 3..4].map(|range| LoopIntegral::of(&rows(range), &rule).unwrap());
+        let merged = LoopIntegral::merged(&parts).unwrap();
+        let near = |a: f64, b: f64| assert!((a - b).abs() <= 1e-14 * b.abs(), "{a:e} {b:e}");
+        near(merged.value, expected.value);
+        assert_eq!(merged.contributions, expected.contributions);
+        near(
+            merged.quadrature_error.unwrap(),
+            expected.quadrature_error.unwrap(),
+        );
+        near(merged.scale, expected.scale);
+        assert_eq!(merged.regularity, expected.regularity);
+        assert_eq!(merged.omitted, expected.omitted);
+        let rounding = |integral: &LoopIntegral| f64::EPSILON * integral.value.abs();
+        // The sum of each part was rounded, and then that of all.
+        let of_parts: f64 = parts.iter().map(rounding).sum();
+        near(merged.roundoff - of_parts, expected.roundoff);
+        let mut unknown = parts.clone();
+        unknown[1].quadrature_error = None;
+        assert!(
+            LoopIntegral::merged(&unknown)
+                .unwrap()
+                .quadrature_error
+                .is_none()
+        );
+        let mut infinite = parts;
+        infinite[1].contributions[1] = f64::INFINITY;
+        let error = LoopIntegral::merged(&infinite).unwrap_err();
+        assert!(
+            matches!(error, symplint::Error::Overflow { dof: 2, .. }),
+            "{error}"
+        );
+        infinite[1].contributions[1] = 0.0;
+        infinite[2].scale = f64::INFINITY;
+        assert!(LoopIntegral::merged(&infinite).is_err());
+    }
+    assert!(LoopIntegral::merged(&[]).is_err());
+}

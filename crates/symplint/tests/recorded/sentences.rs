@@ -104,7 +104,7 @@ fn of_findings() {
             text,
             [Finding::Wrapped {
                 dof: 2,
-                period: 6.28,
+                period: 6.5,
                 step,
             }],
         );
