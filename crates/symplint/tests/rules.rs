@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use proptest::prelude::*;
-use symplint::rules::{Cutoff, Cutoffs, OmittedCell};
+use symplint::rules::{Cutoff, Cutoffs, OmittedCell, Piecewise, Streaming};
 use symplint::{Circle, Coordinates, Ensemble, FourierLoop, LoopIntegral, Rule};
 
 /// An ensemble from functions of s, one degree of freedom.
@@ -463,6 +463,36 @@ fn integrals_beyond_double_precision_are_errors() {
     ] {
         let error = LoopIntegral::of(&huge, &rule).unwrap_err();
         assert!(error.to_string().contains("overflows"), "{error}");
+    }
+}
+
+#[test]
+fn weights_may_lead_beyond_double_precision() {
+    let circle = curve(64, |s| 1e5 * (TAU * s).sin(), |s| 1e5 * (TAU * s).cos());
+    for (weight, overflows) in [(1e295, false), (-1e300, true)] {
+        let coordinates = Coordinates::plain(1).with_weights(vec![weight]).unwrap();
+        for rule in [
+            Rule::Pseudospectral,
+            Rule::FiniteDifference(Cutoffs::none()),
+        ] {
+            let result = LoopIntegral::in_coordinates(&circle, &rule, &coordinates);
+            assert_eq!(result.is_err(), overflows, "{weight}: {result:?}");
+        }
+    }
+}
+
+#[test]
+fn rules_are_called_as_in_configurations() {
+    let names = [
+        (Rule::Auto, "auto"),
+        (Rule::Pseudospectral, "pseudospectral"),
+        (Rule::FiniteDifference(Cutoffs::none()), "finite-difference"),
+        (Rule::Piecewise(Piecewise::default()), "piecewise"),
+        (Rule::Streaming(Streaming::default()), "streaming"),
+    ];
+    for (rule, name) in names {
+        assert_eq!(rule.kind().name(), name);
+        assert_eq!(rule.kind().to_string(), name);
     }
 }
 

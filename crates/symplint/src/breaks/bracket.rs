@@ -159,3 +159,31 @@ pub(crate) fn scatter(sides: [&[f64]; 2]) -> f64 {
     };
     of_side(sides[0]).max(of_side(sides[1]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_jump_stands_out_of_what_the_slope_makes_of_the_width() {
+        // Four spacings wide, beside a line that climbs by one in each.
+        let bracket = Bracket::new([0.25, 0.25 + 4.0 * SPACING], 1.0);
+        let line = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        assert!(!bracket.stands_out(NOISES_OF_A_JUMP * 4.0 - 0.1, [&line, &line]));
+        assert!(bracket.stands_out(NOISES_OF_A_JUMP * 4.0 + 0.1, [&line, &line]));
+    }
+
+    #[test]
+    fn what_flickers_takes_the_values_of_both_sides_and_no_others() {
+        let jump = 2.0;
+        // Up to an eighth of the jump off.
+        let [low, high] = [[5.0, 7.2, 4.8, 5.0], [7.0, 7.0, 5.2, 6.8]];
+        assert!(flickers(jump, [&low, &high]));
+        assert!(flickers(-jump, [&high, &low]));
+        for other in [3.0, 5.3, 6.0, 9.0] {
+            assert!(!flickers(jump, [&[5.0, 7.0, other], &high]), "{other}");
+            let other = 12.0 - other;
+            assert!(!flickers(jump, [&low, &[7.0, 5.0, other]]), "{other}");
+        }
+    }
+}

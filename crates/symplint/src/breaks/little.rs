@@ -31,3 +31,50 @@ pub(crate) fn little_jumps(samples: &Ensemble, coordinates: &Coordinates, known:
     };
     (0..samples.dof()).map(of_dof).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    #[test]
+    fn jumps_count_by_their_momenta_and_weights_but_for_known_ones_and_large_ones() {
+        const SAMPLES: usize = 4096;
+        const LITTLE: f64 = 3e-12;
+        let period = 1.0;
+        // The second position winds twice; cells 1000 and the last one have little jumps, cell 3000 a large one.
+        let mut states = Ensemble::zeros(2, SAMPLES);
+        for k in 0..SAMPLES {
+            let s = k as f64 / SAMPLES as f64;
+            let jumps = LITTLE * f64::from(k > 1000) + 1e-3 * f64::from(k > 3000);
+            states.block().q.row_mut(0)[k] = (TAU * s).sin();
+            states.block().p.row_mut(0)[k] = 1.0;
+            states.block().q.row_mut(1)[k] = (2.0 * s + 0.2 * (TAU * s).cos() + jumps
+                - (1e-3 + 3.0 * LITTLE) * s)
+                .rem_euclid(period);
+            states.block().p.row_mut(1)[k] = 2.0 - s;
+        }
+        let coordinates = Coordinates::plain(2)
+            .with_periods(vec![0.0, period])
+            .unwrap()
+            .with_weights(vec![1.0, -3.0])
+            .unwrap();
+        let at = |cell: usize| (cell as f64 + 0.5) / SAMPLES as f64;
+        // From the last sample to the first the position falls by twice the jump.
+        let [first, last] = [3.0 * (2.0 - at(1000)) * LITTLE, 3.0 * 1.0 * 2.0 * LITTLE];
+        for (known, expected) in [
+            (vec![], first + last),
+            (vec![at(1000)], last),
+            (vec![at(SAMPLES - 1), at(7)], first),
+            (vec![at(1000), at(SAMPLES - 1)], 0.0),
+        ] {
+            let found = little_jumps(&states, &coordinates, &known);
+            let off = (found - expected).abs();
+            assert!(
+                off < 0.02 * LITTLE,
+                "{known:?}: {found:e}, not {expected:e}"
+            );
+        }
+    }
+}

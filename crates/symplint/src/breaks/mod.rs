@@ -262,4 +262,81 @@ mod tests {
             assert_eq!(search(&map, samples), None, "{samples} samples");
         }
     }
+
+    #[test]
+    fn a_break_is_substantial_in_either_coordinate() {
+        let found = |jump_q, jump_p| Break {
+            s: 0.5,
+            uncertainty: 0.0,
+            dof: 0,
+            jump_q,
+            jump_p,
+            substep: None,
+        };
+        let ranges = [1e3, 1e-3];
+        assert!(!found(0.9e-8, -0.9e-14).is_substantial(ranges));
+        assert!(found(-1.1e-8, 0.0).is_substantial(ranges));
+        assert!(found(0.0, 1.1e-14).is_substantial(ranges));
+    }
+
+    #[test]
+    fn fewer_samples_than_a_group_show_nothing() {
+        let map = kick(|x| -x.signum());
+        assert_eq!(search(&map, GROUP - 1), None);
+        assert!(search(&map, GROUP).is_some());
+    }
+
+    #[test]
+    fn a_position_that_winds_does_not_jump_where_the_row_ends() {
+        for n in [64, 1000] {
+            let row: Vec<f64> = (0..n)
+                .map(|k| k as f64 / n as f64)
+                .map(|s| (3.0 + 2.0 * s + 0.1 * (std::f64::consts::TAU * s).sin()).rem_euclid(1.0))
+                .collect();
+            let found = suspect(&mut Vec::new(), 0, Coordinate::Q, &row, 1.0);
+            assert!(found.is_none(), "{n}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn one_rounding_of_large_values_is_no_jump() {
+        let row: Vec<f64> = (0..64).map(|k| 1e6 + 1e-10 * f64::from(k > 30)).collect();
+        assert!(suspect(&mut Vec::new(), 0, Coordinate::P, &row, 0.0).is_none());
+        let row: Vec<f64> = (0..64).map(|k| 1e6 + 1e-8 * f64::from(k > 30)).collect();
+        assert!(suspect(&mut Vec::new(), 0, Coordinate::P, &row, 0.0).is_some());
+    }
+
+    /// What a search finds whose map returns this number of binary digits, and is known to.
+    fn search_of_rounded(map: &dyn TimeAdvance, circle: &dyn Loop) -> Option<Break> {
+        let mut states = Ensemble::sample(circle, 256).unwrap();
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(map, &count).unwrap();
+        evaluator.advance(&mut states, 0.5).unwrap();
+        evaluator.learn_grain(circle, 256, |c, k| crate::state::coordinate(&states, c)[k]);
+        assert!(evaluator.grain().is_some());
+        match find_break_with(&evaluator, circle, 0.5, &states).unwrap() {
+            Search::Found(found) => Some(found),
+            Search::Clean => None,
+            Search::Unaffordable => panic!("without a limit"),
+        }
+    }
+
+    #[test]
+    fn in_single_precision_a_jump_of_one_coordinate_breaks_the_loop() {
+        let single = |x: f64| f64::from(x as f32);
+        let circle = Circle::new(vec![0.0, 1e5], vec![0.0, 0.0], 1.0).unwrap();
+        // Which coordinate of the second degree of freedom jumps.
+        for jumps in [[0.0, 0.0], [0.0, 0.3], [0.3, 0.0]] {
+            let map = PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+                let (side_q, side_p) = ((p[1] - 0.3).signum(), (q[1] - 1e5 - 0.3).signum());
+                q[1] += h * (p[1] + jumps[0] * side_q);
+                p[1] -= h * (q[1] - 1e5 - jumps[0] * h * side_q + jumps[1] * side_p);
+                for x in q.iter_mut().chain(p) {
+                    *x = single(*x);
+                }
+            });
+            let found = search_of_rounded(&map, &circle);
+            assert_eq!(found.is_some(), jumps != [0.0; 2], "{jumps:?}: {found:?}");
+        }
+    }
 }

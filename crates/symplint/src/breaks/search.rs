@@ -253,4 +253,144 @@ mod tests {
         assert!((1e-8..1e-7).contains(&found.hidden), "{}", found.hidden);
         assert!(search(4096, |s| (TAU * s).sin() + noise(s)).unresolved);
     }
+
+    /// The increments of a row with jumps, kinks and steep stretches that are none, few enough for no noise to be known.
+    fn rough(n: usize, seed: u64) -> Vec<f64> {
+        let mut state = seed;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let (phase, kink, jump) = (random(), random(), [random(), random(), random()]);
+        let width = 3.0 * random() / n as f64;
+        let at = |s: f64| {
+            let jumps: f64 = (jump.iter().enumerate())
+                .map(|(i, at)| 0.3f64.powi(i as i32) * f64::from(s > *at))
+                .sum();
+            (TAU * (s + phase)).sin() + (s - kink).abs() + ((s - phase) / width).tanh() + jumps
+        };
+        let x = |k: usize| at((k % n) as f64 / n as f64);
+        (0..n).map(|k| x(k + 1) - x(k)).collect()
+    }
+
+    fn assert_same(
+        found: &Roughness,
+        expected: &Roughness,
+        cell: impl Fn(usize) -> usize,
+        sign: f64,
+    ) {
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert_eq!(found.unresolved, expected.unresolved);
+        assert!(
+            near(found.hidden, expected.hidden),
+            "{found:?}, {expected:?}"
+        );
+        let mut jumps = expected.jumps.clone();
+        jumps
+            .iter_mut()
+            .for_each(|jump| jump.cell = cell(jump.cell));
+        jumps.sort_by_key(|jump| jump.cell);
+        assert_eq!(found.jumps.len(), jumps.len(), "{found:?}, {expected:?}");
+        for (found, expected) in found.jumps.iter().zip(jumps) {
+            assert_eq!(
+                (found.cell, found.confirmed),
+                (expected.cell, expected.confirmed)
+            );
+            assert!(
+                near(found.size, sign * expected.size),
+                "{found:?}, {expected:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn where_the_loop_begins_and_which_way_it_goes_change_nothing() {
+        let mut jumps = [0; 2];
+        for seed in 0..300 {
+            // Noise is estimated from groups of 16 cells: these have none, or whole ones.
+            let (n, step) = [(6 + seed % 10, 1), (64, 16)][usize::from(seed % 3 == 0)];
+            let increments = rough(n, seed as u64);
+            let expected = find_jumps(&increments, 1e-14);
+            for jump in &expected.jumps {
+                jumps[usize::from(jump.confirmed)] += 1;
+            }
+            for start in (step..n).step_by(step) {
+                let mut rotated = increments.clone();
+                rotated.rotate_left(start);
+                let found = find_jumps(&rotated, 1e-14);
+                assert_same(&found, &expected, |cell| (cell + n - start) % n, 1.0);
+            }
+            let reversed: Vec<f64> = increments.iter().rev().map(|d| -d).collect();
+            let found = find_jumps(&reversed, 1e-14);
+            assert_same(&found, &expected, |cell| n - 1 - cell, -1.0);
+        }
+        assert!(jumps.iter().all(|&count| count > 20), "{jumps:?}");
+    }
+
+    /// Flagged cells, refilled where `increment` is the increment of the others.
+    fn refilled(n: usize, flagged: &[usize], increment: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut raw: Vec<f64> = (0..n).map(increment).collect();
+        let mut search_flagged = vec![false; n];
+        for &k in flagged {
+            raw[k] = 1000.0;
+            search_flagged[k] = true;
+        }
+        let mut search = Search {
+            filled: raw.clone(),
+            raw: &raw,
+            flagged: search_flagged,
+            floor: 0.0,
+        };
+        search.refill();
+        flagged.iter().map(|&k| search.filled[k]).collect()
+    }
+
+    #[test]
+    fn cells_next_to_each_other_lie_on_a_line_between_their_neighbours() {
+        assert_eq!(
+            refilled(12, &[5, 6, 7], |k| 2.0 + k as f64),
+            [7.0, 8.0, 9.0]
+        );
+        // Round the end of the loop.
+        let line = |k: usize| ((k + 6) % 12) as f64;
+        assert_eq!(refilled(12, &[10, 11, 0, 1], line), [4.0, 5.0, 6.0, 7.0]);
+        // Two cells apart, each is next to one that is flagged.
+        assert_eq!(refilled(12, &[4, 6], |k| (k * k) as f64), [17.0, 37.0]);
+    }
+
+    #[test]
+    fn a_cell_alone_is_what_a_polynomial_has_there() {
+        let cubic = |k: usize| (k as f64 - 3.0).powi(3) - (k * k) as f64;
+        for k in 2..9 {
+            let filled = refilled(12, &[k], cubic)[0];
+            assert!((filled - cubic(k)).abs() < 1e-12, "{k}: {filled}");
+        }
+        // Three cells apart, neither disturbs the other less.
+        let [a, b] = refilled(12, &[4, 7], |k| (k * k) as f64)[..] else {
+            unreachable!()
+        };
+        assert!(
+            (a - 16.0).abs() < 1e-12 && (b - 49.0).abs() < 1e-12,
+            "{a} {b}"
+        );
+    }
+
+    #[test]
+    fn samples_that_jump_everywhere_show_no_shape() {
+        let zigzag: Vec<f64> = (0..15).map(|k| f64::from([3, -5, 2][k % 3])).collect();
+        let found = find_jumps(&zigzag, 1e-14);
+        assert!(found.unresolved && found.jumps.is_empty(), "{found:?}");
+    }
+
+    #[test]
+    fn noise_is_resolved_as_long_as_it_is_fine() {
+        let noise = |s: f64| ((s * 12.9898).sin() * 43758.5453).fract();
+        for (size, unresolved) in [(1e-7, false), (1e-2, true)] {
+            let found = search(4096, |s| (TAU * s).sin() + size * noise(s));
+            assert!(found.jumps.is_empty(), "{size}: {found:?}");
+            assert_eq!(found.unresolved, unresolved, "{size}");
+        }
+    }
 }

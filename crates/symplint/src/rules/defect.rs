@@ -129,4 +129,32 @@ mod tests {
         assert_eq!(logarithmic_defect(1e-200, 1e-200), Some(0.0));
         assert_eq!(logarithmic_defect(-1e200, -1e200), Some(0.0));
     }
+
+    #[test]
+    fn a_loop_is_measured_where_it_is_a_hundred_times_its_rounding() {
+        let mut loop_integral = exactly(3.0);
+        loop_integral.roundoff = 0.029;
+        assert!(Defect::between(&loop_integral, &exactly(3.0)).is_ok());
+        loop_integral.roundoff = 0.031;
+        let error = Defect::between(&loop_integral, &exactly(3.0)).unwrap_err();
+        assert!(matches!(error, Error::LostInRounding { .. }), "{error}");
+        // Of what cancels to less than a tenth, the area itself is none.
+        for (scale, is_lost) in [(29.0, true), (31.0, false)] {
+            loop_integral.scale = scale;
+            let error = Defect::between(&loop_integral, &exactly(3.0)).unwrap_err();
+            assert_eq!(
+                matches!(error, Error::LostInRounding { .. }),
+                is_lost,
+                "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn logarithms_of_zero_are_none() {
+        for other in [1.0, -1.0] {
+            assert_eq!(logarithmic_defect(0.0, other), None);
+            assert_eq!(logarithmic_defect(other, 0.0), None);
+        }
+    }
 }

@@ -370,3 +370,87 @@ pub(super) fn rows(
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_sums_lose_is_kept() {
+        for terms in [[1e17, 1.0, -1e17, 3.0], [1.0, 1e17, 3.0, -1e17]] {
+            for lane in [0, PAIRS - 1] {
+                let mut lanes = CompensatedLanes::default();
+                terms.iter().for_each(|&term| lanes.add(lane, term));
+                assert_eq!(lanes.total(), 4.0, "{terms:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_variation_counts_every_increment_and_the_closing_one() {
+        for n in [1, 2, 7, 9, 16, 17, 20] {
+            // Down and up by one, and from the last sample to the first, which gained.
+            let row: Vec<f64> = (0..n).map(|k| 5.0 + f64::from(k % 2 == 1)).collect();
+            let last = row[n - 1] - 5.0;
+            for gain in [0.0, 10.0, -10.0] {
+                let expected = (n - 1) as f64 + (gain - last).abs();
+                assert_eq!(variation(&row, gain), expected, "{n} samples, {gain}");
+            }
+        }
+    }
+
+    /// Σ over the cells that are in doubt, for a loop whose position or momentum rises slowly, but for a step of one
+    /// in `cell`.
+    fn doubtful(n: usize, cell: usize, q_steps: bool, cutoff: f64) -> f64 {
+        let slow = |k: usize| 7.0 + 1e-3 * ((k + n - cell) as f64).sin();
+        let step = |k: usize| f64::from((k + n - 1 - cell) % n < n / 2);
+        let stepped: Vec<f64> = (0..n).map(|k| slow(k) + step(k)).collect();
+        let smooth: Vec<f64> = (0..n).map(slow).collect();
+        let (q, p) = if q_steps {
+            (stepped, smooth)
+        } else {
+            (smooth, stepped)
+        };
+        let cutoff = Cutoff::Absolute(cutoff);
+        let none = Cutoff::Absolute(f64::INFINITY);
+        sums(&Row {
+            q: ClosedRow::new(&q, 0.0, if q_steps { cutoff } else { none }),
+            p: ClosedRow::new(&p, 0.0, if q_steps { none } else { cutoff }),
+        })
+        .doubtful
+    }
+
+    #[test]
+    fn a_step_is_a_jump_in_every_cell() {
+        for n in [121, 128] {
+            for cell in [0, 1, 17, n / 2 - 1, n - 2, n - 1] {
+                // Retained, it is in doubt by p Δq: once up, once down.
+                let retained = doubtful(n, cell, true, 1e9);
+                assert!(
+                    (retained - 2.0 * 7.0).abs() < 0.1,
+                    "{n}, {cell}: {retained}"
+                );
+                // Left out, it is none.
+                for q_steps in [true, false] {
+                    let omitted = doubtful(n, cell, q_steps, 10.0);
+                    assert_eq!(omitted, 0.0, "{n}, {cell}, {q_steps}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn storing_an_ellipse_costs_what_theory_says() {
+        // Σ Δx² of an ellipse with N samples is 2 N sin²(π/N) times the square of its semi-axis.
+        let n = 64;
+        let (a, b) = (3.0, 0.25);
+        let angle = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
+        let q: Vec<f64> = (0..n).map(|k| a * angle(k).cos()).collect();
+        let p: Vec<f64> = (0..n).map(|k| b * angle(k).sin()).collect();
+        let result = integrate(&q, 0.0, &p, &Cutoffs::none());
+        let root = (2.0 * n as f64).sqrt() * (std::f64::consts::PI / n as f64).sin();
+        // Each is the largest value of one times the root of the other.
+        let expected = UNIT_ROUNDOFF * (2.0 * a * b * root + 2.0 * result.scale);
+        assert!((result.roundoff / expected - 1.0).abs() < 1e-12);
+    }
+}

@@ -141,3 +141,154 @@ pub(crate) fn cells_apart(ensemble: &Ensemble, coordinates: &Coordinates) -> f64
     };
     (0..ensemble.dof()).map(furthest).fold(0.0, f64::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::loops::Circle;
+    use crate::map::{EvaluationCount, Evaluator, PerSample, TimeAdvance};
+    use crate::rules::Cutoffs;
+
+    const FINITE_DIFFERENCES: Rule = Rule::FiniteDifference(Cutoffs {
+        q: crate::rules::Cutoff::Absolute(1e3),
+        p: crate::rules::Cutoff::Absolute(1e3),
+    });
+
+    /// One step of size 0.5, from a circle of radius 1, on a budget that this many evaluations more are left of.
+    fn step(map: &dyn TimeAdvance, rule: Rule, samples: usize, left: usize) -> Advanced {
+        let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
+        let count = EvaluationCount::new(samples + left);
+        let evaluator = Evaluator::new(map, &count).unwrap();
+        let subject = Subject {
+            evaluator: &evaluator,
+            phase_loop: &circle,
+        };
+        let mut states = Ensemble::sample(&circle, samples).unwrap();
+        let rule = Sampled(rule);
+        let initial = rule.before(&subject, Samples::Kept(&states)).unwrap();
+        evaluator.advance(&mut states, 0.5).unwrap();
+        rule.after(&subject, 0.5, Samples::Kept(&states), &initial)
+            .unwrap()
+    }
+
+    /// A kick by a force that jumps by twice this at q = 0.3.
+    fn kick(jump: f64) -> impl TimeAdvance {
+        PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+            p[0] -= h * (q[0] + jump * (q[0] - 0.3).signum());
+            q[0] += h * p[0];
+        })
+    }
+
+    #[test]
+    fn an_error_is_known_where_the_rule_left_the_jump_out() {
+        // Of 4096 cells one with a jump of 1/2 has a slope of 2048.
+        let map = kick(0.5);
+        let omitted = step(&map, FINITE_DIFFERENCES, 4096, 1000);
+        assert_eq!(omitted.breaks.len(), 1);
+        assert!(omitted.integral.quadrature_error.is_some());
+        let retained = step(&map, Rule::FiniteDifference(Cutoffs::none()), 4096, 1000);
+        assert_eq!(retained.breaks.len(), 1);
+        assert_eq!(retained.integral.quadrature_error, None);
+    }
+
+    #[test]
+    fn an_error_is_not_known_where_a_jump_is_too_dear_to_follow() {
+        for rule in [Rule::Pseudospectral, FINITE_DIFFERENCES] {
+            let step = step(&kick(0.5), rule, 4096, 10);
+            assert!(step.breaks.is_empty());
+            assert_eq!(step.integral.quadrature_error, None);
+        }
+    }
+
+    #[test]
+    fn jumps_too_small_for_a_break_widen_the_error() {
+        let size = 2e-12;
+        let [without, with] =
+            [0.0, size].map(|jump| step(&kick(jump), Rule::Pseudospectral, 4096, 1000));
+        assert!(with.breaks.is_empty());
+        let wider =
+            with.integral.quadrature_error.unwrap() - without.integral.quadrature_error.unwrap();
+        // Positions jump by h² times twice the size, twice, where momenta are near 0.95 and below.
+        assert!((0.1 * size..10.0 * size).contains(&wider), "{wider:e}");
+    }
+
+    #[test]
+    fn finite_differences_of_a_smooth_loop_are_compared_with_the_pseudospectral_rule() {
+        // The largest slopes of a circle are 2π times its radius: a part of it is left out.
+        let cutoffs = Cutoffs::relative(6.0);
+        let step = step(&kick(0.0), Rule::FiniteDifference(cutoffs), 4096, 1000);
+        let error = step.integral.quadrature_error.unwrap();
+        let exact = std::f64::consts::PI;
+        let missing = (step.integral.value.abs() - exact).abs();
+        assert!(missing > 0.1 && error >= missing, "{missing} {error}");
+        assert!(error < 2.0 * missing, "{missing} {error}");
+    }
+
+    #[test]
+    fn ranges_are_those_of_the_degree_of_freedom() {
+        let circle = Circle::new(vec![5.0, -1e3], vec![0.0, 7.0], 2.0).unwrap();
+        let states = Ensemble::sample(&circle, 64).unwrap();
+        for dof in 0..2 {
+            for range in ranges_of(&states, dof) {
+                assert!((range - 4.0).abs() < 1e-12, "{range}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_break_is_in_the_integral_unless_its_cell_was_left_out() {
+        let integral = |cells: Option<&[usize]>| LoopIntegral {
+            value: 1.0,
+            contributions: vec![0.5, 0.5],
+            quadrature_error: Some(0.0),
+            roundoff: 0.0,
+            scale: 1.0,
+            omitted: cells.map(|cells| {
+                let cell = |&cell| crate::rules::OmittedCell { dof: 1, cell };
+                cells.iter().map(cell).collect()
+            }),
+            regularity: None,
+        };
+        let found = |s: f64, dof: usize| Break {
+            s,
+            uncertainty: 0.0,
+            dof,
+            jump_q: 1.0,
+            jump_p: 0.0,
+            substep: None,
+        };
+        assert!(retains(&integral(None), &found(0.5, 1), 64));
+        let cells = integral(Some(&[3, 32]));
+        for (s, dof, retained) in [
+            (0.51, 1, false),
+            (0.51, 0, true),
+            (3.5 / 64.0, 1, false),
+            (4.5 / 64.0, 1, true),
+            // On a sample, in the cell on either side.
+            (0.5, 1, false),
+            (33.0 / 64.0, 1, false),
+            (31.9 / 64.0, 1, true),
+        ] {
+            assert_eq!(retains(&cells, &found(s, dof), 64), retained, "{s} {dof}");
+        }
+    }
+
+    #[test]
+    fn neighbours_are_so_many_grid_cells_or_half_periods_apart() {
+        let states = |q: [f64; 4]| {
+            let mut states = Ensemble::zeros(1, 4);
+            states.block().q.row_mut(0).copy_from_slice(&q);
+            states
+        };
+        let plain = Coordinates::plain(1);
+        let far = states([0.0, 1.0, 3.0, 2.0]);
+        assert_eq!(cells_apart(&far, &plain), 0.0);
+        let grid = plain.clone().with_grid_spacing(0.5).unwrap();
+        assert_eq!(cells_apart(&far, &grid), 4.0);
+        // From 3 to 0 is one with a period of 4.
+        let periodic = |c: Coordinates| c.with_periods(vec![4.0]).unwrap();
+        let wrapped = states([3.0, 0.0, 0.5, 3.5]);
+        assert_eq!(cells_apart(&wrapped, &periodic(plain)), 0.5);
+        assert_eq!(cells_apart(&wrapped, &periodic(grid.clone())), 2.0);
+    }
+}

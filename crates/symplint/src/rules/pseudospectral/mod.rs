@@ -238,3 +238,58 @@ pub(super) fn rows(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<RowInt
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_jumps_are_told_from_noise_by_how_much_octaves_scatter() {
+        // Three standard deviations above −½: 1.44·√(3/2^octave)·½, at octaves 4, 5, 6: 0.312, 0.221, 0.156.
+        for (octave, least) in [(4, 0.437), (5, 0.163), (6, 0.0), (12, 0.0)] {
+            assert!(!looks_like_jumps(least - 0.005, octave, 1e-12), "{octave}");
+            assert!(looks_like_jumps(least + 0.005, octave, 1e-12), "{octave}");
+            assert!(looks_like_jumps(1.24, octave, 1e-12));
+            assert!(!looks_like_jumps(1.26, octave, 1e-12));
+        }
+        // Larger ones have to look like nothing else.
+        for octave in [4, 12] {
+            let is_jump = [0.2, 0.3, 0.95, 1.05].map(|s| looks_like_jumps(s, octave, 1e-6));
+            assert_eq!(is_jump, [false, true, true, false]);
+        }
+    }
+
+    #[test]
+    fn units_of_coordinates_scale_every_estimate() {
+        // Jumps too small for the error of the highest modes to show.
+        let n = 512;
+        let angle = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
+        let jump = |k: usize| 1e-6 * f64::from((100..300).contains(&k));
+        let q: Vec<f64> = (0..n).map(|k| angle(k).cos() + jump(k)).collect();
+        let p: Vec<f64> = (0..n)
+            .map(|k| angle(k).sin() + 0.3 * (3.0 * angle(k)).cos())
+            .collect();
+        let of = |q_unit: f64, p_unit: f64| {
+            let scaled = |row: &[f64], unit: f64| row.iter().map(|x| unit * x).collect::<Vec<_>>();
+            let transform = transform(n);
+            Workspace::lend(&transform, |workspace| {
+                workspace.integrate(&scaled(&q, q_unit), &scaled(&p, p_unit), 0.0)
+            })
+        };
+        let plain = of(1.0, 1.0);
+        let error = plain.quadrature_error.unwrap();
+        assert!(error > 1e-6, "{error:e}");
+        for (q_unit, p_unit) in [
+            (1024.0, 1.0),
+            (1.0, 1024.0),
+            (2f64.powi(-30), 2f64.powi(20)),
+        ] {
+            let (unit, scaled) = (q_unit * p_unit, of(q_unit, p_unit));
+            assert_eq!(scaled.value, unit * plain.value);
+            assert_eq!(scaled.scale, unit * plain.scale);
+            assert_eq!(scaled.quadrature_error, Some(unit * error));
+            assert_eq!(scaled.roundoff, unit * plain.roundoff);
+            assert_eq!(scaled.regularity, plain.regularity);
+        }
+    }
+}

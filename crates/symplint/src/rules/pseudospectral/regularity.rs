@@ -109,4 +109,13 @@ mod tests {
         // A row at rest has no unit to measure noise in.
         assert_eq!(sobolev_exponent(&[0.0; 6], f64::INFINITY), None);
     }
+
+    #[test]
+    fn the_slope_is_that_of_the_line_of_best_fit() {
+        let line = [7.0, 6.5, 6.0, 5.5, 5.0];
+        assert!((slope(&line) + 0.5).abs() < 1e-15);
+        // A bump in the middle tilts nothing; normal equations of the last: 2·(1·4 − 1·1)/10 less what symmetry takes.
+        assert!((slope(&[7.0, 6.5, 9.0, 5.5, 5.0]) + 0.5).abs() < 1e-15);
+        assert!((slope(&[0.0, 0.0, 0.0, 0.0, 5.0]) - 1.0).abs() < 1e-15);
+    }
 }

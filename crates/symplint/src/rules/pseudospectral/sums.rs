@@ -300,4 +300,23 @@ mod tests {
             assert!((1.0 - 1e-15..1.0824).contains(&bound), "{degree}: {bound}");
         }
     }
+
+    #[test]
+    fn bands_add_up() {
+        let z = transform(40);
+        let [low, high, all] = [1..7, 7..20, 1..20].map(|band| Sums::over(&z, band));
+        let sum = low + high;
+        for (found, expected) in [
+            (sum.value, all.value),
+            (sum.scale, all.scale),
+            (sum.q_slope, all.q_slope),
+            (sum.p_slope, all.p_slope),
+            (sum.q_slope_squared, all.q_slope_squared),
+            (sum.p_slope_squared, all.p_slope_squared),
+            (sum.q_power, all.q_power),
+            (sum.p_power, all.p_power),
+        ] {
+            assert!((found - expected).abs() <= 1e-14 * expected.abs().max(all.scale * 1e-2));
+        }
+    }
 }
