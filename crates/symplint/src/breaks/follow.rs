@@ -72,7 +72,7 @@ pub(super) fn follow(
     };
     let mut sides = Sides::new(around, period);
     let [low, high] = [sides.left[0], sides.right[0]];
-    let (expected, _) = sides.step_and_smooth(low.s + 0.5 * (high.s - low.s));
+    let (expected, _) = sides.step_and_smooth(0.5 * (low.s + high.s));
     let mut bracket = Bracket::new([low.s, high.s], expected);
     while !bracket.is_narrow() {
         let middle = bracket.middle();

@@ -153,7 +153,7 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
     // From the highest modes down: the highest quarter, the rest of the upper half, and the lower
     // half by octaves, 2^j ≤ k < 2^{j+1}, whose energies tell how smooth the loop is. What the
     // octaves leave of it comes before them.
-    let top_start = (3 * modes / 4).clamp(1, modes - 1);
+    let top_start = 3 * modes / 4;
     let top = Sums::over(z, top_start..modes);
     let upper = top + Sums::over(z, modes / 2..top_start);
     let octaves = (modes / 2).ilog2() as usize;
@@ -177,10 +177,10 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
         + of_p.largest * of_q.unit * (noise * all.q_slope_squared.sqrt());
     let transformed = UNIT_ROUNDOFF * n.log2() * scale;
     let winding = 2.0 * UNIT_ROUNDOFF * gain.abs() * of_p.largest;
-    let of_positions = sobolev_exponent(&q_energies[..octaves], noise_of_mode(samples, of_q));
+    let noise_of_positions = noise_of_mode(samples, of_q);
+    let of_positions = sobolev_exponent(&q_energies[..octaves], noise_of_positions);
     let of_momenta = sobolev_exponent(&p_energies[..octaves], noise_of_mode(samples, of_p));
     // What the integral of the loop with its jumps closed has more than that between them.
-    let noise_of_positions = noise_of_mode(samples, of_q);
     let jumps = match last_clear(&q_energies[..octaves], noise_of_positions) {
         Some(last) if last > 0 => {
             let exponent = 0.5 * (q_energies[last - 1] / q_energies[last]).log2();

@@ -45,11 +45,10 @@ pub(super) fn sobolev_exponent(energies: &[f64], noise: f64) -> Option<f64> {
 fn slope(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let middle = (n - 1.0) / 2.0;
-    let mean = values.iter().sum::<f64>() / n;
     let (mut product, mut square) = (0.0, 0.0);
     for (k, value) in values.iter().enumerate() {
         let x = k as f64 - middle;
-        product += x * (value - mean);
+        product += x * value;
         square += x * x;
     }
     product / square
