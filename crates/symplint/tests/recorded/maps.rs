@@ -43,6 +43,12 @@ impl TimeAdvance for Parts {
     }
 }
 
+/// One at 0, and nothing far from there.
+fn bump(x: f64) -> f64 {
+    let square = |x: f64| x * x;
+    square(square(square(1.0 / (1.0 + x * x))))
+}
+
 /// Drift, kick, drift in coordinates that may have periods and a grid.
 fn strang(
     coordinates: Coordinates,
@@ -324,6 +330,17 @@ pub fn cases() -> Vec<Case> {
             0.25,
         ),
     ];
+    for (name, width) in [
+        ("a narrow bump beside a kink", 1e-3),
+        ("a narrower bump beside a kink", 3e-5),
+    ] {
+        cases.push(case(
+            name,
+            plain(move |q| -q.abs() - bump((q - 0.3) / width)),
+            circle(0.1, 0.2, 1.0),
+            0.5,
+        ));
+    }
     for (name, tolerance) in [
         ("solver to 1e-4", 1e-4),
         ("solver to 1e-6", 1e-6),
