@@ -8,7 +8,7 @@ use symplint::evidence::{
     Omission, Origin, SingularJacobian, StepEvidence, Wrap,
 };
 use symplint::jacobian::{JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect};
-use symplint::verdict::{Advice, Finding, Growth, Verdict};
+use symplint::verdict::{Advice, Finding, Growth, Step, Verdict};
 use symplint::{Defect, VerdictKind, judge};
 
 const JUMP: Break = Break {
@@ -204,6 +204,8 @@ fn the_step_size_that_would_do_is_told() {
         (motion(0.02), None, "about 50 times the present one:"),
         (shear(0.1), Some(0.5), "near 2:"),
         (motion(1e-7), Some(0.5), "a loop on which forces differ"),
+        // Largest factor 1e6: what is slower has no forces.
+        (motion(1.1e-6), Some(0.5), "near 5e5:"),
     ] {
         let mut evidence = of_samples(vec![step(0.5, 0.0, 1e-15)]);
         evidence.loops[0].steps[0].step_size = h;
@@ -433,6 +435,9 @@ fn every_group_of_degrees_of_freedom_has_to_be_bounded() {
         ),
         "{decided:?}"
     );
+    let told = judge(&evidence).findings;
+    let of_group = |finding: &&Finding| matches!(finding, Finding::Group { index: 1, .. });
+    assert_eq!(told.iter().filter(of_group).count(), 1, "{told:?}");
     for (uncertainty, expected) in [(0.99e-6, Symplectic), (1.01e-6, Undecided)] {
         let mut light = of_loop(9, LoopKind::Group, vec![step(0.5, 0.0, uncertainty)]);
         light.group = Some(1);
@@ -463,6 +468,9 @@ fn breaks_about_which_rounding_decides_point_to_a_solver() {
             straight: false,
         });
         let advice = judge(&evidence).advice;
+        let at_least = |finding: &Finding| matches!(finding, Finding::Jump { at_least: true, .. });
+        let told = judge(&evidence).findings.iter().any(at_least);
+        assert_eq!(told, flickering > 0);
         let of_solver = Advice::SolverTolerance {
             flickering,
             breaks,
@@ -643,6 +651,73 @@ fn what_many_steps_do_follows_from_four_numbers() {
     assert_eq!(growth(100, 100, 1e-3, 1.9e-3, 0.1e-3).0, Growth::Undecided);
     let (_, text) = growth(1000, 22, 1e-3, 4e-3, 0.0);
     assert!(text.contains("1000 steps that were asked for"), "{text}");
+}
+
+#[test]
+fn the_jacobian_refutes_loops_that_are_conserved() {
+    let mut jacobian = symplectic_jacobian(1e-9);
+    for worst in [&mut jacobian.worst, &mut jacobian.points[0].worst] {
+        worst.as_mut().unwrap().signed = 1e-3;
+    }
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
+    assert_eq!(kind(&evidence), Symplectic);
+    evidence.jacobian = Some(jacobian);
+    assert_eq!(decides(&evidence), Finding::JacobianRefutes);
+    assert_eq!(judge(&evidence).advice, [Advice::OtherLoops]);
+    assert_eq!(kind(&evidence), Undecided);
+}
+
+#[test]
+fn steps_are_named_by_what_is_known_of_them() {
+    let name = |sizes: &[Option<f64>]| {
+        let mut steps: Vec<StepEvidence> = (sizes.iter()).map(|_| step(0.5, 0.0, 1e-15)).collect();
+        for (step, size) in steps.iter_mut().zip(sizes) {
+            step.step_size = *size;
+        }
+        let last = steps.last_mut().unwrap();
+        last.defect = defect(1e-3, 1e-15);
+        match decides(&of_samples(steps)) {
+            Finding::Changes { step, .. } => step,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(name(&[Some(0.5), Some(0.25)]), Step::Size(0.25));
+    assert_eq!(name(&[None]), Step::Only);
+    assert_eq!(name(&[None, None, None]), Step::Number(3));
+}
+
+#[test]
+fn evaluations_are_told_where_a_map_was_called() {
+    let told = |evidence: &Evidence| {
+        let findings = judge(evidence).findings;
+        let mut of_calls = findings.iter().filter_map(|finding| match finding {
+            Finding::Evaluations { made, budget } => Some((*made, *budget)),
+            _ => None,
+        });
+        of_calls.next()
+    };
+    for (made, of_a_map) in [(0, None), (640, Some((640, 1000)))] {
+        for (origin, expected) in [
+            (of_map as fn(Vec<StepEvidence>) -> Evidence, of_a_map),
+            (of_samples, None),
+        ] {
+            let mut evidence = origin(vec![step(0.5, 0.0, 1e-15)]);
+            evidence.evaluations.made = made;
+            evidence.evaluations.budget = 1000;
+            assert_eq!(told(&evidence), expected);
+        }
+    }
+}
+
+#[test]
+fn motion_on_a_loop_that_winds_acquits_nobody() {
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
+    evidence.loops[0].steps[0].motion = Some(motion(0.01));
+    let mut winding = of_loop(2, LoopKind::Winding, vec![step(0.5, 0.0, 1e-15)]);
+    winding.winds = true;
+    winding.steps[0].motion = Some(motion(0.5));
+    evidence.loops.push(winding);
+    assert_eq!(kind(&evidence), Undecided);
 }
 
 #[test]

@@ -58,3 +58,39 @@ pub(super) fn jumping(jump_q: f64, jump_p: f64) -> &'static str {
         "(q, p)"
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_powers_of_two_decimals_or_four_digits() {
+        for (h, text) in [
+            (0.125, "2^-3"),
+            (-0.125, "-2^-3"),
+            (1.0, "1"),
+            (0.1, "0.1"),
+            (123.456, "123.456"),
+            (9.87654321e-4, "9.877e-4"),
+            (1000.5, "1.000e3"),
+        ] {
+            assert_eq!(size(h), text);
+        }
+    }
+
+    #[test]
+    fn short_numbers_have_an_exponent_where_one_is_needed() {
+        let texts = [0.0, 0.012, 999.0, 0.009, 1234.0].map(short);
+        assert_eq!(texts, ["0", "0.01", "999.00", "9.0e-3", "1.2e3"]);
+        let texts = [0.00123, 23456.0, 0.0009, 234567.0].map(one_digit);
+        assert_eq!(texts, ["0.001", "20000", "9e-4", "2e5"]);
+    }
+
+    #[test]
+    fn a_coordinate_whose_jump_is_a_thousandth_is_left_out() {
+        assert_eq!(jumping(-1.0, 9e-4), "q");
+        assert_eq!(jumping(9e-4, -1.0), "p");
+        assert_eq!(jumping(2e-3, 1.0), "(q, p)");
+        assert_eq!(jumping(1.0, 2e-3), "(q, p)");
+    }
+}
