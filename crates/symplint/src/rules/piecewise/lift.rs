@@ -61,3 +61,56 @@ impl Lift {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two degrees of freedom; the second momentum has period 2 and climbs through it.
+    fn samples() -> (Ensemble, Coordinates) {
+        let coordinates = Coordinates::plain(2).with_momentum_periods(vec![0.0, 2.0]);
+        let mut samples = Ensemble::zeros(2, 8);
+        let mut block = samples.block();
+        for k in 0..8 {
+            // Up by 0.9 a sample and down again; kept in [0, 2).
+            let climbed = 1.5 + 0.9 * (4 - (k as i32 - 4).abs()) as f64;
+            block.p.row_mut(1)[k] = climbed % 2.0;
+            block.p.row_mut(0)[k] = 7.0;
+        }
+        (samples, coordinates.unwrap())
+    }
+
+    #[test]
+    fn a_momentum_on_the_loop_is_taken_in_the_period_of_its_neighbours() {
+        let (samples, coordinates) = samples();
+        let lift = Lift::new(&samples, &coordinates);
+        assert!(!lift.winds);
+        // Half-way between samples 2 and 3, and 7 and 0: less than half a period off the line between them.
+        for (s, line) in [(2.5 / 8.0, 3.75), (7.5 / 8.0, 1.95), (-0.5 / 8.0, 1.95)] {
+            for (off, periods) in [(0.6, -2.0), (-0.6, 0.0), (-0.6, 4.0), (0.6, 4.0)] {
+                let expected = line + off;
+                let mut states = Ensemble::zeros(2, 2);
+                states.block().p.row_mut(1)[1] = expected + periods;
+                states.block().p.row_mut(0)[1] = 9.0;
+                lift.unwrap(&mut states, 1, s, None);
+                assert!((states.p().row(1)[1] - expected).abs() < 1e-14);
+                // One without a period, and another sample, stay.
+                assert_eq!(states.p().row(0)[1], 9.0);
+                assert_eq!(states.p().row(1)[0], 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_momentum_on_a_segment_is_taken_between_its_ends() {
+        let (samples, coordinates) = samples();
+        let lift = Lift::new(&samples, &coordinates);
+        let ends: [&[f64]; 2] = [&[0.0, 0.0, 0.0, 10.0], &[0.0, 0.0, 0.0, 10.8]];
+        for (part, expected) in [(0.0, 10.0), (0.25, 10.2), (1.0, 10.8)] {
+            let mut states = Ensemble::zeros(2, 1);
+            states.block().p.row_mut(1)[0] = expected - 8.0;
+            lift.unwrap(&mut states, 0, part, Some(ends));
+            assert!((states.p().row(1)[0] - expected).abs() < 1e-14);
+        }
+    }
+}

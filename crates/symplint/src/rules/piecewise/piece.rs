@@ -190,3 +190,18 @@ impl Smooth {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_piece_lies_in_a_stretch_that_holds_both_of_its_ends() {
+        let piece = Piece::new(0, [0.25, 0.5], 0, [None, None]);
+        assert!(piece.lies_in(&[0.25, 0.5]));
+        assert!(piece.lies_in(&[0.2, 0.6]));
+        assert!(!piece.lies_in(&[0.3, 0.6]));
+        assert!(!piece.lies_in(&[0.2, 0.4]));
+        assert!(!piece.lies_in(&[0.6, 0.7]));
+    }
+}
