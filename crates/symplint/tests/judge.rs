@@ -340,7 +340,19 @@ fn beside_a_manifold_that_a_map_projects_onto_nothing_convicts() {
         let mut evidence = evidence.clone();
         evidence.loops.push(image);
         assert_eq!(kind(&evidence), expected, "{second}");
+        if expected == Undecided {
+            let because = Finding::LoopBesideManifold {
+                smallest: 1e-9,
+                first: 0.1,
+                second: 1.1e-12,
+            };
+            assert_eq!(decides(&evidence), because);
+        }
     }
+    // One that bounds nothing acquits nobody.
+    let image = of_loop(9, LoopKind::Image, vec![step(0.5, 0.0, 1e-3)]);
+    evidence.loops.push(image);
+    assert_eq!(kind(&evidence), NotSymplectic);
 }
 
 #[test]
@@ -651,6 +663,82 @@ fn what_many_steps_do_follows_from_four_numbers() {
     assert_eq!(growth(100, 100, 1e-3, 1.9e-3, 0.1e-3).0, Growth::Undecided);
     let (_, text) = growth(1000, 22, 1e-3, 4e-3, 0.0);
     assert!(text.contains("1000 steps that were asked for"), "{text}");
+}
+
+#[test]
+fn a_weak_bound_needs_larger_steps_than_a_sharp_one() {
+    // Runge and Kutta's method of order 4 would show a defect of θ⁶/72: ten times the bound is asked for.
+    for (phase_advance, bound, told) in [
+        (0.051, 1e-7, Some("near 2:")),
+        (0.2, 9.9e-7, Some("near 0.7:")),
+        (0.2, 8.8e-7, None),
+    ] {
+        let mut evidence = of_samples(vec![step(0.5, 0.0, bound)]);
+        evidence.loops[0].steps[0].motion = Some(motion(phase_advance));
+        let verdict = judge(&evidence);
+        match told {
+            Some(told) => assert!(
+                verdict.advice()[0].contains(told),
+                "{}",
+                verdict.advice()[0]
+            ),
+            None => assert_eq!(verdict.kind, Symplectic),
+        }
+    }
+}
+
+#[test]
+fn every_group_has_to_be_moved() {
+    let group = |dofs: &[usize]| DofGroup {
+        dofs: dofs.to_vec(),
+        action: 1.0,
+    };
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-14)]);
+    evidence.groups = vec![group(&[0]), group(&[1]), group(&[2])];
+    for (index, phase_advance) in [(1, 0.01), (2, 0.5)] {
+        let mut found = of_loop(8 + index, LoopKind::Group, vec![step(0.5, 0.0, 1e-14)]);
+        found.group = Some(index);
+        found.steps[0].motion = Some(motion(phase_advance));
+        evidence.loops.push(found);
+    }
+    let because = Finding::LittleMotion {
+        motion: motion(0.01),
+        group: Some(1),
+    };
+    assert_eq!(decides(&evidence), because);
+    evidence.loops[2].steps[0].motion = Some(motion(0.5));
+    assert_eq!(kind(&evidence), Symplectic);
+}
+
+#[test]
+fn without_random_loops_the_jacobian_has_to_bound_as_much_as_the_loop() {
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-9)]);
+    evidence.loops.truncate(1);
+    evidence.omissions = vec![Omission::RandomLoops { count: 3 }];
+    assert_eq!(decides(&evidence), Finding::NoRandomLoop);
+    for (bound, expected) in [(0.9e-9, Symplectic), (1.1e-9, Undecided)] {
+        evidence.jacobian = Some(symplectic_jacobian(bound));
+        assert_eq!(kind(&evidence), expected, "{bound}");
+    }
+}
+
+#[test]
+fn advice_on_a_weak_bound_follows_what_makes_it() {
+    let advice = |deformation: f64, roundoff: f64, rounded: bool| {
+        let mut evidence = of_map(vec![step(0.5, 0.0, 1e-3)]);
+        let step = &mut evidence.loops[0].steps[0];
+        step.motion.as_mut().unwrap().deformation = deformation;
+        step.defect.roundoff = roundoff;
+        evidence.survey.single_inside = rounded;
+        judge(&evidence).advice[0].clone()
+    };
+    let smaller = Advice::SmallerLoop { deformation: 101.0 };
+    assert_eq!(advice(101.0, 0.0, false), smaller);
+    assert_eq!(advice(99.0, 0.0, false), Advice::MoreSamplesOrSmallerLoop);
+    // Rounding makes more than half of the uncertainty, or less.
+    assert_eq!(advice(1.0, 1.1e-3, true), Advice::MoreDigits);
+    assert_eq!(advice(1.0, 1.1e-3, false), Advice::LargerLoop);
+    assert_eq!(advice(1.0, 0.9e-3, false), Advice::MoreSamplesOrSmallerLoop);
 }
 
 #[test]

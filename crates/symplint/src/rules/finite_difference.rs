@@ -376,6 +376,15 @@ mod tests {
     use super::*;
 
     #[test]
+    fn cutoffs_are_positive() {
+        assert_eq!(Cutoffs::none().check(), Ok(()));
+        for (q, p) in [(0.0, 1.0), (1.0, -1.0), (f64::NAN, 1.0), (1.0, f64::NAN)] {
+            let [q, p] = [q, p].map(Cutoff::Relative);
+            assert!(Cutoffs { q, p }.check().is_err(), "{q:?} {p:?}");
+        }
+    }
+
+    #[test]
     fn what_sums_lose_is_kept() {
         for terms in [[1e17, 1.0, -1e17, 3.0], [1.0, 1e17, 3.0, -1e17]] {
             for lane in [0, PAIRS - 1] {
