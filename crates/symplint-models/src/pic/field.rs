@@ -18,7 +18,7 @@ use super::scratch::with_complex_buffer;
 /// Where L and B commute, as for B-splines, this is the paper's L⁻¹ B^s. It is symmetric in any
 /// case, so that the field energy ½ ρᵀ G ρ has the potential G ρ.
 #[derive(Clone)]
-pub(super) struct FieldSolver<const D: usize> {
+pub(super) struct FieldSolver {
     cells: usize,
     components: usize,
     /// For each mode of the half spectrum, the matrix of G between the components, row by row,
@@ -35,14 +35,19 @@ pub(super) struct FieldSolver<const D: usize> {
 /// Nodes of a cell at most: degree 3 in two dimensions.
 const MAX_COMPONENTS: usize = 9;
 
-impl<const D: usize> FieldSolver<D> {
+impl FieldSolver {
     /// The solver on a mesh, with `passes` passes of the binary filter.
-    pub(super) fn new(mesh: &Mesh<D>, passes: u32) -> Self {
-        let cells = mesh.cells();
+    pub(super) fn new<const D: usize>(mesh: &Mesh<D>, passes: u32) -> Self {
+        Self::of_green(green(mesh, passes), mesh.cells(), mesh.components(), D)
+    }
+
+    /// The solver by the matrices of G, on one or two axes of so many cells. It is not generic, so that planners of
+    /// transforms, a third of a minute to compile, are not compiled again in each crate that has a plasma.
+    fn of_green(green: Vec<Complex64>, cells: usize, components: usize, axes: usize) -> Self {
         let mut planner = RealFftPlanner::new();
         let forward = planner.plan_fft_forward(cells);
         let inverse = planner.plan_fft_inverse(cells);
-        let across = (D == 2).then(|| {
+        let across = (axes == 2).then(|| {
             let mut planner = FftPlanner::new();
             [
                 planner.plan_fft_forward(cells),
@@ -55,12 +60,11 @@ impl<const D: usize> FieldSolver<D> {
             .chain([forward.get_scratch_len(), inverse.get_scratch_len()])
             .max()
             .unwrap_or(0);
-        let green = green(mesh, passes);
-        let packs = D == 1 && mesh.components() == 1 && cells.is_multiple_of(2);
+        let packs = axes == 1 && components == 1 && cells.is_multiple_of(2);
         let eigenvalues = || green.iter().map(|green| green.re).collect::<Vec<f64>>();
         FieldSolver {
             cells,
-            components: mesh.components(),
+            components,
             packed: packs.then(|| PackedSolver::new(&eigenvalues())),
             green,
             forward,
@@ -92,7 +96,11 @@ impl<const D: usize> FieldSolver<D> {
         }
         let rows = nodes.len() / self.cells;
         let spectrum_len = rows * self.half();
-        let columns_len = if D == 2 { spectrum_len } else { 0 };
+        let columns_len = if self.across.is_some() {
+            spectrum_len
+        } else {
+            0
+        };
         let len = spectrum_len + columns_len + self.transform_scratch;
         with_complex_buffer(len, |buffer| {
             let (spectrum, rest) = buffer.split_at_mut(spectrum_len);

@@ -47,7 +47,7 @@ enum Way {
 impl LineForce {
     pub(super) fn new<const D: usize>(
         mesh: &Mesh<D>,
-        solver: &FieldSolver<D>,
+        solver: &FieldSolver,
         weights: &[f64],
     ) -> Self {
         let polynomials = CellPolynomials::new(mesh);
@@ -64,8 +64,9 @@ impl LineForce {
             force.way = Self::by_runs(mesh, weights);
         }
         if PairTable::is_faster(particles, &force.polynomials, cells) {
+            let backgrounds = [mesh.background(1.0), mesh.background(0.0)];
             let functions = force.polynomials.functions();
-            for_functions!(functions, force.tabulate_pairs::<D>(mesh, solver));
+            for_functions!(functions, force.tabulate_pairs(&backgrounds, solver));
         }
         force
     }
@@ -76,19 +77,19 @@ impl LineForce {
         Way::Runs(runs, background)
     }
 
-    fn tabulate_pairs<const D: usize, const N: usize>(
+    fn tabulate_pairs<const N: usize>(
         &mut self,
-        mesh: &Mesh<D>,
-        solver: &FieldSolver<D>,
+        backgrounds: &[Vec<f64>; 2],
+        solver: &FieldSolver,
     ) {
-        let table = PairTable::new::<D, N>(mesh, &self.polynomials, solver);
+        let table = PairTable::new::<N>(self.cells, backgrounds, &self.polynomials, solver);
         self.way = Way::Pairs(table);
     }
 
     /// p −= τ × the gradient of the potential at the particles, for every sample.
-    pub(super) fn kick<const D: usize>(
+    pub(super) fn kick(
         &self,
-        solver: &FieldSolver<D>,
+        solver: &FieldSolver,
         weights: &[f64],
         tau: f64,
         q: Rows<'_>,
@@ -96,13 +97,13 @@ impl LineForce {
     ) {
         for_functions!(
             self.polynomials.functions(),
-            self.kick_with::<D>(solver, weights, tau, q, p)
+            self.kick_with(solver, weights, tau, q, p)
         );
     }
 
-    fn kick_with<const D: usize, const N: usize>(
+    fn kick_with<const N: usize>(
         &self,
-        solver: &FieldSolver<D>,
+        solver: &FieldSolver,
         weights: &[f64],
         tau: f64,
         q: Rows<'_>,
@@ -130,10 +131,10 @@ impl LineForce {
     }
 
     /// Kicks all samples by tables.
-    fn kick_by<const D: usize>(
+    fn kick_by(
         &self,
         carrier: impl Carrier,
-        solver: &FieldSolver<D>,
+        solver: &FieldSolver,
         weights: &[f64],
         tau: f64,
         q: Rows<'_>,
@@ -143,10 +144,10 @@ impl LineForce {
         let grouped = GROUP * self.polynomials.table_len() <= MOST_VALUES;
         let whole = if grouped { q.len() / GROUP * GROUP } else { 0 };
         for first in (0..whole).step_by(GROUP) {
-            self.kick_group::<D, GROUP>(carrier, solver, weights, tau, first, q, p);
+            self.kick_group::<GROUP>(carrier, solver, weights, tau, first, q, p);
         }
         for first in whole..q.len() {
-            self.kick_group::<D, 1>(carrier, solver, weights, tau, first, q, p);
+            self.kick_group::<1>(carrier, solver, weights, tau, first, q, p);
         }
     }
 
@@ -155,10 +156,10 @@ impl LineForce {
         clippy::too_many_arguments,
         reason = "what a kick has, and where it is"
     )]
-    fn kick_group<const D: usize, const W: usize>(
+    fn kick_group<const W: usize>(
         &self,
         carrier: impl Carrier,
-        solver: &FieldSolver<D>,
+        solver: &FieldSolver,
         weights: &[f64],
         tau: f64,
         first: usize,
@@ -234,7 +235,7 @@ mod tests {
     /// A plasma by all ways.
     struct Line {
         mesh: Mesh<1>,
-        solver: FieldSolver<1>,
+        solver: FieldSolver,
         weights: Vec<f64>,
         by_moments: LineForce,
         by_runs: LineForce,
@@ -255,7 +256,8 @@ mod tests {
             };
             let mut by_pairs = by_moments.clone();
             let functions = shape.degree() + 1;
-            for_functions!(functions, by_pairs.tabulate_pairs::<1>(&mesh, &solver));
+            let backgrounds = [mesh.background(1.0), mesh.background(0.0)];
+            for_functions!(functions, by_pairs.tabulate_pairs(&backgrounds, &solver));
             Line {
                 weights: weights.to_vec(),
                 by_pairs,

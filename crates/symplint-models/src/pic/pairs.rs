@@ -6,7 +6,6 @@
 use symplint::state::{Rows, RowsMut};
 
 use super::field::FieldSolver;
-use super::mesh::Mesh;
 use super::place::Locator;
 use super::polynomials::{CellPolynomials, add_particle, gradient_at};
 
@@ -37,19 +36,20 @@ impl PairTable {
             && functions * polynomials.table_len() <= MOST_VALUES
     }
 
-    pub(super) fn new<const D: usize, const N: usize>(
-        mesh: &Mesh<D>,
+    /// On so many cells, with the backgrounds of a charge of 1 and of none.
+    pub(super) fn new<const N: usize>(
+        cells: usize,
+        [background, none]: &[Vec<f64>; 2],
         polynomials: &CellPolynomials,
-        solver: &FieldSolver<D>,
+        solver: &FieldSolver,
     ) -> Self {
-        let cells = mesh.cells();
         let mut gradients = vec![0.0; cells * N * N];
-        let mut work = vec![0.0; polynomials.work_len(mesh.nodes())];
+        let mut work = vec![0.0; polynomials.work_len(none.len())];
         for moment in 0..N {
             let mut table = vec![0.0; polynomials.table_len()];
             table[moment] = 1.0;
             // Of the powers, only the zeroth has a charge: the functions sum to 1.
-            let mut nodes = mesh.background(if moment == 0 { 1.0 } else { 0.0 });
+            let mut nodes = if moment == 0 { background } else { none }.clone();
             polynomials.deposit::<N>(&table, &mut nodes, &mut work);
             solver.solve(&mut nodes);
             polynomials.gradients::<N>(&nodes, &mut table, &mut work);

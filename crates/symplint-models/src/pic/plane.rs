@@ -42,9 +42,9 @@ impl PlaneForce {
     }
 
     /// p −= τ × the gradient of the potential at the particles, for every sample.
-    pub(super) fn kick<const D: usize>(
+    pub(super) fn kick(
         &self,
-        solver: &FieldSolver<D>,
+        solver: &FieldSolver,
         weights: &[f64],
         tau: f64,
         q: Rows<'_>,
@@ -52,13 +52,13 @@ impl PlaneForce {
     ) {
         for_functions!(
             self.runs.functions(),
-            self.kick_with::<D>(solver, weights, tau, q, p)
+            self.kick_with(solver, weights, tau, q, p)
         );
     }
 
-    fn kick_with<const D: usize, const N: usize>(
+    fn kick_with<const N: usize>(
         &self,
-        solver: &FieldSolver<D>,
+        solver: &FieldSolver,
         weights: &[f64],
         tau: f64,
         q: Rows<'_>,
@@ -105,7 +105,7 @@ impl PlaneForce {
     }
 
     /// Turns a table of charges into one of potentials.
-    fn solve<const D: usize>(&self, table: &mut [f64], nodes: &mut [f64], solver: &FieldSolver<D>) {
+    fn solve(&self, table: &mut [f64], nodes: &mut [f64], solver: &FieldSolver) {
         let (cells, step, len) = (self.runs.cells(), self.runs.step(), self.runs.len());
         for row in table.chunks_exact_mut(len) {
             self.runs.fold(row, 1);
@@ -206,7 +206,7 @@ mod tests {
 
     struct Plane {
         mesh: Mesh<2>,
-        solver: FieldSolver<2>,
+        solver: FieldSolver,
         weights: Vec<f64>,
         force: PlaneForce,
     }

@@ -91,7 +91,7 @@ pub struct Pic<const D: usize> {
     weights: Vec<f64>,
     /// −ρ0, what the nodes have without particles.
     background: Vec<f64>,
-    pub(super) solver: FieldSolver<D>,
+    pub(super) solver: FieldSolver,
     force: Force,
     coordinates: Coordinates,
 }
