@@ -71,7 +71,7 @@ impl TimeAdvance for Springs {
 #[test]
 fn a_diagnosis_takes_a_few_dozen_states() {
     // Not even the smallest ensembles of the other rules are made of so many.
-    const DOF: usize = 600_000;
+    const DOF: usize = 530_000;
     const STATE: usize = 16 * DOF;
     let map = Springs(DOF);
     let circle = Circle::new(vec![0.0; DOF], vec![0.5; DOF], 1.0).unwrap();

@@ -432,7 +432,7 @@ fn diagnosed(integrator: &str, stop: Stop, budget: usize) -> Diagnosis {
 
 #[test]
 fn verdicts_name_the_solver_where_it_stops_early() {
-    const BUDGET: usize = 60_000;
+    const BUDGET: usize = 30_000;
     let exact = StageSolver::default().stop;
     let loose = Stop::Converged {
         tolerance: 1e-6,

@@ -25,7 +25,7 @@ const GEOMETRIC: Scheme = Scheme {
     fields: Fields::FiniteElement,
     integrator: "strang",
     cells: 16,
-    particles: 36_000,
+    particles: 18_000,
 };
 
 const BORIS_YEE: Scheme = Scheme {

@@ -119,11 +119,10 @@ pub fn lines() -> Vec<Case> {
     ));
     cases.push(case::<1>(&unequal(3), "rk2", NOT_SYMPLECTIC, RK2));
     cases.push(case::<1>(&unequal(1), "strang", BROKEN_AND_CLOSED, TORN));
-    cases.extend(more_particles());
     cases
 }
 
-fn more_particles() -> Vec<Case> {
+pub fn more_particles() -> Vec<Case> {
     let many = |degree, particles| PicConfig {
         weights: ParticleWeights::Equal {
             particles,

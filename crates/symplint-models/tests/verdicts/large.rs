@@ -43,6 +43,11 @@ fn breaks_in_very_many_coordinates_are_sorted_out() {
         }
     });
     let phase_loop = circle(&[0.0; DOF], &[0.5; DOF], 1.0);
-    let verdict = diagnose(&Diagnostic::halving(-1, -2), &map, &phase_loop).verdict;
+    let diagnostic = Diagnostic {
+        loops: 1,
+        jacobian: false,
+        ..Diagnostic::halving(-1, -2)
+    };
+    let verdict = diagnose(&diagnostic, &map, &phase_loop).verdict;
     assert_eq!(verdict.kind, VerdictKind::BrokenLoops);
 }

@@ -1,5 +1,7 @@
 //! Jumps that are too small to break a loop.
 
+use rayon::prelude::*;
+
 use super::limits::LEAST_JUMP;
 use super::residual::rounding;
 use super::search::find_jumps;
@@ -29,7 +31,8 @@ pub(crate) fn little_jumps(samples: &Ensemble, coordinates: &Coordinates, known:
             .map(|jump| (momenta[jump.cell] * jump.size).abs());
         coordinates.weight(i).abs() * sizes.sum::<f64>()
     };
-    (0..samples.dof()).map(of_dof).sum()
+    let of_dofs: Vec<f64> = (0..samples.dof()).into_par_iter().map(of_dof).collect();
+    of_dofs.iter().sum()
 }
 
 #[cfg(test)]

@@ -148,12 +148,21 @@ fn residual(x: [f64; 6]) -> f64 {
 
 /// The residual of the cell that consists of `width` cells from `first` on, from increments round the loop.
 pub(super) fn of_cell(increments: &[f64], first: usize, width: usize) -> f64 {
+    of_cells(increments, first, 1, width)[0]
+}
+
+/// The residuals of `count` cells that consist of `width` cells from `first` on, from `first` + 1 on, and so forth.
+pub(super) fn of_cells(increments: &[f64], first: usize, count: usize, width: usize) -> Vec<f64> {
+    let reach = NEIGHBOURS * width;
     let n = increments.len();
-    let wide = |cell: usize| -> f64 {
-        let start = first + (cell + 2 * n - NEIGHBOURS) * width;
-        (start..start + width).map(|k| increments[k % n]).sum()
-    };
-    wide(2) - 4.0 / 6.0 * (wide(1) + wide(3)) + 1.0 / 6.0 * (wide(0) + wide(4))
+    let start = (first + reach * n - reach) % n;
+    // With what they need beyond the ends, so that nothing is wrapped for a cell.
+    let round = increments.iter().cycle().skip(start);
+    let row: Vec<f64> = round.take(count - 1 + 2 * reach + width).copied().collect();
+    let wide: Vec<f64> = row.windows(width).map(|cells| cells.iter().sum()).collect();
+    let [a, b, c, d, e] = std::array::from_fn(|cell| &wide[cell * width..][..count]);
+    let residual = |k: usize| c[k] - 4.0 / 6.0 * (b[k] + d[k]) + 1.0 / 6.0 * (a[k] + e[k]);
+    (0..count).map(residual).collect()
 }
 
 #[cfg(test)]
@@ -177,8 +186,8 @@ mod tests {
             let at = |k: usize| x((k % n) as f64 / n as f64);
             let increments: Vec<f64> = (0..n).map(|k| at(k + 1) - at(k)).collect();
             let largest = |width: usize| {
-                let all = (0..n).map(|k| of_cell(&increments, k, width).abs());
-                all.fold(0.0, f64::max)
+                let all = of_cells(&increments, 0, n, width).into_iter();
+                all.fold(0.0, |m: f64, v| m.max(v.abs()))
             };
             largest(2) / largest(1)
         };

@@ -6,7 +6,7 @@
 //! step has one size over cells of one, two and four spacings.
 
 use super::limits::{AGREES, APART, FINE, MOST_FLAGGED, OUTSTANDING, STAYS_IN_WIDE_CELLS};
-use super::residual::{NEIGHBOURS, noise, of_cell};
+use super::residual::{NEIGHBOURS, noise, of_cell, of_cells};
 
 /// A cell in which a coordinate jumps, as far as samples can tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,11 @@ pub(crate) fn find_jumps(increments: &[f64], floor: f64) -> Roughness {
         floor,
     };
     // Each pass uncovers what larger jumps nearby had covered.
-    while search.flag() {
+    loop {
+        let residuals = [1, 2].map(|width| search.residuals(width));
+        if !search.flag(&residuals) {
+            return search.conclude(&residuals);
+        }
         search.refill();
         let flagged = search.flagged.iter().filter(|&&f| f).count();
         if flagged as f64 > MOST_FLAGGED * n as f64 {
@@ -51,7 +55,6 @@ pub(crate) fn find_jumps(increments: &[f64], floor: f64) -> Roughness {
             };
         }
     }
-    search.conclude()
 }
 
 struct Search<'a> {
@@ -64,9 +67,11 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn residuals(&self, width: usize) -> Vec<f64> {
-        (0..self.filled.len())
-            .map(|k| of_cell(&self.filled, k, width).abs())
-            .collect()
+        let mut residuals = of_cells(&self.filled, 0, self.filled.len(), width);
+        residuals
+            .iter_mut()
+            .for_each(|residual| *residual = residual.abs());
+        residuals
     }
 
     /// The largest residual of double cells that contain cell k or touch it.
@@ -77,12 +82,10 @@ impl Search<'_> {
             .fold(0.0, |m: f64, j| m.max(wide[j % n]))
     }
 
-    /// Flags cells that look like jumps; whether there were any.
-    fn flag(&mut self) -> bool {
+    /// Flags cells that look like jumps by the residuals of single and double cells; whether there were any.
+    fn flag(&mut self, [narrow, wide]: &[Vec<f64>; 2]) -> bool {
         let n = self.filled.len();
-        let narrow = self.residuals(1);
-        let wide = self.residuals(2);
-        let noise = noise(&narrow);
+        let noise = noise(narrow);
         let reach = NEIGHBOURS + 1;
         let is_jump = |k: usize| {
             let residual = narrow[k];
@@ -91,7 +94,7 @@ impl Search<'_> {
             !self.flagged[k]
                 && residual > self.floor
                 && residual > OUTSTANDING * noise
-                && residual > STAYS_IN_WIDE_CELLS * Self::wide_round(&wide, k)
+                && residual > STAYS_IN_WIDE_CELLS * Self::wide_round(wide, k)
                 && residual >= around.fold(0.0, f64::max)
         };
         let found: Vec<usize> = (0..n).filter(|&k| is_jump(k)).collect();
@@ -119,21 +122,20 @@ impl Search<'_> {
         }
     }
 
-    fn conclude(mut self) -> Roughness {
+    fn conclude(mut self, [narrow, wide]: &[Vec<f64>; 2]) -> Roughness {
         let n = self.filled.len();
-        let (narrow, wide) = (self.residuals(1), self.residuals(2));
         let hidden = (0..n)
             .filter(|&k| {
                 narrow[k] > self.floor
-                    && narrow[k] > STAYS_IN_WIDE_CELLS * Self::wide_round(&wide, k)
+                    && narrow[k] > STAYS_IN_WIDE_CELLS * Self::wide_round(wide, k)
             })
             .fold(0.0, |m: f64, k| m.max(narrow[k]));
         let mean = |values: &[f64]| values.iter().sum::<f64>() / n as f64;
         let variation: f64 = self.filled.iter().map(|d| d.abs()).sum();
         // Half as many double cells: their sum is what halves, stays or grows.
-        let unresolved = mean(&narrow) > self.floor
-            && mean(&narrow) > FINE * variation
-            && 2.0 * mean(&narrow) > STAYS_IN_WIDE_CELLS * mean(&wide);
+        let unresolved = mean(narrow) > self.floor
+            && mean(narrow) > FINE * variation
+            && 2.0 * mean(narrow) > STAYS_IN_WIDE_CELLS * mean(wide);
         let cells: Vec<usize> = (0..n).filter(|&k| self.flagged[k]).collect();
         let jumps = cells.iter().map(|&k| self.jump(k)).collect();
         Roughness {
