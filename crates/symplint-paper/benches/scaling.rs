@@ -20,7 +20,7 @@ use symplint_models::systems::PendulumArray;
 use symplint_report::figure::{Axis, Figure, Panel, Scale, Series, Style};
 
 /// What grows, and what one run does.
-struct Study {
+struct Case {
     name: &'static str,
     label: &'static str,
     sizes: &'static [usize],
@@ -30,22 +30,22 @@ struct Study {
     cost: fn(f64) -> f64,
 }
 
-const STUDIES: [Study; 3] = [
-    Study {
+const CASES: [Case; 3] = [
+    Case {
         name: "dof",
         label: "d: step and integral of 64 samples of a pendulum array",
         sizes: &[64, 256, 1024, 4096, 16_384, 65_536],
         time: pendulum_array,
         cost: |d| d,
     },
-    Study {
+    Case {
         name: "particles",
         label: "Nₚ: one PIC force, cubic splines, 16 samples",
         sizes: &[100, 316, 1000, 3162, 10_000, 31_623, 100_000],
         time: pic_force,
         cost: |particles| particles,
     },
-    Study {
+    Case {
         name: "samples",
         label: "Nₛ: pseudospectral integral, 4 degrees of freedom",
         sizes: &[64, 256, 1024, 4096, 16_384, 65_536, 262_144],
@@ -69,8 +69,8 @@ fn main() {
 /// Prints nanoseconds and the peak of this process's memory in bytes.
 fn measure_here(name: &str, size: usize) {
     let before = peak_bytes();
-    let study = STUDIES.iter().find(|study| study.name == name).unwrap();
-    let time = (study.time)(size);
+    let case = CASES.iter().find(|case| case.name == name).unwrap();
+    let time = (case.time)(size);
     println!("{} {}", time.as_nanos(), peak_bytes() - before);
 }
 
@@ -93,15 +93,11 @@ struct Point {
 
 /// One process for each point, on one thread, so that peaks of memory are its own.
 fn measure_all(folder: &Path) {
-    let mut table = String::from("study,size,nanoseconds,peak_bytes\n");
-    let mut studies = Vec::new();
-    for study in &STUDIES {
-        let points: Vec<Point> = study
-            .sizes
-            .iter()
-            .map(|&size| measure(study, size))
-            .collect();
-        println!("{}", study.label);
+    let mut table = String::from("case,size,nanoseconds,peak_bytes\n");
+    let mut cases = Vec::new();
+    for case in &CASES {
+        let points: Vec<Point> = case.sizes.iter().map(|&size| measure(case, size)).collect();
+        println!("{}", case.label);
         for point in &points {
             let Point {
                 size,
@@ -113,12 +109,12 @@ fn measure_all(folder: &Path) {
                 nanoseconds / 1e3,
                 bytes / 1024.0
             );
-            table += &format!("{},{size},{nanoseconds},{bytes}\n", study.name);
+            table += &format!("{},{size},{nanoseconds},{bytes}\n", case.name);
         }
         let time = |point: &Point| {
             (
                 point.size as f64,
-                point.nanoseconds / (study.cost)(point.size as f64),
+                point.nanoseconds / (case.cost)(point.size as f64),
             )
         };
         println!(
@@ -127,20 +123,20 @@ fn measure_all(folder: &Path) {
             slope(last_decades(&points).map(time)),
             bytes_each(&points),
         );
-        studies.push((study, points));
+        cases.push((case, points));
     }
     std::fs::create_dir_all(folder).unwrap();
     std::fs::write(folder.join("scaling.csv"), table).unwrap();
-    draw(&studies).save(folder, "scaling").unwrap();
+    draw(&cases).save(folder, "scaling").unwrap();
     println!(
         "scaling.csv, scaling.svg and scaling.png are in {}",
         folder.display()
     );
 }
 
-fn measure(study: &Study, size: usize) -> Point {
+fn measure(case: &Case, size: usize) -> Point {
     let output = Command::new(std::env::current_exe().unwrap())
-        .args(["point", study.name, &size.to_string()])
+        .args(["point", case.name, &size.to_string()])
         .env("RAYON_NUM_THREADS", "1")
         .output()
         .unwrap();
@@ -180,7 +176,7 @@ fn slope(points: impl Iterator<Item = (f64, f64)>) -> f64 {
     covariance / logs.iter().map(|point| (point.0 - x).powi(2)).sum::<f64>()
 }
 
-fn draw(studies: &[(&Study, Vec<Point>)]) -> Figure {
+fn draw(cases: &[(&Case, Vec<Point>)]) -> Figure {
     let axis = |label: &str| Axis {
         label: label.into(),
         scale: Scale::Log10,
@@ -188,7 +184,7 @@ fn draw(studies: &[(&Study, Vec<Point>)]) -> Figure {
     };
     let panel = |title: &str, label: &str, value: fn(&Point) -> f64, expected: bool| {
         let mut series = Vec::new();
-        for (color, (study, points)) in studies.iter().enumerate() {
+        for (color, (case, points)) in cases.iter().enumerate() {
             let line = |label: &str, points, style| Series {
                 label: label.into(),
                 points,
@@ -196,13 +192,13 @@ fn draw(studies: &[(&Study, Vec<Point>)]) -> Figure {
                 color,
             };
             let measured = points.iter().map(|point| (point.size as f64, value(point)));
-            let short = study.label.split(':').next().unwrap_or_default();
+            let short = case.label.split(':').next().unwrap_or_default();
             series.push(line(short, measured.collect(), Style::LineAndPoints));
             if let (true, Some(last)) = (expected, points.last()) {
-                let factor = value(last) / (study.cost)(last.size as f64);
+                let factor = value(last) / (case.cost)(last.size as f64);
                 let line_points = points.iter().map(|point| {
                     let size = point.size as f64;
-                    (size, factor * (study.cost)(size))
+                    (size, factor * (case.cost)(size))
                 });
                 series.push(line("", line_points.collect(), Style::Dashed));
             }

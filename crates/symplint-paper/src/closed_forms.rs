@@ -15,7 +15,7 @@ use symplint_report::run_folder::RunFolder;
 use super::accumulation::{Named, accumulated, break_line};
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
-use super::sweep::{Study, step_of, worst};
+use super::sweep::{Sweep, step_of, worst};
 use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
@@ -113,14 +113,14 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     let mut maps: Vec<Named> = Vec::new();
     for (index, form) in FORMS.iter().enumerate() {
         let map = step_of(form.integrator, form.variant, &sharp)?;
-        let study = Study {
+        let sweep = Sweep {
             case: "|q|",
             integrator: form.integrator,
             map: &*map,
             phase_loop: &circle,
             rule: Rule::FiniteDifference(CUTOFFS),
         };
-        let of_form: Vec<Row> = (study.over_steps(samples, &STEPS)?.iter())
+        let of_form: Vec<Row> = (sweep.over_steps(samples, &STEPS)?.iter())
             .map(|record| {
                 let closed_form = (form.value)(record.step_size);
                 Row {
@@ -162,14 +162,14 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         maps.push((name, map));
 
         let map = step_of(form.integrator, form.variant, &smooth)?;
-        let study = Study {
+        let sweep = Sweep {
             case: "√(q² + ε²)",
             integrator: form.integrator,
             map: &*map,
             phase_loop: &circle,
             rule: Rule::Pseudospectral,
         };
-        mollified.extend(study.over_steps(mollified_samples, &STEPS)?);
+        mollified.extend(sweep.over_steps(mollified_samples, &STEPS)?);
     }
     claims.push(break_line(&maps[0], &circle, "q + hp = 0", 1.0)?);
     claims.push(break_line(&maps[1], &circle, "q = 0", 0.0)?);

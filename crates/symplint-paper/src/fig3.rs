@@ -39,7 +39,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             case,
             &circle,
             cutoffs,
-            |study| study.over_samples(&counts, h),
+            |sweep| sweep.over_samples(&counts, h),
             Record::over_samples,
         )?;
         records.extend(swept.records);

@@ -11,7 +11,7 @@ use super::claim::{Claim, Judgement, Origin};
 use super::interpolated::{CASES, Case, circle_round, pendulum, sweep_case};
 use super::settings::{Key, Settings};
 use super::sweep::{
-    Record, Study, chosen_halvings, fitted_order, halvings, halvings_to, order_text, step_of, worst,
+    Record, Sweep, chosen_halvings, fitted_order, halvings, halvings_to, order_text, step_of, worst,
 };
 use super::{Item, PaperError};
 
@@ -58,7 +58,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             case,
             &circle,
             cutoffs,
-            |study| study.over_steps(samples, &steps),
+            |sweep| sweep.over_steps(samples, &steps),
             Record::over_step,
         )?;
         records.extend(swept.records);
@@ -248,7 +248,7 @@ fn expected_slope() -> Result<Claim, PaperError> {
     let mut fits = Vec::new();
     for variant in ["midpoint", "heun"] {
         let map = step_of("rk2", variant, &system)?;
-        let study = Study {
+        let sweep = Sweep {
             case: CASES[0].title,
             integrator: "RK2",
             map: &*map,
@@ -256,7 +256,7 @@ fn expected_slope() -> Result<Claim, PaperError> {
             rule: Rule::Pseudospectral,
         };
         fits.push(fitted_order(
-            &study.over_steps(1 << 10, &halvings(-1, -10))?,
+            &sweep.over_steps(1 << 10, &halvings(-1, -10))?,
         ));
     }
     let judgement = match &fits[..] {

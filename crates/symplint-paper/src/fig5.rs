@@ -15,7 +15,7 @@ use symplint_report::run_folder::RunFolder;
 use super::claim::{Claim, Judgement, Origin};
 use super::settings::{Key, Settings};
 use super::sweep::{
-    Record, Study, chosen_halvings, fitted_order, halvings_to, order_text, step_of, worst,
+    Record, Sweep, chosen_halvings, fitted_order, halvings_to, order_text, step_of, worst,
 };
 use super::uncertainty::uncertainty;
 use super::{Item, PaperError};
@@ -67,14 +67,14 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     let mut drawn = Vec::new();
     for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
         let map = step_of(name, variant, &system)?;
-        let study = Study {
+        let sweep = Sweep {
             case: "array",
             integrator: label,
             map: &*map,
             phase_loop: &circle,
             rule: Rule::Pseudospectral,
         };
-        let points = study.over_steps(samples, &steps)?;
+        let points = sweep.over_steps(samples, &steps)?;
         let curve = points.iter().map(Record::over_step).collect();
         drawn.push(series(label, curve, Style::LineAndPoints, index));
         records.extend(points);

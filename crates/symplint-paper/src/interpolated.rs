@@ -11,7 +11,7 @@ use symplint_report::figure::{Series, Style};
 use symplint_report::plot::series;
 
 use super::PaperError;
-use super::sweep::{Record, Study, step_of};
+use super::sweep::{Record, Sweep, step_of};
 use super::uncertainty::uncertainty;
 
 /// One panel of figures 3 and 4.
@@ -96,7 +96,7 @@ pub fn sweep_case(
     case: &Case,
     circle: &Circle,
     cutoffs: Cutoffs,
-    sweep: impl Fn(&Study<'_>) -> Result<Vec<Record>, PaperError>,
+    sweep: impl Fn(&Sweep<'_>) -> Result<Vec<Record>, PaperError>,
     at: fn(&Record) -> (f64, f64),
 ) -> Result<Swept, PaperError> {
     let system = pendulum(case.degree)?;
@@ -104,7 +104,7 @@ pub fn sweep_case(
     for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
         let map = step_of(name, variant, &system)?;
         for rule in [Rule::Pseudospectral, Rule::FiniteDifference(cutoffs)] {
-            let points = sweep(&Study {
+            let points = sweep(&Sweep {
                 case: case.title,
                 integrator: label,
                 map: &*map,

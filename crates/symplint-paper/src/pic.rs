@@ -9,7 +9,7 @@ use symplint_models::pic::{Landau, ParticleWeights, Pic1d, PicConfig, ShapeFamil
 
 use super::PaperError;
 use super::settings::{Key, Settings};
-use super::sweep::{Record, Study, step_of};
+use super::sweep::{Record, Sweep, step_of};
 use super::true_defect;
 
 /// Settings of every particle-in-cell figure.
@@ -195,7 +195,7 @@ impl Setup {
             _ => ("rk2", &self.variants[1]),
         };
         let map = step_of(name, variant, &plasma.system)?;
-        let study = Study {
+        let sweep = Sweep {
             case: &case.name(),
             integrator,
             map: &*map,
@@ -209,8 +209,8 @@ impl Setup {
             Over::Steps {
                 samples,
                 step_sizes,
-            } => study.over_steps(*samples, step_sizes)?,
-            Over::Samples { counts, step_size } => study.over_samples(counts, *step_size)?,
+            } => sweep.over_steps(*samples, step_sizes)?,
+            Over::Samples { counts, step_size } => sweep.over_samples(counts, *step_size)?,
         };
         if case.degree > 1 && integrator == "Strang" {
             true_defect::measure(&*map, &plasma.circle, &mut records)?;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use symplint::diagnosis::{SampleCount, SampleSweep};
-use symplint::evidence::{LoopEvidence, LoopKind, Point, StepEvidence, Sweep};
+use symplint::evidence::{self, LoopEvidence, LoopKind, Point, StepEvidence};
 use symplint::verdict::Fit;
 use symplint::{Defect, Diagnostic, Evidence, Loop, Rule, TimeAdvance, judge};
 use symplint_models::integrators::catalogue::build;
@@ -87,7 +87,7 @@ pub fn step_of(
 }
 
 /// What is swept.
-pub struct Study<'a> {
+pub struct Sweep<'a> {
     /// Label of the case.
     pub case: &'a str,
     /// Label of the integrator.
@@ -100,7 +100,7 @@ pub struct Study<'a> {
     pub rule: Rule,
 }
 
-impl Study<'_> {
+impl Sweep<'_> {
     /// Over step sizes at a fixed number of samples.
     pub fn over_steps(
         &self,
@@ -130,9 +130,9 @@ impl Study<'_> {
         sample_sweep: Option<SampleSweep>,
     ) -> Result<Vec<Record>, PaperError> {
         let wanted = if sample_sweep.is_some() {
-            Sweep::Samples
+            evidence::Sweep::Samples
         } else {
-            Sweep::StepSize
+            evidence::Sweep::StepSize
         };
         let diagnostic = Diagnostic {
             rule: self.rule,

@@ -7,7 +7,7 @@ use super::per_dof::per_dof;
 use crate::cli::{LoopShape, Phases, Shape};
 
 /// Degrees of freedom at most.
-const MOST_DOF: usize = 1 << 28;
+const MOST_DOF: usize = 1 << 24;
 
 /// Refuses the options that describe a loop where there is a configuration.
 ///

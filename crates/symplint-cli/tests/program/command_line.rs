@@ -174,7 +174,10 @@ fn bad_options_of_a_loop_are_refused() {
         (&["--set", "loop.radius=2"], "there is none"),
         (&["--dof", "0"], "at least 1"),
         (&["--dof", "1e12"], "too large"),
-        (&["--dof", "2^28"], "fewer samples or degrees of freedom"),
+        (
+            &["--dof", "2^24", "--samples", "2^24"],
+            "fewer samples or degrees of freedom",
+        ),
         (&["--dof", "1", "--samples", "2^45"], "fewer samples"),
         (&["--dof", "1", "--samples", "2"], "3 or more"),
         (&["--dof", "1", "--samples", "-4"], "whole number"),

@@ -1,5 +1,6 @@
 //! The Jacobian test of the library's own maps: by tangent map and by differences.
 
+use rayon::prelude::*;
 use symplint::jacobian::{JacobianEvidence, JacobianMethod};
 use symplint::verdict::JacobianVerdict;
 use symplint::{Block, Circle, Coordinates, JacobianTest, StepFailure, TimeAdvance};
@@ -29,7 +30,7 @@ fn report(subject: &Subject, map: &dyn TimeAdvance) -> JacobianEvidence {
 
 #[test]
 fn tangent_maps_are_confirmed_and_say_the_same_with_more_digits() {
-    for subject in all() {
+    all().into_par_iter().for_each(|subject| {
         for (name, info, map) in subject.maps() {
             let exact = report(&subject, &map);
             assert_eq!(exact.method, JacobianMethod::TangentMap, "{name}");
@@ -54,5 +55,5 @@ fn tangent_maps_are_confirmed_and_say_the_same_with_more_digits() {
                 assert!(!wrong, "{name}: {}", exact.verdict());
             }
         }
-    }
+    });
 }

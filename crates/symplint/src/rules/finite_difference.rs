@@ -203,7 +203,7 @@ struct Sums {
     p_squared: [f64; PAIRS],
     omitted: Vec<usize>,
     /// Of the cells that were left out without a jump, or retained with one.
-    doubtful: f64,
+    uncertain: f64,
 }
 
 impl Sums {
@@ -281,13 +281,13 @@ impl Row<'_> {
         let q_jumps = self.q.jumps(dq, over_pair[0]);
         if self.retains(dq, dp, self.q.row.len() as f64) {
             if q_jumps {
-                sums.doubtful += (p[0] * dq).abs();
+                sums.uncertain += (p[0] * dq).abs();
             }
         } else {
             sums.omitted.push(cell);
             if !q_jumps && !self.p.jumps(dp, over_pair[1]) {
                 // Steep but smooth: its part of the integral is missing.
-                sums.doubtful += p[0].abs().max(p[1].abs()) * dq.abs();
+                sums.uncertain += p[0].abs().max(p[1].abs()) * dq.abs();
             }
         }
     }
@@ -341,7 +341,7 @@ fn integrate(q: &[f64], gain: f64, p: &[f64], cutoffs: &Cutoffs) -> RowIntegral 
         UNIT_ROUNDOFF * (row.q.largest * p_squared.sqrt() + row.p.largest * q_squared.sqrt());
     RowIntegral {
         value,
-        quadrature_error: (q.len() >= 6).then(|| MARGIN * (value - coarse).abs() + sums.doubtful),
+        quadrature_error: (q.len() >= 6).then(|| MARGIN * (value - coarse).abs() + sums.uncertain),
         roundoff: stored + 2.0 * UNIT_ROUNDOFF * scale,
         scale,
         omitted: sums.omitted,
@@ -408,9 +408,9 @@ mod tests {
         }
     }
 
-    /// Σ over the cells that are in doubt, for a loop whose position or momentum rises slowly, but for a step of one
+    /// Σ over the cells that may be jumps, for a loop whose position or momentum rises slowly, but for a step of one
     /// in `cell`.
-    fn doubtful(n: usize, cell: usize, q_steps: bool, cutoff: f64) -> f64 {
+    fn uncertain(n: usize, cell: usize, q_steps: bool, cutoff: f64) -> f64 {
         let slow = |k: usize| 7.0 + 1e-3 * ((k + n - cell) as f64).sin();
         let step = |k: usize| f64::from((k + n - 1 - cell) % n < n / 2);
         let stepped: Vec<f64> = (0..n).map(|k| slow(k) + step(k)).collect();
@@ -426,22 +426,22 @@ mod tests {
             q: ClosedRow::new(&q, 0.0, if q_steps { cutoff } else { none }),
             p: ClosedRow::new(&p, 0.0, if q_steps { none } else { cutoff }),
         })
-        .doubtful
+        .uncertain
     }
 
     #[test]
     fn a_step_is_a_jump_in_every_cell() {
         for n in [121, 128] {
             for cell in [0, 1, 17, n / 2 - 1, n - 2, n - 1] {
-                // Retained, it is in doubt by p Δq: once up, once down.
-                let retained = doubtful(n, cell, true, 1e9);
+                // Retained, it makes p Δq uncertain: once up, once down.
+                let retained = uncertain(n, cell, true, 1e9);
                 assert!(
                     (retained - 2.0 * 7.0).abs() < 0.1,
                     "{n}, {cell}: {retained}"
                 );
                 // Left out, it is none.
                 for q_steps in [true, false] {
-                    let omitted = doubtful(n, cell, q_steps, 10.0);
+                    let omitted = uncertain(n, cell, q_steps, 10.0);
                     assert_eq!(omitted, 0.0, "{n}, {cell}, {q_steps}");
                 }
             }

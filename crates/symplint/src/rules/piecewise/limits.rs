@@ -167,4 +167,4 @@ pub(super) const WIDEST_STRETCH: f64 = 1.0 / 16.0;
 pub(super) const PARTS_OF_STRETCH: usize = 16;
 
 /// Stretches within stretches at most: each takes an iteration more.
-pub(super) const NESTED: usize = 8;
+pub(super) const MOST_STRETCHES: usize = 8;

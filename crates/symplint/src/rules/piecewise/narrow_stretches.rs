@@ -5,15 +5,15 @@
 //! iteration earlier in a stretch that is narrower by the contraction of the iteration, and so on. Both breaks of a
 //! stretch add up, and nothing outside shows it: so each stretch between two such breaks is looked at once more.
 
-use super::limits::{NESTED, PARTS_OF_STRETCH, WIDEST_STRETCH};
+use super::limits::{MOST_STRETCHES, PARTS_OF_STRETCH, WIDEST_STRETCH};
 use super::piece::Piece;
 use super::refinement::Refinement;
 use crate::error::Error;
 
 /// Looks for breaks within stretches between breaks, and within those that are found.
-pub(super) fn search_nested(refinement: &mut Refinement<'_>) -> Result<(), Error> {
+pub(super) fn search_stretches(refinement: &mut Refinement<'_>) -> Result<(), Error> {
     let mut searched: Vec<[f64; 2]> = Vec::new();
-    for _ in 0..NESTED {
+    for _ in 0..MOST_STRETCHES {
         let stretches: Vec<[f64; 2]> = stretches(refinement)
             .into_iter()
             .filter(|stretch| !searched.contains(stretch))
