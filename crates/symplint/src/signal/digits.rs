@@ -27,7 +27,7 @@ pub(crate) struct Digits {
     /// Decimal digits that are enough for all of them; more than [`FEW`] if that is not so.
     decimal: u8,
     /// The exponent of the power of ten of which all of them are multiples, as far as it is above that of [`FEW`]
-    /// digits of the largest.
+    /// digits of the largest, while those are enough.
     place: i16,
     /// Binary digits that are enough for all of them.
     bits: i16,
@@ -54,7 +54,24 @@ impl Default for Digits {
 
 impl Digits {
     pub fn add(&mut self, value: f64) {
-        while self.decimal <= FEW && !has_digits(value, self.decimal.into()) {
+        if self.decimal <= FEW {
+            self.add_decimal(value);
+        }
+        let (lowest, bits) = binary(value);
+        self.lowest = self.lowest.min(lowest);
+        self.bits = self.bits.max(bits);
+        self.largest = self.largest.max(value.abs());
+        // The fractional part of a multiple of the golden ratio spreads neighbours.
+        self.seen |= 1 << (value.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58);
+    }
+
+    fn add_decimal(&mut self, value: f64) {
+        // Most doubles have more digits, which is told at once.
+        if !has_digits(value, FEW.into()) {
+            self.decimal = FEW + 1;
+            return;
+        }
+        while !has_digits(value, self.decimal.into()) {
             self.decimal += 1;
         }
         if value != 0.0 {
@@ -64,12 +81,6 @@ impl Digits {
                 self.place -= 1;
             }
         }
-        let (lowest, bits) = binary(value);
-        self.lowest = self.lowest.min(lowest);
-        self.bits = self.bits.max(bits);
-        self.largest = self.largest.max(value.abs());
-        // The fractional part of a multiple of the golden ratio spreads neighbours.
-        self.seen |= 1 << (value.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58);
     }
 
     /// The format, and how far apart neighbouring values are, if their digits are few.
