@@ -15,7 +15,7 @@ use super::plan::say_round;
 use super::round::Round;
 use super::run_output::RunOutput;
 use crate::cli::{CheckArgs, Run};
-use crate::output::{Progress, say, verdict_text};
+use crate::output::{Progress, say, tell, verdict_text};
 use crate::{provenance, signals};
 
 /// Diagnoses a configuration.
@@ -90,7 +90,10 @@ pub(super) fn diagnose(
     }
     let kept = log.as_ref().and_then(PointLog::measured);
     if let (Err(_), Some(kept)) = (&outcome, kept) {
-        anstream::eprintln!("note: the points measured before are in {}", kept.display());
+        tell(format!(
+            "note: the points measured before are in {}",
+            kept.display()
+        ));
     }
     let mut diagnosis = outcome?;
     if let Some((_, evaluations)) = &config.radii {
@@ -124,7 +127,7 @@ pub(super) fn diagnose(
         output.write_figures(figures, &[])?;
         // On standard error: standard output may be JSON.
         if let Some(note) = note {
-            anstream::eprintln!("note: {note}");
+            tell(format!("note: {note}"));
         }
     }
     if run.shown.json {
