@@ -37,7 +37,7 @@ const JOBS: &str = "Example:
   symplint collect run                              the next round, or the verdict
 
 Exit status of `plan` and `collect`: 4 there is a round of calls to make; else that of `check`. Of `advance`: 0 all calls of the \
-part were made; 2 some failed.";
+part were made; 2 some failed, or none could be made; 130 interrupted.";
 
 /// The commands.
 #[derive(Subcommand)]

@@ -19,7 +19,7 @@ fn main() -> ExitCode {
     match run(&cli) {
         Ok(status) => status,
         Err(failure) => {
-            anstream::eprintln!("{}", output::failure_message(&failure));
+            output::tell(output::failure_message(&failure));
             ExitCode::from(2)
         }
     }

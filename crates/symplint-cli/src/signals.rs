@@ -1,26 +1,47 @@
 //! What ends the program from outside: Ctrl-C, `kill`, a terminal that is closed.
 
-use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::path::Path;
 #[cfg(unix)]
 use std::sync::{Arc, atomic::AtomicBool};
+use std::sync::{OnceLock, mpsc};
+use std::time::Duration;
+
+use crate::output::tell;
 
 /// The exit status of a program that was interrupted.
 const INTERRUPTED: i32 = 130;
 
-/// The folder of a run that can be resumed.
-static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+/// How long to wait for standard error: a pipe that nobody reads takes nothing.
+const TO_TELL: Duration = Duration::from_secs(1);
+
+/// How to go on after an end by a signal.
+static GOES_ON: OnceLock<String> = OnceLock::new();
 
 /// From now on the run in this folder can be resumed.
 pub fn note_folder(path: &Path) {
-    let _ = FOLDER.set(path.to_owned());
+    let _ = GOES_ON.set(format!("`symplint resume {}` goes on", path.display()));
+}
+
+/// From now on this part of the round of calls in a folder can be gone on with.
+pub fn note_part(path: &Path, (k, n): (usize, usize)) {
+    let path = path.display();
+    let _ = GOES_ON.set(format!(
+        "`symplint advance {path} --part {k}/{n}` goes on, and makes no call again that was noted"
+    ));
 }
 
 /// Ends the programs that are called as maps and removes their files, then ends this program.
 fn end() {
     symplint_command::stop_all();
-    if let Some(folder) = FOLDER.get() {
-        anstream::eprintln!("\nstopped; `symplint resume {}` goes on", folder.display());
+    if let Some(goes_on) = GOES_ON.get() {
+        let (said, heard) = mpsc::channel();
+        let say = move || {
+            tell(format!("\nstopped; {goes_on}"));
+            let _ = said.send(());
+        };
+        if std::thread::Builder::new().spawn(say).is_ok() {
+            let _ = heard.recv_timeout(TO_TELL);
+        }
     }
     std::process::exit(INTERRUPTED);
 }

@@ -529,6 +529,9 @@ fn bad_files_are_refused_by_name() {
         &with_two,
         &["2 values in `h`", "one step size"],
     );
+    let still = npy("<f8", false, "()", &0.0_f64.to_le_bytes());
+    let with_none = [("q", q.clone()), ("p", p.clone()), ("h", still)];
+    broken("still.npz", &with_none, &["still.npz: the step size is 0"]);
     let mut values = exchange.p.clone();
     values[17] = f64::NAN;
     let with_nan = [("q", q.clone()), ("p", doubles(&values))];

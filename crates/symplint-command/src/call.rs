@@ -3,13 +3,15 @@
 use std::fs;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::process::ExitStatus;
 use std::time::Duration;
 
 use symplint::{Coordinates, Ensemble, Snapshot, StepFailure};
 use symplint_report::loop_file::{LoopFile, LoopFileError};
 
-use crate::process::{Ended, Streams, run};
-use crate::workspace::Workspace;
+use crate::lack::{CallFailure, Lack, is_lack, missing_space};
+use crate::process::{Ended, NotRun, Streams, run};
+use crate::workspace::{CallFolder, Workspace};
 
 /// What is run, and where.
 pub struct Program {
@@ -37,49 +39,88 @@ impl Call<'_> {
         &self,
         workspace: &Workspace,
         states: Ensemble,
-    ) -> Result<Ensemble, StepFailure> {
-        let refused = |reason: String| StepFailure { sample: 0, reason };
-        let folder = workspace.folder_of_call().map_err(refused)?;
+    ) -> Result<Ensemble, CallFailure> {
+        let folder = workspace.folder_of_call()?;
         let path = |name: &str| folder.path().join(name);
         let before = self.before(path("before.npz"), states);
-        before.write().map_err(|error| refused(error.to_string()))?;
+        before.write().map_err(|error| match error {
+            LoopFileError::Write { path, reason } => Lack::File { path, reason },
+            other => Lack::of_file(&before.path, &other),
+        })?;
+        self.run(&folder, &before).map_err(|failure| match failure {
+            CallFailure::Program(failure) => of_full_disk(failure, folder.path(), &before.path),
+            lack @ CallFailure::Lack(_) => lack,
+        })
+    }
+
+    /// Runs the program on a file in the folder of the call.
+    fn run(&self, folder: &CallFolder, before: &LoopFile) -> Result<Ensemble, CallFailure> {
+        let refused = |reason: String| CallFailure::Program(StepFailure { sample: 0, reason });
+        let path = |name: &str| folder.path().join(name);
         let after = path("after.npz");
         let streams = Streams {
             output: path("output.txt"),
             error: path("error.txt"),
         };
         let words = self.words(&before.path, &after)?;
-        let ended = run(&words, &self.program.folder, &streams, self.timeout)
-            .map_err(|reason| refused(self.failed(&reason, &streams)))?;
+        let ended =
+            run(&words, &self.program.folder, &streams, self.timeout).map_err(
+                |error| match error {
+                    NotRun::Command(reason) => refused(self.failed(&reason, &streams)),
+                    NotRun::Lack(lack) => lack.into(),
+                },
+            )?;
         let wrong = match ended {
             Ended::TimedOut => Some(format!(
                 "did not end within {} s and was stopped (system.timeout)",
                 self.timeout.as_secs_f64()
             )),
+            Ended::Exited(status) if at_limit_of_files(status) => {
+                return Err(Lack::Space {
+                    failure: self.failed(&format!("ended with {status}"), &streams),
+                    folder: None,
+                    reason: "the limit of file sizes (`ulimit -f`)".to_owned(),
+                }
+                .into());
+            }
             Ended::Exited(status) if !status.success() => Some(format!("ended with {status}")),
-            Ended::Exited(_) if !after.exists() => Some("wrote no {after}".to_owned()),
-            Ended::Exited(_) => None,
+            // A FIFO would be waited for without a time limit.
+            Ended::Exited(_) => match fs::metadata(&after) {
+                Err(_) => Some("wrote no {after}".to_owned()),
+                Ok(there) if !there.is_file() => {
+                    Some("made something of {after} that is no regular file".to_owned())
+                }
+                Ok(_) => None,
+            },
         };
         if let Some(wrong) = wrong {
             return Err(refused(self.failed(&wrong, &streams)));
         }
+        if let Err(error) = fs::File::open(&after)
+            && is_lack(&error)
+        {
+            let (action, reason) = (format!("open {}", after.display()), error.to_string());
+            return Err(Lack::Resource { action, reason }.into());
+        }
         let read = LoopFile::read_states(&after).and_then(|read| {
-            read.check_same_loop(&before)?;
+            read.check_same_loop(before)?;
             Ok(read.states)
         });
-        read.map_err(|error| StepFailure {
-            sample: match &error {
-                LoopFileError::NotFinite { sample, .. } => *sample,
-                _ => 0,
-            },
-            reason: {
-                let files = [(&*before.path, "{before}"), (&*after, "{after}")];
-                let words = in_words(&error, files);
-                self.failed(
-                    &format!("wrote a file that cannot be used: {words}"),
-                    &streams,
-                )
-            },
+        read.map_err(|error| {
+            CallFailure::Program(StepFailure {
+                sample: match &error {
+                    LoopFileError::NotFinite { sample, .. } => *sample,
+                    _ => 0,
+                },
+                reason: {
+                    let files = [(&*before.path, "{before}"), (&*after, "{after}")];
+                    let words = in_words(&error, files);
+                    self.failed(
+                        &format!("wrote a file that cannot be used: {words}"),
+                        &streams,
+                    )
+                },
+            })
         })
     }
 
@@ -97,14 +138,10 @@ impl Call<'_> {
     }
 
     /// The command with the names of the files and the step size.
-    fn words(&self, before: &Path, after: &Path) -> Result<Vec<String>, StepFailure> {
+    fn words(&self, before: &Path, after: &Path) -> Result<Vec<String>, Lack> {
         let text = |path: &Path| {
-            path.to_str().map(str::to_owned).ok_or_else(|| StepFailure {
-                sample: 0,
-                reason: format!(
-                    "the name of the temporary folder is not Unicode: {}; set TMPDIR to another one",
-                    path.display()
-                ),
+            path.to_str().map(str::to_owned).ok_or_else(|| Lack::Name {
+                path: path.to_owned(),
             })
         };
         let (before, after) = (text(before)?, text(after)?);
@@ -132,6 +169,34 @@ impl Call<'_> {
             Some(format!("; its {name}:\n{text}"))
         });
         format!("`{program}` {wrong}{}", said.unwrap_or_default())
+    }
+}
+
+/// Whether a process was ended because its files may not grow.
+fn at_limit_of_files(status: ExitStatus) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::ExitStatusExt;
+        status.signal() == Some(rustix::process::Signal::XFSZ.as_raw())
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = status;
+        false
+    }
+}
+
+/// The failure of a program; that of the disk where it has no space for what the program had to write, about as much as what it
+/// read.
+fn of_full_disk(failure: StepFailure, folder: &Path, before: &Path) -> CallFailure {
+    let bytes = fs::metadata(before).map_or(0, |file| file.len());
+    match missing_space(folder, bytes.max(4096)) {
+        Some(error) => CallFailure::Lack(Lack::Space {
+            failure: failure.reason,
+            folder: Some(folder.to_owned()),
+            reason: error.to_string(),
+        }),
+        None => CallFailure::Program(failure),
     }
 }
 

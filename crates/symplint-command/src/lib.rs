@@ -8,6 +8,7 @@
 //! | `map` | the map: blocks of samples cut into calls, some at a time |
 //! | `planned` | calls that are asked for, and made by the jobs of a scheduler |
 //! | `call` | one call: its files, and what can go wrong |
+//! | `lack` | what the system could not do for a call, which is no failure of the map |
 //! | `search` | where the system finds a program |
 //! | `process` | a process with a time limit, and its group |
 //! | `workspace` | the temporary folder, and folders that killed runs left behind |
@@ -15,6 +16,7 @@
 
 mod call;
 mod error;
+mod lack;
 mod map;
 mod planned;
 mod process;
@@ -23,5 +25,6 @@ mod search;
 mod workspace;
 
 pub use error::CommandError;
+pub use lack::{Lack, MakeError};
 pub use map::{CommandMap, Limits};
 pub use running::stop_all;

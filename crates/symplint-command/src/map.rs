@@ -9,11 +9,13 @@ use std::time::Duration;
 
 use symplint::map::Prefetch;
 use symplint::{Block, Coordinates, Ensemble, StepFailure, TimeAdvance};
-use symplint_journal::{Call as JournalCall, Journal, JournalError, Request};
+use symplint_journal::{Call as JournalCall, Journal, Request};
 
 use crate::CommandError;
 use crate::call::{Call, Program};
+use crate::lack::{CallFailure, Lack, MakeError};
 use crate::planned::Planned;
+use crate::running::wait_if_stopped;
 use crate::search::found_in_path;
 use crate::workspace::{Workspace, kept_before};
 
@@ -40,6 +42,7 @@ pub struct CommandMap {
     slots: Slots,
     journal: OnceLock<Arc<Journal>>,
     planned: OnceLock<Planned>,
+    lack: OnceLock<Lack>,
 }
 
 impl CommandMap {
@@ -72,6 +75,7 @@ impl CommandMap {
             workspace: Workspace::temporary(),
             journal: OnceLock::new(),
             planned: OnceLock::new(),
+            lack: OnceLock::new(),
         })
     }
 
@@ -122,13 +126,13 @@ impl CommandMap {
     /// Makes calls, some at a time, and notes them in a journal; none that it has already. `made` is told of each.
     ///
     /// # Errors
-    /// If the journal cannot be read or written. Calls that fail are no error.
+    /// If the journal cannot be read or written, or a call could not be made. Calls that fail are no error.
     pub fn make(
         &self,
         requests: &[&Request],
         journal: &Journal,
         made: &(dyn Fn(&Request, Result<(), StepFailure>) + Sync),
-    ) -> Result<(), JournalError> {
+    ) -> Result<(), MakeError> {
         let each = |k: usize| {
             let request = requests[k];
             let mut states = request.states.clone();
@@ -137,7 +141,8 @@ impl CommandMap {
                 return Ok(());
             }
             match self.run(request.h, states) {
-                Err(failure) => made(request, Err(failure)),
+                Err(CallFailure::Program(failure)) => made(request, Err(failure)),
+                Err(CallFailure::Lack(lack)) => return Err(lack.into()),
                 Ok(after) => {
                     states = after;
                     journal.note(request.call, &states.block())?;
@@ -173,10 +178,10 @@ impl CommandMap {
             return planned.advance(h, states);
         }
         let Some(journal) = self.journal.get() else {
-            return self.run(h, states);
+            return self.step(h, states);
         };
         journal.advance(h, &mut states.block(), |block| {
-            let after = self.run(h, block.copy_of(0..block.len()))?;
+            let after = self.step(h, block.copy_of(0..block.len()))?;
             put_back(block, 0, &after);
             Ok::<(), StepFailure>(())
         })?;
@@ -225,8 +230,21 @@ impl CommandMap {
         results.into_iter().map(taken).collect()
     }
 
+    /// What a call could not be made for, if that is so: then a diagnosis ends, as its failure would be none of the map.
+    pub fn lack(&self) -> Option<&Lack> {
+        self.lack.get()
+    }
+
+    /// Runs the program once, and takes note where that could not be done.
+    fn step(&self, h: f64, states: Ensemble) -> Result<Ensemble, StepFailure> {
+        self.run(h, states).map_err(|failure| match failure {
+            CallFailure::Program(failure) => failure,
+            CallFailure::Lack(lack) => self.lack.get_or_init(|| lack).clone().into(),
+        })
+    }
+
     /// Runs the program once.
-    fn run(&self, h: f64, states: Ensemble) -> Result<Ensemble, StepFailure> {
+    fn run(&self, h: f64, states: Ensemble) -> Result<Ensemble, CallFailure> {
         let call = Call {
             program: &self.program,
             coordinates: &self.coordinates,
@@ -234,7 +252,9 @@ impl CommandMap {
             h,
         };
         let _slot = self.slots.take();
+        // Where a signal ended the program, or removed its files, it did not fail.
         call.advance(&self.workspace, states)
+            .inspect_err(|_| wait_if_stopped())
     }
 }
 
@@ -274,7 +294,7 @@ impl TimeAdvance for CommandMap {
     fn is_stopped(&self) -> bool {
         // Calls that cannot be noted would be lost.
         let lost = (self.journal.get()).is_some_and(|journal| journal.failure().is_some());
-        lost || self.planned.get().is_some_and(Planned::lacks_calls)
+        lost || self.lack().is_some() || self.planned.get().is_some_and(Planned::lacks_calls)
     }
 
     fn prefetch(&self) -> Option<&dyn Prefetch> {

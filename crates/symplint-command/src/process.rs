@@ -11,6 +11,7 @@ use rustix::io::Errno;
 #[cfg(unix)]
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 
+use crate::lack::{Lack, is_lack};
 use crate::running::Running;
 
 /// Files for what a process writes.
@@ -27,6 +28,14 @@ pub enum Ended {
     TimedOut,
 }
 
+/// Why a process did not run.
+pub enum NotRun {
+    /// It cannot be started, in words that follow its name.
+    Command(String),
+    /// The system could not do its part.
+    Lack(Lack),
+}
+
 /// How long to sleep between two looks at a process: short at first, so that fast programs lose little, and never
 /// much beside the limit of 200 ms a call.
 const POLLS: [Duration; 2] = [Duration::from_micros(500), Duration::from_millis(2)];
@@ -34,16 +43,22 @@ const POLLS: [Duration; 2] = [Duration::from_micros(500), Duration::from_millis(
 /// Runs a command in `folder`.
 ///
 /// # Errors
-/// If it cannot be started, in words that follow its name.
+/// If it cannot be started, or not be waited for.
 pub fn run(
     words: &[String],
     folder: &Path,
     streams: &Streams,
     timeout: Duration,
-) -> Result<Ended, String> {
+) -> Result<Ended, NotRun> {
     let create = |path: &Path| {
-        File::create(path)
-            .map_err(|error| format!("could not be started: {}: {error}", path.display()))
+        let created = File::create(path);
+        created.map_err(|error| NotRun::Lack(Lack::of_file(path, &error)))
+    };
+    let lack = |action: &str, error: &io::Error| {
+        NotRun::Lack(Lack::Resource {
+            action: format!("{action} `{}`", words[0]),
+            reason: error.to_string(),
+        })
     };
     let mut command = Command::new(&words[0]);
     command
@@ -56,13 +71,17 @@ pub fn run(
     }
     own_group(&mut command);
     end_with_this_program(&mut command);
-    let child = Running::spawn(&mut command)
-        .map_err(|error| format!("could not be started: {error}; check system.command"))?;
+    let child = Running::spawn(&mut command).map_err(|error| match is_lack(&error) {
+        true => lack("start", &error),
+        false => NotRun::Command(format!(
+            "could not be started: {error}; check system.command"
+        )),
+    })?;
     let started = Instant::now();
     let mut poll = POLLS[0];
     let ended = loop {
         match end(&mut child.process()) {
-            Err(error) => break Err(format!("could not be waited for: {error}")),
+            Err(error) => break Err(lack("wait for", &error)),
             Ok(Some(status)) => break Ok(Ended::Exited(status)),
             Ok(None) => {}
         }

@@ -12,12 +12,15 @@ use std::time::Duration;
 use crate::process::kill_group;
 
 struct Registry {
+    /// Whether no more is to begin.
+    stopped: bool,
     next: usize,
     processes: BTreeMap<usize, Arc<Mutex<Child>>>,
     folders: Vec<PathBuf>,
 }
 
 static REGISTRY: Mutex<Registry> = Mutex::new(Registry {
+    stopped: false,
     next: 0,
     processes: BTreeMap::new(),
     folders: Vec::new(),
@@ -29,17 +32,45 @@ fn registry() -> MutexGuard<'static, Registry> {
 
 /// Kills all commands that run, with what they started, and removes all temporary folders.
 ///
-/// For programs that are about to end by a signal: what starts a command or waits for one waits for ever from then on, so
-/// that it reports no failure.
+/// For programs that are about to end by a signal: what starts a command, or finds that one failed, waits for ever from then on,
+/// so that no failure is reported. What came of commands that had ended well can still be noted.
 pub fn stop_all() {
-    let registry = registry();
+    let mut registry = registry();
+    registry.stopped = true;
     for process in registry.processes.values() {
         kill_group(&mut process.lock().unwrap_or_else(PoisonError::into_inner));
     }
-    for folder in &registry.folders {
+    let folders = registry.folders.clone();
+    let called_any = registry.next > 0;
+    drop(registry);
+    if called_any {
+        std::thread::sleep(TO_NOTE);
+    }
+    for folder in &folders {
         remove(folder);
     }
-    std::mem::forget(registry);
+}
+
+/// How long results of commands that had ended are waited for.
+const TO_NOTE: Duration = Duration::from_millis(100);
+
+/// The registry, which whoever begins something after [`stop_all`] never gets.
+fn registry_to_begin() -> MutexGuard<'static, Registry> {
+    loop {
+        wait_if_stopped();
+        let registry = registry();
+        // Between the two it may have come.
+        if !registry.stopped {
+            return registry;
+        }
+    }
+}
+
+/// Waits for ever after [`stop_all`].
+pub fn wait_if_stopped() {
+    while registry().stopped {
+        std::thread::park();
+    }
 }
 
 /// Removes a folder and all that is in it. Processes that were killed may write for some more time.
@@ -67,7 +98,7 @@ impl Running {
     /// # Errors
     /// If it cannot be started.
     pub fn spawn(command: &mut Command) -> io::Result<Self> {
-        let mut registry = registry();
+        let mut registry = registry_to_begin();
         // With the registry locked: a process is listed before it can be missed.
         let process = Arc::new(Mutex::new(command.spawn()?));
         let key = registry.next;
@@ -96,7 +127,7 @@ pub fn register_folder<T>(
     make: impl FnOnce() -> io::Result<T>,
     path: impl Fn(&T) -> &Path,
 ) -> io::Result<T> {
-    let mut registry = registry();
+    let mut registry = registry_to_begin();
     let made = make()?;
     registry.folders.push(path(&made).to_owned());
     Ok(made)

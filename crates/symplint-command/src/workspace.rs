@@ -12,6 +12,7 @@ use std::sync::{Mutex, PoisonError};
 
 use tempfile::TempDir;
 
+use crate::lack::Lack;
 use crate::running::{register_folder, remove_folder};
 
 /// How the names of temporary folders begin.
@@ -70,23 +71,18 @@ impl Workspace {
     /// A new folder for a call.
     ///
     /// # Errors
-    /// If it cannot be made, in words.
-    pub fn folder_of_call(&self) -> Result<CallFolder, String> {
-        let in_words = |folder: &Path, error: io::Error| {
-            format!(
-                "no folder for its files could be made in {}: {error}",
-                folder.display()
-            )
-        };
+    /// If it cannot be made.
+    pub fn folder_of_call(&self) -> Result<CallFolder, Lack> {
+        let lack = |folder: &Path, error: io::Error| Lack::of_file(folder, &error);
         let (root, kept) = match &self.kept {
             Some((path, _)) => {
-                fs::create_dir_all(path).map_err(|error| in_words(path, error))?;
+                fs::create_dir_all(path).map_err(|error| lack(path, error))?;
                 (path.clone(), true)
             }
             None => {
                 let root = self.temporary_root();
                 (
-                    root.map_err(|error| in_words(&std::env::temp_dir(), error))?,
+                    root.map_err(|error| lack(&std::env::temp_dir(), error))?,
                     false,
                 )
             }
@@ -98,7 +94,7 @@ impl Workspace {
                 Ok(()) => return Ok(CallFolder { path, kept }),
                 // Jobs of the same run keep their calls in one folder.
                 Err(error) if kept && error.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(in_words(&root, error)),
+                Err(error) => return Err(lack(&path, error)),
             }
         }
     }

@@ -12,7 +12,8 @@ use super::resume::config_of_run;
 use super::round::Round;
 use super::run_output::run_of_config;
 use crate::cli::AdvanceArgs;
-use crate::output::{Progress, say};
+use crate::output::{Progress, say, tell};
+use crate::signals;
 
 /// Makes the calls of a part, each once: those that an earlier job for the same part made are not made again.
 pub fn advance(arguments: &AdvanceArgs) -> Result<ExitCode, Failure> {
@@ -31,6 +32,7 @@ pub fn advance(arguments: &AdvanceArgs) -> Result<ExitCode, Failure> {
     // Calls of one step size, which take about as long, go to different parts.
     let part: Vec<&Request> = requests.iter().skip(k - 1).step_by(n).collect();
     let journal = round.part(k, n)?;
+    signals::note_part(&arguments.folder, arguments.part);
     let progress = Progress::new("calls", arguments.quiet);
     progress.plan(part.len());
     let failed: Mutex<Vec<(usize, StepFailure)>> = Mutex::default();
@@ -51,12 +53,12 @@ pub fn advance(arguments: &AdvanceArgs) -> Result<ExitCode, Failure> {
         .collect();
     round.note_failed((k, n), &failed)?;
     for (request, failure) in &failed {
-        anstream::eprintln!(
+        tell(format!(
             "error: a call with {} states and h = {:?} failed: {}",
             request.states.samples(),
             request.h,
             failure.reason
-        );
+        ));
     }
     if !arguments.quiet {
         let made = part.len() - failed.len();

@@ -15,7 +15,7 @@ use super::plan::say_round;
 use super::round::Round;
 use super::run_output::RunOutput;
 use crate::cli::{CheckArgs, Run};
-use crate::output::{Progress, say, verdict_text};
+use crate::output::{Progress, say, tell, verdict_text};
 use crate::{provenance, signals};
 
 /// Diagnoses a configuration.
@@ -57,13 +57,20 @@ pub(super) fn diagnose(
     run: &Run,
     calls: Calls,
 ) -> Result<Option<ExitCode>, Failure> {
-    let (mut output, mut round) = (None, None);
+    let (mut output, mut round, mut command) = (None, None, None);
     // Before the run, which may take hours, and before its first call.
-    let config = Config::load_with(path, settings, |system, resolved| {
+    let loaded = Config::load_with(path, settings, |system, resolved| {
+        command = system.command.clone();
         output = RunOutput::of_run("check", resolved, run)?;
         round = prepare(&mut output, system, resolved, calls)?;
         Ok::<(), Failure>(())
-    })?;
+    });
+    // What a call could not be made for is no failure of the map, whose radii are looked for.
+    let lack = || command.as_ref().and_then(|command| command.lack().cloned());
+    if let (Err(_), Some(lack)) = (&loaded, lack()) {
+        return Err(lack.into());
+    }
+    let config = loaded?;
     let journal = output.as_ref().and_then(|output| output.journal.clone());
     let log = (output.as_ref()).map(|output| PointLog::new(&output.folder, &output.config));
     let progress = Progress::new("points", run.shown.quiet || run.shown.json);
@@ -79,6 +86,9 @@ pub(super) fn diagnose(
     if let Some(failure) = journal.as_ref().and_then(|journal| journal.failure()) {
         return Err(failure.clone().into());
     }
+    if let Some(lack) = lack() {
+        return Err(lack.into());
+    }
     if let (Some(round), Some(output)) = (&round, &output) {
         let missing = (config.system.command.as_ref()).map_or(Vec::new(), |map| map.missing());
         if !missing.is_empty() {
@@ -90,7 +100,10 @@ pub(super) fn diagnose(
     }
     let kept = log.as_ref().and_then(PointLog::measured);
     if let (Err(_), Some(kept)) = (&outcome, kept) {
-        anstream::eprintln!("note: the points measured before are in {}", kept.display());
+        tell(format!(
+            "note: the points measured before are in {}",
+            kept.display()
+        ));
     }
     let mut diagnosis = outcome?;
     if let Some((_, evaluations)) = &config.radii {
@@ -101,15 +114,24 @@ pub(super) fn diagnose(
         counted.budget += evaluations;
         diagnosis.verdict = judge(&diagnosis.evidence);
     }
+    // What is written from here on can be written again from the calls that are noted.
+    let written = |result: Result<(), Failure>| match (result, &journal, &output) {
+        (Err(failure), Some(_), Some(output)) => Err(Failure::AfterCalls {
+            failure: Box::new(failure),
+            folder: output.folder.path().to_owned(),
+        }),
+        (result, ..) => result,
+    };
     if let Some(log) = log {
-        log.finish()?;
+        written(log.finish().map_err(Failure::from))?;
     }
 
     let mut provenance = provenance::of(started, &config.resolved);
-    provenance.replayed = journal.map_or(0, |journal| journal.replayed());
+    provenance.replayed = (journal.as_ref()).map_or(0, |journal| journal.replayed());
     let report = Report::new(&config.resolved, &diagnosis, provenance);
     if let Some(output) = &output {
-        output.folder.write_json("report.json", &report)?;
+        let report = output.folder.write_json("report.json", &report);
+        written(report.map_err(Failure::from))?;
         let title = format!("{}, {}", config.system.name, config.integrator);
         let sizes = diagnosis.points().into_iter().map(|point| point.step_size);
         let largest = sizes.fold(0.0, f64::max);
@@ -121,10 +143,10 @@ pub(super) fn diagnose(
             largest,
             config.system.command.is_some(),
         );
-        output.write_figures(figures, &[])?;
+        written(output.write_figures(figures, &[]))?;
         // On standard error: standard output may be JSON.
         if let Some(note) = note {
-            anstream::eprintln!("note: {note}");
+            tell(format!("note: {note}"));
         }
     }
     if run.shown.json {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use symplint_command::CommandError;
+use symplint_command::{CommandError, Lack, MakeError};
 use symplint_config::{ConfigError, Place};
 use symplint_journal::JournalError;
 use symplint_paper::PaperError;
@@ -79,6 +79,17 @@ pub enum Failure {
     /// The journal of a run.
     #[error(transparent)]
     Journal(#[from] JournalError),
+    /// A call of a program that could not be made.
+    #[error(transparent)]
+    Lack(#[from] Lack),
+    /// What a run whose calls are noted could not write at its end.
+    #[error("{failure}")]
+    AfterCalls {
+        /// What.
+        failure: Box<Failure>,
+        /// The run folder.
+        folder: PathBuf,
+    },
     /// A folder that holds no run to go on with.
     #[error("{} holds no run of `symplint check`: {reason}", folder.display())]
     NoRun {
@@ -103,6 +114,13 @@ impl Failure {
             Failure::Occupied(error) => error.remedy().into(),
             Failure::LoopFile(error) => error.remedy(),
             Failure::Write { .. } => "give a path that can be written".into(),
+            Failure::Figure(FigureError::Write { .. } | FigureError::Folder { .. }) => {
+                "give a path that can be written".into()
+            }
+            Failure::AfterCalls { folder, .. } => format!(
+                "all calls are noted: once the cause is gone, `symplint resume {}` goes on from them",
+                folder.display()
+            ),
             Failure::Unknown { suggestion, .. } => suggestion.clone(),
             Failure::Usage { remedy, .. } => remedy.clone(),
             Failure::Read { .. } => "give the report.json of a run folder".into(),
@@ -110,6 +128,7 @@ impl Failure {
             Failure::Threads { .. } => "try --threads 1".into(),
             Failure::Run(_)
             | Failure::Journal(_)
+            | Failure::Lack(_)
             | Failure::Model(_)
             | Failure::Figure(_)
             | Failure::Report { .. } => {
@@ -170,6 +189,15 @@ impl From<PaperError> for Failure {
             PaperError::Model(error) => error.into(),
             PaperError::Figure(error) => error.into(),
             PaperError::Write(error) => error.into(),
+        }
+    }
+}
+
+impl From<MakeError> for Failure {
+    fn from(error: MakeError) -> Self {
+        match error {
+            MakeError::Journal(error) => error.into(),
+            MakeError::Lack(lack) => lack.into(),
         }
     }
 }

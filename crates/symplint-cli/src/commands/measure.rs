@@ -37,6 +37,7 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
     }
     let hashes = (files.iter().map(LoopFile::hashes)).collect::<Result<Vec<_>, _>>()?;
     set_step_sizes(&mut files[1..], &arguments.step_sizes)?;
+    check_step_sizes(&files[1..])?;
     let dof = files[0].states.dof();
     let (period, weight) = (&arguments.period, &arguments.weight);
     let period = setting("period", period, &files, dof, |file| file.period.as_ref())?;
@@ -140,6 +141,20 @@ fn loops_of(before: &Path, after: &[PathBuf]) -> Vec<PathBuf> {
     }
     names
 }
+
+/// Names the file of a step size that is none.
+fn check_step_sizes(after: &[LoopFile]) -> Result<(), Failure> {
+    for file in after {
+        if let Some(h) = file.step_size.filter(|h| *h == 0.0 || !h.is_finite()) {
+            return Err(usage(
+                format!("{}: the step size is {h}", file.path.display()),
+                "store as `h` the step size that made the states, or give it by --h",
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Sets the step sizes from the command line: one for each file after the step, or one for each of those
 /// that do not hold a step size.
 fn set_step_sizes(after: &mut [LoopFile], sizes: &[f64]) -> Result<(), Failure> {

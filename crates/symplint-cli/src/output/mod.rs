@@ -7,5 +7,5 @@ mod terminal;
 
 pub use failure_message::failure_message;
 pub use progress::Progress;
-pub use say::say;
+pub use say::{say, tell};
 pub use terminal::{verdict_text, width};

@@ -1,4 +1,4 @@
-//! Printing on standard output.
+//! Printing on standard output and standard error.
 
 use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
@@ -15,4 +15,11 @@ pub fn say(text: impl std::fmt::Display) -> Result<(), Failure> {
         }),
         _ => Ok(()),
     }
+}
+
+/// Prints a text and a line break on standard error. Where that cannot be written nobody could be told, and what the program does
+/// goes on: its exit status does not depend on it.
+pub fn tell(text: impl std::fmt::Display) {
+    let mut error = anstream::stderr().lock();
+    let _ = writeln!(error, "{text}").and_then(|()| error.flush());
 }

@@ -47,7 +47,7 @@ fn program() {
     if let Ok(path) = std::env::var("SYMPLINT_TEST_COUNT") {
         resume::count(&path);
     }
-    if h != BAD {
+    if h != BAD || std::env::var("SYMPLINT_TEST_WELL").is_ok() {
         return write(&file);
     }
     match behaviour {
@@ -74,6 +74,13 @@ fn program() {
             fs::write(&after, &bytes[..bytes.len() / 2]).unwrap();
         }
         "nothing" => {}
+        "fifo" => drop(Command::new("mkfifo").arg(&after).status().unwrap()),
+        "grow" => {
+            // As the system does where a file may not grow.
+            let pid = std::process::id().to_string();
+            let _ = Command::new("kill").args(["-XFSZ", &pid]).status();
+            std::thread::sleep(Duration::from_secs(60));
+        }
         "nan" => {
             let last = file.states.samples() - 1;
             file.states.block().p.row_mut(0)[last] = f64::NAN;
@@ -196,6 +203,7 @@ fn one_bad_step_size_is_named_and_the_others_are_measured() {
         ("hang", &["did not end within 2 s", "system.timeout"]),
         ("half", &["cannot be used", "{after}"]),
         ("nothing", &["wrote no {after}"]),
+        ("fifo", &["{after} that is no regular file"]),
         ("nan", &["p = NaN of degree of freedom 0"]),
         (
             "count",
@@ -380,10 +388,18 @@ mod signals {
 
     /// A check whose program hangs, once it does; with the numbers of the program and of the process that it started.
     fn hanging(bench: &Bench) -> (Child, Vec<String>) {
+        hanging_with(bench, &[], Stdio::piped())
+    }
+
+    fn hanging_with(
+        bench: &Bench,
+        arguments: &[&str],
+        error: impl Into<Stdio>,
+    ) -> (Child, Vec<String>) {
         let pids = bench.folder.path().join("pids");
         let mut command = bench.command(&["--set", "diagnostic.step_sizes=[0.125]"]);
-        command.env("SYMPLINT_TEST_PIDS", &pids);
-        let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
+        command.args(arguments).env("SYMPLINT_TEST_PIDS", &pids);
+        let child = command.stdout(Stdio::null()).stderr(error).spawn();
         let child = child.unwrap();
         wait_until("the program is called", || pids.exists());
         let pids = fs::read_to_string(pids).unwrap();
@@ -414,6 +430,48 @@ mod signals {
             assert!(bench.left_behind().is_empty(), "{signal}");
             wait_until("the program ends", || !pids.iter().any(|pid| runs(pid)));
         }
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_signal_ends_it_where_nothing_can_be_said() {
+        let bench = Bench::new("hang", "workers = 1");
+        let out = bench.folder.path().join("run");
+        let full = fs::File::options().write(true).open("/dev/full").unwrap();
+        let (mut child, _) = hanging_with(&bench, &["--out", out.to_str().unwrap()], full);
+        send("-TERM", &child.id().to_string());
+        wait_until("the run ends", || child.try_wait().unwrap().is_some());
+        assert_eq!(child.wait().unwrap().code(), Some(130));
+        assert!(bench.left_behind().is_empty());
+    }
+
+    #[test]
+    fn a_job_that_is_stopped_says_how_to_go_on() {
+        let bench = Bench::new("hang", "workers = 1");
+        let path = |name: &str| bench.folder.path().join(name);
+        let symplint = |command: &str| {
+            let mut symplint = Command::new(env!("CARGO_BIN_EXE_symplint"));
+            symplint.arg(command).env("TMPDIR", bench.temporary.path());
+            symplint
+        };
+        let mut plan = symplint("plan");
+        plan.arg(bench.config()).arg("--out").arg(path("run"));
+        plan.args(["--set", "diagnostic.step_sizes=[0.125]"]);
+        assert_eq!(plan.output().unwrap().status.code(), Some(4));
+        let job = symplint("advance")
+            .arg(path("run"))
+            .args(["--part", "1/1"])
+            .env("SYMPLINT_TEST_PIDS", path("pids"))
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        wait_until("the program is called", || path("pids").exists());
+        send("-TERM", &job.id().to_string());
+        let output = job.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130));
+        let text = in_one_line(&output);
+        assert!(text.contains("symplint advance"), "{text}");
+        assert!(text.contains("--part 1/1` goes on"), "{text}");
     }
 
     #[test]
@@ -484,4 +542,15 @@ mod signals {
         running.wait_with_output().unwrap();
         assert!(bench.left_behind().is_empty());
     }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_verdict_is_given_where_standard_error_cannot_be_written() {
+    let bench = Bench::new("verlet", "batch = 1000");
+    let out = bench.folder.path().join("run");
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let mut command = bench.command(&["--set", "diagnostic.budget=300", "--out"]);
+    let output = command.arg(out).stderr(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
 }

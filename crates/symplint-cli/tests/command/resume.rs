@@ -441,3 +441,52 @@ fn a_limit_of_file_sizes_is_an_error_and_the_run_goes_on_without_it() {
     let report: Value = serde_json::from_str(&text).unwrap();
     assert!(report["provenance"]["replayed"].as_u64().unwrap() > 0);
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_call_that_cannot_be_made_is_no_failure_of_the_map() {
+    let bench = Bench::new("leapfrog", "batch = 1000\n");
+    for (limit, reason) in [
+        ("-f 1", "before.npz: File too large"),
+        ("-n 10", "Too many open files"),
+    ] {
+        let output = Command::new("sh")
+            .args(["-c", &format!("ulimit {limit}; exec \"$@\""), "sh"])
+            .arg(env!("CARGO_BIN_EXE_symplint"))
+            .arg("check")
+            .arg(bench.config())
+            .args(["--set", "diagnostic.budget=300"])
+            .env("TMPDIR", bench.temporary.path())
+            .output()
+            .unwrap();
+        let text = in_one_line(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(reason), "{text}");
+        assert!(text.contains("says nothing of the map"), "{text}");
+        // Nor does a library print what it could not write.
+        assert!(!text.contains("ZipWriter"), "{text}");
+        assert!(bench.left_behind().is_empty());
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_program_whose_files_may_not_grow_stops_the_run_which_goes_on_later() {
+    let bench = Bench::new("grow", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let check = |out: &str| {
+        let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=1500", "--out"]);
+        command.arg(path(out));
+        command
+    };
+    let stopped = check("stopped").output().unwrap();
+    let text = in_one_line(&stopped);
+    assert_eq!(stopped.status.code(), Some(2), "{text}");
+    assert!(text.contains("files may not grow"), "{text}");
+    assert!(!path("stopped").join("report.json").exists());
+    for out in ["stopped", "whole"] {
+        let output = check(out).env("SYMPLINT_TEST_WELL", "").output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    }
+    assert_eq!(report(&path("stopped")), report(&path("whole")));
+}

@@ -656,3 +656,38 @@ fn bad_usage_has_status_2() {
         assert!(!output.stderr.is_empty());
     }
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn the_status_is_that_of_the_error_where_it_cannot_be_said() {
+    let full = fs::OpenOptions::new()
+        .write(true)
+        .open("/dev/full")
+        .unwrap();
+    let program = assert_cmd::cargo::cargo_bin("symplint");
+    let status = std::process::Command::new(program)
+        .args(["judge", "nowhere.json"])
+        .stderr(full)
+        .status();
+    assert_eq!(status.unwrap().code(), Some(2));
+}
+
+#[test]
+#[cfg(unix)]
+fn what_is_no_regular_file_is_not_waited_for() {
+    let folder = TempDir::new().unwrap();
+    for name in ["loop.npz", "loop.csv", "loop_q.npy", "report.json"] {
+        let fifo = folder.path().join(name);
+        let made = std::process::Command::new("mkfifo").arg(&fifo).status();
+        assert!(made.unwrap().success());
+        let fifo = fifo.to_str().unwrap();
+        let output = match name {
+            "report.json" => symplint(&["judge", fifo]),
+            _ => symplint(&["measure", fifo, fifo]),
+        };
+        assert_eq!(output.status.code(), Some(2), "{name}");
+        let said = text(&output.stderr);
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains("no regular file"), "{said}");
+    }
+}

@@ -28,20 +28,20 @@ pub enum FigureError {
         height: u64,
     },
     /// The folder for the figure could not be made.
-    #[error("figure folder {path}: cannot create it: {source}")]
+    #[error("figure folder {path}: cannot create it: {reason}")]
     Folder {
         /// The folder.
         path: PathBuf,
         /// The operating system's reason.
-        source: io::Error,
+        reason: io::Error,
     },
     /// A file could not be written.
-    #[error("figure {path}: cannot write it: {source}")]
+    #[error("figure {path}: cannot write it: {reason}")]
     Write {
         /// The file.
         path: PathBuf,
         /// The operating system's reason.
-        source: io::Error,
+        reason: io::Error,
     },
     /// The drawing library refused.
     #[error("figure {path}: cannot draw it: {cause}")]

@@ -61,9 +61,9 @@ pub(super) fn write(
     let picture = averaged(&large, width, height, enlarged);
 
     let file = encoded(&picture, width as u32, height as u32).map_err(|error| refused(&error))?;
-    write_whole(path, &file).map_err(|source| FigureError::Write {
+    write_whole(path, &file).map_err(|reason| FigureError::Write {
         path: path.to_path_buf(),
-        source,
+        reason,
     })
 }
 

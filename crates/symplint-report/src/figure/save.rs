@@ -43,16 +43,16 @@ impl Figure {
             path: base.clone(),
             cause,
         })?;
-        fs::create_dir_all(folder).map_err(|source| FigureError::Folder {
+        fs::create_dir_all(folder).map_err(|reason| FigureError::Folder {
             path: folder.to_path_buf(),
-            source,
+            reason,
         })?;
         let scene = draw::scene(self, &face);
 
         let path = folder.join(format!("{name}.svg"));
         let text = svg_text(&scene, &path)?;
         write_whole(&path, text.as_bytes())
-            .map_err(|source| FigureError::Write { path, source })?;
+            .map_err(|reason| FigureError::Write { path, reason })?;
 
         let path = folder.join(format!("{name}.png"));
         png::write(&scene, &face, &path, self.panels.len())

@@ -19,6 +19,12 @@ pub enum LoopFileError {
         /// Why.
         reason: String,
     },
+    /// A FIFO, a device or a folder, which may have no end.
+    #[error("{} is no regular file", path.display())]
+    NotRegular {
+        /// What is there.
+        path: PathBuf,
+    },
     /// The file cannot be written.
     #[error("cannot write {}: {reason}", path.display())]
     Write {
@@ -171,6 +177,7 @@ impl LoopFileError {
         match self {
             LoopFileError::Format { .. } => "name a file that ends in one of them",
             LoopFileError::Read { .. } => "check that the file is there and complete",
+            LoopFileError::NotRegular { .. } => "write the loop to a file, and give that",
             LoopFileError::Write { .. } => "name a file in a folder that can be written",
             LoopFileError::Missing { .. } => {
                 "write it by numpy.savez(file, q=q, p=p) with arrays of shape (samples, dof)"

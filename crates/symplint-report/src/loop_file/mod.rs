@@ -6,6 +6,7 @@ mod npz;
 mod pair;
 mod table;
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use symplint::{Ensemble, Snapshot};
@@ -60,13 +61,37 @@ impl Format {
     }
 }
 
+/// The files that a name stands for.
+fn paths_of(path: &Path, format: Format) -> Vec<PathBuf> {
+    match format {
+        Format::NpyPair => {
+            let (q, p) = pair::pair_of(path);
+            vec![q, p]
+        }
+        Format::Npz | Format::Csv => vec![path.to_owned()],
+    }
+}
+
+/// Refuses what would wait for ever when it is opened or read. What is not there, whoever opens it says.
+fn check_regular(path: impl AsRef<Path>) -> Result<(), LoopFileError> {
+    let path = path.as_ref();
+    match fs::metadata(path) {
+        Ok(there) if !there.is_file() => Err(LoopFileError::NotRegular {
+            path: path.to_owned(),
+        }),
+        _ => Ok(()),
+    }
+}
+
 impl LoopFile {
     /// Reads a loop; the name says in which format.
     ///
     /// # Errors
     /// The first thing that is wrong, with the file and the remedy.
     pub fn read(path: &Path) -> Result<Self, LoopFileError> {
-        let file = match Format::of(path)? {
+        let format = Format::of(path)?;
+        paths_of(path, format).iter().try_for_each(check_regular)?;
+        let file = match format {
             Format::Npz => npz::read(path, FEWEST_SAMPLES),
             Format::NpyPair => pair::read(path),
             Format::Csv => table::read(path),
@@ -80,6 +105,7 @@ impl LoopFile {
     /// # Errors
     /// The first thing that is wrong, with the file and the remedy.
     pub fn read_states(path: &Path) -> Result<Self, LoopFileError> {
+        check_regular(path)?;
         let file = npz::read(path, 1)?;
         file.check_finite()?;
         Ok(file)
@@ -102,13 +128,7 @@ impl LoopFile {
     /// # Errors
     /// If the name does not end in that of a format.
     pub fn paths(&self) -> Result<Vec<PathBuf>, LoopFileError> {
-        Ok(match Format::of(&self.path)? {
-            Format::NpyPair => {
-                let (q, p) = pair::pair_of(&self.path);
-                vec![q, p]
-            }
-            Format::Npz | Format::Csv => vec![self.path.clone()],
-        })
+        Ok(paths_of(&self.path, Format::of(&self.path)?))
     }
 
     /// The hashes of its files.

@@ -1,7 +1,7 @@
 //! Archives of named arrays, as numpy.savez writes them.
 
-use std::fs::File;
-use std::io::{self, Read, Write};
+use std::fs::{self, File};
+use std::io::{self, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 
 use zip::write::SimpleFileOptions;
@@ -129,8 +129,9 @@ pub fn read(path: &Path, fewest: usize) -> Result<LoopFile, LoopFileError> {
 }
 
 pub fn write(file: &LoopFile) -> Result<Vec<PathBuf>, LoopFileError> {
-    let pack = || -> io::Result<()> {
-        let mut zip = ZipWriter::new(io::BufWriter::new(File::create(&file.path)?));
+    // In memory: of a file that cannot be written, the archive would speak for itself on standard error.
+    let pack = || -> io::Result<Vec<u8>> {
+        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
         let mut add = |name: &str, array: &Array| -> io::Result<()> {
             let bytes = array.encode()?;
             let options = SimpleFileOptions::default()
@@ -164,9 +165,10 @@ pub fn write(file: &LoopFile) -> Result<Vec<PathBuf>, LoopFileError> {
                 )?;
             }
         }
-        zip.finish()?.flush()
+        Ok(zip.finish()?.into_inner())
     };
-    pack().map_err(|error| LoopFileError::Write {
+    let written = pack().and_then(|bytes| fs::write(&file.path, bytes));
+    written.map_err(|error| LoopFileError::Write {
         path: file.path.clone(),
         reason: error.to_string(),
     })?;
