@@ -67,6 +67,8 @@ pub enum Failure {
         path: PathBuf,
         /// The error of the operating system.
         reason: String,
+        /// What to do about it.
+        remedy: &'static str,
     },
     /// A report without evidence.
     #[error("cannot judge {}: {error}", path.display())]
@@ -105,7 +107,7 @@ impl Failure {
             Failure::Write { .. } => "give a path that can be written".into(),
             Failure::Unknown { suggestion, .. } => suggestion.clone(),
             Failure::Usage { remedy, .. } => remedy.clone(),
-            Failure::Read { .. } => "give the report.json of a run folder".into(),
+            Failure::Read { remedy, .. } => (*remedy).into(),
             Failure::NoRun { .. } => "give the folder of --out".into(),
             Failure::Threads { .. } => "try --threads 1".into(),
             Failure::Run(_)

@@ -85,15 +85,13 @@ impl RunOutput {
         Ok(())
     }
 
-    /// Replays the calls of a program that the journal has; jobs make the others. `collect` takes in those that they made.
+    /// Replays the calls of a program that the journal has, and those that jobs made, which it takes in first: jobs make the others.
     ///
     /// # Errors
     /// Those of [`keep_journal`](Self::keep_journal), and of files that jobs wrote.
-    pub fn plan_calls(&mut self, map: &CommandMap, collect: bool) -> Result<Round, Failure> {
+    pub fn plan_calls(&mut self, map: &CommandMap) -> Result<Round, Failure> {
         let (journal, round) = self.open_journal(map)?;
-        if collect {
-            round.collect(&journal)?;
-        }
+        round.collect(&journal)?;
         map.plan_only(journal, round.failed()?);
         Ok(round)
     }
@@ -191,6 +189,7 @@ fn run_of(map: &CommandMap, config: &serde_json::Value) -> Result<serde_json::Va
         let read = HashedFile::read(&path).map_err(|error| Failure::Read {
             reason: error.to_string(),
             path,
+            remedy: "make the files of system.command readable: a run is known by their contents",
         })?;
         Ok((word.to_owned(), read.sha256.into()))
     });
