@@ -8,6 +8,7 @@
 //! | `map` | the map: blocks of samples cut into calls, some at a time |
 //! | `planned` | calls that are asked for, and made by the jobs of a scheduler |
 //! | `call` | one call: its files, and what can go wrong |
+//! | `known_files` | the files that the program is known by, and whether they changed |
 //! | `search` | where the system finds a program |
 //! | `process` | a process with a time limit, and its group |
 //! | `workspace` | the temporary folder, and folders that killed runs left behind |
@@ -15,6 +16,7 @@
 
 mod call;
 mod error;
+mod known_files;
 mod map;
 mod planned;
 mod process;
@@ -22,6 +24,6 @@ mod running;
 mod search;
 mod workspace;
 
-pub use error::CommandError;
+pub use error::{CallsError, CommandError};
 pub use map::{CommandMap, Limits};
 pub use running::stop_all;

@@ -9,13 +9,14 @@ use std::time::Duration;
 
 use symplint::map::Prefetch;
 use symplint::{Block, Coordinates, Ensemble, StepFailure, TimeAdvance};
-use symplint_journal::{Call as JournalCall, Journal, JournalError, Request};
+use symplint_journal::{Call as JournalCall, Journal, Request};
 
-use crate::CommandError;
 use crate::call::{Call, Program};
+use crate::known_files::KnownFile;
 use crate::planned::Planned;
 use crate::search::found_in_path;
 use crate::workspace::{Workspace, kept_before};
+use crate::{CallsError, CommandError};
 
 /// What calls may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +41,8 @@ pub struct CommandMap {
     slots: Slots,
     journal: OnceLock<Arc<Journal>>,
     planned: OnceLock<Planned>,
+    known: OnceLock<Vec<KnownFile>>,
+    failure: OnceLock<CallsError>,
 }
 
 impl CommandMap {
@@ -72,6 +75,8 @@ impl CommandMap {
             workspace: Workspace::temporary(),
             journal: OnceLock::new(),
             planned: OnceLock::new(),
+            known: OnceLock::new(),
+            failure: OnceLock::new(),
         })
     }
 
@@ -122,13 +127,14 @@ impl CommandMap {
     /// Makes calls, some at a time, and notes them in a journal; none that it has already. `made` is told of each.
     ///
     /// # Errors
-    /// If the journal cannot be read or written. Calls that fail are no error.
+    /// If the journal cannot be read or written, or the program is not what it [was](Self::know_program). Calls that fail are no
+    /// error.
     pub fn make(
         &self,
         requests: &[&Request],
         journal: &Journal,
         made: &(dyn Fn(&Request, Result<(), StepFailure>) + Sync),
-    ) -> Result<(), JournalError> {
+    ) -> Result<(), CallsError> {
         let each = |k: usize| {
             let request = requests[k];
             let mut states = request.states.clone();
@@ -137,7 +143,10 @@ impl CommandMap {
                 return Ok(());
             }
             match self.run(request.h, states) {
-                Err(failure) => made(request, Err(failure)),
+                Err(failure) => match self.failure() {
+                    Some(error) => return Err(error.clone()),
+                    None => made(request, Err(failure)),
+                },
                 Ok(after) => {
                     states = after;
                     journal.note(request.call, &states.block())?;
@@ -152,17 +161,59 @@ impl CommandMap {
             .collect()
     }
 
-    /// The files that the command names before its first `{before}`, `{after}` or `{h}`, with their paths: the program, which is
-    /// looked for in `PATH` as the system does, and the script that an interpreter runs. Files named later may be data that
-    /// calls write.
-    pub fn program_files(&self) -> Vec<(&str, PathBuf)> {
+    /// What the program is known by: the files that the command names before its first `{before}`, with the SHA-256 of their
+    /// contents. Where one of them changes from now on, no call is made or noted any more, and [`failure`](Self::failure) names
+    /// it.
+    ///
+    /// # Errors
+    /// If one cannot be read.
+    pub fn know_program(&self) -> Result<Vec<(&str, &str)>, CallsError> {
+        let files = self.program_files().into_iter();
+        let files = files.map(|(word, path)| KnownFile::read(word, path));
+        let files = files.collect::<Result<Vec<_>, _>>()?;
+        let known = self.known.get_or_init(|| files);
+        Ok((known.iter())
+            .map(|file| (&*file.word, &*file.sha256))
+            .collect())
+    }
+
+    /// Why calls are not those of the run any more, if that is so.
+    pub fn failure(&self) -> Option<&CallsError> {
+        self.failure.get()
+    }
+
+    /// Checks that the program is what it was when it was hashed, if it was.
+    fn check_program(&self) -> Result<(), StepFailure> {
+        let Some(known) = self.known.get() else {
+            return Ok(());
+        };
+        // Looked for again: another program may have come before it in `PATH`.
+        let now = self.program_files();
+        let is_there = |file: &KnownFile| now.contains(&(&*file.word, file.path.clone()));
+        let changed = known.iter().find(|file| !is_there(file) || file.changed());
+        changed.map_or(Ok(()), |file| {
+            let path = file.path.clone();
+            let error = self.failure.get_or_init(|| CallsError::Changed { path });
+            Err(StepFailure {
+                sample: 0,
+                reason: error.to_string(),
+            })
+        })
+    }
+
+    /// The files that the command names before its first `{before}`, with their paths: the program, which is looked for in `PATH`
+    /// as the system does, the script that an interpreter runs, and what these are given to read. Files named later may be data
+    /// that calls write.
+    fn program_files(&self) -> Vec<(&str, PathBuf)> {
         let Program { command, folder } = &self.program;
-        let words = command.iter().take_while(|word| !word.contains('{'));
+        let words = command.iter().take_while(|word| !word.contains("{before}"));
         let path = |(place, word): (usize, &String)| match place {
             0 => found_in_path(word, folder),
             _ => Some(folder.join(word)),
         };
-        let files = words.enumerate();
+        // Such a word is another one in each call.
+        let varies = |word: &str| word.contains("{after}") || word.contains("{h}");
+        let files = words.enumerate().filter(|(_, word)| !varies(word));
         let files = files.filter_map(|(place, word)| Some((&**word, path((place, word))?)));
         files.filter(|(_, path)| path.is_file()).collect()
     }
@@ -234,7 +285,11 @@ impl CommandMap {
             h,
         };
         let _slot = self.slots.take();
-        call.advance(&self.workspace, states)
+        self.check_program()?;
+        let after = call.advance(&self.workspace, states);
+        // It may have changed since, and a call may have failed for that.
+        self.check_program()?;
+        after
     }
 }
 
@@ -274,7 +329,7 @@ impl TimeAdvance for CommandMap {
     fn is_stopped(&self) -> bool {
         // Calls that cannot be noted would be lost.
         let lost = (self.journal.get()).is_some_and(|journal| journal.failure().is_some());
-        lost || self.planned.get().is_some_and(Planned::lacks_calls)
+        lost || self.failure().is_some() || self.planned.get().is_some_and(Planned::lacks_calls)
     }
 
     fn prefetch(&self) -> Option<&dyn Prefetch> {

@@ -313,6 +313,25 @@ fn a_journal_takes_in_the_calls_of_others() {
 }
 
 #[test]
+fn a_file_is_claimed_by_one_run() {
+    let (_folder, path) = folder();
+    let claimed = Journal::claim(&path).unwrap();
+    let again = || Journal::claim(&path).map(|_| ());
+    let in_use = Err(JournalError::InUse { path: path.clone() });
+    assert_eq!(again(), in_use);
+    let journal = claimed.begin(&run()).unwrap();
+    assert_eq!(again(), in_use);
+    assert!(advance(&journal, &mut states(1.0), 0.5, 1.0));
+    drop(journal);
+    // Another run was faster.
+    assert_eq!(again(), in_use);
+    assert!(!Journal::open(&path, &run()).unwrap().is_empty());
+    // Nothing was noted.
+    fs::write(&path, "").unwrap();
+    assert_eq!(again(), Ok(()));
+}
+
+#[test]
 fn calls_are_seen_while_a_run_writes_them() {
     let (_folder, path) = folder();
     assert!(calls_in(&path, &run()).is_err());

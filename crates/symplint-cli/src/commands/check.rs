@@ -76,6 +76,9 @@ pub(super) fn diagnose(
     if let Some(failure) = journal.as_ref().and_then(|journal| journal.failure()) {
         return Err(failure.clone().into());
     }
+    if let Some(failure) = (config.system.command.as_ref()).and_then(|map| map.failure()) {
+        return Err(failure.clone().into());
+    }
     if let (Some(round), Some(output)) = (&round, &output) {
         let missing = (config.system.command.as_ref()).map_or(Vec::new(), |map| map.missing());
         if !missing.is_empty() {

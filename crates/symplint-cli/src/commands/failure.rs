@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use symplint_command::CommandError;
+use symplint_command::{CallsError, CommandError};
 use symplint_config::{ConfigError, Place};
 use symplint_journal::JournalError;
 use symplint_paper::PaperError;
@@ -81,6 +81,9 @@ pub enum Failure {
     /// The journal of a run.
     #[error(transparent)]
     Journal(#[from] JournalError),
+    /// The calls of a program.
+    #[error(transparent)]
+    Calls(#[from] CallsError),
     /// A folder that holds no run to go on with.
     #[error("{} holds no run of `symplint check`: {reason}", folder.display())]
     NoRun {
@@ -112,6 +115,7 @@ impl Failure {
             Failure::Threads { .. } => "try --threads 1".into(),
             Failure::Run(_)
             | Failure::Journal(_)
+            | Failure::Calls(_)
             | Failure::Model(_)
             | Failure::Figure(_)
             | Failure::Report { .. } => {

@@ -12,7 +12,6 @@ use std::sync::Arc;
 use symplint_command::CommandMap;
 use symplint_journal::Journal;
 use symplint_report::figure::Figure;
-use symplint_report::provenance::HashedFile;
 use symplint_report::run_folder::RunFolder;
 
 use super::Failure;
@@ -113,9 +112,11 @@ impl RunOutput {
                 Journal::anew(&path, &run)?
             }
             None => {
-                // First: a folder with a journal alone would be none of a run.
+                // Of two runs that are begun at once, the one that has the journal writes its configuration; before that a journal is
+                // empty, as a folder with another one alone would be none of a run.
+                let claimed = Journal::claim(&path)?;
                 self.folder.write_config(&self.config)?;
-                Journal::anew(&path, &run)?
+                claimed.begin(&run)?
             }
         };
         if !self.goes_on {
@@ -185,15 +186,10 @@ pub fn run_of_config(map: &CommandMap, config: &toml::Table) -> Result<serde_jso
 
 /// What a journal is of: the version of this program, the configuration, and the program that is called.
 fn run_of(map: &CommandMap, config: &serde_json::Value) -> Result<serde_json::Value, Failure> {
-    let files = map.program_files().into_iter().map(|(word, path)| {
-        let read = HashedFile::read(&path).map_err(|error| Failure::Read {
-            reason: error.to_string(),
-            path,
-            remedy: "make the files of system.command readable: a run is known by their contents",
-        })?;
-        Ok((word.to_owned(), read.sha256.into()))
-    });
-    let files: serde_json::Map<_, _> = files.collect::<Result<_, Failure>>()?;
+    let files = map.know_program()?.into_iter();
+    let files: serde_json::Map<_, _> = files
+        .map(|(word, sha256)| (word.to_owned(), sha256.into()))
+        .collect();
     Ok(serde_json::json!({
         "symplint": env!("CARGO_PKG_VERSION"),
         "config": config,

@@ -390,6 +390,11 @@ fn a_call_is_made_once_however_a_round_is_cut_into_parts() {
     };
     assert_eq!(ended.status.code(), Some(0), "{}", said(&ended));
     assert!(was_cut);
+    let mut check = bench.command(&["--quiet", "--set", "diagnostic.budget=300", "--out"]);
+    check
+        .arg(path("whole"))
+        .env("SYMPLINT_TEST_COUNT", path("needed"));
+    assert_eq!(check.status().unwrap().code(), Some(0));
     assert_eq!(calls(&counts), calls(&path("needed")));
 }
 
