@@ -5,7 +5,6 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use symplint::StepFailure;
-use symplint_journal::JournalError;
 
 /// What this program, or the system, could not do for a call. The run ends then: the next calls would fail likewise.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -78,27 +77,6 @@ impl From<Lack> for CallFailure {
     fn from(lack: Lack) -> Self {
         CallFailure::Lack(lack)
     }
-}
-
-impl From<Lack> for StepFailure {
-    /// That of a step that was not taken.
-    fn from(lack: Lack) -> Self {
-        StepFailure {
-            sample: 0,
-            reason: lack.to_string(),
-        }
-    }
-}
-
-/// Why calls for others were not all made.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum MakeError {
-    /// They could not be noted.
-    #[error(transparent)]
-    Journal(#[from] JournalError),
-    /// One could not be made.
-    #[error(transparent)]
-    Lack(#[from] Lack),
 }
 
 /// Whether the system has no more of something.

@@ -9,6 +9,7 @@
 //! | `planned` | calls that are asked for, and made by the jobs of a scheduler |
 //! | `call` | one call: its files, and what can go wrong |
 //! | `lack` | what the system could not do for a call, which is no failure of the map |
+//! | `known_files` | the files that the program is known by, and whether they changed |
 //! | `search` | where the system finds a program |
 //! | `process` | a process with a time limit, and its group |
 //! | `workspace` | the temporary folder, and folders that killed runs left behind |
@@ -16,6 +17,7 @@
 
 mod call;
 mod error;
+mod known_files;
 mod lack;
 mod map;
 mod planned;
@@ -24,7 +26,7 @@ mod running;
 mod search;
 mod workspace;
 
-pub use error::CommandError;
-pub use lack::{Lack, MakeError};
+pub use error::{CallsError, CommandError};
+pub use lack::Lack;
 pub use map::{CommandMap, Limits};
 pub use running::stop_all;

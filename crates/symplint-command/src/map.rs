@@ -11,13 +11,14 @@ use symplint::map::Prefetch;
 use symplint::{Block, Coordinates, Ensemble, StepFailure, TimeAdvance};
 use symplint_journal::{Call as JournalCall, Journal, Request};
 
-use crate::CommandError;
 use crate::call::{Call, Program};
-use crate::lack::{CallFailure, Lack, MakeError};
+use crate::known_files::KnownFile;
+use crate::lack::CallFailure;
 use crate::planned::Planned;
 use crate::running::wait_if_stopped;
 use crate::search::found_in_path;
 use crate::workspace::{Workspace, kept_before};
+use crate::{CallsError, CommandError};
 
 /// What calls may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +43,8 @@ pub struct CommandMap {
     slots: Slots,
     journal: OnceLock<Arc<Journal>>,
     planned: OnceLock<Planned>,
-    lack: OnceLock<Lack>,
+    known: OnceLock<Vec<KnownFile>>,
+    failure: OnceLock<CallsError>,
 }
 
 impl CommandMap {
@@ -75,7 +77,8 @@ impl CommandMap {
             workspace: Workspace::temporary(),
             journal: OnceLock::new(),
             planned: OnceLock::new(),
-            lack: OnceLock::new(),
+            known: OnceLock::new(),
+            failure: OnceLock::new(),
         })
     }
 
@@ -126,13 +129,14 @@ impl CommandMap {
     /// Makes calls, some at a time, and notes them in a journal; none that it has already. `made` is told of each.
     ///
     /// # Errors
-    /// If the journal cannot be read or written, or a call could not be made. Calls that fail are no error.
+    /// If the journal cannot be read or written, a call could not be made, or the program is not what it
+    /// [was](Self::know_program). Calls that fail are no error.
     pub fn make(
         &self,
         requests: &[&Request],
         journal: &Journal,
         made: &(dyn Fn(&Request, Result<(), StepFailure>) + Sync),
-    ) -> Result<(), MakeError> {
+    ) -> Result<(), CallsError> {
         let each = |k: usize| {
             let request = requests[k];
             let mut states = request.states.clone();
@@ -141,8 +145,10 @@ impl CommandMap {
                 return Ok(());
             }
             match self.run(request.h, states) {
-                Err(CallFailure::Program(failure)) => made(request, Err(failure)),
-                Err(CallFailure::Lack(lack)) => return Err(lack.into()),
+                Err(failure) => match self.failure() {
+                    Some(error) => return Err(error.clone()),
+                    None => made(request, Err(failure)),
+                },
                 Ok(after) => {
                     states = after;
                     journal.note(request.call, &states.block())?;
@@ -157,17 +163,63 @@ impl CommandMap {
             .collect()
     }
 
-    /// The files that the command names before its first `{before}`, `{after}` or `{h}`, with their paths: the program, which is
-    /// looked for in `PATH` as the system does, and the script that an interpreter runs. Files named later may be data that
-    /// calls write.
-    pub fn program_files(&self) -> Vec<(&str, PathBuf)> {
+    /// What the program is known by: the files that the command names before its first `{before}`, with the SHA-256 of their
+    /// contents. Where one of them changes from now on, no call is made or noted any more, and [`failure`](Self::failure) names
+    /// it.
+    ///
+    /// # Errors
+    /// If one cannot be read.
+    pub fn know_program(&self) -> Result<Vec<(&str, &str)>, CallsError> {
+        let files = self.program_files().into_iter();
+        let files = files.map(|(word, path)| KnownFile::read(word, path));
+        let files = files.collect::<Result<Vec<_>, _>>()?;
+        let known = self.known.get_or_init(|| files);
+        Ok((known.iter())
+            .map(|file| (&*file.word, &*file.sha256))
+            .collect())
+    }
+
+    /// Why calls are not made, or are not those of the run any more, if that is so: no failure of the map.
+    pub fn failure(&self) -> Option<&CallsError> {
+        self.failure.get()
+    }
+
+    /// Checks that the program is what it was when it was hashed, if it was.
+    fn check_program(&self) -> Result<(), StepFailure> {
+        let Some(known) = self.known.get() else {
+            return Ok(());
+        };
+        // Looked for again: another program may have come before it in `PATH`.
+        let now = self.program_files();
+        let is_there = |file: &KnownFile| now.contains(&(&*file.word, file.path.clone()));
+        let changed = known.iter().find(|file| !is_there(file) || file.changed());
+        changed.map_or(Ok(()), |file| {
+            let path = file.path.clone();
+            Err(self.stopped(CallsError::Changed { path }))
+        })
+    }
+
+    /// Takes note of why the run ends, which is no failure of the map.
+    fn stopped(&self, error: CallsError) -> StepFailure {
+        StepFailure {
+            sample: 0,
+            reason: self.failure.get_or_init(|| error).to_string(),
+        }
+    }
+
+    /// The files that the command names before its first `{before}`, with their paths: the program, which is looked for in `PATH`
+    /// as the system does, the script that an interpreter runs, and what these are given to read. Files named later may be data
+    /// that calls write.
+    fn program_files(&self) -> Vec<(&str, PathBuf)> {
         let Program { command, folder } = &self.program;
-        let words = command.iter().take_while(|word| !word.contains('{'));
+        let words = command.iter().take_while(|word| !word.contains("{before}"));
         let path = |(place, word): (usize, &String)| match place {
             0 => found_in_path(word, folder),
             _ => Some(folder.join(word)),
         };
-        let files = words.enumerate();
+        // Such a word is another one in each call.
+        let varies = |word: &str| word.contains("{after}") || word.contains("{h}");
+        let files = words.enumerate().filter(|(_, word)| !varies(word));
         let files = files.filter_map(|(place, word)| Some((&**word, path((place, word))?)));
         files.filter(|(_, path)| path.is_file()).collect()
     }
@@ -178,10 +230,10 @@ impl CommandMap {
             return planned.advance(h, states);
         }
         let Some(journal) = self.journal.get() else {
-            return self.step(h, states);
+            return self.run(h, states);
         };
         journal.advance(h, &mut states.block(), |block| {
-            let after = self.step(h, block.copy_of(0..block.len()))?;
+            let after = self.run(h, block.copy_of(0..block.len()))?;
             put_back(block, 0, &after);
             Ok::<(), StepFailure>(())
         })?;
@@ -230,21 +282,8 @@ impl CommandMap {
         results.into_iter().map(taken).collect()
     }
 
-    /// What a call could not be made for, if that is so: then a diagnosis ends, as its failure would be none of the map.
-    pub fn lack(&self) -> Option<&Lack> {
-        self.lack.get()
-    }
-
-    /// Runs the program once, and takes note where that could not be done.
-    fn step(&self, h: f64, states: Ensemble) -> Result<Ensemble, StepFailure> {
-        self.run(h, states).map_err(|failure| match failure {
-            CallFailure::Program(failure) => failure,
-            CallFailure::Lack(lack) => self.lack.get_or_init(|| lack).clone().into(),
-        })
-    }
-
     /// Runs the program once.
-    fn run(&self, h: f64, states: Ensemble) -> Result<Ensemble, CallFailure> {
+    fn run(&self, h: f64, states: Ensemble) -> Result<Ensemble, StepFailure> {
         let call = Call {
             program: &self.program,
             coordinates: &self.coordinates,
@@ -252,9 +291,15 @@ impl CommandMap {
             h,
         };
         let _slot = self.slots.take();
+        self.check_program()?;
         // Where a signal ended the program, or removed its files, it did not fail.
-        call.advance(&self.workspace, states)
-            .inspect_err(|_| wait_if_stopped())
+        let after = (call.advance(&self.workspace, states)).inspect_err(|_| wait_if_stopped());
+        // It may have changed since, and a call may have failed for that.
+        self.check_program()?;
+        after.map_err(|failure| match failure {
+            CallFailure::Program(failure) => failure,
+            CallFailure::Lack(lack) => self.stopped(lack.into()),
+        })
     }
 }
 
@@ -294,7 +339,7 @@ impl TimeAdvance for CommandMap {
     fn is_stopped(&self) -> bool {
         // Calls that cannot be noted would be lost.
         let lost = (self.journal.get()).is_some_and(|journal| journal.failure().is_some());
-        lost || self.lack().is_some() || self.planned.get().is_some_and(Planned::lacks_calls)
+        lost || self.failure().is_some() || self.planned.get().is_some_and(Planned::lacks_calls)
     }
 
     fn prefetch(&self) -> Option<&dyn Prefetch> {

@@ -57,6 +57,26 @@ pub struct Journal {
     failure: OnceLock<JournalError>,
 }
 
+/// An empty file for a new journal, which no other run has.
+pub struct Claim {
+    path: PathBuf,
+    /// Locked until it is closed.
+    file: File,
+}
+
+impl Claim {
+    /// A journal without calls, of a run that `run` describes.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn begin(mut self, run: &Value) -> Result<Journal, JournalError> {
+        let bytes = header(&run.to_string());
+        begin(&mut self.file, &bytes).map_err(of_file("write", &self.path))?;
+        let end = bytes.len() as u64;
+        Ok(Journal::of(self.path, self.file, end, HashMap::new()))
+    }
+}
+
 struct Records {
     /// Locked until it is closed.
     file: File,
@@ -112,11 +132,23 @@ impl Journal {
     /// # Errors
     /// If a run that still goes on writes to the file, or it cannot be written.
     pub fn anew(path: &Path, run: &Value) -> Result<Self, JournalError> {
-        let mut file = open_locked(path)?;
-        let bytes = header(&run.to_string());
-        begin(&mut file, &bytes).map_err(of_file("write", path))?;
-        let end = bytes.len() as u64;
-        Ok(Self::of(path.to_owned(), file, end, HashMap::new()))
+        let file = open_locked(path)?;
+        let path = path.to_owned();
+        Claim { path, file }.begin(run)
+    }
+
+    /// A file for a new journal, which is made: whoever has it may write what belongs to the journal before it begins.
+    ///
+    /// # Errors
+    /// If another run writes to the file, or did so already, or it cannot be written.
+    pub fn claim(path: &Path) -> Result<Claim, JournalError> {
+        let file = open_locked(path)?;
+        let path = path.to_owned();
+        match file.metadata() {
+            Err(error) => Err(JournalError::of_file("read", &path, &error)),
+            Ok(file) if file.len() > 0 => Err(JournalError::InUse { path }),
+            Ok(_) => Ok(Claim { path, file }),
+        }
     }
 
     fn of(path: PathBuf, file: File, end: u64, found: HashMap<Call, (u64, u64)>) -> Self {

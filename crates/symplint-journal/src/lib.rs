@@ -22,7 +22,7 @@ mod round;
 mod scan;
 
 pub use error::JournalError;
-pub use journal::Journal;
+pub use journal::{Claim, Journal};
 pub use key::{Key, key};
 pub use record::Call;
-pub use round::{Request, read_round, write_round};
+pub use round::{Request, calls_in, read_round, write_round};

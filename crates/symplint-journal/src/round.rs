@@ -15,6 +15,7 @@ use crate::error::JournalError;
 use crate::record::{
     CHECKSUM, Call, Header, PREFIX, header, read_header, read_record, record, size,
 };
+use crate::scan::{Contents, scan};
 
 /// A call that is to be made.
 pub struct Request {
@@ -123,6 +124,31 @@ pub fn read_round(path: &Path, run: &Value) -> Result<Vec<Request>, JournalError
         left = left.saturating_sub(size(count));
     }
     Ok(requests)
+}
+
+/// The calls that the journal in a file has, also while a run writes to it: the file stays as it is, and is not locked.
+///
+/// # Errors
+/// If the file cannot be read, or is not a journal of the run that `run` describes.
+pub fn calls_in(path: &Path, run: &Value) -> Result<Vec<Call>, JournalError> {
+    let expected = header(&run.to_string());
+    let contents = File::open(path).and_then(|mut file| scan(&mut file, &expected));
+    let path = path.to_owned();
+    match contents {
+        Err(error) => Err(JournalError::of_file("read", &path, &error)),
+        Ok(Contents::Nothing) => Ok(Vec::new()),
+        Ok(Contents::Foreign) => Err(JournalError::NotAJournal { path }),
+        Ok(Contents::Damaged { at }) => Err(JournalError::Damaged { path, at }),
+        Ok(Contents::Records {
+            run: there, found, ..
+        }) => {
+            let there = serde_json::from_str(&there).unwrap_or(Value::Null);
+            match difference("", &there, run) {
+                None => Ok(found.into_keys().collect()),
+                Some(difference) => Err(JournalError::OtherRun { path, difference }),
+            }
+        }
+    }
 }
 
 /// Keeps what is read.

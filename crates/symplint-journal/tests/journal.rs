@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 use symplint::{Circle, Ensemble, StepFailure};
-use symplint_journal::{Journal, JournalError, Request, read_round, write_round};
+use symplint_journal::{Journal, JournalError, Request, calls_in, read_round, write_round};
 
 fn run() -> Value {
     json!({ "map": "pendulum", "version": "1", "config": { "seed": 1 } })
@@ -310,6 +310,54 @@ fn a_journal_takes_in_the_calls_of_others() {
         assert_eq!(journal.merge(&part), Ok(0));
     }
     assert_eq!(replayed(&path, &expected), 4);
+}
+
+#[test]
+fn a_file_is_claimed_by_one_run() {
+    let (_folder, path) = folder();
+    let claimed = Journal::claim(&path).unwrap();
+    let again = || Journal::claim(&path).map(|_| ());
+    let in_use = Err(JournalError::InUse { path: path.clone() });
+    assert_eq!(again(), in_use);
+    let journal = claimed.begin(&run()).unwrap();
+    assert_eq!(again(), in_use);
+    assert!(advance(&journal, &mut states(1.0), 0.5, 1.0));
+    drop(journal);
+    // Another run was faster.
+    assert_eq!(again(), in_use);
+    assert!(!Journal::open(&path, &run()).unwrap().is_empty());
+    // Nothing was noted.
+    fs::write(&path, "").unwrap();
+    assert_eq!(again(), Ok(()));
+}
+
+#[test]
+fn calls_are_seen_while_a_run_writes_them() {
+    let (_folder, path) = folder();
+    assert!(calls_in(&path, &run()).is_err());
+    let journal = Journal::open(&path, &run()).unwrap();
+    let mut calls = Vec::new();
+    for h in [0.5, 0.25] {
+        assert_eq!(calls_in(&path, &run()).unwrap().len(), calls.len());
+        let states = states(1.0);
+        calls.push(journal.call(h, &states.clone().block()));
+        journal
+            .note(calls[calls.len() - 1], &states.clone().block())
+            .unwrap();
+    }
+    let mut found = calls_in(&path, &run()).unwrap();
+    found.sort_unstable();
+    calls.sort_unstable();
+    assert_eq!(found, calls);
+    // The end of a record that is being written is not there yet.
+    let bytes = fs::read(&path).unwrap();
+    fs::write(&path, &bytes[..bytes.len() - 3]).unwrap();
+    assert_eq!(calls_in(&path, &run()).unwrap().len(), 1);
+    assert_eq!(fs::read(&path).unwrap().len(), bytes.len() - 3);
+    let refused = calls_in(&path, &json!({ "map": "another" }));
+    assert!(matches!(refused, Err(JournalError::OtherRun { .. })));
+    fs::write(&path, "notes of mine").unwrap();
+    assert!(calls_in(&path, &run()).is_err());
 }
 
 #[test]

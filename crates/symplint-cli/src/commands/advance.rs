@@ -15,7 +15,7 @@ use crate::cli::AdvanceArgs;
 use crate::output::{Progress, say, tell};
 use crate::signals;
 
-/// Makes the calls of a part, each once: those that an earlier job for the same part made are not made again.
+/// Makes the calls of a part, each once: those that an earlier job of the round made are not made again.
 pub fn advance(arguments: &AdvanceArgs) -> Result<ExitCode, Failure> {
     let (k, n) = arguments.part;
     let path = config_of_run(&arguments.folder)?;
@@ -33,11 +33,16 @@ pub fn advance(arguments: &AdvanceArgs) -> Result<ExitCode, Failure> {
     let part: Vec<&Request> = requests.iter().skip(k - 1).step_by(n).collect();
     let journal = round.part(k, n)?;
     signals::note_part(&arguments.folder, arguments.part);
+    // Also those of an earlier job for a part that was cut in another way.
+    let made = round.made()?;
+    let needed: Vec<&Request> = (part.iter().copied())
+        .filter(|request| !made.contains(&request.call))
+        .collect();
     let progress = Progress::new("calls", arguments.quiet);
-    progress.plan(part.len());
+    progress.plan(needed.len());
     let failed: Mutex<Vec<(usize, StepFailure)>> = Mutex::default();
     let place = |request: &Request| part.iter().position(|other| other.call == request.call);
-    let made = map.make(&part, &journal, &|request, result| {
+    let made = map.make(&needed, &journal, &|request, result| {
         progress.step();
         if let (Err(failure), Some(place)) = (result, place(request)) {
             let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);

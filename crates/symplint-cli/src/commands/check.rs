@@ -43,10 +43,7 @@ pub(super) enum Calls {
     /// This process.
     Here,
     /// The jobs of a scheduler.
-    ByJobs {
-        /// Whether to take in what they made.
-        collect: bool,
-    },
+    ByJobs,
 }
 
 /// Diagnoses a configuration, a file and settings, or goes on where a run of it was stopped. No exit status where calls are to be
@@ -66,9 +63,13 @@ pub(super) fn diagnose(
         Ok::<(), Failure>(())
     });
     // What a call could not be made for is no failure of the map, whose radii are looked for.
-    let lack = || command.as_ref().and_then(|command| command.lack().cloned());
-    if let (Err(_), Some(lack)) = (&loaded, lack()) {
-        return Err(lack.into());
+    let failure = || {
+        command
+            .as_ref()
+            .and_then(|command| command.failure().cloned())
+    };
+    if let (Err(_), Some(failure)) = (&loaded, failure()) {
+        return Err(failure.into());
     }
     let config = loaded?;
     let journal = output.as_ref().and_then(|output| output.journal.clone());
@@ -86,17 +87,19 @@ pub(super) fn diagnose(
     if let Some(failure) = journal.as_ref().and_then(|journal| journal.failure()) {
         return Err(failure.clone().into());
     }
-    if let Some(lack) = lack() {
-        return Err(lack.into());
+    if let Some(failure) = failure() {
+        return Err(failure.into());
     }
     if let (Some(round), Some(output)) = (&round, &output) {
         let missing = (config.system.command.as_ref()).map_or(Vec::new(), |map| map.missing());
         if !missing.is_empty() {
             round.write(&missing)?;
-            say_round(&missing, output.folder.path(), run.shown.quiet)?;
+            say_round(&missing, output.folder.path(), &run.shown)?;
             return Ok(None);
         }
-        round.remove()?;
+        if outcome.is_err() {
+            round.remove()?;
+        }
     }
     let kept = log.as_ref().and_then(PointLog::measured);
     if let (Err(_), Some(kept)) = (&outcome, kept) {
@@ -148,6 +151,10 @@ pub(super) fn diagnose(
         if let Some(note) = note {
             tell(format!("note: {note}"));
         }
+    }
+    // Not before the report is written: calls that failed are not made again for one that could not be.
+    if let Some(round) = &round {
+        round.remove()?;
     }
     if run.shown.json {
         say(report.to_json())?;
@@ -202,16 +209,16 @@ fn prepare(
             Ok(None)
         }
         (Calls::Here, _, None) => Ok(None),
-        (Calls::ByJobs { collect }, Some(output), Some(command)) => {
+        (Calls::ByJobs, Some(output), Some(command)) => {
             if resolved["loop"]["radius"].as_str() == Some("auto") {
                 return refused(
                     "loop.radius = \"auto\" makes calls before they can be planned",
                     "give radii as numbers",
                 );
             }
-            output.plan_calls(command, collect).map(Some)
+            output.plan_calls(command).map(Some)
         }
-        (Calls::ByJobs { .. }, ..) => refused(
+        (Calls::ByJobs, ..) => refused(
             "only calls of programs are made by jobs",
             "set system.name = \"command\"",
         ),

@@ -171,7 +171,9 @@ impl EarlierRun {
         if names.iter().any(|name| name == "figures") && is_empty_folder(&path.join("figures")) {
             names.retain(|name| name != "figures");
         }
-        names.retain(|name| !is_left_by_a_kill(name));
+        // A run that was killed before it noted anything leaves an empty journal.
+        let is_empty = |name: &str| fs::metadata(path.join(name)).is_ok_and(|file| file.len() == 0);
+        names.retain(|name| !is_left_by_a_kill(name) && (name != JOURNAL || !is_empty(name)));
         let Some(first) = names.first() else {
             return Ok(None);
         };

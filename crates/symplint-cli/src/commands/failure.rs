@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use symplint_command::{CommandError, Lack, MakeError};
+use symplint_command::{CallsError, CommandError};
 use symplint_config::{ConfigError, Place};
 use symplint_journal::JournalError;
 use symplint_paper::PaperError;
@@ -67,6 +67,8 @@ pub enum Failure {
         path: PathBuf,
         /// The error of the operating system.
         reason: String,
+        /// What to do about it.
+        remedy: &'static str,
     },
     /// A report without evidence.
     #[error("cannot judge {}: {error}", path.display())]
@@ -79,9 +81,6 @@ pub enum Failure {
     /// The journal of a run.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// A call of a program that could not be made.
-    #[error(transparent)]
-    Lack(#[from] Lack),
     /// What a run whose calls are noted could not write at its end.
     #[error("{failure}")]
     AfterCalls {
@@ -90,6 +89,9 @@ pub enum Failure {
         /// The run folder.
         folder: PathBuf,
     },
+    /// The calls of a program.
+    #[error(transparent)]
+    Calls(#[from] CallsError),
     /// A folder that holds no run to go on with.
     #[error("{} holds no run of `symplint check`: {reason}", folder.display())]
     NoRun {
@@ -123,12 +125,12 @@ impl Failure {
             ),
             Failure::Unknown { suggestion, .. } => suggestion.clone(),
             Failure::Usage { remedy, .. } => remedy.clone(),
-            Failure::Read { .. } => "give the report.json of a run folder".into(),
+            Failure::Read { remedy, .. } => (*remedy).into(),
             Failure::NoRun { .. } => "give the folder of --out".into(),
             Failure::Threads { .. } => "try --threads 1".into(),
             Failure::Run(_)
             | Failure::Journal(_)
-            | Failure::Lack(_)
+            | Failure::Calls(_)
             | Failure::Model(_)
             | Failure::Figure(_)
             | Failure::Report { .. } => {
@@ -189,15 +191,6 @@ impl From<PaperError> for Failure {
             PaperError::Model(error) => error.into(),
             PaperError::Figure(error) => error.into(),
             PaperError::Write(error) => error.into(),
-        }
-    }
-}
-
-impl From<MakeError> for Failure {
-    fn from(error: MakeError) -> Self {
-        match error {
-            MakeError::Journal(error) => error.into(),
-            MakeError::Lack(lack) => lack.into(),
         }
     }
 }

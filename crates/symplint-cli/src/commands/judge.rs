@@ -21,6 +21,7 @@ pub fn judge(arguments: &JudgeArgs) -> Result<ExitCode, Failure> {
     let text = read(&path).map_err(|error| Failure::Read {
         path: path.clone(),
         reason: error.to_string(),
+        remedy: "give the report.json of a run folder",
     })?;
     let evidence = read_evidence(&text).map_err(|error| Failure::Report {
         path: path.clone(),

@@ -8,7 +8,7 @@ use symplint_journal::Request;
 use super::Failure;
 use super::check::{Calls, diagnose};
 use super::resume::config_of_run;
-use crate::cli::{PlanArgs, ResumeArgs, Run};
+use crate::cli::{PlanArgs, ResumeArgs, Run, Shown};
 use crate::output::say;
 use crate::provenance;
 
@@ -24,7 +24,7 @@ pub fn plan(arguments: &PlanArgs) -> Result<ExitCode, Failure> {
         shown: arguments.shown.clone(),
     };
     let source = (&*arguments.config, &*arguments.settings.set);
-    let status = diagnose(&started, source, &run, Calls::ByJobs { collect: false })?;
+    let status = diagnose(&started, source, &run, Calls::ByJobs)?;
     Ok(status.unwrap_or(ExitCode::from(ROUND_TO_MAKE)))
 }
 
@@ -37,17 +37,12 @@ pub fn collect(arguments: &ResumeArgs) -> Result<ExitCode, Failure> {
         force: false,
         shown: arguments.shown.clone(),
     };
-    let status = diagnose(
-        &started,
-        (&config, &[]),
-        &run,
-        Calls::ByJobs { collect: true },
-    )?;
+    let status = diagnose(&started, (&config, &[]), &run, Calls::ByJobs)?;
     Ok(status.unwrap_or(ExitCode::from(ROUND_TO_MAKE)))
 }
 
 /// Says what is to be done.
-pub(super) fn say_round(requests: &[Request], folder: &Path, quiet: bool) -> Result<(), Failure> {
+pub(super) fn say_round(requests: &[Request], folder: &Path, shown: &Shown) -> Result<(), Failure> {
     let states: usize = requests
         .iter()
         .map(|request| request.states.samples())
@@ -62,10 +57,14 @@ pub(super) fn say_round(requests: &[Request], folder: &Path, quiet: bool) -> Res
         1 => format!("h = {:?}", sizes[0]),
         count => format!("{count} step sizes"),
     };
-    say(format!(
-        "next round: {calls} with {states} states in all, {of}"
-    ))?;
-    if !quiet {
+    let round = format!("next round: {calls} with {states} states in all, {of}");
+    if shown.json {
+        // Standard output is for the report.
+        anstream::eprintln!("{round}");
+        return Ok(());
+    }
+    say(round)?;
+    if !shown.quiet {
         let folder = folder.display();
         let count = requests.len();
         say(format!(

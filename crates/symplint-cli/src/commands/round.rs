@@ -1,15 +1,15 @@
 //! A round of calls for the jobs of a scheduler, in a run folder: `round/calls`, and beside it what each job makes of its
 //! part, `part-K-of-N` with the states and `part-K-of-N.failed` with the calls that failed.
 
-use std::collections::HashMap;
-use std::fs::{self, TryLockError};
-use std::io::ErrorKind;
+use std::collections::{HashMap, HashSet};
+use std::fs::{self, File, TryLockError};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use symplint::StepFailure;
-use symplint_journal::{Call, Journal, JournalError, Request, read_round, write_round};
+use symplint_journal::{Call, Journal, JournalError, Request, calls_in, read_round, write_round};
 
 use super::Failure;
 
@@ -37,7 +37,8 @@ struct FailedCall {
     h: f64,
     sample: usize,
     reason: String,
-    /// How often.
+    /// How often: in the list of a part with what the list of the run had when the job ended, so that a part counts once however
+    /// often it is taken in.
     times: usize,
 }
 
@@ -64,7 +65,16 @@ impl Round {
     /// # Errors
     /// If there is no round, or it is of another run.
     pub fn read(&self) -> Result<Vec<Request>, Failure> {
-        Ok(read_round(&self.folder.join(CALLS), &self.run)?)
+        let path = self.folder.join(CALLS);
+        read_round(&path, &self.run).map_err(|error| match error {
+            JournalError::NotAJournal { path } => Failure::Usage {
+                message: format!("{} is damaged", path.display()),
+                remedy:
+                    "write the round anew by `symplint collect DIR`, which keeps what jobs made"
+                        .into(),
+            },
+            error => error.into(),
+        })
     }
 
     /// Checks that there is a round in a run folder.
@@ -86,10 +96,29 @@ impl Round {
     /// # Errors
     /// If it cannot be written, or another job writes to it.
     pub fn part(&self, k: usize, n: usize) -> Result<Journal, Failure> {
-        Ok(Journal::open(
-            &self.folder.join(part_name(k, n)),
-            &self.run,
-        )?)
+        self.open_part(&self.folder.join(part_name(k, n)))
+    }
+
+    fn open_part(&self, path: &Path) -> Result<Journal, Failure> {
+        Journal::open(path, &self.run).map_err(|error| match error {
+            JournalError::NotAJournal { path } => Failure::Usage {
+                message: format!("{} is not what a job made", path.display()),
+                remedy: "remove it: its calls are made again".into(),
+            },
+            error => error.into(),
+        })
+    }
+
+    /// The calls that the jobs of this round have made so far, for parts of any number. Of a file that cannot be read now there
+    /// are none: `collect` names it.
+    ///
+    /// # Errors
+    /// If the folder cannot be read.
+    pub fn made(&self) -> Result<HashSet<Call>, Failure> {
+        let parts = self.parts()?;
+        let journals = parts.iter().filter(|path| path.extension().is_none());
+        let made = journals.filter_map(|path| calls_in(path, &self.run).ok());
+        Ok(made.flatten().collect())
     }
 
     /// Notes the calls of part k of n that failed, in place of those of an earlier run of this part.
@@ -102,13 +131,18 @@ impl Round {
         failed: &[(&Request, StepFailure)],
     ) -> Result<(), Failure> {
         let path = self.folder.join(part_name(k, n) + ".failed");
+        let known = self.failed_calls()?;
+        let before = |request: &Request| {
+            let known = known.iter().find(|known| known.call == request.call);
+            known.map_or(0, |known| known.times)
+        };
         let calls: Vec<FailedCall> = (failed.iter())
             .map(|(request, failure)| FailedCall {
                 call: request.call,
                 h: request.h,
                 sample: failure.sample,
                 reason: failure.reason.clone(),
-                times: 1,
+                times: before(request) + 1,
             })
             .collect();
         write_calls(&path, &calls)
@@ -124,7 +158,7 @@ impl Round {
         // None is taken in before all have ended.
         let journals = parts.iter().filter(|path| path.extension().is_none());
         let journals: Vec<Journal> = (journals)
-            .map(|path| Ok(Journal::open(path, &self.run)?))
+            .map(|path| self.open_part(path))
             .collect::<Result<_, Failure>>()?;
         let mut taken = 0;
         for part in &journals {
@@ -133,7 +167,7 @@ impl Round {
         let mut failed = self.failed_calls()?;
         for new in failed_in_round(&parts)? {
             match failed.iter_mut().find(|known| known.call == new.call) {
-                Some(known) => known.times += 1,
+                Some(known) => known.times = known.times.max(new.times),
                 None => failed.push(new),
             }
         }
@@ -246,6 +280,7 @@ fn read_calls(path: &Path) -> Result<Vec<FailedCall>, Failure> {
     serde_json::from_str(&text).map_err(|error| Failure::Read {
         path: path.to_owned(),
         reason: error.to_string(),
+        remedy: "remove it: its calls are made again, and fail again if the map does",
     })
 }
 
@@ -258,7 +293,9 @@ fn write_calls(path: &Path, calls: &[FailedCall]) -> Result<(), Failure> {
             _ => Ok(()),
         },
         false => {
-            fs::write(&beside, serde_json::to_string(calls)?)?;
+            let mut file = File::create(&beside)?;
+            file.write_all(&serde_json::to_vec(calls)?)?;
+            file.sync_all()?;
             fs::rename(&beside, path)
         }
     };
@@ -269,6 +306,7 @@ fn read_error(path: &Path, error: &std::io::Error) -> Failure {
     Failure::Read {
         path: path.to_owned(),
         reason: error.to_string(),
+        remedy: "make it readable, or remove it: what jobs noted in it is made again",
     }
 }
 

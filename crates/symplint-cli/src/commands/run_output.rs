@@ -12,7 +12,6 @@ use std::sync::Arc;
 use symplint_command::CommandMap;
 use symplint_journal::Journal;
 use symplint_report::figure::Figure;
-use symplint_report::provenance::HashedFile;
 use symplint_report::run_folder::RunFolder;
 
 use super::Failure;
@@ -85,15 +84,13 @@ impl RunOutput {
         Ok(())
     }
 
-    /// Replays the calls of a program that the journal has; jobs make the others. `collect` takes in those that they made.
+    /// Replays the calls of a program that the journal has, and those that jobs made, which it takes in first: jobs make the others.
     ///
     /// # Errors
     /// Those of [`keep_journal`](Self::keep_journal), and of files that jobs wrote.
-    pub fn plan_calls(&mut self, map: &CommandMap, collect: bool) -> Result<Round, Failure> {
+    pub fn plan_calls(&mut self, map: &CommandMap) -> Result<Round, Failure> {
         let (journal, round) = self.open_journal(map)?;
-        if collect {
-            round.collect(&journal)?;
-        }
+        round.collect(&journal)?;
         map.plan_only(journal, round.failed()?);
         Ok(round)
     }
@@ -115,9 +112,11 @@ impl RunOutput {
                 Journal::anew(&path, &run)?
             }
             None => {
-                // First: a folder with a journal alone would be none of a run.
+                // Of two runs that are begun at once, the one that has the journal writes its configuration; before that a journal is
+                // empty, as a folder with another one alone would be none of a run.
+                let claimed = Journal::claim(&path)?;
                 self.folder.write_config(&self.config)?;
-                Journal::anew(&path, &run)?
+                claimed.begin(&run)?
             }
         };
         if !self.goes_on {
@@ -187,14 +186,10 @@ pub fn run_of_config(map: &CommandMap, config: &toml::Table) -> Result<serde_jso
 
 /// What a journal is of: the version of this program, the configuration, and the program that is called.
 fn run_of(map: &CommandMap, config: &serde_json::Value) -> Result<serde_json::Value, Failure> {
-    let files = map.program_files().into_iter().map(|(word, path)| {
-        let read = HashedFile::read(&path).map_err(|error| Failure::Read {
-            reason: error.to_string(),
-            path,
-        })?;
-        Ok((word.to_owned(), read.sha256.into()))
-    });
-    let files: serde_json::Map<_, _> = files.collect::<Result<_, Failure>>()?;
+    let files = map.know_program()?.into_iter();
+    let files: serde_json::Map<_, _> = files
+        .map(|(word, sha256)| (word.to_owned(), sha256.into()))
+        .collect();
     Ok(serde_json::json!({
         "symplint": env!("CARGO_PKG_VERSION"),
         "config": config,

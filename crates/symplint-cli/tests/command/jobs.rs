@@ -180,7 +180,8 @@ fn what_cannot_be_planned_or_made_is_refused() {
     drop(part);
     // A file that was cut off.
     std::fs::write(round.join("calls"), &text[..text.len() - 9]).unwrap();
-    refused(advance("2/2"), "is not a journal");
+    refused(advance("2/2"), "is damaged");
+    refused(advance("2/2"), "symplint collect DIR");
     std::fs::remove_file(round.join("calls")).unwrap();
     refused(advance("2/2"), "has no round of calls");
     assert_eq!(collect().status.code(), Some(4));
@@ -319,6 +320,82 @@ fn a_call_that_fails_in_two_jobs_of_a_round_failed_once() {
     let failed = failed.as_array().unwrap();
     assert!(!failed.is_empty());
     assert!(failed.iter().all(|call| call["times"] == 1), "{failed:?}");
+}
+
+#[test]
+fn failures_that_were_taken_in_once_do_not_count_again() {
+    let bench = Bench::new("crash", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let run = path("run");
+    let bad = ["--set", "diagnostic.step_sizes=[0.125]"];
+    assert_eq!(plan(&bench, &run, &bad).status.code(), Some(4));
+    let advance = || {
+        symplint(
+            &["advance", "--quiet", "--part", "1/1"],
+            &run,
+            &path("calls"),
+        )
+    };
+    let collect = || symplint(&["collect", "--quiet"], &run, &path("calls"));
+    let part = run.join("round").join("part-1-of-1.failed");
+    advance();
+    let failed = std::fs::read(&part).unwrap();
+    assert_eq!(collect().status.code(), Some(4));
+    let once = std::fs::read(run.join("failed.json")).unwrap();
+    // As if `collect` had been killed before it removed the list of the part.
+    std::fs::write(&part, &failed).unwrap();
+    let output = collect();
+    assert_eq!(output.status.code(), Some(4), "{}", said(&output));
+    assert!(std::fs::read(run.join("failed.json")).unwrap() == once);
+    // A list that was cut off is named, with what to do about it.
+    std::fs::write(run.join("failed.json"), &once[..once.len() / 2]).unwrap();
+    let text = in_one_line(&collect());
+    assert!(
+        text.contains("failed.json") && text.contains("remove it"),
+        "{text}"
+    );
+    assert!(!text.contains("report.json"), "{text}");
+    std::fs::write(run.join("failed.json"), &once).unwrap();
+    advance();
+    collect();
+    let twice = std::fs::read_to_string(run.join("failed.json")).unwrap_or_default();
+    assert!(!twice.contains("\"times\":1"), "{twice}");
+}
+
+#[test]
+fn a_call_is_made_once_however_a_round_is_cut_into_parts() {
+    let bench = Bench::new("leapfrog", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let (run, counts) = (path("run"), path("calls"));
+    let json = plan(&bench, &run, &["--json"]);
+    assert_eq!(json.status.code(), Some(4), "{}", said(&json));
+    assert!(json.stdout.is_empty(), "{}", said(&json));
+    let advance = |part: &str| {
+        let output = symplint(&["advance", "--quiet", "--part", part], &run, &counts);
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        calls(&counts)
+    };
+    let mut was_cut = false;
+    let ended = loop {
+        let half = advance("1/2");
+        let all = advance("1/1");
+        assert_eq!(advance("2/3"), all);
+        was_cut |= half < all;
+        // Planned again, the run has what the jobs made.
+        let output = plan(&bench, &run, &[]);
+        assert!(!run.join("round").join("part-1-of-1").exists());
+        if output.status.code() != Some(4) {
+            break output;
+        }
+    };
+    assert_eq!(ended.status.code(), Some(0), "{}", said(&ended));
+    assert!(was_cut);
+    let mut check = bench.command(&["--quiet", "--set", "diagnostic.budget=300", "--out"]);
+    check
+        .arg(path("whole"))
+        .env("SYMPLINT_TEST_COUNT", path("needed"));
+    assert_eq!(check.status().unwrap().code(), Some(0));
+    assert_eq!(calls(&counts), calls(&path("needed")));
 }
 
 #[test]

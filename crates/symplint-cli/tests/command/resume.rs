@@ -401,6 +401,121 @@ fn a_program_that_was_changed_is_named() {
     assert_eq!(check(&["--force"]).status.code(), Some(3));
 }
 
+#[test]
+fn a_file_that_is_named_between_placeholders_and_was_changed_is_named() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let text = "[system]\nname = \"command\"\n\
+                command = [\"sh\", \"step.sh\", \"{h}\", \"params.txt\", \"{before}\", \"{after}\", \"notes.txt\"]\n\
+                q0 = [1.0]\np0 = [0.5]\n[diagnostic]\nstep_sizes = [0.5]\nbudget = 200\n";
+    fs::write(path("run.toml"), text).unwrap();
+    fs::write(path("step.sh"), "cp \"$3\" \"$4\"\n").unwrap();
+    let check = |file: &str, text: &str| {
+        fs::write(path(file), text).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        command.arg("check").arg(path("run.toml")).arg("--quiet");
+        command.arg("--out").arg(path("run")).output().unwrap()
+    };
+    // It moves nothing.
+    assert_eq!(check("params.txt", "1").status.code(), Some(3));
+    let output = check("params.txt", "2");
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    let text = in_one_line(&output);
+    assert!(text.contains("program.params.txt"), "{text}");
+    assert_eq!(check("params.txt", "1").status.code(), Some(3));
+    // Files that are named after {before} may be those that calls write.
+    assert_eq!(check("notes.txt", "3").status.code(), Some(3));
+}
+
+#[test]
+fn a_program_that_changes_while_a_run_goes_on_ends_it() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let text = "[system]\nname = \"command\"\n\
+                command = [\"sh\", \"step.sh\", \"{before}\", \"{after}\"]\nworkers = 1\nbatch = 4\n\
+                q0 = [1.0]\np0 = [0.5]\n[diagnostic]\nstep_sizes = [0.5]\nbudget = 200\n";
+    fs::write(path("run.toml"), text).unwrap();
+    // While the second call is made, another program is put in its place.
+    let script = "cp \"$1\" \"$2\"\necho call >>calls\n\
+                  if [ $(wc -l <calls) = 2 ]; then echo 'exit 1' >new; mv new step.sh; fi\n";
+    fs::write(path("step.sh"), script).unwrap();
+    let symplint = |words: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        command
+            .current_dir(folder.path())
+            .args(words)
+            .arg("--quiet");
+        command.output().unwrap()
+    };
+    let ends = |words: &[&str]| {
+        let output = symplint(words);
+        let text = in_one_line(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(
+            text.contains("step.sh changed while the run went on"),
+            "{text}"
+        );
+    };
+    ends(&["check", "run.toml", "--out", "run"]);
+    assert_eq!(calls(&path("calls")), 2);
+    let output = symplint(&["resume", "run"]);
+    assert!(
+        in_one_line(&output).contains("program.step.sh"),
+        "{}",
+        said(&output)
+    );
+    fs::write(path("step.sh"), script).unwrap();
+    let output = symplint(&["resume", "run"]);
+    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    // The second call was not noted, and the first was.
+    let made = calls(&path("calls"));
+    let output = symplint(&["check", "run.toml", "--out", "whole"]);
+    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    assert_eq!(calls(&path("calls")) - made, made - 1);
+    assert_eq!(report(&path("run")), report(&path("whole")));
+
+    // Likewise a job.
+    let planned = symplint(&["plan", "run.toml", "--out", "jobs"]);
+    assert_eq!(planned.status.code(), Some(4), "{}", said(&planned));
+    fs::write(path("calls"), "call\n").unwrap();
+    ends(&["advance", "jobs", "--part", "1/1"]);
+    fs::write(path("step.sh"), script).unwrap();
+    let collected = symplint(&["collect", "jobs"]);
+    assert_eq!(collected.status.code(), Some(4), "{}", said(&collected));
+    assert!(!path("jobs").join("failed.json").exists());
+}
+
+#[test]
+fn of_two_runs_that_begin_at_once_in_a_folder_one_is_refused() {
+    let bench = Bench::new("leapfrog", KEYS);
+    for attempt in 0..6 {
+        let folder = bench.folder.path().join(format!("run{attempt}"));
+        let check = |batch: usize| {
+            let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=200"]);
+            command.args(["--set", &format!("system.batch={batch}"), "--out"]);
+            let stdio = || std::process::Stdio::piped();
+            command.arg(&folder).stdout(stdio()).stderr(stdio());
+            command.spawn().unwrap()
+        };
+        let runs = [30, 40].map(|batch| (batch, check(batch)));
+        let ended = runs.map(|(batch, run)| (batch, run.wait_with_output().unwrap()));
+        let (refused, others): (Vec<_>, Vec<_>) =
+            (ended.iter()).partition(|(_, output)| output.status.code() == Some(2));
+        let [(_, refused), (batch, _)] = [refused, others].map(|runs| {
+            assert_eq!(runs.len(), 1, "{}{}", said(&ended[0].1), said(&ended[1].1));
+            runs[0]
+        });
+        assert_eq!(
+            report(&folder)["config"]["system"]["batch"],
+            *batch,
+            "{}",
+            said(refused)
+        );
+        let output = resume(&folder, &["--quiet"]);
+        assert_ne!(output.status.code(), Some(2), "{}", said(&output));
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_limit_of_file_sizes_is_an_error_and_the_run_goes_on_without_it() {

@@ -47,7 +47,8 @@ impl RunFolder {
         fs::create_dir_all(&figures).map_err(|error| cannot_write(&figures, &error))?;
         let probe = path.join(PROBE);
         fs::write(&probe, "").map_err(|error| cannot_write(path, &error))?;
-        fs::remove_file(&probe).map_err(|error| cannot_write(path, &error))?;
+        // Another run that begins at the same time may have removed it.
+        remove(&probe).map_err(|error| cannot_write(path, &error))?;
         Ok(folder)
     }
 
@@ -79,18 +80,17 @@ impl RunFolder {
         self.write_text("config.toml", config)
     }
 
-    /// Begins a diagnosis: `config.toml` says what runs, `points.csv` gets what it measures, and no report of
-    /// an earlier run stands beside them.
+    /// Begins a diagnosis: `config.toml` says what runs, `points.csv` gets what it measures, and no report of another
+    /// configuration stands beside them. That of the same one stays until the new one takes its place: a run that fails does not
+    /// lose it.
     ///
     /// # Errors
     /// If one of these files cannot be written.
     pub fn begin(&self, config: &str) -> Result<RecordTable, WriteError> {
         let report = self.path.join("report.json");
-        match fs::remove_file(&report) {
-            Err(error) if error.kind() != ErrorKind::NotFound => {
-                return Err(cannot_write(&report, &error));
-            }
-            _ => {}
+        let there = fs::read_to_string(self.path.join("config.toml"));
+        if there.ok().as_deref() != Some(config) {
+            remove(&report).map_err(|error| cannot_write(&report, &error))?;
         }
         self.write_config(config)?;
         let points = self.points();
@@ -155,9 +155,35 @@ impl RunFolder {
     }
 }
 
+/// Removes a file that may not be there.
+fn remove(path: &Path) -> std::io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
 fn cannot_write(path: &Path, error: &impl ToString) -> WriteError {
     WriteError {
         path: path.to_owned(),
         reason: error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_stays_beside_its_configuration_alone() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let run = RunFolder::create(folder.path()).unwrap();
+        let report = folder.path().join("report.json");
+        run.write_config("a = 1\n").unwrap();
+        run.write_text("report.json", "{}").unwrap();
+        run.begin("a = 1\n").unwrap();
+        assert!(report.exists());
+        run.begin("a = 2\n").unwrap();
+        assert!(!report.exists());
     }
 }
