@@ -402,7 +402,7 @@ fn a_program_that_was_changed_is_named() {
 }
 
 #[test]
-fn a_file_that_is_named_between_placeholders_and_was_changed_is_named() {
+fn a_changed_file_after_the_step_size_in_the_command_is_named() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = |name: &str| folder.path().join(name);
     let text = "[system]\nname = \"command\"\n\
