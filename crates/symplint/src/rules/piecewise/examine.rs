@@ -1,23 +1,20 @@
 //! What the states of a piece say of it.
 
 use std::f64::consts::TAU;
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::fit::{Fit, POINTS, ends_of_tail, turning_point};
 use super::jump::Jump;
 use super::limits::{
-    AND_MOTION, AS_GOOD, CHECKS, DECAYS, ELSEWHERE, ESTIMATES, EXPLAINS, FULL, KINK_SAFETY,
-    MOST_TURNING_POINTS, NOISES, OF_A_MISS, ROUNDING, SAFETY, SAME_TURNING_POINT, SMOOTH, TERMS,
-    VANISHES,
+    AND_MOTION, AS_GOOD, CHECKS, DECAYS, EXPLAINS, FULL, KINK_SAFETY, MOST_TURNING_POINTS, NOISES,
+    ROUNDING, SAFETY, SAME_TURNING_POINT, SMOOTH, TERMS, VANISHES,
 };
-use super::lobatto::{
-    DEGREE, LOBATTO, NODES, Values, derivative, evaluate, polynomial, tail_squared,
-};
-use super::piece::{Missed, Piece, Smooth};
+use super::lobatto::{DEGREE, LOBATTO, NODES, Values, evaluate, polynomial, tail_squared};
+use super::piece::{Piece, Smooth};
+use super::samples::{missed, missed_sample};
 use super::scales::Scales;
 use crate::signal::{Extent, nearest};
-use crate::state::{Coordinates, Ensemble, coordinate, period};
+use crate::state::{Coordinates, Ensemble, period};
 
 /// What a piece is.
 pub(super) enum Finding {
@@ -62,7 +59,7 @@ pub(super) struct View<'a> {
     /// Equispaced samples of the advanced loop, if there are any.
     pub samples: Option<&'a Ensemble>,
     /// The interpolants of all coordinates after the step.
-    fits: Vec<Fit>,
+    pub fits: Vec<Fit>,
 }
 
 impl<'a> View<'a> {
@@ -86,7 +83,7 @@ impl<'a> View<'a> {
         view
     }
 
-    fn dof(&self) -> usize {
+    pub fn dof(&self) -> usize {
         self.coordinates.dof()
     }
 
@@ -124,7 +121,7 @@ impl<'a> View<'a> {
         let fits = self.fits.iter().enumerate();
         let mut off = fits.filter(|(c, fit)| fit.off > self.allowed(*c, fit));
         let resolved = off.next().is_none();
-        let missed = if resolved { self.missed_sample() } else { None };
+        let missed = if resolved { missed_sample(self) } else { None };
         if resolved && missed.is_none() {
             return Finding::Smooth(self.turning_points());
         }
@@ -145,25 +142,6 @@ impl<'a> View<'a> {
                 why: Why::Explained,
             },
         }
-    }
-
-    /// The parameter of a sample on the piece that is not where the interpolants have it.
-    fn missed_sample(&self) -> Option<f64> {
-        let seen = self.samples.filter(|_| self.piece.curve == 0)?;
-        let samples = seen.samples() as f64;
-        let inside = (self.samples_inside(seen)).map(|k| (k, k as f64 / samples));
-        // The first of all that any coordinate misses.
-        let missed = self.fits.iter().enumerate().filter_map(|(c, fit)| {
-            let (row, period) = (coordinate(seen, c), period(self.coordinates, c));
-            let most = ELSEWHERE * self.allowed(c, fit);
-            let misses = |&(k, s): &(usize, f64)| {
-                let off = row[k] - evaluate(&fit.coefficients, self.piece.x(s));
-                nearest(off, period).abs() > most
-            };
-            inside.clone().find(misses)
-        });
-        let (_, s) = missed.min_by_key(|&(k, _)| k)?;
-        Some(s)
     }
 
     /// What an interpolant may be off: the tolerance, and what the rounding of the state that the map got
@@ -232,59 +210,9 @@ impl<'a> View<'a> {
         // So short a piece may be as steep as rounding allows, and that is as steep as a jump.
         match !resolved || short {
             true => smooth.error = smooth.error_of_jump,
-            false => smooth.missed = self.missed(),
+            false => smooth.missed = missed(self),
         }
         smooth
-    }
-
-    /// ∫ (δp dq − δq dp) over the piece, where δq and δp are what the interpolants miss the loop by, by the trapezoidal rule on
-    /// every so many-th sample: the error of the interpolated integral to first order, as δq vanishes at both ends. A jump
-    /// of q is no part of the integral, but of that of the interpolant.
-    fn missed(&self) -> Option<Missed> {
-        let seen = self.samples.filter(|_| self.piece.curve == 0)?;
-        let inside = self.samples_inside(seen);
-        if inside.len() < ESTIMATES {
-            return None;
-        }
-        let miss = |c: usize, k: usize, x: f64| {
-            let off = coordinate(seen, c)[k] - evaluate(&self.fits[c].coefficients, x);
-            nearest(off, period(self.coordinates, c))
-        };
-        let dof = self.dof();
-        let mut estimates = [0.0; ESTIMATES];
-        let mut jump = 0.0;
-        for i in 0..dof {
-            let (q, p) = (&self.fits[i], &self.fits[dof + i]);
-            let [dq, dp] = [q, p].map(|fit| derivative(&fit.coefficients));
-            let weight = self.coordinates.weight(i);
-            let mut largest = 0.0f64;
-            for k in inside.clone() {
-                let x = self.piece.x(k as f64 / seen.samples() as f64);
-                let [of_q, of_p] = [miss(i, k, x), miss(dof + i, k, x)];
-                largest = largest.max(of_q.abs());
-                estimates[k % ESTIMATES] +=
-                    weight * (of_p * evaluate(&dq, x) - of_q * evaluate(&dp, x));
-            }
-            // The noise of the map makes no jumps.
-            let size = OF_A_MISS * (largest - self.scales.noise[i]).max(0.0);
-            jump += weight.abs() * size * Extent::of(&p.values).magnitude();
-        }
-        // From the derivative by x to that by s, and from sums to means.
-        let spacing = ESTIMATES as f64 / seen.samples() as f64;
-        let of_spacing = spacing * 2.0 / self.piece.length();
-        Some(Missed {
-            estimates: estimates.map(|sum| sum * of_spacing),
-            jump,
-        })
-    }
-
-    /// Numbers of the samples between the ends of the piece.
-    fn samples_inside(&self, seen: &Ensemble) -> Range<usize> {
-        let samples = seen.samples() as f64;
-        let first = (self.piece.a * samples).floor() + 1.0;
-        let end = (self.piece.b * samples).ceil().min(samples);
-        let first = first.max(0.0) as usize;
-        first..(end as usize).max(first)
     }
 
     /// Turning points of a position at the beginning of any substep or at the end.

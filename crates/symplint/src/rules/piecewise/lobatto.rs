@@ -117,11 +117,19 @@ fn dot(a: &Values, b: &Values) -> f64 {
 
 /// Σ a_k T_k(x).
 pub(super) fn evaluate(coefficients: &[f64], x: f64) -> f64 {
-    let (mut current, mut next) = (0.0, 0.0);
+    let [value] = evaluate_each(coefficients, &[x]);
+    value
+}
+
+/// Σ a_k T_k at each of some parameters.
+#[inline(always)] // Into what is compiled for several processors.
+pub(super) fn evaluate_each<const N: usize>(coefficients: &[f64], x: &[f64; N]) -> [f64; N] {
+    let (mut current, mut next) = ([0.0; N], [0.0; N]);
     for &a in coefficients.iter().skip(1).rev() {
-        (current, next) = (a + 2.0 * x * current - next, current);
+        let above: [f64; N] = std::array::from_fn(|k| a + 2.0 * x[k] * current[k] - next[k]);
+        (current, next) = (above, current);
     }
-    coefficients[0] + x * current - next
+    std::array::from_fn(|k| coefficients[0] + x[k] * current[k] - next[k])
 }
 
 /// Coefficients of the derivative by x, the last of them 0.

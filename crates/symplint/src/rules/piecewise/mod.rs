@@ -29,6 +29,7 @@ mod narrow_stretches;
 mod noise;
 mod piece;
 mod refinement;
+mod samples;
 mod scales;
 mod sum;
 mod task;
