@@ -6,7 +6,7 @@ use std::sync::{Arc, atomic::AtomicBool};
 use std::sync::{OnceLock, mpsc};
 use std::time::Duration;
 
-use crate::output::tell;
+use crate::output::{go_on, tell};
 
 /// The exit status of a program that was interrupted.
 const INTERRUPTED: i32 = 130;
@@ -19,14 +19,14 @@ static GOES_ON: OnceLock<String> = OnceLock::new();
 
 /// From now on the run in this folder can be resumed.
 pub fn note_folder(path: &Path) {
-    let _ = GOES_ON.set(format!("`symplint resume {}` goes on", path.display()));
+    let _ = GOES_ON.set(format!("`{}` goes on", go_on("resume", path)));
 }
 
 /// From now on this part of the round of calls in a folder can be gone on with.
 pub fn note_part(path: &Path, (k, n): (usize, usize)) {
-    let path = path.display();
+    let advance = go_on("advance", path);
     let _ = GOES_ON.set(format!(
-        "`symplint advance {path} --part {k}/{n}` goes on, and makes no call again that was noted"
+        "`{advance} --part {k}/{n}` goes on, and makes no call again that was noted"
     ));
 }
 

@@ -4,9 +4,10 @@ use serde_json::Value;
 
 /// The first difference of two descriptions, in words.
 pub fn difference(path: &str, there: &Value, here: &Value) -> Option<String> {
-    let join = |key: &str| match path.is_empty() {
-        true => key.to_owned(),
-        false => format!("{path}.{key}"),
+    let join = |key: &str| match (path.is_empty(), is_bare(key)) {
+        (true, _) => key.to_owned(),
+        (false, true) => format!("{path}.{key}"),
+        (false, false) => format!("{path}.{key:?}"),
     };
     match (there, here) {
         (Value::Object(of_there), Value::Object(of_here)) => {
@@ -25,6 +26,12 @@ pub fn difference(path: &str, there: &Value, here: &Value) -> Option<String> {
             short(here)
         )),
     }
+}
+
+/// Whether a key stands without quotation marks in TOML.
+fn is_bare(key: &str) -> bool {
+    let is_bare = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-');
+    !key.is_empty() && key.bytes().all(is_bare)
 }
 
 /// A value in a few characters.
@@ -55,6 +62,11 @@ mod tests {
         assert_eq!(
             difference("", &there, &here).unwrap(),
             "e is null there and 2 here"
+        );
+        let [there, here] = [1, 2].map(|hash| json!({"program": {"./step.sh": hash}}));
+        assert_eq!(
+            difference("", &there, &here).unwrap(),
+            "program.\"./step.sh\" is 1 there and 2 here"
         );
     }
 }

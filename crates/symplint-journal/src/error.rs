@@ -22,7 +22,7 @@ pub enum JournalError {
         path: PathBuf,
     },
     /// The journal of another map, configuration or version.
-    #[error("{} is of another run: {difference}; use another folder, or remove the file to begin anew", path.display())]
+    #[error("{} is of another run: {difference}; put back what differs, use another folder, or remove the file to begin anew", path.display())]
     OtherRun {
         /// The journal.
         path: PathBuf,
@@ -52,7 +52,11 @@ pub enum JournalError {
         path: PathBuf,
     },
     /// It is there no more.
-    #[error("{} was removed while the run went on, and the evaluations in it are lost; start the run again", path.display())]
+    #[error(
+        "{} was removed or moved away while the run went on, and the evaluations in it with it; put it back if you can, and \
+         start the run again",
+        path.display()
+    )]
     Removed {
         /// The journal.
         path: PathBuf,

@@ -89,6 +89,19 @@ struct Records {
     synced: Instant,
 }
 
+impl Records {
+    /// Writes them through to the disk, and looks whether `path` still leads to the file: until it is closed, a file without a
+    /// name can be written to all the same.
+    fn sync(&mut self, path: &Path) -> io::Result<()> {
+        self.file.sync_data()?;
+        if !is_at(&self.file, path)? {
+            return Err(io::Error::other("another file is in its place"));
+        }
+        self.synced = Instant::now();
+        Ok(())
+    }
+}
+
 impl Journal {
     /// The journal in a file, which is made if it is not there, of a run that `run` describes: the map, the configuration, the
     /// version of the program. A record that was cut off at the end of the file is removed, and one whose bytes changed is
@@ -250,6 +263,19 @@ impl Journal {
         Ok(new)
     }
 
+    /// Writes what is noted through to the disk, and looks whether the file is still there: to be called at the end, as records
+    /// are written through about once a second.
+    ///
+    /// # Errors
+    /// If it is not, or cannot be written, or could not be before.
+    pub fn finish(&self) -> Result<(), JournalError> {
+        if let Some(failure) = self.failure() {
+            return Err(failure.clone());
+        }
+        let synced = self.records().sync(&self.path);
+        synced.map_err(|error| self.failed("write", &error))
+    }
+
     /// Evaluations that were replayed so far.
     pub fn replayed(&self) -> usize {
         self.replayed.load(Ordering::Relaxed)
@@ -319,15 +345,10 @@ impl Journal {
         let mut write = || {
             records.file.seek(SeekFrom::Start(end))?;
             records.file.write_all(&bytes)?;
-            if records.synced.elapsed() >= SYNC {
-                records.file.sync_data()?;
-                // Until it is closed, a file without a name can be written to all the same.
-                if !is_at(&records.file, &self.path)? {
-                    return Err(io::Error::other("another file is in its place"));
-                }
-                records.synced = Instant::now();
+            match records.synced.elapsed() >= SYNC {
+                true => records.sync(&self.path),
+                false => Ok(()),
             }
-            Ok(())
         };
         if let Err(error) = write() {
             // What is left of it is found to be torn, too.
@@ -353,13 +374,21 @@ impl Journal {
 
 /// The file, which nobody else may open in this way until it is closed.
 fn open_locked(path: &Path) -> Result<File, JournalError> {
+    /// Another run may remove the file before it is locked, once at its end.
+    const TRIES: usize = 3;
     let mut options = OpenOptions::new();
     options.read(true).write(true).create(true).truncate(false);
-    let file = options.open(path).map_err(of_file("write", path))?;
-    // Some file systems of clusters have no locks.
-    if let Err(TryLockError::WouldBlock) = file.try_lock() {
-        let path = path.to_owned();
-        return Err(JournalError::InUse { path });
+    let mut file = options.open(path).map_err(of_file("write", path))?;
+    for _ in 0..TRIES {
+        // Some file systems of clusters have no locks.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            let path = path.to_owned();
+            return Err(JournalError::InUse { path });
+        }
+        if is_at(&file, path).unwrap_or(false) {
+            break;
+        }
+        file = options.open(path).map_err(of_file("write", path))?;
     }
     Ok(file)
 }

@@ -82,7 +82,10 @@ pub fn write_round(path: &Path, run: &Value, requests: &[Request]) -> Result<(),
         file.sync_all()?;
         fs::rename(&beside, path)
     };
-    write().map_err(|error| JournalError::of_file("write", path, &error))
+    write().map_err(|error| {
+        let _ = fs::remove_file(&beside);
+        JournalError::of_file("write", path, &error)
+    })
 }
 
 /// Reads a round of calls of the run that `run` describes.

@@ -294,6 +294,18 @@ fn a_journal_that_is_removed_is_missed_within_a_second() {
     let found = journal.advance(0.5, &mut states.block(), |_| Ok::<(), JournalError>(()));
     assert_eq!(found, Err(JournalError::Removed { path: path.clone() }));
     assert!(journal.failure().is_some());
+    assert_eq!(journal.finish(), found);
+}
+
+#[test]
+fn a_journal_that_is_removed_in_the_last_second_is_missed_at_the_end() {
+    let (folder, path) = folder();
+    let journal = Journal::open(&path, &run()).unwrap();
+    assert!(advance(&journal, &mut states(1.0), 0.5, 1.0));
+    journal.finish().unwrap();
+    fs::rename(&path, folder.path().join("moved")).unwrap();
+    assert!(advance(&journal, &mut states(2.0), 0.5, 1.0));
+    assert_eq!(journal.finish(), Err(JournalError::Removed { path }));
 }
 
 #[test]

@@ -50,13 +50,16 @@ pub fn advance(arguments: &AdvanceArgs) -> Result<ExitCode, Failure> {
         }
     });
     progress.finish();
-    made?;
     let mut failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
     failed.sort_by_key(|(place, _)| *place);
     let failed: Vec<(&Request, StepFailure)> = (failed.into_iter())
         .map(|(place, failure)| (part[place], failure))
         .collect();
-    round.note_failed((k, n), &failed)?;
+    // Those that failed also where what came then ends the job.
+    let noted = round.note_failed((k, n), &failed);
+    made?;
+    noted?;
+    journal.finish()?;
     for (request, failure) in &failed {
         tell(format!(
             "error: a call with {} states and h = {:?} failed: {}",

@@ -15,7 +15,7 @@ use super::plan::say_round;
 use super::round::Round;
 use super::run_output::RunOutput;
 use crate::cli::{CheckArgs, Run};
-use crate::output::{Progress, say, tell, verdict_text};
+use crate::output::{Progress, go_on, say, tell, verdict_text};
 use crate::{provenance, signals};
 
 /// Diagnoses a configuration.
@@ -55,6 +55,7 @@ pub(super) fn diagnose(
     calls: Calls,
 ) -> Result<Option<ExitCode>, Failure> {
     let (mut output, mut round, mut command) = (None, None, None);
+    let by_jobs = matches!(calls, Calls::ByJobs);
     // Before the run, which may take hours, and before its first call.
     let loaded = Config::load_with(path, settings, |system, resolved| {
         command = system.command.clone();
@@ -84,11 +85,11 @@ pub(super) fn diagnose(
             progress.diagnosis(event);
         });
     progress.finish();
-    if let Some(failure) = journal.as_ref().and_then(|journal| journal.failure()) {
-        return Err(failure.clone().into());
-    }
     if let Some(failure) = failure() {
         return Err(failure.into());
+    }
+    if let Some(journal) = &journal {
+        journal.finish()?;
     }
     if let (Some(round), Some(output)) = (&round, &output) {
         let missing = (config.system.command.as_ref()).map_or(Vec::new(), |map| map.missing());
@@ -121,7 +122,10 @@ pub(super) fn diagnose(
     let written = |result: Result<(), Failure>| match (result, &journal, &output) {
         (Err(failure), Some(_), Some(output)) => Err(Failure::AfterCalls {
             failure: Box::new(failure),
-            folder: output.folder.path().to_owned(),
+            goes_on: go_on(
+                if by_jobs { "collect" } else { "resume" },
+                output.folder.path(),
+            ),
         }),
         (result, ..) => result,
     };
@@ -152,9 +156,8 @@ pub(super) fn diagnose(
             tell(format!("note: {note}"));
         }
     }
-    // Not before the report is written: calls that failed are not made again for one that could not be.
     if let Some(round) = &round {
-        round.remove()?;
+        round.end()?;
     }
     if run.shown.json {
         say(report.to_json())?;

@@ -86,8 +86,8 @@ pub enum Failure {
     AfterCalls {
         /// What.
         failure: Box<Failure>,
-        /// The run folder.
-        folder: PathBuf,
+        /// The command that goes on.
+        goes_on: String,
     },
     /// The calls of a program.
     #[error(transparent)]
@@ -119,9 +119,8 @@ impl Failure {
             Failure::Figure(FigureError::Write { .. } | FigureError::Folder { .. }) => {
                 "give a path that can be written".into()
             }
-            Failure::AfterCalls { folder, .. } => format!(
-                "all calls are noted: once the cause is gone, `symplint resume {}` goes on from them",
-                folder.display()
+            Failure::AfterCalls { goes_on, .. } => format!(
+                "all calls are noted: once the cause is gone, `{goes_on}` goes on from them"
             ),
             Failure::Unknown { suggestion, .. } => suggestion.clone(),
             Failure::Usage { remedy, .. } => remedy.clone(),

@@ -9,7 +9,7 @@ use super::Failure;
 use super::check::{Calls, diagnose};
 use super::resume::config_of_run;
 use crate::cli::{PlanArgs, ResumeArgs, Run, Shown};
-use crate::output::say;
+use crate::output::{go_on, say, tell};
 use crate::provenance;
 
 /// The exit status where a round of calls is to be made.
@@ -60,15 +60,15 @@ pub(super) fn say_round(requests: &[Request], folder: &Path, shown: &Shown) -> R
     let round = format!("next round: {calls} with {states} states in all, {of}");
     if shown.json {
         // Standard output is for the report.
-        anstream::eprintln!("{round}");
+        tell(round);
         return Ok(());
     }
     say(round)?;
     if !shown.quiet {
-        let folder = folder.display();
         let count = requests.len();
+        let (advance, collect) = (go_on("advance", folder), go_on("collect", folder));
         say(format!(
-            "make them by `symplint advance {folder} --part K/N` for K = 1 … N, N up to {count}, then `symplint collect {folder}`"
+            "make them by `{advance} --part K/N` for K = 1 … N, N up to {count}, then `{collect}`"
         ))?;
     }
     Ok(())

@@ -2,16 +2,18 @@
 //! part, `part-K-of-N` with the states and `part-K-of-N.failed` with the calls that failed.
 
 use std::collections::{HashMap, HashSet};
-use std::fs::{self, File, TryLockError};
-use std::io::{ErrorKind, Write};
+use std::fs::{self, TryLockError};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use symplint::StepFailure;
 use symplint_journal::{Call, Journal, JournalError, Request, calls_in, read_round, write_round};
+use symplint_report::run_folder::write_whole;
 
 use super::Failure;
+use super::earlier_run::JOURNAL;
 
 /// So often a call is made before its failure counts as that of the map.
 const MOST_FAILURES: usize = 2;
@@ -47,7 +49,7 @@ impl Round {
     pub fn of_run(folder: &Path, run: &Value) -> Self {
         Round {
             folder: folder.join(ROUND),
-            run: json!({ "round of": run }),
+            run: json!({ "round": true, "run": run }),
         }
     }
 
@@ -72,6 +74,10 @@ impl Round {
                 remedy:
                     "write the round anew by `symplint collect DIR`, which keeps what jobs made"
                         .into(),
+            },
+            JournalError::OtherRun { path, difference } => Failure::Usage {
+                message: format!("{} is of another run: {difference}", path.display()),
+                remedy: "put back what differs, or begin anew by `symplint plan --force`".into(),
             },
             error => error.into(),
         })
@@ -115,7 +121,7 @@ impl Round {
     /// # Errors
     /// If the folder cannot be read.
     pub fn made(&self) -> Result<HashSet<Call>, Failure> {
-        let parts = self.parts()?;
+        let parts = parts_in(&self.folder)?;
         let journals = parts.iter().filter(|path| path.extension().is_none());
         let made = journals.filter_map(|path| calls_in(path, &self.run).ok());
         Ok(made.flatten().collect())
@@ -154,7 +160,7 @@ impl Round {
     /// # Errors
     /// If a file cannot be read, written or removed, or a job is still under way.
     pub fn collect(&self, journal: &Journal) -> Result<usize, Failure> {
-        let parts = self.parts()?;
+        let parts = parts_in(&self.folder)?;
         // None is taken in before all have ended.
         let journals = parts.iter().filter(|path| path.extension().is_none());
         let journals: Vec<Journal> = (journals)
@@ -174,43 +180,35 @@ impl Round {
         failed.retain(|known| !journal.has(known.call));
         write_calls(&self.of_failed(), &failed)?;
         for path in parts {
-            fs::remove_file(&path).map_err(|error| write_error(&path, &error))?;
+            remove(&path)?;
         }
         Ok(taken)
     }
 
-    /// Checks that no job is under way.
+    /// Removes the calls of a run that has ended, with what jobs made that nobody waits for. The list of those that failed stays:
+    /// they are not asked for again.
     ///
     /// # Errors
-    /// If one is, or a file cannot be read.
-    pub fn check_idle(&self) -> Result<(), Failure> {
-        for path in self.parts()? {
-            let file = fs::File::open(&path).map_err(|error| read_error(&path, &error))?;
-            if let Err(TryLockError::WouldBlock) = file.try_lock() {
-                return Err(JournalError::InUse { path }.into());
-            }
-        }
-        Ok(())
-    }
-
-    /// Removes the round of a run that has ended, or begins anew, with what jobs made that nobody waits for.
-    ///
-    /// # Errors
-    /// If it cannot be removed.
-    pub fn remove(&self) -> Result<(), Failure> {
-        let mut paths = self.parts()?;
-        paths.extend([self.folder.join(CALLS), self.of_failed()]);
-        for path in paths {
-            match fs::remove_file(&path) {
-                Err(error) if error.kind() != ErrorKind::NotFound => {
-                    return Err(write_error(&path, &error));
-                }
-                _ => {}
-            }
+    /// If they cannot be removed.
+    pub fn end(&self) -> Result<(), Failure> {
+        for path in parts_in(&self.folder)?
+            .iter()
+            .chain([&self.folder.join(CALLS)])
+        {
+            remove(path)?;
         }
         // It may hold a file that a job that was killed did not write to its end, which the next round replaces.
         let _ = fs::remove_dir(&self.folder);
         Ok(())
+    }
+
+    /// Removes all of it, for a run that begins anew or goes on without jobs.
+    ///
+    /// # Errors
+    /// If it cannot be removed.
+    pub fn remove(&self) -> Result<(), Failure> {
+        self.end()?;
+        remove(&self.of_failed())
     }
 
     /// Calls that failed as often as counts.
@@ -238,24 +236,41 @@ impl Round {
     fn of_failed(&self) -> PathBuf {
         self.folder.with_file_name(FAILED)
     }
+}
 
-    /// The files of the parts.
-    fn parts(&self) -> Result<Vec<PathBuf>, Failure> {
-        let entries = match fs::read_dir(&self.folder) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
-            entries => entries.map_err(|error| read_error(&self.folder, &error))?,
-        };
-        let paths = entries.map(|entry| entry.map(|entry| entry.path()));
-        let paths: Result<Vec<PathBuf>, _> = paths.collect();
-        let mut paths = paths.map_err(|error| read_error(&self.folder, &error))?;
-        let is_part = |path: &PathBuf| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            name.starts_with("part-") && !name.ends_with(".part")
-        };
-        paths.retain(is_part);
-        paths.sort();
-        Ok(paths)
+/// Checks that nobody notes calls in a run folder, neither a run nor a job.
+///
+/// # Errors
+/// If somebody does, or a file cannot be read.
+pub fn check_idle(folder: &Path) -> Result<(), Failure> {
+    let journal = folder.join(JOURNAL);
+    let mut paths = parts_in(&folder.join(ROUND))?;
+    paths.extend(journal.exists().then_some(journal));
+    for path in paths {
+        let file = fs::File::open(&path).map_err(|error| read_error(&path, &error))?;
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(JournalError::InUse { path }.into());
+        }
     }
+    Ok(())
+}
+
+/// The files of the parts in the folder of a round.
+fn parts_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries.map_err(|error| read_error(folder, &error))?,
+    };
+    let paths = entries.map(|entry| entry.map(|entry| entry.path()));
+    let paths: Result<Vec<PathBuf>, _> = paths.collect();
+    let mut paths = paths.map_err(|error| read_error(folder, &error))?;
+    let is_part = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name.starts_with("part-")
+    };
+    paths.retain(is_part);
+    paths.sort();
+    Ok(paths)
 }
 
 /// The calls that failed in a round, each once: those that several jobs made, for parts of different numbers, too.
@@ -286,20 +301,20 @@ fn read_calls(path: &Path) -> Result<Vec<FailedCall>, Failure> {
 
 /// Writes a list of calls as a whole; none where it is empty.
 fn write_calls(path: &Path, calls: &[FailedCall]) -> Result<(), Failure> {
-    let beside = path.with_extension("part");
-    let write = || match calls.is_empty() {
-        true => match fs::remove_file(path) {
-            Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
-            _ => Ok(()),
-        },
-        false => {
-            let mut file = File::create(&beside)?;
-            file.write_all(&serde_json::to_vec(calls)?)?;
-            file.sync_all()?;
-            fs::rename(&beside, path)
-        }
-    };
-    write().map_err(|error| write_error(path, &error))
+    if calls.is_empty() {
+        return remove(path);
+    }
+    let text = serde_json::to_vec(calls).map_err(std::io::Error::from);
+    let written = text.and_then(|text| write_whole(path, &text));
+    written.map_err(|error| write_error(path, &error))
+}
+
+/// Removes a file that may not be there.
+pub fn remove(path: &Path) -> Result<(), Failure> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(write_error(path, &error)),
+        _ => Ok(()),
+    }
 }
 
 fn read_error(path: &Path, error: &std::io::Error) -> Failure {

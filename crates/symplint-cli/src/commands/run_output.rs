@@ -4,13 +4,12 @@
 //! `--force` those of other runs. A folder with files that symplint did not write, or with a `config.toml` that
 //! was edited, is never written to.
 
-use std::fs;
-use std::io::ErrorKind;
+use std::fs::{File, TryLockError};
 use std::path::Path;
 use std::sync::Arc;
 
 use symplint_command::CommandMap;
-use symplint_journal::Journal;
+use symplint_journal::{Journal, JournalError};
 use symplint_report::figure::Figure;
 use symplint_report::run_folder::RunFolder;
 
@@ -18,7 +17,7 @@ use super::Failure;
 use super::earlier_run::{
     EarlierRun, JOURNAL, RECORDS, config_text, figure_files, identity, loop_file,
 };
-use super::round::Round;
+use super::round::{Round, check_idle, remove};
 use crate::cli::Run;
 
 /// The folder of a run, and the text of its `config.toml`.
@@ -34,6 +33,8 @@ pub struct RunOutput {
     /// The evaluations, where the map is one that costs.
     pub journal: Option<Arc<Journal>>,
     earlier: Option<EarlierRun>,
+    /// The folder, locked until it is closed.
+    _lock: Option<File>,
 }
 
 impl RunOutput {
@@ -61,13 +62,20 @@ impl RunOutput {
         if let Some(earlier) = earlier.as_ref().filter(|_| !force) {
             earlier.check_same(path, command, config)?;
         }
+        let folder = RunFolder::create(path)?;
+        let lock = lock(path)?;
+        // Where folders cannot be locked, nor files of another machine, journals can.
+        if earlier.is_some() {
+            check_idle(path)?;
+        }
         Ok(RunOutput {
-            folder: RunFolder::create(path)?,
+            folder,
             config: config_text(command, config),
             identity: identity(config),
             goes_on: earlier.is_some() && !force,
             journal: None,
             earlier,
+            _lock: lock,
         })
     }
 
@@ -107,10 +115,7 @@ impl RunOutput {
         }
         let journal = match &self.earlier {
             Some(_) if self.goes_on => Journal::open(&path, &run)?,
-            Some(_) => {
-                round.check_idle()?;
-                Journal::anew(&path, &run)?
-            }
+            Some(_) => Journal::anew(&path, &run)?,
             None => {
                 // Of two runs that are begun at once, the one that has the journal writes its configuration; before that a journal is
                 // empty, as a folder with another one alone would be none of a run.
@@ -161,18 +166,25 @@ impl RunOutput {
         for file in files.into_iter().filter(|file| !kept.contains(file)) {
             remove(&self.folder.path().join(file))?;
         }
-        Ok(())
+        // What jobs made belongs to a journal.
+        match self.journal {
+            Some(_) => Ok(()),
+            None => Round::of_run(self.folder.path(), &self.identity).remove(),
+        }
     }
 }
 
-/// Removes a file that may not be there.
-fn remove(path: &Path) -> Result<(), Failure> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != ErrorKind::NotFound => Err(Failure::Write {
-            path: path.to_owned(),
-            reason: error.to_string(),
-        }),
-        _ => Ok(()),
+/// Locks a folder, where the system can lock folders: of two runs in it one would replace what the other one writes.
+fn lock(path: &Path) -> Result<Option<File>, Failure> {
+    let Ok(folder) = File::open(path) else {
+        return Ok(None);
+    };
+    match folder.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            let path = path.to_owned();
+            Err(JournalError::InUse { path }.into())
+        }
+        _ => Ok(Some(folder)),
     }
 }
 

@@ -108,7 +108,12 @@ fn a_call_that_fails_twice_is_a_failure_of_the_map() {
     assert_eq!(of_jobs["points"], of_check["points"]);
     let omissions = of_jobs["evidence"]["omissions"].to_string();
     assert!(omissions.contains("the matrix is singular"), "{omissions}");
-    assert!(!path("jobs").join("failed.json").exists());
+    // Taken in once more, the run has ended, and no call is asked for again.
+    let again = symplint(&["collect", "--quiet"], &path("jobs"), &path("calls"));
+    assert_eq!(said(&again), said(&last));
+    assert_eq!(again.status.code(), Some(0));
+    assert!(!path("jobs").join("round").exists());
+    assert_eq!(report(&path("jobs")), of_jobs);
 }
 
 #[test]
@@ -370,6 +375,14 @@ fn a_call_is_made_once_however_a_round_is_cut_into_parts() {
     let json = plan(&bench, &run, &["--json"]);
     assert_eq!(json.status.code(), Some(4), "{}", said(&json));
     assert!(json.stdout.is_empty(), "{}", said(&json));
+    #[cfg(target_os = "linux")]
+    {
+        let full = std::fs::File::options().write(true).open("/dev/full");
+        let mut collect = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        collect.arg("collect").arg(&run).arg("--json");
+        let status = collect.stderr(full.unwrap()).status().unwrap();
+        assert_eq!(status.code(), Some(4));
+    }
     let advance = |part: &str| {
         let output = symplint(&["advance", "--quiet", "--part", part], &run, &counts);
         assert_eq!(output.status.code(), Some(0), "{}", said(&output));

@@ -227,9 +227,45 @@ fn a_run_that_goes_on_is_not_replaced_by_force() {
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
     assert!(in_one_line(&output).contains("another run writes to it"));
     assert!(contents(&folder) == before);
+    // Nor by a run that has no journal itself.
+    let pendulum = bench.folder.path().join("pendulum.toml");
+    let text = "[system]\nname = \"pendulum\"\n[diagnostic]\nbudget = 300\n";
+    fs::write(&pendulum, text).unwrap();
+    let of_pendulum = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        command.arg("check").arg(&pendulum);
+        command.args(["--quiet", "--force", "--out"]);
+        command.arg(&folder).output().unwrap()
+    };
+    let refused = of_pendulum();
+    assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
+    assert!(in_one_line(&refused).contains("another run writes to it"));
     drop(journal);
     let output = check(&["--force", "--set", "diagnostic.budget=400"]);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+
+    // A run without a journal has the folder itself.
+    #[cfg(unix)]
+    {
+        let locked = fs::File::open(&folder).unwrap();
+        locked.lock().unwrap();
+        let before = contents(&folder);
+        for output in [check(&["--force"]), of_pendulum()] {
+            assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+            assert!(in_one_line(&output).contains("another run writes to it"));
+        }
+        assert!(contents(&folder) == before);
+    }
+    // It leaves nothing of a run that had one.
+    fs::create_dir(folder.join("round")).unwrap();
+    for file in ["round/calls", "round/part-1-of-1", "failed.json"] {
+        fs::write(folder.join(file), "").unwrap();
+    }
+    let output = of_pendulum();
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    for file in ["round", "failed.json", "journal"] {
+        assert!(!folder.join(file).exists(), "{file}");
+    }
 }
 
 #[test]
@@ -397,7 +433,7 @@ fn a_program_that_was_changed_is_named() {
     let output = check(&[]);
     let text = said(&output);
     assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.contains("program.step.sh"), "{text}");
+    assert!(text.contains("program.\"step.sh\""), "{text}");
     assert_eq!(check(&["--force"]).status.code(), Some(3));
 }
 
@@ -421,7 +457,7 @@ fn a_changed_file_after_the_step_size_in_the_command_is_named() {
     let output = check("params.txt", "2");
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
     let text = in_one_line(&output);
-    assert!(text.contains("program.params.txt"), "{text}");
+    assert!(text.contains("program.\"params.txt\""), "{text}");
     assert_eq!(check("params.txt", "1").status.code(), Some(3));
     // Files that are named after {before} may be those that calls write.
     assert_eq!(check("notes.txt", "3").status.code(), Some(3));
@@ -460,7 +496,7 @@ fn a_program_that_changes_while_a_run_goes_on_ends_it() {
     assert_eq!(calls(&path("calls")), 2);
     let output = symplint(&["resume", "run"]);
     assert!(
-        in_one_line(&output).contains("program.step.sh"),
+        in_one_line(&output).contains("program.\"step.sh\""),
         "{}",
         said(&output)
     );
