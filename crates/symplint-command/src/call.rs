@@ -9,7 +9,7 @@ use std::time::Duration;
 use symplint::{Coordinates, Ensemble, Snapshot, StepFailure};
 use symplint_report::loop_file::{LoopFile, LoopFileError};
 
-use crate::lack::{CallFailure, Lack, is_lack, missing_space};
+use crate::lack::{CallFailure, Lack, missing_space};
 use crate::process::{Ended, NotRun, Streams, run};
 use crate::workspace::{CallFolder, Workspace};
 
@@ -44,7 +44,7 @@ impl Call<'_> {
         let path = |name: &str| folder.path().join(name);
         let before = self.before(path("before.npz"), states);
         before.write().map_err(|error| match error {
-            LoopFileError::Write { path, reason } => Lack::File { path, reason },
+            LoopFileError::Write { path, reason } => Lack::of_file(&path, &reason),
             other => Lack::of_file(&before.path, &other),
         })?;
         self.run(&folder, &before).map_err(|failure| match failure {
@@ -96,17 +96,16 @@ impl Call<'_> {
         if let Some(wrong) = wrong {
             return Err(refused(self.failed(&wrong, &streams)));
         }
-        if let Err(error) = fs::File::open(&after)
-            && is_lack(&error)
-        {
-            let (action, reason) = (format!("open {}", after.display()), error.to_string());
-            return Err(Lack::Resource { action, reason }.into());
-        }
         let read = LoopFile::read_states(&after).and_then(|read| {
             read.check_same_loop(before)?;
             Ok(read.states)
         });
         read.map_err(|error| {
+            if let LoopFileError::Read { path, reason } = &error
+                && let Some(lack) = Lack::of_open_files(path, reason)
+            {
+                return lack.into();
+            }
             CallFailure::Program(StepFailure {
                 sample: match &error {
                     LoopFileError::NotFinite { sample, .. } => *sample,

@@ -563,7 +563,8 @@ fn a_call_that_cannot_be_made_is_no_failure_of_the_map() {
     let bench = Bench::new("leapfrog", "batch = 1000\n");
     for (limit, reason) in [
         ("-f 1", "before.npz: File too large"),
-        ("-n 10", "Too many open files"),
+        ("-n 7", "open files (os error 24); end other processes"),
+        ("-n 10", "open files (os error 24); end other processes"),
     ] {
         let output = Command::new("sh")
             .args(["-c", &format!("ulimit {limit}; exec \"$@\""), "sh"])
