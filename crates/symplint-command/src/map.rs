@@ -186,17 +186,28 @@ impl CommandMap {
 
     /// Checks that the program is what it was when it was hashed, if it was.
     fn check_program(&self) -> Result<(), StepFailure> {
+        self.find_changes().map_err(|error| self.stopped(error))
+    }
+
+    fn find_changes(&self) -> Result<(), CallsError> {
         let Some(known) = self.known.get() else {
             return Ok(());
         };
+        let changed = |path: &Path| CallsError::Changed {
+            path: path.to_owned(),
+        };
+        for file in known {
+            if file.changed()? {
+                return Err(changed(&file.path));
+            }
+        }
         // Looked for again: another program may have come before it in `PATH`.
         let now = self.program_files();
-        let is_there = |file: &KnownFile| now.contains(&(&*file.word, file.path.clone()));
-        let changed = known.iter().find(|file| !is_there(file) || file.changed());
-        changed.map_or(Ok(()), |file| {
-            let path = file.path.clone();
-            Err(self.stopped(CallsError::Changed { path }))
-        })
+        let is_there = |file: &&KnownFile| now.contains(&(&*file.word, file.path.clone()));
+        match known.iter().find(|file| !is_there(file)) {
+            Some(file) => Err(changed(&file.path)),
+            None => Ok(()),
+        }
     }
 
     /// Takes note of why the run ends, which is no failure of the map.
