@@ -164,7 +164,7 @@ impl CommandMap {
     }
 
     /// What the program is known by: the files that the command names before its first `{before}`, with the SHA-256 of their
-    /// contents. Where one of them changes from now on, no call is made or noted any more, and [`failure`](Self::failure) names
+    /// contents. Where one of them changes or comes to be from now on, no call is made or noted any more, and [`failure`](Self::failure) names
     /// it.
     ///
     /// # Errors
@@ -203,9 +203,13 @@ impl CommandMap {
         }
         // Looked for again: another program may have come before it in `PATH`.
         let now = self.program_files();
-        let is_there = |file: &&KnownFile| now.contains(&(&*file.word, file.path.clone()));
-        match known.iter().find(|file| !is_there(file)) {
-            Some(file) => Err(changed(&file.path)),
+        let then = known.iter().map(|file| (&*file.word, file.path.clone()));
+        let then: Vec<(&str, PathBuf)> = then.collect();
+        let gone = then.iter().find(|file| !now.contains(file));
+        // A file that came to be would be missed when the run goes on: calls make it.
+        let new = || now.iter().find(|file| !then.contains(file));
+        match gone.or_else(new) {
+            Some((_, path)) => Err(changed(path)),
             None => Ok(()),
         }
     }

@@ -486,6 +486,44 @@ fn a_program_that_changes_while_a_run_goes_on_ends_it() {
 }
 
 #[test]
+fn a_file_that_the_first_call_makes_ends_the_run_before_anything_is_noted() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let check = |files: &str, out: &str| {
+        let text = format!(
+            "[system]\nname = \"command\"\ncommand = [\"sh\", \"step.sh\", {files}]\nworkers = 1\n\
+             q0 = [1.0]\np0 = [0.5]\n[diagnostic]\nstep_sizes = [0.5]\nbudget = 200\n"
+        );
+        fs::write(path("run.toml"), text).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        command.arg("check").arg(path("run.toml")).arg("--quiet");
+        command.arg("--out").arg(path(out)).output().unwrap()
+    };
+    fs::write(path("step.sh"), "cp \"$2\" \"$3\"\necho call >>\"$1\"\n").unwrap();
+    let output = check("\"run.log\", \"{before}\", \"{after}\"", "run");
+    let text = in_one_line(&output);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(
+        text.contains("run.log changed while the run went on (or was made"),
+        "{text}"
+    );
+    assert!(text.contains("are named after {before}"), "{text}");
+    assert_eq!(calls(&path("run.log")), 1);
+    // As the message says.
+    fs::remove_file(path("run.log")).unwrap();
+    fs::write(path("step.sh"), "cp \"$1\" \"$2\"\necho call >>\"$3\"\n").unwrap();
+    for attempt in 0..2 {
+        let output = check("\"{before}\", \"{after}\", \"run.log\"", "other");
+        assert_eq!(
+            output.status.code(),
+            Some(3),
+            "{attempt}: {}",
+            said(&output)
+        );
+    }
+}
+
+#[test]
 fn of_two_runs_that_begin_at_once_in_a_folder_one_is_refused() {
     let bench = Bench::new("leapfrog", KEYS);
     for attempt in 0..6 {
