@@ -13,7 +13,7 @@ use crate::lack::Lack;
 
 /// A file that was hashed.
 pub struct KnownFile {
-    /// The word of the command that names it.
+    /// What the command names it by.
     pub word: String,
     pub path: PathBuf,
     pub sha256: String,

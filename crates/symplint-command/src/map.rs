@@ -14,6 +14,7 @@ use symplint_journal::{Call as JournalCall, Journal, Request};
 use crate::call::{Call, Program};
 use crate::known_files::KnownFile;
 use crate::lack::CallFailure;
+use crate::names::names;
 use crate::planned::Planned;
 use crate::running::wait_if_stopped;
 use crate::search::found_in_path;
@@ -222,20 +223,15 @@ impl CommandMap {
         }
     }
 
-    /// The files that the command names before its first `{before}`, with their paths: the program, which is looked for in `PATH`
-    /// as the system does, the script that an interpreter runs, and what these are given to read. Files named later may be data
-    /// that calls write.
+    /// The files that the command [names](crate::names) before its first `{before}`, with their paths: the program, which is looked
+    /// for in `PATH` as the system does, the script that an interpreter runs, and what these are given to read. Files named later may
+    /// be data that calls write.
     fn program_files(&self) -> Vec<(&str, PathBuf)> {
         let Program { command, folder } = &self.program;
-        let words = command.iter().take_while(|word| !word.contains("{before}"));
-        let path = |(place, word): (usize, &String)| match place {
-            0 => found_in_path(word, folder),
-            _ => Some(folder.join(word)),
-        };
-        // Such a word is another one in each call.
-        let varies = |word: &str| word.contains("{after}") || word.contains("{h}");
-        let files = words.enumerate().filter(|(_, word)| !varies(word));
-        let files = files.filter_map(|(place, word)| Some((&**word, path((place, word))?)));
+        let program = found_in_path(&command[0], folder).map(|path| (&*command[0], path));
+        let others = names(command).into_iter();
+        let others = others.map(|name| (name, folder.join(name)));
+        let files = program.into_iter().chain(others);
         files.filter(|(_, path)| path.is_file()).collect()
     }
 

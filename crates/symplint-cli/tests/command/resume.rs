@@ -427,6 +427,41 @@ fn a_changed_file_after_the_step_size_in_the_command_is_named() {
     assert_eq!(check("notes.txt", "3").status.code(), Some(3));
 }
 
+#[cfg(unix)]
+#[test]
+fn changed_files_in_options_and_scripts_are_named() {
+    for (k, command) in [
+        "[\"sh\", \"step.sh\", \"--k=params.txt\", \"{before}\", \"{after}\"]",
+        "[\"sh\", \"-c\", \"sh step.sh --k=params.txt {before} {after}\"]",
+        "[\"sh\", \"-c\", 'read k <params.txt; cp \"$0\" \"$1\"', \"{before}\", \"{after}\"]",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let text = format!(
+            "[system]\nname = \"command\"\ncommand = {command}\n\
+             q0 = [1.0]\np0 = [0.5]\n[diagnostic]\nstep_sizes = [0.5]\nbudget = 200\n"
+        );
+        fs::write(path("run.toml"), text).unwrap();
+        fs::write(path("step.sh"), "cp \"$2\" \"$3\"\n").unwrap();
+        let check = |parameter: &str| {
+            fs::write(path("params.txt"), parameter).unwrap();
+            let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+            command.arg("check").arg(path("run.toml")).arg("--quiet");
+            command.arg("--out").arg(path("run")).output().unwrap()
+        };
+        // It moves nothing.
+        let output = check("1\n");
+        assert_eq!(output.status.code(), Some(3), "{k}: {}", said(&output));
+        let output = check("2\n");
+        let text = in_one_line(&output);
+        assert_eq!(output.status.code(), Some(2), "{k}: {text}");
+        assert!(text.contains("program.params.txt"), "{k}: {text}");
+    }
+}
+
 #[test]
 fn a_program_that_changes_while_a_run_goes_on_ends_it() {
     let folder = tempfile::TempDir::new().unwrap();
