@@ -47,8 +47,18 @@ impl Call<'_> {
             LoopFileError::Write { path, reason } => Lack::of_file(&path, &reason),
             other => Lack::of_file(&before.path, &other),
         })?;
+        let bytes = || fs::metadata(&before.path).ok().map(|file| file.len());
+        let written = bytes();
         self.run(&folder, &before).map_err(|failure| match failure {
-            CallFailure::Program(failure) => of_full_disk(failure, folder.path(), &before.path),
+            CallFailure::Program(failure) => match (written, bytes()) {
+                (Some(written), Some(now)) if now == written => {
+                    of_full_disk(failure, folder.path(), written)
+                }
+                _ => CallFailure::Lack(Lack::Removed {
+                    failure: failure.reason,
+                    path: before.path.clone(),
+                }),
+            },
             lack @ CallFailure::Lack(_) => lack,
         })
     }
@@ -187,8 +197,7 @@ fn at_limit_of_files(status: ExitStatus) -> bool {
 
 /// The failure of a program; that of the disk where it has no space for what the program had to write, about as much as what it
 /// read.
-fn of_full_disk(failure: StepFailure, folder: &Path, before: &Path) -> CallFailure {
-    let bytes = fs::metadata(before).map_or(0, |file| file.len());
+fn of_full_disk(failure: StepFailure, folder: &Path, bytes: u64) -> CallFailure {
     match missing_space(folder, bytes.max(4096)) {
         Some(error) => CallFailure::Lack(Lack::Space {
             failure: failure.reason,

@@ -36,6 +36,19 @@ pub enum Lack {
         /// The error of the operating system.
         reason: String,
     },
+    /// The file that a program had to read, which failed.
+    #[error(
+        "{failure}; meanwhile {} was removed or changed: leave it alone, or name another folder by TMPDIR or --keep, and let the \
+         program write nothing but {{after}}. That says nothing of the map: calls noted before are kept, and the same command goes \
+         on from them",
+        path.display()
+    )]
+    Removed {
+        /// What became of the program.
+        failure: String,
+        /// The file.
+        path: PathBuf,
+    },
     /// A process, or a file to be opened.
     #[error(
         "cannot {action}: {reason}; end other processes, set system.workers to less, or raise the limits (`ulimit -a`). The call \

@@ -660,22 +660,34 @@ fn a_call_that_cannot_be_made_is_no_failure_of_the_map() {
 
 #[test]
 #[cfg(unix)]
-fn a_program_whose_files_may_not_grow_stops_the_run_which_goes_on_later() {
-    let bench = Bench::new("grow", KEYS);
-    let path = |name: &str| bench.folder.path().join(name);
-    let check = |out: &str| {
-        let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=1500", "--out"]);
-        command.arg(path(out));
-        command
-    };
-    let stopped = check("stopped").output().unwrap();
-    let text = in_one_line(&stopped);
-    assert_eq!(stopped.status.code(), Some(2), "{text}");
-    assert!(text.contains("files may not grow"), "{text}");
-    assert!(!path("stopped").join("report.json").exists());
-    for out in ["stopped", "whole"] {
-        let output = check(out).env("SYMPLINT_TEST_WELL", "").output().unwrap();
-        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+fn what_fails_for_another_reason_than_the_map_stops_the_run_which_goes_on_later() {
+    for (behaviour, keep, reason) in [
+        ("grow", None, "files may not grow"),
+        ("remove", None, "before.npz was removed or changed"),
+        ("remove", Some("kept"), "before.npz was removed or changed"),
+    ] {
+        let bench = Bench::new(behaviour, KEYS);
+        let path = |name: &str| bench.folder.path().join(name);
+        let check = |out: &str, keep: Option<&str>| {
+            let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=1500"]);
+            command.arg("--out").arg(path(out));
+            command.args(keep.map(|keep| format!("--keep={}", path(keep).display())));
+            command
+        };
+        let stopped = check("stopped", keep).output().unwrap();
+        let text = in_one_line(&stopped);
+        assert_eq!(stopped.status.code(), Some(2), "{behaviour}: {text}");
+        assert!(text.contains(reason), "{behaviour}: {text}");
+        assert!(!path("stopped").join("report.json").exists());
+        for out in ["stopped", "whole"] {
+            let mut command = check(out, keep.filter(|_| out == "stopped"));
+            let output = command.env("SYMPLINT_TEST_WELL", "").output().unwrap();
+            let text = said(&output);
+            assert_eq!(output.status.code(), Some(0), "{behaviour}: {text}");
+        }
+        // The configurations have `keep`, or not.
+        let [stopped, whole] = ["stopped", "whole"].map(|out| report(&path(out)));
+        assert_eq!(stopped["evidence"], whole["evidence"], "{behaviour}");
+        assert_eq!(stopped["verdict"], whole["verdict"], "{behaviour}");
     }
-    assert_eq!(report(&path("stopped")), report(&path("whole")));
 }
