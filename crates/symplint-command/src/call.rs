@@ -93,6 +93,10 @@ impl Call<'_> {
                 }
                 .into());
             }
+            Ended::Exited(status) if was_killed(status) => {
+                let failure = self.failed(&format!("ended with {status}"), &streams);
+                return Err(Lack::Killed { failure }.into());
+            }
             Ended::Exited(status) if !status.success() => Some(format!("ended with {status}")),
             // A FIFO would be waited for without a time limit.
             Ended::Exited(_) => match fs::metadata(&after) {
@@ -178,6 +182,21 @@ impl Call<'_> {
             Some(format!("; its {name}:\n{text}"))
         });
         format!("`{program}` {wrong}{}", said.unwrap_or_default())
+    }
+}
+
+/// Whether a process was killed, or says so of the last one that it ran, as shells do.
+fn was_killed(status: ExitStatus) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::ExitStatusExt;
+        let kill = rustix::process::Signal::KILL.as_raw();
+        status.signal() == Some(kill) || status.code() == Some(128 + kill)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = status;
+        false
     }
 }
 

@@ -75,12 +75,17 @@ fn program() {
         }
         "nothing" => {}
         "fifo" => drop(Command::new("mkfifo").arg(&after).status().unwrap()),
-        "grow" => {
-            // As the system does where a file may not grow.
+        "grow" | "killed" => {
+            // As the system does where a file may not grow, or where memory runs out.
+            let signal = match behaviour {
+                "grow" => "-XFSZ",
+                _ => "-KILL",
+            };
             let pid = std::process::id().to_string();
-            let _ = Command::new("kill").args(["-XFSZ", &pid]).status();
+            let _ = Command::new("kill").args([signal, &pid]).status();
             std::thread::sleep(Duration::from_secs(60));
         }
+        "killed within" => std::process::exit(137),
         "remove" => {
             // As somebody who tidies up.
             fs::remove_dir_all(before.parent().unwrap().parent().unwrap()).unwrap();

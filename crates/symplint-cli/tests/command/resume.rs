@@ -663,6 +663,8 @@ fn a_call_that_cannot_be_made_is_no_failure_of_the_map() {
 fn what_fails_for_another_reason_than_the_map_stops_the_run_which_goes_on_later() {
     for (behaviour, keep, reason) in [
         ("grow", None, "files may not grow"),
+        ("killed", None, "ended with signal: 9"),
+        ("killed within", None, "where memory runs out"),
         ("remove", None, "before.npz was removed or changed"),
         ("remove", Some("kept"), "before.npz was removed or changed"),
     ] {
