@@ -509,6 +509,21 @@ mod signals {
     }
 
     #[test]
+    fn programs_are_waited_for_where_the_signal_of_their_end_was_ignored() {
+        let bench = Bench::new("verlet", "batch = 1000");
+        let output = Command::new("bash")
+            .args(["-c", "trap '' CHLD; exec \"$0\" \"$@\""])
+            .arg(env!("CARGO_BIN_EXE_symplint"))
+            .arg("check")
+            .arg(bench.config())
+            .args(["--quiet", "--set", "diagnostic.budget=300"])
+            .env("TMPDIR", bench.temporary.path())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    }
+
+    #[test]
     fn what_a_program_leaves_behind_in_the_background_is_ended() {
         let bench = Bench::new("leave", "workers = 1");
         let pids = bench.folder.path().join("pids");
