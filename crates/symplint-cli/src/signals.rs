@@ -50,9 +50,13 @@ fn end() {
 /// this program, which then cleans up at its next run.
 #[cfg(unix)]
 pub fn handle() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    use signal_hook::consts::{SIGCHLD, SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     // At a limit of file sizes the write fails, with a message, and what was written before is kept.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
+    // Where this signal is ignored, the system forgets how programs ended.
+    if ignores(SIGCHLD) {
+        let _ = signal_hook::flag::register(SIGCHLD, Arc::new(AtomicBool::new(false)));
+    }
     let heeded = [SIGINT, SIGTERM, SIGHUP]
         .into_iter()
         .filter(|&signal| !ignores(signal));
@@ -61,15 +65,16 @@ pub fn handle() {
     }
 }
 
-/// Whether this program was started to ignore a signal. What cannot be found out counts as ignored for SIGHUP alone.
+/// Whether this program was started to ignore a signal. What cannot be found out counts as ignored for SIGHUP and SIGCHLD alone.
 #[cfg(unix)]
 fn ignores(signal: i32) -> bool {
+    use signal_hook::consts::{SIGCHLD, SIGHUP};
     // Linux says it in hexadecimal digits, the signal 1 in the last bit.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let digits = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     match digits.and_then(|digits| u64::from_str_radix(digits.trim(), 16).ok()) {
         Some(ignored) => ignored >> (signal - 1) & 1 == 1,
-        None => signal == signal_hook::consts::SIGHUP,
+        None => matches!(signal, SIGHUP | SIGCHLD),
     }
 }
 

@@ -9,7 +9,7 @@ use std::time::Duration;
 use symplint::{Coordinates, Ensemble, Snapshot, StepFailure};
 use symplint_report::loop_file::{LoopFile, LoopFileError};
 
-use crate::lack::{CallFailure, Lack, is_lack, missing_space};
+use crate::lack::{CallFailure, Lack, missing_space};
 use crate::process::{Ended, NotRun, Streams, run};
 use crate::workspace::{CallFolder, Workspace};
 
@@ -44,11 +44,21 @@ impl Call<'_> {
         let path = |name: &str| folder.path().join(name);
         let before = self.before(path("before.npz"), states);
         before.write().map_err(|error| match error {
-            LoopFileError::Write { path, reason } => Lack::File { path, reason },
+            LoopFileError::Write { path, reason } => Lack::of_file(&path, &reason),
             other => Lack::of_file(&before.path, &other),
         })?;
+        let bytes = || fs::metadata(&before.path).ok().map(|file| file.len());
+        let written = bytes();
         self.run(&folder, &before).map_err(|failure| match failure {
-            CallFailure::Program(failure) => of_full_disk(failure, folder.path(), &before.path),
+            CallFailure::Program(failure) => match (written, bytes()) {
+                (Some(written), Some(now)) if now == written => {
+                    of_full_disk(failure, folder.path(), written)
+                }
+                _ => CallFailure::Lack(Lack::Removed {
+                    failure: failure.reason,
+                    path: before.path.clone(),
+                }),
+            },
             lack @ CallFailure::Lack(_) => lack,
         })
     }
@@ -83,6 +93,10 @@ impl Call<'_> {
                 }
                 .into());
             }
+            Ended::Exited(status) if was_killed(status) => {
+                let failure = self.failed(&format!("ended with {status}"), &streams);
+                return Err(Lack::Killed { failure }.into());
+            }
             Ended::Exited(status) if !status.success() => Some(format!("ended with {status}")),
             // A FIFO would be waited for without a time limit.
             Ended::Exited(_) => match fs::metadata(&after) {
@@ -96,17 +110,16 @@ impl Call<'_> {
         if let Some(wrong) = wrong {
             return Err(refused(self.failed(&wrong, &streams)));
         }
-        if let Err(error) = fs::File::open(&after)
-            && is_lack(&error)
-        {
-            let (action, reason) = (format!("open {}", after.display()), error.to_string());
-            return Err(Lack::Resource { action, reason }.into());
-        }
         let read = LoopFile::read_states(&after).and_then(|read| {
             read.check_same_loop(before)?;
             Ok(read.states)
         });
         read.map_err(|error| {
+            if let LoopFileError::Read { path, reason } = &error
+                && let Some(lack) = Lack::of_open_files(path, reason)
+            {
+                return lack.into();
+            }
             CallFailure::Program(StepFailure {
                 sample: match &error {
                     LoopFileError::NotFinite { sample, .. } => *sample,
@@ -172,6 +185,21 @@ impl Call<'_> {
     }
 }
 
+/// Whether a process was killed, or says so of the last one that it ran, as shells do.
+fn was_killed(status: ExitStatus) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::ExitStatusExt;
+        let kill = rustix::process::Signal::KILL.as_raw();
+        status.signal() == Some(kill) || status.code() == Some(128 + kill)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = status;
+        false
+    }
+}
+
 /// Whether a process was ended because its files may not grow.
 fn at_limit_of_files(status: ExitStatus) -> bool {
     #[cfg(unix)]
@@ -188,8 +216,7 @@ fn at_limit_of_files(status: ExitStatus) -> bool {
 
 /// The failure of a program; that of the disk where it has no space for what the program had to write, about as much as what it
 /// read.
-fn of_full_disk(failure: StepFailure, folder: &Path, before: &Path) -> CallFailure {
-    let bytes = fs::metadata(before).map_or(0, |file| file.len());
+fn of_full_disk(failure: StepFailure, folder: &Path, bytes: u64) -> CallFailure {
     match missing_space(folder, bytes.max(4096)) {
         Some(error) => CallFailure::Lack(Lack::Space {
             failure: failure.reason,

@@ -44,10 +44,11 @@ pub enum CallsError {
         /// The error of the operating system.
         reason: String,
     },
-    /// It has other contents than at the start.
+    /// It has other contents than at the start, or is there, or not there, unlike at the start.
     #[error(
-        "{} changed while the run went on; calls that were noted before are kept, none of the changed program: put the file back \
-         as it was and start the run again, or use another folder; files that calls themselves write are named after {{before}}",
+        "{} changed while the run went on (or was made, or removed); calls that were noted before are kept, none of the changed \
+         program: put the file back as it was and start the run again, or use another folder; files that calls themselves write \
+         are named after {{before}}",
         path.display()
     )]
     Changed {

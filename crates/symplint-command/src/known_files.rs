@@ -1,17 +1,19 @@
 //! The files that the program of a run is known by, which have to stay as they are while it goes on.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::fs::{self, Metadata};
+use std::io::{self, ErrorKind};
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 
 use symplint_report::provenance::HashedFile;
 
 use crate::CallsError;
+use crate::lack::Lack;
 
 /// A file that was hashed.
 pub struct KnownFile {
-    /// The word of the command that names it.
+    /// What the command names it by.
     pub word: String,
     pub path: PathBuf,
     pub sha256: String,
@@ -30,9 +32,8 @@ struct Stamp {
 }
 
 impl Stamp {
-    fn of(path: &Path) -> Option<Self> {
-        let metadata = fs::metadata(path).ok()?;
-        Some(Stamp {
+    fn of(metadata: &Metadata) -> Self {
+        Stamp {
             length: metadata.len(),
             modified: metadata.modified().ok(),
             #[cfg(unix)]
@@ -40,7 +41,7 @@ impl Stamp {
                 use std::os::unix::fs::MetadataExt;
                 (metadata.ino(), metadata.ctime(), metadata.ctime_nsec())
             },
-        })
+        }
     }
 }
 
@@ -50,7 +51,8 @@ impl KnownFile {
     /// # Errors
     /// If it cannot be read.
     pub fn read(word: &str, path: PathBuf) -> Result<Self, CallsError> {
-        let stamp = Mutex::new(Stamp::of(&path));
+        let stamp = fs::metadata(&path).ok();
+        let stamp = Mutex::new(stamp.as_ref().map(Stamp::of));
         match HashedFile::read(&path) {
             Ok(HashedFile { sha256, .. }) => Ok(KnownFile {
                 word: word.to_owned(),
@@ -58,25 +60,45 @@ impl KnownFile {
                 sha256,
                 stamp,
             }),
-            Err(error) => Err(CallsError::Unreadable {
-                reason: error.to_string(),
-                path,
-            }),
+            Err(error) => Err(unreadable(path, &error)),
         }
     }
 
-    /// Whether it has other contents now, or none.
-    pub fn changed(&self) -> bool {
-        let mut stamp = self.stamp.lock().unwrap_or_else(PoisonError::into_inner);
-        let now = Stamp::of(&self.path);
-        if *stamp == now && now.is_some() {
-            return false;
+    /// Whether it has other contents now, or is not there.
+    ///
+    /// # Errors
+    /// If it is there and cannot be read.
+    pub fn changed(&self) -> Result<bool, CallsError> {
+        self.look().or_else(|error| match error.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory => Ok(true),
+            _ => Err(unreadable(self.path.clone(), &error)),
+        })
+    }
+
+    fn look(&self) -> io::Result<bool> {
+        let there = fs::metadata(&self.path)?;
+        // A FIFO would be waited for.
+        if !there.is_file() {
+            return Ok(true);
         }
-        let changed = HashedFile::read(&self.path).map_or(true, |file| file.sha256 != self.sha256);
+        let now = Some(Stamp::of(&there));
+        let mut stamp = self.stamp.lock().unwrap_or_else(PoisonError::into_inner);
+        if *stamp == now {
+            return Ok(false);
+        }
+        let changed = HashedFile::read(&self.path)?.sha256 != self.sha256;
         if !changed {
             *stamp = now;
         }
-        changed
+        Ok(changed)
+    }
+}
+
+fn unreadable(path: PathBuf, error: &io::Error) -> CallsError {
+    let reason = error.to_string();
+    match Lack::of_open_files(&path, &reason) {
+        Some(lack) => lack.into(),
+        None => CallsError::Unreadable { path, reason },
     }
 }
 
@@ -91,20 +113,42 @@ mod tests {
         fs::write(&path, "one").unwrap();
         let known = KnownFile::read("step.sh", path.clone()).unwrap();
         let time = fs::metadata(&path).unwrap().modified().unwrap();
-        assert!(!known.changed());
+        let changed = || known.changed().unwrap();
+        assert!(!changed());
         // Another file with the same contents is the same program.
         fs::write(folder.path().join("copy"), "one").unwrap();
         fs::rename(folder.path().join("copy"), &path).unwrap();
-        assert!(!known.changed());
+        assert!(!changed());
         // As long, and with the time of the old one.
         fs::write(&path, "two").unwrap();
         let file = fs::File::options().write(true).open(&path).unwrap();
         file.set_modified(time).unwrap();
-        assert_eq!(known.changed(), cfg!(unix));
+        assert_eq!(changed(), cfg!(unix));
         fs::write(&path, "three").unwrap();
-        assert!(known.changed());
+        assert!(changed());
         fs::remove_file(&path).unwrap();
-        assert!(known.changed());
-        assert!(KnownFile::read("step.sh", path).is_err());
+        assert!(changed());
+        assert!(KnownFile::read("step.sh", path.clone()).is_err());
+        fs::create_dir(&path).unwrap();
+        assert!(changed());
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_file_that_cannot_be_read_did_not_change() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("step.sh");
+        fs::write(&path, "one").unwrap();
+        let known = KnownFile::read("step.sh", path.clone()).unwrap();
+        fs::remove_file(&path).unwrap();
+        // A link that leads to itself: also the superuser cannot read it.
+        std::os::unix::fs::symlink(&path, &path).unwrap();
+        assert!(matches!(
+            known.changed(),
+            Err(CallsError::Unreadable { .. })
+        ));
+        fs::remove_file(&path).unwrap();
+        fs::write(&path, "one").unwrap();
+        assert_eq!(known.changed(), Ok(false));
     }
 }

@@ -36,6 +36,28 @@ pub enum Lack {
         /// The error of the operating system.
         reason: String,
     },
+    /// The file that a program had to read, which failed.
+    #[error(
+        "{failure}; meanwhile {} was removed or changed: leave it alone, or name another folder by TMPDIR or --keep, and let the \
+         program write nothing but {{after}}. That says nothing of the map: calls noted before are kept, and the same command goes \
+         on from them",
+        path.display()
+    )]
+    Removed {
+        /// What became of the program.
+        failure: String,
+        /// The file.
+        path: PathBuf,
+    },
+    /// A program was killed, and not by this one.
+    #[error(
+        "{failure}; programs end so that are killed, as where memory runs out: free memory, or set system.workers to less. That \
+         says nothing of the map: calls noted before are kept, and the same command goes on from them"
+    )]
+    Killed {
+        /// What became of the program.
+        failure: String,
+    },
     /// A process, or a file to be opened.
     #[error(
         "cannot {action}: {reason}; end other processes, set system.workers to less, or raise the limits (`ulimit -a`). The call \
@@ -56,12 +78,21 @@ pub enum Lack {
 }
 
 impl Lack {
-    /// That of a file or folder.
+    /// That of a file or folder that cannot be written.
     pub(crate) fn of_file(path: &Path, error: &impl ToString) -> Self {
-        Lack::File {
+        let reason = error.to_string();
+        Lack::of_open_files(path, &reason).unwrap_or_else(|| Lack::File {
             path: path.to_owned(),
-            reason: error.to_string(),
-        }
+            reason,
+        })
+    }
+
+    /// That of a file that cannot be opened, where the reason is that too many are open.
+    pub(crate) fn of_open_files(path: &Path, reason: &str) -> Option<Self> {
+        says_too_many_files(reason).then(|| Lack::Resource {
+            action: format!("open {}", path.display()),
+            reason: reason.to_owned(),
+        })
     }
 }
 
@@ -89,6 +120,22 @@ pub fn is_lack(error: &io::Error) -> bool {
         return true;
     }
     is_full(error) || matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::OutOfMemory)
+}
+
+/// Whether this is the text of the error of too many open files, of this program or of all: errors of loop files have no more.
+fn says_too_many_files(reason: &str) -> bool {
+    #[cfg(unix)]
+    {
+        let errors = [rustix::io::Errno::MFILE, rustix::io::Errno::NFILE];
+        errors
+            .into_iter()
+            .any(|error| io::Error::from(error).to_string() == reason)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = reason;
+        false
+    }
 }
 
 /// Whether a file cannot grow.
@@ -123,6 +170,20 @@ mod tests {
             .map(|number| is_lack(&io::Error::from_raw_os_error(number)));
         if cfg!(target_os = "linux") {
             assert_eq!(lacks, [false, true, true, false, true, true, true, true]);
+        }
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn too_many_open_files_are_not_a_full_disk() {
+        let of = |number| Lack::of_file(Path::new("f"), &io::Error::from_raw_os_error(number));
+        let has_no_space = |lack| matches!(lack, Lack::File { .. });
+        // Of Linux: EACCES, ENFILE, EMFILE, ENOSPC.
+        if cfg!(target_os = "linux") {
+            assert_eq!(
+                [13, 23, 24, 28].map(|number| has_no_space(of(number))),
+                [true, false, false, true]
+            );
         }
     }
 

@@ -10,6 +10,7 @@
 //! | `call` | one call: its files, and what can go wrong |
 //! | `lack` | what the system could not do for a call, which is no failure of the map |
 //! | `known_files` | the files that the program is known by, and whether they changed |
+//! | `names` | what a command may name files by |
 //! | `search` | where the system finds a program |
 //! | `process` | a process with a time limit, and its group |
 //! | `workspace` | the temporary folder, and folders that killed runs left behind |
@@ -20,6 +21,7 @@ mod error;
 mod known_files;
 mod lack;
 mod map;
+mod names;
 mod planned;
 mod process;
 mod running;

@@ -14,6 +14,7 @@ use symplint_journal::{Call as JournalCall, Journal, Request};
 use crate::call::{Call, Program};
 use crate::known_files::KnownFile;
 use crate::lack::CallFailure;
+use crate::names::names;
 use crate::planned::Planned;
 use crate::running::wait_if_stopped;
 use crate::search::found_in_path;
@@ -164,7 +165,7 @@ impl CommandMap {
     }
 
     /// What the program is known by: the files that the command names before its first `{before}`, with the SHA-256 of their
-    /// contents. Where one of them changes from now on, no call is made or noted any more, and [`failure`](Self::failure) names
+    /// contents. Where one of them changes or comes to be from now on, no call is made or noted any more, and [`failure`](Self::failure) names
     /// it.
     ///
     /// # Errors
@@ -186,17 +187,32 @@ impl CommandMap {
 
     /// Checks that the program is what it was when it was hashed, if it was.
     fn check_program(&self) -> Result<(), StepFailure> {
+        self.find_changes().map_err(|error| self.stopped(error))
+    }
+
+    fn find_changes(&self) -> Result<(), CallsError> {
         let Some(known) = self.known.get() else {
             return Ok(());
         };
+        let changed = |path: &Path| CallsError::Changed {
+            path: path.to_owned(),
+        };
+        for file in known {
+            if file.changed()? {
+                return Err(changed(&file.path));
+            }
+        }
         // Looked for again: another program may have come before it in `PATH`.
         let now = self.program_files();
-        let is_there = |file: &KnownFile| now.contains(&(&*file.word, file.path.clone()));
-        let changed = known.iter().find(|file| !is_there(file) || file.changed());
-        changed.map_or(Ok(()), |file| {
-            let path = file.path.clone();
-            Err(self.stopped(CallsError::Changed { path }))
-        })
+        let then = known.iter().map(|file| (&*file.word, file.path.clone()));
+        let then: Vec<(&str, PathBuf)> = then.collect();
+        let gone = then.iter().find(|file| !now.contains(file));
+        // A file that came to be would be missed when the run goes on: calls make it.
+        let new = || now.iter().find(|file| !then.contains(file));
+        match gone.or_else(new) {
+            Some((_, path)) => Err(changed(path)),
+            None => Ok(()),
+        }
     }
 
     /// Takes note of why the run ends, which is no failure of the map.
@@ -207,20 +223,15 @@ impl CommandMap {
         }
     }
 
-    /// The files that the command names before its first `{before}`, with their paths: the program, which is looked for in `PATH`
-    /// as the system does, the script that an interpreter runs, and what these are given to read. Files named later may be data
-    /// that calls write.
+    /// The files that the command [names](crate::names) before its first `{before}`, with their paths: the program, which is looked
+    /// for in `PATH` as the system does, the script that an interpreter runs, and what these are given to read. Files named later may
+    /// be data that calls write.
     fn program_files(&self) -> Vec<(&str, PathBuf)> {
         let Program { command, folder } = &self.program;
-        let words = command.iter().take_while(|word| !word.contains("{before}"));
-        let path = |(place, word): (usize, &String)| match place {
-            0 => found_in_path(word, folder),
-            _ => Some(folder.join(word)),
-        };
-        // Such a word is another one in each call.
-        let varies = |word: &str| word.contains("{after}") || word.contains("{h}");
-        let files = words.enumerate().filter(|(_, word)| !varies(word));
-        let files = files.filter_map(|(place, word)| Some((&**word, path((place, word))?)));
+        let program = found_in_path(&command[0], folder).map(|path| (&*command[0], path));
+        let others = names(command).into_iter();
+        let others = others.map(|name| (name, folder.join(name)));
+        let files = program.into_iter().chain(others);
         files.filter(|(_, path)| path.is_file()).collect()
     }
 

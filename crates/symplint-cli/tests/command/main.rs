@@ -75,11 +75,21 @@ fn program() {
         }
         "nothing" => {}
         "fifo" => drop(Command::new("mkfifo").arg(&after).status().unwrap()),
-        "grow" => {
-            // As the system does where a file may not grow.
+        "grow" | "killed" => {
+            // As the system does where a file may not grow, or where memory runs out.
+            let signal = match behaviour {
+                "grow" => "-XFSZ",
+                _ => "-KILL",
+            };
             let pid = std::process::id().to_string();
-            let _ = Command::new("kill").args(["-XFSZ", &pid]).status();
+            let _ = Command::new("kill").args([signal, &pid]).status();
             std::thread::sleep(Duration::from_secs(60));
+        }
+        "killed within" => std::process::exit(137),
+        "remove" => {
+            // As somebody who tidies up.
+            fs::remove_dir_all(before.parent().unwrap().parent().unwrap()).unwrap();
+            std::process::exit(1);
         }
         "nan" => {
             let last = file.states.samples() - 1;
@@ -496,6 +506,21 @@ mod signals {
         assert_eq!(child.try_wait().unwrap(), None);
         send("-TERM", &child.id().to_string());
         assert_eq!(child.wait().unwrap().code(), Some(130));
+    }
+
+    #[test]
+    fn programs_are_waited_for_where_the_signal_of_their_end_was_ignored() {
+        let bench = Bench::new("verlet", "batch = 1000");
+        let output = Command::new("bash")
+            .args(["-c", "trap '' CHLD; exec \"$0\" \"$@\""])
+            .arg(env!("CARGO_BIN_EXE_symplint"))
+            .arg("check")
+            .arg(bench.config())
+            .args(["--quiet", "--set", "diagnostic.budget=300"])
+            .env("TMPDIR", bench.temporary.path())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     }
 
     #[test]

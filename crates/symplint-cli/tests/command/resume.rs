@@ -463,6 +463,41 @@ fn a_changed_file_after_the_step_size_in_the_command_is_named() {
     assert_eq!(check("notes.txt", "3").status.code(), Some(3));
 }
 
+#[cfg(unix)]
+#[test]
+fn changed_files_in_options_and_scripts_are_named() {
+    for (k, command) in [
+        "[\"sh\", \"step.sh\", \"--k=params.txt\", \"{before}\", \"{after}\"]",
+        "[\"sh\", \"-c\", \"sh step.sh --k=params.txt {before} {after}\"]",
+        "[\"sh\", \"-c\", 'read k <params.txt; cp \"$0\" \"$1\"', \"{before}\", \"{after}\"]",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let text = format!(
+            "[system]\nname = \"command\"\ncommand = {command}\n\
+             q0 = [1.0]\np0 = [0.5]\n[diagnostic]\nstep_sizes = [0.5]\nbudget = 200\n"
+        );
+        fs::write(path("run.toml"), text).unwrap();
+        fs::write(path("step.sh"), "cp \"$2\" \"$3\"\n").unwrap();
+        let check = |parameter: &str| {
+            fs::write(path("params.txt"), parameter).unwrap();
+            let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+            command.arg("check").arg(path("run.toml")).arg("--quiet");
+            command.arg("--out").arg(path("run")).output().unwrap()
+        };
+        // It moves nothing.
+        let output = check("1\n");
+        assert_eq!(output.status.code(), Some(3), "{k}: {}", said(&output));
+        let output = check("2\n");
+        let text = in_one_line(&output);
+        assert_eq!(output.status.code(), Some(2), "{k}: {text}");
+        assert!(text.contains("program.params.txt"), "{k}: {text}");
+    }
+}
+
 #[test]
 fn a_program_that_changes_while_a_run_goes_on_ends_it() {
     let folder = tempfile::TempDir::new().unwrap();
@@ -519,6 +554,44 @@ fn a_program_that_changes_while_a_run_goes_on_ends_it() {
     let collected = symplint(&["collect", "jobs"]);
     assert_eq!(collected.status.code(), Some(4), "{}", said(&collected));
     assert!(!path("jobs").join("failed.json").exists());
+}
+
+#[test]
+fn a_file_that_the_first_call_makes_ends_the_run_before_anything_is_noted() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let check = |files: &str, out: &str| {
+        let text = format!(
+            "[system]\nname = \"command\"\ncommand = [\"sh\", \"step.sh\", {files}]\nworkers = 1\n\
+             q0 = [1.0]\np0 = [0.5]\n[diagnostic]\nstep_sizes = [0.5]\nbudget = 200\n"
+        );
+        fs::write(path("run.toml"), text).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        command.arg("check").arg(path("run.toml")).arg("--quiet");
+        command.arg("--out").arg(path(out)).output().unwrap()
+    };
+    fs::write(path("step.sh"), "cp \"$2\" \"$3\"\necho call >>\"$1\"\n").unwrap();
+    let output = check("\"run.log\", \"{before}\", \"{after}\"", "run");
+    let text = in_one_line(&output);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(
+        text.contains("run.log changed while the run went on (or was made"),
+        "{text}"
+    );
+    assert!(text.contains("are named after {before}"), "{text}");
+    assert_eq!(calls(&path("run.log")), 1);
+    // As the message says.
+    fs::remove_file(path("run.log")).unwrap();
+    fs::write(path("step.sh"), "cp \"$1\" \"$2\"\necho call >>\"$3\"\n").unwrap();
+    for attempt in 0..2 {
+        let output = check("\"{before}\", \"{after}\", \"run.log\"", "other");
+        assert_eq!(
+            output.status.code(),
+            Some(3),
+            "{attempt}: {}",
+            said(&output)
+        );
+    }
 }
 
 #[test]
@@ -599,7 +672,8 @@ fn a_call_that_cannot_be_made_is_no_failure_of_the_map() {
     let bench = Bench::new("leapfrog", "batch = 1000\n");
     for (limit, reason) in [
         ("-f 1", "before.npz: File too large"),
-        ("-n 10", "Too many open files"),
+        ("-n 7", "open files (os error 24); end other processes"),
+        ("-n 10", "open files (os error 24); end other processes"),
     ] {
         let output = Command::new("sh")
             .args(["-c", &format!("ulimit {limit}; exec \"$@\""), "sh"])
@@ -622,22 +696,36 @@ fn a_call_that_cannot_be_made_is_no_failure_of_the_map() {
 
 #[test]
 #[cfg(unix)]
-fn a_program_whose_files_may_not_grow_stops_the_run_which_goes_on_later() {
-    let bench = Bench::new("grow", KEYS);
-    let path = |name: &str| bench.folder.path().join(name);
-    let check = |out: &str| {
-        let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=1500", "--out"]);
-        command.arg(path(out));
-        command
-    };
-    let stopped = check("stopped").output().unwrap();
-    let text = in_one_line(&stopped);
-    assert_eq!(stopped.status.code(), Some(2), "{text}");
-    assert!(text.contains("files may not grow"), "{text}");
-    assert!(!path("stopped").join("report.json").exists());
-    for out in ["stopped", "whole"] {
-        let output = check(out).env("SYMPLINT_TEST_WELL", "").output().unwrap();
-        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+fn what_fails_for_another_reason_than_the_map_stops_the_run_which_goes_on_later() {
+    for (behaviour, keep, reason) in [
+        ("grow", None, "files may not grow"),
+        ("killed", None, "ended with signal: 9"),
+        ("killed within", None, "where memory runs out"),
+        ("remove", None, "before.npz was removed or changed"),
+        ("remove", Some("kept"), "before.npz was removed or changed"),
+    ] {
+        let bench = Bench::new(behaviour, KEYS);
+        let path = |name: &str| bench.folder.path().join(name);
+        let check = |out: &str, keep: Option<&str>| {
+            let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=1500"]);
+            command.arg("--out").arg(path(out));
+            command.args(keep.map(|keep| format!("--keep={}", path(keep).display())));
+            command
+        };
+        let stopped = check("stopped", keep).output().unwrap();
+        let text = in_one_line(&stopped);
+        assert_eq!(stopped.status.code(), Some(2), "{behaviour}: {text}");
+        assert!(text.contains(reason), "{behaviour}: {text}");
+        assert!(!path("stopped").join("report.json").exists());
+        for out in ["stopped", "whole"] {
+            let mut command = check(out, keep.filter(|_| out == "stopped"));
+            let output = command.env("SYMPLINT_TEST_WELL", "").output().unwrap();
+            let text = said(&output);
+            assert_eq!(output.status.code(), Some(0), "{behaviour}: {text}");
+        }
+        // The configurations have `keep`, or not.
+        let [stopped, whole] = ["stopped", "whole"].map(|out| report(&path(out)));
+        assert_eq!(stopped["evidence"], whole["evidence"], "{behaviour}");
+        assert_eq!(stopped["verdict"], whole["verdict"], "{behaviour}");
     }
-    assert_eq!(report(&path("stopped")), report(&path("whole")));
 }
