@@ -12,6 +12,7 @@ import time
 import types
 import warnings
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing.pool import ThreadPool
 from pathlib import Path
 
 import numpy as np
@@ -599,3 +600,71 @@ def test_a_task_whose_loss_is_told_twice_is_sent_again_once():
     states, failed = workers.advance(0.5, q, q)
     assert failed is None and np.array_equal(states, verlet(q, q, 0.5))
     assert executor.submitted == 2
+
+
+class _Notes:
+    """A journal that counts."""
+
+    def __init__(self):
+        self.noted = 0
+
+    def find(self, h, q, p):
+        return None, None
+
+    def note(self, call, q, p):
+        self.noted += 1
+
+
+class _Gate:
+    """A step that goes on when the test says so."""
+
+    def __init__(self):
+        self.opened, self.begun = threading.Event(), threading.Semaphore(0)
+        self.calls = 0
+
+    def step(self, q, p, h):
+        self.begun.release()
+        assert self.opened.wait(60)
+        self.calls += 1
+        return verlet(q, p, h)
+
+    def begin(self, pool):
+        """Workers with 16 tasks, each thread of the pool in the first one."""
+        workers = Workers(pool, self.step, per_sample=True, make=False, single=False, reset=None)
+        q = np.ones((16, 1))
+        workers.begin(0.5, q, q)
+        for _ in range(pool._processes):
+            assert self.begun.acquire(timeout=60)
+        return workers, q
+
+
+def test_what_a_pool_has_under_way_at_the_end_is_noted_and_the_rest_is_not_made():
+    gate = _Gate()
+    with ThreadPool(1) as pool:
+        workers, _ = gate.begin(pool)
+        workers.journal = journal = _Notes()
+        futures = [task.future for task in workers._tasks]
+
+        def open_when_stopped():
+            # The pool has the call under way and the next one.
+            while sum(future.cancelled() for future in futures) < len(futures) - 2:
+                time.sleep(1e-3)
+            gate.opened.set()
+
+        opening = threading.Thread(target=open_when_stopped, daemon=True)
+        opening.start()
+        assert in_time(workers.close, seconds=20) is None
+        assert journal.noted == 2
+        pool.close()
+        pool.join()
+    assert gate.calls == 2
+
+
+def test_a_pool_that_is_closed_during_a_check_ends_it():
+    gate = _Gate()
+    with ThreadPool(1) as pool:
+        workers, q = gate.begin(pool)
+        pool.close()
+        gate.opened.set()
+        error = in_time(lambda: workers.advance(0.5, q, q), seconds=20)
+    assert isinstance(error, symplint.InputError) and "close it after the check" in str(error)
