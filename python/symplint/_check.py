@@ -195,6 +195,7 @@ def check(
     """
     # Tracebacks of pytest end where the test calls this.
     __tracebackhide__ = True
+    folder = None if out is None else _absolute(out)
     if isinstance(step, System):
         step = of_system(step)
     name = _name(step)
@@ -228,14 +229,14 @@ def check(
     dof = subject["dof"]
     of_states = "coordinates" if form is not None else f"degree{'' if dof == 1 else 's'} of freedom"
     title = f"{name} · {dof} {of_states}"
-    journal = None if out is None or compiled else _journal(out, step, project, config, subject)
+    journal = None if folder is None or compiled else _journal(folder, step, project, config, subject)
     workers = contextlib.nullcontext() if subject["workers"] is None else contextlib.closing(subject["workers"])
     with bar(progress) as watch, _resumable(journal), workers:
         native, failed = _native.check(subject, settings, title, json.dumps(_finite(config)), watch, journal)
     subject["workers"] = None
     report = Report(native, lambda size, samples: _native.image(subject, size, samples))
-    if out is not None:
-        report.save(out)
+    if folder is not None:
+        report.save(folder)
     if failed is not None:
         failed.report = report
         raise failed
@@ -418,11 +419,20 @@ def _of_form(
     return MapOfForm(step, form, make), z0, one_form(of_rows, z0[None, :])[0], radius, loop, Projection(form)
 
 
-def _journal(
-    out: str | os.PathLike[str], step: Any, project: Any, config: dict[str, Any], subject: dict[str, Any]
-) -> tuple[str, str]:
-    """Where evaluations are noted, and of which run."""
+def _absolute(out: str | os.PathLike[str]) -> str:
+    """The folder for the report, which stays the same where a step changes the working directory."""
     folder = os.fsdecode(out)
+    if not folder:
+        raise InputError("out is an empty path; give a folder")
+    try:
+        return os.path.abspath(folder)
+    except OSError as error:
+        message = f"out is {folder!r}, relative to a working directory that cannot be found"
+        raise InputError(f"{message}: {error.strerror}; give an absolute path") from None
+
+
+def _journal(folder: str, step: Any, project: Any, config: dict[str, Any], subject: dict[str, Any]) -> tuple[str, str]:
+    """Where evaluations are noted, and of which run."""
     try:
         os.makedirs(folder, exist_ok=True)
     except OSError as error:

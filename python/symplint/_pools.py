@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import inspect
+import threading
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
+from functools import partial
 from typing import Any
 
-from ._errors import SymplintError
+from ._errors import InputError, SymplintError
+
+#: Tasks that a pool may have at once where it is not known how many processes it has.
+AT_ONCE = 64
+#: A future, the function, and its arguments.
+Task = tuple[Future[Any], Callable[..., Any], tuple[Any, ...]]
 
 
 class OfPool:
@@ -15,27 +23,56 @@ class OfPool:
 
     def __init__(self, pool: Any) -> None:
         self._pool = pool
-        self._max_workers = getattr(pool, "_processes", None)
+        workers = getattr(pool, "_processes", None)
+        self._max_workers = workers if isinstance(workers, int) else None
         #: Those that it had since: a dead one is replaced, and what it had to do is lost.
         self._processes = {process for process in _processes(pool) if process.exitcode is None}
         self._ends_processes = getattr(pool, "_maxtasksperchild", None) is not None
+        #: Tasks that the pool may have at once: one for each process, and the next one. It gives none back.
+        self._most = AT_ONCE if self._max_workers is None else self._max_workers + 1
+        #: Held while what follows changes: the pool calls back on a thread of its own.
+        self._lock = threading.Lock()
+        #: Tasks that the pool does not have yet.
+        self._waiting: deque[Task] = deque()
+        self._under_way = 0
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
         future: Future[Any] = Future()
-
-        def take(result: Any) -> None:
-            if future.set_running_or_notify_cancel():
-                future.set_result(result)
-
-        def fail(error: BaseException) -> None:
-            if future.set_running_or_notify_cancel():
-                future.set_exception(error)
-
-        try:
-            self._pool.apply_async(function, arguments, callback=take, error_callback=fail)
-        except ValueError as error:
-            raise RuntimeError(str(error)) from error
+        with self._lock:
+            self._waiting.append((future, function, arguments))
+        self._fill()
         return future
+
+    def _fill(self) -> None:
+        """Gives the pool as many tasks as it may have."""
+        while (task := self._next()) is not None:
+            future, function, arguments = task
+            take, fail = partial(self._end, future.set_result), partial(self._end, future.set_exception)
+            try:
+                self._pool.apply_async(function, arguments, callback=take, error_callback=fail)
+            except Exception as error:
+                # Not raised here: that would end the thread of the pool where it calls back.
+                with self._lock:
+                    self._under_way -= 1
+                closed = InputError(f"the pool takes no more work: {error}; close it after the check")
+                future.set_exception(closed if isinstance(error, ValueError) else error)
+
+    def _next(self) -> Task | None:
+        """The next task for the pool, but for those that were cancelled."""
+        with self._lock:
+            while self._waiting and self._under_way < self._most:
+                task = self._waiting.popleft()
+                if task[0].set_running_or_notify_cancel():
+                    self._under_way += 1
+                    return task
+        return None
+
+    def _end(self, settle: Callable[[Any], None], value: Any) -> None:
+        """The end of a task. The pool gets the next one before this one is noted."""
+        with self._lock:
+            self._under_way -= 1
+        self._fill()
+        settle(value)
 
     def check(self) -> None:
         """Raises where a process died: a pool says nothing of it, and waits for its result for ever."""

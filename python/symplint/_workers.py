@@ -64,11 +64,13 @@ class Workers:
         #: What notes the states that are advanced, if anything does.
         self.journal: Any = None
         self._begun: dict[bytes, deque[_Arc]] = {}
+        self._sent = 0
+        #: Held while what follows changes: threads of executors change it, too.
+        self._lock = threading.Lock()
+        #: Tasks that are under way.
         self._tasks: set[_Task] = set()
         #: Tasks that were lost with a worker, until their arcs are sent again.
         self._broken: list[_Task] = []
-        self._sent = 0
-        self._lock = threading.Lock()
         self.comparison = Comparison()
         #: Seconds that an arc takes, once that is known.
         self._seconds: float | None = None
@@ -115,7 +117,7 @@ class Workers:
 
     def close(self) -> None:
         """Gives up what was not asked for; where a journal is kept, but for what is under way."""
-        under_way = [task for task in list(self._tasks) if task.future is not None and not task.future.cancel()]
+        under_way = [task for task in self._under_way() if task.future is not None and not task.future.cancel()]
         try:
             if self.journal is not None:
                 for task in under_way:
@@ -124,9 +126,10 @@ class Workers:
             # What is under way is lost with the connection.
             pass
         finally:
-            # Another check may want it.
-            self.journal = None
-            self.comparison.end()
+            with self._lock:
+                # Another check may want it.
+                self.journal = None
+                self.comparison.end()
         if self._renewed:
             self._executor.shutdown(wait=False, cancel_futures=True)
         if self.comparison.difference is not None:
@@ -178,7 +181,8 @@ class Workers:
         arguments = (self._step, self.comparison.states, [(arc.h, arc.q, arc.p) for arc in task.arcs])
         self._sent += 1
         task.executor, task.number = self._executor, self._sent
-        self._tasks.add(task)
+        with self._lock:
+            self._tasks.add(task)
         for arc in task.arcs:
             arc.task = task
         try:
@@ -217,15 +221,22 @@ class Workers:
         except BaseException as error:
             task.error = error
         finally:
-            self._tasks.discard(task)
+            with self._lock:
+                self._tasks.discard(task)
             task.done.set()
 
     def _lose(self, task: _Task, error: BaseException) -> None:
-        """A task whose worker is lost."""
-        task.broken = error
-        self._tasks.discard(task)
-        self._broken.append(task)
+        """A task whose worker is lost, which may be told twice."""
+        with self._lock:
+            if task in self._tasks:
+                task.broken = error
+                self._tasks.remove(task)
+                self._broken.append(task)
         task.done.set()
+
+    def _under_way(self) -> list[_Task]:
+        with self._lock:
+            return list(self._tasks)
 
     def _wait(self, arc: _Arc) -> None:
         """Waits until an arc is advanced. Where a worker died, it is sent to another one."""
@@ -256,7 +267,7 @@ class Workers:
         scheduler = _scheduler(self._executor)
         if scheduler not in (None, self._scheduler):
             self._scheduler = scheduler
-            for task in list(self._tasks):
+            for task in self._under_way():
                 self._lose(task, CancelledError("the scheduler was started again"))
 
     def _send_again(self, broken: _Task) -> None:
@@ -265,10 +276,12 @@ class Workers:
             self._renew(broken)
         if broken.executor is not self._executor:
             # With a pool all is lost that it had, and told one after the other.
-            for task in list(self._tasks):
+            for task in self._under_way():
                 if task.executor is broken.executor:
                     self._wait_for(task)
-        lost, self._broken = sorted(self._broken, key=lambda task: task.number), []
+        with self._lock:
+            lost, self._broken = self._broken, []
+        lost.sort(key=lambda task: task.number)
         arcs = [arc for task in lost for arc in task.arcs if not arc.is_done and arc.task is task]
         for arc in arcs:
             arc.deaths += 1
@@ -300,7 +313,7 @@ class Workers:
 
     def _settle(self) -> None:
         """Waits until no task is under way."""
-        for task in list(self._tasks):
+        for task in self._under_way():
             self._wait_for(task)
         if isinstance(self._executor, ProcessPoolExecutor) and getattr(self._executor, "_broken", False):
             self._renew(None)

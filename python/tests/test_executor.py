@@ -12,11 +12,13 @@ import time
 import types
 import warnings
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing.pool import ThreadPool
 from pathlib import Path
 
 import numpy as np
 import pytest
 import symplint
+from symplint import _workers
 from symplint._workers import Workers, _advance, _Step
 
 SETTINGS = {"step_sizes": [0.5, 0.25, 0.125], "budget": 2000, "loops": 3}
@@ -537,3 +539,132 @@ def test_a_scheduler_that_is_gone_while_a_state_is_tried_alone_ends_the_check():
     workers = Workers(executor, verlet, per_sample=True, make=False, single=False, reset=None)
     error = in_time(lambda: workers.advance(0.5, np.ones((1, 1)), np.ones((1, 1))), seconds=20)
     assert "connection to the scheduler" in str(error)
+
+
+class _Kept:
+    """An executor whose first tasks end when the test says so."""
+
+    def __init__(self, kept):
+        self.kept, self.futures, self.submitted = kept, [], 0
+
+    def submit(self, function, *arguments):
+        future = Future()
+        self.submitted += 1
+        if len(self.futures) < self.kept:
+            self.futures.append(future)
+        else:
+            future.set_result(function(*arguments))
+        return future
+
+
+def test_a_task_that_is_lost_while_others_are_sent_again_is_sent_again(monkeypatch):
+    executor = _Kept(2)
+
+    class Task(_workers._Task):
+        """One whose number is looked at as the second task is lost."""
+
+        def __init__(self, arcs):
+            super().__init__(arcs)
+            self._number = 0
+
+        @property
+        def number(self):
+            if not executor.futures[1].done():
+                executor.futures[1].set_exception(BrokenExecutor("second"))
+            return self._number
+
+        @number.setter
+        def number(self, number):
+            self._number = number
+
+    monkeypatch.setattr(_workers, "_Task", Task)
+    workers = Workers(executor, verlet, per_sample=True, make=False, single=False, reset=None)
+    q = np.ones((2, 1))
+    workers.begin(0.5, q, q)
+    executor.futures[0].set_exception(BrokenExecutor("first"))
+    found = []
+    assert in_time(lambda: found.append(workers.advance(0.5, q, q)), seconds=10) is None
+    (states, failed) = found[0]
+    assert failed is None and np.array_equal(states, verlet(q, q, 0.5))
+
+
+def test_a_task_whose_loss_is_told_twice_is_sent_again_once():
+    executor = _Kept(1)
+    workers = Workers(executor, verlet, per_sample=True, make=False, single=False, reset=None)
+    q = np.ones((1, 1))
+    workers.begin(0.5, q, q)
+    # By the scheduler that was started again, and by the executor.
+    (task,) = workers._tasks
+    workers._lose(task, BrokenExecutor("once"))
+    executor.futures[0].set_exception(BrokenExecutor("twice"))
+    states, failed = workers.advance(0.5, q, q)
+    assert failed is None and np.array_equal(states, verlet(q, q, 0.5))
+    assert executor.submitted == 2
+
+
+class _Notes:
+    """A journal that counts."""
+
+    def __init__(self):
+        self.noted = 0
+
+    def find(self, h, q, p):
+        return None, None
+
+    def note(self, call, q, p):
+        self.noted += 1
+
+
+class _Gate:
+    """A step that goes on when the test says so."""
+
+    def __init__(self):
+        self.opened, self.begun = threading.Event(), threading.Semaphore(0)
+        self.calls = 0
+
+    def step(self, q, p, h):
+        self.begun.release()
+        assert self.opened.wait(60)
+        self.calls += 1
+        return verlet(q, p, h)
+
+    def begin(self, pool):
+        """Workers with 16 tasks, each thread of the pool in the first one."""
+        workers = Workers(pool, self.step, per_sample=True, make=False, single=False, reset=None)
+        q = np.ones((16, 1))
+        workers.begin(0.5, q, q)
+        for _ in range(pool._processes):
+            assert self.begun.acquire(timeout=60)
+        return workers, q
+
+
+def test_what_a_pool_has_under_way_at_the_end_is_noted_and_the_rest_is_not_made():
+    gate = _Gate()
+    with ThreadPool(1) as pool:
+        workers, _ = gate.begin(pool)
+        workers.journal = journal = _Notes()
+        futures = [task.future for task in workers._tasks]
+
+        def open_when_stopped():
+            # The pool has the call under way and the next one.
+            while sum(future.cancelled() for future in futures) < len(futures) - 2:
+                time.sleep(1e-3)
+            gate.opened.set()
+
+        opening = threading.Thread(target=open_when_stopped, daemon=True)
+        opening.start()
+        assert in_time(workers.close, seconds=20) is None
+        assert journal.noted == 2
+        pool.close()
+        pool.join()
+    assert gate.calls == 2
+
+
+def test_a_pool_that_is_closed_during_a_check_ends_it():
+    gate = _Gate()
+    with ThreadPool(1) as pool:
+        workers, q = gate.begin(pool)
+        pool.close()
+        gate.opened.set()
+        error = in_time(lambda: workers.advance(0.5, q, q), seconds=20)
+    assert isinstance(error, symplint.InputError) and "close it after the check" in str(error)

@@ -1,6 +1,7 @@
 """Checks that were stopped, and go on. `tools/kill_and_resume.py` kills them in earnest."""
 
 import json
+import os
 import re
 
 import numpy as np
@@ -122,3 +123,36 @@ def test_a_folder_that_cannot_be_used_is_an_input_error(tmp_path):
     with pytest.raises(symplint.InputError, match="not a journal"):
         symplint.check(_step, 1.0, 0.5, out=tmp_path, **SETTINGS)
     assert (tmp_path / "journal").read_text() == "notes of mine"
+    with pytest.raises(symplint.InputError, match="out is an empty path"):
+        symplint.check(_step, 1.0, 0.5, out="", **SETTINGS)
+
+
+def test_a_step_may_change_the_working_directory(tmp_path, monkeypatch):
+    other = tmp_path / "other"
+    other.mkdir()
+    monkeypatch.chdir(tmp_path)
+
+    def step(q, p, h):
+        os.chdir(other)
+        return _step(q, p, h)
+
+    def stop(measured, planned, h):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        symplint.check(step, 1.0, 0.5, out="run", progress=stop, **SETTINGS)
+    assert repr(str(tmp_path / "run")) in stopped.value.__notes__[0]
+    monkeypatch.chdir(tmp_path)
+    symplint.check(step, 1.0, 0.5, out="run", **SETTINGS)
+    assert report(tmp_path)[1] > 0
+    assert list(other.iterdir()) == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a working directory cannot be removed")
+def test_a_relative_folder_without_a_working_directory_is_an_input_error(tmp_path, monkeypatch):
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    with pytest.raises(symplint.InputError, match="out is 'run', relative .* give an absolute path"):
+        symplint.check(_step, 1.0, 0.5, out="run", **SETTINGS)
