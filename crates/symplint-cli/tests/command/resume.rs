@@ -494,7 +494,7 @@ fn changed_files_in_options_and_scripts_are_named() {
         let output = check("2\n");
         let text = in_one_line(&output);
         assert_eq!(output.status.code(), Some(2), "{k}: {text}");
-        assert!(text.contains("program.params.txt"), "{k}: {text}");
+        assert!(text.contains("program.\"params.txt\""), "{k}: {text}");
     }
 }
 
