@@ -28,8 +28,8 @@ class OfPool:
         #: Those that it had since: a dead one is replaced, and what it had to do is lost.
         self._processes = {process for process in _processes(pool) if process.exitcode is None}
         self._ends_processes = getattr(pool, "_maxtasksperchild", None) is not None
-        #: Tasks that the pool may have at once: one for each process, and the next one. It gives none back.
-        self._most = AT_ONCE if self._max_workers is None else self._max_workers + 1
+        #: Tasks that the pool may have at once: one for each process. It gives none back.
+        self._most = self._max_workers or AT_ONCE
         #: Held while what follows changes: the pool calls back on a thread of its own.
         self._lock = threading.Lock()
         #: Tasks that the pool does not have yet.

@@ -73,13 +73,18 @@ impl Call<'_> {
             error: path("error.txt"),
         };
         let words = self.words(&before.path, &after)?;
-        let ended =
-            run(&words, &self.program.folder, &streams, self.timeout).map_err(
-                |error| match error {
-                    NotRun::Command(reason) => refused(self.failed(&reason, &streams)),
-                    NotRun::Lack(lack) => lack.into(),
-                },
-            )?;
+        let run = || {
+            let ended = run(&words, &self.program.folder, &streams, self.timeout);
+            ended.map_err(|error| match error {
+                NotRun::Command(reason) => refused(self.failed(&reason, &streams)),
+                NotRun::Lack(lack) => lack.into(),
+            })
+        };
+        let mut ended = run()?;
+        // As by a system whose memory runs out: that may pass.
+        if matches!(ended, Ended::Exited(status) if was_killed(status)) {
+            ended = run()?;
+        }
         let wrong = match ended {
             Ended::TimedOut => Some(format!(
                 "did not end within {} s and was stopped (system.timeout)",
@@ -92,10 +97,6 @@ impl Call<'_> {
                     reason: "the limit of file sizes (`ulimit -f`)".to_owned(),
                 }
                 .into());
-            }
-            Ended::Exited(status) if was_killed(status) => {
-                let failure = self.failed(&format!("ended with {status}"), &streams);
-                return Err(Lack::Killed { failure }.into());
             }
             Ended::Exited(status) if !status.success() => Some(format!("ended with {status}")),
             // A FIFO would be waited for without a time limit.

@@ -49,15 +49,6 @@ pub enum Lack {
         /// The file.
         path: PathBuf,
     },
-    /// A program was killed, and not by this one.
-    #[error(
-        "{failure}; programs end so that are killed, as where memory runs out: free memory, or set system.workers to less. That \
-         says nothing of the map: calls noted before are kept, and the same command goes on from them"
-    )]
-    Killed {
-        /// What became of the program.
-        failure: String,
-    },
     /// A process, or a file to be opened.
     #[error(
         "cannot {action}: {reason}; end other processes, set system.workers to less, or raise the limits (`ulimit -a`). The call \

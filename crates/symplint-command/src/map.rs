@@ -232,7 +232,10 @@ impl CommandMap {
         let others = names(command).into_iter();
         let others = others.map(|name| (name, folder.join(name)));
         let files = program.into_iter().chain(others);
-        files.filter(|(_, path)| path.is_file()).collect()
+        // What these folders hold is of this process or of the system.
+        let is_of_system = |path: &Path| path.starts_with("/dev") || path.starts_with("/proc");
+        let files = files.filter(|(_, path)| !is_of_system(path) && path.is_file());
+        files.collect()
     }
 
     /// Advances the samples of one call.

@@ -18,10 +18,14 @@ pub fn names<'a>(command: &'a [String]) -> Vec<&'a str> {
         if is_script(command, place) {
             let mut written = false;
             for word in text.split_whitespace() {
-                if !written && !word.contains('>') {
-                    words.push(word.trim_matches(|c| "\"'`;&|$()<".contains(c)));
+                if !written {
+                    // Before `>` the number of a stream may stand.
+                    let is_read = |c: char| !word.contains('>') || !c.is_ascii_digit();
+                    let read = word.split('>').next().unwrap_or_default();
+                    let read = read.trim_matches(|c| "\"'`;&|$()<".contains(c));
+                    words.extend(read.contains(is_read).then_some(read));
                 }
-                written = word.ends_with('>');
+                written = word.ends_with('>') || word.ends_with(">|");
             }
         } else if !is_last {
             words.push(text);
@@ -36,7 +40,7 @@ pub fn names<'a>(command: &'a [String]) -> Vec<&'a str> {
     names.flatten().filter(|name| !varies(name)).collect()
 }
 
-/// Whether an argument follows `-c`, `-ec` or the like of a shell.
+/// Whether an argument follows `-c`, `-ec` or the like of a shell, and no script in a file before.
 fn is_script(command: &[String], place: usize) -> bool {
     let option = &command[place - 1];
     let is_shell = |word: &String| {
@@ -46,7 +50,9 @@ fn is_script(command: &[String], place: usize) -> bool {
     option.starts_with('-')
         && !option.starts_with("--")
         && option.ends_with('c')
-        && command[..place].iter().any(is_shell)
+        && (command[..place].iter().rev())
+            .find(|word| !word.starts_with('-'))
+            .is_some_and(is_shell)
 }
 
 #[cfg(test)]
@@ -73,6 +79,8 @@ mod tests {
                 &["bash", "-c", "a", "b"],
             ),
             (&["python3", "-c", "a b", "{before}"], &["-c", "a b"]),
+            (&["sh", "a", "-c", "b c"], &["a", "-c", "b c"]),
+            (&["sh", "-c", "./a>b >| c"], &["-c", "./a"]),
             (&["prog", "--in={before}", "a"], &[]),
         ] {
             let command: Vec<String> = command.iter().map(|word| (*word).to_owned()).collect();

@@ -104,7 +104,7 @@ impl Records {
 
 impl Journal {
     /// The journal in a file, which is made if it is not there, of a run that `run` describes: the map, the configuration, the
-    /// version of the program. A record that was cut off at the end of the file is removed, and one whose bytes changed is
+    /// version of the program. One of another run that has no calls begins anew. A record that was cut off at the end of the file is removed, and one whose bytes changed is
     /// passed over: its call is made again.
     ///
     /// # Errors
@@ -130,11 +130,18 @@ impl Journal {
             } => {
                 let of_there = serde_json::from_str(&there).unwrap_or(Value::Null);
                 let of_here = serde_json::from_str(&text).unwrap_or(Value::Null);
-                if let Some(difference) = difference("", &of_there, &of_here) {
-                    return Err(JournalError::OtherRun { path, difference });
+                match difference("", &of_there, &of_here) {
+                    None => {
+                        file.set_len(end).map_err(of_file("write", &path))?;
+                        (end, found)
+                    }
+                    // Nothing is lost.
+                    Some(_) if found.is_empty() => {
+                        begin(&mut file, &bytes).map_err(of_file("write", &path))?;
+                        (bytes.len() as u64, found)
+                    }
+                    Some(difference) => return Err(JournalError::OtherRun { path, difference }),
                 }
-                file.set_len(end).map_err(of_file("write", &path))?;
-                (end, found)
             }
         };
         Ok(Self::of(path, file, end, found))
@@ -379,18 +386,18 @@ fn open_locked(path: &Path) -> Result<File, JournalError> {
     let mut options = OpenOptions::new();
     options.read(true).write(true).create(true).truncate(false);
     let mut file = options.open(path).map_err(of_file("write", path))?;
-    for _ in 0..TRIES {
+    for attempt in 1.. {
         // Some file systems of clusters have no locks.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            let path = path.to_owned();
-            return Err(JournalError::InUse { path });
-        }
-        if is_at(&file, path).unwrap_or(false) {
             break;
+        }
+        if attempt == TRIES || is_at(&file, path).unwrap_or(false) {
+            return Ok(file);
         }
         file = options.open(path).map_err(of_file("write", path))?;
     }
-    Ok(file)
+    let path = path.to_owned();
+    Err(JournalError::InUse { path })
 }
 
 fn of_file(action: &'static str, path: &Path) -> impl Fn(io::Error) -> JournalError {

@@ -56,7 +56,7 @@ pub fn advance(arguments: &AdvanceArgs) -> Result<ExitCode, Failure> {
         .map(|(place, failure)| (part[place], failure))
         .collect();
     // Those that failed also where what came then ends the job.
-    let noted = round.note_failed((k, n), &failed);
+    let noted = round.note_failed((k, n), &journal, &failed);
     made?;
     noted?;
     journal.finish()?;

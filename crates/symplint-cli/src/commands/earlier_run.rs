@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value as Json;
 use symplint_config::parse_number;
 use symplint_report::report::to_json;
-use symplint_report::run_folder::PROBE;
+use symplint_report::run_folder::LOCK;
 
 /// The beginning of a `config.toml` in a run folder; the command follows.
 const MARKER: &str = "# symplint run folder: ";
@@ -173,7 +173,7 @@ impl EarlierRun {
         }
         // A run that was killed before it noted anything leaves an empty journal.
         let is_empty = |name: &str| fs::metadata(path.join(name)).is_ok_and(|file| file.len() == 0);
-        names.retain(|name| !is_left_by_a_kill(name) && (name != JOURNAL || !is_empty(name)));
+        names.retain(|name| !is_no_result(name) && (name != JOURNAL || !is_empty(name)));
         let Some(first) = names.first() else {
             return Ok(None);
         };
@@ -340,12 +340,12 @@ fn same(one: &toml::Value, other: &toml::Value) -> bool {
     }
 }
 
-/// Whether a run that was killed while it wrote one of its files left this name behind.
-fn is_left_by_a_kill(name: &str) -> bool {
+/// Whether this is the lock of a run folder, or what a run left behind that was killed while it wrote one of its files.
+fn is_no_result(name: &str) -> bool {
     let written = name
         .strip_prefix('.')
         .and_then(|name| name.strip_suffix(".part"));
-    name == PROBE
+    name == LOCK
         || written.is_some_and(|name| {
             RECORDS.contains(&name) || ["config.toml", "claims.json", "claims.md"].contains(&name)
         })

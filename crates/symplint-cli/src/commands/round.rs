@@ -127,13 +127,14 @@ impl Round {
         Ok(made.flatten().collect())
     }
 
-    /// Notes the calls of part k of n that failed, in place of those of an earlier run of this part.
+    /// Notes the calls of part k of n that failed, beside those of an earlier run of this part that the part has not made since.
     ///
     /// # Errors
     /// If they cannot be written.
     pub fn note_failed(
         &self,
         (k, n): (usize, usize),
+        part: &Journal,
         failed: &[(&Request, StepFailure)],
     ) -> Result<(), Failure> {
         let path = self.folder.join(part_name(k, n) + ".failed");
@@ -142,7 +143,7 @@ impl Round {
             let known = known.iter().find(|known| known.call == request.call);
             known.map_or(0, |known| known.times)
         };
-        let calls: Vec<FailedCall> = (failed.iter())
+        let mut calls: Vec<FailedCall> = (failed.iter())
             .map(|(request, failure)| FailedCall {
                 call: request.call,
                 h: request.h,
@@ -151,6 +152,16 @@ impl Round {
                 times: before(request) + 1,
             })
             .collect();
+        if path.exists() {
+            let earlier = read_calls(&path)?.into_iter();
+            let stays = |earlier: &FailedCall| {
+                let is_new = failed
+                    .iter()
+                    .any(|(request, _)| request.call == earlier.call);
+                !is_new && !part.has(earlier.call)
+            };
+            calls.extend(earlier.filter(stays));
+        }
         write_calls(&path, &calls)
     }
 
@@ -202,7 +213,7 @@ impl Round {
         Ok(())
     }
 
-    /// Removes all of it, for a run that begins anew or goes on without jobs.
+    /// Removes all of it, for a run that begins anew.
     ///
     /// # Errors
     /// If it cannot be removed.
@@ -244,10 +255,13 @@ impl Round {
 /// If somebody does, or a file cannot be read.
 pub fn check_idle(folder: &Path) -> Result<(), Failure> {
     let journal = folder.join(JOURNAL);
-    let mut paths = parts_in(&folder.join(ROUND))?;
-    paths.extend(journal.exists().then_some(journal));
-    for path in paths {
-        let file = fs::File::open(&path).map_err(|error| read_error(&path, &error))?;
+    if !journal.exists() {
+        return Ok(());
+    }
+    for path in parts_in(&folder.join(ROUND))?.into_iter().chain([journal]) {
+        // To be written, or some file systems do not lock it.
+        let file = fs::File::options().append(true).open(&path);
+        let file = file.map_err(|error| read_error(&path, &error))?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(JournalError::InUse { path }.into());
         }

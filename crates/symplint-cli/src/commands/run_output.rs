@@ -4,12 +4,11 @@
 //! `--force` those of other runs. A folder with files that symplint did not write, or with a `config.toml` that
 //! was edited, is never written to.
 
-use std::fs::{File, TryLockError};
 use std::path::Path;
 use std::sync::Arc;
 
 use symplint_command::CommandMap;
-use symplint_journal::{Journal, JournalError};
+use symplint_journal::Journal;
 use symplint_report::figure::Figure;
 use symplint_report::run_folder::RunFolder;
 
@@ -33,8 +32,6 @@ pub struct RunOutput {
     /// The evaluations, where the map is one that costs.
     pub journal: Option<Arc<Journal>>,
     earlier: Option<EarlierRun>,
-    /// The folder, locked until it is closed.
-    _lock: Option<File>,
 }
 
 impl RunOutput {
@@ -63,8 +60,7 @@ impl RunOutput {
             earlier.check_same(path, command, config)?;
         }
         let folder = RunFolder::create(path)?;
-        let lock = lock(path)?;
-        // Where folders cannot be locked, nor files of another machine, journals can.
+        // Jobs have locks of their own.
         if earlier.is_some() {
             check_idle(path)?;
         }
@@ -75,7 +71,6 @@ impl RunOutput {
             goes_on: earlier.is_some() && !force,
             journal: None,
             earlier,
-            _lock: lock,
         })
     }
 
@@ -87,7 +82,7 @@ impl RunOutput {
     pub fn keep_journal(&mut self, map: &CommandMap) -> Result<(), Failure> {
         let (journal, round) = self.open_journal(map)?;
         round.collect(&journal)?;
-        round.remove()?;
+        round.end()?;
         map.keep_journal(journal);
         Ok(())
     }
@@ -162,29 +157,15 @@ impl RunOutput {
     /// # Errors
     /// If a file cannot be removed.
     pub fn remove_earlier(&self, kept: &[String]) -> Result<(), Failure> {
+        // What jobs made belongs to a journal.
+        if self.journal.is_none() && self.folder.journal().exists() {
+            Round::of_run(self.folder.path(), &self.identity).remove()?;
+        }
         let files = self.earlier.as_ref().map_or(Vec::new(), EarlierRun::files);
         for file in files.into_iter().filter(|file| !kept.contains(file)) {
             remove(&self.folder.path().join(file))?;
         }
-        // What jobs made belongs to a journal.
-        match self.journal {
-            Some(_) => Ok(()),
-            None => Round::of_run(self.folder.path(), &self.identity).remove(),
-        }
-    }
-}
-
-/// Locks a folder, where the system can lock folders: of two runs in it one would replace what the other one writes.
-fn lock(path: &Path) -> Result<Option<File>, Failure> {
-    let Ok(folder) = File::open(path) else {
-        return Ok(None);
-    };
-    match folder.try_lock() {
-        Err(TryLockError::WouldBlock) => {
-            let path = path.to_owned();
-            Err(JournalError::InUse { path }.into())
-        }
-        _ => Ok(Some(folder)),
+        Ok(())
     }
 }
 

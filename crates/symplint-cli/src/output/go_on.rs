@@ -4,7 +4,10 @@ use std::path::Path;
 
 /// `symplint COMMAND FOLDER`, with quotation marks where a shell would take the name of the folder for something else.
 pub fn go_on(command: &str, folder: &Path) -> String {
-    let name = folder.display().to_string();
+    let mut name = folder.display().to_string();
+    if name.starts_with('-') {
+        name.insert_str(0, "./");
+    }
     let is_plain = |c: char| c.is_alphanumeric() || "_-./+,:@%=".contains(c);
     match !name.is_empty() && name.chars().all(is_plain) {
         true => format!("symplint {command} {name}"),
@@ -26,6 +29,7 @@ mod tests {
             ("my run", "'my run'"),
             ("it's", r"'it'\''s'"),
             ("$HOME", "'$HOME'"),
+            ("-j", "./-j"),
         ] {
             assert_eq!(
                 go_on("resume", Path::new(name)),

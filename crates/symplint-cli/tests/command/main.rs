@@ -81,11 +81,15 @@ fn program() {
                 "grow" => "-XFSZ",
                 _ => "-KILL",
             };
+            if let Ok(path) = std::env::var("SYMPLINT_TEST_ONCE")
+                && fs::File::create_new(path).is_err()
+            {
+                return write(&file);
+            }
             let pid = std::process::id().to_string();
             let _ = Command::new("kill").args([signal, &pid]).status();
             std::thread::sleep(Duration::from_secs(60));
         }
-        "killed within" => std::process::exit(137),
         "remove" => {
             // As somebody who tidies up.
             fs::remove_dir_all(before.parent().unwrap().parent().unwrap()).unwrap();
@@ -211,6 +215,7 @@ fn one_bad_step_size_is_named_and_the_others_are_measured() {
             &["ended with exit status: 3", "the matrix is singular"][..],
         ),
         ("hang", &["did not end within 2 s", "system.timeout"]),
+        ("killed", &["ended with signal: 9"]),
         ("half", &["cannot be used", "{after}"]),
         ("nothing", &["wrote no {after}"]),
         ("fifo", &["{after} that is no regular file"]),
@@ -239,6 +244,17 @@ fn one_bad_step_size_is_named_and_the_others_are_measured() {
         }
         assert!(bench.left_behind().is_empty(), "{behaviour}");
     }
+}
+
+#[test]
+fn a_program_that_something_killed_is_started_once_more() {
+    let bench = Bench::new("killed", "workers = 1\nbatch = 1000");
+    let mut check = bench.command(&["--set", "diagnostic.budget=1000"]);
+    let once = bench.folder.path().join("once");
+    let output = check.env("SYMPLINT_TEST_ONCE", &once).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert!(once.exists());
+    assert!(!said(&output).contains("left out"), "{}", said(&output));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 mod point_log;
 mod record_table;
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -27,30 +27,41 @@ pub struct WriteError {
     pub reason: String,
 }
 
-/// A file that is there for a moment, to see whether files can be written.
-pub const PROBE: &str = ".writable";
+/// The folder of figures in that of a run.
+const FIGURES: &str = "figures";
 
-/// A folder for what a run leaves behind.
+/// An empty file, which is locked while a run writes to the folder.
+pub const LOCK: &str = ".lock";
+
+/// A folder for what a run leaves behind. No other run can have it at the same time, where the file system has locks.
 pub struct RunFolder {
     path: PathBuf,
+    /// Locked until it is closed.
+    _lock: File,
 }
 
 impl RunFolder {
-    /// Makes the folder with `figures/` in it if they are not there, and checks that files can be written in it.
+    /// Makes the folder with `figures/` in it if they are not there, and locks it.
     ///
     /// # Errors
-    /// If they cannot.
+    /// If files cannot be written in it, or another run has it.
     pub fn create(path: &Path) -> Result<Self, WriteError> {
-        let folder = RunFolder {
-            path: path.to_owned(),
-        };
-        let figures = folder.figures();
+        let figures = path.join(FIGURES);
         fs::create_dir_all(&figures).map_err(|error| cannot_write(&figures, &error))?;
-        let probe = path.join(PROBE);
-        fs::write(&probe, "").map_err(|error| cannot_write(path, &error))?;
-        // Another run that begins at the same time may have removed it.
-        remove(&probe).map_err(|error| cannot_write(path, &error))?;
-        Ok(folder)
+        let mut options = File::options();
+        let lock = options.write(true).create(true).truncate(false);
+        let lock = lock.open(path.join(LOCK));
+        let lock = lock.map_err(|error| cannot_write(path, &error))?;
+        if let Err(TryLockError::WouldBlock) = lock.try_lock() {
+            return Err(cannot_write(
+                path,
+                &"another run writes to it; wait for its end",
+            ));
+        }
+        Ok(RunFolder {
+            path: path.to_owned(),
+            _lock: lock,
+        })
     }
 
     /// The folder.
@@ -60,7 +71,7 @@ impl RunFolder {
 
     /// Where figures go.
     pub fn figures(&self) -> PathBuf {
-        self.path.join("figures")
+        self.path.join(FIGURES)
     }
 
     /// Where evaluations of costly maps go.

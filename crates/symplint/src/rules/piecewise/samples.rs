@@ -28,7 +28,7 @@ impl<'a> Inside<'a> {
     fn of(view: &'a View<'a>) -> Option<Self> {
         let advanced = view.samples.filter(|_| view.piece.curve == 0)?;
         let samples = advanced.samples() as f64;
-        let first = ((view.piece.a * samples).floor() + 1.0).max(0.0) as usize;
+        let first = ((view.piece.a * samples).floor() + 1.0).clamp(0.0, samples) as usize;
         let end = (view.piece.b * samples).ceil().min(samples) as usize;
         let inside = first..end.max(first);
         Some(Inside {
