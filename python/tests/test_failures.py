@@ -217,9 +217,12 @@ def test_progress_is_told_of_every_point():
 
 
 INTERRUPTED = """
-import sys, time
+import signal, sys, time
 import numpy as np
 import symplint
+
+# Tests in the background of a script ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 def step(q, p, h):
     {body}
