@@ -98,7 +98,7 @@ def test_another_step_is_refused_with_the_difference(tmp_path, monkeypatch):
     refuses(_step, "function", "check.budget is 400 there and 300 here", budget=300)
     refuses(lambda q, p, h: _step(q, p, h), "function", "step is")
     monkeypatch.setitem(globals(), "STRENGTH", 2.0)
-    refuses(_step, "function", 'step.values._kick.STRENGTH is "1.0" there and "2.0" here')
+    refuses(_step, "function", 'step.values."_kick.STRENGTH" is "1.0" there and "2.0" here')
     # What the code itself counts is no difference.
     simulation = _Simulation(1.0)
     check(simulation.step, "method")
