@@ -165,8 +165,8 @@ impl CommandMap {
     }
 
     /// What the program is known by: the files that the command names before its first `{before}`, with the SHA-256 of their
-    /// contents. Where one of them changes or comes to be from now on, no call is made or noted any more, and [`failure`](Self::failure) names
-    /// it.
+    /// contents. Where one of them changes or comes to be from now on, no call is made or noted any more, and
+    /// [`failure`](Self::failure) names it.
     ///
     /// # Errors
     /// If one cannot be read.

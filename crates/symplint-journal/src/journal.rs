@@ -104,8 +104,8 @@ impl Records {
 
 impl Journal {
     /// The journal in a file, which is made if it is not there, of a run that `run` describes: the map, the configuration, the
-    /// version of the program. One of another run that has no calls begins anew. A record that was cut off at the end of the file is removed, and one whose bytes changed is
-    /// passed over: its call is made again.
+    /// version of the program. One of another run that has no calls begins anew. A record that was cut off at the end of the file
+    /// is removed, and one whose bytes changed is passed over: its call is made again.
     ///
     /// # Errors
     /// If the file is no journal, or of another run, or one that still goes on, or is damaged where it says which run it is
