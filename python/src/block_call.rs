@@ -246,10 +246,10 @@ pub fn for_each_batch(
     Ok(finite)
 }
 
-/// The size of the first batch of so many states: the one that they fill at least half of, else the largest that they fill.
+/// The size of the first batch of so many states: the one of which they fill more than half, else the largest that they fill.
 fn width(states: usize, dof: usize) -> usize {
     let rows = padded(states, dof);
-    match rows <= 2 * states {
+    match rows < 2 * states {
         true => rows,
         false => sizes(dof).find(|&rows| rows <= states).unwrap_or(1),
     }
