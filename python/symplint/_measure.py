@@ -103,7 +103,9 @@ def measure(
     Parameters
     ----------
     before : (q, p)
-        The loop before the step, of shape (samples, dof) both: row k is the state at s = k/samples.
+        The loop before the step, of shape (samples, dof) both: rows in the order of the loop. Equally spaced rows give the most
+        digits; rows may also be missing or unequally spaced, which the stated error includes. A last row that repeats the
+        first one is left out.
     *after : (q, p)
         The same samples after one step; of several step sizes, each taken from `before`.
     h : float or sequence of float, optional
