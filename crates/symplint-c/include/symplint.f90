@@ -36,6 +36,7 @@ module symplint
         integer(c_size_t) :: threads
         integer(c_int32_t) :: jacobian
         integer(c_int32_t) :: localise
+        type(c_ptr) :: phases
     end type
 
     type, bind(c) :: symplint_integral

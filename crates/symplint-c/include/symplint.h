@@ -165,6 +165,11 @@ typedef struct {
    * Whether a defect is traced to a part of the loop: 1, the default, or 0.
    */
   int32_t localise;
+  /**
+   * Where each degree of freedom starts on its circle: "staggered" at multiples of the golden ratio, "equal" (the circle of
+   * the paper) or "random"; NULL is "staggered".
+   */
+  const char *phases;
 } SymplintOptions;
 
 /**
