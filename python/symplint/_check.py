@@ -49,7 +49,7 @@ def check(
     loops: int = 8,
     project: Callable[..., Any] | None = None,
     seed: int = 1,
-    rule: str = "auto",
+    rule: str | None = "auto",
     cutoff: float | tuple[float, float] = 1000.0,
     samples: int | str = "auto",
     budget: int | str = BUDGET,
@@ -77,7 +77,8 @@ def check(
     step : callable
         ``step(q, p, h)`` gets arrays of shape (samples, dof), and returns two, or changes them in place and returns
         None. A row is one state; what happens to it must depend on nothing but this row and h. Arrays may be kept:
-        they are not used again then. The arrays are in Fortran order. Results may be arrays of any order and library, torch
+        they are not used again then. The arrays are in Fortran order. Their lengths are 1, 4, 16, 64, 256 or 1024, so that JAX
+        compiles few versions: a batch may end with copies of its last row, which are no evaluations. Results may be arrays of any order and library, torch
         and JAX among them. An integrator of `symplint.integrators` runs without Python, and so does a system of
         `symplint.systems`, with its default integrator.
     q0, p0 : array_like
@@ -103,8 +104,8 @@ def check(
         ``project(q, p)`` puts states on the constraint manifold of the map, and returns or changes them as `step` does.
     seed : int
         Seed of the random loops and of random phases.
-    rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}
-        How loop integrals are computed.
+    rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}, optional
+        How loop integrals are computed; None is "auto".
     cutoff : float or (float, float), optional
         λ of the finite-difference rule, or λ_q and λ_p: a cell of the loop is left out where q changes faster than λ_q times
         the largest absolute value of q, or p likewise.
@@ -143,7 +144,8 @@ def check(
     threads : int, optional
         Threads for the work of the library: by default, for a function, the calling thread alone, which is faster unless
         there are very many degrees of freedom, and for an integrator of the library, one for each core. `step` is called
-        from the calling thread alone. Results do not depend on the number.
+        from the calling thread alone. Results do not depend on the number. More than there are processors are not started,
+        with a warning.
     out : path, optional
         A folder to write the report to, as `Report.save` does. Every call of `step` is noted there as soon as it returns: a
         check that was stopped at any moment goes on from there when it is run again, and gives the report that it would
@@ -221,7 +223,7 @@ def check(
         "typical": None if h is None else _number(h, "h"),
         "loops": whole(loops, "loops", 1),
         "seed": whole(seed, "seed", 0),
-        "rule": rule,
+        "rule": "auto" if rule is None else rule,
         "cutoffs": cutoffs(cutoff),
         "samples": _whole_or_auto(samples, "samples", 3),
         "budget": _whole_or_auto(budget, "budget", 200),

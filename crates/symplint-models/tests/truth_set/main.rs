@@ -21,6 +21,7 @@ mod precision;
 mod random;
 mod ratios;
 mod rounding;
+mod rows;
 mod rules;
 mod sizes;
 mod small;
@@ -56,7 +57,8 @@ macro_rules! families {
 }
 
 const FAMILIES: &[Family] = families![
-    units, precision, coarse, tolerance, constraint, sizes, orders, small, breaks, rules, periodic
+    units, precision, coarse, tolerance, constraint, sizes, orders, small, breaks, rules, periodic,
+    rows
 ];
 
 /// One in so many members runs in the normal tests.

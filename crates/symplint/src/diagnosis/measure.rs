@@ -108,6 +108,10 @@ impl Diagnostic {
                     watch(Event::Failed(&error));
                     failed.push(FailedStep { h: largest, error });
                 }
+                // The failed steps spent the budget: their error is what the user needs.
+                Err(Error::BudgetSpent { .. }) if !failed.is_empty() => {
+                    return Err(failed.swap_remove(0).error);
+                }
                 begun => break begun?,
             }
         };
@@ -219,7 +223,8 @@ impl Run<'_> {
                 self.evidence.survey.scatter = scatter;
                 None
             }
-            Err(error) if of_the_map(&error) => Some(error),
+            // One failure is described as well as possible, further ones at little cost.
+            Err(error) if of_the_map(&error) && self.failed.is_empty() => Some(error),
             Err(error) => return Err(error),
         };
         match survey::rounding_inside(subject, self.largest) {

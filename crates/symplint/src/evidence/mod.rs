@@ -128,6 +128,13 @@ pub struct LoopEvidence {
     /// Mean distance of neighbouring samples over that of samples sorted along the loop, for loops of another
     /// code, before the step or after one: 1 for rows in order.
     pub shuffled: Option<f64>,
+    /// The number of the last row of a loop of another code, counted from 0, if it repeats the first one: it was left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repeated_row: Option<usize>,
+    /// The widest gap between neighbouring rows of a loop of another code, as a part of its length, if they are not equally
+    /// spaced.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub widest_gap: Option<f64>,
     /// Step by step.
     pub steps: Vec<StepEvidence>,
     /// Why there are none: the error of the map.

@@ -162,6 +162,18 @@ pub enum Finding {
         /// Mean distance of neighbouring samples over that of sorted ones.
         ratio: f64,
     },
+    /// The last row of a loop of another code repeats the first one.
+    RepeatedRow {
+        /// Its number, counted from 0.
+        row: usize,
+    },
+    /// The rows of a loop of another code are not equally spaced.
+    UnequalRows {
+        /// The widest gap between neighbours, as a part of the loop.
+        widest: f64,
+        /// The same in units of the mean gap.
+        over_mean: f64,
+    },
     /// A defect of 3 to 10 times its uncertainty, 1e-10 or larger; or a smaller one that is significant and not confirmed.
     Unexplained {
         /// |E|.

@@ -245,6 +245,14 @@ impl<'a> Case<'a> {
             let step = self.name(found, step);
             findings.push(Finding::Regularity { exponent, step });
         }
+        if let Some(given) = self.loops.first() {
+            let repeated = given.repeated_row.map(|row| Finding::RepeatedRow { row });
+            let unequal = given.widest_gap.map(|widest| Finding::UnequalRows {
+                widest,
+                over_mean: widest * given.samples as f64,
+            });
+            findings.extend(repeated.into_iter().chain(unequal));
+        }
         findings.extend(evidence.survey.output_precision.map(Finding::Precision));
         let inside = evidence.survey.single_inside && evidence.survey.output_precision.is_none();
         findings.extend(inside.then_some(Finding::SingleInside));
@@ -354,15 +362,10 @@ fn moves_rest(found: &LoopEvidence) -> Option<Finding> {
 
 /// The range of the step sizes of a loop.
 fn range(found: &LoopEvidence) -> StepRange {
-    let sizes = (found.steps.iter()).filter_map(|step| step.step_size.map(f64::abs));
-    let (low, high) = sizes.fold((f64::INFINITY, 0.0), |(l, h): (f64, f64), size| {
-        (l.min(size), h.max(size))
-    });
-    if high == 0.0 {
-        StepRange::Unknown
-    } else if low == high {
-        StepRange::One(high)
-    } else {
-        StepRange::Between(low, high)
+    let sizes = || found.steps.iter().filter_map(|step| step.step_size);
+    match (sizes().reduce(f64::min), sizes().reduce(f64::max)) {
+        (Some(low), Some(high)) if low == high => StepRange::One(low),
+        (Some(low), Some(high)) => StepRange::Between(low, high),
+        _ => StepRange::Unknown,
     }
 }

@@ -40,7 +40,7 @@ impl Fit {
 /// Resolution of exponents.
 const STEP: f64 = 0.01;
 
-/// One point of the fit: h > 0, the signed defect, its uncertainty.
+/// One point of the fit: |h|, the signed defect, its uncertainty.
 type Datum = (f64, f64, f64);
 
 /// Fits the defect's power of h at the smallest steps where it is clear of its uncertainty.
@@ -55,14 +55,17 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     }
     let plain = || Some(plain_law(data)).filter(|(_, uncertainty)| *uncertainty <= MOST_UNCERTAIN);
     let (slope, uncertainty) = polynomial_law(data).or_else(plain)?;
+    let is_negative = |h: f64| h < 0.0;
+    let backwards = (evidence.steps.iter()).all(|step| step.step_size.is_some_and(is_negative));
+    let sign = if backwards { -1.0 } else { 1.0 };
     Some(Fit {
         quantity: "defect",
         against: "step_size",
         loop_index: evidence.index,
         slope,
         uncertainty,
-        from: data[0].0,
-        to: data[data.len() - 1].0,
+        from: sign * data[0].0,
+        to: sign * data[data.len() - 1].0,
     })
 }
 

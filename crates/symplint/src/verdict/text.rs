@@ -64,7 +64,11 @@ fn law(fit: &Fit) -> String {
 fn random_loops(count: usize, range: &StepRange) -> String {
     let high = match range {
         StepRange::Unknown => String::new(),
-        StepRange::One(h) | StepRange::Between(_, h) => format!(" at h = {}", size(*h)),
+        StepRange::One(h) => format!(" at h = {}", size(*h)),
+        StepRange::Between(low, high) => {
+            let largest = if low.abs() > high.abs() { low } else { high };
+            format!(" at h = {}", size(*largest))
+        }
     };
     match count {
         0 => String::new(),
@@ -218,6 +222,17 @@ impl Display for Finding {
                     "{samples} samples do not resolve the loop {step}: its integral is not known."
                 ),
             },
+            Finding::RepeatedRow { row } => write!(
+                f,
+                "Row {row} repeats row 0, as if both ends of the loop were included: it was left out."
+            ),
+            Finding::UnequalRows { widest, over_mean } => write!(
+                f,
+                "The rows are not equally spaced: the widest gap is {} times the mean, {:.2}% of the loop. The integrals \
+                 are interpolated, and their errors include the gaps.",
+                short(*over_mean),
+                100.0 * widest
+            ),
             Finding::Unexplained {
                 defect,
                 uncertainty,

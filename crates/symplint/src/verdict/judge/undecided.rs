@@ -239,6 +239,10 @@ impl Case<'_> {
                 step: self.name(found, step),
                 roundoff,
             };
+            if found.widest_gap.is_some() && !roundoff {
+                let advice = vec![Advice::MoreSamplesOfFile, Advice::OrderOfSamples];
+                return self.because(because, advice);
+            }
             let advice = match (roundoff, self.is_sampled()) {
                 (_, false) if deformation > MOST_DEFORMATION => Advice::SmallerLoop { deformation },
                 (true, _) if self.evidence.survey.is_rounded() => Advice::MoreDigits,
