@@ -10,12 +10,14 @@ mod coarse;
 mod constraint;
 mod control;
 mod follow;
+mod leaves;
 mod links;
 mod member;
 mod methods;
 mod networks;
 mod orders;
 mod outcome;
+mod pairs;
 mod periodic;
 mod precision;
 mod random;
@@ -58,7 +60,7 @@ macro_rules! families {
 
 const FAMILIES: &[Family] = families![
     units, precision, coarse, tolerance, constraint, sizes, orders, small, breaks, rules, periodic,
-    rows
+    rows, pairs, leaves
 ];
 
 /// One in so many members runs in the normal tests.

@@ -119,6 +119,7 @@ impl Diagnostic {
         run.long_time(&given)?;
         run.jacobian(subject, &given);
         run.look_for_manifold(subject, &given)?;
+        run.look_for_leaf(subject, &given)?;
         run.contract(subject, &given)?;
         run.localise(subject, &given);
         if let Some(sweep) = &self.sample_sweep {
@@ -506,7 +507,8 @@ impl Run<'_> {
 
     /// Looks where a defect comes from, on the first loop that shows it.
     fn localise(&mut self, subject: Subject<'_>, given: &Given<'_>) {
-        let off_manifold = self.evidence.survey.singular.is_some();
+        let survey = &self.evidence.survey;
+        let off_manifold = survey.singular.is_some() || survey.degenerate_form.is_some();
         if !self.diagnostic.localise || off_manifold || given.probe.is_beyond_memory() {
             return;
         }

@@ -7,7 +7,7 @@ use super::long_time::Growth;
 use super::order::Fit;
 use crate::breaks::Break;
 use crate::evidence::{
-    Contraction, LongTime, Motion, Omission, OutputPrecision, Scatter, Sector, SubstepDefect,
+    Contraction, LongTime, Motion, Omission, OutputPrecision, Rank, Scatter, Sector, SubstepDefect,
 };
 
 /// Which advanced loop a finding speaks of.
@@ -253,6 +253,19 @@ pub enum Finding {
         given: Option<f64>,
         /// The random loop with the largest defect, and this defect.
         beside: Option<(usize, f64)>,
+    },
+    /// A loop, or the Jacobian, shows a change in non-canonical coordinates whose symplectic form is degenerate: the rank of dϑ
+    /// is below the dimension of the manifold to which the loops keep, at both points that were tested.
+    DegenerateForm {
+        /// The rank of the form, of the dimension of the manifold.
+        rank: Rank,
+        /// What the defect of the given loop does not exceed.
+        given: Option<f64>,
+    },
+    /// The Jacobian of the step is singular at the loop, and the symplectic form is degenerate on its image.
+    LosesRank {
+        /// The rank of the Jacobian, of all coordinates.
+        rank: Rank,
     },
 
     /// Where the largest jump is.
@@ -538,6 +551,8 @@ pub enum Advice {
     LoopOnManifold,
     /// Give a projection onto the constraint manifold.
     Project,
+    /// Give Casimir functions, or a projection onto a leaf of the symplectic form.
+    KeepToLeaf,
     /// Take a smaller loop that stays in the domain of the map.
     SmallerLoopInDomain,
     /// A loop that a step does not deform by so many times its size.

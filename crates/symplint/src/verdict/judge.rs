@@ -19,10 +19,11 @@ use crate::rules::Defect;
 /// significant defect proves that a map is not symplectic, and so does one break; the absence of both bounds the
 /// defect for the loops and steps that were tried.
 pub fn judge(evidence: &Evidence) -> Verdict {
-    // Beside the manifold that a map projects onto it conserves nothing, and need not.
-    let counted = match evidence.survey.singular {
-        Some(_) => &evidence.loops[..evidence.loops.len().min(1)],
-        None => &evidence.loops,
+    // Beside the manifold that a map projects onto it conserves nothing, and need not; nor beside a leaf of its form.
+    let survey = &evidence.survey;
+    let counted = match survey.singular.is_some() || survey.degenerate_form.is_some() {
+        true => &evidence.loops[..evidence.loops.len().min(1)],
+        false => &evidence.loops,
     };
     let fits: Vec<Fit> = counted.iter().filter_map(fit_order).collect();
     let case = Case {
@@ -97,6 +98,7 @@ impl<'a> Case<'a> {
             return decision;
         }
         (self.no_closed_loop())
+            .or_else(|| self.beside_leaf())
             .or_else(|| self.beside_manifold())
             .or_else(|| self.broken())
             .or_else(|| self.not_contracted())
@@ -194,6 +196,12 @@ impl<'a> Case<'a> {
                 fit: fit.clone(),
                 between_breaks: false,
             }));
+        let singular = self.evidence.survey.singular;
+        if let Some(rank) = singular.and_then(|singular| singular.degenerate) {
+            decision.findings.push(Finding::LosesRank { rank });
+            decision.advice.push(Advice::LoopOnManifold);
+            return Some(decision);
+        }
         decision
             .advice
             .extend(self.advice_on_order(trend.is_some()));
@@ -274,6 +282,7 @@ impl<'a> Case<'a> {
         }
         if let Some(jacobian) = &evidence.jacobian
             && evidence.survey.singular.is_none()
+            && evidence.survey.degenerate_form.is_none()
         {
             let finding = compare_jacobian(jacobian, kind, digits);
             findings.push(Finding::Jacobian { finding });

@@ -284,6 +284,13 @@ impl Display for Finding {
                 given,
                 beside,
             } => domain::projects(f, *smallest, *given, *beside),
+            Finding::DegenerateForm { rank, given } => domain::degenerate_form(f, *rank, *given),
+            Finding::LosesRank { rank } => write!(
+                f,
+                "The step projects: its Jacobian has rank {} of {} at the loop. Such a step is not symplectic on the whole phase \
+                 space; it may be on the manifold onto which it projects.",
+                rank.rank, rank.of
+            ),
             Finding::Jump {
                 loop_index,
                 step,

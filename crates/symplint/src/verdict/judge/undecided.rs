@@ -96,6 +96,9 @@ impl Case<'_> {
     /// The map projects onto a manifold, and the given loop does not lie on it: on the manifold it is conserved.
     pub(super) fn beside_manifold(&self) -> Option<Decision> {
         let singular = self.evidence.survey.singular?;
+        if singular.degenerate.is_some() {
+            return None;
+        }
         let given = self.loops.first().filter(|given| given.shows_defect())?;
         let image = (self.evidence.loops.iter())
             .find(|found| found.kind == LoopKind::Image)
@@ -106,6 +109,16 @@ impl Case<'_> {
             second: bound(image)?,
         };
         Some(self.because(because, vec![Advice::LoopOnManifold]))
+    }
+
+    /// The symplectic form is degenerate on the manifold of the map: a map that is symplectic on every leaf need not conserve
+    /// the integrals of loops that leave it, nor the form on tangent vectors that do.
+    pub(super) fn beside_leaf(&self) -> Option<Decision> {
+        let rank = self.evidence.survey.degenerate_form?;
+        let conserved = |found: &&LoopEvidence| !found.shows_defect() && !found.is_broken();
+        let given = self.loops.first().filter(conserved).and_then(bound);
+        let because = Finding::DegenerateForm { rank, given };
+        Some(self.because(because, vec![Advice::KeepToLeaf]))
     }
 
     pub(super) fn undecided(&self) -> Option<Decision> {

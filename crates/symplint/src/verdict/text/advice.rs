@@ -171,6 +171,10 @@ impl Display for Advice {
                 "Give a projection onto the constraint manifold (`with_projection`, `project`), which keeps random loops and \
                  the Jacobian on it; or judge the given loop alone: loops = 1, jacobian = false.",
             ),
+            Advice::KeepToLeaf => f.write_str(
+                "State all Casimir functions of the form (`casimir`, `OneForm::project`), or a projection onto a leaf \
+                 (`project`): they keep all loops and the Jacobian on one leaf.",
+            ),
             Advice::SmallerLoopInDomain => f.write_str(
                 "Take a smaller loop, well inside the domain of the map, or set loops to 1.",
             ),
