@@ -25,6 +25,7 @@ pub(crate) struct Evaluator<'a> {
     grain: RwLock<Option<Arc<Grain>>>,
     /// What the map rounds each coordinate to inside, where it works in single precision there.
     inside: OnceLock<Vec<f64>>,
+    has_step_size: bool,
 }
 
 /// Evaluations made so far, and how many may be made.
@@ -99,6 +100,7 @@ impl<'a> Evaluator<'a> {
             count,
             grain: RwLock::default(),
             inside: OnceLock::new(),
+            has_step_size: true,
         })
     }
 
@@ -112,6 +114,7 @@ impl<'a> Evaluator<'a> {
             count: self.count,
             grain: RwLock::default(),
             inside: self.inside.clone(),
+            has_step_size: self.has_step_size,
         }
     }
 
@@ -161,6 +164,24 @@ impl<'a> Evaluator<'a> {
             constraint: None,
             ..self
         }
+    }
+
+    /// The same for a map without a step size: errors and evidence name none.
+    pub fn without_step_size(self) -> Self {
+        Evaluator {
+            has_step_size: false,
+            ..self
+        }
+    }
+
+    /// A step size as errors and evidence state it: `None` for a map without one.
+    pub fn stated(&self, h: f64) -> Option<f64> {
+        self.has_step_size.then_some(h)
+    }
+
+    /// What the map rounds each coordinate to inside, where it works in single precision there.
+    pub fn rounding_inside(&self) -> Option<&[f64]> {
+        self.inside.get().map(Vec::as_slice)
     }
 
     /// The count that evaluations are added to.
@@ -253,7 +274,7 @@ impl<'a> Evaluator<'a> {
         value: impl Fn(usize, usize) -> f64,
     ) {
         if self.grain().is_none() {
-            let inside = self.inside.get().map(Vec::as_slice);
+            let inside = self.rounding_inside();
             let before = |count: usize| match Ensemble::sample(phase_loop, count) {
                 Ok(before) => Before::Exact(before),
                 Err(_) => Before::Unknown,
@@ -303,7 +324,7 @@ impl<'a> Evaluator<'a> {
                     .try_for_each(|k| self.map.advance_substep(k, h, &mut block))
                     .map(|()| block.all_finite())
             };
-            checked(finite, h, first, &block)
+            checked(finite, self.stated(h), first, &block)
         };
         first_error(blocks.into_par_iter().enumerate().map(each).collect())
     }
@@ -326,7 +347,7 @@ impl<'a> Evaluator<'a> {
         let each = |(b, mut block): (usize, Block<'_>)| {
             let advanced = self.map.advance_substep(substep, h, &mut block);
             let finite = advanced.map(|()| block.all_finite());
-            checked(finite, h, b * width, &block)
+            checked(finite, self.stated(h), b * width, &block)
         };
         let blocks = states.blocks_of(width).into_par_iter().enumerate();
         first_error(blocks.map(each).collect())
@@ -357,7 +378,8 @@ impl<'a> Evaluator<'a> {
             let first = b * width;
             fill(first, &mut states, &mut tangents);
             let advanced = tangent.advance_tangents(h, &mut states, &mut tangents);
-            checked(advanced.map(|()| states.all_finite()), h, first, &states)
+            let finite = advanced.map(|()| states.all_finite());
+            checked(finite, self.stated(h), first, &states)
         };
         first_error(pairs.enumerate().map(each).collect())
     }
@@ -396,7 +418,7 @@ fn states_at(phase_loop: &dyn Loop, s: &[f64]) -> Ensemble {
 /// What came of advancing a block that begins with sample `first`.
 fn checked(
     finite: Result<bool, StepFailure>,
-    h: f64,
+    h: Option<f64>,
     first: usize,
     block: &Block<'_>,
 ) -> Result<(), Error> {
@@ -410,7 +432,10 @@ fn checked(
         .flatten();
     match not_finite {
         None => Ok(()),
-        Some(found) => Err(found.into_error(first, Some(h))),
+        Some(found) => Err(match h {
+            Some(_) => found.into_error(first, h),
+            None => found.of_map(first),
+        }),
     }
 }
 
