@@ -8,7 +8,9 @@ use pyo3::prelude::*;
 use symplint::diagnosis::{Event, SampleCount};
 use symplint::map::{ProjectedLoop, balanced_radii};
 use symplint::rules::{Cutoff, Cutoffs, Piecewise, Streaming};
-use symplint::{Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Rule, TimeAdvance, judge};
+use symplint::{
+    Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Phases, Rule, TimeAdvance, judge,
+};
 use symplint_journal::Journal;
 
 use crate::arrays::{self, Arrays};
@@ -16,7 +18,7 @@ use crate::calls::{self, Call, Caller};
 use crate::coordinates::Stated;
 use crate::error::{input_error, other_error};
 use crate::functions::{Functions, Step};
-use crate::loops::NativeLoop;
+use crate::loops::{NativeLoop, named_phases};
 use crate::models::Integrator;
 use crate::pool;
 use crate::report::{self, Report};
@@ -44,6 +46,8 @@ pub struct Subject {
     p0: Vec<f64>,
     /// Radii in q and p of a circle; nothing for those that the map suggests.
     radii: Option<(Vec<f64>, Vec<f64>)>,
+    /// Phases of a circle, by name, and the seed of random ones.
+    phases: (String, u64),
     threads: Option<usize>,
     /// Who takes the steps, if not this process.
     workers: Option<Py<PyAny>>,
@@ -124,6 +128,7 @@ struct Shared {
     q0: Vec<f64>,
     p0: Vec<f64>,
     radii: Option<(Vec<f64>, Vec<f64>)>,
+    phases: Phases,
 }
 
 impl Subject {
@@ -139,6 +144,7 @@ impl Subject {
             q0: self.q0.clone(),
             p0: self.p0.clone(),
             radii: self.radii.clone(),
+            phases: named_phases(py, &self.phases.0, self.phases.1)?,
         })
     }
 
@@ -240,7 +246,8 @@ impl Shared {
                     }
                 };
                 let (q0, p0) = (self.q0.clone(), self.p0.clone());
-                Box::new(Circle::with_radii(q0, p0, radii_q, radii_p)?)
+                let circle = Circle::with_radii(q0, p0, radii_q, radii_p)?;
+                Box::new(circle.with_phases(self.phases))
             }
         };
         let phase_loop: Box<dyn Loop + '_> = match map.constraint() {

@@ -19,7 +19,7 @@ from ._arrays import coordinates, cutoffs, vector, whole
 from ._errors import InputError, NotSymplecticError
 from ._fingerprint import fingerprint
 from ._form import CircleOfForm, FormOfRows, LoopOfForm, MapOfForm, Projection, one_form
-from ._loops import Loop, centre, radii
+from ._loops import Loop, centre, phases_and_seed, radii
 from ._progress import bar
 from ._report import Report, States
 from ._workers import Workers
@@ -45,6 +45,7 @@ def check(
     repeat: int = 1,
     h: float | None = None,
     radius: Any = 1.0,
+    phases: str = "staggered",
     loop: Loop | Callable[..., Any] | None = None,
     loops: int = 8,
     project: Callable[..., Any] | None = None,
@@ -94,6 +95,9 @@ def check(
     radius : float, array_like, pair of them or "auto"
         Radius of the loop: one for all degrees of freedom, one for each, a tuple of those for q and for p, or as the map
         suggests. Not together with `loop`.
+    phases : {"staggered", "equal", "random"}
+        Where each degree of freedom starts on its circle: at multiples of the golden ratio, all at the same phase (the circle of
+        the paper, on which forces between pairs of particles do not change), or at random. Not together with `loop`.
     loop : Circle, FourierLoop, SampledLoop or callable, optional
         The loop, in place of a circle round (q0, p0): also a function that gets an array of s in [0, 1) and returns (q, p)
         of shape (len(s), dof).
@@ -102,7 +106,7 @@ def check(
     project : callable, optional
         ``project(q, p)`` puts states on the constraint manifold of the map, and returns or changes them as `step` does.
     seed : int
-        Seed of the random loops.
+        Seed of the random loops and of random phases.
     rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}
         How loop integrals are computed.
     cutoff : float or (float, float), optional
@@ -205,13 +209,13 @@ def check(
     name = _name(step)
     if form is not None:
         step, q0, p0, radius, loop, project = _of_form(
-            form, step, q0, p0, radius=radius, loop=loop, project=project, momentum_period=momentum_period, weight=weight,
+            form, step, q0, p0, radius=radius, phases=phases, loop=loop, project=project, momentum_period=momentum_period, weight=weight,
             per_sample=per_sample, make=make,
         )  # fmt: skip
     if isinstance(step_sizes, str):
         step = _without_step_size(step, step_sizes, make)
     subject = _subject(
-        step, q0, p0, radius=radius, loop=loop, project=project, period=period,
+        step, q0, p0, radius=radius, phases=phases, seed=seed, loop=loop, project=project, period=period,
         momentum_period=momentum_period, weight=weight, per_sample=per_sample, make=make, reset=reset, dtype=dtype,
         threads=threads, executor=executor,
     )  # fmt: skip
@@ -325,6 +329,8 @@ def _subject(
     p0: Any,
     *,
     radius: Any,
+    phases: Any,
+    seed: Any,
     loop: Any,
     project: Any,
     period: Any,
@@ -369,6 +375,9 @@ def _subject(
             raise InputError(f"q0 has {dof} values and {other} {found.dof} degrees of freedom; they must agree")
     if loop is not None and not (isinstance(radius, int | float) and radius == 1.0):
         raise InputError("both loop and radius are given; the loop has a size of its own")
+    start = phases_and_seed(phases, seed)
+    if loop is not None and phases != "staggered":
+        raise InputError("both loop and phases are given; the loop has its own")
     if isinstance(radius, str) and radius != "auto":
         raise InputError(f'radius is "{radius}"; give a number, or "auto"')
     of_circle = None
@@ -389,6 +398,7 @@ def _subject(
         "q0": centres[0],
         "p0": centres[1],
         "radii": of_circle,
+        "phases": start,
         "threads": None if threads is None else whole(threads, "threads", 1),
         "workers": None
         if executor is None
@@ -405,6 +415,7 @@ def _of_form(
     p0: Any,
     *,
     radius: Any,
+    phases: Any,
     loop: Any,
     project: Any,
     momentum_period: Any,
@@ -421,6 +432,8 @@ def _of_form(
         raise InputError(f"{refused[0]} is for canonical coordinates; with a form, all is said by z0, period and form")
     if loop is not None and (isinstance(loop, Loop) or not callable(loop)):
         raise InputError("loop is of canonical coordinates; with a form, give a function of s that returns z")
+    if phases != "staggered":
+        raise InputError("phases is for canonical coordinates; with a form, give a loop")
     if isinstance(radius, tuple | str):
         raise InputError(f"radius is {radius!r}; with a form, give a number, or one for each coordinate")
     if z0 is None:
@@ -529,6 +542,8 @@ if hasattr(os, "register_at_fork"):
 def _config(name: str, subject: dict[str, Any], settings: dict[str, Any], loop: Any) -> dict[str, Any]:
     """The arguments, for the report."""
     own = ("dof", "per_sample", "make", "single", "q0", "p0", "radii")
+    if loop is None:
+        settings = {"phases": subject["phases"][0]} | settings
     arguments = {key: subject[key] for key in own} | subject["coordinates"] | settings
     arguments = {
         key: value

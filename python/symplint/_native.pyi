@@ -29,7 +29,8 @@ class Loop:
         radii_q: _Vector,
         radii_p: _Vector,
         dofs: Sequence[int] | None = None,
-        seed: int | None = None,
+        phases: str = "staggered",
+        seed: int = 1,
     ) -> Loop: ...
     @staticmethod
     def fourier(q0: _Vector, p0: _Vector, radii_q: _Vector, radii_p: _Vector, seed: int) -> Loop: ...

@@ -166,6 +166,11 @@ typedef struct {
    */
   int32_t localise;
   /**
+   * Where each degree of freedom starts on its circle: "staggered" at multiples of the golden ratio, "equal" (the circle of
+   * the paper) or "random"; NULL is "staggered".
+   */
+  const char *phases;
+  /**
    * The step is composed with itself this number of times. 1 by default.
    */
   size_t repeat;

@@ -8,7 +8,7 @@ use std::ffi::c_char;
 use serde::Serialize;
 use symplint::diagnosis::SampleCount;
 use symplint::rules::{Cutoffs, Piecewise, Streaming};
-use symplint::{Circle, Coordinates, Diagnostic, Rule};
+use symplint::{Circle, Coordinates, Diagnostic, Phases, Rule};
 
 use crate::pointers::{optional_values, overlay, text, values, write_prefix};
 use crate::status::{Failure, SymplintStatus, guarded};
@@ -58,6 +58,9 @@ pub struct SymplintOptions {
     pub jacobian: i32,
     /// Whether a defect is traced to a part of the loop: 1, the default, or 0.
     pub localise: i32,
+    /// Where each degree of freedom starts on its circle: "staggered" at multiples of the golden ratio, "equal" (the circle of
+    /// the paper) or "random"; NULL is "staggered".
+    pub phases: *const c_char,
     /// The step is composed with itself this number of times. 1 by default.
     pub repeat: usize,
     /// Whether the step is a map without a step size, such as a kicker or one turn of a ring: 1, or 0, the default. It is
@@ -102,6 +105,7 @@ impl Default for SymplintOptions {
             threads: 1,
             jacobian: 1,
             localise: 1,
+            phases: std::ptr::null(),
             repeat: 1,
             no_step_size: 0,
         }
@@ -155,6 +159,7 @@ pub struct Settings {
     period: Option<Vec<f64>>,
     momentum_period: Option<Vec<f64>>,
     weight: Option<Vec<f64>>,
+    phases: String,
     step_sizes: Vec<f64>,
     typical_step: Option<f64>,
     rule: String,
@@ -221,6 +226,9 @@ impl Settings {
                 period: of_each("period", read.period)?,
                 momentum_period: of_each("momentum_period", read.momentum_period)?,
                 weight: of_each("weight", read.weight)?,
+                phases: text("phases", read.phases)?
+                    .unwrap_or("staggered")
+                    .to_owned(),
                 typical_step: step_sizes.is_empty().then_some(read.typical_step),
                 step_sizes,
                 rule: text("rule", read.rule)?.unwrap_or("auto").to_owned(),
@@ -243,7 +251,13 @@ impl Settings {
     pub fn circle(&self) -> Result<Circle, Failure> {
         let (q0, p0) = (self.q0.clone(), self.p0.clone());
         let circle = Circle::with_radii(q0, p0, self.radius_q.clone(), self.radius_p.clone());
-        circle.map_err(Failure::from)
+        let Some(phases) = Phases::named(&self.phases, self.seed) else {
+            return Err(Failure::bad_argument(format!(
+                "phases is \"{}\"; give \"staggered\", \"equal\" or \"random\"",
+                self.phases
+            )));
+        };
+        Ok(circle?.with_phases(phases))
     }
 
     /// The meaning of the coordinates.
