@@ -229,8 +229,8 @@ pub enum Error {
     },
     /// A stated period is not one of the map.
     #[error(
-        "{period:?} is not a period of the map in {coordinate}[{dof}]: a state moved by it differs after the step by \
-         {difference:.1e} more than by the period; correct the period, or leave it out"
+        "{period:?} is not a period of the map in {coordinate}[{dof}]: two states that differ by it differ after the step \
+         by {difference:.1e} more; correct the period, or leave it out"
     )]
     NotAPeriod {
         /// `'q'` or `'p'`.

@@ -127,6 +127,7 @@ impl Diagnostic {
             }
         };
         run.random_loops(subject, &given)?;
+        run.check_periods()?;
         run.reach(subject, &given)?;
         run.long_time(&given)?;
         run.jacobian(subject, &given);
@@ -282,7 +283,7 @@ impl Run<'_> {
         self.evidence.evaluations.purity = self.count.made() - start;
         let given = self.given_loop(subject)?;
         let start_of_periods = self.count.made();
-        survey::check_periods(subject, self.largest)?;
+        self.evidence.survey.wrong_period = survey::wrong_period(subject, self.largest)?;
         self.evidence.evaluations.purity += self.count.made() - start_of_periods;
         if let Some(error) = beside {
             return Err(error);
@@ -290,6 +291,19 @@ impl Run<'_> {
         // Step sizes that failed before were tried on the given loop, too.
         self.evidence.evaluations.given_loop += start - self.evidence.evaluations.step_sizes;
         Ok((self, given))
+    }
+
+    /// Checks that no loop needs a period that is not one of the map: a given loop that winds, or one that breaks, where
+    /// positions are wrapped by another period say.
+    fn check_periods(&self) -> Result<(), Error> {
+        let Some(wrong) = self.evidence.survey.wrong_period else {
+            return Ok(());
+        };
+        let needs = |found: &LoopEvidence| found.winds || found.is_broken();
+        match self.evidence.loops.iter().any(needs) {
+            true => Err(wrong.into_error()),
+            false => Ok(()),
+        }
     }
 
     /// Whether the map failed at this step size on the given loop.

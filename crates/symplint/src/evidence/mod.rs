@@ -17,7 +17,7 @@ pub use motion::{Motion, Reach};
 pub use point::{BreakAt, Point, Sweep};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
-pub use survey::{OutputFormat, OutputPrecision, Scatter, SingularJacobian, Survey};
+pub use survey::{OutputFormat, OutputPrecision, Scatter, SingularJacobian, Survey, WrongPeriod};
 
 use serde::{Deserialize, Serialize};
 

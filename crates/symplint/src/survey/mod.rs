@@ -10,7 +10,7 @@ mod singular;
 mod windings;
 
 pub(crate) use inner_precision::rounding_inside;
-pub(crate) use periods::check_periods;
+pub(crate) use periods::wrong_period;
 pub(crate) use precision::of_grain;
 pub(crate) use purity::check_purity;
 pub(crate) use singular::{cost as singular_cost, singular_jacobian};

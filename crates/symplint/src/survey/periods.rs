@@ -1,6 +1,7 @@
 //! Whether stated periods are those of the map: Φ(q + P, p) = Φ(q, p) + (P, 0).
 
 use crate::error::Error;
+use crate::evidence::WrongPeriod;
 use crate::rules::Subject;
 use crate::signal::{Extent, UNIT_ROUNDOFF, nearest};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
@@ -25,11 +26,12 @@ const MOST_NAMED: usize = 64;
 const STATES: usize = 2 * SITES.len() * NUDGES.len();
 
 /// Moves a few states of the loop by the periods that the map states, and compares their images, as far as the budget
-/// allows. Moved states at which the map fails, outside a box say, are not compared.
+/// allows: a period that is not one of the map, if there is any. Moved states at which the map fails, outside a box say,
+/// are not compared.
 ///
 /// # Errors
-/// [`Error::NotAPeriod`] if a period is not one of the map.
-pub(crate) fn check_periods(subject: Subject<'_>, h: f64) -> Result<(), Error> {
+/// Those of the evaluator, but for failures of the map.
+pub(crate) fn wrong_period(subject: Subject<'_>, h: f64) -> Result<Option<WrongPeriod>, Error> {
     let coordinates = subject.coordinates();
     let periodic: Vec<usize> = (0..2 * subject.dof())
         .filter(|&c| period(coordinates, c) > 0.0)
@@ -46,14 +48,14 @@ pub(crate) fn check_periods(subject: Subject<'_>, h: f64) -> Result<(), Error> {
         });
         let named = one_by_one.find_map(Result::transpose).transpose()?;
         let (c, difference) = named.unwrap_or((half[0], difference));
-        return Err(Error::NotAPeriod {
+        return Ok(Some(WrongPeriod {
             coordinate: ['q', 'p'][c / subject.dof()],
             dof: c % subject.dof(),
             period: period(coordinates, c),
             difference,
-        });
+        }));
     }
-    Ok(())
+    Ok(None)
 }
 
 /// The largest difference that states show which are moved by the periods of some coordinates, if rounding does not

@@ -7,7 +7,8 @@ use super::long_time::Growth;
 use super::order::Fit;
 use crate::breaks::Break;
 use crate::evidence::{
-    Contraction, LongTime, Motion, Omission, OutputPrecision, Reach, Scatter, Sector, SubstepDefect,
+    Contraction, LongTime, Motion, Omission, OutputPrecision, Reach, Scatter, Sector,
+    SubstepDefect, WrongPeriod,
 };
 
 /// Which advanced loop a finding speaks of.
@@ -432,6 +433,8 @@ pub enum Finding {
     SingleInside,
     /// Repeated runs of one state differ by chance.
     Scatter(Scatter),
+    /// A stated period is not one of the map.
+    WrongPeriod(WrongPeriod),
     /// What becomes of the defect in many steps.
     ManySteps {
         /// What was measured.

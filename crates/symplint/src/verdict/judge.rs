@@ -269,6 +269,7 @@ impl<'a> Case<'a> {
         let inside = evidence.survey.single_inside && evidence.survey.output_precision.is_none();
         findings.extend(inside.then_some(Finding::SingleInside));
         findings.extend(evidence.survey.scatter.map(Finding::Scatter));
+        findings.extend(evidence.survey.wrong_period.map(Finding::WrongPeriod));
         findings.extend(evidence.long_time.map(|steps| Finding::ManySteps {
             growth: long_time::growth(&steps),
             steps,

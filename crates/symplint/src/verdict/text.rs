@@ -475,6 +475,12 @@ impl Display for Finding {
                  many cores take in any order. That is noise of the map: figures differ from run to run.",
                 scatter.size, scatter.coordinate, scatter.dof
             ),
+            Finding::WrongPeriod(wrong) => write!(
+                f,
+                "{:?} is not a period of the map in {}[{}]: two states that differ by it differ after the step by {:.1e} \
+                 more. No random loop winds round it. Correct the period, or leave it out.",
+                wrong.period, wrong.coordinate, wrong.dof, wrong.difference
+            ),
             Finding::ManySteps { steps, growth } => fmt_long_time(f, steps, *growth),
             Finding::Substeps { substeps, step } => fmt_substeps(f, substeps, step),
             Finding::Sectors { sectors, step } => fmt_sectors(f, sectors, step),

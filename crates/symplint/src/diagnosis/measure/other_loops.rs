@@ -98,7 +98,8 @@ impl Run<'_> {
         }
         let winds = self.evidence.loops[0].winds;
         let affordable = self.left() >= given.cost.max(self.plan.first_samples);
-        if count > 0 && !winds && !self.is_settled() && affordable {
+        let periodic = self.evidence.survey.wrong_period.is_none();
+        if count > 0 && periodic && !winds && !self.is_settled() && affordable {
             self.winding_loop(subject, &given.size)?;
         }
         self.evidence.evaluations.random_loops = self.count.made() - start;
