@@ -61,6 +61,11 @@ pub struct SymplintOptions {
     /// Where each degree of freedom starts on its circle: "staggered" at multiples of the golden ratio, "equal" (the circle of
     /// the paper) or "random"; NULL is "staggered".
     pub phases: *const c_char,
+    /// The step is composed with itself this number of times. 1 by default.
+    pub repeat: usize,
+    /// Whether the step is a map without a step size, such as a kicker or one turn of a ring: 1, or 0, the default. It is
+    /// called with h = 1, and `step_sizes` and `typical_step` are not used.
+    pub no_step_size: i32,
 }
 
 /// Evaluations by default: a step of another code is dear.
@@ -98,6 +103,8 @@ impl Default for SymplintOptions {
             jacobian: 1,
             localise: 1,
             phases: std::ptr::null(),
+            repeat: 1,
+            no_step_size: 0,
         }
     }
 }
@@ -161,6 +168,8 @@ pub struct Settings {
     tolerance: f64,
     jacobian: bool,
     localise: bool,
+    repeat: usize,
+    has_step_size: bool,
     /// Results do not depend on it.
     #[serde(skip)]
     pub threads: usize,
@@ -198,7 +207,10 @@ impl Settings {
             let radius = |what, pointer| {
                 Ok::<_, Failure>(of_each(what, pointer)?.unwrap_or_else(|| vec![read.radius; dof]))
             };
+            let has_step_size = read.no_step_size == 0;
             let step_sizes = match (read.step_sizes.is_null(), read.typical_step) {
+                // What a map without a step size is called with.
+                _ if !has_step_size => vec![1.0],
                 (false, _) => values("step_sizes", read.step_sizes, read.step_count)?.to_vec(),
                 (true, 0.0) => Diagnostic::default().step_sizes,
                 (true, _) => Vec::new(),
@@ -226,6 +238,8 @@ impl Settings {
                 tolerance: read.tolerance,
                 jacobian: read.jacobian != 0,
                 localise: read.localise != 0,
+                repeat: read.repeat,
+                has_step_size,
                 threads: read.threads.min(processors),
             })
         }
@@ -261,6 +275,9 @@ impl Settings {
 
     /// What is measured.
     pub fn diagnostic(&self) -> Result<Diagnostic, Failure> {
+        if self.repeat == 0 {
+            return Err(Failure::bad_argument("repeat is 0; give 1 or more"));
+        }
         if self.loops == 0 {
             return Err(Failure::bad_argument("loops is 0; give 1 or more"));
         }
@@ -296,6 +313,8 @@ impl Settings {
             streaming,
             samples: self.samples.map_or(SampleCount::Auto, SampleCount::Fixed),
             step_sizes: self.step_sizes.clone(),
+            has_step_size: self.has_step_size,
+            repeat: self.repeat,
             typical_step: self.typical_step,
             loops: self.loops,
             seed: self.seed,

@@ -215,3 +215,11 @@ pub(super) const LOOKED_AT: usize = 8;
 
 /// Step sizes, each half of the one before: an order needs some that are clear of round-off.
 pub(super) const HALVINGS: i32 = 8;
+
+// Beyond the given loop and step sizes.
+
+/// The factor between the sizes of larger loops, and between larger steps. Conventional: two octaves.
+pub(super) const LARGER: f64 = 4.0;
+
+/// Larger loops, and larger steps, at most. Conventional: up to 64 times the radii of the given loop.
+pub(super) const MOST_REACHES: usize = 3;

@@ -163,7 +163,7 @@ impl JacobianTest {
             }
         }
         Ok(JacobianEvidence {
-            step_size: h,
+            step_size: evaluator.stated(h),
             method,
             not_differentiable: points.iter().filter(|p| p.worst.is_none()).count(),
             full,

@@ -113,6 +113,11 @@ impl<'a> Case<'a> {
         self.evidence.origin == Origin::Samples
     }
 
+    /// Whether the map has a step size, as far as is known.
+    fn has_step_size(&self) -> bool {
+        self.is_sampled() || self.steps().all(|(_, step)| step.step_size.is_some())
+    }
+
     /// Every step with its loop.
     fn steps(&self) -> impl Iterator<Item = (&'a LoopEvidence, &'a StepEvidence)> + use<'a> {
         (self.loops.iter()).flat_map(|found| found.steps.iter().map(move |step| (found, step)))
@@ -129,10 +134,22 @@ impl<'a> Case<'a> {
             .max_by(|a, b| a.1.defect.magnitude().total_cmp(&b.1.defect.magnitude()))
     }
 
+    /// The range of the step sizes of a loop.
+    fn range(&self, found: &LoopEvidence) -> StepRange {
+        let sizes = || found.steps.iter().filter_map(|step| step.step_size);
+        match (sizes().reduce(f64::min), sizes().reduce(f64::max)) {
+            (Some(low), Some(high)) if low == high => StepRange::One(low),
+            (Some(low), Some(high)) => StepRange::Between(low, high),
+            _ if self.is_sampled() => StepRange::Unknown,
+            _ => StepRange::Map,
+        }
+    }
+
     /// How the findings name a step of a loop.
     fn name(&self, found: &LoopEvidence, step: &StepEvidence) -> Step {
         match step.step_size {
             Some(h) => Step::Size(h),
+            None if !self.is_sampled() => Step::Map,
             None if found.steps.len() == 1 => Step::Only,
             None => {
                 let mut steps = found.steps.iter();
@@ -226,7 +243,7 @@ impl<'a> Case<'a> {
         }
         let steps = self.loops.first().map_or(&[][..], |given| &given.steps);
         if steps.iter().any(|step| step.step_size.is_none()) {
-            return Some(Advice::StateStepSizes);
+            return self.is_sampled().then_some(Advice::StateStepSizes);
         }
         if !self.fits.is_empty() && self.fits.iter().all(|fit| fit.slope <= TREND) {
             return Some(Advice::DefectDoesNotFall);
@@ -265,12 +282,13 @@ impl<'a> Case<'a> {
         let inside = evidence.survey.single_inside && evidence.survey.output_precision.is_none();
         findings.extend(inside.then_some(Finding::SingleInside));
         findings.extend(evidence.survey.scatter.map(Finding::Scatter));
+        findings.extend(evidence.survey.wrong_period.map(Finding::WrongPeriod));
         findings.extend(evidence.long_time.map(|steps| Finding::ManySteps {
             growth: long_time::growth(&steps),
             steps,
         }));
         if let Some(localisation) = &evidence.localisation {
-            let step = Step::Size(localisation.step_size);
+            let step = localisation.step_size.map_or(Step::Map, Step::Size);
             if !localisation.substeps.is_empty() {
                 let substeps = localisation.substeps.clone();
                 findings.push(Finding::Substeps { substeps, step });
@@ -308,16 +326,9 @@ impl<'a> Case<'a> {
         })
     }
 
-    /// The strongest motion of a loop, and the step size that makes it, where it is known. Of shears, the one that
-    /// deforms its loop most.
+    /// The strongest motion of a loop, and the step size that makes it, where it is known.
     fn strongest_motion(&self) -> Option<(Motion, Option<f64>)> {
-        // Loops that wind, or bound no defect, acquit nobody, unless there are no others.
-        let counts = |found: &&LoopEvidence| !found.winds && found.is_bounded();
-        let counted: Vec<&LoopEvidence> = self.loops.iter().filter(counts).collect();
-        match counted.is_empty() {
-            true => strongest_motion(&self.loops.iter().collect::<Vec<_>>()),
-            false => strongest_motion(&counted),
-        }
+        Motion::strongest(self.loops)
     }
 
     /// Whether something was left out that evaluations would have told.
@@ -341,20 +352,6 @@ impl<'a> Case<'a> {
     }
 }
 
-/// The strongest motion of some loops, and the step size that makes it.
-fn strongest_motion(loops: &[&LoopEvidence]) -> Option<(Motion, Option<f64>)> {
-    let strength = |motion: &Motion| match motion.shear {
-        true => (false, motion.deformation),
-        false => (true, motion.phase_advance),
-    };
-    (loops.iter().flat_map(|found| &found.steps))
-        .filter_map(|step| Some((step.motion?, step.step_size)))
-        .reduce(|a, b| match strength(&b.0) > strength(&a.0) {
-            true => b,
-            false => a,
-        })
-}
-
 /// A defect as findings carry it.
 fn change(defect: &Defect) -> Change {
     Change {
@@ -367,14 +364,4 @@ fn change(defect: &Defect) -> Change {
 fn moves_rest(found: &LoopEvidence) -> Option<Finding> {
     let loop_index = found.index;
     (found.kind == LoopKind::Extended).then_some(Finding::MovesRest { loop_index })
-}
-
-/// The range of the step sizes of a loop.
-fn range(found: &LoopEvidence) -> StepRange {
-    let sizes = || found.steps.iter().filter_map(|step| step.step_size);
-    match (sizes().reduce(f64::min), sizes().reduce(f64::max)) {
-        (Some(low), Some(high)) if low == high => StepRange::One(low),
-        (Some(low), Some(high)) => StepRange::Between(low, high),
-        _ => StepRange::Unknown,
-    }
 }

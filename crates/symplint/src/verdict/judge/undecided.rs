@@ -1,14 +1,16 @@
 //! Reasons for which the numbers do not decide.
 
 use super::{Case, Decision, change};
-use crate::evidence::{LoopEvidence, LoopKind, Motion, Omission, StepEvidence};
+use crate::evidence::{
+    LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, LoopEvidence, LoopKind, Motion, Omission, StepEvidence,
+    defect_of_order_4,
+};
 use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding};
 use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
-    CONTRADICTS, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_DEFORMATION, MOST_LARGER,
-    POINT_OF_DISC, SMALL, defect_of_order_4,
+    CONTRADICTS, MOST_DEFORMATION, MOST_LARGER, POINT_OF_DISC, SMALL,
 };
 
 impl Case<'_> {
@@ -134,15 +136,14 @@ impl Case<'_> {
         }
         if let Some((motion, step_size)) = self.strongest_motion()
             && !motion.tests(self.bound_of_loops())
+            && let Some(advice) = self.moves_too_little(motion, step_size)
         {
-            let mut decision = self.because(
-                Finding::LittleMotion {
-                    motion,
-                    group: None,
-                },
-                Vec::new(),
-            );
-            decision.advice = vec![self.advice_on_motion(motion, step_size, self.bound_of_loops())];
+            let because = Finding::LittleMotion {
+                motion,
+                group: None,
+            };
+            let mut decision = self.because(because, Vec::new());
+            decision.advice = vec![advice];
             return Some(decision);
         }
         if self.is_sampled()
@@ -165,7 +166,8 @@ impl Case<'_> {
             ));
         }
         let all_wind = self.loops.iter().all(|found| found.winds);
-        if all_wind && self.steps().any(|(_, step)| step.is_unexplained()) {
+        let changes = |step: &StepEvidence| step.is_unexplained() || step.jump.is_some();
+        if all_wind && self.steps().any(|(_, step)| changes(step)) {
             return Some(self.because(Finding::AllLoopsWind, vec![Advice::ContractibleLoops]));
         }
         (self.weak_bound())
@@ -173,6 +175,26 @@ impl Case<'_> {
             .or_else(|| self.unknown_group())
             .or_else(|| self.slow_group())
             .or_else(|| self.refuted())
+    }
+
+    /// What to do if little motion is a reason to stay undecided: an accurate method that is not symplectic would look the
+    /// same. A kick, a free flight or a map without a step size approximates nothing: the map itself is what is judged.
+    fn moves_too_little(&self, motion: Motion, step_size: Option<f64>) -> Option<Advice> {
+        let of_map = !self.is_sampled() && (!self.has_step_size() || motion.shear && motion.moves);
+        match self.evidence.reach {
+            Some(reach) if reach.shows_defect() => Some(match reach.step.step_size {
+                Some(_) => Advice::LargerSteps {
+                    factor: Some(reach.factor),
+                    step_size,
+                },
+                None => Advice::LargerRadii {
+                    factor: reach.factor,
+                },
+            }),
+            Some(reach) if of_map || reach.settles(motion) => None,
+            None if of_map => None,
+            _ => Some(self.advice_on_motion(motion, step_size, self.bound_of_loops())),
+        }
     }
 
     pub(super) fn advice_on_motion(
@@ -303,20 +325,6 @@ impl Case<'_> {
     /// Whether any random loop was tried that can be contracted.
     pub(super) fn has_random_loops(&self) -> bool {
         self.loops.iter().any(|found| found.kind != LoopKind::Given)
-    }
-}
-
-impl Motion {
-    /// Whether a method that is not symplectic would show a defect above this bound. A step that is exactly a kick or a free
-    /// flight is no method's approximation: the map itself is what is judged.
-    pub(super) fn tests(&self, bound: f64) -> bool {
-        match self.shear {
-            true => self.deformation >= LEAST_DEFORMATION,
-            false => {
-                self.phase_advance >= LEAST_PHASE_ADVANCE
-                    && defect_of_order_4(self.phase_advance) >= bound
-            }
-        }
     }
 }
 
