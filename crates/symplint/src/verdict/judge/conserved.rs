@@ -30,7 +30,7 @@ impl Case<'_> {
     }
 
     /// At how many step sizes the map failed on the given loop.
-    fn failed_steps(&self) -> usize {
+    pub(super) fn failed_steps(&self) -> usize {
         let failed = |omission: &&Omission| matches!(omission, Omission::StepFailed { .. });
         self.evidence.omissions.iter().filter(failed).count()
     }
@@ -39,10 +39,12 @@ impl Case<'_> {
     pub(super) fn bound_of_loops(&self) -> f64 {
         let (given, others) = self.loops.split_at(1);
         let others = others.iter().filter(|found| !found.winds);
-        (given.iter().chain(others))
+        let of_loops = (given.iter().chain(others))
             .filter(|found| found.is_bounded())
             .flat_map(|found| &found.steps)
-            .map(StepEvidence::bound)
+            .map(StepEvidence::bound);
+        of_loops
+            .chain(self.bounds_by_jacobian_alone())
             .fold(f64::EPSILON, f64::max)
     }
 
@@ -88,7 +90,11 @@ impl Case<'_> {
             let bounds = found.steps.iter().map(StepEvidence::bound);
             bounds.fold(0.0, f64::max)
         };
-        let worst = (random.iter().filter(|found| !found.steps.is_empty()))
+        // Loops that bound the defect, if there are any: the verdict rests on them.
+        let counts = |found: &&LoopEvidence| !found.winds && found.is_bounded();
+        let any = random.iter().any(|found| counts(&found));
+        let worst = (random.iter())
+            .filter(|found| !found.steps.is_empty() && (!any || counts(found)))
             .max_by(|a, b| bound(a).total_cmp(&bound(b)));
         let mut findings: Vec<Finding> =
             (given.iter().chain(worst)).filter_map(worst_step).collect();

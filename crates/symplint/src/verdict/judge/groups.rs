@@ -11,6 +11,18 @@ impl Case<'_> {
         groups.map(|(index, _)| self.group(index)).collect()
     }
 
+    /// The bounds of groups that no loop bounds.
+    pub(super) fn bounds_by_jacobian_alone(&self) -> impl Iterator<Item = f64> {
+        self.groups().into_iter().filter_map(|group| match group {
+            Finding::Group {
+                by_loops: None,
+                by_jacobian,
+                ..
+            } => by_jacobian.filter(|bound| *bound <= WEAKEST_BOUND),
+            _ => None,
+        })
+    }
+
     fn group(&self, index: usize) -> Finding {
         let group = &self.evidence.groups[index];
         let counted = |found: &&LoopEvidence| {
@@ -39,13 +51,8 @@ impl Case<'_> {
             let (motion, step_size) = strongest_motion(&loops)?;
             let bounds = loops.iter().flat_map(|found| &found.steps);
             let bound = bounds.map(StepEvidence::bound).fold(f64::EPSILON, f64::max);
-            (!motion.tests(bound)).then(|| {
-                let group = Some(index);
-                let mut decision =
-                    self.because(Finding::LittleMotion { motion, group }, Vec::new());
-                decision.advice = vec![self.advice_on_motion(motion, step_size, bound)];
-                decision
-            })
+            (!motion.tests(bound))
+                .then(|| self.little_motion(motion, step_size, Some(index), bound))
         })
     }
 

@@ -7,8 +7,8 @@ use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding};
 use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
-    CONTRADICTS, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_DEFORMATION, MOST_LARGER,
-    POINT_OF_DISC, SMALL, defect_of_order_4,
+    CONTRADICTS, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, LOOSEST_TOLERANCE, MOST_DEFORMATION,
+    MOST_LARGER, POINT_OF_DISC, SMALL, UNBALANCED, defect_of_order_4,
 };
 
 impl Case<'_> {
@@ -85,7 +85,7 @@ impl Case<'_> {
     }
 
     /// What no defect of the Jacobian exceeds, if it is symplectic.
-    fn jacobian_bound(&self) -> Option<f64> {
+    pub(super) fn jacobian_bound(&self) -> Option<f64> {
         let jacobian = self.evidence.jacobian.as_ref()?;
         match jacobian.verdict() {
             JacobianVerdict::SymplecticAlmostEverywhere { .. } => jacobian.bound,
@@ -122,15 +122,7 @@ impl Case<'_> {
         if let Some((motion, step_size)) = self.strongest_motion()
             && !motion.tests(self.bound_of_loops())
         {
-            let mut decision = self.because(
-                Finding::LittleMotion {
-                    motion,
-                    group: None,
-                },
-                Vec::new(),
-            );
-            decision.advice = vec![self.advice_on_motion(motion, step_size, self.bound_of_loops())];
-            return Some(decision);
+            return Some(self.little_motion(motion, step_size, None, self.bound_of_loops()));
         }
         if self.is_sampled()
             && let Some(decision) = self.undecided_samples()
@@ -162,12 +154,31 @@ impl Case<'_> {
             .or_else(|| self.refuted())
     }
 
-    pub(super) fn advice_on_motion(
+    /// The largest step moves loops too little: what would move them enough.
+    pub(super) fn little_motion(
         &self,
         motion: Motion,
         step_size: Option<f64>,
+        group: Option<usize>,
         bound: f64,
-    ) -> Advice {
+    ) -> Decision {
+        let mut decision = self.because(Finding::LittleMotion { motion, group }, Vec::new());
+        // More evaluations do not move them.
+        decision.advice = self.balanced_radii(motion).into_iter().collect();
+        decision
+            .advice
+            .push(self.advice_on_motion(motion, step_size, bound));
+        decision
+    }
+
+    /// Advice for a loop whose radii have nothing to do with the motion on it.
+    fn balanced_radii(&self, motion: Motion) -> Option<Advice> {
+        let imbalance = motion.imbalance;
+        (!self.is_sampled() && imbalance >= UNBALANCED)
+            .then_some(Advice::BalancedRadii { imbalance })
+    }
+
+    fn advice_on_motion(&self, motion: Motion, step_size: Option<f64>, bound: f64) -> Advice {
         let factor = match motion.shear {
             true => 2.0 * LEAST_DEFORMATION / motion.deformation,
             false if motion.phase_advance < LEAST_PHASE_ADVANCE => 1.0 / motion.phase_advance,
@@ -232,7 +243,10 @@ impl Case<'_> {
                 let advice = vec![Advice::MoreDigits, Advice::ReturnStates];
                 return self.because(Finding::OneState, advice);
             }
-            let deformation = step.motion.map_or(0.0, |motion| motion.deformation);
+            let motion = found.steps.iter().find_map(|step| step.motion);
+            let motion = motion.unwrap_or_default();
+            let deformation = motion.deformation;
+            let is_rounded = self.evidence.survey.is_rounded();
             let roundoff = step.defect.roundoff > 0.5 * step.defect.uncertainty();
             let because = Finding::WeakBound {
                 bound: step.bound(),
@@ -240,25 +254,35 @@ impl Case<'_> {
                 roundoff,
             };
             let advice = match (roundoff, self.is_sampled()) {
-                (_, false) if deformation > MOST_DEFORMATION => Advice::SmallerLoop { deformation },
-                (true, _) if self.evidence.survey.is_rounded() => Advice::MoreDigits,
+                (_, false) if deformation > MOST_DEFORMATION => {
+                    match self.balanced_radii(motion) {
+                        Some(balanced) => balanced,
+                        // A smaller loop has fewer digits.
+                        None if is_rounded => Advice::SmallerSteps { deformation },
+                        None => Advice::SmallerLoop { deformation },
+                    }
+                }
+                (true, _) if is_rounded => Advice::MoreDigits,
                 (true, _) => Advice::LargerLoop,
                 (false, true) => Advice::MoreSamplesOfFile,
                 (false, false) if found.rule == RuleKind::FiniteDifference => Advice::RuleAuto,
+                (false, false) if is_rounded => Advice::LargerLoopOrMoreSamples,
                 (false, false) => Advice::MoreSamplesOrSmallerLoop,
             };
             self.because(because, vec![advice])
         };
         // Random loops that the samples do not resolve do not count, but one must.
         if !random.is_empty() && !random.iter().any(|found| found.is_bounded()) {
-            let step = (random.iter()).find_map(|found| Some((*found, found.weak_step()?)));
+            let step = (random.iter())
+                .filter_map(|found| Some((*found, weakest(found)?)))
+                .max_by(|a, b| a.1.bound().total_cmp(&b.1.bound()));
             return Some(match step {
                 Some((found, step)) => weak(found, step),
                 None => self.because(Finding::RandomLoopsFail, vec![Advice::SmallerLoopInDomain]),
             });
         }
         let judged = !given.winds || random.is_empty();
-        let step = given.weak_step().filter(|_| judged)?;
+        let step = weakest(given).filter(|_| judged)?;
         Some(weak(given, step))
     }
 
@@ -277,9 +301,17 @@ impl Case<'_> {
     /// The loops are conserved, and the Jacobian is not symplectic.
     fn refuted(&self) -> Option<Decision> {
         self.jacobian_refutes().then(|| {
-            let mut decision = self.because(Finding::JacobianRefutes, Vec::new());
-            decision.advice = vec![Advice::OtherLoops];
-            decision
+            let worst = self
+                .evidence
+                .jacobian
+                .as_ref()
+                .and_then(|found| found.worst);
+            let small = worst.is_some_and(|worst| worst.magnitude() < LOOSEST_TOLERANCE);
+            let mut advice = vec![Advice::OtherLoops];
+            if small {
+                advice.insert(0, Advice::TightenSolver);
+            }
+            self.because(Finding::JacobianRefutes, advice)
         })
     }
 
@@ -301,6 +333,13 @@ impl Motion {
             }
         }
     }
+}
+
+/// The step that bounds the defect of a loop worst, if it is too weak to call a map symplectic.
+fn weakest(found: &LoopEvidence) -> Option<&StepEvidence> {
+    let weak = found.steps.iter().filter(|step| !step.is_bounded());
+    // A bound that is not known is larger than any.
+    weak.max_by(|a, b| a.bound().total_cmp(&b.bound()))
 }
 
 /// The largest defect of a loop.
