@@ -24,7 +24,7 @@ pub use survey::{
 use serde::{Deserialize, Serialize};
 
 use crate::breaks::Break;
-use crate::jacobian::JacobianEvidence;
+use crate::jacobian::{JacobianDecay, JacobianEvidence};
 use crate::rules::RuleKind;
 
 /// Fewer samples than this do not show whether a loop is smooth.
@@ -64,6 +64,10 @@ pub struct Evidence {
     pub long_time: Option<LongTime>,
     /// The Jacobian of the largest step at points of the given loop.
     pub jacobian: Option<JacobianEvidence>,
+    /// How the largest defect of the Jacobian falls with the step size. Measured if a loop has a defect at three step sizes,
+    /// as a witness for the order of the defect.
+    #[serde(default)]
+    pub jacobian_decay: Option<JacobianDecay>,
     /// What was asked for and not measured.
     pub omissions: Vec<Omission>,
     /// Evaluations of the map.

@@ -360,6 +360,26 @@ pub enum Finding {
         /// The step.
         step: Step,
     },
+    /// The defect at one step size is gone at the next smaller one, faster than h^14 falls, on all loops.
+    FailsToConverge {
+        /// |E|.
+        defect: f64,
+        /// The smallest step with a defect.
+        step: Step,
+        /// The next smaller one.
+        smaller: Step,
+        /// |E| there is not above this.
+        bound: f64,
+    },
+    /// The defect of the Jacobian does not fall as the loop integrals do between two step sizes: no order is stated.
+    OrdersDiffer {
+        /// The mean slope of the defect of the Jacobian.
+        by_jacobian: f64,
+        /// The law of the loop integrals.
+        by_loops: Fit,
+        /// The two step sizes, the larger one first.
+        steps: [Step; 2],
+    },
     /// The loop of the verdict moves degrees of freedom that the given loop leaves at rest.
     MovesRest {
         /// Which loop.
@@ -527,6 +547,23 @@ pub enum Advice {
         breaks: usize,
         /// The most that a coordinate jumps by.
         largest: f64,
+    },
+    /// Let the radii of the loop follow the map: `radius = "auto"`, [`balanced_radii`](crate::map::balanced_radii).
+    BalancedRadii {
+        /// By how much the radii differ from the ratio that the motion suggests.
+        imbalance: f64,
+    },
+    /// Let an iteration inside the step converge, or take smaller step sizes.
+    LetStepConverge {
+        /// A step size at which it does.
+        converges: f64,
+    },
+    /// Take a larger loop or more samples: rounding of the states averages out.
+    LargerLoopOrMoreSamples,
+    /// Take smaller step sizes: one step deforms the loop by many times its size, and a smaller loop has fewer digits.
+    SmallerSteps {
+        /// The largest motion of a coordinate against the mean motion, over half its range on the loop.
+        deformation: f64,
     },
     /// Give more step sizes to learn the order.
     MoreStepSizes {

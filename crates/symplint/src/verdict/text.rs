@@ -53,8 +53,11 @@ impl Display for StepRange {
 
 /// `falling as h^3`.
 fn law(fit: &Fit) -> String {
+    let to = fit.constant.map_or(String::new(), |constant| {
+        format!(" to a constant part of {constant:+.1e}")
+    });
     match fit.whole() {
-        Some(order) => format!("falling as h^{order}"),
+        Some(order) => format!("falling as h^{order}{to}"),
         None => format!(
             "falling about as h^{:.1} in the range that was tried",
             fit.slope
@@ -339,9 +342,12 @@ impl Display for Finding {
                     true => "what is left between the breaks".to_owned(),
                     false => loop_name(fit.loop_index),
                 };
+                let constant = fit.constant.map_or(String::new(), |constant| {
+                    format!(" and a constant part of {constant:+.1e}")
+                });
                 write!(
                     f,
-                    "The defect of {what} goes as h^({:.3} ± {:.3}) between h = {} and h = {}.",
+                    "The defect of {what} goes as h^({:.3} ± {:.3}){constant} between h = {} and h = {}.",
                     fit.slope,
                     fit.uncertainty,
                     size(fit.from),
@@ -400,6 +406,27 @@ impl Display for Finding {
                 loop_name(*loop_index),
                 change.signed,
                 change.uncertainty.unwrap_or(f64::INFINITY)
+            ),
+            Finding::FailsToConverge {
+                defect,
+                step,
+                smaller,
+                bound,
+            } => write!(
+                f,
+                "The defect of {defect:.1e} {step} is gone {smaller} (|E| ≤ {bound:.1e}), which no power of h explains: the step \
+                 fails to converge {step}, or takes another branch there."
+            ),
+            Finding::OrdersDiffer {
+                by_jacobian,
+                by_loops,
+                steps: [large, small],
+            } => write!(
+                f,
+                "No order is stated: {} falls as h^{:.2}, and the defect of the Jacobian as h^{by_jacobian:.2} from {large} to \
+                 {small}.",
+                loop_name(by_loops.loop_index),
+                by_loops.slope
             ),
             Finding::MovesRest { loop_index } => write!(
                 f,
