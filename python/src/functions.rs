@@ -93,7 +93,7 @@ impl Raised {
                     reason, step_size, ..
                 },
                 Of::Step(h),
-            ) => h == *step_size && self.reason == *reason,
+            ) => step_size.is_none_or(|size| size == h) && self.reason == *reason,
             // A loop or a projection that fails gives states that are not numbers.
             (Error::NotFinite { .. }, Of::Project | Of::Loop) => true,
             _ => false,
@@ -157,7 +157,7 @@ impl Functions {
             }
             Call::Measured(h) => {
                 self.measured += 1;
-                self.tell_progress(py, Some(h))
+                self.tell_progress(py, Some(h).filter(|h| h.is_finite()))
             }
             Call::Finished => Ok(()),
         }

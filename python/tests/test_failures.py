@@ -443,6 +443,8 @@ def test_arguments_that_are_not_valid(arguments, words):
     [
         (lambda: symplint.FourierLoop(0.0, 0.0, seed=-1), "seed is -1"),
         (lambda: symplint.Circle(0.0, 0.0, phases=-1), "phases is -1"),
+        (lambda: symplint.Circle(0.0, 0.0, phases="golden"), 'phases is "golden"'),
+        (lambda: symplint.Circle(0.0, 0.0, phases="random", seed=-1), "seed is -1"),
         (lambda: symplint.Circle(0.0, 0.0, dofs=[-1]), "dofs is -1"),
         (lambda: symplint.Circle(0.0, 0.0).sample(-1), "samples is -1"),
         (lambda: symplint.circle(0.0, 0.0, samples=2**70), "samples is 1180591620717411303424"),

@@ -33,6 +33,8 @@ pub enum Expected {
     SmallDefect(f64),
     /// The map breaks loops. Once closed, they keep their integrals or do not, where that is known.
     Broken { closed: Option<bool> },
+    /// Symplectic, with a period that is not the map's: symplectic, or an error that names it.
+    WrongPeriod,
     /// A solver stops at a tolerance: loops break and their integrals change, both by little.
     Tolerance {
         /// Of the loop integral between the breaks, at the largest step, relative, at least.

@@ -130,7 +130,9 @@ mod tests {
         let plain = Coordinates::plain(2);
         let centre = || (vec![1e5, -3.0], vec![0.0, 2.0]);
         let (q0, p0) = centre();
-        let circle = Circle::new(q0, p0, 1e-3).unwrap().with_random_phases(3);
+        let circle = Circle::new(q0, p0, 1e-3)
+            .unwrap()
+            .with_phases(crate::loops::Phases::Random { seed: 3 });
         assert_eq!(check_closed(&circle, &plain), Ok(()));
         let (q0, p0) = centre();
         let random = FourierLoop::random(q0, p0, &[1.0; 2], &[1e-6; 2], 1).unwrap();

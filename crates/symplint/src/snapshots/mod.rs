@@ -174,6 +174,7 @@ fn breaks_at(step: &Compared) -> impl Iterator<Item = BreakAt> + '_ {
 fn evidence(step: &Compared, samples: usize) -> StepEvidence {
     let size = |found: &Break| found.jump_q.abs() + found.jump_p.abs();
     StepEvidence {
+        reach_of_jumps: 0.0,
         step_size: step.step_size,
         samples,
         rule: step.rule,
