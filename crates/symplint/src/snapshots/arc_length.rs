@@ -187,16 +187,22 @@ impl ArcLength {
         let mut rows = vec![first];
         let before = (last - n + 1..first).rev();
         for k in before {
+            if rows.len() == order / 2 {
+                break;
+            }
             let nearest = self.position(rows[rows.len() - 1]);
-            if rows.len() < order / 2 && nearest - self.position(k) >= least {
+            if nearest - self.position(k) >= least {
                 rows.push(k);
             }
         }
         rows.reverse();
         rows.push(last);
         for k in last + 1..rows[0] + n {
+            if rows.len() == order {
+                break;
+            }
             let nearest = self.position(rows[rows.len() - 1]);
-            if rows.len() < order && self.position(k) - nearest >= least {
+            if self.position(k) - nearest >= least {
                 rows.push(k);
             }
         }
