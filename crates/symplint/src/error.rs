@@ -202,15 +202,20 @@ pub enum Error {
     },
     /// The same state does not always become the same state.
     #[error(
-        "the map has a memory: the state at s = {s} of the loop comes out different {circumstance}, by \
-         {difference:.1e} in degree of freedom {dof} with h = {step_size:?}; let a step depend on nothing \
-         but h and the state itself"
+        "the result depends on {}: the state{} gives another one {circumstance}, by {difference:.1e} in \
+         {coordinate}[{dof}] with h = {step_size:?}; let a step depend only on h and the state itself",
+        match .on_earlier_calls { true => "earlier calls", false => "the other rows of the batch" },
+        match .s { Some(s) => format!(" at s = {s} of the loop"), None => String::new() }
     )]
     Memory {
         /// How it was advanced the second time.
         circumstance: &'static str,
-        /// The loop parameter.
-        s: f64,
+        /// Whether it depends on the states that were advanced before; on those of the same batch, if not.
+        on_earlier_calls: bool,
+        /// The loop parameter, if the state is one of the given loop that was advanced to test this.
+        s: Option<f64>,
+        /// `'q'` or `'p'`.
+        coordinate: char,
         /// Degree of freedom.
         dof: usize,
         /// How far apart the two states are.
@@ -242,6 +247,21 @@ pub enum Error {
         dof: usize,
         /// The widest gap of all coordinates.
         gap: f64,
+    },
+    /// A loop function that does not repeat itself.
+    #[error(
+        "the loop function is random: at s = {s} of the loop, {coordinate}[{dof}] differs by {difference:.1e} when it is \
+         called again; let it depend only on s"
+    )]
+    RandomLoop {
+        /// The loop parameter.
+        s: f64,
+        /// `'q'` or `'p'`.
+        coordinate: char,
+        /// Degree of freedom.
+        dof: usize,
+        /// How far apart the two states are.
+        difference: f64,
     },
     /// A loop that winds round a torus, on which ∮ p·dq has no value.
     #[error(

@@ -57,9 +57,13 @@ pub(super) const FEWEST_TIGHT_SAMPLES: usize = 64;
 /// Budgets below this are tight: every evaluation is counted on.
 pub(super) const TIGHT: usize = 20_000;
 
-/// Samples that are tried for a memory of the map: eight find a state that samples share, or an order that
+/// States that are advanced again at the beginning: eight find a state that samples share, or an order that
 /// matters; a tight budget, or states so large that few fit into memory, have four.
 pub(super) const PURITY_SAMPLES: [usize; 2] = [4, 16];
+
+/// States that are taken out of the largest batch of a loop and advanced again: a batch of eight has another order and other
+/// neighbours. A tight budget has two.
+pub(super) const WITNESSES: [usize; 2] = [2, 8];
 
 /// The part of a budget that the Jacobian may take at most.
 pub(super) const JACOBIAN_PART: usize = 5;

@@ -94,6 +94,7 @@ impl Diagnostic {
                 largest,
                 failed: failed.clone(),
                 reserved: 0,
+                noise: None,
                 evidence: evidence.clone(),
             };
             match start.begin(subject) {
@@ -128,6 +129,7 @@ impl Diagnostic {
         }
         // Jacobian and localisation note any error and go on.
         evaluator.check_not_stopped()?;
+        run.look_again(&evaluator, &sizes)?;
         run.evidence.evaluations.made = count.made();
         run.evidence.evaluations.wanted = diagnostic.missing(subject, &run.evidence)?;
         Ok(run.evidence)
@@ -185,6 +187,8 @@ struct Run<'a> {
     failed: Vec<FailedStep>,
     /// Evaluations that loops take which are still to come, and of which the map was told.
     reserved: usize,
+    /// By how much results of one state differ.
+    noise: Option<survey::Noise>,
     evidence: Evidence,
 }
 
@@ -211,17 +215,11 @@ impl Run<'_> {
             phase_loop,
         } = subject;
         let start = self.count.made();
-        let samples = self.plan.purity_samples;
-        let pure = survey::check_purity(evaluator, phase_loop, self.largest, samples);
-        // Where the given loop fails too, its samples tell more of where that is.
-        let beside = match pure {
-            Ok(scatter) => {
-                self.evidence.survey.scatter = scatter;
-                None
-            }
-            Err(error) if of_the_map(&error) => Some(error),
-            Err(error) => return Err(error),
-        };
+        let (samples, witnesses) = (self.plan.purity_samples, self.plan.witnesses);
+        evaluator.keep_witnesses(witnesses);
+        let of_step_sizes = self.diagnostic.step_sizes.len();
+        self.count
+            .reserve(survey::cost_again(witnesses) + of_step_sizes);
         match survey::rounding_inside(subject, self.largest) {
             Ok(None) => {}
             Ok(Some(grains)) => {
@@ -232,6 +230,15 @@ impl Run<'_> {
             Err(error) if of_the_map(&error) => {}
             Err(error) => return Err(error),
         }
+        // Where the given loop fails too, its samples tell more of where that is.
+        let beside = match survey::check_purity(evaluator, phase_loop, self.largest, samples) {
+            Ok(noise) => {
+                self.note_noise(evaluator, noise);
+                None
+            }
+            Err(error) if of_the_map(&error) => Some(error),
+            Err(error) => return Err(error),
+        };
         self.evidence.evaluations.purity = self.count.made() - start;
         let given = self.given_loop(subject)?;
         if let Some(error) = beside {
@@ -239,7 +246,34 @@ impl Run<'_> {
         }
         // Step sizes that failed before were tried on the given loop, too.
         self.evidence.evaluations.given_loop += start - self.evidence.evaluations.step_sizes;
+        let start = self.count.made();
+        let noise = survey::check_again(evaluator, true, self.noise.clone())?;
+        self.note_noise(evaluator, noise);
+        self.evidence.evaluations.purity += self.count.made() - start;
         Ok((self, given))
+    }
+
+    /// Keeps by how much results of one state differ: the rules allow for it.
+    fn note_noise(&mut self, evaluator: &Evaluator<'_>, noise: Option<survey::Noise>) {
+        if noise == self.noise {
+            return;
+        }
+        self.evidence.survey.scatter = noise.as_ref().and_then(survey::Noise::scatter);
+        if let Some(noise) = &noise {
+            evaluator.note_rounding_inside(noise.units());
+        }
+        self.noise = noise;
+    }
+
+    /// Advances states of the batches before once more, and one of them by steps of other sizes.
+    fn look_again(&mut self, evaluator: &Evaluator<'_>, sizes: &[f64]) -> Result<(), Error> {
+        let start = self.count.made();
+        self.count.reserve(0);
+        let noise = survey::check_again(evaluator, false, self.noise.clone())?;
+        self.note_noise(evaluator, noise);
+        self.evidence.survey.ignores_step_size = survey::ignores_step_size(evaluator, sizes)?;
+        self.evidence.evaluations.purity += self.count.made() - start;
+        Ok(())
     }
 
     /// Whether the map failed at this step size on the given loop.

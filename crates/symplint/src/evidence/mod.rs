@@ -16,7 +16,7 @@ pub use motion::Motion;
 pub use point::{BreakAt, Point, Sweep};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
-pub use survey::{OutputFormat, OutputPrecision, Scatter, SingularJacobian, Survey};
+pub use survey::{OutputFormat, OutputPrecision, Scatter, ScatterKind, SingularJacobian, Survey};
 
 use serde::{Deserialize, Serialize};
 

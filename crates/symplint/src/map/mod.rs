@@ -9,6 +9,7 @@ mod loop_size;
 mod one_form;
 mod prefetch;
 mod tangent;
+mod witnesses;
 
 pub use closures::{PerBlock, PerSample, StepOutcome};
 pub use constraint::{Constraint, ProjectedLoop};
@@ -20,6 +21,7 @@ pub use loop_size::{BalancedRadii, balanced_radii};
 pub use one_form::{NonCanonical, OneForm};
 pub use prefetch::Prefetch;
 pub use tangent::TangentMap;
+pub(crate) use witnesses::Witnesses;
 
 #[cfg(doc)]
 use crate::error::Error;

@@ -10,7 +10,9 @@ use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, fit_order, smallest_steps_slope};
 use super::thresholds::{FAR, FEWEST_POINTS, SMALL, TREND};
 use super::{Verdict, VerdictKind, long_time};
-use crate::evidence::{Evidence, LoopEvidence, LoopKind, Motion, Omission, Origin, StepEvidence};
+use crate::evidence::{
+    Evidence, LoopEvidence, LoopKind, Motion, Omission, Origin, Scatter, StepEvidence,
+};
 use crate::rules::Defect;
 
 /// Reaches the verdict. Pure: the same evidence gives the same verdict, whoever measured it.
@@ -97,6 +99,7 @@ impl<'a> Case<'a> {
             return decision;
         }
         (self.no_closed_loop())
+            .or_else(|| self.random_numbers())
             .or_else(|| self.beside_manifold())
             .or_else(|| self.broken())
             .or_else(|| self.not_contracted())
@@ -211,9 +214,17 @@ impl<'a> Case<'a> {
         })
     }
 
+    /// The step draws random numbers: what it does to a loop differs from run to run.
+    fn random_numbers(&self) -> Option<Decision> {
+        let scatter = self.evidence.survey.scatter.filter(Scatter::is_random)?;
+        let mut decision = Decision::new(VerdictKind::Undecided, Finding::Scatter(scatter));
+        decision.advice.push(Advice::SameRandomNumbers);
+        Some(decision)
+    }
+
     /// What would show the order of a defect.
     fn advice_on_order(&self, has_trend: bool) -> Option<Advice> {
-        if has_trend {
+        if has_trend || self.evidence.survey.ignores_step_size {
             return None;
         }
         let steps = self.loops.first().map_or(&[][..], |given| &given.steps);
@@ -248,7 +259,10 @@ impl<'a> Case<'a> {
         findings.extend(evidence.survey.output_precision.map(Finding::Precision));
         let inside = evidence.survey.single_inside && evidence.survey.output_precision.is_none();
         findings.extend(inside.then_some(Finding::SingleInside));
-        findings.extend(evidence.survey.scatter.map(Finding::Scatter));
+        // If it is the reason of the verdict, it stands first.
+        let scatter = evidence.survey.scatter;
+        findings.extend(scatter.filter(|of| !of.is_random()).map(Finding::Scatter));
+        findings.extend((evidence.survey.ignores_step_size).then_some(Finding::IgnoresStepSize));
         findings.extend(evidence.long_time.map(|steps| Finding::ManySteps {
             growth: long_time::growth(&steps),
             steps,
