@@ -203,7 +203,8 @@ pub enum Error {
     /// The same state does not always become the same state.
     #[error(
         "the result depends on {}: the state{} gives another one {circumstance}, by {difference:.1e} in \
-         {coordinate}[{dof}] with h = {step_size:?}; let a step depend only on h and the state itself",
+         {coordinate}[{dof}] with h = {step_size:?}; let a step depend only on h and the state (if \
+         it draws random numbers: give every row and every call the same ones)",
         match .on_earlier_calls { true => "earlier calls", false => "the other rows of the batch" },
         match .s { Some(s) => format!(" at s = {s} of the loop"), None => String::new() }
     )]

@@ -258,7 +258,10 @@ impl Run<'_> {
         if noise == self.noise {
             return;
         }
-        self.evidence.survey.scatter = noise.as_ref().and_then(survey::Noise::scatter);
+        let scatter = noise.as_ref().and_then(survey::Noise::scatter);
+        self.evidence.survey.scatter = scatter;
+        // Random numbers look like single precision.
+        self.evidence.survey.single_inside &= !scatter.is_some_and(|of| of.is_random());
         if let Some(noise) = &noise {
             evaluator.note_rounding_inside(noise.units());
         }

@@ -8,6 +8,9 @@ use crate::state::{Block, Ensemble};
 /// Loops whose states are kept: the given one and three others.
 const MOST_LOOPS: usize = 4;
 
+/// Batches of no more coordinates than this are kept as a whole, so that they can be repeated: 4 MiB.
+const MOST_COORDINATES: usize = 1 << 19;
+
 /// States of one batch, before and after the step.
 #[derive(Clone, Debug)]
 pub(crate) struct Witnesses {
@@ -20,6 +23,8 @@ pub(crate) struct Witnesses {
     pub rows: Vec<usize>,
     pub before: Ensemble,
     pub after: Ensemble,
+    /// The whole batch before the step, if it is small enough.
+    pub whole: Option<Ensemble>,
 }
 
 /// Keeps states of the first call of a map, and of the largest batch of each loop.
@@ -38,6 +43,7 @@ struct Kept {
 pub(super) struct Taken {
     rows: Vec<usize>,
     before: Ensemble,
+    whole: Option<Ensemble>,
 }
 
 impl Recorder {
@@ -65,7 +71,13 @@ impl Recorder {
             count => (0..count).map(|k| k * last / (count - 1)).collect(),
         };
         let before = rows_of(block, &rows);
-        Some(Taken { rows, before })
+        let is_small = 2 * block.dof() * block.len() <= MOST_COORDINATES;
+        let whole = is_small.then(|| block.copy_of(0..block.len()));
+        Some(Taken {
+            rows,
+            before,
+            whole,
+        })
     }
 
     /// Keeps the states that were taken, and the same rows of the advanced block.
@@ -82,6 +94,7 @@ impl Recorder {
                 rows: taken.rows,
                 before: taken.before,
                 after,
+                whole: taken.whole,
             });
         });
     }

@@ -206,7 +206,7 @@ fn explain(
     };
     let sizes = sizes(evaluator, repeats, &differing);
     let affords = |evaluations: usize| evaluations <= evaluator.count().left();
-    let kind = |sizes: &[f64]| match exceed_rounding(evaluator, repeats, sizes) {
+    let kind = |sizes: &[f64]| match exceed_rounding(repeats, sizes) {
         true => ScatterKind::RandomNumbers,
         false => ScatterKind::Noise,
     };
@@ -215,7 +215,7 @@ fn explain(
         noise(kind(&sizes), sizes.clone(), tolerances)
     };
     let states = repeats.before.samples();
-    if states < 2 || !affords(2 * EVALUATIONS_OF_ROUNDING + scatter::EVALUATIONS) {
+    if states < 2 || !affords(2 * EVALUATIONS_OF_ROUNDING + scatter::evaluations(states)) {
         return unexplained();
     }
     let other = (worst.state + states / 2) % states;
@@ -288,9 +288,9 @@ fn sizes(evaluator: &Evaluator<'_>, repeats: &Repeats, differing: &[Mismatch]) -
 }
 
 /// Whether noise is larger than rounding in the precision of the map, or in single precision.
-fn exceed_rounding(evaluator: &Evaluator<'_>, repeats: &Repeats, sizes: &[f64]) -> bool {
+fn exceed_rounding(repeats: &Repeats, sizes: &[f64]) -> bool {
     let single = 0.5f64.powi(SINGLE as i32);
-    let unit = repeats.unit(evaluator);
+    let unit = repeats.unit_of_results();
     let bar = match unit > single {
         true => ROUNDINGS_OF_FEW_DIGITS * unit,
         false => ROUNDINGS_OF_SINGLE * single,
@@ -308,7 +308,7 @@ fn comes_again(
 ) -> Result<bool, Error> {
     let order = &repeats.again[again].order;
     let pair = || -> Result<[Ensemble; 2], Error> {
-        let first = repeats.advance(evaluator, &repeats.order)?;
+        let first = repeats.advance_first(evaluator)?;
         Ok([first, repeats.advance(evaluator, order)?])
     };
     let pairs = [pair()?, pair()?];

@@ -26,6 +26,8 @@ pub(super) struct Repeats {
     pub order: Vec<usize>,
     /// In which of these rows the states were.
     pub rows: Vec<usize>,
+    /// The whole batch before the step, if other states were in other rows, and it is known.
+    pub whole: Option<Ensemble>,
     pub again: Vec<Again>,
 }
 
@@ -65,6 +67,7 @@ impl Repeats {
             first,
             rows: order.clone(),
             order,
+            whole: None,
             again: Vec::new(),
         }
     }
@@ -83,6 +86,7 @@ impl Repeats {
             first: witnesses.after,
             order,
             rows: witnesses.rows,
+            whole: witnesses.whole,
             again: Vec::new(),
         }
     }
@@ -95,6 +99,21 @@ impl Repeats {
         let mut states = self.in_order(order);
         evaluator.advance(&mut states, self.h)?;
         Ok(states)
+    }
+
+    /// Advances the batch of the first results again.
+    ///
+    /// # Errors
+    /// Those of the map.
+    pub fn advance_first(&self, evaluator: &Evaluator<'_>) -> Result<Ensemble, Error> {
+        match &self.whole {
+            Some(whole) => {
+                let mut states = whole.clone();
+                evaluator.advance(&mut states, self.h)?;
+                Ok(states)
+            }
+            None => self.advance(evaluator, &self.order),
+        }
     }
 
     /// The same once more, to be compared.
@@ -146,8 +165,17 @@ impl Repeats {
         (0..2 * self.first.dof()).map(of).collect()
     }
 
-    /// The relative distance of neighbouring numbers in which the map computes, as its results show it.
+    /// The relative distance of neighbouring numbers in which the map computes: as its results show it, or the search for
+    /// single precision inside.
     pub fn unit(&self, evaluator: &Evaluator<'_>) -> f64 {
+        match evaluator.inside() {
+            Some(_) => self.unit_of_results().max(0.5f64.powi(SINGLE as i32 - 1)),
+            None => self.unit_of_results(),
+        }
+    }
+
+    /// The relative distance of neighbouring numbers, as results show it.
+    pub fn unit_of_results(&self) -> f64 {
         let values = (0..2 * self.first.dof()).flat_map(|c| coordinate(&self.first, c));
         let digits = values
             .map(|x| binary_digits(*x))
@@ -155,12 +183,9 @@ impl Repeats {
         let (count, most) = digits.fold((0, 0), |(count, most), digits| {
             (count + 1, digits.max(most))
         });
-        if count >= ENOUGH && most <= FEW_BITS {
-            0.5f64.powi(most - 1)
-        } else if evaluator.inside().is_some() {
-            0.5f64.powi(SINGLE as i32 - 1)
-        } else {
-            f64::EPSILON
+        match count >= ENOUGH && most <= FEW_BITS {
+            true => 0.5f64.powi(most - 1),
+            false => f64::EPSILON,
         }
     }
 

@@ -19,8 +19,14 @@ const DRIFT: f64 = 0.9;
 /// Means of repetitions that rounding moves differ by less than single results.
 const PART_OF_MEANS: f64 = 1.0 / 16.0;
 
-/// Evaluations of the test.
-pub(super) const EVALUATIONS: usize = 4 * REPETITIONS + 5;
+/// A batch that is advanced twice depends on its rows if the results of the two differ by less than this part of what they
+/// differ by from row to row.
+const REPRODUCED: f64 = 0.25;
+
+/// Evaluations of the test with this number of states.
+pub(super) fn evaluations(states: usize) -> usize {
+    4 * REPETITIONS + 5 + 4 * states
+}
 
 /// What repetitions of one state show.
 pub(super) enum Repetitions {
@@ -30,7 +36,8 @@ pub(super) enum Repetitions {
     Scatter(Vec<f64>),
 }
 
-/// Repeats a state eight times each after two others, in one batch, and alone after each of them.
+/// Repeats a state eight times each after two others, in one batch, alone after each of them, and after all others in a batch
+/// that is advanced twice.
 ///
 /// # Errors
 /// Those of the map.
@@ -50,6 +57,11 @@ pub(super) fn repetitions(
     let alone: Vec<Ensemble> = (calls.iter())
         .map(|&state| repeats.advance(evaluator, &[state]))
         .collect::<Result<_, Error>>()?;
+    let after_each: Vec<usize> = (0..states).flat_map(|other| [other, state]).collect();
+    let twice = [
+        repeats.advance(evaluator, &after_each)?,
+        repeats.advance(evaluator, &after_each)?,
+    ];
     let mut scatters = Vec::with_capacity(tolerances.len());
     let (mut depends, mut on_earlier_calls) = (false, false);
     for (c, &tolerance) in tolerances.iter().enumerate() {
@@ -70,7 +82,12 @@ pub(super) fn repetitions(
         // A state that is advanced alone has a batch of its own.
         let differs_alone =
             deviation <= tolerance && (alone[1] - mean(&values.concat())).abs() > tolerance;
-        depends |= !is_random || differs_alone;
+        let [first, second] = [&twice[0], &twice[1]].map(|states| every_second(states, 1));
+        let between = (first.iter().zip(&second)).map(|(a, b)| (a - b).powi(2));
+        let within = Line::through(&first).squares;
+        let is_reproduced =
+            within.sqrt() > tolerance && between.sum::<f64>() < 2.0 * within * REPRODUCED.powi(2);
+        depends |= !is_random || differs_alone || is_reproduced;
         // The other states were repeated, too.
         let others = [&histories[0], &histories[1]].map(|states| {
             let values = every_second(states, 0);
