@@ -124,7 +124,7 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                     (diagnostic.rule, diagnostic.samples) = (Rule::Auto, SampleCount::Auto);
                 }
                 Advice::Project | Advice::LoopOnManifold => *map = projected.clone()?,
-                Advice::MoreDigits | Advice::TightenSolver => {
+                Advice::MoreDigits | Advice::TightenSolver | Advice::SameRandomNumbers => {
                     *map = full.clone()?;
                     exact = true;
                 }
@@ -205,7 +205,10 @@ pub fn follow(member: &Member, diagnosis: &Diagnosis) -> Followed {
 
 /// Whether an advice is to change the precision of the map.
 fn lifts_a_limit(advice: &Advice) -> bool {
-    matches!(advice, Advice::MoreDigits | Advice::TightenSolver)
+    matches!(
+        advice,
+        Advice::MoreDigits | Advice::TightenSolver | Advice::SameRandomNumbers
+    )
 }
 
 fn followed(member: &Member, diagnosis: &Diagnosis, wanted: impl Fn(&Advice) -> bool) -> Followed {

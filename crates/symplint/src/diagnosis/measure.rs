@@ -264,6 +264,9 @@ impl Run<'_> {
         self.evidence.survey.single_inside &= !scatter.is_some_and(|of| of.is_random());
         if let Some(noise) = &noise {
             evaluator.note_rounding_inside(noise.units());
+            if let Some(deviations) = noise.deviations() {
+                evaluator.note_noise(deviations);
+            }
         }
         self.noise = noise;
     }

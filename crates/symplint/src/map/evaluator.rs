@@ -28,6 +28,8 @@ pub(crate) struct Evaluator<'a> {
     grain: RwLock<Option<Arc<Grain>>>,
     /// What the map rounds each coordinate to inside, if it works in single precision there, or is noisy.
     inside: RwLock<Option<Arc<Vec<f64>>>>,
+    /// The noise of each coordinate, if results of one state differ at random.
+    noise: RwLock<Option<Arc<Vec<f64>>>>,
     /// States that are advanced again later.
     recorder: Recorder,
 }
@@ -115,6 +117,7 @@ impl<'a> Evaluator<'a> {
             count,
             grain: RwLock::default(),
             inside: RwLock::default(),
+            noise: RwLock::default(),
             recorder: Recorder::default(),
         })
     }
@@ -129,6 +132,7 @@ impl<'a> Evaluator<'a> {
             count: self.count,
             grain: RwLock::default(),
             inside: RwLock::new(self.inside()),
+            noise: RwLock::new(self.noise()),
             recorder: Recorder::default(),
         }
     }
@@ -299,6 +303,17 @@ impl<'a> Evaluator<'a> {
     pub fn inside(&self) -> Option<Arc<Vec<f64>>> {
         let inside = self.inside.read().unwrap_or_else(PoisonError::into_inner);
         inside.clone()
+    }
+
+    /// Takes note that results of one state differ at random, by this standard deviation of each coordinate.
+    pub fn note_noise(&self, deviations: Vec<f64>) {
+        *self.noise.write().unwrap_or_else(PoisonError::into_inner) = Some(Arc::new(deviations));
+    }
+
+    /// The standard deviation of each coordinate, if results of one state differ at random.
+    pub fn noise(&self) -> Option<Arc<Vec<f64>>> {
+        let noise = self.noise.read().unwrap_or_else(PoisonError::into_inner);
+        noise.clone()
     }
 
     /// Keeps this number of states of the first call and of the largest batch of each loop.

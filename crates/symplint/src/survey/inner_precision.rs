@@ -25,6 +25,10 @@ const STAIRS: [f64; 10] = [0.0, 1.13, 2.77, 3.83, 5.43, 6.55, 7.8, 9.21, 10.37, 
 /// double precision; and no more than so many times.
 const PARTS: [f64; 2] = [0.02, 4.0];
 
+/// Results of single precision differ by less than this part of their rounding, if the same states are advanced in another
+/// order: few sums of a matrix product add up otherwise. Independent noise differs by √2 of itself.
+const OF_OTHER_ORDER: f64 = 0.5;
+
 /// Stairs of a unit have a standard deviation of 1/√12 of it.
 const UNITS_OF_NOISE: f64 = 3.5;
 
@@ -62,25 +66,48 @@ pub(crate) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
         // The sixth difference at one site may be small. A larger one comes from a break or a kink.
         noisy + 1 >= SITES.len() && noise.iter().all(|of_site| of_site[c] < most)
     };
-    if !(0..2 * dof).any(is_single) {
+    let largest = |c: usize| {
+        let of_sites = noise.iter().map(|of_site| of_site[c]);
+        of_sites.fold(0.0, f64::max)
+    };
+    let single: Vec<usize> = (0..2 * dof).filter(|&c| is_single(c)).collect();
+    if single.is_empty() {
         return Ok(None);
     }
-    let inside = |c: usize| {
-        let largest = noise
-            .iter()
-            .fold(0.0, |most: f64, of_site| most.max(of_site[c]));
-        units[c].max(UNITS_OF_NOISE * largest)
-    };
+    // Random numbers, and what is left from earlier calls, look like rounding.
+    let other_order = in_other_order(subject, h, &units)?;
+    if (single.iter()).any(|&c| other_order[c] > OF_OTHER_ORDER * largest(c)) {
+        return Ok(None);
+    }
+    let inside = |c: usize| units[c].max(UNITS_OF_NOISE * largest(c));
     Ok(Some((0..2 * dof).map(inside).collect()))
 }
 
-/// The root mean square of the sixth differences of each coordinate, at some sites.
-fn noise(
+/// By how much results of each coordinate differ if the same states are advanced in another order: not at all, if rounding
+/// depends on the state alone.
+fn in_other_order(subject: Subject<'_>, h: f64, units: &[f64]) -> Result<Vec<f64>, Error> {
+    let reversed = |point: usize| STAIRS.len() - 1 - point;
+    let forward = stairs(subject, h, &SITES[..1], units, |point| point)?;
+    let backward = stairs(subject, h, &SITES[..1], units, reversed)?;
+    let of = |c: usize| {
+        let (there, back) = (coordinate(&forward, c), coordinate(&backward, c));
+        let period = period(subject.coordinates(), c);
+        let squares: f64 = (0..STAIRS.len())
+            .map(|point| nearest(there[point] - back[reversed(point)], period).powi(2))
+            .sum();
+        (squares / STAIRS.len() as f64).sqrt()
+    };
+    Ok((0..2 * subject.dof()).map(of).collect())
+}
+
+/// What the map makes of the points of some sites, in an order of the points.
+fn stairs(
     subject: Subject<'_>,
     h: f64,
     sites: &[f64],
     units: &[f64],
-) -> Result<Vec<Vec<f64>>, Error> {
+    order: impl Fn(usize) -> usize + Sync,
+) -> Result<Ensemble, Error> {
     let dof = subject.dof();
     let mut at_sites = Ensemble::zeros(dof, sites.len());
     subject.phase_loop.sample(sites, &mut at_sites.block());
@@ -91,12 +118,24 @@ fn noise(
             let centres = coordinate(&at_sites, c);
             for (k, value) in coordinate_mut(block, c).iter_mut().enumerate() {
                 let (site, point) = ((first + k) / STAIRS.len(), (first + k) % STAIRS.len());
-                *value = centres[site] + STAIRS[point] * unit;
+                *value = centres[site] + STAIRS[order(point)] * unit;
             }
         }
         Ok(())
     };
     subject.evaluator.advance_from(&mut states, h, fill)?;
+    Ok(states)
+}
+
+/// The root mean square of the sixth differences of each coordinate, at some sites.
+fn noise(
+    subject: Subject<'_>,
+    h: f64,
+    sites: &[f64],
+    units: &[f64],
+) -> Result<Vec<Vec<f64>>, Error> {
+    let dof = subject.dof();
+    let states = stairs(subject, h, sites, units, |point| point)?;
     // At one window of points a lattice may look straight.
     let windows: Vec<SixthDifference> = (STAIRS.windows(POINTS))
         .map(|at| SixthDifference::at(std::array::from_fn(|k| at[k])))

@@ -34,9 +34,6 @@ const ROUNDINGS_OF_FEW_DIGITS: f64 = 64.0;
 /// A uniform distribution of width 1 has a standard deviation of 1/√12.
 const UNITS_OF_NOISE: f64 = 3.5;
 
-/// A batch that is advanced again to see whether a difference comes again has at most this many rows.
-const MOST_ROWS: usize = 1 << 12;
-
 /// Results that depend on chance, or on the batch by rounding.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Noise {
@@ -72,6 +69,11 @@ impl Noise {
             ScatterKind::Noise | ScatterKind::RandomNumbers => UNITS_OF_NOISE,
         };
         self.sizes.iter().map(|size| units * size).collect()
+    }
+
+    /// The standard deviation of each coordinate, if it is not rounding: its mean need not be 0.
+    pub fn deviations(&self) -> Option<Vec<f64>> {
+        (self.kind != ScatterKind::Rounding).then(|| self.sizes.clone())
     }
 
     /// Both together.
@@ -240,22 +242,20 @@ fn explain(
     };
     match repetitions(evaluator, repeats, worst.state, &tolerances)? {
         Repetitions::Depend { on_earlier_calls } => return Err(depends(on_earlier_calls)),
-        Repetitions::Scatter(scatters) if worst.size <= EXPLAINED * scatters[worst.coordinate] => {
+        Repetitions::Scatter(scatters) => {
             let explained: Vec<f64> = scatters.iter().map(|size| EXPLAINED * size).collect();
             raise(&mut tolerances, &explained);
-            return noise(kind(&scatters), scatters, tolerances);
+            if worst.size <= explained[worst.coordinate] {
+                return noise(kind(&scatters), scatters, tolerances);
+            }
         }
-        Repetitions::Scatter(_) => {}
     }
     let again = &repeats.again[worst.again];
-    let rows = 2 * (repeats.order.len() + again.order.len() + states);
-    if repeats.order.len() > MOST_ROWS || !affords(rows) {
-        return unexplained();
-    }
-    if comes_again(evaluator, repeats, &differing, worst.again, &tolerances)? {
+    let rows = repeats.order.len() + again.order.len();
+    if affords(rows) && comes_again(evaluator, repeats, &differing, worst.again, &tolerances)? {
         return Err(depends(false));
     }
-    if has_changed(evaluator, repeats, &tolerances)? {
+    if affords(2 * states) && has_changed(evaluator, repeats, &tolerances)? {
         return Err(depends(true));
     }
     unexplained()
@@ -298,7 +298,7 @@ fn exceed_rounding(repeats: &Repeats, sizes: &[f64]) -> bool {
     (0..sizes.len()).any(|c| sizes[c] > bar * repeats.magnitude(c))
 }
 
-/// Whether both batches of a state with two results, advanced twice more, differ again and by as much.
+/// Whether both batches of a state with two results, advanced once more, differ again and by as much.
 fn comes_again(
     evaluator: &Evaluator<'_>,
     repeats: &Repeats,
@@ -306,20 +306,15 @@ fn comes_again(
     again: usize,
     tolerances: &[f64],
 ) -> Result<bool, Error> {
-    let order = &repeats.again[again].order;
-    let pair = || -> Result<[Ensemble; 2], Error> {
-        let first = repeats.advance_first(evaluator)?;
-        Ok([first, repeats.advance(evaluator, order)?])
-    };
-    let pairs = [pair()?, pair()?];
+    let call = &repeats.again[again];
+    let first = repeats.advance_first(evaluator)?;
+    let second = repeats.advance(evaluator, &call.order)?;
     let returns = |found: &Mismatch| {
-        let c = found.coordinate;
-        let [a, b] = [0, 1].map(|k: usize| {
-            let [first, second] = &pairs[k];
-            coordinate(second, c)[found.row] - coordinate(first, c)[repeats.rows[found.state]]
-        });
-        let (less, more) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
-        less > tolerances[c] && a * b > 0.0 && less > 0.5 * more
+        let (c, row) = (found.coordinate, found.row);
+        let before = coordinate(&call.after, c)[row] - coordinate(&repeats.first, c)[found.state];
+        let now = coordinate(&second, c)[row] - coordinate(&first, c)[repeats.rows[found.state]];
+        let (less, more) = (before.abs().min(now.abs()), before.abs().max(now.abs()));
+        less > tolerances[c] && before * now > 0.0 && less > 0.5 * more
     };
     let mut of_call = differing.iter().filter(|found| found.again == again);
     Ok(of_call.any(returns))
