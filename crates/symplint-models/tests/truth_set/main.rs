@@ -194,3 +194,20 @@ fn all_members() {
         println!("{}\n{:#?}", budgets::table(&found), budgets::wrong(&found));
     }
 }
+
+#[test]
+#[ignore]
+fn debug_one() {
+    let family = std::env::var("FAM").unwrap();
+    let index: usize = std::env::var("IDX").unwrap().parse().unwrap();
+    let family = FAMILIES.iter().find(|f| f.name == family).unwrap();
+    let member = (family.member)(index);
+    match diagnose(&member.subject) {
+        Ok(found) => {
+            println!("{}\n{}", found.verdict, found.verdict.findings.iter().map(|f| f.to_string()).collect::<Vec<_>>().join("\n"));
+            println!("{:?}", found.evidence.survey);
+            for l in &found.evidence.loops { for s in &l.steps { println!("{} {:?} {:?} {:?}", l.index, s.step_size, s.rule, s.defect); } }
+        }
+        Err(e) => println!("{e}"),
+    }
+}

@@ -53,13 +53,15 @@ pub(crate) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
     let Some(grain) = grain else {
         return Ok(None);
     };
-    let mut noise = noise(subject, h, &SITES[..FIRST], &units)?;
+    let mut forward = vec![stairs(subject, h, &SITES[..FIRST], &units, |point| point)?];
+    let mut noise = noise(subject, &forward[0]);
     let shows = |c: usize, noise: f64| noise > PARTS[0] * grain.of_coordinate(c);
     let any = |of: &[f64]| (of.iter().enumerate()).any(|(c, &noise)| shows(c, noise));
     if !noise.iter().any(|of_site| any(of_site)) {
         return Ok(None);
     }
-    noise.extend(self::noise(subject, h, &SITES[FIRST..], &units)?);
+    forward.push(stairs(subject, h, &SITES[FIRST..], &units, |point| point)?);
+    noise.extend(self::noise(subject, &forward[1]));
     let is_single = |c: usize| {
         let noisy = noise.iter().filter(|of_site| shows(c, of_site[c])).count();
         let most = PARTS[1] * grain.of_coordinate(c);
@@ -75,29 +77,39 @@ pub(crate) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
         return Ok(None);
     }
     // Random numbers, and what is left from earlier calls, look like rounding.
-    let other_order = in_other_order(subject, h, &units)?;
-    if (single.iter()).any(|&c| other_order[c] > OF_OTHER_ORDER * largest(c)) {
+    let other_order = in_other_order(subject, h, &units, &forward)?;
+    let of_sites = |c: usize| noise.iter().map(|of_site| of_site[c].powi(2)).sum::<f64>();
+    let is_other = |&c: &usize| other_order[c] > OF_OTHER_ORDER.powi(2) * of_sites(c);
+    if single.iter().any(is_other) {
         return Ok(None);
     }
     let inside = |c: usize| units[c].max(UNITS_OF_NOISE * largest(c));
     Ok(Some((0..2 * dof).map(inside).collect()))
 }
 
-/// By how much results of each coordinate differ if the same states are advanced in another order: not at all, if rounding
-/// depends on the state alone.
-fn in_other_order(subject: Subject<'_>, h: f64, units: &[f64]) -> Result<Vec<f64>, Error> {
+/// By how much results of each coordinate differ if the same states are advanced in another order, squared and added up over the
+/// sites: not at all, if rounding depends on the state alone.
+fn in_other_order(
+    subject: Subject<'_>,
+    h: f64,
+    units: &[f64],
+    forward: &[Ensemble],
+) -> Result<Vec<f64>, Error> {
     let reversed = |point: usize| STAIRS.len() - 1 - point;
-    let forward = stairs(subject, h, &SITES[..1], units, |point| point)?;
-    let backward = stairs(subject, h, &SITES[..1], units, reversed)?;
-    let of = |c: usize| {
-        let (there, back) = (coordinate(&forward, c), coordinate(&backward, c));
-        let period = period(subject.coordinates(), c);
-        let squares: f64 = (0..STAIRS.len())
-            .map(|point| nearest(there[point] - back[reversed(point)], period).powi(2))
-            .sum();
-        (squares / STAIRS.len() as f64).sqrt()
-    };
-    Ok((0..2 * subject.dof()).map(of).collect())
+    let mut sums = vec![0.0; units.len()];
+    for (sites, there) in [&SITES[..FIRST], &SITES[FIRST..]].into_iter().zip(forward) {
+        let back = stairs(subject, h, sites, units, reversed)?;
+        for (c, sum) in sums.iter_mut().enumerate() {
+            let (there, back) = (coordinate(there, c), coordinate(&back, c));
+            let period = period(subject.coordinates(), c);
+            let squares = there.iter().enumerate().map(|(k, x)| {
+                let (site, point) = (k / STAIRS.len(), k % STAIRS.len());
+                nearest(x - back[site * STAIRS.len() + reversed(point)], period).powi(2)
+            });
+            *sum += squares.sum::<f64>() / STAIRS.len() as f64;
+        }
+    }
+    Ok(sums)
 }
 
 /// What the map makes of the points of some sites, in an order of the points.
@@ -128,14 +140,8 @@ fn stairs(
 }
 
 /// The root mean square of the sixth differences of each coordinate, at some sites.
-fn noise(
-    subject: Subject<'_>,
-    h: f64,
-    sites: &[f64],
-    units: &[f64],
-) -> Result<Vec<Vec<f64>>, Error> {
+fn noise(subject: Subject<'_>, states: &Ensemble) -> Vec<Vec<f64>> {
     let dof = subject.dof();
-    let states = stairs(subject, h, sites, units, |point| point)?;
     // At one window of points a lattice may look straight.
     let windows: Vec<SixthDifference> = (STAIRS.windows(POINTS))
         .map(|at| SixthDifference::at(std::array::from_fn(|k| at[k])))
@@ -151,5 +157,5 @@ fn noise(
         };
         (0..2 * dof).map(of_coordinate).collect()
     };
-    Ok((0..sites.len()).map(of_site).collect())
+    (0..states.samples() / STAIRS.len()).map(of_site).collect()
 }

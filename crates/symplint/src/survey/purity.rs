@@ -5,7 +5,7 @@
 //! nothing explains the difference; and a *dependence* on earlier calls, or on other rows of the batch, if it follows the states
 //! that were advanced before or beside it, drifts, or comes again with the same batch.
 
-use super::repeats::{Mismatch, Repeats};
+use super::repeats::{Mismatch, Repeats, in_order};
 use super::rounding::roundings_inside;
 use super::scatter::{self, Repetitions, repetitions};
 use crate::error::Error;
@@ -30,6 +30,9 @@ const ROUNDINGS_OF_SINGLE: f64 = 4.0;
 
 /// The same if the map computes in single precision, or less: sums cancel.
 const ROUNDINGS_OF_FEW_DIGITS: f64 = 64.0;
+
+/// Rows that differ twice in another order: rare noise does not hit as many twice.
+const ROWS_IN_ORDER: usize = 3;
 
 /// A uniform distribution of width 1 has a standard deviation of 1/√12.
 const UNITS_OF_NOISE: f64 = 3.5;
@@ -255,6 +258,9 @@ fn explain(
     if affords(rows) && comes_again(evaluator, repeats, &differing, worst.again, &tolerances)? {
         return Err(depends(false));
     }
+    if affords(8 * repeats.order.len()) && follows_order(evaluator, repeats, &tolerances)? {
+        return Err(depends(true));
+    }
     if affords(2 * states) && has_changed(evaluator, repeats, &tolerances)? {
         return Err(depends(true));
     }
@@ -313,11 +319,45 @@ fn comes_again(
         let (c, row) = (found.coordinate, found.row);
         let before = coordinate(&call.after, c)[row] - coordinate(&repeats.first, c)[found.state];
         let now = coordinate(&second, c)[row] - coordinate(&first, c)[repeats.rows[found.state]];
-        let (less, more) = (before.abs().min(now.abs()), before.abs().max(now.abs()));
-        less > tolerances[c] && before * now > 0.0 && less > 0.5 * more
+        is_about(before, now, tolerances[c])
     };
     let mut of_call = differing.iter().filter(|found| found.again == again);
     Ok(of_call.any(returns))
+}
+
+/// Whether two differences are above a tolerance, and of one size to a factor of two.
+fn is_about(a: f64, b: f64, tolerance: f64) -> bool {
+    let (less, more) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
+    less > tolerance && less > 0.5 * more
+}
+
+/// Whether the results of some rows follow the order of a whole batch: they differ in reverse order, and do so again.
+fn follows_order(
+    evaluator: &Evaluator<'_>,
+    repeats: &Repeats,
+    tolerances: &[f64],
+) -> Result<bool, Error> {
+    let forward = repeats.whole_batch();
+    let rows = forward.samples();
+    let reversed: Vec<usize> = (0..rows).rev().collect();
+    let backward = in_order(&forward, &reversed);
+    let pair = || -> Result<[Ensemble; 2], Error> {
+        let mut pair = [forward.clone(), backward.clone()];
+        for states in &mut pair {
+            evaluator.advance(states, repeats.h)?;
+        }
+        Ok(pair)
+    };
+    let pairs = [pair()?, pair()?];
+    let follows = |row: usize| {
+        (0..tolerances.len()).any(|c| {
+            let [a, b] = pairs.each_ref().map(|[there, back]| {
+                coordinate(there, c)[row] - coordinate(back, c)[reversed[row]]
+            });
+            is_about(a, b, tolerances[c])
+        })
+    };
+    Ok((0..rows).filter(|&row| follows(row)).count() >= ROWS_IN_ORDER)
 }
 
 /// Whether a third of the states, and two at least, have another result now than they had at first, and keep it.

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::map::{Evaluator, Witnesses};
 use crate::signal::{SINGLE, binary_digits, nearest};
-use crate::state::{Ensemble, coordinate, period};
+use crate::state::{Ensemble, coordinate, coordinate_mut, period};
 
 /// Differences below this many roundings are another order of the same arithmetic: vector instructions and
 /// their remainders need not agree to the last bit.
@@ -96,9 +96,17 @@ impl Repeats {
     /// # Errors
     /// Those of the map.
     pub fn advance(&self, evaluator: &Evaluator<'_>, order: &[usize]) -> Result<Ensemble, Error> {
-        let mut states = self.in_order(order);
+        let mut states = in_order(&self.before, order);
         evaluator.advance(&mut states, self.h)?;
         Ok(states)
+    }
+
+    /// The batch of the first results before the step.
+    pub fn whole_batch(&self) -> Ensemble {
+        match &self.whole {
+            Some(whole) => whole.clone(),
+            None => in_order(&self.before, &self.order),
+        }
     }
 
     /// Advances the batch of the first results again.
@@ -106,14 +114,9 @@ impl Repeats {
     /// # Errors
     /// Those of the map.
     pub fn advance_first(&self, evaluator: &Evaluator<'_>) -> Result<Ensemble, Error> {
-        match &self.whole {
-            Some(whole) => {
-                let mut states = whole.clone();
-                evaluator.advance(&mut states, self.h)?;
-                Ok(states)
-            }
-            None => self.advance(evaluator, &self.order),
-        }
+        let mut states = self.whole_batch();
+        evaluator.advance(&mut states, self.h)?;
+        Ok(states)
     }
 
     /// The same once more, to be compared.
@@ -138,19 +141,8 @@ impl Repeats {
     /// Tells the map of a batch that will be advanced.
     pub fn prefetch(&self, evaluator: &Evaluator<'_>, order: &[usize]) {
         if evaluator.has_prefetch() {
-            evaluator.prefetch(&mut self.in_order(order), self.h);
+            evaluator.prefetch(&mut in_order(&self.before, order), self.h);
         }
-    }
-
-    fn in_order(&self, order: &[usize]) -> Ensemble {
-        let mut states = Ensemble::zeros(self.before.dof(), order.len());
-        for c in 0..2 * self.before.dof() {
-            let row = coordinate(&self.before, c);
-            let mut block = states.block();
-            let to = crate::state::coordinate_mut(&mut block, c);
-            (to.iter_mut().zip(order)).for_each(|(to, &state)| *to = row[state]);
-        }
-        states
     }
 
     /// The largest value of a coordinate.
@@ -223,4 +215,16 @@ impl Repeats {
         let difference = coordinate(after, c)[row] - coordinate(&self.first, c)[state];
         nearest(difference, period(evaluator.coordinates(), c)).abs()
     }
+}
+
+/// Some states in this order.
+pub(super) fn in_order(of: &Ensemble, order: &[usize]) -> Ensemble {
+    let mut states = Ensemble::zeros(of.dof(), order.len());
+    for c in 0..2 * of.dof() {
+        let row = coordinate(of, c);
+        let mut block = states.block();
+        let to = coordinate_mut(&mut block, c);
+        (to.iter_mut().zip(order)).for_each(|(to, &state)| *to = row[state]);
+    }
+    states
 }
