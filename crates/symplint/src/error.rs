@@ -57,6 +57,28 @@ impl fmt::Display for StateAt {
     }
 }
 
+/// What the result of a step depends on, apart from h and the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Dependence {
+    /// The states that were advanced before.
+    EarlierCalls,
+    /// The other rows of the batch.
+    OtherRows,
+    /// One of the two.
+    Either,
+}
+
+impl fmt::Display for Dependence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Dependence::EarlierCalls => "earlier calls",
+            Dependence::OtherRows => "the other rows of the batch",
+            Dependence::Either => "earlier calls or on the other rows of the batch",
+        })
+    }
+}
+
 /// Errors of the diagnostic.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -202,17 +224,16 @@ pub enum Error {
     },
     /// The same state does not always become the same state.
     #[error(
-        "the result depends on {}: the state{} gives another one {circumstance}, by {difference:.1e} in \
+        "the result depends on {dependence}: the state{} gives another one {circumstance}, by {difference:.1e} in \
          {coordinate}[{dof}] with h = {step_size:?}; let a step depend only on h and the state (if \
          it draws random numbers: give every row and every call the same ones)",
-        match .on_earlier_calls { true => "earlier calls", false => "the other rows of the batch" },
         match .s { Some(s) => format!(" at s = {s} of the loop"), None => String::new() }
     )]
     Memory {
         /// How it was advanced the second time.
         circumstance: &'static str,
-        /// Whether it depends on the states that were advanced before; on those of the same batch, if not.
-        on_earlier_calls: bool,
+        /// What the result depends on.
+        dependence: Dependence,
         /// The loop parameter, if the state is one of the given loop that was advanced to test this.
         s: Option<f64>,
         /// `'q'` or `'p'`.

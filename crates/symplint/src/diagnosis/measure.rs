@@ -27,14 +27,14 @@ impl Diagnostic {
     ///
     /// `watch` is told of each point as it is measured. Where the number of samples is looked for, or
     /// swept over, samples before and after a step are kept and doubled: no evaluation is made twice, but for a few
-    /// that show whether the map has a memory. In a sweep over step sizes one ensemble is in memory, and the
+    /// that show whether results depend on earlier calls or on the batch. In a sweep over step sizes one ensemble is in memory, and the
     /// samples before the step too where they take 64 MiB at most; larger ones are made anew for each step size,
     /// block by block. By the streaming rule it is a few dozen states; what needs larger ensembles (the Jacobian,
     /// many steps) is then left out where they take more than 512 MiB.
     ///
     /// # Errors
-    /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, there is no loop or too many, the map gives
-    /// different states for the same one, the loop is not closed or encloses no area, or the map fails on the given loop or
+    /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, there is no loop or too many, results depend on
+    /// earlier calls or on the batch, the loop is random, the loop is not closed or encloses no area, or the map fails on the given loop or
     /// returns states that are not finite at every step size: where it does so at some of them, the others are measured and
     /// those are noted ([`Omission::StepFailed`]).
     pub fn measure(

@@ -1,7 +1,7 @@
 //! Whether a map that does not repeat itself scatters at random, or depends on what was advanced before or in the same batch.
 
 use super::repeats::Repeats;
-use crate::error::Error;
+use crate::error::{Dependence, Error};
 use crate::map::Evaluator;
 use crate::signal::nearest;
 use crate::state::{Ensemble, coordinate, period};
@@ -30,8 +30,8 @@ pub(super) fn evaluations(states: usize) -> usize {
 
 /// What repetitions of one state show.
 pub(super) enum Repetitions {
-    /// Results depend on the states that were advanced before; of other rows of the batch, if not.
-    Depend { on_earlier_calls: bool },
+    /// Results depend on other states.
+    Depend(Dependence),
     /// They do not: each coordinate has this standard deviation.
     Scatter(Vec<f64>),
 }
@@ -98,7 +98,10 @@ pub(super) fn repetitions(
         scatters.push(others.into_iter().fold(deviation, f64::max));
     }
     Ok(match depends {
-        true => Repetitions::Depend { on_earlier_calls },
+        true => Repetitions::Depend(match on_earlier_calls {
+            true => Dependence::EarlierCalls,
+            false => Dependence::OtherRows,
+        }),
         false => Repetitions::Scatter(scatters),
     })
 }
