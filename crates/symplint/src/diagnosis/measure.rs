@@ -217,9 +217,7 @@ impl Run<'_> {
         let start = self.count.made();
         let (samples, witnesses) = (self.plan.purity_samples, self.plan.witnesses);
         evaluator.keep_witnesses(witnesses);
-        let of_step_sizes = self.diagnostic.step_sizes.len();
-        self.count
-            .reserve(survey::cost_again(witnesses) + of_step_sizes);
+        self.count.reserve(survey::cost_again(witnesses));
         match survey::rounding_inside(subject, self.largest) {
             Ok(None) => {}
             Ok(Some(grains)) => {

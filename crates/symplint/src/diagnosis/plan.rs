@@ -1,10 +1,10 @@
 //! How a budget of evaluations is spent.
 
 use super::limits::{
-    CONTRACTION, DEFAULT_BUDGET, DOMAIN_PART, FEWEST_JACOBIAN, FEWEST_SAMPLES,
+    BUDGET_OF_A_WITNESS, CONTRACTION, DEFAULT_BUDGET, DOMAIN_PART, FEWEST_JACOBIAN, FEWEST_SAMPLES,
     FEWEST_TIGHT_SAMPLES, FINE_SAMPLES, FINE_SAMPLES_OF_MANY, FIRST_PART, FIXED_PART, FOLDED,
-    JACOBIAN_PART, MOST_JACOBIAN, PURITY_SAMPLES, SMALL, TIGHT, TIGHT_SAMPLES_PART,
-    TIGHT_TOLERANCE, WITNESSES,
+    JACOBIAN_PART, MOST_JACOBIAN, MOST_WITNESSES, PURITY_SAMPLES, SMALL, TIGHT, TIGHT_SAMPLES_PART,
+    TIGHT_TOLERANCE,
 };
 use super::memory::fits;
 use super::{Diagnostic, SampleCount};
@@ -65,7 +65,10 @@ impl Plan {
                 SampleCount::Auto => share.clamp(FEWEST_SAMPLES, fine),
             },
             purity_samples: PURITY_SAMPLES[ample],
-            witnesses: WITNESSES[ample],
+            witnesses: match fits(dof, SMALL) {
+                true => (budget / BUDGET_OF_A_WITNESS).clamp(1, MOST_WITNESSES),
+                false => 1,
+            },
             jacobian: match diagnostic.jacobian {
                 true => {
                     let all = JacobianTest::default().evaluations(dof, evaluator.has_tangent());

@@ -15,7 +15,7 @@ use crate::map::{Evaluator, Witnesses};
 use crate::signal::{Extent, SINGLE};
 use crate::state::{Ensemble, coordinate};
 
-/// States that are advanced alone at the beginning.
+/// One in this number of states is advanced alone at the beginning.
 const ALONE: usize = 4;
 
 /// States of a batch that is advanced once more.
@@ -94,9 +94,9 @@ impl Noise {
     }
 }
 
-/// Evaluations that [`check_again`] takes of states that were kept, if nothing differs.
+/// Evaluations that [`check_again`] takes of all states that were kept, and a step of another size takes, if nothing differs.
 pub(crate) fn cost_again(witnesses: usize) -> usize {
-    Witnesses::most(witnesses)
+    Witnesses::most(witnesses) + 1
 }
 
 /// Advances some samples in their order, in reverse, one of them twice, and some alone.
@@ -119,7 +119,7 @@ pub(crate) fn check_purity(
     let first = evaluator.image(phase_loop, h, &s)?;
     let mut repeats = Repeats::of_loop(h, s, before, first);
     let reversed: Vec<usize> = (0..samples).rev().collect();
-    let alone = (0..samples).step_by(samples.div_ceil(ALONE));
+    let alone = (0..samples).step_by(ALONE);
     let calls: Vec<(Vec<usize>, &'static str)> = [
         (reversed, "in reverse order"),
         (vec![0, 0, 1, 0], "when it is repeated"),
