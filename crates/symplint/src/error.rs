@@ -296,9 +296,9 @@ pub enum Error {
         /// Evaluations that were asked for.
         wanted: usize,
     },
-    /// A one-form that has neither twice as many coordinates as the map has degrees of freedom, nor as many.
+    /// A one-form whose number of coordinates does not fit the degrees of freedom of the map.
     #[error(
-        "the one-form has {dimension} coordinates and the map {dof} degrees of freedom; there must be twice as many coordinates, or as many"
+        "the one-form has {dimension} coordinates and the map {dof} degrees of freedom; there must be twice as many coordinates, or as many with NonCanonical::of_positions"
     )]
     FormDimension {
         /// Coordinates of the one-form.

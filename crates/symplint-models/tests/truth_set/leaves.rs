@@ -295,7 +295,7 @@ pub fn member(index: usize) -> Member {
         let map = PerSample::new(n, move |h, z: &mut [f64], _: &mut [f64]| {
             step(h, z, &mut []);
         });
-        NonCanonical::new(map, form).unwrap()
+        NonCanonical::of_positions(map, form).unwrap()
     };
     let centre: Vec<f64> = centre.iter().map(|x| unit * x).collect();
     let circle = Circle::new(centre, vec![0.0; n], unit * random.between(0.1, 0.2)).unwrap();
