@@ -60,6 +60,8 @@ pub struct Subject {
 #[pyo3(from_item_all)]
 pub struct Settings {
     step_sizes: Option<Vec<f64>>,
+    has_step_size: bool,
+    repeat: usize,
     typical: Option<f64>,
     loops: usize,
     seed: u64,
@@ -82,6 +84,8 @@ impl Settings {
                 (None, Some(_)) => Vec::new(),
                 (None, None) => default.step_sizes,
             },
+            has_step_size: self.has_step_size,
+            repeat: self.repeat,
             typical_step: self.typical,
             loops: self.loops,
             seed: self.seed,
@@ -326,18 +330,19 @@ pub fn check(
     Ok((report, failed))
 }
 
-/// Samples of the loop before and after a step of size h.
+/// Samples of the loop before and after some steps of size h.
 #[pyfunction]
 pub fn image<'py>(
     py: Python<'py>,
     subject: Subject,
     h: f64,
     samples: usize,
+    repeat: usize,
 ) -> PyResult<(Arrays<'py>, Arrays<'py>)> {
     let advance = |_: &dyn Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
         let before = Ensemble::sample(phase_loop, samples)?;
         let mut after = before.clone();
-        after.advance(map, h)?;
+        (0..repeat).try_for_each(|_| after.advance(map, h))?;
         Ok((before, after))
     };
     let (before, after) = subject.run(py, (None, None), h, advance)?.result;

@@ -21,7 +21,7 @@ from ._fingerprint import fingerprint
 from ._form import CircleOfForm, FormOfRows, Leaf, LoopOfForm, MapOfForm, Projection, one_form
 from ._loops import Loop, centre, phases_and_seed, radii
 from ._progress import bar
-from ._report import Report
+from ._report import Report, States
 from ._workers import Workers
 from .integrators import Integrator, of_system
 from .systems import System
@@ -42,6 +42,7 @@ def check(
     p0: npt.ArrayLike | None = None,
     *,
     step_sizes: npt.ArrayLike | None = None,
+    repeat: int = 1,
     h: float | None = None,
     radius: Any = 1.0,
     phases: str = "staggered",
@@ -49,7 +50,7 @@ def check(
     loops: int = 8,
     project: Callable[..., Any] | None = None,
     seed: int = 1,
-    rule: str = "auto",
+    rule: str | None = "auto",
     cutoff: float | tuple[float, float] = 1000.0,
     samples: int | str = "auto",
     budget: int | str = BUDGET,
@@ -78,14 +79,18 @@ def check(
     step : callable
         ``step(q, p, h)`` gets arrays of shape (samples, dof), and returns two, or changes them in place and returns
         None. A row is one state; what happens to it must depend on nothing but this row and h. Arrays may be kept:
-        they are not used again then. The arrays are in Fortran order. Results may be arrays of any order and library, torch
+        they are not used again then. The arrays are in Fortran order. Their lengths are 1, 4, 16, 64, 256 or 1024, so that JAX
+        compiles few versions: a batch may end with copies of its last row, which are no evaluations. Results may be arrays of any order and library, torch
         and JAX among them. An integrator of `symplint.integrators` runs without Python, and so does a system of
         `symplint.systems`, with its default integrator.
     q0, p0 : array_like
         Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library, and where
         `loop` is one of the library.
-    step_sizes : array_like, optional
-        Step sizes to try; the verdict leans on the largest. By default, 2^-1 … 2^-10.
+    step_sizes : array_like or "none", optional
+        Step sizes to try; the verdict leans on the largest. By default, 2^-1 … 2^-10. "none" is for a map without a step size
+        (a kicker, an edge, one turn of a ring): `step` is then ``step(q, p)``, and is tested itself.
+    repeat : int
+        The step is composed with itself this number of times.
     h : float, optional
         In place of `step_sizes`, a typical step size: the largest step size that tests something is looked for, and
         halved.
@@ -105,8 +110,8 @@ def check(
         `form`, ``project(z)``.
     seed : int
         Seed of the random loops and of random phases.
-    rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}
-        How loop integrals are computed.
+    rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}, optional
+        How loop integrals are computed; None is "auto".
     cutoff : float or (float, float), optional
         λ of the finite-difference rule, or λ_q and λ_p: a cell of the loop is left out where q changes faster than λ_q times
         the largest absolute value of q, or p likewise.
@@ -149,7 +154,8 @@ def check(
     threads : int, optional
         Threads for the work of the library: by default, for a function, the calling thread alone, which is faster unless
         there are very many degrees of freedom, and for an integrator of the library, one for each core. `step` is called
-        from the calling thread alone. Results do not depend on the number.
+        from the calling thread alone. Results do not depend on the number. More than there are processors are not started,
+        with a warning.
     out : path, optional
         A folder to write the report to, as `Report.save` does. Every call of `step` is noted there as soon as it returns: a
         check that was stopped at any moment goes on from there when it is run again, and gives the report that it would
@@ -216,20 +222,28 @@ def check(
         )  # fmt: skip
     elif casimir is not None:
         raise InputError("casimir is for non-canonical coordinates; give a form as well")
+    if isinstance(step_sizes, str):
+        step = _without_step_size(step, step_sizes, make)
     subject = _subject(
         step, q0, p0, radius=radius, phases=phases, seed=seed, loop=loop, project=project, period=period,
         momentum_period=momentum_period, weight=weight, per_sample=per_sample, make=make, reset=reset, dtype=dtype,
         threads=threads, executor=executor,
     )  # fmt: skip
     compiled = subject["integrator"] is not None
+    has_step_size = not (isinstance(step_sizes, str) and step_sizes == "none")
+    if not has_step_size:
+        # What the map is called with.
+        step_sizes = 1.0
     if step_sizes is not None and h is not None:
         raise InputError("both step_sizes and h are given; h is a typical step size, from which step sizes are looked for")
     settings = {
+        "has_step_size": has_step_size,
+        "repeat": whole(repeat, "repeat", 1),
         "step_sizes": None if step_sizes is None else vector(step_sizes, "step_sizes").tolist(),
         "typical": None if h is None else _number(h, "h"),
         "loops": whole(loops, "loops", 1),
         "seed": whole(seed, "seed", 0),
-        "rule": rule,
+        "rule": "auto" if rule is None else rule,
         "cutoffs": cutoffs(cutoff),
         "samples": _whole_or_auto(samples, "samples", 3),
         "budget": _whole_or_auto(budget, "budget", 200),
@@ -246,7 +260,10 @@ def check(
     with bar(progress) as watch, _resumable(journal), workers:
         native, failed = _native.check(subject, settings, title, json.dumps(_finite(config)), watch, journal)
     subject["workers"] = None
-    report = Report(native, lambda size, samples: _native.image(subject, size, samples))
+    def image(size: float, samples: int) -> States:
+        return _native.image(subject, size if has_step_size else 1.0, samples, settings["repeat"])
+
+    report = Report(native, image)
     if folder is not None:
         report.save(folder)
     if failed is not None:
@@ -451,6 +468,27 @@ def _of_form(
     return MapOfForm(step, form, make), z0, p0, radius, loop, Projection(form, leaves)
 
 
+class WithoutStepSize:
+    """``step(q, p)`` as a step that is also given a step size."""
+
+    def __init__(self, step: Callable[..., Any]) -> None:
+        self.step = step
+        self.__name__ = _name(step)
+
+    def __call__(self, q: Any, p: Any, _: float) -> Any:
+        return self.step(q, p)
+
+
+def _without_step_size(step: Any, step_sizes: str, make: bool) -> Any:
+    """A step without a step size, if `step_sizes` says that it has none."""
+    if step_sizes != "none":
+        raise InputError(f'step_sizes is "{step_sizes}"; give step sizes, or "none" for a map without one')
+    if make:
+        raise InputError('make is for steps with a step size; with step_sizes="none", give step(q, p)')
+    # An integrator of the library, or what `_subject` refuses.
+    return step if isinstance(step, Integrator) or not callable(step) else WithoutStepSize(step)
+
+
 def _absolute(out: str | os.PathLike[str]) -> str:
     """The folder for the report, which stays the same where a step changes the working directory."""
     folder = os.fsdecode(out)
@@ -533,6 +571,8 @@ def _config(name: str, subject: dict[str, Any], settings: dict[str, Any], loop: 
         for key, value in arguments.items()
         if not isinstance(value, list | tuple) or len(value) <= LONGEST
     }
+    if not arguments.pop("has_step_size"):
+        arguments["step_sizes"] = "none"
     config: dict[str, Any] = {"check": {"step": name} | arguments}
     if loop is not None:
         config["check"]["loop"] = type(loop).__name__ if isinstance(loop, Loop) else _name(loop)

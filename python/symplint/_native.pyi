@@ -139,7 +139,7 @@ def check(
     journal: tuple[str, str] | None = None,
 ) -> tuple[Report, StepError | None]: ...
 def image(
-    subject: Mapping[str, Any], h: float, samples: int
+    subject: Mapping[str, Any], h: float, samples: int, repeat: int
 ) -> tuple[tuple[_Array, _Array], tuple[_Array, _Array]]: ...
 def measure(
     before: tuple[_Array, _Array, bool],

@@ -37,6 +37,8 @@ module symplint
         integer(c_int32_t) :: jacobian
         integer(c_int32_t) :: localise
         type(c_ptr) :: phases
+        integer(c_size_t) :: repeat
+        integer(c_int32_t) :: no_step_size
     end type
 
     type, bind(c) :: symplint_integral

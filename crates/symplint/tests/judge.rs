@@ -449,7 +449,7 @@ fn symplectic_jacobian(bound: f64) -> JacobianEvidence {
         bound: Some(bound),
     };
     JacobianEvidence {
-        step_size: 0.5,
+        step_size: Some(0.5),
         method: JacobianMethod::CentralDifferences { rejected: None },
         points: vec![point; 4],
         not_differentiable: 0,

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::Error;
+
 /// What was learnt of the map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
@@ -28,6 +30,34 @@ pub struct Survey {
     /// is tested if a loop or the Jacobian shows a defect.
     #[serde(default)]
     pub degenerate_form: Option<Rank>,
+    /// A stated period that is not one of the map: no random loop winds round it.
+    #[serde(default)]
+    pub wrong_period: Option<WrongPeriod>,
+}
+
+/// A stated period P that is not one of the map: Φ(q + P, p) differs from Φ(q, p) + (P, 0).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WrongPeriod {
+    /// `'q'` or `'p'`.
+    pub coordinate: char,
+    /// Degree of freedom.
+    pub dof: usize,
+    /// The stated period.
+    pub period: f64,
+    /// The largest difference of a coordinate.
+    pub difference: f64,
+}
+
+impl WrongPeriod {
+    /// As an error, if a loop cannot do without this period.
+    pub(crate) fn into_error(self) -> Error {
+        Error::NotAPeriod {
+            coordinate: self.coordinate,
+            dof: self.dof,
+            period: self.period,
+            difference: self.difference,
+        }
+    }
 }
 
 impl Survey {
