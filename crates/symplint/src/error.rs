@@ -256,7 +256,7 @@ pub enum Error {
     },
     /// A loop that does not end where it begins.
     #[error(
-        "the loop is not closed: {coordinate} of degree of freedom {dof} is {gap:e} away from where it began when s \
+        "the loop is not closed: {coordinate} of degree of freedom {dof} is {gap:.2e} away from where it began when s \
          reaches 1; let s run through full turns (2π, not 6.28), or state the period of the coordinate"
     )]
     OpenLoop {
