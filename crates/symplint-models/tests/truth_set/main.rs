@@ -24,6 +24,8 @@ mod rounding;
 mod rules;
 mod sizes;
 mod small;
+mod steep;
+mod strips;
 mod systems;
 mod tables;
 mod tolerance;
@@ -56,7 +58,8 @@ macro_rules! families {
 }
 
 const FAMILIES: &[Family] = families![
-    units, precision, coarse, tolerance, constraint, sizes, orders, small, breaks, rules, periodic
+    units, precision, coarse, tolerance, constraint, sizes, orders, small, breaks, rules, periodic,
+    strips, steep
 ];
 
 /// One in so many members runs in the normal tests.
@@ -136,10 +139,12 @@ fn every_twentieth_member() {
 }
 
 /// Other members than those that run above. Jumps of solvers that few samples do not show are left out: docs/truth.md has
-/// their number.
+/// their number. So are strips that few samples do not meet.
 #[test]
 fn no_budget_makes_a_wrong_verdict() {
-    let found = budgets::run(PART, PART / 2, |family| family != "tolerance");
+    let found = budgets::run(PART, PART / 2, |family| {
+        !matches!(family, "tolerance" | "strips")
+    });
     println!("{}", budgets::table(&found));
     assert!(
         budgets::wrong(&found).is_empty(),
@@ -164,7 +169,8 @@ fn all_members() {
     }
     print(&lines);
     for tolerance in [false, true] {
-        let counts = |family: &str| is_chosen(family) && (family == "tolerance") == tolerance;
+        let is_known = |family: &str| matches!(family, "tolerance" | "strips");
+        let counts = |family: &str| is_chosen(family) && is_known(family) == tolerance;
         let found = budgets::run(1, 0, counts);
         println!("{}\n{:#?}", budgets::table(&found), budgets::wrong(&found));
     }
