@@ -1,8 +1,8 @@
 //! Closing in on a suspected jump, one state at a time.
 
 use super::bracket::{
-    Bracket, End, Progress, displace, flickers, is_between_levels, is_repeated, stands_out,
-    stays_on_a_level,
+    Bracket, End, Progress, displace, flickers, is_between_levels, is_repeated, moves_by_a_jump,
+    stands_out,
 };
 use super::limits::{
     AROUND_A_ZONE, DISTANCES_AROUND, LOOKS, REPETITIONS, ROUNDINGS, SAMPLES_OF_SIZE,
@@ -138,12 +138,12 @@ pub(super) fn follow(
             displace(&mut states.block(), end as usize, 1 + end as usize);
         }
         evaluator.advance(&mut states, h)?;
-        let is_level = |end: End| {
+        let is_jump = |end: End| {
             let point = Point::of(suspect, &states, end as usize, on_loop[end as usize]);
             let moved = sides.sign * point.value - ends[end as usize].value;
-            stays_on_a_level(jump, end, nearest(moved, period))
+            moves_by_a_jump(jump, nearest(moved, period))
         };
-        Ok(match is_level(End::Low) && is_level(End::High) {
+        Ok(match is_jump(End::Low) && is_jump(End::High) {
             true => Search::Found(found),
             false => Search::Clean,
         })

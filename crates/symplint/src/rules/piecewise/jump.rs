@@ -7,7 +7,7 @@ use super::piece::{Piece, Smooth};
 use super::scales::Scales;
 use crate::breaks::{
     AROUND_A_ZONE, Bracket, DISTANCES_AROUND, End, LOOKS, OF_A_CONFIRMATION, Progress, REPETITIONS,
-    flickers, is_between_levels, is_repeated, scatter, stands_out, stays_on_a_level,
+    flickers, is_between_levels, is_repeated, moves_by_a_jump, scatter, stands_out,
 };
 use crate::signal::nearest;
 use crate::state::{Coordinates, period};
@@ -31,7 +31,7 @@ pub(super) struct Jump {
     zone: Option<usize>,
     /// Times that both ends were advanced again; `None` before that.
     repetitions: Option<usize>,
-    /// Whether they had the same jump each time, and stayed on one of its levels when they were displaced.
+    /// Whether they had the same jump each time, and moved by no more than that when they were displaced.
     is_repeated: bool,
     /// Where the jump points, for each coordinate.
     direction: Vec<f64>,
@@ -200,7 +200,7 @@ impl Jump {
                 _ => continue,
             };
             let moved = self.project(moved, from, coordinates);
-            self.is_repeated &= stays_on_a_level(after, end, moved);
+            self.is_repeated &= moves_by_a_jump(after, moved);
         }
         self.repetitions = Some(made + 1);
         if !self.is_repeated {
