@@ -278,7 +278,7 @@ fn weights_make_momenta_canonical() {
     });
     let phase_loop = Circle::new(vec![0.5, 0.0], vec![0.0, 0.3], 0.8)
         .unwrap()
-        .with_random_phases(4);
+        .with_phases(symplint::Phases::Random { seed: 4 });
     let before = Ensemble::sample(&phase_loop, 256).unwrap();
     let mut after = before.clone();
     after.advance(&coupled, 0.5).unwrap();

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use symplint::{Circle, Diagnostic, Loop, PerSample, TimeAdvance};
 
 use crate::rounding::Rounding;
+use crate::rows::Spacing;
 
 /// One step of one state, as maps are written here.
 pub type Step = Arc<dyn Fn(f64, &mut [f64], &mut [f64]) + Send + Sync>;
@@ -35,6 +36,8 @@ pub enum Expected {
     Hidden(f64),
     /// The map breaks loops. Once closed, they keep their integrals or do not, where that is known.
     Broken { closed: Option<bool> },
+    /// Symplectic, with a period that is not the map's: symplectic, or an error that names it.
+    WrongPeriod,
     /// A solver stops at a tolerance: loops break and their integrals change, both by little.
     Tolerance {
         /// Of the loop integral between the breaks, at the largest step, relative, at least.
@@ -135,6 +138,8 @@ pub enum Subject {
         map: Arc<dyn TimeAdvance>,
         on: Arc<dyn Loop>,
         samples: usize,
+        /// Where they are.
+        spacing: Spacing,
         step_sizes: Vec<f64>,
         rounding: Rounding,
     },

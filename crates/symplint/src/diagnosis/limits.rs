@@ -36,6 +36,19 @@ pub(super) const GRAINS_ROUND: f64 = 2.0;
 /// less than 50,000 evaluations; more gain a digit for each hundredfold.
 pub(super) const MOST_ROUNDED: f64 = 2048.0;
 
+/// Samples that show the range of each coordinate on a loop, to two digits for a few Fourier modes.
+pub(super) const RANGE_SAMPLES: usize = 64;
+
+/// The part of the evaluations made so far that a second step size of the Jacobian may take.
+pub(super) const DECAY_PART: usize = 15;
+
+/// A defect of the Jacobian that is expected to be this many times the smallest one that its method attributes to a map is
+/// known to a few per cent.
+pub(super) const CLEAR_OF_METHOD: f64 = 100.0;
+
+/// Step sizes at which a loop has a defect before its order is of interest. The same as the judge's.
+pub(super) const FEWEST_OF_AN_ORDER: usize = 3;
+
 /// The part of the budget that the first samples of all loops and step sizes take.
 pub(super) const FIRST_PART: usize = 3;
 
@@ -215,3 +228,11 @@ pub(super) const LOOKED_AT: usize = 8;
 
 /// Step sizes, each half of the one before: an order needs some that are clear of round-off.
 pub(super) const HALVINGS: i32 = 8;
+
+// Beyond the given loop and step sizes.
+
+/// The factor between the sizes of larger loops, and between larger steps. Conventional: two octaves.
+pub(super) const LARGER: f64 = 4.0;
+
+/// Larger loops, and larger steps, at most. Conventional: up to 64 times the radii of the given loop.
+pub(super) const MOST_REACHES: usize = 3;

@@ -8,6 +8,7 @@ mod image_loop;
 mod loop_size;
 mod one_form;
 mod prefetch;
+mod repeat;
 mod tangent;
 
 pub use closures::{PerBlock, PerSample, StepOutcome};
@@ -19,6 +20,7 @@ pub(crate) use loop_size::{ActionGroup, LoopSize};
 pub use loop_size::{BalancedRadii, balanced_radii};
 pub use one_form::{NonCanonical, OneForm};
 pub use prefetch::Prefetch;
+pub use repeat::Repeat;
 pub use tangent::TangentMap;
 
 #[cfg(doc)]

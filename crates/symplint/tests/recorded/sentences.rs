@@ -259,6 +259,7 @@ fn of_findings() {
                 failed,
                 random,
                 given,
+                radii: None,
             }],
         );
     }
@@ -271,7 +272,11 @@ fn of_findings() {
         for group in [None, Some(1)] {
             write(text, [Finding::LittleMotion { motion, group }]);
         }
-        write(text, [Finding::Moves { motion }]);
+        let moves = |has_step_size| Finding::Moves {
+            motion,
+            has_step_size,
+        };
+        write(text, [moves(true), moves(false)]);
     }
     for (roundoff, too_few, sure) in [(true, true, Some(1e-9)), (false, false, None)] {
         write(
