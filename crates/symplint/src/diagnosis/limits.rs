@@ -199,3 +199,7 @@ pub(super) const LARGER: f64 = 4.0;
 
 /// Larger loops, and larger steps, at most. Conventional: up to 64 times the radii of the given loop.
 pub(super) const MOST_REACHES: usize = 3;
+
+/// A kick or a free flight alone that deforms loops by less than this part of their size may be rounding, which no larger step
+/// makes more of. Conventional: half of the digits of double precision.
+pub(super) const SMALLEST_SHEAR: f64 = 1.5e-8;
