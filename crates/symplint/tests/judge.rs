@@ -893,21 +893,22 @@ fn a_map_without_a_step_size_is_judged_itself() {
 
 #[test]
 fn a_larger_step_decides_where_the_others_move_too_little() {
-    for (signed, advance, expected) in [
+    for (signed, bound, advance, expected) in [
         // A defect is not one of the step sizes that were given.
-        (1e-3, 0.7, Undecided),
-        (0.0, 0.7, Symplectic),
+        (1e-3, 1e-15, 0.7, Undecided),
+        (0.0, 1e-15, 0.7, Symplectic),
         // Of a method that is not symplectic, a larger step than this would show a defect.
-        (0.0, 0.03, Undecided),
+        (0.0, 1.1e-12, 0.03, Undecided),
+        (0.0, 0.9e-12, 0.03, Symplectic),
         // The map does not depend on h.
-        (0.0, 0.015, Symplectic),
+        (0.0, 1.1e-12, 0.015, Symplectic),
     ] {
         let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
         evidence.loops[0].steps[0].motion = Some(motion(0.01));
         assert_eq!(kind(&evidence), Undecided, "no larger step was tried");
         let mut reach = Reach::default();
         reach.factor = 64.0;
-        reach.step = step(32.0, signed, 1e-15);
+        reach.step = step(32.0, signed, bound);
         reach.step.motion = Some(motion(advance));
         evidence.reach = Some(reach);
         let verdict = judge(&evidence);

@@ -2,7 +2,7 @@
 
 use super::{Given, Run, of_the_map};
 use crate::diagnosis::initial_samples::InitialSamples;
-use crate::diagnosis::limits::{LARGER, MOST_REACHES, SMALLEST_SHEAR};
+use crate::diagnosis::limits::{LARGER, MOST_HALVINGS, MOST_LARGER, SMALLEST_SHEAR};
 use crate::diagnosis::random_loops::loop_of_kind;
 use crate::diagnosis::step_sizes::step_sizes;
 use crate::error::Error;
@@ -56,7 +56,7 @@ impl Run<'_> {
         let start = self.largest * octaves.max(0.0).exp2();
         let largest = step_sizes(subject, start)?.first().copied();
         let mut h = largest.unwrap_or(self.largest);
-        for _ in 0..MOST_REACHES {
+        for _ in 0..MOST_HALVINGS {
             if h.abs() <= self.largest.abs() {
                 break;
             }
@@ -64,7 +64,7 @@ impl Run<'_> {
             if found.is_some() {
                 return Ok(found);
             }
-            h /= LARGER;
+            h /= 2.0;
         }
         Ok(None)
     }
@@ -72,7 +72,7 @@ impl Run<'_> {
     /// Larger and larger loops, up to one that moves enough or shows a defect, or the last one on which the map works.
     fn larger_loop(&self, subject: Subject<'_>, given: &Given<'_>) -> Result<Option<Reach>, Error> {
         let mut last = None;
-        for k in 1..=MOST_REACHES {
+        for k in 1..=MOST_LARGER {
             let factor = LARGER.powi(k as i32);
             let mut size = given.size.clone();
             size.radius
