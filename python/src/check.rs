@@ -22,7 +22,7 @@ use crate::loops::{NativeLoop, named_phases};
 use crate::models::Integrator;
 use crate::pool;
 use crate::report::{self, Report};
-use crate::step::{PythonLoop, PythonMap, Stoppable};
+use crate::step::{Projects, PythonLoop, PythonMap, Stoppable};
 use crate::workers::{self, Workers};
 
 /// What is tested: `symplint.check` has checked the types.
@@ -37,6 +37,8 @@ pub struct Subject {
     reset: Option<Py<PyAny>>,
     single: bool,
     project: Option<Py<PyAny>>,
+    /// Whether `project` evaluates a one-form.
+    form: bool,
     dof: usize,
     coordinates: Stated,
     /// A loop of the library, or nothing: then a function, or else a circle.
@@ -121,7 +123,7 @@ pub fn rule(py: Python<'_>, name: &str, cutoffs: CutoffPair) -> PyResult<Rule> {
 struct Shared {
     integrator: Option<Arc<dyn TimeAdvance>>,
     coordinates: Coordinates,
-    projects: bool,
+    projects: Projects,
     has_workers: bool,
     native_loop: Option<Arc<dyn Loop>>,
     has_loop: bool,
@@ -137,7 +139,11 @@ impl Subject {
         Ok(Shared {
             integrator,
             coordinates: self.coordinates.of(py, self.dof)?,
-            projects: self.project.is_some(),
+            projects: match (&self.project, self.form) {
+                (None, _) => Projects::Nothing,
+                (Some(_), false) => Projects::OntoManifold,
+                (Some(_), true) => Projects::OntoForm,
+            },
             has_workers: self.workers.is_some(),
             native_loop: (self.native_loop.as_ref()).map(|given| Arc::clone(&given.get().inner)),
             has_loop: self.phase_loop.is_some(),

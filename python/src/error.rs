@@ -77,7 +77,12 @@ impl Failed {
 
 /// The exception for an error of the diagnostic.
 pub fn diagnostic_error(py: Python<'_>, error: &Error) -> PyErr {
-    let message = error.to_string();
+    step_error(py, error, "")
+}
+
+/// The exception for an error of the diagnostic, with advice that follows its text.
+pub fn step_error(py: Python<'_>, error: &Error, advice: &str) -> PyErr {
+    let message = format!("{error}{advice}");
     match Failed::of(error) {
         None => input_error(py, &message),
         Some(Failed { h, s, sample }) => {

@@ -18,7 +18,7 @@ from . import _native
 from ._arrays import coordinates, cutoffs, vector, whole
 from ._errors import InputError, NotSymplecticError
 from ._fingerprint import fingerprint
-from ._form import CircleOfForm, FormOfRows, LoopOfForm, MapOfForm, Projection, one_form
+from ._form import CircleOfForm, FormOfRows, Leaf, LoopOfForm, MapOfForm, Projection, one_form
 from ._loops import Loop, centre, phases_and_seed, radii
 from ._progress import bar
 from ._report import Report, States
@@ -50,7 +50,7 @@ def check(
     loops: int = 8,
     project: Callable[..., Any] | None = None,
     seed: int = 1,
-    rule: str = "auto",
+    rule: str | None = "auto",
     cutoff: float | tuple[float, float] = 1000.0,
     samples: int | str = "auto",
     budget: int | str = BUDGET,
@@ -61,6 +61,7 @@ def check(
     make: bool = False,
     reset: Callable[[], object] | None = None,
     form: Callable[..., Any] | None = None,
+    casimir: Callable[..., Any] | list[Callable[..., Any]] | None = None,
     dtype: npt.DTypeLike | None = None,
     jacobian: bool = True,
     executor: Any = None,
@@ -78,7 +79,8 @@ def check(
     step : callable
         ``step(q, p, h)`` gets arrays of shape (samples, dof), and returns two, or changes them in place and returns
         None. A row is one state; what happens to it must depend on nothing but this row and h. Arrays may be kept:
-        they are not used again then. The arrays are in Fortran order. Results may be arrays of any order and library, torch
+        they are not used again then. The arrays are in Fortran order. Their lengths are 1, 4, 16, 64, 256 or 1024, so that JAX
+        compiles few versions: a batch may end with copies of its last row, which are no evaluations. Results may be arrays of any order and library, torch
         and JAX among them. An integrator of `symplint.integrators` runs without Python, and so does a system of
         `symplint.systems`, with its default integrator.
     q0, p0 : array_like
@@ -104,11 +106,12 @@ def check(
     loops : int
         Loops in all, the given one included; the others are random. 10,000 at most.
     project : callable, optional
-        ``project(q, p)`` puts states on the constraint manifold of the map, and returns or changes them as `step` does.
+        ``project(q, p)`` puts states on the constraint manifold of the map, and returns or changes them as `step` does. With
+        `form`, ``project(z)``.
     seed : int
         Seed of the random loops and of random phases.
-    rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}
-        How loop integrals are computed.
+    rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}, optional
+        How loop integrals are computed; None is "auto".
     cutoff : float or (float, float), optional
         λ of the finite-difference rule, or λ_q and λ_p: a cell of the loop is left out where q changes faster than λ_q times
         the largest absolute value of q, or p likewise.
@@ -125,7 +128,7 @@ def check(
     weight : float or array_like, optional
         The canonical momentum is weight × p: masses, where p are velocities.
     per_sample : bool
-        Whether `step` (and `project` and `form`) takes and returns one state: arrays of shape (dof,).
+        Whether `step` (and `project`, `form` and `casimir`) takes and returns one state: arrays of shape (dof,).
     make : bool
         Whether ``step(h)`` returns ``advance(q, p)``; it is called once for each h.
     reset : callable, optional
@@ -135,6 +138,10 @@ def check(
         (samples, n) and returns one like it. Then `step` is ``step(z, h)`` and returns one array or changes it in place, `q0`
         is the centre z0, n numbers, `radius` has one number for each of them, and `loop` is a function of s that returns z. The loop
         integral is ∮ ϑ(z)·dz; what a report calls degree of freedom i is the coordinate z_i.
+    casimir : callable or list of callables, optional
+        With `form`: the Casimir functions of a degenerate (Lie–Poisson) form, such as the lengths of spins. Each gets an array of
+        shape (samples, n) and returns one of shape (samples,). All loops and tangent vectors are kept to the leaf through `q0`,
+        on which these functions are constant. ``project(z)`` does the same if the leaf is known in another way.
     dtype : "float32", optional
         Where the map computes in single precision: `step` then gets arrays of it.
     jacobian : bool
@@ -147,7 +154,8 @@ def check(
     threads : int, optional
         Threads for the work of the library: by default, for a function, the calling thread alone, which is faster unless
         there are very many degrees of freedom, and for an integrator of the library, one for each core. `step` is called
-        from the calling thread alone. Results do not depend on the number.
+        from the calling thread alone. Results do not depend on the number. More than there are processors are not started,
+        with a warning.
     out : path, optional
         A folder to write the report to, as `Report.save` does. Every call of `step` is noted there as soon as it returns: a
         check that was stopped at any moment goes on from there when it is run again, and gives the report that it would
@@ -209,9 +217,11 @@ def check(
     name = _name(step)
     if form is not None:
         step, q0, p0, radius, loop, project = _of_form(
-            form, step, q0, p0, radius=radius, phases=phases, loop=loop, project=project, momentum_period=momentum_period, weight=weight,
-            per_sample=per_sample, make=make,
+            form, step, q0, p0, radius=radius, phases=phases, loop=loop, project=project, casimir=casimir,
+            momentum_period=momentum_period, weight=weight, per_sample=per_sample, make=make,
         )  # fmt: skip
+    elif casimir is not None:
+        raise InputError("casimir is for non-canonical coordinates; give a form as well")
     if isinstance(step_sizes, str):
         step = _without_step_size(step, step_sizes, make)
     subject = _subject(
@@ -233,7 +243,7 @@ def check(
         "typical": None if h is None else _number(h, "h"),
         "loops": whole(loops, "loops", 1),
         "seed": whole(seed, "seed", 0),
-        "rule": rule,
+        "rule": "auto" if rule is None else rule,
         "cutoffs": cutoffs(cutoff),
         "samples": _whole_or_auto(samples, "samples", 3),
         "budget": _whole_or_auto(budget, "budget", 200),
@@ -391,6 +401,7 @@ def _subject(
         "reset": reset,
         "single": _is_single(dtype),
         "project": project,
+        "form": isinstance(project, Projection),
         "dof": dof,
         "coordinates": coordinates(dof, period, momentum_period, weight),
         "native_loop": native_loop,
@@ -418,6 +429,7 @@ def _of_form(
     phases: Any,
     loop: Any,
     project: Any,
+    casimir: Any,
     momentum_period: Any,
     weight: Any,
     per_sample: bool,
@@ -427,7 +439,11 @@ def _of_form(
     for name, function in (("form", form), ("step", step)):
         if not callable(function) or isinstance(function, Integrator):
             raise InputError(f"{name} is an object of type {type(function).__name__}; with a form, give a function")
-    canonical = {"p0": p0, "project": project, "momentum_period": momentum_period, "weight": weight}
+    casimirs = [] if casimir is None else list(casimir) if isinstance(casimir, list | tuple) else [casimir]
+    for name, function in [("casimir", function) for function in casimirs] + [("project", project)]:
+        if not callable(function) and (function is not None or name == "casimir"):
+            raise InputError(f"{name} is an object of type {type(function).__name__}; give a function of z")
+    canonical = {"p0": p0, "momentum_period": momentum_period, "weight": weight}
     if refused := [name for name, value in canonical.items() if value is not None]:
         raise InputError(f"{refused[0]} is for canonical coordinates; with a form, all is said by z0, period and form")
     if loop is not None and (isinstance(loop, Loop) or not callable(loop)):
@@ -440,11 +456,16 @@ def _of_form(
         raise InputError("q0 is missing; with a form, give the state z0 round which loops are laid")
     z0 = vector(z0, "q0")
     of_rows = FormOfRows(form) if per_sample else form
+    size = radii(radius, z0.size)[0]
     if loop is None:
-        loop, radius = CircleOfForm(z0, radii(radius, z0.size)[0], of_rows), 1.0
+        loop, radius = CircleOfForm(z0, size, of_rows), 1.0
     else:
         loop = LoopOfForm(loop, of_rows)
-    return MapOfForm(step, form, make), z0, one_form(of_rows, z0[None, :])[0], radius, loop, Projection(form)
+    leaves = [] if project is None else [project]
+    if casimirs:
+        leaves.append(Leaf(casimirs, z0, size, per_sample))
+    p0 = one_form(of_rows, z0[None, :])[0]
+    return MapOfForm(step, form, make), z0, p0, radius, loop, Projection(form, leaves)
 
 
 class WithoutStepSize:

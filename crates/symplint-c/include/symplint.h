@@ -154,7 +154,7 @@ typedef struct {
    */
   double tolerance;
   /**
-   * Threads for the work of this library, 0 for all cores; the step is called on the calling thread alone. 1 by default.
+   * Threads for the work of this library, at most one for each processor, 0 for all; the step is called on the calling thread alone. 1 by default.
    */
   size_t threads;
   /**

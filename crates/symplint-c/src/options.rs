@@ -52,7 +52,7 @@ pub struct SymplintOptions {
     pub seed: u64,
     /// Tolerance of the piecewise rule, relative. 1e-12 by default.
     pub tolerance: f64,
-    /// Threads for the work of this library, 0 for all cores; the step is called on the calling thread alone. 1 by default.
+    /// Threads for the work of this library, at most one for each processor, 0 for all; the step is called on the calling thread alone. 1 by default.
     pub threads: usize,
     /// Whether the Jacobian of a step is checked, too: 1, the default, or 0.
     pub jacobian: i32,
@@ -76,9 +76,6 @@ const CUTOFF: f64 = 1000.0;
 
 /// Bytes of the struct of version 0.1.0, the first: it ends with `localise`. Later fields come after that.
 const FIRST_SIZE: usize = std::mem::offset_of!(SymplintOptions, localise) + size_of::<i32>();
-
-/// More threads than a machine has cores cost memory and gain nothing.
-const MOST_THREADS: usize = 1024;
 
 impl Default for SymplintOptions {
     fn default() -> Self {
@@ -218,6 +215,7 @@ impl Settings {
                 (true, 0.0) => Diagnostic::default().step_sizes,
                 (true, _) => Vec::new(),
             };
+            let processors = std::thread::available_parallelism().map_or(1, usize::from);
             Ok(Settings {
                 q0: values("q0", q0, dof)?.to_vec(),
                 p0: values("p0", p0, dof)?.to_vec(),
@@ -242,7 +240,7 @@ impl Settings {
                 localise: read.localise != 0,
                 repeat: read.repeat,
                 has_step_size,
-                threads: read.threads.min(MOST_THREADS),
+                threads: read.threads.min(processors),
             })
         }
     }

@@ -320,9 +320,9 @@ pub enum Error {
         /// Evaluations that were asked for.
         wanted: usize,
     },
-    /// A one-form that has not twice as many coordinates as the map has degrees of freedom.
+    /// A one-form that has neither twice as many coordinates as the map has degrees of freedom, nor as many.
     #[error(
-        "the one-form has {dimension} coordinates and the map {dof} degrees of freedom; there must be twice as many coordinates"
+        "the one-form has {dimension} coordinates and the map {dof} degrees of freedom; there must be twice as many coordinates, or as many"
     )]
     FormDimension {
         /// Coordinates of the one-form.

@@ -5,7 +5,7 @@ use symplint::breaks::Break;
 use symplint::evidence::LongTime;
 use symplint::evidence::{
     Closing, Contraction, DofGroup, Evidence, JumpingCells, LoopEvidence, LoopKind, Motion,
-    Omission, Origin, Reach, SingularJacobian, StepEvidence, Wrap,
+    Omission, Origin, Rank, Reach, SingularJacobian, StepEvidence, Wrap,
 };
 use symplint::jacobian::{JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect};
 use symplint::verdict::{Advice, Finding, Growth, Step, Verdict};
@@ -311,12 +311,49 @@ fn a_closed_integral_changes_by_more_than_other_curves_could_make() {
 }
 
 #[test]
+fn a_step_that_loses_rank_is_convicted_by_the_given_loop_and_named() {
+    let rank = Rank { rank: 5, of: 6 };
+    let mut evidence = of_map(vec![step(0.5, 0.1, 1e-12)]);
+    evidence.survey.singular = Some(SingularJacobian {
+        s: 0.1,
+        smallest: 1e-9,
+        largest: 2.0,
+        uncertainty: 1e-9,
+        degenerate: Some(rank),
+    });
+    // Its image, which lies on the manifold, is conserved.
+    let image = of_loop(9, LoopKind::Image, vec![step(0.5, 1e-13, 1e-12)]);
+    evidence.loops.push(image);
+    let verdict = judge(&evidence);
+    assert_eq!(verdict.kind, NotSymplectic);
+    assert!(verdict.findings.contains(&Finding::LosesRank { rank }));
+    assert_eq!(verdict.advice, [Advice::LoopOnManifold]);
+}
+
+#[test]
+fn beside_a_leaf_of_a_degenerate_form_nothing_convicts() {
+    let rank = Rank { rank: 2, of: 3 };
+    for (given, of_given) in [(1.0, None), (0.0, Some(1e-14))] {
+        let mut evidence = of_map(vec![step(0.5, given, 1e-14)]);
+        evidence.loops[1].steps = vec![step(0.5, -1.0, 1e-12)];
+        assert_eq!(kind(&evidence), NotSymplectic);
+        evidence.survey.degenerate_form = Some(rank);
+        let verdict = judge(&evidence);
+        assert_eq!(verdict.kind, Undecided);
+        let given = of_given;
+        assert_eq!(verdict.findings[0], Finding::DegenerateForm { rank, given });
+        assert_eq!(verdict.advice, [Advice::KeepToLeaf]);
+    }
+}
+
+#[test]
 fn beside_a_manifold_that_a_map_projects_onto_nothing_convicts() {
     let singular = SingularJacobian {
         s: 0.1,
         smallest: 1e-9,
         largest: 2.0,
         uncertainty: 1e-9,
+        degenerate: None,
     };
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-14)]);
     evidence.loops[1].steps = vec![step(0.5, -1.0, 1e-12)];

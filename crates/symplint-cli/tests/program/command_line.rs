@@ -64,6 +64,20 @@ fn help_offers_what_a_command_accepts() {
 }
 
 #[test]
+fn more_threads_than_processors_are_not_started() {
+    let example = example("pendulum.toml");
+    let budget = ["--set", "diagnostic.budget=1000"];
+    for count in ["5000", "1000000"] {
+        let arguments = ["check", &example, "--json", "--threads", count];
+        let output = symplint(&[&arguments[..], &budget].concat());
+        let said = text(&output.stderr);
+        let note = format!("note: --threads {count} exceeds the number of processors");
+        assert!(said.contains(&note), "{said}");
+        assert!(serde_json::from_slice::<Value>(&output.stdout).is_ok());
+    }
+}
+
+#[test]
 fn numbers_are_read_as_in_configurations() {
     let folder = TempDir::new().unwrap();
     let samples = |number: &str, name: &str| {

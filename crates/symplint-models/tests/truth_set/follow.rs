@@ -124,7 +124,9 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                 Advice::RuleAuto => {
                     (diagnostic.rule, diagnostic.samples) = (Rule::Auto, SampleCount::Auto);
                 }
-                Advice::Project | Advice::LoopOnManifold => *map = projected.clone()?,
+                Advice::Project | Advice::LoopOnManifold | Advice::KeepToLeaf => {
+                    *map = projected.clone()?;
+                }
                 Advice::MoreDigits | Advice::TightenSolver => {
                     *map = full.clone()?;
                     exact = true;

@@ -10,17 +10,20 @@ mod coarse;
 mod constraint;
 mod control;
 mod follow;
+mod leaves;
 mod links;
 mod member;
 mod methods;
 mod networks;
 mod orders;
 mod outcome;
+mod pairs;
 mod periodic;
 mod precision;
 mod random;
 mod ratios;
 mod rounding;
+mod rows;
 mod rules;
 mod sizes;
 mod small;
@@ -71,7 +74,10 @@ const FAMILIES: &[Family] = families![
     rules,
     periodic,
     thin,
-    stated_periods
+    stated_periods,
+    rows,
+    pairs,
+    leaves
 ];
 
 /// One in so many members runs in the normal tests.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use symplint::{Circle, Diagnostic, Loop, PerSample, TimeAdvance};
 
 use crate::rounding::Rounding;
+use crate::rows::Spacing;
 
 /// One step of one state, as maps are written here.
 pub type Step = Arc<dyn Fn(f64, &mut [f64], &mut [f64]) + Send + Sync>;
@@ -134,6 +135,8 @@ pub enum Subject {
         map: Arc<dyn TimeAdvance>,
         on: Arc<dyn Loop>,
         samples: usize,
+        /// Where they are.
+        spacing: Spacing,
         step_sizes: Vec<f64>,
         rounding: Rounding,
     },

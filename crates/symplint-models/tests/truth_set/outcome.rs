@@ -41,10 +41,13 @@ pub fn diagnose(subject: &Subject) -> Result<Diagnosis, symplint::Error> {
             map,
             on,
             samples,
+            spacing,
             step_sizes,
             rounding,
         } => {
-            let before = Ensemble::sample(on, *samples)?;
+            let s = spacing.parameters(*samples);
+            let mut before = Ensemble::zeros(on.dof(), s.len());
+            on.sample(&s, &mut before.block());
             let unit = match rounding {
                 Rounding::Single => Snapshot::SINGLE,
                 Rounding::Digits(count) => 0.5 * 10f64.powi(1 - *count as i32),

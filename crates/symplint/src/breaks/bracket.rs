@@ -1,8 +1,10 @@
 //! Bisection of a jump, and how a jump is told from noise and from a steep stretch.
 
 use super::limits::{
-    AROUND_A_ZONE, LOOKS, NARROWEST, NOISES_OF_A_JUMP, PATIENCE, SPACING, STAYS_ON_HALVING,
+    AGREES, AROUND_A_ZONE, KEEPS_ITS_SIZE, LOOKS, NARROWEST, NOISES_OF_A_JUMP, PATIENCE,
+    ROUNDINGS_OF_A_STEP, SPACING, STAYS_ON_HALVING, STEPS_OF_A_JUMP, WIDENING, WIDENINGS,
 };
+use crate::state::{Ensemble, coordinate};
 
 /// Two parameters with a jump between them, of a function that is continuous on both sides of it.
 #[derive(Clone, Debug)]
@@ -13,6 +15,8 @@ pub(crate) struct Bracket {
     /// Size that the jump should have.
     expected: f64,
     halvings: usize,
+    /// Distance of the states beside it.
+    spacing: f64,
 }
 
 /// An end of a bracket.
@@ -41,6 +45,7 @@ impl Bracket {
             high,
             expected,
             halvings: 0,
+            spacing: SPACING,
         }
     }
 
@@ -73,6 +78,9 @@ impl Bracket {
             End::High => self.high = self.middle(),
         }
         self.halvings += 1;
+        if self.high - self.low < KEEPS_ITS_SIZE {
+            self.expected = self.expected.max(difference.abs());
+        }
         if self.halvings > PATIENCE && self.is_little(difference) {
             Progress::Continuous
         } else if self.is_narrow() {
@@ -94,12 +102,38 @@ impl Bracket {
         self.high - self.low <= NARROWEST || middle <= self.low || middle >= self.high
     }
 
+    /// Chooses the distance of the states beside the bracket from the `states` of the curve, before the step: rounding must be a
+    /// small part of their motion, in every coordinate that moves. It is not far from the origin, nor where a coordinate turns.
+    pub fn space_out(&mut self, states: impl Fn(&[f64]) -> Ensemble) {
+        let distance = |k: usize| SPACING * WIDENING.powi(k as i32);
+        let s: Vec<f64> = [(self.low, -1.0), (self.high, 1.0)]
+            .into_iter()
+            .flat_map(|(end, sign)| {
+                let outwards = (0..WIDENINGS).map(move |k| end + sign * distance(k));
+                std::iter::once(end).chain(outwards)
+            })
+            .collect();
+        let states = states(&s);
+        let needed = |c: usize| {
+            let of_side = |side: &[f64]| {
+                let least = ROUNDINGS_OF_A_STEP * f64::EPSILON * side[0].abs();
+                let moves = |x: &f64| (x - side[0]).abs() > least;
+                // A coordinate that does not move on the largest distance is at rest.
+                side[1..].iter().position(moves).unwrap_or(0)
+            };
+            let sides = coordinate(&states, c).chunks_exact(1 + WIDENINGS);
+            sides.map(of_side).max().unwrap_or(0)
+        };
+        let widest = (0..2 * states.dof()).map(needed).max().unwrap_or(0);
+        self.spacing = distance(widest);
+    }
+
     /// Parameters of the states beside the bracket that tell a jump from noise, on its `end`, from there outwards;
     /// the first is the end itself.
     pub fn beside(&self, end: End, look: usize) -> impl Iterator<Item = f64> + use<> {
         let (from, outwards) = match end {
-            End::Low => (self.low, -SPACING),
-            End::High => (self.high, SPACING),
+            End::Low => (self.low, -self.spacing),
+            End::High => (self.high, self.spacing),
         };
         (0..LOOKS[look]).map(move |k| from + k as f64 * outwards)
     }
@@ -112,15 +146,30 @@ impl Bracket {
         };
         (0..AROUND_A_ZONE).map(move |k| from + k as f64 * outwards)
     }
+}
 
-    /// Whether a `jump` stands out of the values beside the bracket, each side from its end outwards: of their
-    /// noise, and of what their slope makes of the width of the bracket.
-    pub fn stands_out(&self, jump: f64, sides: [&[f64]; 2]) -> bool {
-        let steps = sides.iter().flat_map(|side| side.windows(2));
-        let steepest = steps.fold(0.0, |m: f64, x| m.max((x[1] - x[0]).abs()));
-        let climb = steepest * (self.high - self.low) / SPACING;
-        jump > NOISES_OF_A_JUMP * scatter(sides).max(climb)
-    }
+/// Whether a `jump` stands out of the values beside it, each side from its end outwards: of their noise, and of their steps,
+/// which are what the slope makes of the rounding of states; and whether the values on the two sides are as far apart as the
+/// ends, which one wrong state is not.
+pub(crate) fn stands_out(jump: f64, sides: [&[f64]; 2]) -> bool {
+    let [low, high] = sides.map(|side| median(side.iter().map(|x| x - side[0])));
+    let lasts = (jump + high - low) / jump > 0.5;
+    // Other breaks close by spoil two of five steps at most; at the first look there are two in all.
+    let step = |side: &[f64]| median(side.windows(2).map(|x| (x[1] - x[0]).abs()));
+    let climb = step(sides[0]).max(step(sides[1]));
+    lasts && jump.abs() > (NOISES_OF_A_JUMP * scatter(sides)).max(STEPS_OF_A_JUMP * climb)
+}
+
+/// Whether a jump that is evaluated `again` is the same.
+pub(crate) fn is_repeated(jump: f64, again: f64) -> bool {
+    (again - jump).abs() <= AGREES * jump.abs()
+}
+
+/// The middle one of some values, the larger one of two.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
 }
 
 /// Whether the values on the sides of a `jump`, each side from its end outwards, are those before the jump and those
@@ -165,12 +214,73 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_jump_stands_out_of_what_the_slope_makes_of_the_width() {
-        // Four spacings wide, beside a line that climbs by one in each.
-        let bracket = Bracket::new([0.25, 0.25 + 4.0 * SPACING], 1.0);
+    fn a_jump_stands_out_of_the_steps_beside_it() {
         let line = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
-        assert!(!bracket.stands_out(NOISES_OF_A_JUMP * 4.0 - 0.1, [&line, &line]));
-        assert!(bracket.stands_out(NOISES_OF_A_JUMP * 4.0 + 0.1, [&line, &line]));
+        assert!(!stands_out(STEPS_OF_A_JUMP - 0.1, [&line, &line]));
+        assert!(stands_out(STEPS_OF_A_JUMP + 0.1, [&line, &line]));
+        // Other breaks, and a value of its own where a force jumps.
+        for other in [
+            [0.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+            [0.0, 0.0, 0.0, 7.0, 7.0, 7.0],
+        ] {
+            assert!(stands_out(1.0, [&[0.0; 6], &other]), "{other:?}");
+        }
+    }
+
+    #[test]
+    fn one_wrong_state_and_a_root_do_not_stand_out() {
+        for wrong in [1.0, -1.0] {
+            let side = [wrong, 0.0, 0.0, 0.0, 0.0, 0.0];
+            assert!(!stands_out(wrong, [&[0.0; 6], &side]));
+            assert!(!stands_out(wrong, [&[0.0; 3], &side[..3]]));
+        }
+        // √s, whose bracket is 1/64 of the spacing wide.
+        let root: [f64; 6] = std::array::from_fn(|k| (1.0 / 64.0 + k as f64).sqrt());
+        assert!(!stands_out(root[0], [&[0.0; 6], &root]));
+        assert!(!stands_out(root[0], [&[0.0; 3], &root[..3]]));
+    }
+
+    #[test]
+    fn the_size_of_a_break_stays_while_its_bracket_shrinks() {
+        let narrowed = |expected: f64, difference: &dyn Fn(f64) -> f64| {
+            let mut bracket = Bracket::new([0.25, 0.375], expected);
+            loop {
+                let width = 0.5 * (bracket.high - bracket.low);
+                match bracket.halve(End::Low, difference(width)) {
+                    Progress::Open => {}
+                    progress => return progress,
+                }
+            }
+        };
+        assert_eq!(narrowed(1.0, &|_| 1.0), Progress::Jump);
+        assert_eq!(narrowed(1.0, &|width| 1.0 + 1e12 * width), Progress::Jump);
+        // What is much larger close by than it seemed, and shrinks.
+        let hidden = |power: f64| move |width: f64| 1e-9f64.max(width.min(1e-12).powf(power));
+        assert_eq!(narrowed(1e-9, &hidden(0.5)), Progress::Continuous);
+    }
+
+    #[test]
+    fn states_beside_a_bracket_are_as_far_apart_as_rounding_asks_for() {
+        let spacing = |q0: f64, s: f64| {
+            let mut bracket = Bracket::new([s, s + 1e-16], 1.0);
+            bracket.space_out(|s| {
+                let mut states = Ensemble::zeros(1, s.len());
+                for (k, s) in s.iter().enumerate() {
+                    let (sin, cos) = (std::f64::consts::TAU * s).sin_cos();
+                    states.block().q.row_mut(0)[k] = q0 + sin;
+                    states.block().p.row_mut(0)[k] = 0.0 * cos;
+                }
+                states
+            });
+            bracket.spacing
+        };
+        assert_eq!(spacing(0.0, 0.1), SPACING);
+        // A rounding of q is 1.5e-11.
+        let far = spacing(1e5, 0.1);
+        assert!((1e-11..1e-9).contains(&far), "{far:e}");
+        // sin falls by 2π² Δs² beside its maximum.
+        let turning = spacing(0.0, 0.25);
+        assert!((7e-9..1e-7).contains(&turning), "{turning:e}");
     }
 
     #[test]

@@ -5,7 +5,9 @@ mod other_loops;
 mod reach;
 
 use super::initial_samples::InitialSamples;
-use super::limits::{KEPT_PART, LEAST_BUDGET, MOST_LOOPS};
+use super::limits::{
+    CLEAR_OF_METHOD, DECAY_PART, FEWEST_OF_AN_ORDER, KEPT_PART, LEAST_BUDGET, MOST_LOOPS,
+};
 use super::plan::{self, Plan};
 use super::probe::{Known, Probe};
 use super::refined_samples::RefinedSamples;
@@ -16,7 +18,7 @@ use crate::error::Error;
 use crate::evidence::{
     BreakAt, Evidence, LoopEvidence, LoopKind, Motion, Omission, Point, StepEvidence, Sweep,
 };
-use crate::jacobian::JacobianTest;
+use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest};
 use crate::loops::{Loop, check_closed};
 use crate::map::{EvaluationCount, Evaluator, LoopSize, Repeat, TimeAdvance};
 use crate::rules::{Rule, RuleKind, Subject};
@@ -123,6 +125,10 @@ impl Diagnostic {
                     watch(Event::Failed(&error));
                     failed.push(FailedStep { h: largest, error });
                 }
+                // The failed steps spent the budget: their error is what the user needs.
+                Err(Error::BudgetSpent { .. }) if !failed.is_empty() => {
+                    return Err(failed.swap_remove(0).error);
+                }
                 begun => break begun?,
             }
         };
@@ -132,6 +138,7 @@ impl Diagnostic {
         run.long_time(&given)?;
         run.jacobian(subject, &given);
         run.look_for_manifold(subject, &given)?;
+        run.look_for_leaf(subject, &given)?;
         run.contract(subject, &given)?;
         run.localise(subject, &given);
         if let Some(sweep) = &self.sample_sweep {
@@ -267,7 +274,8 @@ impl Run<'_> {
                 self.evidence.survey.scatter = scatter;
                 None
             }
-            Err(error) if of_the_map(&error) => Some(error),
+            // One failure is described as well as possible, further ones at little cost.
+            Err(error) if of_the_map(&error) && self.failed.is_empty() => Some(error),
             Err(error) => return Err(error),
         };
         match survey::rounding_inside(subject, self.largest) {
@@ -557,7 +565,11 @@ impl Run<'_> {
                     ..test
                 };
                 match test.run_with(evaluator, phase_loop, &given.size, self.largest) {
-                    Ok(found) => self.evidence.jacobian = Some(found),
+                    Ok(found) => {
+                        self.evidence.jacobian_decay =
+                            self.jacobian_decay(&test, subject, given, &found);
+                        self.evidence.jacobian = Some(found);
+                    }
                     // It displaces states off the loop, where the map need not be defined.
                     Err(error) => self.evidence.omissions.push(Omission::JacobianFailed {
                         reason: error.to_string(),
@@ -568,9 +580,57 @@ impl Run<'_> {
         self.evidence.evaluations.jacobian = self.count.made() - start;
     }
 
+    /// The defect of the Jacobian at a second step size, if the loops may have an order: at the smallest step size at which
+    /// the defect is expected to be well above what its method resolves.
+    fn jacobian_decay(
+        &self,
+        test: &JacobianTest,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+        found: &JacobianEvidence,
+    ) -> Option<JacobianDecay> {
+        let (_, worst) = found.worst_point().filter(|_| found.shows_defect())?;
+        let largest_step = found.step_size?;
+        let significant = |of: &LoopEvidence| -> Vec<(f64, f64)> {
+            (of.steps.iter().filter(|step| step.is_significant()))
+                .filter_map(|step| Some((step.step_size?, step.defect.magnitude())))
+                .collect()
+        };
+        let loops = self.evidence.loops.iter().filter(|of| !of.winds);
+        let of_loops = loops.map(significant);
+        let expected = of_loops
+            .filter(|steps| steps.len() >= FEWEST_OF_AN_ORDER)
+            .flat_map(|steps| {
+                let largest = steps.iter().find(|(h, _)| *h == largest_step);
+                let at_largest = largest.map_or(f64::INFINITY, |(_, defect)| *defect);
+                let fallen = move |(h, defect)| (h, worst.magnitude() * defect / at_largest);
+                steps.into_iter().map(fallen)
+            });
+        let least = CLEAR_OF_METHOD * found.method.least_defect();
+        let h = expected
+            .filter(|&(h, defect)| h.abs() < largest_step.abs() && defect >= least)
+            .map(|(h, _)| h)
+            .min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        let evaluator = subject.evaluator;
+        let one = JacobianTest { points: 1, ..*test };
+        let groups = if found.full {
+            1
+        } else {
+            given.size.groups.len().max(1)
+        };
+        let cost = groups * one.evaluations(evaluator.dof(), evaluator.has_tangent());
+        let left = self.count.left().saturating_sub(self.plan.domain);
+        if cost > left.min(self.count.made() / DECAY_PART) {
+            return None;
+        }
+        // A witness that fails is not missed: the loops are measured.
+        (one.decay(evaluator, subject.phase_loop, &given.size, found, h)).ok()?
+    }
+
     /// Looks where a defect comes from, on the first loop that shows it.
     fn localise(&mut self, subject: Subject<'_>, given: &Given<'_>) {
-        let off_manifold = self.evidence.survey.singular.is_some();
+        let survey = &self.evidence.survey;
+        let off_manifold = survey.singular.is_some() || survey.degenerate_form.is_some();
         if !self.diagnostic.localise || off_manifold || given.probe.is_beyond_memory() {
             return;
         }

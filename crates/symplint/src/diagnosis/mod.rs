@@ -1,6 +1,7 @@
 //! Measuring: sweeps over the step size and the number of samples, random loops, the Jacobian, many steps.
 
 mod convergence;
+mod features;
 mod initial_samples;
 mod limits;
 mod localise;

@@ -1,6 +1,7 @@
 //! Choosing the rule and the number of samples of a loop.
 
 use super::convergence::Convergence;
+use super::features::{self, unresolved_feature};
 use super::initial_samples::InitialSamples;
 use super::limits::{
     AGREEMENT, COARSE, CUTOFF, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES,
@@ -171,8 +172,22 @@ impl Diagnostic {
             }
             if standing.is_done() || all {
                 // Where twice the samples gain nothing there is noise, and no rule does better.
-                if !auto || standing.enough || standing.stalled || error <= with.plan.tolerance {
+                let settled = standing.enough || standing.stalled || error <= with.plan.tolerance;
+                if !auto {
                     return Ok(probe);
+                }
+                if settled {
+                    let feature = match has_left(features::cost(samples)) {
+                        true => {
+                            let stalled = standing.stalled && !standing.enough;
+                            unresolved_feature(subject, refined, h, (stalled, error))?
+                        }
+                        false => None,
+                    };
+                    return match feature {
+                        None => Ok(probe),
+                        Some(s) => self.around_feature(probe, refined, with, start, s),
+                    };
                 }
                 if pieces.is_none() {
                     pieces = self.tried(subject, refined, with, start)?;
@@ -199,6 +214,27 @@ impl Diagnostic {
             last_regularity = regularity;
             refined.double()?;
         }
+    }
+
+    /// The piecewise rule, cut at a feature that samples do not resolve. Without the evaluations for it, the error of the samples
+    /// is not known.
+    fn around_feature<'a>(
+        &self,
+        probe: Probe<'a>,
+        refined: &RefinedSamples<'_>,
+        with: &Resolution<'_>,
+        start: usize,
+        s: f64,
+    ) -> Result<Probe<'a>, Error> {
+        let subject = probe.subject;
+        subject.evaluator.note_feature(s);
+        if let Some((pieces, _)) = self.tried(subject, refined, with, start)? {
+            return Ok(pieces);
+        }
+        let mut known = probe.known(with.h).expect("it was just measured").clone();
+        known.advanced.integral.quadrature_error = None;
+        known.advanced.defect.quadrature_error = None;
+        Ok(probe.knowing(known.h, known.advanced, known.evaluations))
     }
 
     /// The piecewise rule within the means of automatic choices.

@@ -17,12 +17,14 @@ pub use motion::{Motion, Reach};
 pub use point::{BreakAt, Point, Sweep};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
-pub use survey::{OutputFormat, OutputPrecision, Scatter, SingularJacobian, Survey, WrongPeriod};
+pub use survey::{
+    OutputFormat, OutputPrecision, Rank, Scatter, SingularJacobian, Survey, WrongPeriod,
+};
 
 use serde::{Deserialize, Serialize};
 
 use crate::breaks::Break;
-use crate::jacobian::JacobianEvidence;
+use crate::jacobian::{JacobianDecay, JacobianEvidence};
 use crate::rules::RuleKind;
 
 /// Fewer samples than this do not show whether a loop is smooth.
@@ -62,6 +64,10 @@ pub struct Evidence {
     pub long_time: Option<LongTime>,
     /// The Jacobian of the largest step at points of the given loop.
     pub jacobian: Option<JacobianEvidence>,
+    /// How the largest defect of the Jacobian falls with the step size. Measured if a loop has a defect at three step sizes,
+    /// as a witness for the order of the defect.
+    #[serde(default)]
+    pub jacobian_decay: Option<JacobianDecay>,
     /// What was asked for and not measured.
     pub omissions: Vec<Omission>,
     /// Evaluations of the map.
@@ -136,6 +142,13 @@ pub struct LoopEvidence {
     /// Mean distance of neighbouring samples over that of samples sorted along the loop, for loops of another
     /// code, before the step or after one: 1 for rows in order.
     pub shuffled: Option<f64>,
+    /// The number of the last row of a loop of another code, counted from 0, if it repeats the first one: it was left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repeated_row: Option<usize>,
+    /// The widest gap between neighbouring rows of a loop of another code, as a part of its length, if they are not equally
+    /// spaced.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub widest_gap: Option<f64>,
     /// Step by step.
     pub steps: Vec<StepEvidence>,
     /// Why there are none: the error of the map.

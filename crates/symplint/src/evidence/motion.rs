@@ -45,6 +45,11 @@ pub struct Motion {
     /// out: p may be a function of q there.) For an oscillation of frequency ω, θ = 2 sin(hω/2), the spectral
     /// radius of DΦ − 1; for a translation, a free flight or a kick alone it is 0.
     pub phase_advance: f64,
+    /// By how much the ratio of the range of q to the range of p differs from the ratio that the step suggests, in the degree
+    /// of freedom where they differ most: √((Δq/q) / (Δp/p)) or its inverse, with the ranges of the loop and of its changes.
+    /// 1 for balanced radii; 0 if it is not known.
+    #[serde(default)]
+    pub imbalance: f64,
     /// Whether the step leaves all positions, or all momenta, in their places against each other: a kick alone, or a
     /// free flight, to the rounding of the map.
     pub shear: bool,

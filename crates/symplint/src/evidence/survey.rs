@@ -26,6 +26,10 @@ pub struct Survey {
     /// Jacobian show a defect that the given loop does not have.
     #[serde(default)]
     pub singular: Option<SingularJacobian>,
+    /// The rank of the symplectic form on the manifold of a map in non-canonical coordinates, if the form is degenerate there. It
+    /// is tested if a loop or the Jacobian shows a defect.
+    #[serde(default)]
+    pub degenerate_form: Option<Rank>,
     /// A stated period that is not one of the map: no random loop winds round it.
     #[serde(default)]
     pub wrong_period: Option<WrongPeriod>,
@@ -86,6 +90,18 @@ pub struct SingularJacobian {
     pub largest: f64,
     /// Their uncertainty.
     pub uncertainty: f64,
+    /// The rank of the Jacobian, if the symplectic form is degenerate on its image: the map is then symplectic on no manifold.
+    #[serde(default)]
+    pub degenerate: Option<Rank>,
+}
+
+/// The rank of a matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Rank {
+    /// The rank.
+    pub rank: usize,
+    /// The rank of a regular one.
+    pub of: usize,
 }
 
 /// Returned states that have fewer digits than double precision, where those before the step have not.

@@ -32,8 +32,9 @@ pub struct Circle {
     radii_q: Vec<f64>,
     /// b_i, where they differ from a_i.
     radii_p: Option<Vec<f64>>,
-    /// (sin 2πφ_i, cos 2πφ_i).
-    phases: Vec<(f64, f64)>,
+    phases: Phases,
+    /// (sin 2πφ_i, cos 2πφ_i) of random phases. Others are computed when they are needed.
+    random: Vec<(f64, f64)>,
 }
 
 /// Where on its circle each degree of freedom starts.
@@ -71,21 +72,6 @@ impl Phases {
         let all = [Phases::Staggered, Phases::Equal, Phases::Random { seed }];
         let position = Self::NAMES.iter().position(|&known| known == name)?;
         Some(all[position])
-    }
-
-    /// (sin 2πφ_i, cos 2πφ_i) of each degree of freedom.
-    fn turns(self, dof: usize) -> Vec<(f64, f64)> {
-        let turns = 0..dof;
-        match self {
-            Phases::Staggered => turns
-                .map(|i| sin_cos_turn((i as f64 * GOLDEN_RATIO).fract()))
-                .collect(),
-            Phases::Equal => turns.map(|_| (0.0, 1.0)).collect(),
-            Phases::Random { seed } => {
-                let mut random = ChaCha8Rng::seed_from_u64(seed);
-                turns.map(|_| sin_cos_turn(unit(&mut random))).collect()
-            }
-        }
     }
 }
 
@@ -135,13 +121,13 @@ impl Circle {
         if let Some(&radius) = radii_q.iter().chain(of_p).find(wrong) {
             return Err(out_of_range(radius));
         }
-        let phases = Phases::default().turns(q0.len());
         Ok(Circle {
             q0,
             p0,
             radii_q,
             radii_p,
-            phases,
+            phases: Phases::default(),
+            random: Vec::new(),
         })
     }
 
@@ -180,8 +166,25 @@ impl Circle {
     /// # Ok::<(), symplint::Error>(())
     /// ```
     pub fn with_phases(mut self, phases: Phases) -> Self {
-        self.phases = phases.turns(self.q0.len());
+        self.phases = phases;
+        self.random = match phases {
+            Phases::Random { seed } => {
+                let mut random = ChaCha8Rng::seed_from_u64(seed);
+                let turns = self.q0.iter().map(|_| sin_cos_turn(unit(&mut random)));
+                turns.collect()
+            }
+            _ => Vec::new(),
+        };
         self
+    }
+
+    /// (sin 2πφ_i, cos 2πφ_i).
+    fn phase(&self, i: usize) -> (f64, f64) {
+        match self.phases {
+            Phases::Staggered => sin_cos_turn(i as f64 * GOLDEN_RATIO),
+            Phases::Equal => (0.0, 1.0),
+            Phases::Random { .. } => self.random[i],
+        }
     }
 }
 
@@ -218,7 +221,7 @@ impl Loop for Circle {
             }
             for i in 0..self.dof() {
                 // sin(a + φ) and cos(a + φ) by the addition theorems.
-                let (sin_phase, cos_phase) = self.phases[i];
+                let (sin_phase, cos_phase) = self.phase(i);
                 let of_phase = |r: f64| (r * cos_phase, r * sin_phase);
                 let (along, across) = of_phase(self.radii_q[i]);
                 let q = block.q.row_mut(i);

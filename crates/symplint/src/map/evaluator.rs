@@ -25,6 +25,8 @@ pub(crate) struct Evaluator<'a> {
     grain: RwLock<Option<Arc<Grain>>>,
     /// What the map rounds each coordinate to inside, where it works in single precision there.
     inside: OnceLock<Vec<f64>>,
+    /// Parameters of the present loop at which samples show a feature that they do not resolve.
+    features: RwLock<Vec<f64>>,
     has_step_size: bool,
 }
 
@@ -100,6 +102,7 @@ impl<'a> Evaluator<'a> {
             count,
             grain: RwLock::default(),
             inside: OnceLock::new(),
+            features: RwLock::default(),
             has_step_size: true,
         })
     }
@@ -114,6 +117,7 @@ impl<'a> Evaluator<'a> {
             count: self.count,
             grain: RwLock::default(),
             inside: self.inside.clone(),
+            features: RwLock::default(),
             has_step_size: self.has_step_size,
         }
     }
@@ -138,9 +142,17 @@ impl<'a> Evaluator<'a> {
         self.map.substep_name(substep)
     }
 
-    /// Breaks that the map can tell beforehand.
+    /// Breaks that the map can tell beforehand, and features of the present loop that were noted.
     pub fn known_breaks(&self, phase_loop: &dyn Loop, h: f64) -> Vec<f64> {
-        self.map.known_breaks(phase_loop, h)
+        let mut known = self.map.known_breaks(phase_loop, h);
+        known.extend_from_slice(&self.features.read().unwrap_or_else(PoisonError::into_inner));
+        known
+    }
+
+    /// Takes note of a feature of the present loop.
+    pub fn note_feature(&self, s: f64) {
+        let features = self.features.write();
+        features.unwrap_or_else(PoisonError::into_inner).push(s);
     }
 
     /// The tangent map, if the map has one. It is called by [`advance_tangents`](Self::advance_tangents).
@@ -290,8 +302,10 @@ impl<'a> Evaluator<'a> {
         let _ = self.inside.set(grains);
     }
 
-    /// Another loop is advanced from now on: its grain is not known.
+    /// Another loop is advanced from now on: its grain is not known, nor its features.
     pub fn begin_loop(&self) {
+        let features = self.features.write();
+        features.unwrap_or_else(PoisonError::into_inner).clear();
         *self.grain.write().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
@@ -409,7 +423,7 @@ impl<'a> Evaluator<'a> {
 }
 
 /// The states of the loop at the parameters `s`.
-fn states_at(phase_loop: &dyn Loop, s: &[f64]) -> Ensemble {
+pub(crate) fn states_at(phase_loop: &dyn Loop, s: &[f64]) -> Ensemble {
     let mut states = Ensemble::zeros(phase_loop.dof(), s.len());
     phase_loop.sample(s, &mut states.block());
     states

@@ -13,7 +13,7 @@ pub(crate) use inner_precision::rounding_inside;
 pub(crate) use periods::wrong_period;
 pub(crate) use precision::of_grain;
 pub(crate) use purity::check_purity;
-pub(crate) use singular::{cost as singular_cost, singular_jacobian};
+pub(crate) use singular::{cost as singular_cost, degenerate_form, singular_jacobian};
 pub(crate) use windings::wound;
 
 use crate::error::Error;

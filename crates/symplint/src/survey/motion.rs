@@ -59,6 +59,7 @@ impl Motions {
         let motion = Motion {
             deformation,
             phase_advance: squared.sqrt(),
+            imbalance: (self.planes.iter()).fold(0.0, |most, plane| plane.imbalance().max(most)),
             shear: self.planes.iter().all(Plane::is_sheared),
             moves: self.planes.iter().any(Plane::moves),
         };
@@ -120,15 +121,29 @@ impl Plane {
         turns.turns != 0.0
     }
 
-    fn deformation(&self) -> f64 {
-        let relative = |c: usize| {
+    /// The range of the changes of q and of p, over the range of each on the loop.
+    fn relative_changes(&self) -> [f64; 2] {
+        [0, 1].map(|c| {
             let size = self.of_loop.extents[c].length();
             match size > 0.0 {
                 true => self.of_changes.extents[c].length() / size,
                 false => 0.0,
             }
-        };
-        relative(0).max(relative(1))
+        })
+    }
+
+    fn deformation(&self) -> f64 {
+        let [q, p] = self.relative_changes();
+        q.max(p)
+    }
+
+    /// See [`Motion::imbalance`]: 0 for a kick or a free flight alone.
+    fn imbalance(&self) -> f64 {
+        let [q, p] = self.relative_changes();
+        match self.is_sheared() || q == 0.0 || p == 0.0 {
+            true => 0.0,
+            false => (q / p).max(p / q).sqrt(),
+        }
     }
 
     fn is_sheared(&self) -> bool {

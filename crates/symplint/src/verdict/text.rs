@@ -53,8 +53,11 @@ impl Display for StepRange {
 
 /// `falling as h^3`.
 fn law(fit: &Fit) -> String {
+    let to = fit.constant.map_or(String::new(), |constant| {
+        format!(" to a constant part of {constant:+.1e}")
+    });
     match fit.whole() {
-        Some(order) => format!("falling as h^{order}"),
+        Some(order) => format!("falling as h^{order}{to}"),
         None => format!(
             "falling about as h^{:.1} in the range that was tried",
             fit.slope
@@ -66,7 +69,11 @@ fn law(fit: &Fit) -> String {
 fn random_loops(count: usize, range: &StepRange) -> String {
     let high = match range {
         StepRange::Unknown | StepRange::Map => String::new(),
-        StepRange::One(h) | StepRange::Between(_, h) => format!(" at h = {}", size(*h)),
+        StepRange::One(h) => format!(" at h = {}", size(*h)),
+        StepRange::Between(low, high) => {
+            let largest = if low.abs() > high.abs() { low } else { high };
+            format!(" at h = {}", size(*largest))
+        }
     };
     match count {
         0 => String::new(),
@@ -232,6 +239,17 @@ impl Display for Finding {
                     "{samples} samples do not resolve the loop {step}: its integral is not known."
                 ),
             },
+            Finding::RepeatedRow { row } => write!(
+                f,
+                "Row {row} repeats row 0, as if both ends of the loop were included: it was left out."
+            ),
+            Finding::UnequalRows { widest, over_mean } => write!(
+                f,
+                "The rows are not equally spaced: the widest gap is {} times the mean, {:.2}% of the loop. The integrals \
+                 are interpolated, and their errors include the gaps.",
+                short(*over_mean),
+                100.0 * widest
+            ),
             Finding::Unexplained {
                 defect,
                 uncertainty,
@@ -283,6 +301,13 @@ impl Display for Finding {
                 given,
                 beside,
             } => domain::projects(f, *smallest, *given, *beside),
+            Finding::DegenerateForm { rank, given } => domain::degenerate_form(f, *rank, *given),
+            Finding::LosesRank { rank } => write!(
+                f,
+                "The step projects: its Jacobian has rank {} of {} at the loop. Such a step is not symplectic on the whole phase \
+                 space; it may be on the manifold onto which it projects.",
+                rank.rank, rank.of
+            ),
             Finding::Jump {
                 loop_index,
                 step,
@@ -317,9 +342,12 @@ impl Display for Finding {
                     true => "what is left between the breaks".to_owned(),
                     false => loop_name(fit.loop_index),
                 };
+                let constant = fit.constant.map_or(String::new(), |constant| {
+                    format!(" and a constant part of {constant:+.1e}")
+                });
                 write!(
                     f,
-                    "The defect of {what} goes as h^({:.3} ± {:.3}) between h = {} and h = {}.",
+                    "The defect of {what} goes as h^({:.3} ± {:.3}){constant} between h = {} and h = {}.",
                     fit.slope,
                     fit.uncertainty,
                     size(fit.from),
@@ -378,6 +406,27 @@ impl Display for Finding {
                 loop_name(*loop_index),
                 change.signed,
                 change.uncertainty.unwrap_or(f64::INFINITY)
+            ),
+            Finding::FailsToConverge {
+                defect,
+                step,
+                smaller,
+                bound,
+            } => write!(
+                f,
+                "The defect of {defect:.1e} {step} is gone {smaller} (|E| ≤ {bound:.1e}), which no power of h explains: the step \
+                 fails to converge {step}, or takes another branch there."
+            ),
+            Finding::OrdersDiffer {
+                by_jacobian,
+                by_loops,
+                steps: [large, small],
+            } => write!(
+                f,
+                "No order is stated: {} falls as h^{:.2}, and the defect of the Jacobian as h^{by_jacobian:.2} from {large} to \
+                 {small}.",
+                loop_name(by_loops.loop_index),
+                by_loops.slope
             ),
             Finding::MovesRest { loop_index } => write!(
                 f,

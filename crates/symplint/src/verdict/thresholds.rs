@@ -13,6 +13,14 @@ pub(super) const SMALL: f64 = 1e-10;
 /// asked of two step sizes.
 pub(super) const FAR: f64 = 100.0;
 
+/// Radii whose ratio differs by this factor from the ratio of the motion are not in its units. Conventional: loops that
+/// people choose are within a factor of a hundred.
+pub(super) const UNBALANCED: f64 = 1e3;
+
+/// A defect of the Jacobian below this may come from a solver that stops at a tolerance. Conventional: the loosest
+/// tolerance in use.
+pub(super) const LOOSEST_TOLERANCE: f64 = 1e-5;
+
 /// Slopes of the defect against h below this do not show a trend: half of the lowest order that a consistent method
 /// can have.
 pub(super) const TREND: f64 = 0.5;
@@ -55,6 +63,10 @@ pub(super) const CLEAR: f64 = 50.0;
 
 /// A law may miss a point by this part of its scale: terms that were left out.
 pub(super) const MISFIT: f64 = 0.02;
+
+/// The order of a law and the mean slope of the Jacobian's defect over the same step sizes differ by less than this.
+/// Derived: half of the distance of two orders.
+pub(super) const MAX_SLOPE_DIFFERENCE: f64 = 0.5;
 
 /// Orders of methods that one can meet.
 pub(super) const HIGHEST_ORDER: f64 = 14.0;

@@ -82,6 +82,22 @@ impl Curves<'_> {
         self.phase_loop.dof()
     }
 
+    /// The states of a curve at some parameters, before the step or the substep that it meets first.
+    pub fn states(&self, curve: usize, s: &[f64]) -> Ensemble {
+        let points: Vec<At> = s
+            .iter()
+            .map(|&s| At {
+                curve,
+                s: s.clamp(0.0, 1.0),
+            })
+            .collect();
+        let substep = match curve {
+            0 => 0,
+            _ => self.segments[curve - 1].substep,
+        };
+        self.before(&points, substep)
+    }
+
     /// The states at `points` of curves that meet `substep` first, before it.
     fn before(&self, points: &[At], substep: usize) -> Ensemble {
         let mut states = Ensemble::zeros(self.dof(), points.len());

@@ -6,8 +6,8 @@ use super::lobatto::{evaluate, polynomial};
 use super::piece::{Piece, Smooth};
 use super::scales::Scales;
 use crate::breaks::{
-    AROUND_A_ZONE, Bracket, DISTANCES_AROUND, End, LOOKS, Progress, flickers, is_between_levels,
-    scatter,
+    AROUND_A_ZONE, Bracket, DISTANCES_AROUND, End, LOOKS, Progress, REPETITIONS, flickers,
+    is_between_levels, is_repeated, scatter, stands_out,
 };
 use crate::signal::nearest;
 use crate::state::{Coordinates, period};
@@ -29,6 +29,10 @@ pub(super) struct Jump {
     around: [Vec<Image>; 2],
     /// Which of [`DISTANCES_AROUND`] they have, if the map flickers beside it.
     zone: Option<usize>,
+    /// Times that both ends were asked for again; `None` before that.
+    repetitions: Option<usize>,
+    /// Whether they had the same jump each time.
+    is_repeated: bool,
     /// Where the jump points, for each coordinate.
     direction: Vec<f64>,
     /// A state nearby, from which coordinates are counted.
@@ -42,8 +46,8 @@ pub(super) struct Jump {
     pub fallback: Smooth,
 }
 
-/// States that a jump may ask for beside it.
-const BESIDE: usize = 2 * (LOOKS[LOOKS.len() - 1] - 1);
+/// States that a jump may ask for beside it, and its ends again.
+const BESIDE: usize = 2 * (LOOKS[LOOKS.len() - 1] - 1) + 2 * REPETITIONS;
 
 impl Jump {
     pub fn new(
@@ -65,6 +69,8 @@ impl Jump {
             looks: 0,
             around: [Vec::new(), Vec::new()],
             zone: None,
+            repetitions: None,
+            is_repeated: true,
             direction,
             reference,
             left,
@@ -76,7 +82,7 @@ impl Jump {
     /// What was granted for it and is not needed after all.
     pub fn refund(&self) -> usize {
         let beside: usize = self.beside.iter().map(|side| side.len() - 1).sum();
-        self.price - self.bracket.halvings() - beside
+        self.price - self.bracket.halvings() - beside - 2 * self.repetitions.unwrap_or(0)
     }
 
     /// The images of both ends.
@@ -111,15 +117,19 @@ impl Jump {
         self.bracket.halve(end, difference)
     }
 
-    /// The states beside it, or round its zone, that the next look needs and that are not known yet.
+    /// The states beside it, or around its zone, that the next look needs and that are not known yet; or its ends again, in
+    /// another order each time.
     pub fn surroundings(&self) -> impl Iterator<Item = At> {
-        let within = |s: f64| s.clamp(self.piece.a, self.piece.b);
         let at = move |s: f64| At {
             curve: self.piece.curve,
-            s: within(s),
+            s: s.clamp(0.0, 1.0),
         };
-        [End::Low, End::High].into_iter().flat_map(move |end| {
+        self.order().into_iter().flat_map(move |end| {
             let states: Vec<f64> = match self.zone {
+                _ if self.repetitions.is_some() => match end {
+                    End::Low => vec![self.bracket.low],
+                    End::High => vec![self.bracket.high],
+                },
                 None => {
                     let known = self.beside[end as usize].len();
                     self.bracket.beside(end, self.looks).skip(known).collect()
@@ -132,9 +142,18 @@ impl Jump {
         })
     }
 
+    /// In which order the ends are evaluated.
+    fn order(&self) -> [End; 2] {
+        match self.repetitions {
+            Some(k) if k % 2 == 0 => [End::High, End::Low],
+            _ => [End::Low, End::High],
+        }
+    }
+
     /// How many they are.
     pub fn missing(&self) -> usize {
         match self.zone {
+            _ if self.repetitions.is_some() => 2,
             None => (self.beside.iter())
                 .map(|side| LOOKS[self.looks] - side.len())
                 .sum(),
@@ -144,11 +163,35 @@ impl Jump {
 
     /// How many of them were not granted with the jump.
     pub fn extra(&self) -> usize {
-        self.zone.map_or(0, |_| self.missing())
+        match self.repetitions {
+            None => self.zone.map_or(0, |_| self.missing()),
+            Some(_) => 0,
+        }
+    }
+
+    /// Asks for both ends again; whether that was not done often enough.
+    pub fn repeat(&mut self) -> bool {
+        let made = *self.repetitions.get_or_insert(0);
+        self.is_repeated && made < REPETITIONS
     }
 
     /// Takes their images in.
-    pub fn look(&mut self, images: &[Image]) {
+    pub fn look(&mut self, images: &[Image], coordinates: &Coordinates) {
+        if let Some(made) = self.repetitions {
+            let mut again = [&images[0], &images[1]];
+            if self.order()[0] == End::High {
+                again.reverse();
+            }
+            let jump =
+                |[low, high]: [&Image; 2]| self.project(high.after(), low.after(), coordinates);
+            self.is_repeated &= is_repeated(jump(self.ends()), jump(again));
+            self.repetitions = Some(made + 1);
+            if !self.is_repeated {
+                let ends = [self.bracket.low, self.bracket.high].into_iter().zip(again);
+                ends.for_each(|(s, image)| self.piece.replace(s, image));
+            }
+            return;
+        }
         let (left, right) = images.split_at(images.len() / 2);
         for (k, images) in [left, right].into_iter().enumerate() {
             match self.zone {
@@ -193,6 +236,12 @@ impl Jump {
     pub fn judge(&self, scales: &Scales, coordinates: &Coordinates) -> Judgement {
         let [low, high] = self.ends().map(Image::after);
         let jump = self.project(high, low, coordinates);
+        if self.repetitions.is_some() {
+            return match self.is_repeated {
+                true => Judgement::Break,
+                false => Judgement::Noise,
+            };
+        }
         if self.zone.is_some() {
             let [left, right] = self.projected(&self.around, coordinates);
             return match is_between_levels(jump, [&left, &right]) {
@@ -211,13 +260,13 @@ impl Jump {
         let sides = [&left[..], &right[..]];
         if is_rounding {
             Judgement::Noise
-        } else if large || (self.bracket.stands_out(jump.abs(), sides) && no_step) {
+        } else if stands_out(jump, sides) && (large || no_step) {
             Judgement::Break
-        } else if self.bracket.is_little(jump) {
+        } else if !large && self.bracket.is_little(jump) {
             Judgement::Wrap
         } else if self.looks < LOOKS.len() {
             Judgement::LookAgain
-        } else if no_step && flickers(jump, sides) {
+        } else if (large || no_step) && flickers(jump, sides) {
             Judgement::LookAround
         } else {
             Judgement::Noise

@@ -262,7 +262,11 @@ impl<'a> Refinement<'a> {
             }
             Task::Halve(mut jump) => match jump.halve(images[0].clone(), self.coordinates) {
                 Progress::Open => self.go_on(Task::Halve(jump)),
-                Progress::Jump => self.go_on(Task::Confirm(jump)),
+                Progress::Jump => {
+                    let curve = jump.piece.curve;
+                    jump.bracket.space_out(|s| self.curves.states(curve, s));
+                    self.go_on(Task::Confirm(jump))
+                }
                 // A kink close to an end, or a steep stretch: at a smaller scale it will show.
                 Progress::Continuous => {
                     let next = looks(jump.piece.cut(&jump.gap));
@@ -273,7 +277,7 @@ impl<'a> Refinement<'a> {
                 }
             },
             Task::Confirm(mut jump) => {
-                jump.look(images);
+                jump.look(images, self.coordinates);
                 self.confirm(jump)
             }
             Task::CheckTurningPoints(piece, smooth, turning) => {
@@ -291,11 +295,12 @@ impl<'a> Refinement<'a> {
         }
     }
 
-    /// Takes a jump for a break if it stands out of the noise on both sides.
+    /// Takes a jump for a break if it stands out of the noise on both sides, and is the same when its ends are evaluated again.
     fn confirm(&self, mut jump: Box<Jump>) -> Outcome {
         let judgement = jump.judge(&self.scales, self.coordinates);
         match judgement {
             Judgement::LookAgain => return self.go_on(Task::Confirm(jump)),
+            Judgement::Break if jump.repeat() => return self.go_on(Task::Confirm(jump)),
             Judgement::LookAround if jump.look_around() => {
                 let unresolved = jump.fallback.clone();
                 return Outcome::then(vec![Task::Confirm(jump)], unresolved);

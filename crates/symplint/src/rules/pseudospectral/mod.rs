@@ -10,6 +10,7 @@
 //! brought to the same size first, by powers of two, which costs no digit: a loop that is
 //! 1e8 times wider in q than in p stays as accurate as any other.
 
+mod interpolant;
 mod regularity;
 mod row;
 mod sums;
@@ -26,6 +27,7 @@ use super::{RowIntegral, least};
 use crate::signal::{UNIT_ROUNDOFF, largest, unwrap_row, wraps};
 use crate::state::Coordinates;
 use crate::state::Ensemble;
+pub(crate) use interpolant::{misses, roughness};
 use regularity::sobolev_exponent;
 use row::{Scaling, pack};
 use sums::{Sums, fold, value};
@@ -90,11 +92,15 @@ fn take_off_ramp(row: &mut [f64], gain: f64) {
     }
 }
 
-/// What rounding makes of a mode: of the samples as stored and of the transform, with a margin.
+/// What rounding makes of a mode: of the samples as stored and of the transform, with a margin. Infinite for a coordinate at
+/// rest, which has no unit: its modes are the rounding of the other coordinate.
 ///
 /// Transforms of other lengths than powers of two are less exact, those with large prime factors most: up
 /// to 13 units for 4,097 samples and 100 for 262,147.
 fn noise_of_mode(samples: usize, scaling: &Scaling) -> f64 {
+    if scaling.unit == 0.0 {
+        return f64::INFINITY;
+    }
     let n = samples as f64;
     let margin = match samples.is_power_of_two() {
         true => 4.0,

@@ -31,7 +31,7 @@ impl Case<'_> {
     }
 
     /// At how many step sizes the map failed on the given loop.
-    fn failed_steps(&self) -> usize {
+    pub(super) fn failed_steps(&self) -> usize {
         let failed = |omission: &&Omission| matches!(omission, Omission::StepFailed { .. });
         self.evidence.omissions.iter().filter(failed).count()
     }
@@ -46,7 +46,8 @@ impl Case<'_> {
 
     /// What no defect exceeds, of loops that bound one: the given loop, and others that do not wind.
     pub(super) fn bound_of_loops(&self) -> f64 {
-        LoopEvidence::bound_of(self.loops)
+        let of_jacobian = self.bounds_by_jacobian_alone();
+        of_jacobian.fold(LoopEvidence::bound_of(self.loops), f64::max)
     }
 
     /// How large the defects may be: of every sampled loop; else of the given loop and of the worst random one.
@@ -98,7 +99,11 @@ impl Case<'_> {
             let bounds = found.steps.iter().map(StepEvidence::bound);
             bounds.fold(0.0, f64::max)
         };
-        let worst = (random.iter().filter(|found| !found.steps.is_empty()))
+        // Loops that bound the defect, if there are any: the verdict rests on them.
+        let counts = |found: &&LoopEvidence| !found.winds && found.is_bounded();
+        let any = random.iter().any(|found| counts(&found));
+        let worst = (random.iter())
+            .filter(|found| !found.steps.is_empty() && (!any || counts(found)))
             .max_by(|a, b| bound(a).total_cmp(&bound(b)));
         let mut findings: Vec<Finding> =
             (given.iter().chain(worst)).filter_map(worst_step).collect();

@@ -11,6 +11,18 @@ impl Case<'_> {
         groups.map(|(index, _)| self.group(index)).collect()
     }
 
+    /// The bounds of groups that no loop bounds.
+    pub(super) fn bounds_by_jacobian_alone(&self) -> impl Iterator<Item = f64> {
+        self.groups().into_iter().filter_map(|group| match group {
+            Finding::Group {
+                by_loops: None,
+                by_jacobian,
+                ..
+            } => by_jacobian.filter(|bound| *bound <= WEAKEST_BOUND),
+            _ => None,
+        })
+    }
+
     fn group(&self, index: usize) -> Finding {
         let group = &self.evidence.groups[index];
         let counted = |found: &&LoopEvidence| {
@@ -41,11 +53,8 @@ impl Case<'_> {
             let bound = bounds.map(StepEvidence::bound).fold(f64::EPSILON, f64::max);
             let of_map = !self.has_step_size() || motion.shear && motion.moves;
             (!motion.tests(bound) && !of_map).then(|| {
-                let group = Some(index);
-                let mut decision =
-                    self.because(Finding::LittleMotion { motion, group }, Vec::new());
-                decision.advice = vec![self.advice_on_motion(motion, step_size, bound)];
-                decision
+                let advice = self.advice_on_motion(motion, step_size, bound);
+                self.little_motion(motion, Some(index), advice)
             })
         })
     }

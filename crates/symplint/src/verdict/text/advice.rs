@@ -109,13 +109,13 @@ impl Display for Advice {
             ),
             Advice::MoreStepSizes { given } => write!(
                 f,
-                "Give four or more step sizes, each half of the one before, to learn the order ({given} measured)."
+                "Give four or more step sizes, each half of the one before, to learn the order ({given} given)."
             ),
             Advice::NoOrder { given, drowned } => match drowned {
                 true => write!(
                     f,
                     "The defects at the smaller of {given} step sizes are not above their uncertainty: give larger \
-                     step sizes to learn the order."
+                     step sizes, each half of the one before, to learn the order."
                 ),
                 false => write!(
                     f,
@@ -180,8 +180,31 @@ impl Display for Advice {
                 "Give a projection onto the constraint manifold (`with_projection`, `project`), which keeps random loops and \
                  the Jacobian on it; or judge the given loop alone: loops = 1, jacobian = false.",
             ),
+            Advice::KeepToLeaf => f.write_str(
+                "State all Casimir functions of the form (`casimir`, `OneForm::project`), or a projection onto a leaf \
+                 (`project`): they keep all loops and the Jacobian on one leaf.",
+            ),
             Advice::SmallerLoopInDomain => f.write_str(
                 "Take a smaller loop, well inside the domain of the map, or set loops to 1.",
+            ),
+            Advice::BalancedRadii { imbalance } => write!(
+                f,
+                "Set radius = \"auto\" (in Rust, `map::balanced_radii`): the radii of q and p differ by a factor of {} from the \
+                 motion on the loop.",
+                one_digit(*imbalance)
+            ),
+            Advice::LetStepConverge { converges } => write!(
+                f,
+                "Take step sizes of {} and below, or make the iteration inside the step converge at larger ones.",
+                size(*converges)
+            ),
+            Advice::LargerLoopOrMoreSamples => f.write_str(
+                "Take a larger loop or more samples: the loop integral averages over the rounding of the states.",
+            ),
+            Advice::SmallerSteps { deformation } => write!(
+                f,
+                "Take smaller step sizes: one step deforms this loop by {} times its size.",
+                short(*deformation)
             ),
             Advice::SmallerLoop { deformation } => write!(
                 f,
@@ -200,7 +223,7 @@ impl Display for Advice {
             ),
             Advice::MoreDigits => f.write_str(
                 "Return more digits to learn more: compute in double precision, and do not round (17 digits, if \
-                 states are printed). Of fewer digits, a larger loop shows more.",
+                 states are printed).",
             ),
             Advice::OtherLoops => f.write_str(
                 "Take other loops: one that is off the symmetries of the system, and a larger one.",
