@@ -164,10 +164,13 @@ impl Case<'_> {
     ) -> Decision {
         let mut decision = self.because(Finding::LittleMotion { motion, group }, Vec::new());
         // More evaluations do not move them.
-        decision.advice = self.balanced_radii(motion).into_iter().collect();
-        decision
-            .advice
-            .push(self.advice_on_motion(motion, step_size, bound));
+        let mut of_steps = self.advice_on_motion(motion, step_size, bound);
+        let of_radii = self.balanced_radii(motion);
+        // How much larger depends on the radii.
+        if let (Some(_), Advice::LargerSteps { factor, .. }) = (&of_radii, &mut of_steps) {
+            *factor = None;
+        }
+        decision.advice = of_radii.into_iter().chain([of_steps]).collect();
         decision
     }
 
