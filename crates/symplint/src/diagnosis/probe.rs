@@ -1,11 +1,12 @@
 //! One loop with a rule and a number of samples, ready to be advanced by any step size.
 
 use super::initial_samples::InitialSamples;
-use super::limits::{FEWEST_TRIED, SMALL};
+use super::limits::{FEWEST_TRIED, RANGE_SAMPLES, SMALL};
 use super::memory::fits;
 use crate::error::Error;
 use crate::evidence::{Closing, StepEvidence};
 use crate::rules::{Advanced, LoopIntegral, LoopIntegrator, Rule, Samples, Subject};
+use crate::signal::Extent;
 use crate::state::Ensemble;
 
 /// A subject with its initial loop integral.
@@ -159,17 +160,36 @@ impl<'a> Probe<'a> {
         })
     }
 
+    /// See [`StepEvidence::reach_of_jumps`].
+    fn reach_of_jumps(&self, advanced: &Advanced) -> f64 {
+        let Some(jump) = advanced.largest_break() else {
+            return 0.0;
+        };
+        let Subject { phase_loop, .. } = self.subject;
+        // Without samples nothing is known of the ranges.
+        let Ok(samples) = Ensemble::sample(phase_loop, RANGE_SAMPLES) else {
+            return f64::INFINITY;
+        };
+        let half_range = |row: &[f64]| 0.5 * Extent::of(row).length();
+        let of_q = jump.jump_q.abs() * half_range(samples.p().row(jump.dof));
+        let of_p = jump.jump_p.abs() * half_range(samples.q().row(jump.dof));
+        let weight = self.subject.coordinates().weight(jump.dof).abs();
+        let breaks = advanced.closed.map_or(1, |closed| closed.breaks.max(1));
+        breaks as f64 * weight * (of_q + of_p) / self.initial.value.abs()
+    }
+
     /// A measured step as evidence.
     pub fn evidence(&self, known: &Known) -> StepEvidence {
         let advanced = &known.advanced;
         StepEvidence {
-            step_size: Some(known.h),
+            step_size: self.subject.evaluator.stated(known.h),
             samples: advanced.samples,
             rule: self.integrator.kind(),
             initial: self.initial.value,
             advanced: advanced.integral.value,
             defect: advanced.defect,
             jump: advanced.largest_break(),
+            reach_of_jumps: self.reach_of_jumps(advanced),
             flickering: advanced.closed.map_or(0, |closed| closed.flickering),
             closing: advanced.closed.map(|closed| Closing {
                 breaks: closed.breaks,

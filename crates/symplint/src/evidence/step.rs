@@ -29,6 +29,10 @@ pub struct StepEvidence {
     /// Those of its breaks at which rounding decides on which side of them a state is.
     #[serde(default)]
     pub flickering: usize,
+    /// What jumps of the size of the largest break could change the integral by, relative as the defect is: of each break,
+    /// |Δq| times half the range of p and |Δp| times half the range of q. 0 without a break.
+    #[serde(default)]
+    pub reach_of_jumps: f64,
     /// Cells that jump, for samples that cannot be looked at in between.
     pub jumping: Option<JumpingCells>,
     /// A position that jumps by its whole range, as one in a periodic box does.

@@ -106,6 +106,16 @@ impl TangentDefect {
     }
 }
 
+/// The largest defect of a Jacobian test, and the largest one at the same point and along the same tangent vectors after a
+/// smaller step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JacobianDecay {
+    /// The larger and the smaller step size.
+    pub step_sizes: [f64; 2],
+    /// The defects, in the same order.
+    pub defects: [TangentDefect; 2],
+}
+
 /// What was found at one point of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JacobianPoint {
@@ -119,6 +129,14 @@ pub struct JacobianPoint {
 }
 
 impl JacobianEvidence {
+    /// The largest defect of a point along its tangent vectors, before it is traced to degrees of freedom: which point, and
+    /// the defect.
+    pub(crate) fn worst_point(&self) -> Option<(usize, TangentDefect)> {
+        let worst = TangentDefect::worst(self.method, self.points.iter().filter_map(|p| p.worst))?;
+        let point = (self.points.iter()).position(|point| point.worst == Some(worst))?;
+        Some((point, worst))
+    }
+
     /// Whether the largest defect is significant.
     pub(crate) fn shows_defect(&self) -> bool {
         self.worst
@@ -129,8 +147,8 @@ impl JacobianEvidence {
 /// What a [`JacobianTest`](crate::JacobianTest) measured. All numbers are finite.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JacobianEvidence {
-    /// Step size h.
-    pub step_size: f64,
+    /// Step size h; `None` for a map without one.
+    pub step_size: Option<f64>,
     /// How derivatives were computed.
     pub method: JacobianMethod,
     /// Point by point.

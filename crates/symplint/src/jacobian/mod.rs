@@ -28,7 +28,7 @@ mod tangent_check;
 mod tangents;
 
 pub use evidence::{
-    JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect, TangentRejection,
+    JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect, TangentRejection,
 };
 
 use crate::error::Error;
@@ -163,7 +163,7 @@ impl JacobianTest {
             }
         }
         Ok(JacobianEvidence {
-            step_size: h,
+            step_size: evaluator.stated(h),
             method,
             not_differentiable: points.iter().filter(|p| p.worst.is_none()).count(),
             full,
@@ -176,6 +176,39 @@ impl JacobianTest {
             evaluations: sampler.made(),
             points,
         })
+    }
+
+    /// The largest defect at the point where `found` has its largest one, after a step of size `h`. `None` if the map is not
+    /// differentiable there. It takes the [`evaluations`](Self::evaluations) of one point, for each group if tangent vectors are random.
+    pub(crate) fn decay(
+        &self,
+        evaluator: &Evaluator<'_>,
+        phase_loop: &dyn Loop,
+        size: &LoopSize,
+        found: &JacobianEvidence,
+        h: f64,
+    ) -> Result<Option<JacobianDecay>, Error> {
+        let Some(((point, larger), of_found)) = found.worst_point().zip(found.step_size) else {
+            return Ok(None);
+        };
+        let mut sampler = Sampler::new(
+            evaluator,
+            (phase_loop, size),
+            h,
+            vec![larger.s],
+            self.seed,
+            0,
+        )?;
+        sampler.uses_tangents = found.method == JacobianMethod::TangentMap;
+        let dof = evaluator.dof();
+        let directions = self.directions(dof, &size.groups, point);
+        let mut columns = [sampler.columns(0, directions, found.full)?];
+        sampler.differentiate(&mut columns)?;
+        let outcome = columns[0].outcome(&sampler, found.full && !found.projected);
+        Ok(outcome.point.worst.map(|smaller| JacobianDecay {
+            step_sizes: [of_found, h],
+            defects: [larger, smaller],
+        }))
     }
 
     /// What the tangent vectors show at each point, unless the tangent map is rejected.

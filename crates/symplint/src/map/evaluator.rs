@@ -32,6 +32,9 @@ pub(crate) struct Evaluator<'a> {
     noise: RwLock<Option<Arc<Vec<f64>>>>,
     /// States that are advanced again later.
     recorder: Recorder,
+    /// Parameters of the present loop at which samples show a feature that they do not resolve.
+    features: RwLock<Vec<f64>>,
+    has_step_size: bool,
 }
 
 /// Evaluations made so far, and how many may be made.
@@ -119,6 +122,8 @@ impl<'a> Evaluator<'a> {
             inside: RwLock::default(),
             noise: RwLock::default(),
             recorder: Recorder::default(),
+            features: RwLock::default(),
+            has_step_size: true,
         })
     }
 
@@ -131,9 +136,11 @@ impl<'a> Evaluator<'a> {
             substeps,
             count: self.count,
             grain: RwLock::default(),
-            inside: RwLock::new(self.inside()),
+            inside: RwLock::new(self.rounding_inside()),
             noise: RwLock::new(self.noise()),
             recorder: Recorder::default(),
+            features: RwLock::default(),
+            has_step_size: self.has_step_size,
         }
     }
 
@@ -157,9 +164,17 @@ impl<'a> Evaluator<'a> {
         self.map.substep_name(substep)
     }
 
-    /// Breaks that the map can tell beforehand.
+    /// Breaks that the map can tell beforehand, and features of the present loop that were noted.
     pub fn known_breaks(&self, phase_loop: &dyn Loop, h: f64) -> Vec<f64> {
-        self.map.known_breaks(phase_loop, h)
+        let mut known = self.map.known_breaks(phase_loop, h);
+        known.extend_from_slice(&self.features.read().unwrap_or_else(PoisonError::into_inner));
+        known
+    }
+
+    /// Takes note of a feature of the present loop.
+    pub fn note_feature(&self, s: f64) {
+        let features = self.features.write();
+        features.unwrap_or_else(PoisonError::into_inner).push(s);
     }
 
     /// The tangent map, if the map has one. It is called by [`advance_tangents`](Self::advance_tangents).
@@ -183,6 +198,19 @@ impl<'a> Evaluator<'a> {
             constraint: None,
             ..self
         }
+    }
+
+    /// The same for a map without a step size: errors and evidence name none.
+    pub fn without_step_size(self) -> Self {
+        Evaluator {
+            has_step_size: false,
+            ..self
+        }
+    }
+
+    /// A step size as errors and evidence state it: `None` for a map without one.
+    pub fn stated(&self, h: f64) -> Option<f64> {
+        self.has_step_size.then_some(h)
     }
 
     /// The count that evaluations are added to.
@@ -275,7 +303,7 @@ impl<'a> Evaluator<'a> {
         value: impl Fn(usize, usize) -> f64,
     ) {
         if self.grain().is_none() {
-            let inside = self.inside();
+            let inside = self.rounding_inside();
             let before = |count: usize| match Ensemble::sample(phase_loop, count) {
                 Ok(before) => Before::Exact(before),
                 Err(_) => Before::Unknown,
@@ -293,14 +321,14 @@ impl<'a> Evaluator<'a> {
 
     /// Takes note that the map rounds each coordinate to this inside, or is as noisy.
     pub fn note_rounding_inside(&self, mut grains: Vec<f64>) {
-        if let Some(known) = self.inside() {
+        if let Some(known) = self.rounding_inside() {
             (grains.iter_mut().zip(&*known)).for_each(|(grain, known)| *grain = grain.max(*known));
         }
         *self.inside.write().unwrap_or_else(PoisonError::into_inner) = Some(Arc::new(grains));
     }
 
     /// What the map rounds each coordinate to inside, if it does more than double precision does.
-    pub fn inside(&self) -> Option<Arc<Vec<f64>>> {
+    pub fn rounding_inside(&self) -> Option<Arc<Vec<f64>>> {
         let inside = self.inside.read().unwrap_or_else(PoisonError::into_inner);
         inside.clone()
     }
@@ -326,9 +354,11 @@ impl<'a> Evaluator<'a> {
         self.recorder.witnesses()
     }
 
-    /// Another loop is advanced from now on: its grain is not known.
+    /// Another loop is advanced from now on: its grain is not known, nor its features.
     pub fn begin_loop(&self) {
         self.recorder.begin_loop();
+        let features = self.features.write();
+        features.unwrap_or_else(PoisonError::into_inner).clear();
         *self.grain.write().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
@@ -362,7 +392,7 @@ impl<'a> Evaluator<'a> {
                     .try_for_each(|k| self.map.advance_substep(k, h, &mut block))
                     .map(|()| block.all_finite())
             };
-            checked(finite, h, first, &block)?;
+            checked(finite, self.stated(h), first, &block)?;
             if let Some(taken) = taken {
                 self.recorder.keep(taken, h, &block);
             }
@@ -389,7 +419,7 @@ impl<'a> Evaluator<'a> {
         let each = |(b, mut block): (usize, Block<'_>)| {
             let advanced = self.map.advance_substep(substep, h, &mut block);
             let finite = advanced.map(|()| block.all_finite());
-            checked(finite, h, b * width, &block)
+            checked(finite, self.stated(h), b * width, &block)
         };
         let blocks = states.blocks_of(width).into_par_iter().enumerate();
         first_error(blocks.map(each).collect())
@@ -420,7 +450,8 @@ impl<'a> Evaluator<'a> {
             let first = b * width;
             fill(first, &mut states, &mut tangents);
             let advanced = tangent.advance_tangents(h, &mut states, &mut tangents);
-            checked(advanced.map(|()| states.all_finite()), h, first, &states)
+            let finite = advanced.map(|()| states.all_finite());
+            checked(finite, self.stated(h), first, &states)
         };
         first_error(pairs.enumerate().map(each).collect())
     }
@@ -438,7 +469,7 @@ impl<'a> Evaluator<'a> {
 }
 
 /// The states of the loop at the parameters `s`.
-fn states_at(phase_loop: &dyn Loop, s: &[f64]) -> Ensemble {
+pub(crate) fn states_at(phase_loop: &dyn Loop, s: &[f64]) -> Ensemble {
     let mut states = Ensemble::zeros(phase_loop.dof(), s.len());
     phase_loop.sample(s, &mut states.block());
     states
@@ -447,7 +478,7 @@ fn states_at(phase_loop: &dyn Loop, s: &[f64]) -> Ensemble {
 /// What came of advancing a block that begins with sample `first`.
 fn checked(
     finite: Result<bool, StepFailure>,
-    h: f64,
+    h: Option<f64>,
     first: usize,
     block: &Block<'_>,
 ) -> Result<(), Error> {
@@ -461,7 +492,10 @@ fn checked(
         .flatten();
     match not_finite {
         None => Ok(()),
-        Some(found) => Err(found.into_error(first, Some(h))),
+        Some(found) => Err(match h {
+            Some(_) => found.into_error(first, h),
+            None => found.of_map(first),
+        }),
     }
 }
 

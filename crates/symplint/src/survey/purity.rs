@@ -241,7 +241,7 @@ fn explain(
         },
         dof: worst.coordinate % repeats.first.dof(),
         difference: worst.size,
-        step_size: repeats.h,
+        step_size: evaluator.stated(repeats.h),
     };
     match repetitions(evaluator, repeats, worst.state, &tolerances)? {
         Repetitions::Depend(dependence) => return Err(depends(dependence)),

@@ -160,7 +160,7 @@ impl Repeats {
     /// The relative distance of neighbouring numbers in which the map computes: as its results show it, or the search for
     /// single precision inside.
     pub fn unit(&self, evaluator: &Evaluator<'_>) -> f64 {
-        match evaluator.inside() {
+        match evaluator.rounding_inside() {
             Some(_) => self.unit_of_results().max(0.5f64.powi(SINGLE as i32 - 1)),
             None => self.unit_of_results(),
         }

@@ -8,11 +8,14 @@ mod undecided;
 use super::finding::{Advice, Change, Finding, Step, StepRange};
 use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, fit_order, smallest_steps_slope};
-use super::thresholds::{FAR, FEWEST_POINTS, SMALL, TREND};
+use super::thresholds::{
+    CONTRADICTS, FAR, FEWEST_POINTS, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND,
+};
 use super::{Verdict, VerdictKind, long_time};
 use crate::evidence::{
     Evidence, LoopEvidence, LoopKind, Motion, Omission, Origin, Scatter, StepEvidence,
 };
+use crate::jacobian::JacobianDecay;
 use crate::rules::Defect;
 
 /// Reaches the verdict. Pure: the same evidence gives the same verdict, whoever measured it.
@@ -21,10 +24,11 @@ use crate::rules::Defect;
 /// significant defect proves that a map is not symplectic, and so does one break; the absence of both bounds the
 /// defect for the loops and steps that were tried.
 pub fn judge(evidence: &Evidence) -> Verdict {
-    // Beside the manifold that a map projects onto it conserves nothing, and need not.
-    let counted = match evidence.survey.singular {
-        Some(_) => &evidence.loops[..evidence.loops.len().min(1)],
-        None => &evidence.loops,
+    // Beside the manifold that a map projects onto it conserves nothing, and need not; nor beside a leaf of its form.
+    let survey = &evidence.survey;
+    let counted = match survey.singular.is_some() || survey.degenerate_form.is_some() {
+        true => &evidence.loops[..evidence.loops.len().min(1)],
+        false => &evidence.loops,
     };
     let fits: Vec<Fit> = counted.iter().filter_map(fit_order).collect();
     let case = Case {
@@ -33,17 +37,8 @@ pub fn judge(evidence: &Evidence) -> Verdict {
         fits: &fits,
     };
     let mut decision = case.decide();
-    if evidence.survey.is_rounded()
-        && decision.kind != VerdictKind::NotSymplectic
-        && !decision.advice.contains(&Advice::MoreDigits)
-    {
-        // Where rounding is what hides an answer, that comes first.
-        let first = matches!(
-            decision.because,
-            Finding::WeakBound { .. } | Finding::Unexplained { .. } | Finding::SmallJumps { .. }
-        ) && !matches!(decision.advice[..], [Advice::SmallerLoop { .. }, ..]);
-        let place = if first { 0 } else { decision.advice.len() };
-        decision.advice.insert(place, Advice::MoreDigits);
+    if evidence.survey.is_rounded() && decision.kind != VerdictKind::NotSymplectic {
+        decision.advise_on_digits();
     }
     let mut findings = vec![decision.because];
     findings.append(&mut decision.findings);
@@ -82,6 +77,34 @@ impl Decision {
             advice: Vec::new(),
         }
     }
+
+    /// Advice for a map whose states have few digits.
+    fn advise_on_digits(&mut self) {
+        if !self.advice.contains(&Advice::MoreDigits) {
+            // If rounding is what hides an answer, digits come first.
+            let of_rounding = matches!(
+                self.because,
+                Finding::WeakBound { .. }
+                    | Finding::Unexplained { .. }
+                    | Finding::SmallJumps { .. }
+            );
+            let of_motion = matches!(
+                self.advice[..],
+                [
+                    Advice::SmallerSteps { .. } | Advice::BalancedRadii { .. },
+                    ..
+                ]
+            );
+            let place = match of_rounding && !of_motion {
+                true => 0,
+                false => self.advice.len(),
+            };
+            self.advice.insert(place, Advice::MoreDigits);
+        }
+        if self.kind == VerdictKind::Symplectic {
+            self.advice.push(Advice::LargerLoopOrMoreSamples);
+        }
+    }
 }
 
 struct Case<'a> {
@@ -100,6 +123,7 @@ impl<'a> Case<'a> {
         }
         (self.no_closed_loop())
             .or_else(|| self.random_numbers())
+            .or_else(|| self.beside_leaf())
             .or_else(|| self.beside_manifold())
             .or_else(|| self.broken())
             .or_else(|| self.not_contracted())
@@ -112,6 +136,11 @@ impl<'a> Case<'a> {
 
     fn is_sampled(&self) -> bool {
         self.evidence.origin == Origin::Samples
+    }
+
+    /// Whether the map has a step size, as far as is known.
+    fn has_step_size(&self) -> bool {
+        self.is_sampled() || self.steps().all(|(_, step)| step.step_size.is_some())
     }
 
     /// Every step with its loop.
@@ -130,10 +159,22 @@ impl<'a> Case<'a> {
             .max_by(|a, b| a.1.defect.magnitude().total_cmp(&b.1.defect.magnitude()))
     }
 
+    /// The range of the step sizes of a loop.
+    fn range(&self, found: &LoopEvidence) -> StepRange {
+        let sizes = || found.steps.iter().filter_map(|step| step.step_size);
+        match (sizes().reduce(f64::min), sizes().reduce(f64::max)) {
+            (Some(low), Some(high)) if low == high => StepRange::One(low),
+            (Some(low), Some(high)) => StepRange::Between(low, high),
+            _ if self.is_sampled() => StepRange::Unknown,
+            _ => StepRange::Map,
+        }
+    }
+
     /// How the findings name a step of a loop.
     fn name(&self, found: &LoopEvidence, step: &StepEvidence) -> Step {
         match step.step_size {
             Some(h) => Step::Size(h),
+            None if !self.is_sampled() => Step::Map,
             None if found.steps.len() == 1 => Step::Only,
             None => {
                 let mut steps = found.steps.iter();
@@ -151,9 +192,9 @@ impl<'a> Case<'a> {
         Some((given, largest))
     }
 
-    /// The law of the lowest order: a symmetric loop can hide terms of lower order. None where the defects of another loop
-    /// fall more slowly at the smallest steps, without a law of their own.
-    fn trend(&self) -> Option<&'a Fit> {
+    /// The law of the lowest order: a symmetric loop can hide terms of lower order. `None` if the defects of another loop
+    /// fall more slowly, by their own law or at the smallest steps.
+    fn law_of_loops(&self) -> Option<&'a Fit> {
         let contractible = || self.loops.iter().filter(|found| !found.winds);
         let of_loop =
             |found: &LoopEvidence| (self.fits.iter()).find(|fit| fit.loop_index == found.index);
@@ -162,17 +203,79 @@ impl<'a> Case<'a> {
             .filter(|fit| fit.slope > TREND)
             .min_by(|a, b| a.slope.total_cmp(&b.slope))?;
         let falls_slower = |found: &LoopEvidence| {
-            of_loop(found).is_none()
-                && smallest_steps_slope(found).is_some_and(|slope| slope < lowest.slope - TREND)
+            let slope = of_loop(found).map(|fit| fit.slope);
+            (slope.or_else(|| smallest_steps_slope(found)))
+                .is_some_and(|slope| slope < lowest.slope - TREND)
         };
         (!contractible().any(falls_slower)).then_some(lowest)
     }
 
+    /// The slope of the defect of the Jacobian between two step sizes, if it contradicts a law of loop integrals; 0 if the
+    /// Jacobian has no defect and the loops have a large one.
+    fn contradicting_slope(&self, fit: &Fit) -> Option<f64> {
+        let is_hidden = || {
+            let worst = self.worst(StepEvidence::is_significant);
+            let defect = worst.map_or(0.0, |(_, step)| step.defect.magnitude());
+            self.jacobian_bound()
+                .is_some_and(|bound| defect > CONTRADICTS * bound)
+        };
+        let Some(JacobianDecay {
+            step_sizes: [large, small],
+            defects: [before, after],
+        }) = self.evidence.jacobian_decay
+        else {
+            return is_hidden().then_some(0.0);
+        };
+        let range = (large / small).abs().ln();
+        let slope = |defect: f64| (before.magnitude() / defect.max(0.0)).ln() / range;
+        let expected = (fit.at(self.loops, large)? / fit.at(self.loops, small)?)
+            .abs()
+            .ln()
+            / range;
+        let lowest = slope(after.magnitude() + after.uncertainty) - MAX_SLOPE_DIFFERENCE;
+        let highest = slope(after.magnitude() - after.uncertainty) + MAX_SLOPE_DIFFERENCE;
+        (!(lowest..=highest).contains(&expected)).then(|| slope(after.magnitude()))
+    }
+
+    /// The largest change of a loop integral that shows that a map is not symplectic. If loops are broken, only changes count
+    /// that the jumps are too small to cause.
+    fn largest_change(&self) -> Option<(&'a LoopEvidence, &'a StepEvidence)> {
+        if self.is_sampled() || !self.steps().any(|(_, step)| step.jump.is_some()) {
+            return self.worst(StepEvidence::is_significant);
+        }
+        // Evidence that does not say it has 0.
+        let known = |step: &StepEvidence| match step.reach_of_jumps {
+            0.0 => f64::INFINITY,
+            reach => reach,
+        };
+        let broken = self.steps().filter(|(_, step)| step.jump.is_some());
+        let reach = broken.map(|(_, step)| known(step)).fold(0.0, f64::max);
+        let changes = |step: &&StepEvidence| {
+            let closed = step.closing.map_or(step.defect, |closing| closing.closed);
+            let least = |of: Defect| FAR * (of.uncertainty() + reach);
+            !step.misses_the_grid()
+                && step.defect.magnitude() > least(step.defect)
+                && closed.magnitude() > least(closed)
+        };
+        (self.steps())
+            .filter(|(found, step)| !found.winds && changes(step))
+            .max_by(|a, b| a.1.defect.magnitude().total_cmp(&b.1.defect.magnitude()))
+    }
+
+    /// Whether loops are broken and change by much more than their jumps explain.
+    fn changes_beside_breaks(&self) -> bool {
+        let is_broken = self.steps().any(|(_, step)| step.jump.is_some());
+        is_broken && !self.is_sampled() && self.largest_change().is_some()
+    }
+
     fn not_symplectic(&self) -> Option<Decision> {
-        let (found, step) = self.worst(StepEvidence::is_significant)?;
+        let (found, step) = self.largest_change()?;
         let defect = step.defect.magnitude();
-        let trend = self.trend();
-        if defect < SMALL && trend.is_none() && !self.is_confirmed() {
+        let is_broken = self.changes_beside_breaks();
+        let law = self.law_of_loops().filter(|_| !is_broken);
+        let other_slope = law.and_then(|law| self.contradicting_slope(law));
+        let trend = law.filter(|_| other_slope.is_none());
+        if defect < SMALL && law.is_none() && !self.is_confirmed() {
             return None;
         }
         let name = self.name(found, step);
@@ -190,17 +293,76 @@ impl<'a> Case<'a> {
             loop_index: found.index,
             step: name,
         });
+        let threshold = self.fails_to_converge();
+        decision
+            .findings
+            .extend(threshold.iter().map(|(finding, _)| finding.clone()));
         decision.findings.extend(moves_rest(found));
         decision
             .findings
             .extend(self.fits.iter().map(|fit| Finding::Law {
                 fit: fit.clone(),
-                between_breaks: false,
+                between_breaks: is_broken,
             }));
-        decision
-            .advice
-            .extend(self.advice_on_order(trend.is_some()));
+        let singular = self.evidence.survey.singular;
+        if let Some(rank) = singular.and_then(|singular| singular.degenerate) {
+            decision.findings.push(Finding::LosesRank { rank });
+            decision.advice.push(Advice::LoopOnManifold);
+            return Some(decision);
+        }
+        if let (Some(law), Some(by_jacobian), Some(decay)) =
+            (law, other_slope, self.evidence.jacobian_decay)
+        {
+            decision.findings.push(Finding::OrdersDiffer {
+                by_jacobian,
+                by_loops: law.clone(),
+                steps: decay.step_sizes.map(Step::Size),
+            });
+        }
+        if is_broken {
+            decision
+                .findings
+                .extend(self.findings_on_breaks().into_iter().flatten());
+            let cause = self.of_solver().unwrap_or(Advice::TightenSolver);
+            decision.advice.push(cause);
+        } else if let Some((_, converges)) = threshold {
+            decision.advice.push(Advice::LetStepConverge { converges });
+        } else {
+            decision
+                .advice
+                .extend(self.advice_on_order(trend.is_some()));
+        }
         Some(decision)
+    }
+
+    /// A defect at the larger step sizes that is gone at the next smaller one, faster than any order makes it fall, and that
+    /// smaller step size. Every loop with several step sizes has to show it.
+    fn fails_to_converge(&self) -> Option<(Finding, f64)> {
+        let sizes = |step: &StepEvidence| step.step_size.map_or(0.0, f64::abs);
+        let significant = |step: &&StepEvidence| step.is_significant();
+        let swept = || {
+            self.loops
+                .iter()
+                .filter(|found| !found.winds && found.steps.len() > 1)
+        };
+        let steps = || swept().flat_map(|found| &found.steps);
+        let last = steps()
+            .filter(significant)
+            .min_by(|a, b| sizes(a).total_cmp(&sizes(b)))?;
+        let (h, defect) = (sizes(last), last.defect.magnitude());
+        let below = || steps().filter(|step| sizes(step) < h);
+        let next = below().max_by(|a, b| sizes(a).total_cmp(&sizes(b)))?;
+        let gone =
+            |step: &StepEvidence| step.bound() < defect * (sizes(step) / h).powf(HIGHEST_ORDER);
+        let bound = below().map(StepEvidence::bound).fold(0.0, f64::max);
+        let finding = Finding::FailsToConverge {
+            defect,
+            step: Step::Size(last.step_size?),
+            smaller: Step::Size(next.step_size?),
+            bound,
+        };
+        let of_next = |step: &&StepEvidence| sizes(step) == sizes(next);
+        (below().filter(of_next).all(gone)).then_some((finding, next.step_size?))
     }
 
     /// Whether a small defect without a law in h is confirmed: significant at two step sizes of one loop, or at
@@ -222,24 +384,39 @@ impl<'a> Case<'a> {
         Some(decision)
     }
 
-    /// What would show the order of a defect.
+    /// What would show the order of a defect, of all loops that were swept over step sizes.
     fn advice_on_order(&self, has_trend: bool) -> Option<Advice> {
         if has_trend || self.evidence.survey.ignores_step_size {
             return None;
         }
-        let steps = self.loops.first().map_or(&[][..], |given| &given.steps);
-        if steps.iter().any(|step| step.step_size.is_none()) {
-            return Some(Advice::StateStepSizes);
+        if self.steps().any(|(_, step)| step.step_size.is_none()) {
+            return self.is_sampled().then_some(Advice::StateStepSizes);
         }
         if !self.fits.is_empty() && self.fits.iter().all(|fit| fit.slope <= TREND) {
             return Some(Advice::DefectDoesNotFall);
         }
-        let given = steps.len();
-        if given < FEWEST_POINTS + 1 {
-            return Some(Advice::MoreStepSizes { given });
+        let given = self.loops.first()?.steps.len();
+        let spent = |omission: &Omission| match omission {
+            Omission::StepSizes { count } => Some(*count),
+            _ => None,
+        };
+        let spent = self.evidence.omissions.iter().find_map(spent).unwrap_or(0);
+        let asked = given + spent + self.failed_steps();
+        if asked < FEWEST_POINTS + 1 {
+            return Some(Advice::MoreStepSizes { given: asked });
         }
-        let significant = steps.iter().filter(|step| step.is_significant()).count();
-        let drowned = significant < FEWEST_POINTS;
+        if spent > 0 {
+            // Half of what a larger budget adds is kept for random loops.
+            let of_each = self.evidence.evaluations.given_loop / given.max(1);
+            let wanted = 2 * spent * of_each;
+            return Some(Advice::MoreEvaluations { wanted });
+        }
+        let significant = |found: &LoopEvidence| {
+            let steps = found.steps.iter().filter(|step| step.is_significant());
+            steps.count()
+        };
+        let most = self.loops.iter().filter(|found| !found.winds);
+        let drowned = most.map(significant).max()? < FEWEST_POINTS;
         Some(Advice::NoOrder { given, drowned })
     }
 
@@ -256,6 +433,14 @@ impl<'a> Case<'a> {
             let step = self.name(found, step);
             findings.push(Finding::Regularity { exponent, step });
         }
+        if let Some(given) = self.loops.first() {
+            let repeated = given.repeated_row.map(|row| Finding::RepeatedRow { row });
+            let unequal = given.widest_gap.map(|widest| Finding::UnequalRows {
+                widest,
+                over_mean: widest * given.samples as f64,
+            });
+            findings.extend(repeated.into_iter().chain(unequal));
+        }
         findings.extend(evidence.survey.output_precision.map(Finding::Precision));
         let inside = evidence.survey.single_inside && evidence.survey.output_precision.is_none();
         findings.extend(inside.then_some(Finding::SingleInside));
@@ -263,12 +448,13 @@ impl<'a> Case<'a> {
         let scatter = evidence.survey.scatter;
         findings.extend(scatter.filter(|of| !of.is_random()).map(Finding::Scatter));
         findings.extend((evidence.survey.ignores_step_size).then_some(Finding::IgnoresStepSize));
+        findings.extend(evidence.survey.wrong_period.map(Finding::WrongPeriod));
         findings.extend(evidence.long_time.map(|steps| Finding::ManySteps {
             growth: long_time::growth(&steps),
             steps,
         }));
         if let Some(localisation) = &evidence.localisation {
-            let step = Step::Size(localisation.step_size);
+            let step = localisation.step_size.map_or(Step::Map, Step::Size);
             if !localisation.substeps.is_empty() {
                 let substeps = localisation.substeps.clone();
                 findings.push(Finding::Substeps { substeps, step });
@@ -280,6 +466,7 @@ impl<'a> Case<'a> {
         }
         if let Some(jacobian) = &evidence.jacobian
             && evidence.survey.singular.is_none()
+            && evidence.survey.degenerate_form.is_none()
         {
             let finding = compare_jacobian(jacobian, kind, digits);
             findings.push(Finding::Jacobian { finding });
@@ -305,16 +492,9 @@ impl<'a> Case<'a> {
         })
     }
 
-    /// The strongest motion of a loop, and the step size that makes it, where it is known. Of shears, the one that
-    /// deforms its loop most.
+    /// The strongest motion of a loop, and the step size that makes it, where it is known.
     fn strongest_motion(&self) -> Option<(Motion, Option<f64>)> {
-        // Loops that wind, or bound no defect, acquit nobody, unless there are no others.
-        let counts = |found: &&LoopEvidence| !found.winds && found.is_bounded();
-        let counted: Vec<&LoopEvidence> = self.loops.iter().filter(counts).collect();
-        match counted.is_empty() {
-            true => strongest_motion(&self.loops.iter().collect::<Vec<_>>()),
-            false => strongest_motion(&counted),
-        }
+        Motion::strongest(self.loops)
     }
 
     /// Whether something was left out that evaluations would have told.
@@ -338,20 +518,6 @@ impl<'a> Case<'a> {
     }
 }
 
-/// The strongest motion of some loops, and the step size that makes it.
-fn strongest_motion(loops: &[&LoopEvidence]) -> Option<(Motion, Option<f64>)> {
-    let strength = |motion: &Motion| match motion.shear {
-        true => (false, motion.deformation),
-        false => (true, motion.phase_advance),
-    };
-    (loops.iter().flat_map(|found| &found.steps))
-        .filter_map(|step| Some((step.motion?, step.step_size)))
-        .reduce(|a, b| match strength(&b.0) > strength(&a.0) {
-            true => b,
-            false => a,
-        })
-}
-
 /// A defect as findings carry it.
 fn change(defect: &Defect) -> Change {
     Change {
@@ -364,19 +530,4 @@ fn change(defect: &Defect) -> Change {
 fn moves_rest(found: &LoopEvidence) -> Option<Finding> {
     let loop_index = found.index;
     (found.kind == LoopKind::Extended).then_some(Finding::MovesRest { loop_index })
-}
-
-/// The range of the step sizes of a loop.
-fn range(found: &LoopEvidence) -> StepRange {
-    let sizes = (found.steps.iter()).filter_map(|step| step.step_size.map(f64::abs));
-    let (low, high) = sizes.fold((f64::INFINITY, 0.0), |(l, h): (f64, f64), size| {
-        (l.min(size), h.max(size))
-    });
-    if high == 0.0 {
-        StepRange::Unknown
-    } else if low == high {
-        StepRange::One(high)
-    } else {
-        StepRange::Between(low, high)
-    }
 }

@@ -4,11 +4,11 @@ use serde::Serialize;
 
 use super::thresholds::{
     CLEAR, FEWEST_POINTS, HIGHEST_ORDER, MISFIT, MOST_POINTS, MOST_UNCERTAIN, NARROWEST_RANGE,
-    WHOLE,
+    TREND, WHOLE,
 };
-use crate::evidence::LoopEvidence;
+use crate::evidence::{LoopEvidence, StepEvidence};
 
-/// A power law |quantity| ~ against^slope over a range.
+/// A power law |quantity − constant| ~ against^slope over a range.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fit {
     /// What was fitted.
@@ -22,6 +22,9 @@ pub struct Fit {
     pub slope: f64,
     /// How far off the exponent may be.
     pub uncertainty: f64,
+    /// The part of the quantity that does not depend on the step size, if it is needed to fit the law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub constant: Option<f64>,
     /// Smallest abscissa used.
     pub from: f64,
     /// Largest abscissa used.
@@ -29,123 +32,200 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The order that the slope stands for: the whole number within 0.15 of it. `None` for other slopes, which
-    /// are those of a range that is not asymptotic yet.
+    /// The order that the slope stands for: the whole number within 0.15 of it, and of all local slopes of which it is the mean.
+    /// `None` for other slopes: the range is not asymptotic.
     pub fn whole(&self) -> Option<f64> {
         let whole = self.slope.round();
-        ((self.slope - whole).abs() <= WHOLE).then_some(whole)
+        let distance = (self.slope - whole).abs();
+        (distance == 0.0 || distance + self.uncertainty <= WHOLE).then_some(whole)
+    }
+}
+
+impl Fit {
+    /// The leading terms of the law at a step size, from the defect at the smallest one of the fit.
+    pub(super) fn at(&self, loops: &[LoopEvidence], h: f64) -> Option<f64> {
+        let found = loops.iter().find(|found| found.index == self.loop_index)?;
+        let is_first = |step: &&StepEvidence| step.step_size.map(f64::abs) == Some(self.from.abs());
+        let first = found.steps.iter().find(is_first)?.defect.signed;
+        let constant = self.constant.unwrap_or(0.0);
+        Some(constant + (first - constant) * (h / self.from).abs().powf(self.slope))
     }
 }
 
 /// Resolution of exponents.
 const STEP: f64 = 0.01;
 
-/// One point of the fit: h > 0, the signed defect, its uncertainty.
+/// Step sizes whose ratios differ by less than this part are a geometric sequence. Conventional: step sizes are often
+/// rounded to a few digits.
+const SAME_RATIO: f64 = 1e-3;
+
+/// One point of the fit: |h|, the signed defect, its uncertainty.
 type Datum = (f64, f64, f64);
 
-/// Fits the defect's power of h at the smallest steps where it is clear of its uncertainty.
+/// Fits the defect's power of h at the smallest steps where the defect is well above its uncertainty.
 ///
-/// The law is E = h^k (a + b h + c h²), signed: a sign change of E, which bends the curve of |E|,
-/// is part of it. With three points, or where no such law passes through them, the mean slope. `None`
-/// with fewer than three points, over less than a factor of four, or where the slopes disagree.
+/// The law is E = h^k (a + b h + c h²), signed: a sign change of E, which bends the curve of |E|, is part of the law. k is a
+/// whole number within the local slopes of |E| between neighbouring step sizes. With three points, or if no such law fits,
+/// the fit is the mean slope.
+///
+/// A constant part cancels in the differences between neighbouring step sizes. They have to follow the same law; if they
+/// follow one and the defects do not, the constant is a term of the law. `None` with fewer than three points, over less than
+/// a factor of four, if the slopes disagree, or if defects and differences follow different laws.
 pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
-    let data = &clear_data(evidence)[..];
-    if data.len() < FEWEST_POINTS || data[data.len() - 1].0 < NARROWEST_RANGE * data[0].0 {
-        return None;
-    }
-    let plain = || Some(plain_law(data)).filter(|(_, uncertainty)| *uncertainty <= MOST_UNCERTAIN);
-    let (slope, uncertainty) = polynomial_law(data).or_else(plain)?;
-    Some(Fit {
+    let known = known_data(evidence);
+    let data = &clear(&known)[..];
+    let wide = |data: &[Datum]| {
+        data.len() >= FEWEST_POINTS && data[data.len() - 1].0 >= NARROWEST_RANGE * data[0].0
+    };
+    let of_defects = wide(data).then(|| whole_law(data).or_else(|| plain_law(data)));
+    let changes = differences(&known);
+    let changes = &clear(&changes)[..];
+    let of_changes = wide(changes).then(|| whole_law(changes)).flatten();
+    let is_negative = |h: f64| h < 0.0;
+    let backwards = (evidence.steps.iter()).all(|step| step.step_size.is_some_and(is_negative));
+    let sign = if backwards { -1.0 } else { 1.0 };
+    let fit = |(slope, uncertainty): (f64, f64), constant, data: &[Datum]| Fit {
         quantity: "defect",
         against: "step_size",
         loop_index: evidence.index,
         slope,
         uncertainty,
-        from: data[0].0,
-        to: data[data.len() - 1].0,
-    })
+        constant,
+        from: sign * data[0].0,
+        to: sign * data[data.len() - 1].0,
+    };
+    let with_constant = |law: (f64, f64)| {
+        // The defects between which the changes are.
+        let first = known.iter().position(|known| known.0 == changes[0].0)?;
+        let data = &known[first..=first + changes.len()];
+        constant(data, law.0).map(|constant| fit(law, Some(constant), data))
+    };
+    match (of_defects.flatten(), of_changes) {
+        (Some(law), None) => Some(fit(law, None, data)),
+        (Some(law), Some(other)) if (law.0 - other.0).abs() <= WHOLE => Some(fit(law, None, data)),
+        (Some(law), Some(other)) if law.0 <= TREND => {
+            with_constant(other).or_else(|| Some(fit(law, None, data)))
+        }
+        // No order fits both.
+        (Some(law), Some(_)) if law.0.fract() == 0.0 => None,
+        (_, Some(law)) => with_constant(law),
+        (None, None) => None,
+    }
 }
 
 /// The slope of log |E| over log h between the two smallest steps where the defect is clear of its uncertainty.
 pub(super) fn smallest_steps_slope(evidence: &LoopEvidence) -> Option<f64> {
-    match clear_data(evidence)[..] {
+    match clear(&known_data(evidence))[..] {
         [fine, coarse, ..] => Some(local_slope(&fine, &coarse)),
         _ => None,
     }
 }
 
-/// The defects at the smallest steps where it is clear of its uncertainty, the smallest first.
-fn clear_data(evidence: &LoopEvidence) -> Vec<Datum> {
+/// The defects with a known uncertainty, the smallest step first.
+fn known_data(evidence: &LoopEvidence) -> Vec<Datum> {
     let mut data: Vec<Datum> = (evidence.steps.iter())
         .filter_map(|step| {
             let defect = &step.defect;
             Some((step.step_size?.abs(), defect.signed, defect.uncertainty()))
         })
-        // What is not known, or not above its uncertainty, is not a point of a law.
-        .filter(|&(_, signed, uncertainty)| signed.abs() > uncertainty)
+        .filter(|(_, signed, uncertainty)| signed.is_finite() && uncertainty.is_finite())
         .collect();
     data.sort_by(|a, b| a.0.total_cmp(&b.0));
     data.dedup_by(|a, b| a.0 == b.0);
-    let clear = data.into_iter().skip_while(|d| d.1.abs() <= CLEAR * d.2);
-    clear.take(MOST_POINTS).collect()
+    data
+}
+
+/// The data of the smallest steps from the first one on that is clear of its uncertainty.
+fn clear(known: &[Datum]) -> Vec<Datum> {
+    // A value that is not above its uncertainty is not a point of a law.
+    let above = known.iter().filter(|datum| datum.1.abs() > datum.2);
+    let clear = above.skip_while(|datum| datum.1.abs() <= CLEAR * datum.2);
+    clear.take(MOST_POINTS).copied().collect()
+}
+
+/// The differences of the defects at neighbouring step sizes, each with the smaller one; none if the step sizes are not a
+/// geometric sequence. Of Σ c_k h^k they are Σ c_k (r^k − 1) h^k: the constant is gone, and the order is the same.
+fn differences(known: &[Datum]) -> Vec<Datum> {
+    let ratios = || known.windows(2).map(|pair| pair[1].0 / pair[0].0);
+    let Some(first) = ratios().next() else {
+        return Vec::new();
+    };
+    if ratios().any(|ratio| (ratio / first - 1.0).abs() > SAME_RATIO) {
+        return Vec::new();
+    }
+    let pairs = known.windows(2);
+    pairs
+        .map(|pair| (pair[0].0, pair[1].1 - pair[0].1, pair[0].2 + pair[1].2))
+        .collect()
 }
 
 fn local_slope(a: &Datum, b: &Datum) -> f64 {
     (b.1 / a.1).abs().ln() / (b.0 / a.0).ln()
 }
 
-/// The exponent k of h^k (a + b h + c h²), and how far it can be off: a whole number if one fits,
-/// as it does for every smooth map.
-fn polynomial_law(data: &[Datum]) -> Option<(f64, f64)> {
+/// The smallest and the largest local slope between neighbours.
+fn local_slopes(data: &[Datum]) -> (f64, f64) {
+    (data.windows(2).map(|pair| local_slope(&pair[0], &pair[1])))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| {
+            (l.min(s), h.max(s))
+        })
+}
+
+/// The exponent k of h^k (a + b h + c h²), and how far it can be off: a whole number within the local slopes, as it is for
+/// every smooth map.
+fn whole_law(data: &[Datum]) -> Option<(f64, f64)> {
     if data.len() < 4 {
         return None;
     }
     // Terms of higher order pass for a lower one with a vanishing leading term: the highest exponent
     // that fits is the true one.
-    let fits = |&k: &f64| misfit(data, k) <= 1.0;
+    let fits = |&k: &f64| misfit(data, k, &[0, 1, 2]) <= 1.0;
     let highest = exponents(0.0, HIGHEST_ORDER).rev().find(fits)?;
     if highest >= HIGHEST_ORDER {
         // Any exponent fits.
         return None;
     }
-    let whole = Some((highest + STEP / 2.0).floor()).filter(fits);
-    let slope = whole.or_else(|| {
-        exponents(highest - 0.5, highest)
-            .min_by(|&a, &b| misfit(data, a).total_cmp(&misfit(data, b)))
-    })?;
-    // Orders of smooth maps are whole: where none fits, the law leaves something out.
-    let from_whole = match whole {
-        Some(_) => 0.0,
-        None => (slope - slope.round()).abs(),
+    let whole = Some((highest + STEP / 2.0).floor()).filter(fits)?;
+    let (low, high) = local_slopes(data);
+    let within = (low - WHOLE..=high + WHOLE).contains(&whole);
+    let uncertainty = highest - whole;
+    (within && uncertainty <= MOST_UNCERTAIN).then_some((whole, uncertainty))
+}
+
+/// The constant e of E = e + h^k (a + b h), if no power of h below k takes its place and two neighbouring local slopes of
+/// |E| are k.
+fn constant(data: &[Datum], order: f64) -> Option<f64> {
+    let slopes = data.windows(2).map(|pair| local_slope(&pair[0], &pair[1]));
+    let near: Vec<bool> = slopes.map(|s| (s - order).abs() <= WHOLE).collect();
+    let fits = |lower: i32| misfit(data, order, &[lower - order as i32, 0, 1]) <= 1.0;
+    let is_known =
+        near.windows(2).any(|pair| pair[0] && pair[1]) && fits(0) && !(1..order as i32).any(fits);
+    // At the smallest step the rest is smallest.
+    let [first, second, ..] = data else {
+        return None;
     };
-    Some((slope, (highest - slope).max(from_whole)))
+    let growth = (second.0 / first.0).powf(order) - 1.0;
+    is_known.then(|| first.1 - (second.1 - first.1) / growth)
 }
 
 /// The mean slope of log |E| over log h, and half the spread of the local slopes.
-fn plain_law(data: &[Datum]) -> (f64, f64) {
-    if data
-        .windows(2)
-        .any(|pair| pair[0].1.signum() != pair[1].1.signum())
-    {
-        return (f64::NAN, f64::INFINITY);
+fn plain_law(data: &[Datum]) -> Option<(f64, f64)> {
+    if (data.windows(2)).any(|pair| pair[0].1.signum() != pair[1].1.signum()) {
+        return None;
     }
-    let (low, high) = (data.windows(2).map(|pair| local_slope(&pair[0], &pair[1])))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| {
-            (l.min(s), h.max(s))
-        });
-    (
-        local_slope(&data[0], &data[data.len() - 1]),
-        (high - low) / 2.0,
-    )
+    let (low, high) = local_slopes(data);
+    let mean = local_slope(&data[0], &data[data.len() - 1]);
+    let uncertainty = (high - low) / 2.0;
+    (uncertainty <= MOST_UNCERTAIN).then_some((mean, uncertainty))
 }
 
 fn exponents(from: f64, to: f64) -> impl DoubleEndedIterator<Item = f64> {
     (0..=((to - from) / STEP).round() as usize).map(move |n| from + n as f64 * STEP)
 }
 
-/// How badly E/h^k is a polynomial of h of degree 2 (less with fewer points): the largest residual over
-/// what it may be, 1 or less where the law holds.
-fn misfit(data: &[Datum], exponent: f64) -> f64 {
+/// How badly E/h^k is a sum of these powers of h (fewer with few points): the largest residual over
+/// what it may be, 1 or less if the law holds.
+fn misfit(data: &[Datum], exponent: f64, powers: &[i32]) -> f64 {
     // In units of the largest step, so that nothing overflows.
     let unit = data[data.len() - 1].0;
     let x: Vec<f64> = data.iter().map(|d| d.0 / unit).collect();
@@ -163,8 +243,8 @@ fn misfit(data: &[Datum], exponent: f64) -> f64 {
         .map(|(i, n)| MISFIT * nearby(&reduced, i) + 3.0 * n)
         .collect();
     // One point more than the terms and the exponent together.
-    let terms = (data.len() - 2).min(3);
-    let fitted = polynomial(&x, &reduced, &allowed, terms);
+    let powers = &powers[..(data.len() - 2).min(powers.len())];
+    let fitted = combination(&x, &reduced, &allowed, powers);
     (reduced.iter().zip(&fitted).zip(&allowed))
         .map(|((r, f), a)| (r - f).abs() / a)
         .fold(0.0, f64::max)
@@ -180,8 +260,8 @@ fn nearby(values: &[f64], i: usize) -> f64 {
     sizes[sizes.len() / 2]
 }
 
-/// Weighted least squares by orthogonal polynomials: the fitted values at `x`.
-fn polynomial(x: &[f64], y: &[f64], errors: &[f64], terms: usize) -> Vec<f64> {
+/// Weighted least squares by orthogonal combinations of these powers of `x`: the fitted values.
+fn combination(x: &[f64], y: &[f64], errors: &[f64], powers: &[i32]) -> Vec<f64> {
     let weights: Vec<f64> = errors.iter().map(|e| 1.0 / (e * e)).collect();
     let dot = |a: &[f64], b: &[f64]| -> f64 {
         (a.iter().zip(b).zip(&weights))
@@ -190,8 +270,8 @@ fn polynomial(x: &[f64], y: &[f64], errors: &[f64], terms: usize) -> Vec<f64> {
     };
     let mut basis: Vec<Vec<f64>> = Vec::new();
     let mut fitted = vec![0.0; x.len()];
-    for power in 0..terms {
-        let mut column: Vec<f64> = x.iter().map(|x| x.powi(power as i32)).collect();
+    for &power in powers {
+        let mut column: Vec<f64> = x.iter().map(|x| x.powi(power)).collect();
         for other in &basis {
             let share = dot(&column, other) / dot(other, other);
             column

@@ -12,16 +12,17 @@ use super::number::{capitalised, jumping, loop_name, short, size};
 use super::order::Fit;
 use crate::breaks::Break;
 use crate::evidence::{
-    LongTime, Motion, OutputFormat, OutputPrecision, SIGNIFICANT, Scatter, ScatterKind, Sector,
-    SubstepDefect,
+    LongTime, Motion, OutputFormat, OutputPrecision, Reach, SIGNIFICANT, Scatter, ScatterKind,
+    Sector, SubstepDefect,
 };
 use domain::degrees_of_freedom;
 
 impl Display for Step {
-    /// `at h = 2^-1`, `after the step`, `in loop 2 after the step`.
+    /// `at h = 2^-1`, `in one application`, `after the step`, `in loop 2 after the step`.
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Step::Size(h) => write!(f, "at h = {}", size(*h)),
+            Step::Map => f.write_str("in one application"),
             Step::Only => f.write_str("after the step"),
             Step::Number(number) => write!(f, "in loop {number} after the step"),
         }
@@ -42,6 +43,7 @@ impl Display for StepRange {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             StepRange::Unknown => f.write_str("; the step size is not stated"),
+            StepRange::Map => Ok(()),
             StepRange::One(h) => write!(f, " at h = {}", size(*h)),
             StepRange::Between(low, high) => {
                 write!(f, " for h from {} to {}", size(*low), size(*high))
@@ -52,8 +54,11 @@ impl Display for StepRange {
 
 /// `falling as h^3`.
 fn law(fit: &Fit) -> String {
+    let to = fit.constant.map_or(String::new(), |constant| {
+        format!(" to a constant part of {constant:+.1e}")
+    });
     match fit.whole() {
-        Some(order) => format!("falling as h^{order}"),
+        Some(order) => format!("falling as h^{order}{to}"),
         None => format!(
             "falling about as h^{:.1} in the range that was tried",
             fit.slope
@@ -64,8 +69,12 @@ fn law(fit: &Fit) -> String {
 /// `, and the bound of a range`, for random loops.
 fn random_loops(count: usize, range: &StepRange) -> String {
     let high = match range {
-        StepRange::Unknown => String::new(),
-        StepRange::One(h) | StepRange::Between(_, h) => format!(" at h = {}", size(*h)),
+        StepRange::Unknown | StepRange::Map => String::new(),
+        StepRange::One(h) => format!(" at h = {}", size(*h)),
+        StepRange::Between(low, high) => {
+            let largest = if low.abs() > high.abs() { low } else { high };
+            format!(" at h = {}", size(*largest))
+        }
     };
     match count {
         0 => String::new(),
@@ -158,21 +167,33 @@ impl Display for Finding {
                 failed,
                 random,
                 given,
-            } => match given {
-                true => write!(
-                    f,
-                    "No defect above {bound:.1e} on the given loop{range}{}{}.",
-                    but_failed(*failed),
-                    random_loops(*random, range)
-                ),
-                false => write!(
-                    f,
-                    "No defect above {bound:.1e} on {random} random loop{}{range}{}; the given one winds round a \
-                     period.",
-                    plural(*random),
-                    but_failed(*failed)
-                ),
-            },
+                radii,
+            } => {
+                match given {
+                    true => write!(
+                        f,
+                        "No defect above {bound:.1e} on the given loop{range}{}{}",
+                        but_failed(*failed),
+                        random_loops(*random, range)
+                    )?,
+                    false => write!(
+                        f,
+                        "No defect above {bound:.1e} on {random} random loop{}{range}{}; the given one winds round a \
+                         period",
+                        plural(*random),
+                        but_failed(*failed)
+                    )?,
+                }
+                if let Some([q, p]) = radii {
+                    write!(
+                        f,
+                        ": on loops with radii up to {} in q and {} in p",
+                        short(*q),
+                        short(*p)
+                    )?;
+                }
+                f.write_str(".")
+            }
             Finding::LittleMotion { motion, group } => little_motion(f, motion, *group),
             Finding::MissesGrid {
                 loop_index,
@@ -219,6 +240,17 @@ impl Display for Finding {
                     "{samples} samples do not resolve the loop {step}: its integral is not known."
                 ),
             },
+            Finding::RepeatedRow { row } => write!(
+                f,
+                "Row {row} repeats row 0, as if both ends of the loop were included: it was left out."
+            ),
+            Finding::UnequalRows { widest, over_mean } => write!(
+                f,
+                "The rows are not equally spaced: the widest gap is {} times the mean, {:.2}% of the loop. The integrals \
+                 are interpolated, and their errors include the gaps.",
+                short(*over_mean),
+                100.0 * widest
+            ),
             Finding::Unexplained {
                 defect,
                 uncertainty,
@@ -270,6 +302,13 @@ impl Display for Finding {
                 given,
                 beside,
             } => domain::projects(f, *smallest, *given, *beside),
+            Finding::DegenerateForm { rank, given } => domain::degenerate_form(f, *rank, *given),
+            Finding::LosesRank { rank } => write!(
+                f,
+                "The step projects: its Jacobian has rank {} of {} at the loop. Such a step is not symplectic on the whole phase \
+                 space; it may be on the manifold onto which it projects.",
+                rank.rank, rank.of
+            ),
             Finding::Jump {
                 loop_index,
                 step,
@@ -304,9 +343,12 @@ impl Display for Finding {
                     true => "what is left between the breaks".to_owned(),
                     false => loop_name(fit.loop_index),
                 };
+                let constant = fit.constant.map_or(String::new(), |constant| {
+                    format!(" and a constant part of {constant:+.1e}")
+                });
                 write!(
                     f,
-                    "The defect of {what} goes as h^({:.3} ± {:.3}) between h = {} and h = {}.",
+                    "The defect of {what} goes as h^({:.3} ± {:.3}){constant} between h = {} and h = {}.",
                     fit.slope,
                     fit.uncertainty,
                     size(fit.from),
@@ -365,6 +407,27 @@ impl Display for Finding {
                 loop_name(*loop_index),
                 change.signed,
                 change.uncertainty.unwrap_or(f64::INFINITY)
+            ),
+            Finding::FailsToConverge {
+                defect,
+                step,
+                smaller,
+                bound,
+            } => write!(
+                f,
+                "The defect of {defect:.1e} {step} is gone {smaller} (|E| ≤ {bound:.1e}), which no power of h explains: the step \
+                 fails to converge {step}, or takes another branch there."
+            ),
+            Finding::OrdersDiffer {
+                by_jacobian,
+                by_loops,
+                steps: [large, small],
+            } => write!(
+                f,
+                "No order is stated: {} falls as h^{:.2}, and the defect of the Jacobian as h^{by_jacobian:.2} from {large} to \
+                 {small}.",
+                loop_name(by_loops.loop_index),
+                by_loops.slope
             ),
             Finding::MovesRest { loop_index } => write!(
                 f,
@@ -439,16 +502,11 @@ impl Display for Finding {
                 f,
                 "Features narrower than 1/{samples} of the loop are not resolved."
             ),
-            Finding::Moves { motion } if motion.shear => write!(
-                f,
-                "The largest step is a kick or a free flight alone, and deforms a loop by {} of its size.",
-                short(motion.deformation)
-            ),
-            Finding::Moves { motion } => write!(
-                f,
-                "The largest step advances the motions on a loop by {} rad.",
-                short(motion.phase_advance)
-            ),
+            Finding::Moves {
+                motion,
+                has_step_size,
+            } => moves(f, motion, *has_step_size),
+            Finding::Beyond { reach, more } => beyond(f, reach, *more),
             Finding::Regularity { exponent, step } => write!(
                 f,
                 "{} the Fourier coefficients of the given loop decay as those of a function in H^{exponent:.1}: \
@@ -464,6 +522,12 @@ impl Display for Finding {
             Finding::Scatter(scatter) => fmt_scatter(f, scatter),
             Finding::IgnoresStepSize => f.write_str(
                 "The step ignores h: a state has the same result at all step sizes, so that the defect has no order in h.",
+            ),
+            Finding::WrongPeriod(wrong) => write!(
+                f,
+                "{:?} is not a period of the map in {}[{}]: two states that differ by it differ after the step by {:.1e} \
+                 more. No random loop winds round it. Correct the period, or leave it out.",
+                wrong.period, wrong.coordinate, wrong.dof, wrong.difference
             ),
             Finding::ManySteps { steps, growth } => fmt_long_time(f, steps, *growth),
             Finding::Substeps { substeps, step } => fmt_substeps(f, substeps, step),
@@ -685,6 +749,52 @@ pub(super) fn roughness(exponent: f64) -> Option<&'static str> {
         1.0..2.0 => Some("as at kinks"),
         2.0..4.5 => Some("as where a higher derivative jumps"),
         _ => None,
+    }
+}
+
+fn moves(f: &mut Formatter<'_>, motion: &Motion, has_step_size: bool) -> Result {
+    let subject = match has_step_size {
+        true => "The largest step",
+        false => "The map",
+    };
+    if motion.deformation == 0.0 && !motion.moves {
+        write!(f, "{subject} leaves every state of the loops where it is.")
+    } else if motion.shear {
+        write!(
+            f,
+            "{subject} is a kick or a free flight alone, and deforms a loop by {} of its size.",
+            short(motion.deformation)
+        )
+    } else {
+        write!(
+            f,
+            "{subject} advances the motions on a loop by {} rad.",
+            short(motion.phase_advance)
+        )
+    }
+}
+
+fn beyond(f: &mut Formatter<'_>, reach: &Reach, more: bool) -> Result {
+    let step = &reach.step;
+    match step.step_size {
+        Some(_) if !more => {
+            f.write_str("Larger step sizes move the loops no further: a random loop")?
+        }
+        Some(h) => write!(f, "At h = {} a random loop", size(h))?,
+        None => write!(f, "A random loop {} times as large", short(reach.factor))?,
+    }
+    let moved = step.motion.filter(|moved| more && !moved.shear);
+    if let Some(moved) = moved {
+        write!(f, " is advanced by {} rad, and", short(moved.phase_advance))?;
+    }
+    match reach.shows_defect() {
+        true => write!(
+            f,
+            " changes its integral by {:+.3e}, with an uncertainty of {:.1e}.",
+            step.defect.signed,
+            step.defect.uncertainty()
+        ),
+        false => write!(f, " is conserved to {:.1e}.", step.bound()),
     }
 }
 

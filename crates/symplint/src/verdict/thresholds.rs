@@ -1,19 +1,5 @@
-//! The numbers that the judge decides by. Those that measuring needs, too, stand in `evidence/step.rs`.
-
-/// A step that advances the motions on its loops by less than this, in radians, tests nothing. The defect of a method of
-/// order 4 has to stand clear of the bound on the defect, too: [`defect_of_order_4`]. Methods of order 8 and more need
-/// steps of a radian to show one; the findings tell θ.
-pub(super) const LEAST_PHASE_ADVANCE: f64 = 0.05;
-
-/// The defect of Runge and Kutta's method of order 4 on a harmonic oscillator, |R(iθ)|² − 1 = −θ^6/72 + ….
-pub(super) fn defect_of_order_4(phase_advance: f64) -> f64 {
-    phase_advance.powi(6) / 72.0
-}
-
-/// A kick or a free flight alone, or a Jacobian, that deforms a loop, or tangent vectors, by less than this part of
-/// their size tests nothing. Calibrated on the truth table: explicit midpoint and Heun steps of all its systems show
-/// a defect from 0.2 on.
-pub(super) const LEAST_DEFORMATION: f64 = 0.2;
+//! The numbers that the judge decides by. Those that measuring needs, too, stand in `evidence/step.rs` and
+//! `evidence/motion.rs`.
 
 /// Advice to take steps more than this many times as large is none: such a small phase advance may be rounding, which
 /// makes 1e-8 of a shear that is one in neither coordinate.
@@ -26,6 +12,14 @@ pub(super) const SMALL: f64 = 1e-10;
 /// One defect this many times its uncertainty confirms itself. Conventional: ten times the ratio that is
 /// asked of two step sizes.
 pub(super) const FAR: f64 = 100.0;
+
+/// Radii whose ratio differs by this factor from the ratio of the motion are not in its units. Conventional: loops that
+/// people choose are within a factor of a hundred.
+pub(super) const UNBALANCED: f64 = 1e3;
+
+/// A defect of the Jacobian below this may come from a solver that stops at a tolerance. Conventional: the loosest
+/// tolerance in use.
+pub(super) const LOOSEST_TOLERANCE: f64 = 1e-5;
 
 /// Slopes of the defect against h below this do not show a trend: half of the lowest order that a consistent method
 /// can have.
@@ -69,6 +63,10 @@ pub(super) const CLEAR: f64 = 50.0;
 
 /// A law may miss a point by this part of its scale: terms that were left out.
 pub(super) const MISFIT: f64 = 0.02;
+
+/// The order of a law and the mean slope of the Jacobian's defect over the same step sizes differ by less than this.
+/// Derived: half of the distance of two orders.
+pub(super) const MAX_SLOPE_DIFFERENCE: f64 = 0.5;
 
 /// Orders of methods that one can meet.
 pub(super) const HIGHEST_ORDER: f64 = 14.0;

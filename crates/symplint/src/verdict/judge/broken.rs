@@ -1,6 +1,7 @@
 //! Loops that are not closed before the step, and loops that a step breaks.
 
 use super::{Case, Decision, change, moves_rest};
+use crate::breaks::Break;
 use crate::evidence::{LoopEvidence, StepEvidence, WEAKEST_BOUND};
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding, Step};
@@ -52,27 +53,28 @@ impl Case<'_> {
         }
     }
 
+    /// Every break that a step of a map makes, with its loop and step.
+    pub(super) fn jumps(&self) -> impl Iterator<Item = (&LoopEvidence, &StepEvidence, Break)> {
+        self.steps()
+            .filter_map(|(found, step)| Some((found, step, step.jump?)))
+    }
+
+    /// A loop that winds may break because its period is not one of the map: it does not count.
     fn broken_by_map(&self) -> Option<Decision> {
-        let (found, step, jump) =
-            (self.steps()).find_map(|(found, step)| Some((found, step, step.jump?)))?;
+        let (found, _, jump) = self.jumps().find(|(found, ..)| !found.winds)?;
+        // A small break must not hide a large change.
+        if self.changes_beside_breaks() {
+            return None;
+        }
         let closed = self.closed();
         let conserved = closed.as_ref().and_then(|closed| closed.conserved);
         let because = Finding::Discontinuous { jump, conserved };
         let mut decision = Decision::new(VerdictKind::BrokenLoops, because);
         decision.conserved_once_closed = conserved;
-        decision.findings.push(Finding::Jump {
-            loop_index: found.index,
-            step: self.name(found, step),
-            breaks: step.closing.map(|closing| closing.breaks),
-            at_least: step.flickering > 0,
-            jump,
-            sampled: false,
-        });
+        let [first, count] = self.findings_on_breaks()?;
+        decision.findings.push(first);
         decision.findings.extend(moves_rest(found));
-        decision.findings.push(Finding::BrokenCount {
-            broken: self.steps().filter(|(_, step)| step.jump.is_some()).count(),
-            of: self.steps().count(),
-        });
+        decision.findings.push(count);
         let fit = self.fits.iter().find(|fit| fit.loop_index == 0);
         decision.order = fit.filter(|fit| fit.slope > TREND).and_then(Fit::whole);
         decision.findings.extend(fit.map(|fit| Finding::Law {
@@ -93,10 +95,28 @@ impl Case<'_> {
         Some(decision)
     }
 
+    /// The first broken loop with its jump, and the number of broken loops.
+    pub(super) fn findings_on_breaks(&self) -> Option<[Finding; 2]> {
+        let (found, step, jump) = self.jumps().find(|(found, ..)| !found.winds)?;
+        let first = Finding::Jump {
+            loop_index: found.index,
+            step: self.name(found, step),
+            breaks: step.closing.map(|closing| closing.breaks),
+            at_least: step.flickering > 0,
+            jump,
+            sampled: false,
+        };
+        let count = Finding::BrokenCount {
+            broken: self.jumps().count(),
+            of: self.steps().count(),
+        };
+        Some([first, count])
+    }
+
     /// Advice where a solver that stops at a tolerance is the likely cause of the breaks. A force that jumps does so at
     /// a position, which is known to its rounding, as s is; what a solver compares is as small as its tolerance, and
     /// rounding decides about it in a wide stretch.
-    fn of_solver(&self) -> Option<Advice> {
+    pub(super) fn of_solver(&self) -> Option<Advice> {
         let (mut flickering, mut breaks, mut largest) = (0, 0, 0.0f64);
         for (_, step) in self.steps() {
             let (Some(jump), Some(closing)) = (step.jump, step.closing) else {

@@ -1,7 +1,7 @@
 //! Groups of degrees of freedom of similar action: what is known of each.
 
-use super::{Case, Decision, strongest_motion};
-use crate::evidence::{LoopEvidence, StepEvidence, WEAKEST_BOUND};
+use super::{Case, Decision};
+use crate::evidence::{LoopEvidence, Motion, StepEvidence, WEAKEST_BOUND};
 use crate::verdict::finding::{Advice, Finding};
 
 impl Case<'_> {
@@ -9,6 +9,18 @@ impl Case<'_> {
     pub(super) fn groups(&self) -> Vec<Finding> {
         let groups = self.evidence.groups.iter().enumerate();
         groups.map(|(index, _)| self.group(index)).collect()
+    }
+
+    /// The bounds of groups that no loop bounds.
+    pub(super) fn bounds_by_jacobian_alone(&self) -> impl Iterator<Item = f64> {
+        self.groups().into_iter().filter_map(|group| match group {
+            Finding::Group {
+                by_loops: None,
+                by_jacobian,
+                ..
+            } => by_jacobian.filter(|bound| *bound <= WEAKEST_BOUND),
+            _ => None,
+        })
     }
 
     fn group(&self, index: usize) -> Finding {
@@ -36,15 +48,13 @@ impl Case<'_> {
         (1..self.evidence.groups.len()).find_map(|index| {
             let of_group = |found: &&LoopEvidence| found.group == Some(index) && found.is_bounded();
             let loops: Vec<&LoopEvidence> = self.loops.iter().filter(of_group).collect();
-            let (motion, step_size) = strongest_motion(&loops)?;
+            let (motion, step_size) = Motion::strongest_of(&loops)?;
             let bounds = loops.iter().flat_map(|found| &found.steps);
             let bound = bounds.map(StepEvidence::bound).fold(f64::EPSILON, f64::max);
-            (!motion.tests(bound)).then(|| {
-                let group = Some(index);
-                let mut decision =
-                    self.because(Finding::LittleMotion { motion, group }, Vec::new());
-                decision.advice = vec![self.advice_on_motion(motion, step_size, bound)];
-                decision
+            let of_map = !self.has_step_size() || motion.shear && motion.moves;
+            (!motion.tests(bound) && !of_map).then(|| {
+                let advice = self.advice_on_motion(motion, step_size, bound);
+                self.little_motion(motion, Some(index), advice)
             })
         })
     }

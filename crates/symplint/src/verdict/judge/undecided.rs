@@ -1,14 +1,16 @@
 //! Reasons for which the numbers do not decide.
 
 use super::{Case, Decision, change};
-use crate::evidence::{LoopEvidence, LoopKind, Motion, Omission, StepEvidence};
+use crate::evidence::{
+    LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, LoopEvidence, LoopKind, Motion, Omission, StepEvidence,
+    defect_of_order_4,
+};
 use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding};
 use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
-    CONTRADICTS, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MOST_DEFORMATION, MOST_LARGER,
-    POINT_OF_DISC, SMALL, defect_of_order_4,
+    CONTRADICTS, LOOSEST_TOLERANCE, MOST_DEFORMATION, MOST_LARGER, POINT_OF_DISC, SMALL, UNBALANCED,
 };
 
 impl Case<'_> {
@@ -85,7 +87,7 @@ impl Case<'_> {
     }
 
     /// What no defect of the Jacobian exceeds, if it is symplectic.
-    fn jacobian_bound(&self) -> Option<f64> {
+    pub(super) fn jacobian_bound(&self) -> Option<f64> {
         let jacobian = self.evidence.jacobian.as_ref()?;
         match jacobian.verdict() {
             JacobianVerdict::SymplecticAlmostEverywhere { .. } => jacobian.bound,
@@ -96,6 +98,9 @@ impl Case<'_> {
     /// The map projects onto a manifold, and the given loop does not lie on it: on the manifold it is conserved.
     pub(super) fn beside_manifold(&self) -> Option<Decision> {
         let singular = self.evidence.survey.singular?;
+        if singular.degenerate.is_some() {
+            return None;
+        }
         let given = self.loops.first().filter(|given| given.shows_defect())?;
         let image = (self.evidence.loops.iter())
             .find(|found| found.kind == LoopKind::Image)
@@ -106,6 +111,16 @@ impl Case<'_> {
             second: bound(image)?,
         };
         Some(self.because(because, vec![Advice::LoopOnManifold]))
+    }
+
+    /// The symplectic form is degenerate on the manifold of the map: a map that is symplectic on every leaf need not conserve
+    /// the integrals of loops that leave it, nor the form on tangent vectors that do.
+    pub(super) fn beside_leaf(&self) -> Option<Decision> {
+        let rank = self.evidence.survey.degenerate_form?;
+        let conserved = |found: &&LoopEvidence| !found.shows_defect() && !found.is_broken();
+        let given = self.loops.first().filter(conserved).and_then(bound);
+        let because = Finding::DegenerateForm { rank, given };
+        Some(self.because(because, vec![Advice::KeepToLeaf]))
     }
 
     pub(super) fn undecided(&self) -> Option<Decision> {
@@ -121,16 +136,9 @@ impl Case<'_> {
         }
         if let Some((motion, step_size)) = self.strongest_motion()
             && !motion.tests(self.bound_of_loops())
+            && let Some(advice) = self.moves_too_little(motion, step_size)
         {
-            let mut decision = self.because(
-                Finding::LittleMotion {
-                    motion,
-                    group: None,
-                },
-                Vec::new(),
-            );
-            decision.advice = vec![self.advice_on_motion(motion, step_size, self.bound_of_loops())];
-            return Some(decision);
+            return Some(self.little_motion(motion, None, advice));
         }
         if self.is_sampled()
             && let Some(decision) = self.undecided_samples()
@@ -152,7 +160,8 @@ impl Case<'_> {
             ));
         }
         let all_wind = self.loops.iter().all(|found| found.winds);
-        if all_wind && self.steps().any(|(_, step)| step.is_unexplained()) {
+        let changes = |step: &StepEvidence| step.is_unexplained() || step.jump.is_some();
+        if all_wind && self.steps().any(|(_, step)| changes(step)) {
             return Some(self.because(Finding::AllLoopsWind, vec![Advice::ContractibleLoops]));
         }
         (self.weak_bound())
@@ -160,6 +169,53 @@ impl Case<'_> {
             .or_else(|| self.unknown_group())
             .or_else(|| self.slow_group())
             .or_else(|| self.refuted())
+    }
+
+    /// What to do if little motion is a reason to stay undecided: an accurate method that is not symplectic would look the
+    /// same. A map without a step size approximates nothing: it is judged itself, and so is a kick or a free flight of which a
+    /// larger step shows no more.
+    fn moves_too_little(&self, motion: Motion, step_size: Option<f64>) -> Option<Advice> {
+        let of_map = !self.has_step_size();
+        let kicks = !self.is_sampled() && motion.shear && motion.moves;
+        match self.evidence.reach {
+            Some(reach) if reach.shows_defect() => Some(match reach.step.step_size {
+                Some(_) => Advice::LargerSteps {
+                    factor: Some(reach.factor),
+                    step_size,
+                },
+                None => Advice::LargerRadii {
+                    factor: reach.factor,
+                },
+            }),
+            Some(reach) if of_map || reach.settles(motion) => None,
+            None if of_map || kicks => None,
+            _ => Some(self.advice_on_motion(motion, step_size, self.bound_of_loops())),
+        }
+    }
+
+    /// The largest step moves loops too little, and `advice` tells what moves them enough.
+    pub(super) fn little_motion(
+        &self,
+        motion: Motion,
+        group: Option<usize>,
+        mut advice: Advice,
+    ) -> Decision {
+        let mut decision = self.because(Finding::LittleMotion { motion, group }, Vec::new());
+        // More evaluations do not move them.
+        let of_radii = self.balanced_radii(motion);
+        // How much larger depends on the radii.
+        if let (Some(_), Advice::LargerSteps { factor, .. }) = (&of_radii, &mut advice) {
+            *factor = None;
+        }
+        decision.advice = of_radii.into_iter().chain([advice]).collect();
+        decision
+    }
+
+    /// Advice for a loop whose radii have nothing to do with the motion on it.
+    fn balanced_radii(&self, motion: Motion) -> Option<Advice> {
+        let imbalance = motion.imbalance;
+        (!self.is_sampled() && imbalance >= UNBALANCED)
+            .then_some(Advice::BalancedRadii { imbalance })
     }
 
     pub(super) fn advice_on_motion(
@@ -232,33 +288,50 @@ impl Case<'_> {
                 let advice = vec![Advice::MoreDigits, Advice::ReturnStates];
                 return self.because(Finding::OneState, advice);
             }
-            let deformation = step.motion.map_or(0.0, |motion| motion.deformation);
+            let motion = found.steps.iter().find_map(|step| step.motion);
+            let motion = motion.unwrap_or_default();
+            let deformation = motion.deformation;
+            let is_rounded = self.evidence.survey.is_rounded();
             let roundoff = step.defect.roundoff > 0.5 * step.defect.uncertainty();
             let because = Finding::WeakBound {
                 bound: step.bound(),
                 step: self.name(found, step),
                 roundoff,
             };
+            if found.widest_gap.is_some() && !roundoff {
+                let advice = vec![Advice::MoreSamplesOfFile, Advice::OrderOfSamples];
+                return self.because(because, advice);
+            }
             let advice = match (roundoff, self.is_sampled()) {
-                (_, false) if deformation > MOST_DEFORMATION => Advice::SmallerLoop { deformation },
-                (true, _) if self.evidence.survey.is_rounded() => Advice::MoreDigits,
+                (_, false) if deformation > MOST_DEFORMATION => {
+                    match self.balanced_radii(motion) {
+                        Some(balanced) => balanced,
+                        // A smaller loop has fewer digits.
+                        None if is_rounded => Advice::SmallerSteps { deformation },
+                        None => Advice::SmallerLoop { deformation },
+                    }
+                }
+                (true, _) if is_rounded => Advice::MoreDigits,
                 (true, _) => Advice::LargerLoop,
                 (false, true) => Advice::MoreSamplesOfFile,
                 (false, false) if found.rule == RuleKind::FiniteDifference => Advice::RuleAuto,
+                (false, false) if is_rounded => Advice::LargerLoopOrMoreSamples,
                 (false, false) => Advice::MoreSamplesOrSmallerLoop,
             };
             self.because(because, vec![advice])
         };
         // Random loops that the samples do not resolve do not count, but one must.
         if !random.is_empty() && !random.iter().any(|found| found.is_bounded()) {
-            let step = (random.iter()).find_map(|found| Some((*found, found.weak_step()?)));
+            let step = (random.iter())
+                .filter_map(|found| Some((*found, weakest(found)?)))
+                .max_by(|a, b| a.1.bound().total_cmp(&b.1.bound()));
             return Some(match step {
                 Some((found, step)) => weak(found, step),
                 None => self.because(Finding::RandomLoopsFail, vec![Advice::SmallerLoopInDomain]),
             });
         }
         let judged = !given.winds || random.is_empty();
-        let step = given.weak_step().filter(|_| judged)?;
+        let step = weakest(given).filter(|_| judged)?;
         Some(weak(given, step))
     }
 
@@ -277,9 +350,17 @@ impl Case<'_> {
     /// The loops are conserved, and the Jacobian is not symplectic.
     fn refuted(&self) -> Option<Decision> {
         self.jacobian_refutes().then(|| {
-            let mut decision = self.because(Finding::JacobianRefutes, Vec::new());
-            decision.advice = vec![Advice::OtherLoops];
-            decision
+            let worst = self
+                .evidence
+                .jacobian
+                .as_ref()
+                .and_then(|found| found.worst);
+            let small = worst.is_some_and(|worst| worst.magnitude() < LOOSEST_TOLERANCE);
+            let mut advice = vec![Advice::OtherLoops];
+            if small {
+                advice.insert(0, Advice::TightenSolver);
+            }
+            self.because(Finding::JacobianRefutes, advice)
         })
     }
 
@@ -289,18 +370,11 @@ impl Case<'_> {
     }
 }
 
-impl Motion {
-    /// Whether a method that is not symplectic would show a defect above this bound. A step that is exactly a kick or a free
-    /// flight is no method's approximation: the map itself is what is judged.
-    pub(super) fn tests(&self, bound: f64) -> bool {
-        match self.shear {
-            true => self.deformation >= LEAST_DEFORMATION,
-            false => {
-                self.phase_advance >= LEAST_PHASE_ADVANCE
-                    && defect_of_order_4(self.phase_advance) >= bound
-            }
-        }
-    }
+/// The step that bounds the defect of a loop worst, if it is too weak to call a map symplectic.
+fn weakest(found: &LoopEvidence) -> Option<&StepEvidence> {
+    let weak = found.steps.iter().filter(|step| !step.is_bounded());
+    // A bound that is not known is larger than any.
+    weak.max_by(|a, b| a.bound().total_cmp(&b.bound()))
 }
 
 /// The largest defect of a loop.
