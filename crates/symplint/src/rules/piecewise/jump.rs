@@ -272,7 +272,8 @@ impl Jump {
                 false => Judgement::LookAround,
             };
         }
-        let apart = |c: usize| nearest(high[c] - low[c], period(coordinates, c)).abs();
+        let sizes = self.sizes(coordinates);
+        let apart = |c: usize| sizes[c];
         let mut all = 0..2 * coordinates.dof();
         let is_rounding = (scales.grain.as_ref())
             .is_some_and(|grain| !all.clone().any(|c| grain.is_exceeded(c, apart(c))));
@@ -295,6 +296,13 @@ impl Jump {
         } else {
             Judgement::Noise
         }
+    }
+
+    /// How far each coordinate jumps.
+    pub fn sizes(&self, coordinates: &Coordinates) -> Vec<f64> {
+        let [low, high] = self.ends().map(Image::after);
+        let jump = |c: usize| nearest(high[c] - low[c], period(coordinates, c)).abs();
+        (0..2 * coordinates.dof()).map(jump).collect()
     }
 
     /// How far each coordinate scatters beside it.
