@@ -7,7 +7,7 @@ use super::piece::{Piece, Smooth};
 use super::scales::Scales;
 use crate::breaks::{
     AROUND_A_ZONE, Bracket, DISTANCES_AROUND, End, LOOKS, OF_A_CONFIRMATION, Progress, REPETITIONS,
-    flickers, is_between_levels, is_repeated, moves_by_a_jump, scatter, stands_out,
+    flickers, is_between_levels, is_repeated, lasting, moves_by_a_jump, scatter, stands_out,
 };
 use crate::signal::nearest;
 use crate::state::{Coordinates, period};
@@ -194,13 +194,16 @@ impl Jump {
         let jump = |[low, high]: [&Image; 2]| self.project(high.after(), low.after(), coordinates);
         let [before, after] = [jump(self.ends()), jump(again.map(|side| &side[0]))];
         self.is_repeated &= is_repeated(before, after);
+        let beside = self.beside.each_ref().map(Vec::as_slice);
+        let [low, high] = self.projected(beside, coordinates);
+        let lasting = lasting(before, [&low, &high]);
         for end in [End::Low, End::High] {
             let [from, moved] = match again[end as usize] {
                 [from, moved] => [from, moved].map(Image::after),
                 _ => continue,
             };
             let moved = self.project(moved, from, coordinates);
-            self.is_repeated &= moves_by_a_jump(after, moved);
+            self.is_repeated &= moves_by_a_jump(after, lasting, moved);
         }
         self.repetitions = Some(made + 1);
         if !self.is_repeated {
