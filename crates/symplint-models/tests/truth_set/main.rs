@@ -4,12 +4,15 @@
 //! `cargo test --release -p symplint-models --test truth_set -- --ignored --nocapture` runs all of them and prints the
 //! tables of docs/truth.md; the variable `TRUTH_SET_FAMILIES=units,sizes` chooses some of them.
 
+mod advice;
 mod breaks;
 mod budgets;
 mod coarse;
 mod constraint;
 mod control;
 mod follow;
+mod hidden;
+mod laws;
 mod leaves;
 mod links;
 mod member;
@@ -81,7 +84,10 @@ const FAMILIES: &[Family] = families![
     pairs,
     leaves,
     strips,
-    steep
+    steep,
+    laws,
+    hidden,
+    advice
 ];
 
 /// One in so many members runs in the normal tests.

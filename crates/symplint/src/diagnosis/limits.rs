@@ -231,8 +231,15 @@ pub(super) const HALVINGS: i32 = 8;
 
 // Beyond the given loop and step sizes.
 
-/// The factor between the sizes of larger loops, and between larger steps. Conventional: two octaves.
+/// The factor between the sizes of larger loops. Conventional: two octaves.
 pub(super) const LARGER: f64 = 4.0;
 
-/// Larger loops, and larger steps, at most. Conventional: up to 64 times the radii of the given loop.
-pub(super) const MOST_REACHES: usize = 3;
+/// Larger loops at most. Conventional: up to 64 times the radii of the given loop.
+pub(super) const MOST_LARGER: usize = 3;
+
+/// A larger step that breaks its loop is halved at most this number of times. Conventional: from a radian to a thirtieth of one.
+pub(super) const MOST_HALVINGS: usize = 6;
+
+/// A kick or a free flight alone that deforms loops by less than this part of their size may be rounding, which no larger step
+/// makes more of. Conventional: half of the digits of double precision.
+pub(super) const SMALLEST_SHEAR: f64 = 1.5e-8;
