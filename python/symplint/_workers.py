@@ -180,7 +180,7 @@ class Workers:
     def _send(self, task: _Task) -> None:
         self._sent += 1
         task.executor, task.number = self._executor, self._sent
-        arguments = (self._step, self.comparison.states, [(arc.h, arc.q, arc.p) for arc in task.arcs], task.number)
+        arguments = (self._step, self.comparison.states, [(arc.h, arc.q, arc.p) for arc in task.arcs], self._sent)
         with self._lock:
             self._tasks.add(task)
         for arc in task.arcs:

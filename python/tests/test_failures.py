@@ -291,6 +291,7 @@ def test_ctrl_c(body, check):
             process.kill()
 
 
+@pytest.mark.filterwarnings("ignore:threads=4 exceeds")
 def test_a_step_is_called_by_the_calling_thread_alone():
     threads = set()
 

@@ -256,7 +256,7 @@ pub enum Error {
     },
     /// A loop that does not end where it begins.
     #[error(
-        "the loop is not closed: {coordinate} of degree of freedom {dof} is {gap:e} away from where it began when s \
+        "the loop is not closed: {coordinate} of degree of freedom {dof} is {gap:.2e} away from where it began when s \
          reaches 1; let s run through full turns (2π, not 6.28), or state the period of the coordinate"
     )]
     OpenLoop {
@@ -320,9 +320,9 @@ pub enum Error {
         /// Evaluations that were asked for.
         wanted: usize,
     },
-    /// A one-form that has neither twice as many coordinates as the map has degrees of freedom, nor as many.
+    /// A one-form whose number of coordinates does not fit the degrees of freedom of the map.
     #[error(
-        "the one-form has {dimension} coordinates and the map {dof} degrees of freedom; there must be twice as many coordinates, or as many"
+        "the one-form has {dimension} coordinates and the map {dof} degrees of freedom; there must be twice as many coordinates, or as many with NonCanonical::of_positions"
     )]
     FormDimension {
         /// Coordinates of the one-form.

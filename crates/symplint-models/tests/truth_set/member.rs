@@ -31,6 +31,9 @@ pub enum Expected {
     /// It changes by so little that only digits that are not too many are asked for where it is below
     /// [`FAINT`](crate::outcome::FAINT).
     SmallDefect(f64),
+    /// The loop integral changes by this much, in a feature so narrow that few samples meet it: a symplectic verdict is right if its digits
+    /// are not too many.
+    Hidden(f64),
     /// The map breaks loops. Once closed, they keep their integrals or do not, where that is known.
     Broken { closed: Option<bool> },
     /// Symplectic, with a period that is not the map's: symplectic, or an error that names it.

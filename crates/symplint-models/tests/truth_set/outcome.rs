@@ -94,7 +94,9 @@ pub fn outcome(member: &Member, diagnosis: &Diagnosis) -> Outcome {
         (Expected::SmallDefect(defect), VerdictKind::Symplectic) => {
             right(defect < FAINT && honest(defect))
         }
-        (Expected::SmallDefect(_), VerdictKind::BrokenLoops) => wrong(),
+        (Expected::Hidden(_), VerdictKind::NotSymplectic) => Outcome::Right,
+        (Expected::Hidden(defect), VerdictKind::Symplectic) => right(honest(defect)),
+        (Expected::SmallDefect(_) | Expected::Hidden(_), VerdictKind::BrokenLoops) => wrong(),
         (Expected::Broken { closed }, VerdictKind::BrokenLoops) => {
             let said = verdict.conserved_once_closed;
             right(said.is_none() || closed.is_none() || said == closed)

@@ -1,7 +1,8 @@
 //! Closing in on a suspected jump, one state at a time.
 
 use super::bracket::{
-    Bracket, End, Progress, flickers, is_between_levels, is_repeated, stands_out,
+    Bracket, End, Progress, displace, flickers, is_between_levels, is_repeated, moves_by_a_jump,
+    stands_out,
 };
 use super::limits::{
     AROUND_A_ZONE, DISTANCES_AROUND, LOOKS, REPETITIONS, ROUNDINGS, SAMPLES_OF_SIZE,
@@ -115,6 +116,13 @@ pub(super) fn follow(
         jump_p,
         substep: None,
     };
+    // Values on one side, from its end outwards.
+    let beside = |end: End, s: &[f64]| -> Result<Vec<f64>, Error> {
+        let origin = ends[end as usize].value;
+        let points = image(s)?.into_iter();
+        let from_end = |point: Point| origin + nearest(sides.sign * point.value - origin, period);
+        Ok(points.map(from_end).collect())
+    };
     let confirmed = || -> Result<Search, Error> {
         for k in 0..REPETITIONS {
             let order = [1 - k % 2, k % 2];
@@ -124,19 +132,22 @@ pub(super) fn follow(
                 return Ok(Search::Clean);
             }
         }
-        Ok(Search::Found(found))
+        let on_loop = ends.map(|point| point.s.rem_euclid(1.0));
+        let mut states = states_at(phase_loop, &on_loop);
+        for end in [End::Low, End::High] {
+            displace(&mut states.block(), end as usize, 1 + end as usize);
+        }
+        evaluator.advance(&mut states, h)?;
+        let is_jump = |end: End| {
+            let point = Point::of(suspect, &states, end as usize, on_loop[end as usize]);
+            let moved = sides.sign * point.value - ends[end as usize].value;
+            moves_by_a_jump(jump, nearest(moved, period))
+        };
+        Ok(match is_jump(End::Low) && is_jump(End::High) {
+            true => Search::Found(found),
+            false => Search::Clean,
+        })
     };
-    // Values on one side, from its end outwards.
-    let beside = |end: End, s: &[f64]| -> Result<Vec<f64>, Error> {
-        let origin = ends[end as usize].value;
-        let points = image(s)?.into_iter();
-        let from_end = |point: Point| origin + nearest(sides.sign * point.value - origin, period);
-        Ok(points.map(from_end).collect())
-    };
-    bracket.space_out(|s| {
-        let on_loop: Vec<f64> = s.iter().map(|s| s.rem_euclid(1.0)).collect();
-        states_at(phase_loop, &on_loop)
-    });
     let mut close = ends.map(|point| vec![point.value]);
     for look in 0..LOOKS.len() {
         for (side, end) in close.iter_mut().zip([End::Low, End::High]) {

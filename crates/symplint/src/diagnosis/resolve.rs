@@ -193,7 +193,12 @@ impl Diagnostic {
                     pieces = self.tried(subject, refined, with, start)?;
                 }
                 return match pieces {
-                    Some((pieces, of_pieces)) if of_pieces < error => Ok(pieces),
+                    Some((pieces, of_pieces))
+                        if of_pieces < error
+                            || contradicts(&pieces, &probe, h, of_pieces + error) =>
+                    {
+                        Ok(pieces)
+                    }
                     _ => self.beyond_memory(probe, with, error),
                 };
             }
@@ -378,6 +383,20 @@ impl Diagnostic {
         let better = left.is_some_and(|left| left < error);
         Ok(if better { streamed } else { probe })
     }
+}
+
+/// Whether pieces and samples differ by more than the uncertainties of both, `explained`: then the estimate of the samples bounds
+/// nothing, as the pieces resolve what the samples show, and more.
+fn contradicts(pieces: &Probe<'_>, samples: &Probe<'_>, h: f64, explained: f64) -> bool {
+    let signed = |probe: &Probe<'_>| {
+        let advanced = &probe.known(h)?.advanced;
+        let closed = advanced.closed.as_ref().map(|closed| closed.defect);
+        Some(closed.unwrap_or(advanced.defect).signed)
+    };
+    let apart = signed(pieces)
+        .zip(signed(samples))
+        .map(|(a, b)| (a - b).abs());
+    apart.is_some_and(|apart| apart > explained)
 }
 
 /// The Sobolev exponent of a loop with kinks, on which twice the samples agree. That of a smooth loop

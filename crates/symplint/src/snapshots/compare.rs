@@ -106,6 +106,16 @@ impl Row {
         flagged
     }
 
+    /// Cells that look like jumps and are none, if rows may be missing.
+    fn gaps(&self, samples: usize, may_miss: bool) -> Vec<bool> {
+        let mut gaps = vec![false; samples];
+        let jumps = self.roughness.iter().flat_map(|rough| &rough.jumps);
+        for jump in jumps.filter(|jump| may_miss && !jump.confirmed) {
+            gaps[jump.cell] = true;
+        }
+        gaps
+    }
+
     fn jumps(&self) -> bool {
         self.roughness.iter().any(|rough| !rough.jumps.is_empty())
     }
@@ -407,11 +417,13 @@ impl<'a> Initial<'a> {
                 let [q, p] = &row.increments;
                 let momenta = states.p().row(dof);
                 let flagged = &row.flagged(samples);
+                let gaps = &row.gaps(samples, self.arcs.is_some());
                 Curve {
                     q,
                     p,
                     momenta,
                     flagged,
+                    gaps,
                 }
                 .integrate()
             })

@@ -32,12 +32,12 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The order that the slope stands for: the whole number within 0.15 of it, if a mean slope is known as well. `None` for
-    /// other slopes: the range is not asymptotic.
+    /// The order that the slope stands for: the whole number within 0.15 of it, and of all local slopes of which it is the mean.
+    /// `None` for other slopes: the range is not asymptotic.
     pub fn whole(&self) -> Option<f64> {
         let whole = self.slope.round();
-        let is_sure = self.slope == whole || self.uncertainty <= WHOLE;
-        (is_sure && (self.slope - whole).abs() <= WHOLE).then_some(whole)
+        let distance = (self.slope - whole).abs();
+        (distance == 0.0 || distance + self.uncertainty <= WHOLE).then_some(whole)
     }
 }
 
@@ -94,14 +94,21 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
         from: sign * data[0].0,
         to: sign * data[data.len() - 1].0,
     };
+    let with_constant = |law: (f64, f64)| {
+        // The defects between which the changes are.
+        let first = known.iter().position(|known| known.0 == changes[0].0)?;
+        let data = &known[first..=first + changes.len()];
+        constant(data, law.0).map(|constant| fit(law, Some(constant), data))
+    };
     match (of_defects.flatten(), of_changes) {
-        // A defect that does not fall has no order, even if a smaller part of it falls.
         (Some(law), None) => Some(fit(law, None, data)),
-        (Some(law), Some(_)) if law.0 <= TREND => Some(fit(law, None, data)),
         (Some(law), Some(other)) if (law.0 - other.0).abs() <= WHOLE => Some(fit(law, None, data)),
+        (Some(law), Some(other)) if law.0 <= TREND => {
+            with_constant(other).or_else(|| Some(fit(law, None, data)))
+        }
         // No order fits both.
         (Some(law), Some(_)) if law.0.fract() == 0.0 => None,
-        (_, Some(law)) => constant(data, law.0).map(|constant| fit(law, Some(constant), data)),
+        (_, Some(law)) => with_constant(law),
         (None, None) => None,
     }
 }

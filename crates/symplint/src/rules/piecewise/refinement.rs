@@ -262,11 +262,7 @@ impl<'a> Refinement<'a> {
             }
             Task::Halve(mut jump) => match jump.halve(images[0].clone(), self.coordinates) {
                 Progress::Open => self.go_on(Task::Halve(jump)),
-                Progress::Jump => {
-                    let curve = jump.piece.curve;
-                    jump.bracket.space_out(|s| self.curves.states(curve, s));
-                    self.go_on(Task::Confirm(jump))
-                }
+                Progress::Jump => self.go_on(Task::Confirm(jump)),
                 // A kink close to an end, or a steep stretch: at a smaller scale it will show.
                 Progress::Continuous => {
                     let next = looks(jump.piece.cut(&jump.gap));
@@ -300,7 +296,10 @@ impl<'a> Refinement<'a> {
         let judgement = jump.judge(&self.scales, self.coordinates);
         match judgement {
             Judgement::LookAgain => return self.go_on(Task::Confirm(jump)),
-            Judgement::Break if jump.repeat() => return self.go_on(Task::Confirm(jump)),
+            Judgement::Break if jump.repeat() => {
+                let unresolved = jump.fallback.clone();
+                return Outcome::then(vec![Task::Confirm(jump)], unresolved);
+            }
             Judgement::LookAround if jump.look_around() => {
                 let unresolved = jump.fallback.clone();
                 return Outcome::then(vec![Task::Confirm(jump)], unresolved);

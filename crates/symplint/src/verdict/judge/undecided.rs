@@ -198,12 +198,16 @@ impl Case<'_> {
         &self,
         motion: Motion,
         group: Option<usize>,
-        advice: Advice,
+        mut advice: Advice,
     ) -> Decision {
         let mut decision = self.because(Finding::LittleMotion { motion, group }, Vec::new());
         // More evaluations do not move them.
-        decision.advice = self.balanced_radii(motion).into_iter().collect();
-        decision.advice.push(advice);
+        let of_radii = self.balanced_radii(motion);
+        // How much larger depends on the radii.
+        if let (Some(_), Advice::LargerSteps { factor, .. }) = (&of_radii, &mut advice) {
+            *factor = None;
+        }
+        decision.advice = of_radii.into_iter().chain([advice]).collect();
         decision
     }
 
