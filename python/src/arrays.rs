@@ -121,18 +121,23 @@ fn plain<'a, 'py, T: Number, D: Dimension>(
     aligned.then_some(array)
 }
 
-/// Copies the coordinates of all samples, an array of one row for each, into rows of one for each degree of freedom, and says
-/// whether all are finite.
+/// Copies the coordinates of all samples, the first ones of an array with `length` rows, into rows of one for each degree of
+/// freedom, and returns whether all are finite.
 ///
 /// # Errors
 /// If it is of another shape, or of something else than numbers.
-pub fn read_rows(object: &Bound<'_, PyAny>, name: &str, rows: &mut RowsMut<'_>) -> PyResult<bool> {
-    let (samples, dof) = (rows.len(), rows.count());
+pub fn read_rows(
+    object: &Bound<'_, PyAny>,
+    name: &str,
+    rows: &mut RowsMut<'_>,
+    length: usize,
+) -> PyResult<bool> {
+    let dof = rows.count();
     if let Some(array) = plain::<f64, Ix2>(object) {
-        return read_array(array.try_readonly()?, name, rows);
+        return read_array(array.try_readonly()?, name, rows, length);
     }
     if let Some(array) = plain::<f32, Ix2>(object) {
-        return read_array(array.try_readonly()?, name, rows);
+        return read_array(array.try_readonly()?, name, rows, length);
     }
     let array = numbers(object, name)?;
     // One degree of freedom needs no second axis.
@@ -140,22 +145,24 @@ pub fn read_rows(object: &Bound<'_, PyAny>, name: &str, rows: &mut RowsMut<'_>) 
         Ok(array) if dof == 1 => array.reshape([PyUntypedArrayMethods::len(array), 1])?,
         _ => array
             .cast_into::<PyArray2<f64>>()
-            .map_err(|error| wrong_shape(name, &error.into_inner(), (samples, dof)))?,
+            .map_err(|error| wrong_shape(name, &error.into_inner(), (length, dof)))?,
     };
-    read_array(array.try_readonly()?, name, rows)
+    read_array(array.try_readonly()?, name, rows, length)
 }
 
 fn read_array<T: Number>(
     array: PyReadonlyArray2<'_, T>,
     name: &str,
     rows: &mut RowsMut<'_>,
+    length: usize,
 ) -> PyResult<bool> {
-    let expected = (rows.len(), rows.count());
+    let expected = (length, rows.count());
     let view = array.as_array();
     if view.dim() != expected {
         return Err(wrong_shape(name, array.as_any(), expected));
     }
-    Ok(transpose(view, rows))
+    let samples = numpy::ndarray::s![..rows.len(), ..];
+    Ok(transpose(view.slice(samples), rows))
 }
 
 fn wrong_shape(name: &str, array: &Bound<'_, PyAny>, expected: (usize, usize)) -> PyErr {

@@ -13,9 +13,13 @@ use crate::calls::ends_programs;
 use crate::error::other_error;
 use crate::memory::{Memory, Number};
 
+/// Rows that a function may get at once, the largest first. There are few, as JAX and other compilers compile a function for each
+/// size. Conventional: powers of four.
+const SIZES: [usize; 6] = [1024, 256, 64, 16, 4, 1];
+
 /// Coordinates that a function gets at once, at most: with the results and some temporary arrays, positions and momenta
-/// of a batch fit into the cache of a core, and a batch is long enough that calls do not count.
-const BATCH: usize = 1 << 15;
+/// of a batch fit into the cache of a core.
+const MAX_COORDINATES: usize = 1 << 15;
 
 /// What a function should do that did something else.
 const OR_IN_PLACE: &str = "return q and p, or change both in place and return None";
@@ -77,19 +81,7 @@ impl<'py> BlockCall<'py> {
         kept: &mut Option<Py<Memory>>,
         block: &mut Block<'_>,
     ) -> Result<bool, Failed> {
-        let width = width(block.len(), block.dof());
-        let Block { q, p } = block.reborrow();
-        let batches = q.column_blocks(width).zip(p.column_blocks(width));
-        let mut finite = true;
-        for (k, (q, p)) in batches.enumerate() {
-            let mut batch = Block::new(q, p);
-            let advanced = self.batch::<T>(kept, &mut batch);
-            finite &= advanced.map_err(|failed| Failed {
-                sample: k * width + failed.sample,
-                ..failed
-            })?;
-        }
-        Ok(finite)
+        for_each_batch(block, &mut |batch| self.batch::<T>(kept, batch))
     }
 
     /// Calls the function for all states at once, and says whether all are finite then.
@@ -114,15 +106,20 @@ impl<'py> BlockCall<'py> {
         };
         let taken = match result.is_none() {
             true => Ok(batch.copy_to(block)),
-            false => self.take(result, block),
+            false => self.take(result, block, batch.rows),
         };
         batch.end(kept);
         taken.map_err(|error| Failed { sample: 0, error })
     }
 
-    fn take(&self, result: Bound<'py, PyAny>, block: &mut Block<'_>) -> PyResult<bool> {
+    fn take(
+        &self,
+        result: Bound<'py, PyAny>,
+        block: &mut Block<'_>,
+        rows: usize,
+    ) -> PyResult<bool> {
         let (q, p) = pair(result, self.what, OR_IN_PLACE)?;
-        Ok(read_rows(&q, "q", &mut block.q)? & read_rows(&p, "p", &mut block.p)?)
+        Ok(read_rows(&q, "q", &mut block.q, rows)? & read_rows(&p, "p", &mut block.p, rows)?)
     }
 
     /// The first state that makes the function fail by itself, by bisection; 0 where none does.
@@ -221,23 +218,68 @@ impl<'py> BlockCall<'py> {
     }
 }
 
-/// Samples of a batch: batches have about the same length, and begin at whole cache lines.
-pub fn width(samples: usize, dof: usize) -> usize {
-    let most = (BATCH / dof.max(1)).max(1);
-    let batches = samples.div_ceil(most).max(1);
-    let even = samples.div_ceil(batches).next_multiple_of(LINE);
-    if even <= most { even } else { most }
+/// Calls `advance` for each batch of a block, and returns whether all states are finite then.
+///
+/// # Errors
+/// The first one of `advance`, with the sample of the block.
+pub fn for_each_batch(
+    block: &mut Block<'_>,
+    advance: &mut impl FnMut(&mut Block<'_>) -> Result<bool, Failed>,
+) -> Result<bool, Failed> {
+    if block.is_empty() {
+        return Ok(true);
+    }
+    let width = width(block.len(), block.dof());
+    if block.len() <= width {
+        return advance(block);
+    }
+    let Block { q, p } = block.reborrow();
+    let parts = q.column_blocks(width).zip(p.column_blocks(width));
+    let mut finite = true;
+    for (k, (q, p)) in parts.enumerate() {
+        let advanced = for_each_batch(&mut Block::new(q, p), advance);
+        finite &= advanced.map_err(|failed| Failed {
+            sample: k * width + failed.sample,
+            ..failed
+        })?;
+    }
+    Ok(finite)
+}
+
+/// The size of the first batch of so many states: the one of which they fill more than half, else the largest that they fill.
+fn width(states: usize, dof: usize) -> usize {
+    let rows = padded(states, dof);
+    match rows < 2 * states {
+        true => rows,
+        false => sizes(dof).find(|&rows| rows <= states).unwrap_or(1),
+    }
+}
+
+/// The rows that a function gets for a batch of so many states.
+fn padded(states: usize, dof: usize) -> usize {
+    let enough = sizes(dof).filter(|&rows| rows >= states);
+    // More states than any size has: several batches.
+    enough.min().unwrap_or(usize::MAX)
+}
+
+/// The sizes of batches in so many degrees of freedom, the largest first.
+fn sizes(dof: usize) -> impl Iterator<Item = usize> {
+    let most = (MAX_COORDINATES / dof.max(1)).max(1);
+    SIZES.into_iter().filter(move |&rows| rows <= most)
 }
 
 /// Numbers of a cache line.
 const LINE: usize = 8;
 
-/// States on loan to a function: rows of one number for each sample, of which the function sees the transpose, in Fortran
-/// order. Nothing lies between two rows: numpy takes such an array for one long row.
+/// States on loan to a function: for each degree of freedom one number per state, of which the function sees the transpose, in
+/// Fortran order. Nothing lies between two degrees of freedom: numpy takes such an array for one long row. The last state is
+/// repeated until the function has enough rows, and the results of its copies are dropped.
 struct Batch<'py, T> {
     memory: Bound<'py, Memory>,
     dof: usize,
     samples: usize,
+    /// Rows that the function sees.
+    rows: usize,
     number: std::marker::PhantomData<T>,
 }
 
@@ -257,14 +299,17 @@ impl<'py, T: Number> Batch<'py, T> {
         range: Range<usize>,
     ) -> Self {
         let (dof, samples) = (block.dof(), range.len());
-        let second = of_momenta(dof * samples);
-        let memory = take_memory::<T>(py, kept, second + dof * samples);
-        for (first, rows) in [(0, &block.q), (second, &block.p)] {
-            Memory::with(&memory, first, dof * samples, |states: &mut [T]| {
-                for (i, row) in states.chunks_exact_mut(samples.max(1)).enumerate() {
-                    for (to, from) in row.iter_mut().zip(&rows.row(i)[range.clone()]) {
+        let rows = padded(samples, dof);
+        let second = of_momenta(dof * rows);
+        let memory = take_memory::<T>(py, kept, second + dof * rows);
+        for (first, from) in [(0, &block.q), (second, &block.p)] {
+            Memory::with(&memory, first, dof * rows, |lent: &mut [T]| {
+                for (i, to) in lent.chunks_exact_mut(rows).enumerate() {
+                    let (states, copies) = to.split_at_mut(samples);
+                    for (to, from) in states.iter_mut().zip(&from.row(i)[range.clone()]) {
                         *to = T::of(*from);
                     }
+                    copies.fill(states[samples - 1]);
                 }
             });
         }
@@ -272,24 +317,27 @@ impl<'py, T: Number> Batch<'py, T> {
             memory,
             dof,
             samples,
+            rows,
             number: std::marker::PhantomData,
         }
     }
 
     fn call(&self, call: &BlockCall<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let shape = Ix2(self.samples, self.dof);
-        let strides = Ix2(1, self.samples);
+        let shape = Ix2(self.rows, self.dof);
+        let strides = Ix2(1, self.rows);
         let of = |first| Memory::array::<T, Ix2>(&self.memory, first, shape, strides).into_any();
-        call.call(&of(0), &of(of_momenta(self.dof * self.samples)))
+        call.call(&of(0), &of(of_momenta(self.dof * self.rows)))
     }
 
     /// Copies the states, changed in place, into the block of as many samples, and says whether all are finite.
     fn copy_to(&self, block: &mut Block<'_>) -> bool {
-        let count = self.dof * self.samples;
+        let count = self.dof * self.rows;
         let take = |first: usize, rows: &mut RowsMut<'_>| {
-            Memory::with(&self.memory, first, count, |states: &mut [T]| {
-                let of_rows = states.chunks_exact(self.samples.max(1)).enumerate();
-                of_rows.fold(true, |finite, (i, row)| finite & copy(rows.row_mut(i), row))
+            Memory::with(&self.memory, first, count, |lent: &mut [T]| {
+                let of_rows = lent.chunks_exact(self.rows).enumerate();
+                of_rows.fold(true, |finite, (i, row)| {
+                    finite & copy(rows.row_mut(i), &row[..self.samples])
+                })
             })
         };
         take(0, &mut block.q) & take(of_momenta(count), &mut block.p)

@@ -8,7 +8,9 @@ use pyo3::prelude::*;
 use symplint::diagnosis::{Event, SampleCount};
 use symplint::map::{ProjectedLoop, balanced_radii};
 use symplint::rules::{Cutoff, Cutoffs, Piecewise, Streaming};
-use symplint::{Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Rule, TimeAdvance, judge};
+use symplint::{
+    Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Phases, Rule, TimeAdvance, judge,
+};
 use symplint_journal::Journal;
 
 use crate::arrays::{self, Arrays};
@@ -16,11 +18,11 @@ use crate::calls::{self, Call, Caller};
 use crate::coordinates::Stated;
 use crate::error::{input_error, other_error};
 use crate::functions::{Functions, Step};
-use crate::loops::NativeLoop;
+use crate::loops::{NativeLoop, named_phases};
 use crate::models::Integrator;
 use crate::pool;
 use crate::report::{self, Report};
-use crate::step::{PythonLoop, PythonMap, Stoppable};
+use crate::step::{Projects, PythonLoop, PythonMap, Stoppable};
 use crate::workers::{self, Workers};
 
 /// What is tested: `symplint.check` has checked the types.
@@ -35,6 +37,8 @@ pub struct Subject {
     reset: Option<Py<PyAny>>,
     single: bool,
     project: Option<Py<PyAny>>,
+    /// Whether `project` evaluates a one-form.
+    form: bool,
     dof: usize,
     coordinates: Stated,
     /// A loop of the library, or nothing: then a function, or else a circle.
@@ -44,6 +48,8 @@ pub struct Subject {
     p0: Vec<f64>,
     /// Radii in q and p of a circle; nothing for those that the map suggests.
     radii: Option<(Vec<f64>, Vec<f64>)>,
+    /// Phases of a circle, by name, and the seed of random ones.
+    phases: (String, u64),
     threads: Option<usize>,
     /// Who takes the steps, if not this process.
     workers: Option<Py<PyAny>>,
@@ -54,6 +60,8 @@ pub struct Subject {
 #[pyo3(from_item_all)]
 pub struct Settings {
     step_sizes: Option<Vec<f64>>,
+    has_step_size: bool,
+    repeat: usize,
     typical: Option<f64>,
     loops: usize,
     seed: u64,
@@ -76,6 +84,8 @@ impl Settings {
                 (None, Some(_)) => Vec::new(),
                 (None, None) => default.step_sizes,
             },
+            has_step_size: self.has_step_size,
+            repeat: self.repeat,
             typical_step: self.typical,
             loops: self.loops,
             seed: self.seed,
@@ -113,13 +123,14 @@ pub fn rule(py: Python<'_>, name: &str, cutoffs: CutoffPair) -> PyResult<Rule> {
 struct Shared {
     integrator: Option<Arc<dyn TimeAdvance>>,
     coordinates: Coordinates,
-    projects: bool,
+    projects: Projects,
     has_workers: bool,
     native_loop: Option<Arc<dyn Loop>>,
     has_loop: bool,
     q0: Vec<f64>,
     p0: Vec<f64>,
     radii: Option<(Vec<f64>, Vec<f64>)>,
+    phases: Phases,
 }
 
 impl Subject {
@@ -128,13 +139,18 @@ impl Subject {
         Ok(Shared {
             integrator,
             coordinates: self.coordinates.of(py, self.dof)?,
-            projects: self.project.is_some(),
+            projects: match (&self.project, self.form) {
+                (None, _) => Projects::Nothing,
+                (Some(_), false) => Projects::OntoManifold,
+                (Some(_), true) => Projects::OntoForm,
+            },
             has_workers: self.workers.is_some(),
             native_loop: (self.native_loop.as_ref()).map(|given| Arc::clone(&given.get().inner)),
             has_loop: self.phase_loop.is_some(),
             q0: self.q0.clone(),
             p0: self.p0.clone(),
             radii: self.radii.clone(),
+            phases: named_phases(py, &self.phases.0, self.phases.1)?,
         })
     }
 
@@ -236,7 +252,8 @@ impl Shared {
                     }
                 };
                 let (q0, p0) = (self.q0.clone(), self.p0.clone());
-                Box::new(Circle::with_radii(q0, p0, radii_q, radii_p)?)
+                let circle = Circle::with_radii(q0, p0, radii_q, radii_p)?;
+                Box::new(circle.with_phases(self.phases))
             }
         };
         let phase_loop: Box<dyn Loop + '_> = match map.constraint() {
@@ -313,18 +330,19 @@ pub fn check(
     Ok((report, failed))
 }
 
-/// Samples of the loop before and after a step of size h.
+/// Samples of the loop before and after some steps of size h.
 #[pyfunction]
 pub fn image<'py>(
     py: Python<'py>,
     subject: Subject,
     h: f64,
     samples: usize,
+    repeat: usize,
 ) -> PyResult<(Arrays<'py>, Arrays<'py>)> {
     let advance = |_: &dyn Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
         let before = Ensemble::sample(phase_loop, samples)?;
         let mut after = before.clone();
-        after.advance(map, h)?;
+        (0..repeat).try_for_each(|_| after.advance(map, h))?;
         Ok((before, after))
     };
     let (before, after) = subject.run(py, (None, None), h, advance)?.result;

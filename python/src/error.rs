@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use symplint::Error;
-use symplint::error::StateAt;
+use symplint::error::{LOOK_AT_MAP, StateAt};
 use symplint_config::ConfigError;
 
 /// An exception class of `symplint._errors`.
@@ -36,13 +36,13 @@ pub fn config_error(py: Python<'_>, error: &ConfigError) -> PyErr {
 
 /// Where and with which step size a map failed.
 struct Failed {
-    h: f64,
+    h: Option<f64>,
     s: Option<f64>,
     sample: Option<usize>,
 }
 
 impl Failed {
-    fn at(at: StateAt, h: f64) -> Self {
+    fn at(at: StateAt, h: Option<f64>) -> Self {
         let (s, sample) = match at {
             StateAt::Sample(sample) => (None, Some(sample)),
             StateAt::SampleOf { sample, samples } => {
@@ -59,9 +59,10 @@ impl Failed {
         match error {
             Error::NotFinite {
                 at,
-                step_size: Some(h),
+                step_size,
+                remedy,
                 ..
-            } => Some(Self::at(*at, *h)),
+            } if step_size.is_some() || *remedy == LOOK_AT_MAP => Some(Self::at(*at, *step_size)),
             Error::StepFailed { at, step_size, .. } => Some(Self::at(*at, *step_size)),
             Error::Memory { s, step_size, .. } => Some(Failed {
                 h: *step_size,
@@ -76,7 +77,12 @@ impl Failed {
 
 /// The exception for an error of the diagnostic.
 pub fn diagnostic_error(py: Python<'_>, error: &Error) -> PyErr {
-    let message = error.to_string();
+    step_error(py, error, "")
+}
+
+/// The exception for an error of the diagnostic, with advice that follows its text.
+pub fn step_error(py: Python<'_>, error: &Error, advice: &str) -> PyErr {
+    let message = format!("{error}{advice}");
     match Failed::of(error) {
         None => input_error(py, &message),
         Some(Failed { h, s, sample }) => {

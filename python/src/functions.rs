@@ -9,15 +9,19 @@ use symplint::{Block, Error, StepFailure};
 use symplint_journal::Journal;
 
 use crate::arrays::{pair, read_rows};
-use crate::block_call::{BlockCall, Failed, width};
+use crate::block_call::{BlockCall, Failed, for_each_batch};
 use crate::calls::{Answer, Call, ends_programs};
-use crate::error::{diagnostic_error, input_error};
+use crate::error::{diagnostic_error, input_error, step_error};
 use crate::memory::{Loan, Memory};
 use crate::workers::Workers;
 
 /// Exceptions that are kept to be the cause of an error of the diagnostic, at most: one for each step size and text, so more
 /// than there are step sizes in any sweep.
 const KEPT: usize = 256;
+
+/// Advice if states of one batch may influence each other.
+const ALONE: &str = "; if the step chooses its substeps or iterations for all rows of a batch together, write it for one state \
+                     and give per_sample=True";
 
 /// A step as the user gives it.
 pub struct Step {
@@ -89,7 +93,7 @@ impl Raised {
                     reason, step_size, ..
                 },
                 Of::Step(h),
-            ) => h == *step_size && self.reason == *reason,
+            ) => step_size.is_none_or(|size| size == h) && self.reason == *reason,
             // A loop or a projection that fails gives states that are not numbers.
             (Error::NotFinite { .. }, Of::Project | Of::Loop) => true,
             _ => false,
@@ -153,7 +157,7 @@ impl Functions {
             }
             Call::Measured(h) => {
                 self.measured += 1;
-                self.tell_progress(py, Some(h))
+                self.tell_progress(py, Some(h).filter(|h| h.is_finite()))
             }
             Call::Finished => Ok(()),
         }
@@ -162,7 +166,11 @@ impl Functions {
     /// The exception for an error of the diagnostic; its cause is that of a function of the user, if one raised it.
     pub fn exception(&self, py: Python<'_>, error: &Error) -> PyErr {
         let Some(raised) = self.raised.iter().find(|raised| raised.became(error)) else {
-            return diagnostic_error(py, error);
+            let by_batch = self.step.as_ref().is_some_and(|step| !step.per_sample);
+            return match error {
+                Error::Memory { .. } if by_batch => step_error(py, error, ALONE),
+                _ => diagnostic_error(py, error),
+            };
         };
         let exception = match raised.of.name() {
             None => diagnostic_error(py, error),
@@ -241,20 +249,17 @@ impl Functions {
             return advance(block);
         };
         // Every call of the function is noted by itself, as soon as it returns.
-        let width = match step.per_sample {
-            true => 1,
-            false => width(block.len(), block.dof()),
+        let mut noted = |batch: &mut Block<'_>| {
+            journal.advance(h, batch, |states| advance(states).map(|_| ()))?;
+            Ok(batch.all_finite())
         };
+        if !step.per_sample {
+            return for_each_batch(block, &mut noted);
+        }
         let Block { q, p } = block.reborrow();
-        let calls = q.column_blocks(width).zip(p.column_blocks(width));
-        for (k, (q, p)) in calls.enumerate() {
-            let noted = journal.advance(h, &mut Block::new(q, p), |states| {
-                advance(states).map(|_| ())
-            });
-            noted.map_err(|failed: Failed| Failed {
-                sample: k * width + failed.sample,
-                ..failed
-            })?;
+        let states = q.column_blocks(1).zip(p.column_blocks(1));
+        for (sample, (q, p)) in states.enumerate() {
+            noted(&mut Block::new(q, p)).map_err(|failed| Failed { sample, ..failed })?;
         }
         Ok(block.all_finite())
     }
@@ -283,8 +288,9 @@ impl Functions {
             .expect("only a Python loop is sampled here");
         let sampled = function.bind(py).call1((PyArray1::from_vec(py, s),))?;
         let (q, p) = pair(sampled, "loop", "return q and p")?;
-        read_rows(&q, "q of the loop", &mut block.q)?;
-        read_rows(&p, "p of the loop", &mut block.p)?;
+        let samples = block.len();
+        read_rows(&q, "q of the loop", &mut block.q, samples)?;
+        read_rows(&p, "p of the loop", &mut block.p, samples)?;
         Ok(())
     }
 
@@ -312,7 +318,9 @@ fn advance_by_workers(
     let states = block.copy_of(0..block.len());
     match workers.advance(py, h, &states)? {
         Ok((q, p)) => {
-            let finite = read_rows(&q, "q", &mut block.q)? & read_rows(&p, "p", &mut block.p)?;
+            let samples = block.len();
+            let finite = read_rows(&q, "q", &mut block.q, samples)?
+                & read_rows(&p, "p", &mut block.p, samples)?;
             Ok(Ok(finite))
         }
         Err((sample, error)) => Ok(Err(Failed { sample, error })),

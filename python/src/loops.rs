@@ -4,12 +4,20 @@ use std::sync::Arc;
 
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
-use symplint::{Circle, Ensemble, FourierLoop, Loop, SampledLoop};
+use symplint::{Circle, Ensemble, FourierLoop, Loop, Phases, SampledLoop};
 
 use crate::arrays;
 use crate::coordinates::Stated;
-use crate::error::diagnostic_error;
+use crate::error::{diagnostic_error, input_error};
 use crate::pool;
+
+/// The phases of this name.
+pub fn named_phases(py: Python<'_>, name: &str, seed: u64) -> PyResult<Phases> {
+    Phases::named(name, seed).ok_or_else(|| {
+        let known = Phases::NAMES.map(|name| format!("\"{name}\"")).join(", ");
+        input_error(py, &format!("phases is \"{name}\"; give one of {known}"))
+    })
+}
 
 /// A loop of the library.
 #[pyclass(frozen, name = "Loop", module = "symplint._native")]
@@ -34,7 +42,7 @@ impl NativeLoop {
 impl NativeLoop {
     /// An ellipse in every degree of freedom.
     #[staticmethod]
-    #[pyo3(signature = (q0, p0, radii_q, radii_p, dofs=None, seed=None))]
+    #[pyo3(signature = (q0, p0, radii_q, radii_p, dofs=None, phases="staggered", seed=1))]
     fn circle(
         py: Python<'_>,
         q0: Vec<f64>,
@@ -42,17 +50,15 @@ impl NativeLoop {
         radii_q: Vec<f64>,
         radii_p: Vec<f64>,
         dofs: Option<Vec<usize>>,
-        seed: Option<u64>,
+        phases: &str,
+        seed: u64,
     ) -> PyResult<Self> {
         let made = Circle::with_radii(q0, p0, radii_q, radii_p).and_then(|circle| match dofs {
             Some(dofs) => circle.on(&dofs),
             None => Ok(circle),
         });
-        let made = made.map(|circle| match seed {
-            Some(seed) => circle.with_random_phases(seed),
-            None => circle,
-        });
-        Self::new(py, made)
+        let phases = named_phases(py, phases, seed)?;
+        Self::new(py, made.map(|circle| circle.with_phases(phases)))
     }
 
     /// A random loop of three modes.

@@ -8,15 +8,29 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Mutex, PoisonError};
 
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::calls::SIGNALS;
 use crate::error::other_error;
 
-/// So many new threads, or one for each core.
+/// This number of new threads, or one for each processor, and never more: they would only take time to start.
+///
+/// # Errors
+/// If there can be no threads, or a warning about their number is an error.
 pub fn own(py: Python<'_>, threads: Option<usize>) -> PyResult<ThreadPool> {
-    let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    if let Some(count) = threads.filter(|&count| count > processors) {
+        let s = if processors == 1 { "" } else { "s" };
+        let note = format!(
+            "threads={count} exceeds the number of processors; {processors} thread{s} will be used"
+        );
+        let note = std::ffi::CString::new(note).expect("a text without zeros");
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &note, 2)?;
+    }
+    let count = threads.map_or(0, |count| count.min(processors));
+    let pool = ThreadPoolBuilder::new().num_threads(count);
     (pool.build()).map_err(|error| other_error(py, &format!("cannot start threads: {error}")))
 }
 

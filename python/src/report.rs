@@ -6,7 +6,7 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use serde::Deserialize;
 use symplint::{Diagnosis, Ensemble};
-use symplint_report::figures::{measure_figures, step_sizes};
+use symplint_report::figures::{measure_figures, sizes};
 use symplint_report::provenance::{Provenance, Run};
 use symplint_report::report::{Report as JsonReport, read_evidence};
 use symplint_report::run_folder::RunFolder;
@@ -77,14 +77,13 @@ impl Report {
 
     /// The page or a part of one: verdict, figure, table, evidence.
     fn html(&self) -> String {
-        let points = self.diagnosis.points();
-        let has_sizes = points.iter().any(|point| point.step_size.is_finite());
         // Without a figure the table says the same.
-        let figure = has_sizes.then(|| step_sizes(&self.title, &self.diagnosis).to_svg().ok());
+        let figures = sizes(&self.title, &self.diagnosis);
+        let figure = figures.first().and_then(|(_, figure)| figure.to_svg().ok());
         html::fragment(
             &self.diagnosis.verdict,
             &points_table(&self.title, &self.diagnosis),
-            figure.flatten().as_deref(),
+            figure.as_deref(),
         )
     }
 }
@@ -227,7 +226,7 @@ impl Report {
             Some((before, after)) => {
                 measure_figures(&self.title, &self.diagnosis, before, after, h)
             }
-            None => vec![("step_sizes", step_sizes(&self.title, &self.diagnosis))],
+            None => sizes(&self.title, &self.diagnosis),
         };
         for (name, figure) in figures {
             (figure.save(&folder.figures(), name)).map_err(|error| error.to_string())?;

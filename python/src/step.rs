@@ -17,22 +17,38 @@ pub struct PythonMap<'a> {
     has_workers: bool,
 }
 
+/// What a Python function that puts states on a manifold does.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Projects {
+    /// There is no such function.
+    Nothing,
+    /// It puts states on a constraint manifold.
+    OntoManifold,
+    /// It evaluates a one-form, on a leaf or without one.
+    OntoForm,
+}
+
 /// A manifold on which a Python function puts states.
-struct Projection<'a>(&'a dyn Caller);
+struct Projection<'a> {
+    caller: &'a dyn Caller,
+    is_of_one_form: bool,
+}
 
 impl<'a> PythonMap<'a> {
-    /// The map; `projects` says whether there is a function that puts states on a manifold, and `has_workers` whether workers
-    /// take the steps.
+    /// The map. `has_workers` says whether workers take the steps.
     pub fn new(
         caller: &'a dyn Caller,
         coordinates: Coordinates,
-        projects: bool,
+        projects: Projects,
         has_workers: bool,
     ) -> Self {
         PythonMap {
             caller,
             coordinates,
-            projection: projects.then_some(Projection(caller)),
+            projection: (projects != Projects::Nothing).then_some(Projection {
+                caller,
+                is_of_one_form: projects == Projects::OntoForm,
+            }),
             has_workers,
         }
     }
@@ -82,9 +98,13 @@ impl Prefetch for PythonMap<'_> {
 
 impl Constraint for Projection<'_> {
     fn project(&self, block: &mut Block<'_>) {
-        if call(self.0, block, Call::Project).is_err() {
+        if call(self.caller, block, Call::Project).is_err() {
             invalidate(block);
         }
+    }
+
+    fn is_of_one_form(&self) -> bool {
+        self.is_of_one_form
     }
 }
 

@@ -18,10 +18,10 @@ from . import _native
 from ._arrays import coordinates, cutoffs, vector, whole
 from ._errors import InputError, NotSymplecticError
 from ._fingerprint import fingerprint
-from ._form import CircleOfForm, FormOfRows, LoopOfForm, MapOfForm, Projection, one_form
-from ._loops import Loop, centre, radii
+from ._form import CircleOfForm, FormOfRows, Leaf, LoopOfForm, MapOfForm, Projection, one_form
+from ._loops import Loop, centre, phases_and_seed, radii
 from ._progress import bar
-from ._report import Report
+from ._report import Report, States
 from ._workers import Workers
 from .integrators import Integrator, of_system
 from .systems import System
@@ -42,13 +42,15 @@ def check(
     p0: npt.ArrayLike | None = None,
     *,
     step_sizes: npt.ArrayLike | None = None,
+    repeat: int = 1,
     h: float | None = None,
     radius: Any = 1.0,
+    phases: str = "staggered",
     loop: Loop | Callable[..., Any] | None = None,
     loops: int = 8,
     project: Callable[..., Any] | None = None,
     seed: int = 1,
-    rule: str = "auto",
+    rule: str | None = "auto",
     cutoff: float | tuple[float, float] = 1000.0,
     samples: int | str = "auto",
     budget: int | str = BUDGET,
@@ -59,6 +61,7 @@ def check(
     make: bool = False,
     reset: Callable[[], object] | None = None,
     form: Callable[..., Any] | None = None,
+    casimir: Callable[..., Any] | list[Callable[..., Any]] | None = None,
     dtype: npt.DTypeLike | None = None,
     jacobian: bool = True,
     executor: Any = None,
@@ -76,31 +79,39 @@ def check(
     step : callable
         ``step(q, p, h)`` gets arrays of shape (samples, dof), and returns two, or changes them in place and returns
         None. A row is one state; what happens to it must depend on nothing but this row and h. Arrays may be kept:
-        they are not used again then. The arrays are in Fortran order. Results may be arrays of any order and library, torch
+        they are not used again then. The arrays are in Fortran order. Their lengths are 1, 4, 16, 64, 256 or 1024, so that JAX
+        compiles few versions: a batch may end with copies of its last row, which are no evaluations. Results may be arrays of any order and library, torch
         and JAX among them. An integrator of `symplint.integrators` runs without Python, and so does a system of
         `symplint.systems`, with its default integrator.
     q0, p0 : array_like
         Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library, and where
         `loop` is one of the library.
-    step_sizes : array_like, optional
-        Step sizes to try; the verdict leans on the largest. By default, 2^-1 … 2^-10.
+    step_sizes : array_like or "none", optional
+        Step sizes to try; the verdict leans on the largest. By default, 2^-1 … 2^-10. "none" is for a map without a step size
+        (a kicker, an edge, one turn of a ring): `step` is then ``step(q, p)``, and is tested itself.
+    repeat : int
+        The step is composed with itself this number of times.
     h : float, optional
         In place of `step_sizes`, a typical step size: the largest step size that tests something is looked for, and
         halved.
     radius : float, array_like, pair of them or "auto"
         Radius of the loop: one for all degrees of freedom, one for each, a tuple of those for q and for p, or as the map
         suggests. Not together with `loop`.
+    phases : {"staggered", "equal", "random"}
+        Where each degree of freedom starts on its circle: at multiples of the golden ratio, all at the same phase (the circle of
+        the paper, on which forces between pairs of particles do not change), or at random. Not together with `loop`.
     loop : Circle, FourierLoop, SampledLoop or callable, optional
         The loop, in place of a circle round (q0, p0): also a function that gets an array of s in [0, 1) and returns (q, p)
         of shape (len(s), dof).
     loops : int
         Loops in all, the given one included; the others are random. 10,000 at most.
     project : callable, optional
-        ``project(q, p)`` puts states on the constraint manifold of the map, and returns or changes them as `step` does.
+        ``project(q, p)`` puts states on the constraint manifold of the map, and returns or changes them as `step` does. With
+        `form`, ``project(z)``.
     seed : int
-        Seed of the random loops.
-    rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}
-        How loop integrals are computed.
+        Seed of the random loops and of random phases.
+    rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}, optional
+        How loop integrals are computed; None is "auto".
     cutoff : float or (float, float), optional
         λ of the finite-difference rule, or λ_q and λ_p: a cell of the loop is left out where q changes faster than λ_q times
         the largest absolute value of q, or p likewise.
@@ -117,7 +128,7 @@ def check(
     weight : float or array_like, optional
         The canonical momentum is weight × p: masses, where p are velocities.
     per_sample : bool
-        Whether `step` (and `project` and `form`) takes and returns one state: arrays of shape (dof,).
+        Whether `step` (and `project`, `form` and `casimir`) takes and returns one state: arrays of shape (dof,).
     make : bool
         Whether ``step(h)`` returns ``advance(q, p)``; it is called once for each h.
     reset : callable, optional
@@ -127,6 +138,10 @@ def check(
         (samples, n) and returns one like it. Then `step` is ``step(z, h)`` and returns one array or changes it in place, `q0`
         is the centre z0, n numbers, `radius` has one number for each of them, and `loop` is a function of s that returns z. The loop
         integral is ∮ ϑ(z)·dz; what a report calls degree of freedom i is the coordinate z_i.
+    casimir : callable or list of callables, optional
+        With `form`: the Casimir functions of a degenerate (Lie–Poisson) form, such as the lengths of spins. Each gets an array of
+        shape (samples, n) and returns one of shape (samples,). All loops and tangent vectors are kept to the leaf through `q0`,
+        on which these functions are constant. ``project(z)`` does the same if the leaf is known in another way.
     dtype : "float32", optional
         Where the map computes in single precision: `step` then gets arrays of it.
     jacobian : bool
@@ -139,7 +154,8 @@ def check(
     threads : int, optional
         Threads for the work of the library: by default, for a function, the calling thread alone, which is faster unless
         there are very many degrees of freedom, and for an integrator of the library, one for each core. `step` is called
-        from the calling thread alone. Results do not depend on the number.
+        from the calling thread alone. Results do not depend on the number. More than there are processors are not started,
+        with a warning.
     out : path, optional
         A folder to write the report to, as `Report.save` does. Every call of `step` is noted there as soon as it returns: a
         check that was stopped at any moment goes on from there when it is run again, and gives the report that it would
@@ -201,23 +217,33 @@ def check(
     name = _name(step)
     if form is not None:
         step, q0, p0, radius, loop, project = _of_form(
-            form, step, q0, p0, radius=radius, loop=loop, project=project, momentum_period=momentum_period, weight=weight,
-            per_sample=per_sample, make=make,
+            form, step, q0, p0, radius=radius, phases=phases, loop=loop, project=project, casimir=casimir,
+            momentum_period=momentum_period, weight=weight, per_sample=per_sample, make=make,
         )  # fmt: skip
+    elif casimir is not None:
+        raise InputError("casimir is for non-canonical coordinates; give a form as well")
+    if isinstance(step_sizes, str):
+        step = _without_step_size(step, step_sizes, make)
     subject = _subject(
-        step, q0, p0, radius=radius, loop=loop, project=project, period=period,
+        step, q0, p0, radius=radius, phases=phases, seed=seed, loop=loop, project=project, period=period,
         momentum_period=momentum_period, weight=weight, per_sample=per_sample, make=make, reset=reset, dtype=dtype,
         threads=threads, executor=executor,
     )  # fmt: skip
     compiled = subject["integrator"] is not None
+    has_step_size = not (isinstance(step_sizes, str) and step_sizes == "none")
+    if not has_step_size:
+        # What the map is called with.
+        step_sizes = 1.0
     if step_sizes is not None and h is not None:
         raise InputError("both step_sizes and h are given; h is a typical step size, from which step sizes are looked for")
     settings = {
+        "has_step_size": has_step_size,
+        "repeat": whole(repeat, "repeat", 1),
         "step_sizes": None if step_sizes is None else vector(step_sizes, "step_sizes").tolist(),
         "typical": None if h is None else _number(h, "h"),
         "loops": whole(loops, "loops", 1),
         "seed": whole(seed, "seed", 0),
-        "rule": rule,
+        "rule": "auto" if rule is None else rule,
         "cutoffs": cutoffs(cutoff),
         "samples": _whole_or_auto(samples, "samples", 3),
         "budget": _whole_or_auto(budget, "budget", 200),
@@ -234,7 +260,10 @@ def check(
     with bar(progress) as watch, _resumable(journal), workers:
         native, failed = _native.check(subject, settings, title, json.dumps(_finite(config)), watch, journal)
     subject["workers"] = None
-    report = Report(native, lambda size, samples: _native.image(subject, size, samples))
+    def image(size: float, samples: int) -> States:
+        return _native.image(subject, size if has_step_size else 1.0, samples, settings["repeat"])
+
+    report = Report(native, image)
     if folder is not None:
         report.save(folder)
     if failed is not None:
@@ -310,6 +339,8 @@ def _subject(
     p0: Any,
     *,
     radius: Any,
+    phases: Any,
+    seed: Any,
     loop: Any,
     project: Any,
     period: Any,
@@ -354,6 +385,9 @@ def _subject(
             raise InputError(f"q0 has {dof} values and {other} {found.dof} degrees of freedom; they must agree")
     if loop is not None and not (isinstance(radius, int | float) and radius == 1.0):
         raise InputError("both loop and radius are given; the loop has a size of its own")
+    start = phases_and_seed(phases, seed)
+    if loop is not None and phases != "staggered":
+        raise InputError("both loop and phases are given; the loop has its own")
     if isinstance(radius, str) and radius != "auto":
         raise InputError(f'radius is "{radius}"; give a number, or "auto"')
     of_circle = None
@@ -367,6 +401,7 @@ def _subject(
         "reset": reset,
         "single": _is_single(dtype),
         "project": project,
+        "form": isinstance(project, Projection),
         "dof": dof,
         "coordinates": coordinates(dof, period, momentum_period, weight),
         "native_loop": native_loop,
@@ -374,6 +409,7 @@ def _subject(
         "q0": centres[0],
         "p0": centres[1],
         "radii": of_circle,
+        "phases": start,
         "threads": None if threads is None else whole(threads, "threads", 1),
         "workers": None
         if executor is None
@@ -390,8 +426,10 @@ def _of_form(
     p0: Any,
     *,
     radius: Any,
+    phases: Any,
     loop: Any,
     project: Any,
+    casimir: Any,
     momentum_period: Any,
     weight: Any,
     per_sample: bool,
@@ -401,22 +439,54 @@ def _of_form(
     for name, function in (("form", form), ("step", step)):
         if not callable(function) or isinstance(function, Integrator):
             raise InputError(f"{name} is an object of type {type(function).__name__}; with a form, give a function")
-    canonical = {"p0": p0, "project": project, "momentum_period": momentum_period, "weight": weight}
+    casimirs = [] if casimir is None else list(casimir) if isinstance(casimir, list | tuple) else [casimir]
+    for name, function in [("casimir", function) for function in casimirs] + [("project", project)]:
+        if not callable(function) and (function is not None or name == "casimir"):
+            raise InputError(f"{name} is an object of type {type(function).__name__}; give a function of z")
+    canonical = {"p0": p0, "momentum_period": momentum_period, "weight": weight}
     if refused := [name for name, value in canonical.items() if value is not None]:
         raise InputError(f"{refused[0]} is for canonical coordinates; with a form, all is said by z0, period and form")
     if loop is not None and (isinstance(loop, Loop) or not callable(loop)):
         raise InputError("loop is of canonical coordinates; with a form, give a function of s that returns z")
+    if phases != "staggered":
+        raise InputError("phases is for canonical coordinates; with a form, give a loop")
     if isinstance(radius, tuple | str):
         raise InputError(f"radius is {radius!r}; with a form, give a number, or one for each coordinate")
     if z0 is None:
         raise InputError("q0 is missing; with a form, give the state z0 round which loops are laid")
     z0 = vector(z0, "q0")
     of_rows = FormOfRows(form) if per_sample else form
+    size = radii(radius, z0.size)[0]
     if loop is None:
-        loop, radius = CircleOfForm(z0, radii(radius, z0.size)[0], of_rows), 1.0
+        loop, radius = CircleOfForm(z0, size, of_rows), 1.0
     else:
         loop = LoopOfForm(loop, of_rows)
-    return MapOfForm(step, form, make), z0, one_form(of_rows, z0[None, :])[0], radius, loop, Projection(form)
+    leaves = [] if project is None else [project]
+    if casimirs:
+        leaves.append(Leaf(casimirs, z0, size, per_sample))
+    p0 = one_form(of_rows, z0[None, :])[0]
+    return MapOfForm(step, form, make), z0, p0, radius, loop, Projection(form, leaves)
+
+
+class WithoutStepSize:
+    """``step(q, p)`` as a step that is also given a step size."""
+
+    def __init__(self, step: Callable[..., Any]) -> None:
+        self.step = step
+        self.__name__ = _name(step)
+
+    def __call__(self, q: Any, p: Any, _: float) -> Any:
+        return self.step(q, p)
+
+
+def _without_step_size(step: Any, step_sizes: str, make: bool) -> Any:
+    """A step without a step size, if `step_sizes` says that it has none."""
+    if step_sizes != "none":
+        raise InputError(f'step_sizes is "{step_sizes}"; give step sizes, or "none" for a map without one')
+    if make:
+        raise InputError('make is for steps with a step size; with step_sizes="none", give step(q, p)')
+    # An integrator of the library, or what `_subject` refuses.
+    return step if isinstance(step, Integrator) or not callable(step) else WithoutStepSize(step)
 
 
 def _absolute(out: str | os.PathLike[str]) -> str:
@@ -493,12 +563,16 @@ if hasattr(os, "register_at_fork"):
 def _config(name: str, subject: dict[str, Any], settings: dict[str, Any], loop: Any) -> dict[str, Any]:
     """The arguments, for the report."""
     own = ("dof", "per_sample", "make", "single", "q0", "p0", "radii")
+    if loop is None:
+        settings = {"phases": subject["phases"][0]} | settings
     arguments = {key: subject[key] for key in own} | subject["coordinates"] | settings
     arguments = {
         key: value
         for key, value in arguments.items()
         if not isinstance(value, list | tuple) or len(value) <= LONGEST
     }
+    if not arguments.pop("has_step_size"):
+        arguments["step_sizes"] = "none"
     config: dict[str, Any] = {"check": {"step": name} | arguments}
     if loop is not None:
         config["check"]["loop"] = type(loop).__name__ if isinstance(loop, Loop) else _name(loop)

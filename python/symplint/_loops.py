@@ -34,6 +34,13 @@ def radii(radius: Any, dof: int) -> tuple[Array, Array]:
     return found
 
 
+def phases_and_seed(phases: Any, seed: Any) -> tuple[str, int]:
+    """Phases of a circle by name, and the seed of random ones."""
+    if not isinstance(phases, str):
+        raise InputError(f'phases is {phases!r}; give "staggered", "equal" or "random"')
+    return phases, whole(seed, "seed", 0)
+
+
 class Loop:
     """A closed curve in phase space that can be sampled at any s.
 
@@ -67,7 +74,7 @@ class Loop:
 
 
 class Circle(Loop):
-    """The loop q = q0 + r sin 2πs, p = p0 + r cos 2πs, in every degree of freedom.
+    """The loop q = q0 + r sin 2π(s + φ), p = p0 + r cos 2π(s + φ), in every degree of freedom.
 
     Parameters
     ----------
@@ -77,8 +84,11 @@ class Circle(Loop):
         r: one for all, one for each degree of freedom, or a tuple of those for q and for p.
     dofs : sequence of int, optional
         Degrees of freedom that the loop moves; the others stay at their centres.
-    phases : int, optional
-        Seed of random phases: each degree of freedom starts at a phase of its own.
+    phases : {"staggered", "equal", "random"}
+        φ, where each degree of freedom starts: at multiples of the golden ratio, at 0 (the loop of the paper, which moves all
+        degrees of freedom in phase), or at random.
+    seed : int
+        Seed of random phases.
 
     Examples
     --------
@@ -96,12 +106,13 @@ class Circle(Loop):
         radius: Any = 1.0,
         *,
         dofs: list[int] | None = None,
-        phases: int | None = None,
+        phases: str = "staggered",
+        seed: int = 1,
     ) -> None:
         q, p = centre(q0, p0)
         moved = None if dofs is None else [whole(dof, "dofs", 0) for dof in dofs]
-        seed = None if phases is None else whole(phases, "phases", 0)
-        super().__init__(_native.Loop.circle(q, p, *radii(radius, q.size), moved, seed))
+        start = phases_and_seed(phases, seed)
+        super().__init__(_native.Loop.circle(q, p, *radii(radius, q.size), moved, *start))
 
 
 class FourierLoop(Loop):
@@ -147,7 +158,13 @@ class SampledLoop(Loop):
 
 
 def circle(
-    q0: npt.ArrayLike, p0: npt.ArrayLike, radius: Any = 1.0, samples: int = 256
+    q0: npt.ArrayLike,
+    p0: npt.ArrayLike,
+    radius: Any = 1.0,
+    samples: int = 256,
+    *,
+    phases: str = "staggered",
+    seed: int = 1,
 ) -> tuple[Array, Array]:
     """Samples of a circle, for a code that advances them elsewhere: see `measure`.
 
@@ -157,6 +174,8 @@ def circle(
         As those of `Circle`.
     samples : int
         How many.
+    phases, seed
+        As those of `Circle`.
 
     Returns
     -------
@@ -169,4 +188,4 @@ def circle(
     >>> round(symplint.loop_integral(q, p).value, 12)  # its area
     12.566370614359
     """
-    return Circle(q0, p0, radius).sample(samples)
+    return Circle(q0, p0, radius, phases=phases, seed=seed).sample(samples)

@@ -49,7 +49,7 @@ def loop_integral(
     q: npt.ArrayLike,
     p: npt.ArrayLike,
     *,
-    rule: str = "auto",
+    rule: str | None = "auto",
     cutoff: float | tuple[float, float] = 1000.0,
     period: npt.ArrayLike | None = None,
     momentum_period: npt.ArrayLike | None = None,
@@ -62,7 +62,7 @@ def loop_integral(
     q, p : array_like of shape (samples, dof)
         Row k is the state at s = k/samples.
     rule : {"auto", "pseudospectral", "finite-difference"}
-        How it is computed; "auto" is pseudospectral.
+        How it is computed; "auto", or None, is pseudospectral.
     cutoff : float or (float, float), optional
         λ of the finite-difference rule, as that of `check`.
     period, momentum_period, weight : float or array_like, optional
@@ -82,8 +82,10 @@ def loop_integral(
     """
     rows_q, rows_p = samples(q, "q"), samples(p, "p")
     dof = rows_q.shape[1]
+    stated = coordinates(dof, period, momentum_period, weight)
+    rule = "auto" if rule is None else rule
     value, quadrature_error, roundoff, contributions = _native.loop_integral(
-        rows_q, rows_p, rule, cutoffs(cutoff), coordinates(dof, period, momentum_period, weight)
+        rows_q, rows_p, rule, cutoffs(cutoff), stated
     )
     return LoopIntegral(value, quadrature_error, roundoff, tuple(contributions))
 
@@ -101,7 +103,9 @@ def measure(
     Parameters
     ----------
     before : (q, p)
-        The loop before the step, of shape (samples, dof) both: row k is the state at s = k/samples.
+        The loop before the step, of shape (samples, dof) both: rows in the order of the loop. Equally spaced rows give the most
+        digits; rows may also be missing or unequally spaced, which the stated error includes. A last row that repeats the
+        first one is left out.
     *after : (q, p)
         The same samples after one step; of several step sizes, each taken from `before`.
     h : float or sequence of float, optional

@@ -29,7 +29,8 @@ class Loop:
         radii_q: _Vector,
         radii_p: _Vector,
         dofs: Sequence[int] | None = None,
-        seed: int | None = None,
+        phases: str = "staggered",
+        seed: int = 1,
     ) -> Loop: ...
     @staticmethod
     def fourier(q0: _Vector, p0: _Vector, radii_q: _Vector, radii_p: _Vector, seed: int) -> Loop: ...
@@ -138,7 +139,7 @@ def check(
     journal: tuple[str, str] | None = None,
 ) -> tuple[Report, StepError | None]: ...
 def image(
-    subject: Mapping[str, Any], h: float, samples: int
+    subject: Mapping[str, Any], h: float, samples: int, repeat: int
 ) -> tuple[tuple[_Array, _Array], tuple[_Array, _Array]]: ...
 def measure(
     before: tuple[_Array, _Array, bool],

@@ -14,6 +14,11 @@ from ._errors import InputError, SymplintError
 
 #: Tasks that a pool may have at once where it is not known how many processes it has.
 AT_ONCE = 64
+#: What is wrong with a method `map` that loses or reorders results.
+OTHER_ORDER = (
+    "the executor does not return one result for each task in the order of the tasks; give one whose map does, as those of "
+    "concurrent.futures"
+)
 #: A future, the function, and its arguments.
 Task = tuple[Future[Any], Callable[..., Any], tuple[Any, ...]]
 
@@ -101,8 +106,12 @@ class OfMap:
         """Makes all tasks that wait."""
         waiting, self._waiting = self._waiting, []
         if waiting:
-            results = self._map(_apply, [work for _, work in waiting])
-            for (future, _), result in zip(waiting, results, strict=True):
+            results = iter(self._map(_apply, [work for _, work in waiting]))
+            for future, _ in waiting:
+                try:
+                    result = next(results)
+                except StopIteration:
+                    raise InputError(OTHER_ORDER) from None
                 future.set_result(result)
 
 

@@ -26,7 +26,7 @@ from . import _native
 from ._arrays import Array
 from ._comparison import Comparison, States
 from ._errors import InputError, SymplintError
-from ._pools import OfMap, OfPool, has_callbacks
+from ._pools import OTHER_ORDER, OfMap, OfPool, has_callbacks
 
 #: Arcs of one set of states, at most.
 MOST_ARCS = 64
@@ -178,9 +178,9 @@ class Workers:
         return max(1, together)
 
     def _send(self, task: _Task) -> None:
-        arguments = (self._step, self.comparison.states, [(arc.h, arc.q, arc.p) for arc in task.arcs])
         self._sent += 1
         task.executor, task.number = self._executor, self._sent
+        arguments = (self._step, self.comparison.states, [(arc.h, arc.q, arc.p) for arc in task.arcs], self._sent)
         with self._lock:
             self._tasks.add(task)
         for arc in task.arcs:
@@ -206,6 +206,8 @@ class Workers:
                 else:
                     task.error = error
                 return
+            if not isinstance(result, _Result) or result.number != task.number:
+                raise InputError(OTHER_ORDER)
             with self._lock:
                 self.comparison.take(result.process, result.compared)
                 if result.states:
@@ -407,7 +409,9 @@ class _Failure:
 class _Result:
     """What a worker made of a task."""
 
-    def __init__(self) -> None:
+    def __init__(self, number: int) -> None:
+        #: The number of the task.
+        self.number = number
         self.process = _process()
         self.states: list[States | _Failure] = []
         self.seconds = 0.0
@@ -426,7 +430,9 @@ _known: dict[str, dict[float, Any]] = {}
 _known_lock = threading.Lock()
 
 
-def _advance(step: _Step, compared: tuple[float, Array, Array] | None, arcs: list[tuple[float, Array, Array]]) -> _Result:
+def _advance(
+    step: _Step, compared: tuple[float, Array, Array] | None, arcs: list[tuple[float, Array, Array]], number: int
+) -> _Result:
     """Advances arcs, in the process of a worker."""
     with _known_lock:
         is_first = step.of_check not in _known
@@ -434,7 +440,7 @@ def _advance(step: _Step, compared: tuple[float, Array, Array] | None, arcs: lis
             _known[step.of_check] = {}
             while len(_known) > MOST_CHECKS:
                 del _known[next(iter(_known))]
-    result = _Result()
+    result = _Result(number)
     # The process of the check knows of no other one.
     if is_first and compared is not None and step.home != result.process:
         after = _call(step, *compared)

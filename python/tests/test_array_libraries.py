@@ -55,6 +55,21 @@ def test_jax_in_double_precision(jax):
     assert report.kind == "symplectic"
 
 
+@pytest.mark.parametrize("double", [True, False])
+def test_jax_compiles_a_step_for_few_sizes(jax, double):
+    jax.config.update("jax_enable_x64", double)
+    step = jax.jit(jax.vmap(kick_and_drift(lambda x: x, jax.numpy.sin), (0, 0, None)))
+    sizes = set()
+
+    def counted(q, p, h):
+        sizes.add(len(q))
+        return step(q, p, h)
+
+    report = symplint.check(counted, *CENTRE)
+    assert report.kind == "symplectic" and report.digits > (12 if double else 6)
+    assert len(sizes) <= 6
+
+
 def test_gradients_of_jax(jax):
     jnp = jax.numpy
 

@@ -495,7 +495,7 @@ def test_checks_at_once_are_compared_once():
     for step in steps:
         step.home = "elsewhere:1"
     states = np.ones((2, 1))
-    results = [_advance(step, (0.5, states, states), []) for _ in range(4) for step in steps]
+    results = [_advance(step, (0.5, states, states), [], 1) for _ in range(4) for step in steps]
     assert sum(result.compared is not None for result in results) == len(steps)
 
 
@@ -668,3 +668,33 @@ def test_a_pool_that_is_closed_during_a_check_ends_it():
         gate.opened.set()
         error = in_time(lambda: workers.advance(0.5, q, q), seconds=20)
     assert isinstance(error, symplint.InputError) and "close it after the check" in str(error)
+
+
+class Backwards:
+    """A pool that returns results in another order."""
+
+    def map(self, function, work):
+        return [function(item) for item in work][::-1]
+
+
+class Lossy:
+    """A pool that loses a result."""
+
+    def map(self, function, work):
+        return [function(item) for item in work][1:]
+
+
+class Unordered:
+    """A pool whose results come as they are ready."""
+
+    def map(self, function, work):
+        with ThreadPoolExecutor(4) as executor:
+            futures = [executor.submit(function, item) for item in work]
+            return [future.result() for future in reversed(futures)]
+
+
+@pytest.mark.parametrize("pool", [Backwards, Lossy, Unordered])
+@pytest.mark.parametrize("per_sample", [False, True])
+def test_results_in_another_order_are_an_error(pool, per_sample):
+    with pytest.raises(symplint.InputError, match="in the order of the tasks"):
+        check(verlet, pool(), per_sample=per_sample)

@@ -45,6 +45,29 @@ def test_an_exception_is_the_cause_and_the_state_is_named():
     assert f"sample {error.sample} of {samples}" in str(error)
 
 
+@pytest.mark.parametrize("budget", [200, 300, 500, 700, 1000, 20000])
+@pytest.mark.parametrize("limit", [0.0, 0.01])
+def test_a_small_budget_hides_no_failure(budget, limit):
+    def step(q, p, h):
+        if h > limit:
+            raise NoConvergence("cannot open restart.dat")
+        return verlet(q, p, h)
+
+    with pytest.raises(symplint.StepError, match="cannot open restart.dat") as caught:
+        symplint.check(step, [1.0, 2.0], [0.5, 0.1], budget=budget)
+    assert isinstance(caught.value.__cause__, NoConvergence) and caught.value.h == 0.5
+
+
+@pytest.mark.parametrize("budget", [200, 500, 20000])
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [(lambda q, p, h: (q * np.nan, p), "is NaN"), (lambda q, p, h: (q.T, p.T), "should have the shape")],
+)
+def test_a_small_budget_hides_no_wrong_result(step, words, budget):
+    with pytest.raises(symplint.StepError, match=words):
+        symplint.check(step, [1.0, 2.0], [0.5, 0.1], budget=budget)
+
+
 def test_the_cause_is_kept_where_many_step_sizes_fail():
     def step(q, p, h):
         if (q > 1.9).any():
@@ -268,6 +291,7 @@ def test_ctrl_c(body, check):
             process.kill()
 
 
+@pytest.mark.filterwarnings("ignore:threads=4 exceeds")
 def test_a_step_is_called_by_the_calling_thread_alone():
     threads = set()
 
@@ -280,6 +304,39 @@ def test_a_step_is_called_by_the_calling_thread_alone():
     # Same bits on any number of threads.
     for other in found[1:]:
         assert found[0].tobytes() == other.tobytes()
+
+
+@pytest.mark.parametrize("count", [5_000, 10**6, 2**62])
+def test_more_threads_than_processors_are_not_started(count):
+    with pytest.warns(UserWarning, match=f"threads={count} exceeds the number of processors"):
+        report = symplint.check(verlet, 1.0, 0.5, **SIZES, threads=count)
+    assert report.to_dict()["provenance"]["threads"] <= (os.cpu_count() or 1)
+
+
+def test_no_rule_is_the_default_rule():
+    assert symplint.check(verlet, 1.0, 0.5, **SIZES, rule=None).kind == "symplectic"
+    assert float(symplint.loop_integral(*symplint.circle(1.0, 0.5), rule=None)) == pytest.approx(np.pi)
+
+
+def test_an_opening_is_not_the_motion_of_the_loop():
+    def open_loop(s):
+        angle = (2 * np.pi - 6.3e-11) * np.asarray(s)[:, None]
+        return np.sin(angle), np.cos(angle)
+
+    with pytest.raises(symplint.InputError, match=r"is 6\.3\d*e-11 away"):
+        symplint.check(verlet, 0.0, 0.0, loop=open_loop)
+
+
+def test_steps_backwards_keep_their_sign():
+    def damped(q, p, h):
+        q, p = verlet(q, p, h)
+        return q, (1 - 0.01 * h) * p
+
+    backwards = {"step_sizes": [-0.5, -0.25, -0.125, -0.0625]}
+    for step, words in ((verlet, "for h from -2^-1 to -2^-4"), (damped, "between h = -2^-4 and h = -2^-1")):
+        text = str(symplint.check(step, 1.0, 0.5, **backwards)).replace("\n    ", " ").replace("\n", " ")
+        assert words in text, text
+        assert "h = 2^" not in text and "from 2^" not in text and "to 2^" not in text, text
 
 
 def test_checks_on_several_threads_and_within_each_other():
@@ -386,6 +443,8 @@ def test_arguments_that_are_not_valid(arguments, words):
     [
         (lambda: symplint.FourierLoop(0.0, 0.0, seed=-1), "seed is -1"),
         (lambda: symplint.Circle(0.0, 0.0, phases=-1), "phases is -1"),
+        (lambda: symplint.Circle(0.0, 0.0, phases="golden"), 'phases is "golden"'),
+        (lambda: symplint.Circle(0.0, 0.0, phases="random", seed=-1), "seed is -1"),
         (lambda: symplint.Circle(0.0, 0.0, dofs=[-1]), "dofs is -1"),
         (lambda: symplint.Circle(0.0, 0.0).sample(-1), "samples is -1"),
         (lambda: symplint.circle(0.0, 0.0, samples=2**70), "samples is 1180591620717411303424"),

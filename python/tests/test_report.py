@@ -107,6 +107,39 @@ def test_figures(report):
     plt.close("all")
 
 
+def leapfrog(q, p, h):
+    q = q + 0.5 * h * p
+    p = p - h * np.sin(q)
+    return q + 0.5 * h * p, p
+
+
+@pytest.mark.parametrize("samples", [64, 256, 1024, 4096])
+def test_measure_of_rows_that_are_lost_or_repeated(samples):
+    random = np.random.default_rng(0)
+    equal = np.arange(samples) / samples
+    spacings = {
+        "closed": np.linspace(0, 1, samples),
+        "one lost": np.delete(equal, 5),
+        "some lost": np.delete(equal, random.choice(samples, max(1, samples // 100), False)),
+        "run lost": np.delete(equal, np.arange(10, 11 + samples // 20)),
+        "any": np.sort(random.random(samples)),
+    }
+    for name, s in spacings.items():
+        q, p = 1 + np.sin(2 * np.pi * s), 0.5 + np.cos(2 * np.pi * s)
+        report = symplint.measure((q, p), leapfrog(q, p, 0.5), h=0.5)
+        point = report.points[0]
+        assert report.kind == "symplectic", (name, str(report))
+        assert abs(point["signed_defect"]) <= point["quadrature_error"] + point["roundoff"], name
+        said = " ".join(str(report).split())
+        assert (f"Row {samples - 1} repeats row 0" in said) == (name == "closed"), said
+        assert ("not equally spaced" in said) == (name != "closed"), said
+        # The same rows of a step that loses 1%.
+        q1, p1 = leapfrog(q, p, 0.5)
+        damped = symplint.measure((q, p), (q1, 0.99 * p1), h=0.5)
+        assert damped.kind == "not-symplectic"
+        assert damped.points[0]["signed_defect"] == pytest.approx(-0.01, abs=1e-6)
+
+
 def test_measure():
     q, p = symplint.circle([1.0, 0.3], [0.5, 0.1], radius=(0.5, [1.0, 2.0]))
     assert q.shape == p.shape == (256, 2)

@@ -36,6 +36,9 @@ module symplint
         integer(c_size_t) :: threads
         integer(c_int32_t) :: jacobian
         integer(c_int32_t) :: localise
+        type(c_ptr) :: phases
+        integer(c_size_t) :: repeat
+        integer(c_int32_t) :: no_step_size
     end type
 
     type, bind(c) :: symplint_integral

@@ -154,7 +154,7 @@ typedef struct {
    */
   double tolerance;
   /**
-   * Threads for the work of this library, 0 for all cores; the step is called on the calling thread alone. 1 by default.
+   * Threads for the work of this library, at most one for each processor, 0 for all; the step is called on the calling thread alone. 1 by default.
    */
   size_t threads;
   /**
@@ -165,6 +165,20 @@ typedef struct {
    * Whether a defect is traced to a part of the loop: 1, the default, or 0.
    */
   int32_t localise;
+  /**
+   * Where each degree of freedom starts on its circle: "staggered" at multiples of the golden ratio, "equal" (the circle of
+   * the paper) or "random"; NULL is "staggered".
+   */
+  const char *phases;
+  /**
+   * The step is composed with itself this number of times. 1 by default.
+   */
+  size_t repeat;
+  /**
+   * Whether the step is a map without a step size, such as a kicker or one turn of a ring: 1, or 0, the default. It is
+   * called with h = 1, and `step_sizes` and `typical_step` are not used.
+   */
+  int32_t no_step_size;
 } SymplintOptions;
 
 /**

@@ -8,7 +8,7 @@ use std::ffi::c_char;
 use serde::Serialize;
 use symplint::diagnosis::SampleCount;
 use symplint::rules::{Cutoffs, Piecewise, Streaming};
-use symplint::{Circle, Coordinates, Diagnostic, Rule};
+use symplint::{Circle, Coordinates, Diagnostic, Phases, Rule};
 
 use crate::pointers::{optional_values, overlay, text, values, write_prefix};
 use crate::status::{Failure, SymplintStatus, guarded};
@@ -52,12 +52,20 @@ pub struct SymplintOptions {
     pub seed: u64,
     /// Tolerance of the piecewise rule, relative. 1e-12 by default.
     pub tolerance: f64,
-    /// Threads for the work of this library, 0 for all cores; the step is called on the calling thread alone. 1 by default.
+    /// Threads for the work of this library, at most one for each processor, 0 for all; the step is called on the calling thread alone. 1 by default.
     pub threads: usize,
     /// Whether the Jacobian of a step is checked, too: 1, the default, or 0.
     pub jacobian: i32,
     /// Whether a defect is traced to a part of the loop: 1, the default, or 0.
     pub localise: i32,
+    /// Where each degree of freedom starts on its circle: "staggered" at multiples of the golden ratio, "equal" (the circle of
+    /// the paper) or "random"; NULL is "staggered".
+    pub phases: *const c_char,
+    /// The step is composed with itself this number of times. 1 by default.
+    pub repeat: usize,
+    /// Whether the step is a map without a step size, such as a kicker or one turn of a ring: 1, or 0, the default. It is
+    /// called with h = 1, and `step_sizes` and `typical_step` are not used.
+    pub no_step_size: i32,
 }
 
 /// Evaluations by default: a step of another code is dear.
@@ -68,9 +76,6 @@ const CUTOFF: f64 = 1000.0;
 
 /// Bytes of the struct of version 0.1.0, the first: it ends with `localise`. Later fields come after that.
 const FIRST_SIZE: usize = std::mem::offset_of!(SymplintOptions, localise) + size_of::<i32>();
-
-/// More threads than a machine has cores cost memory and gain nothing.
-const MOST_THREADS: usize = 1024;
 
 impl Default for SymplintOptions {
     fn default() -> Self {
@@ -97,6 +102,9 @@ impl Default for SymplintOptions {
             threads: 1,
             jacobian: 1,
             localise: 1,
+            phases: std::ptr::null(),
+            repeat: 1,
+            no_step_size: 0,
         }
     }
 }
@@ -148,6 +156,7 @@ pub struct Settings {
     period: Option<Vec<f64>>,
     momentum_period: Option<Vec<f64>>,
     weight: Option<Vec<f64>>,
+    phases: String,
     step_sizes: Vec<f64>,
     typical_step: Option<f64>,
     rule: String,
@@ -159,6 +168,8 @@ pub struct Settings {
     tolerance: f64,
     jacobian: bool,
     localise: bool,
+    repeat: usize,
+    has_step_size: bool,
     /// Results do not depend on it.
     #[serde(skip)]
     pub threads: usize,
@@ -196,11 +207,15 @@ impl Settings {
             let radius = |what, pointer| {
                 Ok::<_, Failure>(of_each(what, pointer)?.unwrap_or_else(|| vec![read.radius; dof]))
             };
+            let has_step_size = read.no_step_size == 0;
             let step_sizes = match (read.step_sizes.is_null(), read.typical_step) {
+                // What a map without a step size is called with.
+                _ if !has_step_size => vec![1.0],
                 (false, _) => values("step_sizes", read.step_sizes, read.step_count)?.to_vec(),
                 (true, 0.0) => Diagnostic::default().step_sizes,
                 (true, _) => Vec::new(),
             };
+            let processors = std::thread::available_parallelism().map_or(1, usize::from);
             Ok(Settings {
                 q0: values("q0", q0, dof)?.to_vec(),
                 p0: values("p0", p0, dof)?.to_vec(),
@@ -209,6 +224,9 @@ impl Settings {
                 period: of_each("period", read.period)?,
                 momentum_period: of_each("momentum_period", read.momentum_period)?,
                 weight: of_each("weight", read.weight)?,
+                phases: text("phases", read.phases)?
+                    .unwrap_or("staggered")
+                    .to_owned(),
                 typical_step: step_sizes.is_empty().then_some(read.typical_step),
                 step_sizes,
                 rule: text("rule", read.rule)?.unwrap_or("auto").to_owned(),
@@ -220,7 +238,9 @@ impl Settings {
                 tolerance: read.tolerance,
                 jacobian: read.jacobian != 0,
                 localise: read.localise != 0,
-                threads: read.threads.min(MOST_THREADS),
+                repeat: read.repeat,
+                has_step_size,
+                threads: read.threads.min(processors),
             })
         }
     }
@@ -229,7 +249,13 @@ impl Settings {
     pub fn circle(&self) -> Result<Circle, Failure> {
         let (q0, p0) = (self.q0.clone(), self.p0.clone());
         let circle = Circle::with_radii(q0, p0, self.radius_q.clone(), self.radius_p.clone());
-        circle.map_err(Failure::from)
+        let Some(phases) = Phases::named(&self.phases, self.seed) else {
+            return Err(Failure::bad_argument(format!(
+                "phases is \"{}\"; give \"staggered\", \"equal\" or \"random\"",
+                self.phases
+            )));
+        };
+        Ok(circle?.with_phases(phases))
     }
 
     /// The meaning of the coordinates.
@@ -249,6 +275,9 @@ impl Settings {
 
     /// What is measured.
     pub fn diagnostic(&self) -> Result<Diagnostic, Failure> {
+        if self.repeat == 0 {
+            return Err(Failure::bad_argument("repeat is 0; give 1 or more"));
+        }
         if self.loops == 0 {
             return Err(Failure::bad_argument("loops is 0; give 1 or more"));
         }
@@ -284,6 +313,8 @@ impl Settings {
             streaming,
             samples: self.samples.map_or(SampleCount::Auto, SampleCount::Fixed),
             step_sizes: self.step_sizes.clone(),
+            has_step_size: self.has_step_size,
+            repeat: self.repeat,
             typical_step: self.typical_step,
             loops: self.loops,
             seed: self.seed,

@@ -88,6 +88,40 @@ static void torus(void) {
     CHECK(says("period") && report == NULL);
 }
 
+/* The fringe field of a magnet: h is no time. */
+static int edge(void *user, double h, size_t dof, size_t samples, double *q, double *p) {
+    double *calls = user;
+    *calls += 1;
+    for (size_t k = 0; k < samples * dof; k++) {
+        if (h != 1.0) return 1;
+        p[k] /= 1 + 0.3 * q[k] * q[k];
+        q[k] += 0.1 * q[k] * q[k] * q[k];
+    }
+    return 0;
+}
+
+static void no_step_size(void) {
+    const double q0[1] = {2e-3}, p0[1] = {1e-3};
+    double calls[2] = {0, 0};
+    SymplintReport *report = NULL;
+    SymplintOptions options;
+    symplint_options_init(&options, sizeof options);
+    CHECK(options.no_step_size == 0 && options.repeat == 1);
+    options.no_step_size = 1;
+    options.radius = 8e-3;
+    for (size_t k = 0; k < 2; k++) {
+        CHECK(symplint_check(edge, &calls[k], 1, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+        CHECK(symplint_report_verdict(report) == SYMPLINT_VERDICT_SYMPLECTIC);
+        CHECK(strstr(symplint_report_json(report), "\"step_size\": null") != NULL);
+        symplint_report_free(report);
+        options.repeat = 3;
+    }
+    CHECK(calls[1] > calls[0]);
+    options.repeat = 0;
+    CHECK(symplint_check(edge, calls, 1, q0, p0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(says("repeat") && report == NULL);
+}
+
 static void checks(void) {
     const double q0[2] = {0.3, -0.2}, p0[2] = {0.5, 0.1}, sizes[2] = {0.5, 0.125}, bad_period[2] = {-1, 0};
     struct user user = {NONE, 2, 0, 0};
@@ -150,6 +184,8 @@ static void checks(void) {
     SymplintOptions bad = options;
     bad.rule = "simpson";
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("simpson"));
+    bad = options, bad.phases = "golden";
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("golden"));
     bad = options, bad.period = bad_period;
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("period"));
     bad = options, bad.budget = 10;
@@ -273,6 +309,7 @@ int main(int count, char **arguments) {
     CHECK(strlen(symplint_version()) >= 5);
     checks();
     torus();
+    no_step_size();
     integrals();
     printf("%d failures\n", failures);
     return failures != 0;

@@ -375,7 +375,7 @@ pub struct LoopShape {
     /// Shape of the loop [default: circle]
     #[arg(long)]
     pub shape: Option<Shape>,
-    /// Phases of the circles [default: equal]
+    /// Where each degree of freedom starts on its circle [default: staggered]
     #[arg(long)]
     pub phases: Option<Phases>,
     /// Seed of random phases and of fourier loops [default: 1]
@@ -401,9 +401,11 @@ pub enum Shape {
 /// Phases of circles.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Phases {
-    /// All degrees of freedom start at the same phase
+    /// At multiples of the golden ratio
+    Staggered,
+    /// All at the same phase: the loop of the paper
     Equal,
-    /// Each degree of freedom starts at a phase of its own
+    /// At random phases
     Random,
 }
 

@@ -25,13 +25,24 @@ fn main() -> ExitCode {
     }
 }
 
-/// Threads at most. More than a machine has cores cost memory and gain nothing.
-const MOST_THREADS: usize = 1024;
+/// The threads to start: one for each processor if no number is given (0), and never more, which would only take time.
+fn threads(wanted: Option<usize>) -> usize {
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    match wanted {
+        Some(count) if count > processors => {
+            let s = if processors == 1 { "" } else { "s" };
+            output::tell(format!(
+                "note: --threads {count} exceeds the number of processors; {processors} thread{s} will be used"
+            ));
+            processors
+        }
+        wanted => wanted.unwrap_or(0),
+    }
+}
 
 fn run(cli: &Cli) -> Result<ExitCode, Failure> {
-    let threads = cli.command.threads();
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.map_or(0, |count| count.min(MOST_THREADS)))
+        .num_threads(threads(cli.command.threads()))
         .build()
         .map_err(|error| Failure::Threads {
             reason: error.to_string(),

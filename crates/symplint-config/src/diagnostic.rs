@@ -19,12 +19,17 @@ pub const KEYS: &[Key] = &[
     Key::new(
         "step_sizes",
         "{ from = \"2^-1\", to = \"2^-10\" }",
-        "halved from … to …, or a list, or \"auto\"; the largest matters most to the verdict",
+        "halved from … to …, or a list, or \"auto\"; the largest matters most to the verdict; \"none\" for a map that is no step in time",
     ),
     Key::optional(
         "step_size",
         "0.1",
         "a typical h, for step_sizes = \"auto\": from it the largest is found that tests something",
+    ),
+    Key::new(
+        "repeat",
+        "1",
+        "the map is composed with itself this number of times",
     ),
     Key::new(
         "samples",
@@ -113,6 +118,9 @@ const LONGEST: usize = 64;
 /// Samples of one loop at most. An ensemble of them takes 4 GiB for each degree of freedom.
 pub const MOST_SAMPLES: u64 = 1 << 28;
 
+/// The map is composed with itself at most this number of times.
+const MOST_REPEATS: u64 = 1_000_000;
+
 /// Steps of a long-time run at most.
 const MOST_STEPS: u64 = 100_000_000;
 
@@ -150,7 +158,9 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
             Some(count) => SampleCount::Fixed(count as usize),
         },
         typical_step: section.optional_number("step_size", Accept::Positive)?,
+        has_step_size: !is_none(&section)?,
         step_sizes: step_sizes(&section)?,
+        repeat: section.whole_between("repeat", 1, MOST_REPEATS)? as usize,
         sample_sweep: sample_sweep(&section)?,
         loops: section.whole_between("loops", 1, MOST_LOOPS as u64)? as usize,
         seed: section.whole("seed", 0)?,
@@ -183,6 +193,12 @@ fn streaming(section: &Section) -> Result<Streaming, ConfigError> {
     })
 }
 
+/// Whether the map has no step size.
+fn is_none(section: &Section) -> Result<bool, ConfigError> {
+    let node = section.node("step_sizes")?.expect("it has a default");
+    Ok(matches!(&node.value, Value::Text(text) if text == "none"))
+}
+
 fn step_sizes(section: &Section) -> Result<Vec<f64>, ConfigError> {
     let node = section.node("step_sizes")?.expect("it has a default");
     let path = "diagnostic.step_sizes";
@@ -193,6 +209,15 @@ fn step_sizes(section: &Section) -> Result<Vec<f64>, ConfigError> {
                 "step_sizes",
                 "\"auto\" needs a typical step size to begin with",
                 "add `step_size = …` to [diagnostic], the h that you compute with",
+            )),
+        },
+        Value::Text(text) if text == "none" => match section.written_place("step_size") {
+            // What a map without a step size is called with.
+            None => Ok(vec![1.0]),
+            Some(_) => Err(section.error(
+                "step_size",
+                "a typical step size is given, and step_sizes is \"none\"",
+                "leave one of the two out",
             )),
         },
         Value::List(list) if list.is_empty() => Err(section.error(

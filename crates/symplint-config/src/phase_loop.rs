@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use symplint::map::{ProjectedLoop, balanced_radii};
-use symplint::{Circle, FourierLoop, Loop, TimeAdvance};
+use symplint::{Circle, FourierLoop, Loop, Phases, TimeAdvance};
 
 use super::document::{Node, Value};
 use super::error::ConfigError;
@@ -29,8 +29,8 @@ pub const KEYS: &[Key] = &[
     ),
     Key::new(
         "phases",
-        "\"equal\"",
-        "\"random\": each degree of freedom starts at a phase of its own",
+        "\"staggered\"",
+        "where each degree of freedom starts: multiples of the golden ratio, \"equal\" (the paper's circle) or \"random\"",
     ),
     Key::new("seed", "1", "seed of random phases and modes"),
 ];
@@ -54,7 +54,7 @@ pub struct LoopSettings {
     /// None where the map is to suggest them.
     radii: Option<(Vec<f64>, Vec<f64>)>,
     dofs: Option<Vec<u64>>,
-    has_random_phases: bool,
+    phases: Phases,
     seed: u64,
 }
 
@@ -70,14 +70,15 @@ pub fn read(node: Option<&Node>, dof: usize) -> Result<LoopSettings, ConfigError
         _ => Some(radii(&section, dof)?),
     };
     let dofs = section.optional_wholes("dofs", 0)?;
-    let has_random_phases = section.choice("phases", &["equal", "random"])? == "random";
+    let phases = section.choice("phases", &Phases::NAMES)?;
     let seed = section.whole("seed", 0)?;
+    let phases = Phases::named(phases, seed).expect("one of the names");
     Ok(LoopSettings {
         section,
         shape,
         radii,
         dofs,
-        has_random_phases,
+        phases,
         seed,
     })
 }
@@ -116,13 +117,12 @@ impl LoopSettings {
                 let dofs: Vec<usize> = dofs.iter().map(|&dof| dof as usize).collect();
                 circle = (circle.on(&dofs)).map_err(|error| self.refused("dofs", error))?;
             }
-            if self.has_random_phases {
-                circle = circle.with_random_phases(self.seed);
-            }
-            Box::new(circle)
+            Box::new(circle.with_phases(self.phases))
         } else {
             let circle_only = self.dofs.is_some().then_some("dofs");
-            if let Some(key) = circle_only.or(self.has_random_phases.then_some("phases")) {
+            if let Some(key) =
+                circle_only.or((self.phases != Phases::default()).then_some("phases"))
+            {
                 return Err(self.section.error(
                     key,
                     "applies to circles only",

@@ -223,6 +223,11 @@ fn diagnostic(u: &mut Unstructured<'_>) -> Result<Diagnostic> {
         localise: u.arbitrary()?,
         jacobian: u.arbitrary()?,
         budget: Some(u.int_in_range(0..=MOST_EVALUATIONS)?),
+        has_step_size: !u.ratio(1, 8)?,
+        repeat: match u.ratio(1, 8)? {
+            true => u.int_in_range(0..=3)?,
+            false => 1,
+        },
     })
 }
 

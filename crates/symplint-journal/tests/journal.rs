@@ -309,6 +309,18 @@ fn a_journal_that_is_removed_in_the_last_second_is_missed_at_the_end() {
 }
 
 #[test]
+fn a_journal_without_calls_is_of_no_run() {
+    let (_folder, path) = folder();
+    drop(Journal::open(&path, &json!({ "map": "other" })).unwrap());
+    let expected = write(&path);
+    assert_eq!(replayed(&path, &expected), 4);
+    // With calls it is of theirs.
+    let error = Journal::open(&path, &json!({ "map": "other" })).err();
+    assert!(matches!(error, Some(JournalError::OtherRun { .. })));
+    assert_eq!(replayed(&path, &expected), 4);
+}
+
+#[test]
 fn a_journal_takes_in_the_calls_of_others() {
     let (folder, path) = folder();
     let other = folder.path().join("other");

@@ -12,8 +12,8 @@ use symplint_models::integrators::catalogue::{CATALOGUE, build};
 use symplint_models::systems::HenonHeiles;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // Small circles in both planes of phase space, out of step with each other.
-    let circles = Circle::new(vec![0.0, 0.1], vec![0.3, 0.0], 0.2)?.with_random_phases(1);
+    // Small circles in both planes of phase space.
+    let circles = Circle::new(vec![0.0, 0.1], vec![0.3, 0.0], 0.2)?;
     let diagnostic = Diagnostic::halving(0, -6);
     let model = Model::Separable(Arc::new(HenonHeiles));
     for info in CATALOGUE.iter().filter(|info| info.is_for(&model)) {

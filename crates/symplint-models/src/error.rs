@@ -205,9 +205,6 @@ pub enum ModelError {
     /// A composition of no maps.
     #[error("a composition of no maps is the identity, which tells nothing; give at least one map")]
     EmptyComposition,
-    /// A map applied no times.
-    #[error("a map repeated 0 times is the identity, which tells nothing; repeat it at least once")]
-    NoSteps,
     /// Maps on different phase spaces cannot follow one another.
     #[error(
         "map {part} of the composition has {got} degrees of freedom and map 0 has {expected}; \

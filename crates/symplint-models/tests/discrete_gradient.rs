@@ -246,7 +246,11 @@ fn near_rest(model: &Model, radius: f64, h: f64) -> Result<(f64, f64), symplint:
         let map = catalogue::build(name, None, model.clone()).unwrap();
         let rest = vec![0.0; map.dof()];
         let circle = Circle::new(rest.clone(), rest, radius).unwrap();
-        let mut ensemble = Ensemble::sample(&circle.with_random_phases(3), 64).unwrap();
+        let mut ensemble = Ensemble::sample(
+            &circle.with_phases(symplint::Phases::Random { seed: 3 }),
+            64,
+        )
+        .unwrap();
         let energies = |ensemble: &mut Ensemble| {
             let (block, mut out) = (ensemble.block(), vec![0.0; 64]);
             let (q, p) = (block.q.as_rows(), block.p.as_rows());

@@ -131,7 +131,9 @@ fn circle<'a, const D: usize>(
     map: &'a dyn TimeAdvance,
 ) -> impl Loop + 'a {
     let [q0, p0] = states_of(system, z);
-    let circle = Circle::new(q0, p0, 0.2).unwrap().with_random_phases(7);
+    let circle = Circle::new(q0, p0, 0.2)
+        .unwrap()
+        .with_phases(symplint::Phases::Random { seed: 7 });
     ProjectedLoop::new(circle, map)
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use symplint::rules::Cutoffs;
 use symplint::state::{Rows, RowsMut};
-use symplint::{Block, Circle, Defect, Ensemble, LoopIntegral, Rule, TimeAdvance};
+use symplint::{Block, Circle, Defect, Ensemble, LoopIntegral, Phases, Rule, TimeAdvance};
 use symplint_models::integrators::catalogue::build;
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_models::{Hamiltonian, Separable};
@@ -72,7 +72,8 @@ fn check_defects(row: &HashMap<&str, &str>) {
         _ => include_bytes!("reference/init_two_stream_Np128.npy").as_slice(),
     });
     assert_eq!(x.len(), particles);
-    let start = Ensemble::sample(&Circle::new(x, v, 1.0).unwrap(), samples).unwrap();
+    let circle = Circle::new(x, v, 1.0).unwrap().with_phases(Phases::Equal);
+    let start = Ensemble::sample(&circle, samples).unwrap();
     let cut_off = Rule::FiniteDifference(Cutoffs::relative(1000.0));
     for (label, name, variant) in MAPS {
         let what = format!(

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use symplint::rules::{Cutoff, Cutoffs};
-use symplint::{Circle, Defect, Ensemble, LoopIntegral, Rule, TimeAdvance, Trace};
+use symplint::{Circle, Defect, Ensemble, LoopIntegral, Phases, Rule, TimeAdvance, Trace};
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::build;
 use symplint_models::systems::{
@@ -147,7 +147,7 @@ fn pendulum_array_from_the_same_state() {
     let q0 = values.iter().step_by(2).copied().collect();
     let p0 = values.iter().skip(1).step_by(2).copied().collect();
     let system: Arc<dyn Separable> = Arc::new(PendulumArray::new(1024, 1.0, 1.0).unwrap());
-    let circle = Circle::new(q0, p0, 1.0).unwrap();
+    let circle = Circle::new(q0, p0, 1.0).unwrap().with_phases(Phases::Equal);
     for row in table(include_str!("reference/array_dt_sweep_N1024_M1024.csv")) {
         let h = number(&row, "dt");
         for (column, name, variant) in [

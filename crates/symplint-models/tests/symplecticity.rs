@@ -245,7 +245,7 @@ fn the_jacobian_test_agrees_with_the_catalogue() {
             let system = Arc::new(PendulumArray::new(pendula, 0.9, 1.2).unwrap());
             let map = catalogue::build(info.name, None, system).unwrap();
             let circle = Circle::new(vec![0.4; pendula], vec![0.3; pendula], 1.0).unwrap();
-            let phase_loop = circle.with_random_phases(7);
+            let phase_loop = circle.with_phases(symplint::Phases::Random { seed: 7 });
             let verdict = (JacobianTest::default()
                 .run(&*map, &phase_loop, 0.5)
                 .unwrap())

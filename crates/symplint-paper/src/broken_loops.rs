@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use symplint::rules::{Cutoffs, Piecewise};
-use symplint::{Circle, Defect, Ensemble, LoopIntegral, Rule, TimeAdvance};
+use symplint::{Circle, Defect, Ensemble, LoopIntegral, Phases, Rule, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_report::figure::{Figure, Panel, Series, Style};
@@ -102,7 +102,8 @@ fn loop_of(particles: usize) -> Result<(Arc<dyn Separable>, Circle), PaperError>
     };
     let x = (0..particles).map(place).collect();
     let v = (0..particles).map(velocity).collect();
-    Ok((Arc::new(pic), Circle::new(x, v, 1.0)?))
+    let circle = Circle::new(x, v, 1.0)?.with_phases(Phases::Equal);
+    Ok((Arc::new(pic), circle))
 }
 
 fn measure(

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use symplint::verdict::Fit;
-use symplint::{Circle, Rule, Trace};
+use symplint::{Circle, Phases, Rule, Trace};
 use symplint_models::Separable;
 use symplint_models::systems::PendulumArray;
 use symplint_report::figure::{Figure, Panel, Scale, Style};
@@ -53,7 +53,8 @@ const INTEGRATORS: [(&str, &str, &str); 3] = [
 fn array(pendula: usize, seed: u64) -> Result<(Arc<dyn Separable>, Circle), PaperError> {
     let array = PendulumArray::new(pendula, 1.0, 1.0)?;
     let (q0, p0) = array.uniform_state(seed);
-    Ok((Arc::new(array), Circle::new(q0, p0, 1.0)?))
+    let circle = Circle::new(q0, p0, 1.0)?.with_phases(Phases::Equal);
+    Ok((Arc::new(array), circle))
 }
 
 fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError> {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use serde::Serialize;
-use symplint::{Circle, Defect, Ensemble, LoopIntegral, Rule, TimeAdvance};
+use symplint::{Circle, Defect, Ensemble, LoopIntegral, Phases, Rule, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::build;
 use symplint_models::systems::HenonHeiles;
@@ -97,7 +97,8 @@ impl Followed {
 fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError> {
     let (samples, time) = (settings.count("samples"), settings.number("time"));
     let radius = settings.number("radius");
-    let phase_loop = Circle::new(vec![0.1, 0.2], vec![0.3, -0.1], radius)?;
+    let phase_loop =
+        Circle::new(vec![0.1, 0.2], vec![0.3, -0.1], radius)?.with_phases(Phases::Equal);
     let system: Arc<dyn Separable> = Arc::new(HenonHeiles);
     let (mut rows, mut panels) = (Vec::new(), Vec::new());
     let mut found = Vec::new();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use symplint::rules::Cutoffs;
-use symplint::{Circle, Rule};
+use symplint::{Circle, Phases, Rule};
 use symplint_models::Separable;
 use symplint_models::pic::{Landau, ParticleWeights, Pic1d, PicConfig, ShapeFamily, TwoStream};
 
@@ -65,7 +65,7 @@ pub fn plasma(
     };
     Ok(Plasma {
         system: Arc::new(pic),
-        circle: Circle::new(x, v, 1.0)?,
+        circle: Circle::new(x, v, 1.0)?.with_phases(Phases::Equal),
     })
 }
 

@@ -22,7 +22,7 @@ pub fn check_figures(
     h: f64,
     is_costly: bool,
 ) -> (Vec<(&'static str, Figure)>, Option<String>) {
-    let mut figures = vec![("step_sizes", step_sizes(title, diagnosis))];
+    let mut figures = sizes(title, diagnosis);
     if diagnosis
         .points()
         .iter()
@@ -42,6 +42,13 @@ pub fn check_figures(
         Err(reason) => Some(format!("figures/loop is left out: {reason}")),
     };
     (figures, note)
+}
+
+/// The defects against step sizes, with the name of the figure, if there are step sizes.
+pub fn sizes(title: &str, diagnosis: &Diagnosis) -> Vec<(&'static str, Figure)> {
+    let stated = (diagnosis.points().iter()).any(|point| point.step_size.is_finite());
+    let figure = || ("step_sizes", step_sizes(title, diagnosis));
+    stated.then(figure).into_iter().collect()
 }
 
 /// Samples of the loop that is drawn.
@@ -238,14 +245,7 @@ pub fn measure_figures(
     after: &Ensemble,
     h: Option<f64>,
 ) -> Vec<(&'static str, Figure)> {
-    let mut figures = Vec::new();
-    if diagnosis
-        .points()
-        .iter()
-        .any(|point| point.step_size.is_finite())
-    {
-        figures.push(("step_sizes", step_sizes(title, diagnosis)));
-    }
+    let mut figures = sizes(title, diagnosis);
     let dof = diagnosis
         .evidence
         .breaks

@@ -1,7 +1,7 @@
 //! Tables as text, and the text of a verdict.
 
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
-use symplint::evidence::{Point, Sweep};
+use symplint::evidence::{Origin, Point, Sweep};
 use symplint::rules::RuleKind;
 use symplint::trace::TracePoint;
 use symplint::{Diagnosis, Verdict};
@@ -39,6 +39,7 @@ pub fn degrees_of_freedom(count: usize) -> String {
 pub fn points_table(heading: &str, diagnosis: &Diagnosis) -> String {
     let mut text = format!("{heading}\n");
     let all = diagnosis.points();
+    let of_files = diagnosis.evidence.origin == Origin::Samples;
     for (sweep, title) in [
         (Sweep::StepSize, "step sizes"),
         (Sweep::Samples, "numbers of samples"),
@@ -52,7 +53,16 @@ pub fn points_table(heading: &str, diagnosis: &Diagnosis) -> String {
             }
         }
         for (rule, points) in rules {
-            text += &format!("{title}, {rule} rule\n{}\n", sweep_table(&points));
+            let stated = points.iter().any(|point| !point.step_size.is_nan());
+            let has_step_size = of_files || stated;
+            let title = match (sweep, has_step_size) {
+                (Sweep::StepSize, false) => "the map",
+                _ => title,
+            };
+            text += &format!(
+                "{title}, {rule} rule\n{}\n",
+                sweep_table(&points, has_step_size)
+            );
         }
     }
     text
@@ -71,7 +81,8 @@ fn number_table(header: Vec<&str>, rows: Vec<Vec<String>>) -> Table {
     table
 }
 
-fn sweep_table(points: &[&Point]) -> String {
+/// The numbers of one sweep, with a column of step sizes unless the map has none.
+fn sweep_table(points: &[&Point], has_step_size: bool) -> String {
     let omitted = points.iter().any(|point| point.omitted_cells.is_some());
     let breaks = points.iter().any(|point| point.jumps.is_some());
     let mut header = vec![
@@ -88,6 +99,8 @@ fn sweep_table(points: &[&Point]) -> String {
     if breaks {
         header.extend(["breaks", "closed\ndefect"]);
     }
+    let without = usize::from(!has_step_size);
+    header.drain(..without);
     let every = points.len().div_ceil(MOST_ROWS);
     let row = |point: &&Point| {
         let mut row = vec![
@@ -112,6 +125,7 @@ fn sweep_table(points: &[&Point]) -> String {
                     .map_or(String::new(), |defect| format!("{defect:.2e}")),
             );
         }
+        row.drain(..without);
         row
     };
     let rows = points.iter().step_by(every).map(row).collect();

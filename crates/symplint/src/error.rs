@@ -2,6 +2,14 @@
 
 use std::fmt;
 
+/// The remedy of [`Error::NotFinite`] for a state that a map without a step size returned.
+pub const LOOK_AT_MAP: &str = "look at the map there, or take a smaller loop";
+
+/// ` with h = 0.5`.
+fn with(step_size: Option<f64>) -> String {
+    step_size.map_or(String::new(), |h| format!(" with h = {h:?}"))
+}
+
 /// Which state an error is about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -150,12 +158,12 @@ pub enum Error {
         remedy: &'static str,
     },
     /// The map reported a failure.
-    #[error("the map failed at {at} with h = {step_size:?}: {reason}")]
+    #[error("the map failed at {at}{}: {reason}", with(*.step_size))]
     StepFailed {
         /// Which state.
         at: StateAt,
-        /// The step size.
-        step_size: f64,
+        /// The step size; `None` for a map without one.
+        step_size: Option<f64>,
         /// The map's reason.
         reason: String,
     },
@@ -203,8 +211,9 @@ pub enum Error {
     /// The same state does not always become the same state.
     #[error(
         "the map has a memory: the state at s = {s} of the loop comes out different {circumstance}, by \
-         {difference:.1e} in degree of freedom {dof} with h = {step_size:?}; let a step depend on nothing \
-         but h and the state itself"
+         {difference:.1e} in degree of freedom {dof}{}; let a step depend on nothing \
+         but h and the state itself",
+        with(*.step_size)
     )]
     Memory {
         /// How it was advanced the second time.
@@ -215,8 +224,23 @@ pub enum Error {
         dof: usize,
         /// How far apart the two states are.
         difference: f64,
-        /// The step size.
-        step_size: f64,
+        /// The step size; `None` for a map without one.
+        step_size: Option<f64>,
+    },
+    /// A stated period is not one of the map.
+    #[error(
+        "{period:?} is not a period of the map in {coordinate}[{dof}]: two states that differ by it differ after the step \
+         by {difference:.1e} more; correct the period, or leave it out"
+    )]
+    NotAPeriod {
+        /// `'q'` or `'p'`.
+        coordinate: char,
+        /// Degree of freedom.
+        dof: usize,
+        /// The stated period.
+        period: f64,
+        /// The largest difference of a coordinate between Φ(q + P, p) and Φ(q, p) + (P, 0).
+        difference: f64,
     },
     /// The loop is smaller than the rounding of its states.
     #[error(
@@ -232,7 +256,7 @@ pub enum Error {
     },
     /// A loop that does not end where it begins.
     #[error(
-        "the loop is not closed: {coordinate} of degree of freedom {dof} is {gap:e} away from where it began when s \
+        "the loop is not closed: {coordinate} of degree of freedom {dof} is {gap:.2e} away from where it began when s \
          reaches 1; let s run through full turns (2π, not 6.28), or state the period of the coordinate"
     )]
     OpenLoop {
@@ -296,9 +320,9 @@ pub enum Error {
         /// Evaluations that were asked for.
         wanted: usize,
     },
-    /// A one-form that has not twice as many coordinates as the map has degrees of freedom.
+    /// A one-form whose number of coordinates does not fit the degrees of freedom of the map.
     #[error(
-        "the one-form has {dimension} coordinates and the map {dof} degrees of freedom; there must be twice as many coordinates"
+        "the one-form has {dimension} coordinates and the map {dof} degrees of freedom; there must be twice as many coordinates, or as many with NonCanonical::of_positions"
     )]
     FormDimension {
         /// Coordinates of the one-form.

@@ -62,7 +62,7 @@ pub use diagnosis::Diagnostic;
 pub use error::Error;
 pub use evidence::Evidence;
 pub use jacobian::JacobianTest;
-pub use loops::{Circle, FourierLoop, Loop, SampledLoop};
+pub use loops::{Circle, FourierLoop, Loop, Phases, SampledLoop};
 pub use map::{PerBlock, PerSample, StepFailure, TimeAdvance};
 pub use rules::{Defect, LoopIntegral, Rule};
 pub use snapshots::Snapshot;

@@ -80,7 +80,9 @@ fn given(map: &dyn TimeAdvance) -> impl Loop + '_ {
         2 => (vec![0.6, -0.8], vec![0.4, 0.3]),
         _ => (vec![0.6, -0.6, 0.5], vec![0.4, 0.3, -0.2]),
     };
-    let circle = Circle::new(q0, p0, 0.3).unwrap().with_random_phases(5);
+    let circle = Circle::new(q0, p0, 0.3)
+        .unwrap()
+        .with_phases(symplint::Phases::Random { seed: 5 });
     ProjectedLoop::new(circle, map)
 }
 
@@ -181,7 +183,7 @@ fn many_constraints() {
         let centre = |x: [f64; 2]| x.repeat(20);
         let circle = Circle::new(centre([0.6, -0.8]), centre([0.4, 0.3]), 0.3)
             .unwrap()
-            .with_random_phases(5);
+            .with_phases(symplint::Phases::Random { seed: 5 });
         let given = ProjectedLoop::new(circle, &rods);
         let diagnosis = Diagnostic::halving(-1, -4).run(&rods, &given).unwrap();
         assert_eq!(diagnosis.verdict.kind, kind, "{}", diagnosis.verdict);

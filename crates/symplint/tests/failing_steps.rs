@@ -49,6 +49,30 @@ fn the_summary_tells_at_how_many_step_sizes_the_map_failed() {
 }
 
 #[test]
+fn the_error_of_a_step_is_not_hidden_by_a_small_budget() {
+    for (budget, limit) in [200, 300, 500, 700, 1000, 20_000]
+        .into_iter()
+        .flat_map(|budget| [(budget, 0.0), (budget, 0.01)])
+    {
+        let map = PerSample::new(2, move |h, _: &mut [f64], _: &mut [f64]| match h > limit {
+            true => Err("cannot open restart.dat"),
+            false => Ok(()),
+        });
+        let diagnostic = Diagnostic {
+            budget: Some(budget),
+            ..Diagnostic::default()
+        };
+        let circle = Circle::new(vec![1.0, 2.0], vec![0.5, 0.1], 1.0).unwrap();
+        let told = match diagnostic.run(&map, &circle) {
+            Ok(found) => found.verdict.to_string(),
+            Err(error) => error.to_string(),
+        };
+        assert!(told.contains("cannot open restart.dat"), "{budget}: {told}");
+        assert!(told.contains("h = 0.5"), "{budget}: {told}");
+    }
+}
+
+#[test]
 fn a_step_that_fails_between_the_samples_of_the_loop_fails() {
     // A state off the samples of the given loop, where it is looked whether the map has a memory.
     let s = 0.31 / 16.0 * std::f64::consts::TAU;

@@ -45,7 +45,7 @@ impl Bodies {
         let radii_q = vec![0.1; q0.len()];
         Circle::with_radii(q0, p0, radii_q, radii_p)
             .unwrap()
-            .with_random_phases(3)
+            .with_phases(symplint::Phases::Random { seed: 3 })
     }
 
     /// The Sun pulls all of them; Jupiter and each of the others pull each other.

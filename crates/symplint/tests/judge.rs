@@ -5,7 +5,7 @@ use symplint::breaks::Break;
 use symplint::evidence::LongTime;
 use symplint::evidence::{
     Closing, Contraction, DofGroup, Evidence, JumpingCells, LoopEvidence, LoopKind, Motion,
-    Omission, Origin, SingularJacobian, StepEvidence, Wrap,
+    Omission, Origin, Rank, Reach, SingularJacobian, StepEvidence, Wrap,
 };
 use symplint::jacobian::{
     JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect,
@@ -313,12 +313,49 @@ fn a_closed_integral_changes_by_more_than_other_curves_could_make() {
 }
 
 #[test]
+fn a_step_that_loses_rank_is_convicted_by_the_given_loop_and_named() {
+    let rank = Rank { rank: 5, of: 6 };
+    let mut evidence = of_map(vec![step(0.5, 0.1, 1e-12)]);
+    evidence.survey.singular = Some(SingularJacobian {
+        s: 0.1,
+        smallest: 1e-9,
+        largest: 2.0,
+        uncertainty: 1e-9,
+        degenerate: Some(rank),
+    });
+    // Its image, which lies on the manifold, is conserved.
+    let image = of_loop(9, LoopKind::Image, vec![step(0.5, 1e-13, 1e-12)]);
+    evidence.loops.push(image);
+    let verdict = judge(&evidence);
+    assert_eq!(verdict.kind, NotSymplectic);
+    assert!(verdict.findings.contains(&Finding::LosesRank { rank }));
+    assert_eq!(verdict.advice, [Advice::LoopOnManifold]);
+}
+
+#[test]
+fn beside_a_leaf_of_a_degenerate_form_nothing_convicts() {
+    let rank = Rank { rank: 2, of: 3 };
+    for (given, of_given) in [(1.0, None), (0.0, Some(1e-14))] {
+        let mut evidence = of_map(vec![step(0.5, given, 1e-14)]);
+        evidence.loops[1].steps = vec![step(0.5, -1.0, 1e-12)];
+        assert_eq!(kind(&evidence), NotSymplectic);
+        evidence.survey.degenerate_form = Some(rank);
+        let verdict = judge(&evidence);
+        assert_eq!(verdict.kind, Undecided);
+        let given = of_given;
+        assert_eq!(verdict.findings[0], Finding::DegenerateForm { rank, given });
+        assert_eq!(verdict.advice, [Advice::KeepToLeaf]);
+    }
+}
+
+#[test]
 fn beside_a_manifold_that_a_map_projects_onto_nothing_convicts() {
     let singular = SingularJacobian {
         s: 0.1,
         smallest: 1e-9,
         largest: 2.0,
         uncertainty: 1e-9,
+        degenerate: None,
     };
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-14)]);
     evidence.loops[1].steps = vec![step(0.5, -1.0, 1e-12)];
@@ -414,7 +451,7 @@ fn symplectic_jacobian(bound: f64) -> JacobianEvidence {
         bound: Some(bound),
     };
     JacobianEvidence {
-        step_size: 0.5,
+        step_size: Some(0.5),
         method: JacobianMethod::CentralDifferences { rejected: None },
         points: vec![point; 4],
         not_differentiable: 0,
@@ -784,7 +821,7 @@ fn advice_on_the_order_says_what_is_missing() {
         [Advice::MoreEvaluations { wanted: 200 }]
     );
     spent.omissions = vec![Omission::StepFailed {
-        step_size: 1.0,
+        step_size: Some(1.0),
         reason: "the map failed".into(),
     }];
     let advice = judge(&spent).advice().concat();
@@ -1060,4 +1097,114 @@ fn evidence_survives_json_to_the_last_bit() {
     let read: Evidence = serde_json::from_str(&text).unwrap();
     assert_eq!(read, evidence);
     assert_eq!(judge(&read), judge(&evidence));
+}
+
+#[test]
+fn a_kick_is_judged_by_its_bound_however_little_it_deforms() {
+    for deformation in [1e-14, 1e-3] {
+        let mut kick = shear(deformation);
+        kick.moves = true;
+        for (origin, expected) in [
+            (of_map as fn(Vec<StepEvidence>) -> Evidence, Symplectic),
+            // Loops of another code may be of any step.
+            (of_samples, Undecided),
+        ] {
+            let mut evidence = origin(vec![step(0.5, 0.0, 1e-15)]);
+            evidence.loops[0].steps[0].motion = Some(kick);
+            assert_eq!(kind(&evidence), expected, "{deformation}");
+        }
+    }
+}
+
+/// A map without a step size, which moves its loops by this phase advance.
+fn without_step_size(phase_advance: f64, signed: f64) -> Evidence {
+    let mut evidence = of_map(vec![step(0.5, signed, 1e-15)]);
+    for found in &mut evidence.loops {
+        found.steps[0].step_size = None;
+        found.steps[0].motion = Some(motion(phase_advance));
+    }
+    evidence.radii = Some([0.25, 0.125]);
+    evidence
+}
+
+#[test]
+fn a_map_without_a_step_size_is_judged_itself() {
+    let mut evidence = without_step_size(1e-5, 0.0);
+    let verdict = judge(&evidence);
+    assert_eq!(verdict.kind, Symplectic);
+    let summary = "No defect above 1.0e-15 on the given loop, nor on a random one: on loops with radii up to 0.25 in q \
+                   and 0.125 in p.";
+    assert_eq!(verdict.summary(), summary);
+    // A larger loop that is conserved counts, and one that is not leaves it open.
+    let mut reach = Reach::default();
+    reach.factor = 16.0;
+    reach.step = step(0.5, 0.0, 1e-15);
+    reach.step.step_size = None;
+    evidence.reach = Some(reach);
+    assert!(
+        judge(&evidence)
+            .summary()
+            .contains("radii up to 4 in q and 2 in p")
+    );
+    reach.step.defect.signed = 1e-3;
+    evidence.reach = Some(reach);
+    let verdict = judge(&evidence);
+    assert_eq!(verdict.kind, Undecided);
+    assert_eq!(verdict.advice, [Advice::LargerRadii { factor: 16.0 }]);
+    // It has no order.
+    let verdict = judge(&without_step_size(1e-5, 1e-3));
+    assert_eq!((verdict.kind, verdict.order), (NotSymplectic, None));
+    let text = verdict.summary() + &verdict.evidence().concat() + &verdict.advice().concat();
+    assert!(text.contains("in one application"), "{text}");
+    assert!(!text.contains("step") && !text.contains("h ="), "{text}");
+}
+
+#[test]
+fn a_larger_step_decides_where_the_others_move_too_little() {
+    for (signed, bound, advance, expected) in [
+        // A defect is not one of the step sizes that were given.
+        (1e-3, 1e-15, 0.7, Undecided),
+        (0.0, 1e-15, 0.7, Symplectic),
+        // Of a method that is not symplectic, a larger step than this would show a defect.
+        (0.0, 1.1e-12, 0.03, Undecided),
+        (0.0, 0.9e-12, 0.03, Symplectic),
+        // The map does not depend on h.
+        (0.0, 1.1e-12, 0.015, Symplectic),
+    ] {
+        let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
+        evidence.loops[0].steps[0].motion = Some(motion(0.01));
+        assert_eq!(kind(&evidence), Undecided, "no larger step was tried");
+        let mut reach = Reach::default();
+        reach.factor = 64.0;
+        reach.step = step(32.0, signed, bound);
+        reach.step.motion = Some(motion(advance));
+        evidence.reach = Some(reach);
+        let verdict = judge(&evidence);
+        assert_eq!(verdict.kind, expected, "{signed} {advance}");
+        if signed > 0.0 {
+            let factor = Some(64.0);
+            let step_size = Some(0.5);
+            assert_eq!(verdict.advice, [Advice::LargerSteps { factor, step_size }]);
+        }
+    }
+}
+
+#[test]
+fn a_loop_that_winds_proves_nothing_by_a_break() {
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
+    let mut winding = of_loop(8, LoopKind::Winding, vec![step(0.5, 1e-3, 1e-15)]);
+    winding.winds = true;
+    winding.wound = vec![0];
+    winding.steps[0].jump = Some(JUMP);
+    evidence.loops.push(winding);
+    let verdict = judge(&evidence);
+    assert_eq!(verdict.kind, Symplectic);
+    let named = |finding: &Finding| matches!(finding, Finding::Jump { loop_index: 8, .. });
+    assert!(verdict.findings.iter().any(named), "{verdict}");
+    let exact =
+        |finding: &Finding| matches!(finding, Finding::NotExact { .. } | Finding::Exact { .. });
+    assert!(!verdict.findings.iter().any(exact), "{verdict}");
+    // Nor do such loops alone.
+    evidence.loops.drain(..2);
+    assert_eq!(decides(&evidence), Finding::AllLoopsWind);
 }

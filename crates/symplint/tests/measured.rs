@@ -278,7 +278,7 @@ fn weights_make_momenta_canonical() {
     });
     let phase_loop = Circle::new(vec![0.5, 0.0], vec![0.0, 0.3], 0.8)
         .unwrap()
-        .with_random_phases(4);
+        .with_phases(symplint::Phases::Random { seed: 4 });
     let before = Ensemble::sample(&phase_loop, 256).unwrap();
     let mut after = before.clone();
     after.advance(&coupled, 0.5).unwrap();
@@ -475,4 +475,95 @@ fn decimals_break_no_loop() {
     }
     // Of the others a method of order 4 would not show its defect above the rounding either.
     assert!(decided > 140, "{decided} of 320");
+}
+
+/// What a step does to a circle with rows at these parameters.
+fn at_rows(step: Step, circle: &Circle, s: &[f64], h: f64) -> Diagnosis {
+    let mut before = Ensemble::zeros(1, s.len());
+    circle.sample(s, &mut before.block());
+    let mut after = before.clone();
+    let map = PerSample::new(1, step);
+    after.advance(&map as &dyn TimeAdvance, h).unwrap();
+    let after = Snapshot::new(after).after_step(h);
+    measure(&Snapshot::new(before), &[after], &Coordinates::plain(1)).unwrap()
+}
+
+/// Which rows a file has, and their parameters.
+fn spacings(samples: usize) -> Vec<(&'static str, Vec<f64>)> {
+    let n = samples as f64;
+    let equal = || (0..samples).map(|k| k as f64 / n);
+    let closed = || (0..samples).map(|k| k as f64 / (n - 1.0));
+    let in_run = |s: &f64| (0.21..0.26).contains(s);
+    vec![
+        ("closed", closed().collect()),
+        ("one lost", equal().filter(|s| *s != 5.0 / n).collect()),
+        ("run lost", equal().filter(|s| !in_run(s)).collect()),
+        (
+            "closed, run lost",
+            closed().filter(|s| !in_run(s)).collect(),
+        ),
+        (
+            "uneven",
+            (0..samples)
+                .map(|k| (k as f64 + 0.7 * ((k * k) as f64).sin().abs()) / n)
+                .collect(),
+        ),
+    ]
+}
+
+#[test]
+fn rows_may_be_lost_repeated_or_uneven() {
+    fn damped(h: f64, q: &mut [f64], p: &mut [f64]) {
+        leapfrog(h, q, p);
+        p[0] *= 0.99;
+    }
+    for samples in [64, 256, 1024, 4096] {
+        for (name, s) in spacings(samples) {
+            for (step, change, kind) in [
+                (leapfrog as Step, 0.0, VerdictKind::Symplectic),
+                (damped, -0.01, VerdictKind::NotSymplectic),
+            ] {
+                let found = at_rows(step, &circle(1.0, 0.5), &s, 0.5);
+                let what = format!("{samples} {name}: {}", found.verdict);
+                assert_eq!(found.verdict.kind, kind, "{what}");
+                let defect = found.evidence.loops[0].steps[0].defect;
+                let off = (defect.signed - change).abs();
+                assert!(off <= defect.uncertainty(), "{what}");
+                let given = &found.evidence.loops[0];
+                let last = name.starts_with("closed").then_some(s.len() - 1);
+                assert_eq!(given.repeated_row, last, "{what}");
+                assert_eq!(given.widest_gap.is_some(), name != "closed", "{what}");
+                if name == "run lost" {
+                    assert!((given.widest_gap.unwrap() - 0.05).abs() < 1.5 / samples as f64);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn breaks_are_found_beside_lost_rows() {
+    // The force jumps at s = 0.46 and 0.96.
+    for (name, s) in spacings(1024) {
+        let found = at_rows(position_first, &circle(0.0, 0.0), &s, 0.5);
+        let kind = found.verdict.kind;
+        let what = format!("{name}: {}", found.verdict);
+        match name {
+            "uneven" => assert_ne!(kind, VerdictKind::Symplectic, "{what}"),
+            _ => assert_eq!(kind, VerdictKind::BrokenLoops, "{what}"),
+        }
+    }
+}
+
+#[test]
+fn rows_that_few_digits_make_equal_are_kept() {
+    // Three decimals on 8192 samples: many neighbours are the same.
+    let round = |x: &mut f64| *x = (*x * 1e3).round() / 1e3;
+    let (before, after) = snapshots(leapfrog, &circle(1.0, 0.5), 8192, &[0.5], |q, p| {
+        round(q);
+        round(p);
+    });
+    let found = measure(&before, &after, &Coordinates::plain(1)).unwrap();
+    assert_eq!(found.evidence.loops[0].repeated_row, None);
+    assert_eq!(found.evidence.loops[0].samples, 8192);
 }

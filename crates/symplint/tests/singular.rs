@@ -37,7 +37,7 @@ fn vortices<const N: usize>(axes: [[f64; 3]; N]) -> impl TimeAdvance {
 fn circle(q0: Vec<f64>) -> Circle {
     Circle::new(q0, vec![0.3, -0.2], 1.0)
         .unwrap()
-        .with_random_phases(4)
+        .with_phases(symplint::Phases::Random { seed: 4 })
 }
 
 #[test]

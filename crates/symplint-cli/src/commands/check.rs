@@ -141,7 +141,9 @@ pub(super) fn diagnose(
         written(report.map_err(Failure::from))?;
         let title = format!("{}, {}", config.system.name, config.integrator);
         let sizes = diagnosis.points().into_iter().map(|point| point.step_size);
-        let largest = sizes.fold(0.0, f64::max);
+        // A map without a step size is called with 1.
+        let largest = sizes.filter(|h| h.is_finite()).reduce(f64::max);
+        let largest = largest.unwrap_or(1.0);
         let (figures, note) = check_figures(
             &title,
             &diagnosis,

@@ -1,10 +1,10 @@
 //! The loop of `symplint loop` without a configuration.
 
-use symplint::{Circle, Coordinates, FourierLoop, Loop};
+use symplint::{Circle, Coordinates, FourierLoop, Loop, Phases};
 
 use super::Failure;
 use super::per_dof::per_dof;
-use crate::cli::{LoopShape, Phases, Shape};
+use crate::cli::{self, LoopShape, Shape};
 
 /// Degrees of freedom at most.
 const MOST_DOF: usize = 1 << 24;
@@ -48,10 +48,16 @@ pub fn build(options: &LoopShape) -> Result<(Box<dyn Loop>, Coordinates), Failur
     let radius = options.radius.unwrap_or(1.0);
     let seed = options.seed.unwrap_or(1) as u64;
     let shape = options.shape.unwrap_or(Shape::Circle);
-    let circle = |q0, p0| Circle::new(q0, p0, radius).map_err(Failure::from_input);
     let phase_loop: Box<dyn Loop> = match (shape, options.phases) {
-        (Shape::Circle, Some(Phases::Random)) => Box::new(circle(q0, p0)?.with_random_phases(seed)),
-        (Shape::Circle, _) => Box::new(circle(q0, p0)?),
+        (Shape::Circle, chosen) => {
+            let phases = match chosen {
+                None | Some(cli::Phases::Staggered) => Phases::Staggered,
+                Some(cli::Phases::Equal) => Phases::Equal,
+                Some(cli::Phases::Random) => Phases::Random { seed },
+            };
+            let circle = Circle::new(q0, p0, radius).map_err(Failure::from_input)?;
+            Box::new(circle.with_phases(phases))
+        }
         (Shape::Fourier, Some(_)) => {
             return Err(usage(
                 "--phases applies to circles only",

@@ -48,8 +48,10 @@ impl Progress {
         match event {
             Event::Planned(more) => self.plan(more),
             Event::Measured(point) => {
-                self.bar
-                    .set_message(format!("h = {}", power_of_two(point.step_size)));
+                if point.step_size.is_finite() {
+                    let message = format!("h = {}", power_of_two(point.step_size));
+                    self.bar.set_message(message);
+                }
                 self.step();
             }
             // The report names it.

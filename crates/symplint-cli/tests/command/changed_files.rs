@@ -232,3 +232,56 @@ fn a_file_that_the_first_call_makes_ends_the_run_before_anything_is_noted() {
         );
     }
 }
+
+/// Runs `sh step.sh` with these words, its errors into a file.
+#[cfg(unix)]
+fn check_script(folder: &std::path::Path, words: &str, out: &str) -> (Option<i32>, String) {
+    let text = format!(
+        "[system]\nname = \"command\"\ncommand = [\"sh\", \"step.sh\", {words}]\nworkers = 1\n\
+         q0 = [1.0]\np0 = [0.5]\n[diagnostic]\nstep_sizes = [0.5]\nbudget = 200\n"
+    );
+    fs::write(folder.join("run.toml"), text).unwrap();
+    let log = fs::File::options()
+        .create(true)
+        .append(true)
+        .open(folder.join("log"))
+        .unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+    command.arg("check").arg(folder.join("run.toml"));
+    command.args(["--quiet", "--out"]).arg(folder.join(out));
+    let status = command.stderr(log).status().unwrap();
+    let text = fs::read_to_string(folder.join("log")).unwrap();
+    (status.code(), text)
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn streams_of_this_process_are_no_files_of_the_program() {
+    let folder = tempfile::TempDir::new().unwrap();
+    fs::write(folder.path().join("step.sh"), "cp \"$2\" \"$3\"\n").unwrap();
+    for _ in 0..2 {
+        let words = "\"/dev/stderr\", \"{before}\", \"{after}\"";
+        let (status, text) = check_script(folder.path(), words, "run");
+        assert_eq!(status, Some(3), "{text}");
+        let mut log = fs::File::options()
+            .append(true)
+            .open(folder.path().join("log"))
+            .unwrap();
+        std::io::Write::write_all(&mut log, b"more of a job\n").unwrap();
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn after_a_file_that_the_first_call_made_the_same_command_goes_on() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let script = "touch \"$1\"\ncp \"$2\" \"$3\"\n";
+    fs::write(folder.path().join("step.sh"), script).unwrap();
+    let words = "\"lock\", \"{before}\", \"{after}\"";
+    let check = || check_script(folder.path(), words, "run");
+    let (status, text) = check();
+    assert_eq!(status, Some(2), "{text}");
+    assert!(text.contains("was made"), "{text}");
+    let (status, text) = check();
+    assert_eq!(status, Some(3), "{text}");
+}

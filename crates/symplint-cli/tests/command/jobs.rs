@@ -328,6 +328,31 @@ fn a_call_that_fails_in_two_jobs_of_a_round_failed_once() {
 }
 
 #[test]
+fn a_job_that_is_started_again_and_stops_early_forgets_no_failure() {
+    let bench = Bench::new("crash", KEYS);
+    let path = |name: &str| bench.folder.path().join(name);
+    let run = path("run");
+    let bad = ["--set", "diagnostic.step_sizes=[0.125]"];
+    assert_eq!(plan(&bench, &run, &bad).status.code(), Some(4));
+    let advance = |temporary: &Path| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+        command.arg("advance").arg(&run).args(["--part", "1/1"]);
+        command.env("TMPDIR", temporary).output().unwrap()
+    };
+    let failed = || std::fs::read(run.join("round/part-1-of-1.failed")).unwrap();
+    assert_eq!(advance(bench.temporary.path()).status.code(), Some(2));
+    let first = failed();
+    let stopped = advance(&path("not there"));
+    assert_eq!(stopped.status.code(), Some(2));
+    assert!(
+        in_one_line(&stopped).contains("cannot write"),
+        "{}",
+        said(&stopped)
+    );
+    assert_eq!(failed(), first);
+}
+
+#[test]
 fn failures_that_were_taken_in_once_do_not_count_again() {
     let bench = Bench::new("crash", KEYS);
     let path = |name: &str| bench.folder.path().join(name);

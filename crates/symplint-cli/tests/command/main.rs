@@ -51,6 +51,10 @@ fn program() {
     if let Ok(path) = std::env::var("SYMPLINT_TEST_COUNT") {
         resume::count(&path);
     }
+    if behaviour == "fails" {
+        eprintln!("cannot open restart.dat");
+        std::process::exit(3);
+    }
     if h != BAD || std::env::var("SYMPLINT_TEST_WELL").is_ok() {
         return write(&file);
     }
@@ -247,6 +251,18 @@ fn one_bad_step_size_is_named_and_the_others_are_measured() {
             assert!(text.join(" ").contains(reason), "{behaviour}: {text:?}");
         }
         assert!(bench.left_behind().is_empty(), "{behaviour}");
+    }
+}
+
+#[test]
+fn a_small_budget_hides_no_failure_of_a_program() {
+    let bench = Bench::new("fails", "batch = 1000");
+    for budget in [200, 500] {
+        let output = bench.check(&["--set", &format!("diagnostic.budget={budget}")]);
+        let text = in_one_line(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains("cannot open restart.dat"), "{text}");
+        assert!(!text.contains("raise the budget"), "{text}");
     }
 }
 

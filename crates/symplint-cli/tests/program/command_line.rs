@@ -64,6 +64,20 @@ fn help_offers_what_a_command_accepts() {
 }
 
 #[test]
+fn more_threads_than_processors_are_not_started() {
+    let example = example("pendulum.toml");
+    let budget = ["--set", "diagnostic.budget=1000"];
+    for count in ["5000", "1000000"] {
+        let arguments = ["check", &example, "--json", "--threads", count];
+        let output = symplint(&[&arguments[..], &budget].concat());
+        let said = text(&output.stderr);
+        let note = format!("note: --threads {count} exceeds the number of processors");
+        assert!(said.contains(&note), "{said}");
+        assert!(serde_json::from_slice::<Value>(&output.stdout).is_ok());
+    }
+}
+
+#[test]
 fn numbers_are_read_as_in_configurations() {
     let folder = TempDir::new().unwrap();
     let samples = |number: &str, name: &str| {
@@ -122,14 +136,21 @@ fn a_loop_without_a_configuration() {
             .map(|[dq, dp]| [q[0] + dq, q[1] + dq, p[0] + dp, p[1] + dp])
     };
     let at = |options: &[&str]| table(&[&quarter[..], options].concat());
-    close(&at(&["--dof", "2"]), &around([0.0; 2], [0.0; 2]));
+    let in_phase = |options: &[&str]| at(&[options, &["--phases", "equal"]].concat());
+    close(&in_phase(&["--dof", "2"]), &around([0.0; 2], [0.0; 2]));
     close(
-        &at(&["--dof", "2", "--center", "-2^-1"]),
+        &in_phase(&["--dof", "2", "--center", "-2^-1"]),
         &around([-0.5; 2], [-0.5; 2]),
     );
     let expected = around([1.0, 2.0], [3.0, 3.0]);
-    close(&at(&["--q0", "1,2", "--p0", "3"]), &expected);
-    close(&at(&["--centre", "1,2,3,3"]), &expected);
+    close(&in_phase(&["--q0", "1,2", "--p0", "3"]), &expected);
+    close(&in_phase(&["--centre", "1,2,3,3"]), &expected);
+    // By default, the second degree of freedom is ahead by the golden ratio.
+    let staggered = at(&["--dof", "2"]);
+    assert_eq!(staggered, at(&["--dof", "2", "--phases", "staggered"]));
+    let ahead = std::f64::consts::TAU * 0.618_033_988_749_894_9;
+    let first = [0.0, 0.5 * ahead.sin(), 0.5, 0.5 * ahead.cos()];
+    close(&staggered[..1], &[first]);
     // Different phases, and the same for the same seed.
     let random = |seed| at(&["--dof", "2", "--phases", "random", "--seed", seed]);
     assert_ne!(random("1"), random("2"));

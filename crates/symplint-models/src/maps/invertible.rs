@@ -1,5 +1,6 @@
 //! Maps that can be undone.
 
+use symplint::map::Repeat;
 use symplint::{Block, StepFailure, TimeAdvance};
 
 /// A map Φ_h whose inverse can be computed, up to round-off.
@@ -25,3 +26,9 @@ macro_rules! forward_invertible {
     )*};
 }
 forward_invertible!(&M, Box<M>, std::sync::Arc<M>);
+
+impl<M: Invertible> Invertible for Repeat<M> {
+    fn advance_inverse(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        (0..self.steps()).try_for_each(|_| self.map().advance_inverse(h, block))
+    }
+}

@@ -6,7 +6,6 @@ mod compose;
 mod damped;
 mod inverse;
 mod invertible;
-mod repeat;
 mod single_precision;
 
 pub use adjoint::Adjoint;
@@ -14,5 +13,4 @@ pub use compose::Compose;
 pub use damped::Damped;
 pub use inverse::Inverse;
 pub use invertible::Invertible;
-pub use repeat::Repeat;
 pub use single_precision::SinglePrecision;

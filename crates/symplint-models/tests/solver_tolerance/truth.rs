@@ -36,7 +36,8 @@ impl Circle {
 
     pub fn of_library(&self) -> symplint::Circle {
         let (q, p) = self.centre.split_at(self.dof());
-        symplint::Circle::new(q.to_vec(), p.to_vec(), self.radius).unwrap()
+        let circle = symplint::Circle::new(q.to_vec(), p.to_vec(), self.radius).unwrap();
+        circle.with_phases(symplint::Phases::Equal)
     }
 }
 

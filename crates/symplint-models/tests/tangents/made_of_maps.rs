@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use symplint::TimeAdvance;
+use symplint::map::Repeat;
 use symplint_models::discrete::{HenonMap, StandardMap};
 use symplint_models::integrators::catalogue::{build, build_solved_by};
 use symplint_models::integrators::{
     Solver, Splitting, StageSolver, Stop, Variant, splitting_methods,
 };
-use symplint_models::maps::{Compose, Damped, Repeat, SinglePrecision};
+use symplint_models::maps::{Compose, Damped, SinglePrecision};
 use symplint_models::systems::{HenonHeiles, Pendulum};
 
 use crate::common::{State, distance, stepped};

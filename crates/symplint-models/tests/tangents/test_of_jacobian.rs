@@ -24,7 +24,9 @@ impl<M: TimeAdvance> TimeAdvance for Bare<M> {
 
 fn report(subject: &Subject, map: &dyn TimeAdvance) -> JacobianEvidence {
     let (q, p) = subject.at.clone();
-    let circle = Circle::new(q, p, 0.1).unwrap().with_random_phases(3);
+    let circle = Circle::new(q, p, 0.1)
+        .unwrap()
+        .with_phases(symplint::Phases::Random { seed: 3 });
     JacobianTest::default().run(map, &circle, 0.5).unwrap()
 }
 

@@ -8,6 +8,7 @@ use crate::member::{Expected, Member, Step, Subject, Truth, halvings, map_of};
 use crate::methods::{damped, leapfrog, runge_kutta, tableau};
 use crate::random::Random;
 use crate::rounding::Rounding;
+use crate::rows::Spacing;
 use crate::systems::{self, MOST, System};
 
 pub const COUNT: usize = 400;
@@ -175,6 +176,7 @@ fn files(random: &mut Random) -> Member {
             map: map_of(system.dof(), step),
             on,
             samples,
+            spacing: Spacing::Equal,
             step_sizes: vec![h, h / 2.0, h / 4.0],
             rounding,
         },

@@ -117,6 +117,7 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                 Advice::MoreEvaluations { wanted } => {
                     diagnostic.budget = Some(found.evidence.evaluations.budget + wanted);
                 }
+                Advice::LargerRadii { factor } => *on = Arc::new(Stretched::new(on, *factor)),
                 Advice::LargerLoop => *on = Arc::new(Stretched::new(on, 10.0)),
                 Advice::LargerRadiiOfGroup => {
                     let group = found
@@ -140,7 +141,9 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                 Advice::RuleAuto => {
                     (diagnostic.rule, diagnostic.samples) = (Rule::Auto, SampleCount::Auto);
                 }
-                Advice::Project | Advice::LoopOnManifold => *map = projected.clone()?,
+                Advice::Project | Advice::LoopOnManifold | Advice::KeepToLeaf => {
+                    *map = projected.clone()?;
+                }
                 Advice::MoreDigits
                 | Advice::TightenSolver
                 | Advice::SolverTolerance { .. }

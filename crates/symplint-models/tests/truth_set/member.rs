@@ -6,6 +6,7 @@ use std::sync::Arc;
 use symplint::{Circle, Diagnostic, Loop, PerSample, TimeAdvance};
 
 use crate::rounding::Rounding;
+use crate::rows::Spacing;
 
 /// One step of one state, as maps are written here.
 pub type Step = Arc<dyn Fn(f64, &mut [f64], &mut [f64]) + Send + Sync>;
@@ -30,8 +31,13 @@ pub enum Expected {
     /// It changes by so little that only digits that are not too many are asked for where it is below
     /// [`FAINT`](crate::outcome::FAINT).
     SmallDefect(f64),
+    /// The loop integral changes by this much, in a feature so narrow that few samples meet it: a symplectic verdict is right if its digits
+    /// are not too many.
+    Hidden(f64),
     /// The map breaks loops. Once closed, they keep their integrals or do not, where that is known.
     Broken { closed: Option<bool> },
+    /// Symplectic, with a period that is not the map's: symplectic, or an error that names it.
+    WrongPeriod,
     /// A solver stops at a tolerance: loops break and their integrals change, both by little.
     Tolerance {
         /// Of the loop integral between the breaks, at the largest step, relative, at least.
@@ -132,6 +138,8 @@ pub enum Subject {
         map: Arc<dyn TimeAdvance>,
         on: Arc<dyn Loop>,
         samples: usize,
+        /// Where they are.
+        spacing: Spacing,
         step_sizes: Vec<f64>,
         rounding: Rounding,
     },

@@ -41,10 +41,13 @@ pub fn diagnose(subject: &Subject) -> Result<Diagnosis, symplint::Error> {
             map,
             on,
             samples,
+            spacing,
             step_sizes,
             rounding,
         } => {
-            let before = Ensemble::sample(on, *samples)?;
+            let s = spacing.parameters(*samples);
+            let mut before = Ensemble::zeros(on.dof(), s.len());
+            on.sample(&s, &mut before.block());
             let unit = match rounding {
                 Rounding::Single => Snapshot::SINGLE,
                 Rounding::Digits(count) => 0.5 * 10f64.powi(1 - *count as i32),
@@ -84,13 +87,16 @@ pub fn outcome(member: &Member, diagnosis: &Diagnosis) -> Outcome {
         (Expected::Symplectic { most_digits }, VerdictKind::Symplectic) => {
             right(digits <= most_digits)
         }
-        (Expected::Symplectic { .. }, _) => wrong(),
+        (Expected::WrongPeriod, VerdictKind::Symplectic) => Outcome::Right,
+        (Expected::Symplectic { .. } | Expected::WrongPeriod, _) => wrong(),
         (Expected::NotSymplectic, kind) => right(kind == VerdictKind::NotSymplectic),
         (Expected::SmallDefect(_), VerdictKind::NotSymplectic) => Outcome::Right,
         (Expected::SmallDefect(defect), VerdictKind::Symplectic) => {
             right(defect < FAINT && honest(defect))
         }
-        (Expected::SmallDefect(_), VerdictKind::BrokenLoops) => wrong(),
+        (Expected::Hidden(_), VerdictKind::NotSymplectic) => Outcome::Right,
+        (Expected::Hidden(defect), VerdictKind::Symplectic) => right(honest(defect)),
+        (Expected::SmallDefect(_) | Expected::Hidden(_), VerdictKind::BrokenLoops) => wrong(),
         (Expected::Broken { closed }, VerdictKind::BrokenLoops) => {
             let said = verdict.conserved_once_closed;
             right(said.is_none() || closed.is_none() || said == closed)

@@ -9,6 +9,7 @@ use crate::methods::{damped, leapfrog, runge_kutta, tableau};
 use crate::networks;
 use crate::random::Random;
 use crate::rounding::Rounding;
+use crate::rows::Spacing;
 use crate::systems::{self, MOST, System};
 
 pub const COUNT: usize = 500;
@@ -182,6 +183,7 @@ fn files(random: &mut Random) -> Member {
             map: map_of(system.dof(), step),
             on,
             samples,
+            spacing: Spacing::Equal,
             step_sizes: vec![h, h / 2.0, h / 4.0],
             rounding,
         },

@@ -48,7 +48,9 @@ fn integrals(truth: &Truth, diagnosis: &Diagnosis) -> Vec<(String, f64)> {
             continue;
         }
         for step in &of_loop.steps {
-            let (Some(h), Some(_)) = (step.step_size, step.defect.quadrature_error) else {
+            // A map without a step size is called with 1.
+            let h = step.step_size.unwrap_or(1.0);
+            let Some(_) = step.defect.quadrature_error else {
                 continue;
             };
             let known = change(h);
@@ -158,7 +160,10 @@ fn digits(truth: &Truth, diagnosis: &Diagnosis) -> Option<(String, f64)> {
     let change = truth.change.as_ref()?;
     let digits = diagnosis.verdict.digits?;
     let defect = (diagnosis.points().iter())
-        .map(|at| change(at.step_size).abs())
+        .map(|at| match at.step_size.is_nan() {
+            true => change(1.0).abs(),
+            false => change(at.step_size).abs(),
+        })
         .filter(|defect| defect.is_finite())
         .fold(0.0, f64::max);
     let known = diagnosis.verdict.kind == VerdictKind::Symplectic && defect > 0.0;

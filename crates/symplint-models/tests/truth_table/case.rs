@@ -81,7 +81,8 @@ fn centre(q: &[f64], p: &[f64]) -> String {
 /// The circle of the paper.
 pub fn circle(q: &[f64], p: &[f64], radius: f64) -> Named {
     let name = format!("circle r = {radius} {}", centre(q, p));
-    Named::new(name, Circle::new(q.to_vec(), p.to_vec(), radius).unwrap())
+    let circle = Circle::new(q.to_vec(), p.to_vec(), radius).unwrap();
+    Named::new(name, circle.with_phases(symplint::Phases::Equal))
 }
 
 /// A circle in some of the planes; the other degrees of freedom stay.
@@ -95,7 +96,10 @@ pub fn circle_on(dofs: &[usize], q: &[f64], p: &[f64], radius: f64) -> Named {
 pub fn phased(q: &[f64], p: &[f64], radius: f64) -> Named {
     let name = format!("circles out of step r = {radius} {}", centre(q, p));
     let circle = Circle::new(q.to_vec(), p.to_vec(), radius).unwrap();
-    Named::new(name, circle.with_random_phases(1))
+    Named::new(
+        name,
+        circle.with_phases(symplint::Phases::Random { seed: 1 }),
+    )
 }
 
 /// A random Fourier loop.

@@ -96,8 +96,8 @@ fn steep_stretches_near_a_wrap_are_no_breaks() {
 
 #[test]
 fn steps_that_stretch_a_loop_over_many_periods_make_no_false_verdict() {
+    use symplint::map::Repeat;
     use symplint_models::discrete::StandardMap;
-    use symplint_models::maps::Repeat;
     // Symplectic, whatever the stretch: undecided at worst.
     let loop_of = circle(&[0.0], &[0.1], 1.0);
     let check = |map: &dyn TimeAdvance, from: i32, what: &str| {

@@ -1,8 +1,10 @@
 //! Bisection of a jump, and how a jump is told from noise and from a steep stretch.
 
 use super::limits::{
-    AROUND_A_ZONE, LOOKS, NARROWEST, NOISES_OF_A_JUMP, PATIENCE, SPACING, STAYS_ON_HALVING,
+    AGREES, AROUND_A_ZONE, KEEPS_ITS_SIZE, LOOKS, NARROWEST, NOISES_OF_A_JUMP, PATIENCE,
+    ROUNDINGS_OF_A_STATE, SPACING, STAYS_ON_HALVING,
 };
+use crate::state::Block;
 
 /// Two parameters with a jump between them, of a function that is continuous on both sides of it.
 #[derive(Clone, Debug)]
@@ -73,6 +75,9 @@ impl Bracket {
             End::High => self.high = self.middle(),
         }
         self.halvings += 1;
+        if self.high - self.low < KEEPS_ITS_SIZE {
+            self.expected = self.expected.max(difference.abs());
+        }
         if self.halvings > PATIENCE && self.is_little(difference) {
             Progress::Continuous
         } else if self.is_narrow() {
@@ -112,15 +117,54 @@ impl Bracket {
         };
         (0..AROUND_A_ZONE).map(move |k| from + k as f64 * outwards)
     }
+}
 
-    /// Whether a `jump` stands out of the values beside the bracket, each side from its end outwards: of their
-    /// noise, and of what their slope makes of the width of the bracket.
-    pub fn stands_out(&self, jump: f64, sides: [&[f64]; 2]) -> bool {
-        let steps = sides.iter().flat_map(|side| side.windows(2));
-        let steepest = steps.fold(0.0, |m: f64, x| m.max((x[1] - x[0]).abs()));
-        let climb = steepest * (self.high - self.low) / SPACING;
-        jump > NOISES_OF_A_JUMP * scatter(sides).max(climb)
+/// Whether a `jump` stands out of the values beside it, each side from its end outwards: of their noise, and of their steps,
+/// which are what the slope makes of the rounding of states; and whether the values on the two sides are as far apart as the
+/// ends, which one wrong state is not.
+pub(crate) fn stands_out(jump: f64, sides: [&[f64]; 2]) -> bool {
+    let [low, high] = sides.map(|side| median(side.iter().map(|x| x - side[0])));
+    let lasts = (jump + high - low) / jump > 0.5;
+    // Other breaks close by spoil two of five steps at most; at the first look there are two in all.
+    let step = |side: &[f64]| median(side.windows(2).map(|x| (x[1] - x[0]).abs()));
+    let climb = step(sides[0]).max(step(sides[1]));
+    lasts && jump.abs() > NOISES_OF_A_JUMP * scatter(sides).max(climb)
+}
+
+/// Displaces a state by a few roundings of each coordinate, one way in `pattern` 1 and the other way in pattern 2. The two differ in size,
+/// so that displacements that cancel at one end of a bracket do not cancel at the other.
+pub(crate) fn displace(block: &mut Block<'_>, sample: usize, pattern: usize) {
+    let dof = block.q.count();
+    for c in 0..2 * dof {
+        // Quasi-random: a sign, and a part between ½ and 3/2.
+        let k = (c + 1) as f64;
+        let forward = ((0.618_034 * k).fract() < 0.5) == pattern.is_multiple_of(2);
+        let part = 0.5 + (0.754_878 * k + 0.3 * pattern as f64).fract();
+        let row = match c < dof {
+            true => block.q.row_mut(c),
+            false => block.p.row_mut(c - dof),
+        };
+        let size = part * ROUNDINGS_OF_A_STATE * f64::EPSILON * row[sample].abs();
+        row[sample] += if forward { size } else { -size };
     }
+}
+
+/// Whether a displaced end of a `jump` has `moved` by no more than the jump: what breaks the loop may be so close that the state is on
+/// its other side. On a slope it moves by several times the jump, as the jump is a rounding of the state times the slope.
+pub(crate) fn moves_by_a_jump(jump: f64, moved: f64) -> bool {
+    moved.abs() <= (1.0 + AGREES) * jump.abs()
+}
+
+/// Whether a jump that is evaluated `again` is the same.
+pub(crate) fn is_repeated(jump: f64, again: f64) -> bool {
+    (again - jump).abs() <= AGREES * jump.abs()
+}
+
+/// The middle one of some values, the larger one of two.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
 }
 
 /// Whether the values on the sides of a `jump`, each side from its end outwards, are those before the jump and those
@@ -163,14 +207,82 @@ pub(crate) fn scatter(sides: [&[f64]; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::state::Ensemble;
 
     #[test]
-    fn a_jump_stands_out_of_what_the_slope_makes_of_the_width() {
-        // Four spacings wide, beside a line that climbs by one in each.
-        let bracket = Bracket::new([0.25, 0.25 + 4.0 * SPACING], 1.0);
+    fn a_jump_stands_out_of_the_steps_beside_it() {
         let line = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
-        assert!(!bracket.stands_out(NOISES_OF_A_JUMP * 4.0 - 0.1, [&line, &line]));
-        assert!(bracket.stands_out(NOISES_OF_A_JUMP * 4.0 + 0.1, [&line, &line]));
+        assert!(!stands_out(NOISES_OF_A_JUMP - 0.1, [&line, &line]));
+        assert!(stands_out(NOISES_OF_A_JUMP + 0.1, [&line, &line]));
+        // Other breaks, and a value of its own where a force jumps.
+        for other in [
+            [0.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+            [0.0, 0.0, 0.0, 7.0, 7.0, 7.0],
+        ] {
+            assert!(stands_out(1.0, [&[0.0; 6], &other]), "{other:?}");
+        }
+    }
+
+    #[test]
+    fn one_wrong_state_and_a_root_do_not_stand_out() {
+        for wrong in [1.0, -1.0] {
+            let side = [wrong, 0.0, 0.0, 0.0, 0.0, 0.0];
+            assert!(!stands_out(wrong, [&[0.0; 6], &side]));
+            assert!(!stands_out(wrong, [&[0.0; 3], &side[..3]]));
+        }
+        // √s, whose bracket is 1/64 of the spacing wide.
+        let root: [f64; 6] = std::array::from_fn(|k| (1.0 / 64.0 + k as f64).sqrt());
+        assert!(!stands_out(root[0], [&[0.0; 6], &root]));
+        assert!(!stands_out(root[0], [&[0.0; 3], &root[..3]]));
+    }
+
+    #[test]
+    fn the_size_of_a_break_stays_while_its_bracket_shrinks() {
+        let narrowed = |expected: f64, difference: &dyn Fn(f64) -> f64| {
+            let mut bracket = Bracket::new([0.25, 0.375], expected);
+            loop {
+                let width = 0.5 * (bracket.high - bracket.low);
+                match bracket.halve(End::Low, difference(width)) {
+                    Progress::Open => {}
+                    progress => return progress,
+                }
+            }
+        };
+        assert_eq!(narrowed(1.0, &|_| 1.0), Progress::Jump);
+        assert_eq!(narrowed(1.0, &|width| 1.0 + 1e12 * width), Progress::Jump);
+        // What is much larger close by than it seemed, and shrinks.
+        let hidden = |power: f64| move |width: f64| 1e-9f64.max(width.min(1e-12).powf(power));
+        assert_eq!(narrowed(1e-9, &hidden(0.5)), Progress::Continuous);
+    }
+
+    #[test]
+    fn displaced_ends_move_along_a_slope_and_by_no_more_than_a_jump() {
+        let moved = |value: &dyn Fn(f64, f64) -> f64, pattern: usize| {
+            let mut states = Ensemble::zeros(1, 1);
+            states.block().q.row_mut(0)[0] = -0.25;
+            states.block().p.row_mut(0)[0] = 1.0;
+            let before = value(-0.25, 1.0);
+            displace(&mut states.block(), 0, pattern);
+            value(states.q().row(0)[0], states.p().row(0)[0]) - before
+        };
+        for pattern in [1, 2] {
+            // A sum that a scaling of the state leaves 0, steep in either.
+            let steep = moved(&|q, p| 1e9 * (q + 0.25 * p), pattern);
+            let of_a_rounding = 1e9 * 0.125 * f64::EPSILON;
+            assert!(!moves_by_a_jump(of_a_rounding, steep), "{steep:e}");
+            let flat = moved(&|q, p| 3.0 * q - p, pattern);
+            assert!(moves_by_a_jump(1e-11, flat), "{flat:e}");
+        }
+        // A root, from one side or the other.
+        let root = |q: f64, _: f64| (q + 0.25).max(0.0).sqrt();
+        let above = [1, 2].map(|pattern| moved(&root, pattern));
+        let of_a_rounding = (0.125 * f64::EPSILON).sqrt();
+        assert!(
+            above
+                .iter()
+                .any(|moved| !moves_by_a_jump(of_a_rounding, *moved)),
+            "{above:?}"
+        );
     }
 
     #[test]

@@ -1,12 +1,17 @@
 //! Closing in on a suspected jump, one state at a time.
 
-use super::bracket::{Bracket, End, Progress, flickers, is_between_levels};
-use super::limits::{AROUND_A_ZONE, DISTANCES_AROUND, LOOKS, ROUNDINGS, SAMPLES_OF_SIZE};
+use super::bracket::{
+    Bracket, End, Progress, displace, flickers, is_between_levels, is_repeated, moves_by_a_jump,
+    stands_out,
+};
+use super::limits::{
+    AROUND_A_ZONE, DISTANCES_AROUND, LOOKS, REPETITIONS, ROUNDINGS, SAMPLES_OF_SIZE,
+};
 use super::residual::{Coordinate, Suspect};
 use super::{Break, Search, uncertainty_of_position};
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::map::Evaluator;
+use crate::map::{Evaluator, states_at};
 use crate::signal::{Barycentric, Extent, UNIT_ROUNDOFF, nearest};
 use crate::state::Ensemble;
 
@@ -35,9 +40,10 @@ impl Point {
 
 /// Evaluates the map on ever shorter stretches round a suspected jump.
 ///
-/// The six samples round it are taken from `known`, if they are in memory. Finds a break if the two sides are
-/// still apart when no double lies between, and none if they meet (the loop is steep but continuous there) or the
-/// jump does not stand out of the noise.
+/// The six samples around it are taken from `known`, if they are in memory. Finds a break if the two sides are
+/// still apart when no double lies between. There is no break if the sides meet (the loop is steep but continuous there), if the
+/// jump does not stand out of the noise and of the slope times the rounding of states, or if it differs when both ends are
+/// evaluated again.
 pub(super) fn follow(
     evaluator: &Evaluator<'_>,
     phase_loop: &dyn Loop,
@@ -102,14 +108,14 @@ pub(super) fn follow(
     if is_rounding || bracket.is_little(jump) || !suspect.stands_out(jump.abs()) {
         return Ok(Search::Clean);
     }
-    let found = Search::Found(Break {
+    let found = Break {
         s: bracket.high.rem_euclid(1.0),
         uncertainty: bracket.high - bracket.low + uncertainty(phase_loop, dof, [jump_q, jump_p])?,
         dof,
         jump_q,
         jump_p,
         substep: None,
-    });
+    };
     // Values on one side, from its end outwards.
     let beside = |end: End, s: &[f64]| -> Result<Vec<f64>, Error> {
         let origin = ends[end as usize].value;
@@ -117,14 +123,39 @@ pub(super) fn follow(
         let from_end = |point: Point| origin + nearest(sides.sign * point.value - origin, period);
         Ok(points.map(from_end).collect())
     };
+    let confirmed = || -> Result<Search, Error> {
+        for k in 0..REPETITIONS {
+            let order = [1 - k % 2, k % 2];
+            let points = image(&order.map(|end| ends[end].s))?;
+            let value = |end: usize| sides.sign * points[order[end]].value;
+            if !is_repeated(jump, nearest(value(1) - value(0), period)) {
+                return Ok(Search::Clean);
+            }
+        }
+        let on_loop = ends.map(|point| point.s.rem_euclid(1.0));
+        let mut states = states_at(phase_loop, &on_loop);
+        for end in [End::Low, End::High] {
+            displace(&mut states.block(), end as usize, 1 + end as usize);
+        }
+        evaluator.advance(&mut states, h)?;
+        let is_jump = |end: End| {
+            let point = Point::of(suspect, &states, end as usize, on_loop[end as usize]);
+            let moved = sides.sign * point.value - ends[end as usize].value;
+            moves_by_a_jump(jump, nearest(moved, period))
+        };
+        Ok(match is_jump(End::Low) && is_jump(End::High) {
+            true => Search::Found(found),
+            false => Search::Clean,
+        })
+    };
     let mut close = ends.map(|point| vec![point.value]);
     for look in 0..LOOKS.len() {
         for (side, end) in close.iter_mut().zip([End::Low, End::High]) {
             let s: Vec<f64> = bracket.beside(end, look).skip(side.len()).collect();
             side.extend(beside(end, &s)?);
         }
-        if bracket.stands_out(jump.abs(), [&close[0], &close[1]]) {
-            return Ok(found);
+        if stands_out(jump, [&close[0], &close[1]]) {
+            return confirmed();
         }
     }
     if !flickers(jump, [&close[0], &close[1]]) {
@@ -140,7 +171,7 @@ pub(super) fn follow(
             side.extend(beside(end, &s)?);
         }
         if is_between_levels(jump, [&around[0], &around[1]]) {
-            return Ok(found);
+            return confirmed();
         }
     }
     Ok(Search::Clean)

@@ -19,12 +19,18 @@ pub(super) const ROUNDINGS: f64 = 32.0;
 /// Suspected jumps of a loop that are followed.
 pub(super) const MOST_SUSPECTS: usize = 4;
 
-/// Evaluations that following one may take: 6 samples round it, fewer than 54 halvings, and those beside it.
-pub(super) const OF_A_SUSPECT: usize = 6 + 54 + 2 * LOOKS[1];
+/// Evaluations that following one may take: 6 samples around it, fewer than 54 halvings, those beside it, and both ends
+/// again, displaced, too.
+pub(super) const OF_A_SUSPECT: usize = 6 + 54 + 2 * LOOKS[1] + OF_A_CONFIRMATION;
 
 /// The step that two smooth sides leave between them keeps its size as the map is evaluated more closely: what is
 /// smaller than this part of what was expected is none.
 pub(super) const STAYS_ON_HALVING: f64 = 0.25;
+
+/// A break keeps its size while its bracket shrinks from this width to [`NARROWEST`], over four decades: the difference of
+/// both ends shrinks there by 1e4 on a slope, and by 100 at a square root. Derived: on a slope as steep as the loop, the width
+/// makes less than a third of the smallest break, [`LEAST_JUMP`].
+pub(super) const KEEPS_ITS_SIZE: f64 = 1e-12;
 
 /// Halvings before the difference of the ends is expected to be that of the jump alone.
 pub(super) const PATIENCE: usize = 2;
@@ -37,8 +43,17 @@ pub(super) const NARROWEST: f64 = 0.25 * f64::EPSILON;
 /// at a second one if need be.
 pub(crate) const LOOKS: [usize; 2] = [3, 6];
 
-/// Their distance: 32 doubles, so that the rounding of s is none of the noise, and nothing on the scale of a loop.
+/// Their distance: 32 doubles, so that the rounding of s is not part of the noise, and nothing on the scale of a loop.
 pub(super) const SPACING: f64 = 32.0 * f64::EPSILON;
+
+/// The ends of a break are displaced by about this many roundings: what the map makes of one rounding is then an eighth of the change.
+pub(super) const ROUNDINGS_OF_A_STATE: f64 = 8.0;
+
+/// Times that both ends of a break are evaluated again, each time in another order.
+pub(crate) const REPETITIONS: usize = 2;
+
+/// Evaluations for that, and for both ends displaced.
+pub(crate) const OF_A_CONFIRMATION: usize = 2 * REPETITIONS + 2;
 
 /// How far from a jump these states reach.
 pub(crate) const REACH_BESIDE: f64 = (LOOKS[1] - 1) as f64 * SPACING;
@@ -58,10 +73,11 @@ pub(crate) const DISTANCES_AROUND: [f64; 5] = [
     SPACING * 64.0,
 ];
 
-/// A break is this many times the noise beside it, and what the slope makes of its width.
+/// A break is this many times the noise beside it, and the typical step from one of the states beside it to the next: this is the slope
+/// times the rounding of states, or more.
 pub(super) const NOISES_OF_A_JUMP: f64 = 8.0;
 
-/// Sizes of a jump at different spacings agree to this part.
+/// Sizes of a jump at different spacings, or when it is evaluated again, agree to this part.
 pub(super) const AGREES: f64 = 0.25;
 
 /// A jump is confirmed only if no other is nearer than this many cells.

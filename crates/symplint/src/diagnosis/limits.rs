@@ -144,6 +144,30 @@ pub(super) const OF_ROUNDING: f64 = 8.0;
 /// Above this an error that does not fall is not yet noise: the loop is steep somewhere.
 pub(super) const LARGEST_NOISE: f64 = 1e-5;
 
+// Features that samples do not resolve.
+
+/// States at irregular parameters, one for so many samples: they take at most 6% of the evaluations of a loop at the largest step
+/// size, and 3% of a diagnosis.
+pub(super) const IRREGULAR_PART: usize = 16;
+
+/// The most of them.
+pub(super) const MOST_IRREGULAR: usize = 256;
+
+/// A feature exceeds the median along the loop by this factor: the largest of 65,536 normally distributed values exceeds it by
+/// less than 7, and rounding, whose unit changes by factors of two along the loop, by as much again.
+pub(super) const FEATURE_OF_MEDIAN: f64 = 32.0;
+
+/// A feature is larger than so many roundings of its coordinate.
+pub(super) const FEATURE_OF_ROUNDING: f64 = 256.0;
+
+/// States between samples are off by at most this many times the error of the integral if samples resolve the loop: an error that
+/// has one sign all along the loop is as large as the error of the integral, one in a hundredth of the loop a hundred times.
+pub(super) const FEATURE_OF_ERROR: f64 = 100.0;
+
+/// Distance of states that share a feature with one of them: far below the width of a feature that matters, and so small that the
+/// curvature of the loop, (2π)² of the square, is below 1e-12.
+pub(super) const BESIDE_FEATURE: f64 = 1e-7;
+
 // Evaluations that are missing.
 
 /// Samples that miss the grid may miss the steepest slopes: neighbours are taken to be this many times as far apart as
@@ -204,3 +228,18 @@ pub(super) const LOOKED_AT: usize = 8;
 
 /// Step sizes, each half of the one before: an order needs some that are clear of round-off.
 pub(super) const HALVINGS: i32 = 8;
+
+// Beyond the given loop and step sizes.
+
+/// The factor between the sizes of larger loops. Conventional: two octaves.
+pub(super) const LARGER: f64 = 4.0;
+
+/// Larger loops at most. Conventional: up to 64 times the radii of the given loop.
+pub(super) const MOST_LARGER: usize = 3;
+
+/// A larger step that breaks its loop is halved at most this number of times. Conventional: from a radian to a thirtieth of one.
+pub(super) const MOST_HALVINGS: usize = 6;
+
+/// A kick or a free flight alone that deforms loops by less than this part of their size may be rounding, which no larger step
+/// makes more of. Conventional: half of the digits of double precision.
+pub(super) const SMALLEST_SHEAR: f64 = 1.5e-8;

@@ -37,10 +37,11 @@ pub(super) fn follow(
     };
     let subject = &probe.subject;
     let record = trace.run_with(subject.evaluator, subject.phase_loop, None, &|_| {})?;
+    let h = subject.evaluator.stated(h);
     Ok(Ok(summary(h, samples, &record.points[1..])))
 }
 
-fn summary(h: f64, samples: usize, points: &[TracePoint]) -> LongTime {
+fn summary(h: Option<f64>, samples: usize, points: &[TracePoint]) -> LongTime {
     let mut largest = 0.0f64;
     let resolved = points.iter().take_while(|point| {
         largest = largest.max(point.defect);

@@ -2,6 +2,7 @@
 
 mod domain;
 mod other_loops;
+mod reach;
 
 use super::initial_samples::InitialSamples;
 use super::limits::{
@@ -19,7 +20,7 @@ use crate::evidence::{
 };
 use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest};
 use crate::loops::{Loop, check_closed};
-use crate::map::{EvaluationCount, Evaluator, LoopSize, TimeAdvance};
+use crate::map::{EvaluationCount, Evaluator, LoopSize, Repeat, TimeAdvance};
 use crate::rules::{Rule, RuleKind, Subject};
 use crate::state::Ensemble;
 use crate::survey;
@@ -45,6 +46,17 @@ impl Diagnostic {
         phase_loop: &dyn Loop,
         watch: &dyn Fn(Event<'_>),
     ) -> Result<Evidence, Error> {
+        if self.repeat != 1 {
+            return self.measure_repeated(map, phase_loop, watch);
+        }
+        if !self.has_step_size && (self.step_sizes != [ONLY_STEP] || self.typical_step.is_some()) {
+            let only = Diagnostic {
+                step_sizes: vec![ONLY_STEP],
+                typical_step: None,
+                ..self.clone()
+            };
+            return only.measure(map, phase_loop, watch);
+        }
         check_step_sizes(self)?;
         let budget = self.budget.unwrap_or_else(|| plan::default_budget(self));
         if budget < LEAST_BUDGET {
@@ -65,6 +77,9 @@ impl Diagnostic {
         let mut evaluator = Evaluator::new(map, &count)?;
         if !self.project {
             evaluator = evaluator.without_constraint();
+        }
+        if !self.has_step_size {
+            evaluator = evaluator.without_step_size();
         }
         evaluator.check_dof(phase_loop.dof())?;
         check_closed(phase_loop, evaluator.coordinates())?;
@@ -110,19 +125,26 @@ impl Diagnostic {
                     watch(Event::Failed(&error));
                     failed.push(FailedStep { h: largest, error });
                 }
+                // The failed steps spent the budget: their error is what the user needs.
+                Err(Error::BudgetSpent { .. }) if !failed.is_empty() => {
+                    return Err(failed.swap_remove(0).error);
+                }
                 begun => break begun?,
             }
         };
         run.random_loops(subject, &given)?;
+        run.check_periods()?;
+        run.reach(subject, &given)?;
         run.long_time(&given)?;
         run.jacobian(subject, &given);
         run.look_for_manifold(subject, &given)?;
+        run.look_for_leaf(subject, &given)?;
         run.contract(subject, &given)?;
         run.localise(subject, &given);
         if let Some(sweep) = &self.sample_sweep {
             match run.sweep_samples(&given.probe, sweep) {
                 Err(error) if of_the_map(&error) => run.omit(Omission::StepFailed {
-                    step_size: sweep.step_size,
+                    step_size: subject.evaluator.stated(sweep.step_size),
                     reason: error.to_string(),
                 }),
                 swept => swept?,
@@ -134,7 +156,38 @@ impl Diagnostic {
         run.evidence.evaluations.wanted = diagnostic.missing(subject, &run.evidence)?;
         Ok(run.evidence)
     }
+
+    /// Measures the map composed with itself. Of the budget, and of what was made of it, every state takes as many
+    /// evaluations.
+    fn measure_repeated(
+        &self,
+        map: &dyn TimeAdvance,
+        phase_loop: &dyn Loop,
+        watch: &dyn Fn(Event<'_>),
+    ) -> Result<Evidence, Error> {
+        let map = Repeat::new(map, self.repeat)?;
+        let budget = self.budget.unwrap_or_else(|| plan::default_budget(self));
+        let once = Diagnostic {
+            repeat: 1,
+            budget: Some(budget / self.repeat),
+            ..self.clone()
+        };
+        if budget / self.repeat < LEAST_BUDGET {
+            return Err(Error::OutOfRange {
+                what: "budget of evaluations",
+                value: budget as f64,
+                remedy: "give at least 200 times the number of repetitions",
+            });
+        }
+        let mut evidence = once.measure(&map, phase_loop, watch)?;
+        evidence.evaluations = evidence.evaluations.times(self.repeat);
+        evidence.evaluations.budget = budget;
+        Ok(evidence)
+    }
 }
+
+/// What a map without a step size is called with.
+const ONLY_STEP: f64 = 1.0;
 
 /// The step size of the largest size, of one or more.
 fn largest_of(sizes: &[f64]) -> f64 {
@@ -221,7 +274,8 @@ impl Run<'_> {
                 self.evidence.survey.scatter = scatter;
                 None
             }
-            Err(error) if of_the_map(&error) => Some(error),
+            // One failure is described as well as possible, further ones at little cost.
+            Err(error) if of_the_map(&error) && self.failed.is_empty() => Some(error),
             Err(error) => return Err(error),
         };
         match survey::rounding_inside(subject, self.largest) {
@@ -236,12 +290,28 @@ impl Run<'_> {
         }
         self.evidence.evaluations.purity = self.count.made() - start;
         let given = self.given_loop(subject)?;
+        let start_of_periods = self.count.made();
+        self.evidence.survey.wrong_period = survey::wrong_period(subject, self.largest)?;
+        self.evidence.evaluations.purity += self.count.made() - start_of_periods;
         if let Some(error) = beside {
             return Err(error);
         }
         // Step sizes that failed before were tried on the given loop, too.
         self.evidence.evaluations.given_loop += start - self.evidence.evaluations.step_sizes;
         Ok((self, given))
+    }
+
+    /// Checks that no loop needs a period that is not one of the map: a given loop that winds, or one that breaks, where
+    /// positions are wrapped by another period say.
+    fn check_periods(&self) -> Result<(), Error> {
+        let Some(wrong) = self.evidence.survey.wrong_period else {
+            return Ok(());
+        };
+        let needs = |found: &LoopEvidence| found.winds || found.is_broken();
+        match self.evidence.loops.iter().any(needs) {
+            true => Err(wrong.into_error()),
+            false => Ok(()),
+        }
     }
 
     /// Whether the map failed at this step size on the given loop.
@@ -321,7 +391,7 @@ impl Run<'_> {
         }
         for FailedStep { h, error } in &self.failed {
             self.evidence.omissions.push(Omission::StepFailed {
-                step_size: *h,
+                step_size: Some(*h),
                 reason: error.to_string(),
             });
         }
@@ -361,7 +431,11 @@ impl Run<'_> {
 
     fn sweep_samples(&mut self, probe: &Probe<'_>, sweep: &SampleSweep) -> Result<(), Error> {
         (self.watch)(Event::Planned(sweep.counts.len()));
-        let (h, subject) = (sweep.step_size, probe.subject);
+        let h = match self.diagnostic.has_step_size {
+            true => sweep.step_size,
+            false => ONLY_STEP,
+        };
+        let subject = probe.subject;
         subject.evaluator.begin_loop();
         let mut refined: Option<RefinedSamples<'_>> = None;
         let start = self.count.made();
@@ -420,7 +494,7 @@ impl Run<'_> {
             .breaks
             .extend(breaks.into_iter().map(|found| BreakAt {
                 loop_index,
-                step_size: Some(known.h),
+                step_size: step.step_size,
                 found,
             }));
         match sweep {
@@ -440,7 +514,8 @@ impl Run<'_> {
             .iter_mut()
             .last()
             .map(|found| &mut found.steps);
-        let largest = |step: &&mut StepEvidence| step.step_size == Some(self.largest);
+        let wanted = self.diagnostic.has_step_size.then_some(self.largest);
+        let largest = |step: &&mut StepEvidence| step.step_size == wanted;
         if let Some(step) = steps.and_then(|steps| steps.iter_mut().find(largest)) {
             step.motion = motion;
         }
@@ -515,6 +590,7 @@ impl Run<'_> {
         found: &JacobianEvidence,
     ) -> Option<JacobianDecay> {
         let (_, worst) = found.worst_point().filter(|_| found.shows_defect())?;
+        let largest_step = found.step_size?;
         let significant = |of: &LoopEvidence| -> Vec<(f64, f64)> {
             (of.steps.iter().filter(|step| step.is_significant()))
                 .filter_map(|step| Some((step.step_size?, step.defect.magnitude())))
@@ -525,14 +601,14 @@ impl Run<'_> {
         let expected = of_loops
             .filter(|steps| steps.len() >= FEWEST_OF_AN_ORDER)
             .flat_map(|steps| {
-                let largest = steps.iter().find(|(h, _)| *h == found.step_size);
+                let largest = steps.iter().find(|(h, _)| *h == largest_step);
                 let at_largest = largest.map_or(f64::INFINITY, |(_, defect)| *defect);
                 let fallen = move |(h, defect)| (h, worst.magnitude() * defect / at_largest);
                 steps.into_iter().map(fallen)
             });
         let least = CLEAR_OF_METHOD * found.method.least_defect();
         let h = expected
-            .filter(|&(h, defect)| h.abs() < found.step_size.abs() && defect >= least)
+            .filter(|&(h, defect)| h.abs() < largest_step.abs() && defect >= least)
             .map(|(h, _)| h)
             .min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
         let evaluator = subject.evaluator;
@@ -553,14 +629,15 @@ impl Run<'_> {
 
     /// Looks where a defect comes from, on the first loop that shows it.
     fn localise(&mut self, subject: Subject<'_>, given: &Given<'_>) {
-        let off_manifold = self.evidence.survey.singular.is_some();
+        let survey = &self.evidence.survey;
+        let off_manifold = survey.singular.is_some() || survey.degenerate_form.is_some();
         if !self.diagnostic.localise || off_manifold || given.probe.is_beyond_memory() {
             return;
         }
-        let broken = (self.evidence.loops.iter()).any(LoopEvidence::is_broken);
-        // The integral of a loop that winds may change; that it breaks may not.
-        let Some(found) = (self.evidence.loops.iter())
-            .find(|found| found.shows_defect() && (broken || !found.winds))
+        // The integral of a loop that winds may change, and its period need not be one of the map.
+        let broken = (self.evidence.loops.iter()).any(|found| !found.winds && found.is_broken());
+        let Some(found) =
+            (self.evidence.loops.iter()).find(|found| found.shows_defect() && !found.winds)
         else {
             return;
         };

@@ -1,6 +1,7 @@
 //! Measuring: sweeps over the step size and the number of samples, random loops, the Jacobian, many steps.
 
 mod convergence;
+mod features;
 mod initial_samples;
 mod limits;
 mod localise;
@@ -68,6 +69,11 @@ pub struct Diagnostic {
     pub samples: SampleCount,
     /// Step sizes h, not zero. The verdict leans on the largest.
     pub step_sizes: Vec<f64>,
+    /// Whether the map has a step size. A map without one (a kicker, one turn of a ring) is tested itself: it is called with
+    /// h = 1, `step_sizes` and `typical_step` are not used, and there is no order.
+    pub has_step_size: bool,
+    /// The map is composed with itself this number of times, 1 or more. Each state then takes this number of evaluations.
+    pub repeat: usize,
     /// A typical step size, where there are no `step_sizes`: those tried are the largest that advances the motions on
     /// the loop by about a radian and that the map can take, and seven halvings of it; all of them are this one times
     /// a power of two.
@@ -104,6 +110,8 @@ impl Default for Diagnostic {
             streaming: Streaming::default(),
             samples: SampleCount::Auto,
             step_sizes: (1..=10).map(|m| 0.5f64.powi(m)).collect(),
+            has_step_size: true,
+            repeat: 1,
             typical_step: None,
             sample_sweep: None,
             loops: 8,
@@ -151,6 +159,28 @@ impl Diagnostic {
         Diagnostic {
             step_sizes: Vec::new(),
             typical_step: Some(typical_step),
+            ..Diagnostic::default()
+        }
+    }
+
+    /// A map without a step size; everything else as by default.
+    ///
+    /// ```
+    /// use symplint::{Circle, Diagnostic, PerSample, VerdictKind};
+    ///
+    /// // The fringe field of a magnet.
+    /// let map = PerSample::new(1, |_, q, p| {
+    ///     p[0] /= 1.0 + 0.3 * q[0] * q[0];
+    ///     q[0] += 0.1 * q[0].powi(3);
+    /// });
+    /// let circle = Circle::new(vec![2e-3], vec![1e-3], 8e-3)?;
+    /// let diagnosis = Diagnostic::without_step_size().run(&map, &circle)?;
+    /// assert_eq!(diagnosis.verdict.kind, VerdictKind::Symplectic);
+    /// # Ok::<(), symplint::Error>(())
+    /// ```
+    pub fn without_step_size() -> Self {
+        Diagnostic {
+            has_step_size: false,
             ..Diagnostic::default()
         }
     }

@@ -179,7 +179,7 @@ impl<'a> Probe<'a> {
     pub fn evidence(&self, known: &Known) -> StepEvidence {
         let advanced = &known.advanced;
         StepEvidence {
-            step_size: Some(known.h),
+            step_size: self.subject.evaluator.stated(known.h),
             samples: advanced.samples,
             rule: self.integrator.kind(),
             initial: self.initial.value,

@@ -1,6 +1,7 @@
 //! Choosing the rule and the number of samples of a loop.
 
 use super::convergence::Convergence;
+use super::features::{self, unresolved_feature};
 use super::initial_samples::InitialSamples;
 use super::limits::{
     AGREEMENT, COARSE, CUTOFF, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES,
@@ -171,14 +172,33 @@ impl Diagnostic {
             }
             if standing.is_done() || all {
                 // Where twice the samples gain nothing there is noise, and no rule does better.
-                if !auto || standing.enough || standing.stalled || error <= with.plan.tolerance {
+                let settled = standing.enough || standing.stalled || error <= with.plan.tolerance;
+                if !auto {
                     return Ok(probe);
+                }
+                if settled {
+                    let feature = match has_left(features::cost(samples)) {
+                        true => {
+                            let stalled = standing.stalled && !standing.enough;
+                            unresolved_feature(subject, refined, h, (stalled, error))?
+                        }
+                        false => None,
+                    };
+                    return match feature {
+                        None => Ok(probe),
+                        Some(s) => self.around_feature(probe, refined, with, start, s),
+                    };
                 }
                 if pieces.is_none() {
                     pieces = self.tried(subject, refined, with, start)?;
                 }
                 return match pieces {
-                    Some((pieces, of_pieces)) if of_pieces < error => Ok(pieces),
+                    Some((pieces, of_pieces))
+                        if of_pieces < error
+                            || contradicts(&pieces, &probe, h, of_pieces + error) =>
+                    {
+                        Ok(pieces)
+                    }
                     _ => self.beyond_memory(probe, with, error),
                 };
             }
@@ -199,6 +219,27 @@ impl Diagnostic {
             last_regularity = regularity;
             refined.double()?;
         }
+    }
+
+    /// The piecewise rule, cut at a feature that samples do not resolve. Without the evaluations for it, the error of the samples
+    /// is not known.
+    fn around_feature<'a>(
+        &self,
+        probe: Probe<'a>,
+        refined: &RefinedSamples<'_>,
+        with: &Resolution<'_>,
+        start: usize,
+        s: f64,
+    ) -> Result<Probe<'a>, Error> {
+        let subject = probe.subject;
+        subject.evaluator.note_feature(s);
+        if let Some((pieces, _)) = self.tried(subject, refined, with, start)? {
+            return Ok(pieces);
+        }
+        let mut known = probe.known(with.h).expect("it was just measured").clone();
+        known.advanced.integral.quadrature_error = None;
+        known.advanced.defect.quadrature_error = None;
+        Ok(probe.knowing(known.h, known.advanced, known.evaluations))
     }
 
     /// The piecewise rule within the means of automatic choices.
@@ -342,6 +383,20 @@ impl Diagnostic {
         let better = left.is_some_and(|left| left < error);
         Ok(if better { streamed } else { probe })
     }
+}
+
+/// Whether pieces and samples differ by more than the uncertainties of both, `explained`: then the estimate of the samples bounds
+/// nothing, as the pieces resolve what the samples show, and more.
+fn contradicts(pieces: &Probe<'_>, samples: &Probe<'_>, h: f64, explained: f64) -> bool {
+    let signed = |probe: &Probe<'_>| {
+        let advanced = &probe.known(h)?.advanced;
+        let closed = advanced.closed.as_ref().map(|closed| closed.defect);
+        Some(closed.unwrap_or(advanced.defect).signed)
+    };
+    let apart = signed(pieces)
+        .zip(signed(samples))
+        .map(|(a, b)| (a - b).abs());
+    apart.is_some_and(|apart| apart > explained)
 }
 
 /// The Sobolev exponent of a loop with kinks, on which twice the samples agree. That of a smooth loop

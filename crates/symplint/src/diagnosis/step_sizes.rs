@@ -43,6 +43,8 @@ pub(super) fn step_sizes(subject: Subject<'_>, typical: f64) -> Result<Vec<f64>,
                     .max();
                 works.map_or(exponent - 4, |k| (k + exponent).div_euclid(2))
             }
+            // The failed steps spent the budget: their error is what the user needs.
+            Err(Error::BudgetSpent { .. }) if failure.is_some() => break,
             Err(error) => return Err(error),
         };
         exponent = next.min(fails.saturating_sub(1));

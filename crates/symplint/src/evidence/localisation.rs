@@ -9,8 +9,8 @@ pub struct Localisation {
     /// Which loop: 0 is the given one.
     #[serde(rename = "loop")]
     pub loop_index: usize,
-    /// Step size h.
-    pub step_size: f64,
+    /// Step size h; `None` for a map without one.
+    pub step_size: Option<f64>,
     /// What each substep changes, the first one first; empty for a map without substeps.
     pub substeps: Vec<SubstepDefect>,
     /// What each part of the loop contributes; empty for broken loops, and for those that cannot be

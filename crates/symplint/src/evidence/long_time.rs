@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct LongTime {
-    /// Step size h.
-    pub step_size: f64,
+    /// Step size h; `None` for a map without one.
+    pub step_size: Option<f64>,
     /// Steps that were asked for.
     pub asked: usize,
     /// Steps that the samples resolve; from there on the loop is folded too finely for them.

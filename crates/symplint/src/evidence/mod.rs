@@ -12,11 +12,14 @@ mod survey;
 
 pub use localisation::{Contraction, Localisation, Sector, SubstepDefect};
 pub use long_time::LongTime;
-pub use motion::Motion;
+pub(crate) use motion::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, defect_of_order_4};
+pub use motion::{Motion, Reach};
 pub use point::{BreakAt, Point, Sweep};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
-pub use survey::{OutputFormat, OutputPrecision, Scatter, SingularJacobian, Survey};
+pub use survey::{
+    OutputFormat, OutputPrecision, Rank, Scatter, SingularJacobian, Survey, WrongPeriod,
+};
 
 use serde::{Deserialize, Serialize};
 
@@ -50,6 +53,13 @@ pub struct Evidence {
     /// Where the change of the integral of the loop with the largest defect sits, where the Jacobian does not show it.
     #[serde(default)]
     pub contraction: Option<Contraction>,
+    /// A random loop after a larger step, or a larger one for a map without a step size, if the others move little.
+    #[serde(default)]
+    pub reach: Option<Reach>,
+    /// The largest radii of the loops, of a position and of a momentum, if the verdict is about loops of this size: of a map
+    /// without a step size, or that moves them little.
+    #[serde(default)]
+    pub radii: Option<[f64; 2]>,
     /// The given loop after many steps.
     pub long_time: Option<LongTime>,
     /// The Jacobian of the largest step at points of the given loop.
@@ -132,6 +142,13 @@ pub struct LoopEvidence {
     /// Mean distance of neighbouring samples over that of samples sorted along the loop, for loops of another
     /// code, before the step or after one: 1 for rows in order.
     pub shuffled: Option<f64>,
+    /// The number of the last row of a loop of another code, counted from 0, if it repeats the first one: it was left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repeated_row: Option<usize>,
+    /// The widest gap between neighbouring rows of a loop of another code, as a part of its length, if they are not equally
+    /// spaced.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub widest_gap: Option<f64>,
     /// Step by step.
     pub steps: Vec<StepEvidence>,
     /// Why there are none: the error of the map.
@@ -150,8 +167,8 @@ pub enum Omission {
     },
     /// A step size: the map failed there on the given loop.
     StepFailed {
-        /// The step size.
-        step_size: f64,
+        /// The step size; `None` for a map without one.
+        step_size: Option<f64>,
         /// The error of the map.
         reason: String,
     },
@@ -235,6 +252,28 @@ pub struct Evaluations {
     pub long_time: usize,
 }
 
+impl Evaluations {
+    /// Those of a map that is applied this number of times to each state.
+    pub(crate) fn times(self, repeat: usize) -> Self {
+        let times = |count: usize| count.saturating_mul(repeat);
+        Evaluations {
+            made: times(self.made),
+            budget: times(self.budget),
+            replayed: self.replayed,
+            wanted: times(self.wanted),
+            step_sizes: times(self.step_sizes),
+            purity: times(self.purity),
+            sizes: times(self.sizes),
+            given_loop: times(self.given_loop),
+            random_loops: times(self.random_loops),
+            jacobian: times(self.jacobian),
+            manifold: times(self.manifold),
+            localisation: times(self.localisation),
+            long_time: times(self.long_time),
+        }
+    }
+}
+
 impl Evidence {
     /// All points, flat, as tables and reports show them: the sweep over step sizes loop by loop, then
     /// the sweep over samples.
@@ -276,5 +315,16 @@ impl LoopEvidence {
     /// Whether every step bounds the defect well enough to count for a map.
     pub fn is_bounded(&self) -> bool {
         !self.steps.is_empty() && self.weak_step().is_none()
+    }
+
+    /// What no defect exceeds of loops that bound one: the given loop, and others that do not wind.
+    pub(crate) fn bound_of(loops: &[LoopEvidence]) -> f64 {
+        let (given, others) = loops.split_at(loops.len().min(1));
+        let others = others.iter().filter(|found| !found.winds);
+        (given.iter().chain(others))
+            .filter(|found| found.is_bounded())
+            .flat_map(|found| &found.steps)
+            .map(StepEvidence::bound)
+            .fold(f64::EPSILON, f64::max)
     }
 }

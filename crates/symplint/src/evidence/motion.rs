@@ -2,6 +2,30 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{LoopEvidence, StepEvidence};
+
+/// A step that advances the motions on its loops by less than this, in radians, tests nothing. The defect of a method of
+/// order 4 has to stand clear of the bound on the defect, too: [`defect_of_order_4`]. Methods of order 8 and more need
+/// steps of a radian to show one; the findings tell θ.
+pub(crate) const LEAST_PHASE_ADVANCE: f64 = 0.05;
+
+/// A kick or a free flight alone, or a Jacobian, that deforms a loop, or tangent vectors, by less than this part of
+/// their size tests nothing. Calibrated on the truth table: explicit midpoint and Heun steps of all its systems show
+/// a defect from 0.2 on.
+pub(crate) const LEAST_DEFORMATION: f64 = 0.2;
+
+/// The defect that a larger step would show stands clear of its bound by this factor. Conventional: one digit.
+const CLEAR_OF_BOUND: f64 = 10.0;
+
+/// Motions that grow by no more than this factor do not depend on the step size, which is at least four times as large.
+/// Conventional.
+const MOST_INDEPENDENT: f64 = 2.0;
+
+/// The defect of Runge and Kutta's method of order 4 on a harmonic oscillator, |R(iθ)|² − 1 = −θ^6/72 + ….
+pub(crate) fn defect_of_order_4(phase_advance: f64) -> f64 {
+    phase_advance.powi(6) / 72.0
+}
+
 /// How much one step moves the samples of a loop against each other: whether it could show a defect at all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
@@ -27,6 +51,89 @@ pub struct Motion {
     #[serde(default)]
     pub imbalance: f64,
     /// Whether the step leaves all positions, or all momenta, in their places against each other: a kick alone, or a
-    /// free flight, to the last bits.
+    /// free flight, to the rounding of the map.
     pub shear: bool,
+    /// Whether any state moves at all.
+    #[serde(default)]
+    pub moves: bool,
+}
+
+impl Motion {
+    /// Whether a method that is not symplectic would show a defect above this bound.
+    pub(crate) fn tests(&self, bound: f64) -> bool {
+        match self.shear {
+            true => self.deformation >= LEAST_DEFORMATION,
+            false => {
+                self.phase_advance >= LEAST_PHASE_ADVANCE
+                    && defect_of_order_4(self.phase_advance) >= bound
+            }
+        }
+    }
+
+    /// The strongest motion of the loops that count, and the step size that makes it, where it is known. Of shears, the
+    /// one that deforms its loop most.
+    pub(crate) fn strongest(loops: &[LoopEvidence]) -> Option<(Motion, Option<f64>)> {
+        // Loops that wind, or bound no defect, do not count, unless there are no others.
+        let counts = |found: &&LoopEvidence| !found.winds && found.is_bounded();
+        let counted: Vec<&LoopEvidence> = loops.iter().filter(counts).collect();
+        match counted.is_empty() {
+            true => Self::strongest_of(&loops.iter().collect::<Vec<_>>()),
+            false => Self::strongest_of(&counted),
+        }
+    }
+
+    /// The strongest motion of all these loops, and the step size that makes it.
+    pub(crate) fn strongest_of(loops: &[&LoopEvidence]) -> Option<(Motion, Option<f64>)> {
+        let strength = |motion: &Motion| match motion.shear {
+            true => (false, motion.deformation),
+            false => (true, motion.phase_advance),
+        };
+        (loops.iter().flat_map(|found| &found.steps))
+            .filter_map(|step| Some((step.motion?, step.step_size)))
+            .reduce(|a, b| match strength(&b.0) > strength(&a.0) {
+                true => b,
+                false => a,
+            })
+    }
+}
+
+/// A random loop after a larger step, or a larger one for a map without a step size: it is looked at where no other loop
+/// moves enough to show the defect of an accurate method.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Reach {
+    /// The step size, or the radii of the loop, are this number of times the largest ones of the other loops.
+    pub factor: f64,
+    /// What the step shows: it is resolved, and has no breaks.
+    pub step: StepEvidence,
+}
+
+impl Reach {
+    /// Of a step that is resolved and has no breaks.
+    pub(crate) fn of(factor: f64, step: StepEvidence) -> Option<Self> {
+        let conserved = step.is_bounded() && !step.is_unexplained();
+        let resolved = step.is_significant() || conserved && !step.misses_the_grid();
+        (resolved && step.jump.is_none()).then_some(Reach { factor, step })
+    }
+
+    /// Whether the loop integral changes.
+    pub fn shows_defect(&self) -> bool {
+        self.step.is_significant()
+    }
+
+    /// Whether the larger step moves the loop enough to show a defect above its bound, or no more than this motion: then the
+    /// map is no approximation that gets worse with h.
+    pub(crate) fn settles(&self, motion: Motion) -> bool {
+        let shows = |moved: Motion| match moved.shear {
+            true => moved.deformation >= LEAST_DEFORMATION,
+            false => defect_of_order_4(moved.phase_advance) >= CLEAR_OF_BOUND * self.step.bound(),
+        };
+        (self.step.motion).is_some_and(|moved| shows(moved) || !self.is_further(motion))
+    }
+
+    /// Whether the loop moves more than by this motion.
+    pub(crate) fn is_further(&self, motion: Motion) -> bool {
+        let most = MOST_INDEPENDENT * motion.phase_advance;
+        (self.step.motion).is_none_or(|moved| moved.shear || moved.phase_advance > most)
+    }
 }

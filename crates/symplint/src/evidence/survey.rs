@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::Error;
+
 /// What was learnt of the map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
@@ -24,6 +26,38 @@ pub struct Survey {
     /// Jacobian show a defect that the given loop does not have.
     #[serde(default)]
     pub singular: Option<SingularJacobian>,
+    /// The rank of the symplectic form on the manifold of a map in non-canonical coordinates, if the form is degenerate there. It
+    /// is tested if a loop or the Jacobian shows a defect.
+    #[serde(default)]
+    pub degenerate_form: Option<Rank>,
+    /// A stated period that is not one of the map: no random loop winds round it.
+    #[serde(default)]
+    pub wrong_period: Option<WrongPeriod>,
+}
+
+/// A stated period P that is not one of the map: Φ(q + P, p) differs from Φ(q, p) + (P, 0).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WrongPeriod {
+    /// `'q'` or `'p'`.
+    pub coordinate: char,
+    /// Degree of freedom.
+    pub dof: usize,
+    /// The stated period.
+    pub period: f64,
+    /// The largest difference of a coordinate.
+    pub difference: f64,
+}
+
+impl WrongPeriod {
+    /// As an error, if a loop cannot do without this period.
+    pub(crate) fn into_error(self) -> Error {
+        Error::NotAPeriod {
+            coordinate: self.coordinate,
+            dof: self.dof,
+            period: self.period,
+            difference: self.difference,
+        }
+    }
 }
 
 impl Survey {
@@ -56,6 +90,18 @@ pub struct SingularJacobian {
     pub largest: f64,
     /// Their uncertainty.
     pub uncertainty: f64,
+    /// The rank of the Jacobian, if the symplectic form is degenerate on its image: the map is then symplectic on no manifold.
+    #[serde(default)]
+    pub degenerate: Option<Rank>,
+}
+
+/// The rank of a matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Rank {
+    /// The rank.
+    pub rank: usize,
+    /// The rank of a regular one.
+    pub of: usize,
 }
 
 /// Returned states that have fewer digits than double precision, where those before the step have not.

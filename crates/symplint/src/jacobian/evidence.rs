@@ -147,8 +147,8 @@ impl JacobianEvidence {
 /// What a [`JacobianTest`](crate::JacobianTest) measured. All numbers are finite.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JacobianEvidence {
-    /// Step size h.
-    pub step_size: f64,
+    /// Step size h; `None` for a map without one.
+    pub step_size: Option<f64>,
     /// How derivatives were computed.
     pub method: JacobianMethod,
     /// Point by point.

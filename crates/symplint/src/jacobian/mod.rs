@@ -163,7 +163,7 @@ impl JacobianTest {
             }
         }
         Ok(JacobianEvidence {
-            step_size: h,
+            step_size: evaluator.stated(h),
             method,
             not_differentiable: points.iter().filter(|p| p.worst.is_none()).count(),
             full,
@@ -188,7 +188,7 @@ impl JacobianTest {
         found: &JacobianEvidence,
         h: f64,
     ) -> Result<Option<JacobianDecay>, Error> {
-        let Some((point, larger)) = found.worst_point() else {
+        let Some(((point, larger), of_found)) = found.worst_point().zip(found.step_size) else {
             return Ok(None);
         };
         let mut sampler = Sampler::new(
@@ -206,7 +206,7 @@ impl JacobianTest {
         sampler.differentiate(&mut columns)?;
         let outcome = columns[0].outcome(&sampler, found.full && !found.projected);
         Ok(outcome.point.worst.map(|smaller| JacobianDecay {
-            step_sizes: [found.step_size, h],
+            step_sizes: [of_found, h],
             defects: [larger, smaller],
         }))
     }

@@ -10,10 +10,10 @@ use crate::signal::unit;
 use crate::state::Block;
 use crate::state::scratch;
 
-/// q_i = q0_i + a_i sin 2π(s + φ_i), p_i = p0_i + b_i cos 2π(s + φ_i).
+/// q_i = q0_i + a_i sin 2π(s + φ_i), p_i = p0_i + b_i cos 2π(s + φ_i), with ∮ p·dq = π Σ a_i b_i.
 ///
-/// With one radius a_i = b_i = r and no phases it is the loop of Barham & Burby, section 4: every degree of
-/// freedom runs the same circle round its own centre, and ∮ p·dq = π Σ a_i b_i.
+/// The phases φ_i are staggered by default. With one radius a_i = b_i = r and [equal phases](Phases::Equal) it is the loop
+/// of Barham & Burby, section 4.
 ///
 /// ```
 /// use symplint::{Circle, Ensemble, LoopIntegral, Rule};
@@ -32,12 +32,51 @@ pub struct Circle {
     radii_q: Vec<f64>,
     /// b_i, where they differ from a_i.
     radii_p: Option<Vec<f64>>,
-    /// (sin 2πφ_i, cos 2πφ_i), none where all phases are zero.
-    phases: Option<Vec<(f64, f64)>>,
+    phases: Phases,
+    /// (sin 2πφ_i, cos 2πφ_i) of random phases. Others are computed when they are needed.
+    random: Vec<(f64, f64)>,
+}
+
+/// Where on its circle each degree of freedom starts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Phases {
+    /// φ_i is the fractional part of i φ, with the golden ratio φ = 0.618…: no two degrees of freedom move in phase.
+    #[default]
+    Staggered,
+    /// φ_i = 0: the loop of the paper. All degrees of freedom move in phase. With equal radii, the loop is a translation of
+    /// the system as a whole: the distances between its particles do not change, and forces between pairs are not tested.
+    Equal,
+    /// Random phases.
+    Random {
+        /// The phases depend on this number only.
+        seed: u64,
+    },
+}
+
+/// The golden ratio (√5 − 1)/2. Its multiples are the most evenly spread on a circle (three-distance theorem).
+const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
+
+impl Phases {
+    /// The names of all, as configurations have them.
+    pub const NAMES: [&'static str; 3] = ["staggered", "equal", "random"];
+
+    /// The phases of this name; `seed` is for random phases.
+    ///
+    /// ```
+    /// use symplint::Phases;
+    ///
+    /// assert_eq!(Phases::named("random", 3), Some(Phases::Random { seed: 3 }));
+    /// assert_eq!(Phases::named("golden", 3), None);
+    /// ```
+    pub fn named(name: &str, seed: u64) -> Option<Self> {
+        let all = [Phases::Staggered, Phases::Equal, Phases::Random { seed }];
+        let position = Self::NAMES.iter().position(|&known| known == name)?;
+        Some(all[position])
+    }
 }
 
 impl Circle {
-    /// The same circle of radius `radius` round (q0_i, p0_i) in every degree of freedom.
+    /// A circle of radius `radius` round (q0_i, p0_i) in every degree of freedom.
     ///
     /// # Errors
     /// If `q0` and `p0` differ in length, a centre is not finite, or the radius is not
@@ -87,7 +126,8 @@ impl Circle {
             p0,
             radii_q,
             radii_p,
-            phases: None,
+            phases: Phases::default(),
+            random: Vec::new(),
         })
     }
 
@@ -116,12 +156,35 @@ impl Circle {
         Ok(self)
     }
 
-    /// Starts each degree of freedom at a random phase, so that planes are no longer in step.
-    pub fn with_random_phases(mut self, seed: u64) -> Self {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let phases = self.q0.iter().map(|_| sin_cos_turn(unit(&mut random)));
-        self.phases = Some(phases.collect());
+    /// The same circles with other phases.
+    ///
+    /// ```
+    /// use symplint::{Circle, Phases};
+    ///
+    /// // The loop of the paper in three degrees of freedom.
+    /// let circle = Circle::new(vec![0.0; 3], vec![0.5; 3], 1.0)?.with_phases(Phases::Equal);
+    /// # Ok::<(), symplint::Error>(())
+    /// ```
+    pub fn with_phases(mut self, phases: Phases) -> Self {
+        self.phases = phases;
+        self.random = match phases {
+            Phases::Random { seed } => {
+                let mut random = ChaCha8Rng::seed_from_u64(seed);
+                let turns = self.q0.iter().map(|_| sin_cos_turn(unit(&mut random)));
+                turns.collect()
+            }
+            _ => Vec::new(),
+        };
         self
+    }
+
+    /// (sin 2πφ_i, cos 2πφ_i).
+    fn phase(&self, i: usize) -> (f64, f64) {
+        match self.phases {
+            Phases::Staggered => sin_cos_turn(i as f64 * GOLDEN_RATIO),
+            Phases::Equal => (0.0, 1.0),
+            Phases::Random { .. } => self.random[i],
+        }
     }
 }
 
@@ -158,7 +221,7 @@ impl Loop for Circle {
             }
             for i in 0..self.dof() {
                 // sin(a + φ) and cos(a + φ) by the addition theorems.
-                let (sin_phase, cos_phase) = self.phases.as_ref().map_or((0.0, 1.0), |f| f[i]);
+                let (sin_phase, cos_phase) = self.phase(i);
                 let of_phase = |r: f64| (r * cos_phase, r * sin_phase);
                 let (along, across) = of_phase(self.radii_q[i]);
                 let q = block.q.row_mut(i);
@@ -197,22 +260,51 @@ mod tests {
 
     #[test]
     fn phases_keep_the_integral_and_move_the_start() {
-        let circle = Circle::new(vec![0.0; 5], vec![0.0; 5], 1.0)
-            .unwrap()
-            .with_random_phases(7);
-        let ensemble = Ensemble::sample(&circle, 32).unwrap();
-        assert!(ensemble.q().row(0)[0] != ensemble.q().row(1)[0]);
-        let integral = LoopIntegral::of(&ensemble, &Rule::Pseudospectral).unwrap();
-        for contribution in &integral.contributions {
-            assert!((contribution - PI).abs() < 3e-15);
+        for phases in [Phases::Staggered, Phases::Random { seed: 7 }] {
+            let circle = Circle::new(vec![0.0; 5], vec![0.0; 5], 1.0).unwrap();
+            let ensemble = Ensemble::sample(&circle.with_phases(phases), 32).unwrap();
+            assert!(ensemble.q().row(0)[0] != ensemble.q().row(1)[0]);
+            let integral = LoopIntegral::of(&ensemble, &Rule::Pseudospectral).unwrap();
+            for contribution in &integral.contributions {
+                assert!((contribution - PI).abs() < 3e-15);
+            }
         }
+    }
+
+    #[test]
+    fn staggered_phases_are_multiples_of_the_golden_ratio() {
+        let circle = Circle::new(vec![0.0; 40], vec![0.0; 40], 1.0).unwrap();
+        let start = Ensemble::sample(&circle, 3).unwrap();
+        let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+        for i in 0..40 {
+            let (sin, cos) = (std::f64::consts::TAU * golden * i as f64).sin_cos();
+            assert!((start.q().row(i)[0] - sin).abs() < 1e-13);
+            assert!((start.p().row(i)[0] - cos).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn equal_phases_keep_all_distances() {
+        let circle = Circle::new(vec![0.0, 1.0, 3.0], vec![0.5; 3], 0.3).unwrap();
+        let spread = |circle: &Circle| {
+            let ensemble = Ensemble::sample(circle, 16).unwrap();
+            let (first, last) = (ensemble.q().row(0).to_vec(), ensemble.q().row(2).to_vec());
+            let distances: Vec<f64> = (last.iter().zip(first)).map(|(a, b)| a - b).collect();
+            distances
+                .iter()
+                .map(|d| (d - 3.0).abs())
+                .fold(0.0, f64::max)
+        };
+        assert!(spread(&circle.clone().with_phases(Phases::Equal)) < 1e-15);
+        assert!(spread(&circle) > 0.3);
     }
 
     #[test]
     fn an_ellipse_has_the_area_of_both_radii() {
         let (q, p) = (vec![1e-3, 2.0, 0.0], vec![1e6, 0.5, 0.0]);
         let ellipse = Circle::with_radii(vec![0.0; 3], vec![0.0; 3], q, p).unwrap();
-        let ensemble = Ensemble::sample(&ellipse.with_random_phases(3), 32).unwrap();
+        let ensemble =
+            Ensemble::sample(&ellipse.with_phases(Phases::Random { seed: 3 }), 32).unwrap();
         let integral = LoopIntegral::of(&ensemble, &Rule::Pseudospectral).unwrap();
         for (found, area) in integral.contributions.iter().zip([1e3, 1.0, 0.0]) {
             assert!(

@@ -7,7 +7,7 @@ mod sampled;
 mod sampling;
 mod turn;
 
-pub use circle::Circle;
+pub use circle::{Circle, Phases};
 pub(crate) use closed::check_closed;
 pub use fourier::FourierLoop;
 pub use sampled::SampledLoop;

@@ -20,6 +20,11 @@ pub trait Constraint: Send + Sync {
     fn holds_between_substeps(&self) -> bool {
         false
     }
+
+    /// Whether the momenta of all states are the values ϑ(q) of a one-form of the positions. By default they are not.
+    fn is_of_one_form(&self) -> bool {
+        false
+    }
 }
 
 /// A loop whose states are projected onto the manifold of a map; of a map without one, the loop itself.

@@ -25,6 +25,9 @@ pub(crate) struct Evaluator<'a> {
     grain: RwLock<Option<Arc<Grain>>>,
     /// What the map rounds each coordinate to inside, where it works in single precision there.
     inside: OnceLock<Vec<f64>>,
+    /// Parameters of the present loop at which samples show a feature that they do not resolve.
+    features: RwLock<Vec<f64>>,
+    has_step_size: bool,
 }
 
 /// Evaluations made so far, and how many may be made.
@@ -99,6 +102,8 @@ impl<'a> Evaluator<'a> {
             count,
             grain: RwLock::default(),
             inside: OnceLock::new(),
+            features: RwLock::default(),
+            has_step_size: true,
         })
     }
 
@@ -112,6 +117,8 @@ impl<'a> Evaluator<'a> {
             count: self.count,
             grain: RwLock::default(),
             inside: self.inside.clone(),
+            features: RwLock::default(),
+            has_step_size: self.has_step_size,
         }
     }
 
@@ -135,9 +142,17 @@ impl<'a> Evaluator<'a> {
         self.map.substep_name(substep)
     }
 
-    /// Breaks that the map can tell beforehand.
+    /// Breaks that the map can tell beforehand, and features of the present loop that were noted.
     pub fn known_breaks(&self, phase_loop: &dyn Loop, h: f64) -> Vec<f64> {
-        self.map.known_breaks(phase_loop, h)
+        let mut known = self.map.known_breaks(phase_loop, h);
+        known.extend_from_slice(&self.features.read().unwrap_or_else(PoisonError::into_inner));
+        known
+    }
+
+    /// Takes note of a feature of the present loop.
+    pub fn note_feature(&self, s: f64) {
+        let features = self.features.write();
+        features.unwrap_or_else(PoisonError::into_inner).push(s);
     }
 
     /// The tangent map, if the map has one. It is called by [`advance_tangents`](Self::advance_tangents).
@@ -161,6 +176,24 @@ impl<'a> Evaluator<'a> {
             constraint: None,
             ..self
         }
+    }
+
+    /// The same for a map without a step size: errors and evidence name none.
+    pub fn without_step_size(self) -> Self {
+        Evaluator {
+            has_step_size: false,
+            ..self
+        }
+    }
+
+    /// A step size as errors and evidence state it: `None` for a map without one.
+    pub fn stated(&self, h: f64) -> Option<f64> {
+        self.has_step_size.then_some(h)
+    }
+
+    /// What the map rounds each coordinate to inside, where it works in single precision there.
+    pub fn rounding_inside(&self) -> Option<&[f64]> {
+        self.inside.get().map(Vec::as_slice)
     }
 
     /// The count that evaluations are added to.
@@ -253,7 +286,7 @@ impl<'a> Evaluator<'a> {
         value: impl Fn(usize, usize) -> f64,
     ) {
         if self.grain().is_none() {
-            let inside = self.inside.get().map(Vec::as_slice);
+            let inside = self.rounding_inside();
             let before = |count: usize| match Ensemble::sample(phase_loop, count) {
                 Ok(before) => Before::Exact(before),
                 Err(_) => Before::Unknown,
@@ -269,8 +302,10 @@ impl<'a> Evaluator<'a> {
         let _ = self.inside.set(grains);
     }
 
-    /// Another loop is advanced from now on: its grain is not known.
+    /// Another loop is advanced from now on: its grain is not known, nor its features.
     pub fn begin_loop(&self) {
+        let features = self.features.write();
+        features.unwrap_or_else(PoisonError::into_inner).clear();
         *self.grain.write().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
@@ -303,7 +338,7 @@ impl<'a> Evaluator<'a> {
                     .try_for_each(|k| self.map.advance_substep(k, h, &mut block))
                     .map(|()| block.all_finite())
             };
-            checked(finite, h, first, &block)
+            checked(finite, self.stated(h), first, &block)
         };
         first_error(blocks.into_par_iter().enumerate().map(each).collect())
     }
@@ -326,7 +361,7 @@ impl<'a> Evaluator<'a> {
         let each = |(b, mut block): (usize, Block<'_>)| {
             let advanced = self.map.advance_substep(substep, h, &mut block);
             let finite = advanced.map(|()| block.all_finite());
-            checked(finite, h, b * width, &block)
+            checked(finite, self.stated(h), b * width, &block)
         };
         let blocks = states.blocks_of(width).into_par_iter().enumerate();
         first_error(blocks.map(each).collect())
@@ -357,7 +392,8 @@ impl<'a> Evaluator<'a> {
             let first = b * width;
             fill(first, &mut states, &mut tangents);
             let advanced = tangent.advance_tangents(h, &mut states, &mut tangents);
-            checked(advanced.map(|()| states.all_finite()), h, first, &states)
+            let finite = advanced.map(|()| states.all_finite());
+            checked(finite, self.stated(h), first, &states)
         };
         first_error(pairs.enumerate().map(each).collect())
     }
@@ -387,7 +423,7 @@ impl<'a> Evaluator<'a> {
 }
 
 /// The states of the loop at the parameters `s`.
-fn states_at(phase_loop: &dyn Loop, s: &[f64]) -> Ensemble {
+pub(crate) fn states_at(phase_loop: &dyn Loop, s: &[f64]) -> Ensemble {
     let mut states = Ensemble::zeros(phase_loop.dof(), s.len());
     phase_loop.sample(s, &mut states.block());
     states
@@ -396,7 +432,7 @@ fn states_at(phase_loop: &dyn Loop, s: &[f64]) -> Ensemble {
 /// What came of advancing a block that begins with sample `first`.
 fn checked(
     finite: Result<bool, StepFailure>,
-    h: f64,
+    h: Option<f64>,
     first: usize,
     block: &Block<'_>,
 ) -> Result<(), Error> {
@@ -410,7 +446,10 @@ fn checked(
         .flatten();
     match not_finite {
         None => Ok(()),
-        Some(found) => Err(found.into_error(first, Some(h))),
+        Some(found) => Err(match h {
+            Some(_) => found.into_error(first, h),
+            None => found.of_map(first),
+        }),
     }
 }
 

@@ -8,17 +8,19 @@ mod image_loop;
 mod loop_size;
 mod one_form;
 mod prefetch;
+mod repeat;
 mod tangent;
 
 pub use closures::{PerBlock, PerSample, StepOutcome};
 pub use constraint::{Constraint, ProjectedLoop};
-pub(crate) use evaluator::{EvaluationCount, Evaluator};
+pub(crate) use evaluator::{EvaluationCount, Evaluator, states_at};
 pub(crate) use grain::{Before, Grain};
 pub(crate) use image_loop::ImageLoop;
 pub(crate) use loop_size::{ActionGroup, LoopSize};
 pub use loop_size::{BalancedRadii, balanced_radii};
 pub use one_form::{NonCanonical, OneForm};
 pub use prefetch::Prefetch;
+pub use repeat::Repeat;
 pub use tangent::TangentMap;
 
 #[cfg(doc)]

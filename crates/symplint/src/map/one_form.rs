@@ -39,6 +39,16 @@ pub trait OneForm: Send + Sync {
     /// Reads z from the positions of `block`, one row for each coordinate, and writes ϑ(z) to its momenta. It must be smooth
     /// on the loops and between the ends of their breaks. Where it has no value it writes NaN, which becomes an error.
     fn evaluate(&self, block: &mut Block<'_>);
+
+    /// Puts the positions z of `block` on one leaf of the form, in place. By default it does nothing: dϑ has full rank.
+    ///
+    /// In Lie–Poisson coordinates, such as spins or angular momenta, dϑ is degenerate, and a map is symplectic on the leaves, on
+    /// which the Casimir functions are constant. Loops and tangent vectors are kept to the leaf by this projection. States on the
+    /// leaf stay where they are, to round-off, and the projection is smooth near the leaf. Without it, a map in such coordinates is
+    /// never called not symplectic.
+    fn project(&self, block: &mut Block<'_>) {
+        let _ = block;
+    }
 }
 
 impl<F: OneForm + ?Sized> OneForm for &F {
@@ -47,6 +57,9 @@ impl<F: OneForm + ?Sized> OneForm for &F {
     }
     fn evaluate(&self, block: &mut Block<'_>) {
         (**self).evaluate(block);
+    }
+    fn project(&self, block: &mut Block<'_>) {
+        (**self).project(block);
     }
 }
 
@@ -57,12 +70,15 @@ impl<F: OneForm + ?Sized> OneForm for Box<F> {
     fn evaluate(&self, block: &mut Block<'_>) {
         (**self).evaluate(block);
     }
+    fn project(&self, block: &mut Block<'_>) {
+        (**self).project(block);
+    }
 }
 
 /// A map in non-canonical coordinates z as a canonical one of the points (z, ϑ(z)).
 ///
 /// The map takes states as all maps do: the first half of the coordinates are its "positions", the others its "momenta", such
-/// as x and v of a charged particle. What is tested has n degrees of freedom: its positions are all coordinates z, its momenta
+/// as x and v of a charged particle. [`of_positions`](Self::of_positions) is for other numbers of coordinates. What is tested has n degrees of freedom: its positions are all coordinates z, its momenta
 /// are ϑ(z). Reports number them so: degree of freedom i is the coordinate z_i.
 ///
 /// ```
@@ -106,13 +122,28 @@ impl<M: TimeAdvance, F: OneForm> NonCanonical<M, F> {
     /// # Errors
     /// If the form has not twice as many coordinates as the map has degrees of freedom.
     pub fn new(map: M, form: F) -> Result<Self, Error> {
-        let (dof, n) = (map.dof(), form.dimension());
-        if n != 2 * dof {
-            return Err(Error::FormDimension { dimension: n, dof });
+        let n = 2 * map.dof();
+        Self::of_dimension(map, form, n)
+    }
+
+    /// The same for a map whose positions are all coordinates z, and which does not use its momenta: three of a spin.
+    ///
+    /// # Errors
+    /// If the form has not as many coordinates as the map has degrees of freedom.
+    pub fn of_positions(map: M, form: F) -> Result<Self, Error> {
+        let n = map.dof();
+        Self::of_dimension(map, form, n)
+    }
+
+    fn of_dimension(map: M, form: F, n: usize) -> Result<Self, Error> {
+        let dof = map.dof();
+        if form.dimension() != n {
+            let dimension = form.dimension();
+            return Err(Error::FormDimension { dimension, dof });
         }
         let of_map = map.coordinates();
         let periods = (0..dof).map(|i| of_map.period(i));
-        let periods = periods.chain((0..dof).map(|i| of_map.momentum_period(i)));
+        let periods = periods.chain((0..n - dof).map(|i| of_map.momentum_period(i)));
         let coordinates = Coordinates::plain(n).with_periods(periods.collect())?;
         Ok(NonCanonical {
             map,
@@ -121,7 +152,7 @@ impl<M: TimeAdvance, F: OneForm> NonCanonical<M, F> {
         })
     }
 
-    /// A loop of states of the map as one of points (z, ϑ(z)).
+    /// A loop of states of the map as one of points (z, ϑ(z)), on the leaf of the form.
     pub fn loop_of<L: Loop>(&self, states: L) -> impl Loop {
         LoopOfForm {
             states,
@@ -134,16 +165,19 @@ impl<M: TimeAdvance, F: OneForm> NonCanonical<M, F> {
         block: &mut Block<'_>,
         advance: impl FnOnce(&mut Block<'_>) -> Result<(), StepFailure>,
     ) -> Result<(), StepFailure> {
-        with_states(block, advance)?;
+        with_states(block, self.map.dof(), advance)?;
         self.form.evaluate(block);
         Ok(())
     }
 }
 
-/// Calls a function with the coordinates of a block, the first half of them as positions, the others as momenta.
-fn with_states<T>(block: &mut Block<'_>, call: impl FnOnce(&mut Block<'_>) -> T) -> T {
-    let half = block.dof() / 2;
-    let (q, p) = block.q.reborrow().split_at_row(half);
+/// Calls a function with the coordinates of a block, the first half of them as positions, the others as momenta; with all of them
+/// as positions if the states have as many degrees of freedom.
+fn with_states<T>(block: &mut Block<'_>, dof: usize, call: impl FnOnce(&mut Block<'_>) -> T) -> T {
+    if dof == block.dof() {
+        return call(block);
+    }
+    let (q, p) = block.q.reborrow().split_at_row(dof);
     call(&mut Block::new(q, p))
 }
 
@@ -192,10 +226,15 @@ impl<M: TimeAdvance, F: OneForm> TimeAdvance for NonCanonical<M, F> {
 
 impl<M: TimeAdvance, F: OneForm> Constraint for NonCanonical<M, F> {
     fn project(&self, block: &mut Block<'_>) {
+        self.form.project(block);
         self.form.evaluate(block);
     }
 
     fn holds_between_substeps(&self) -> bool {
+        true
+    }
+
+    fn is_of_one_form(&self) -> bool {
         true
     }
 }
@@ -208,11 +247,14 @@ struct LoopOfForm<L, F> {
 
 impl<L: Loop, F: OneForm> Loop for LoopOfForm<L, F> {
     fn dof(&self) -> usize {
-        2 * self.states.dof()
+        let (dof, n) = (self.states.dof(), self.form.dimension());
+        if dof == n { n } else { 2 * dof }
     }
 
     fn sample(&self, s: &[f64], block: &mut Block<'_>) {
-        with_states(block, |states| self.states.sample(s, states));
+        let dof = self.states.dof();
+        with_states(block, dof, |states| self.states.sample(s, states));
+        self.form.project(block);
         self.form.evaluate(block);
     }
 }

@@ -16,13 +16,14 @@ impl LoopIntegral {
     /// If there are none, or the integral overflows.
     ///
     /// ```
-    /// use symplint::{Circle, Ensemble, LoopIntegral, Rule};
+    /// use symplint::{Circle, Ensemble, LoopIntegral, Phases, Rule};
     ///
     /// let of = |q: f64| -> Result<LoopIntegral, symplint::Error> {
     ///     let row = Ensemble::sample(&Circle::new(vec![q], vec![0.1], 0.7)?, 64)?;
     ///     LoopIntegral::of(&row, &Rule::Pseudospectral)
     /// };
-    /// let whole = Ensemble::sample(&Circle::new(vec![0.3, 4.0], vec![0.1; 2], 0.7)?, 64)?;
+    /// let whole = Circle::new(vec![0.3, 4.0], vec![0.1; 2], 0.7)?.with_phases(Phases::Equal);
+    /// let whole = Ensemble::sample(&whole, 64)?;
     /// let whole = LoopIntegral::of(&whole, &Rule::Pseudospectral)?;
     /// assert_eq!(LoopIntegral::merged(&[of(0.3)?, of(4.0)?])?.value, whole.value);
     /// # Ok::<(), symplint::Error>(())

@@ -16,6 +16,7 @@ pub use defect::{Defect, logarithmic_defect};
 pub use finite_difference::{Cutoff, Cutoffs, OmittedCell};
 pub(crate) use piecewise::Identity;
 pub use piecewise::{Closure, Piecewise, PiecewiseIntegral};
+pub(crate) use pseudospectral::{misses, roughness};
 use sampled::Sampled;
 pub(crate) use sampled::cells_apart;
 pub use streaming::{Streaming, StreamingIntegral};

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::Snapshot;
+use super::arc_length::ArcLength;
 use super::increments::Increments;
 use super::pieces::{Curve, Pieces, stored_roundoff};
 use crate::breaks::{Break, Jump, Roughness, find_jumps};
@@ -19,6 +20,23 @@ use crate::survey::motion;
 /// increment at either end of it.
 const WRAP: f64 = 0.98;
 
+/// Rows count as unequally spaced if that leaves an integral with an error this many times smaller. Conventional: two digits, so that
+/// noise and kinks do not choose the rule.
+const LEAST_GAIN: f64 = 100.0;
+
+/// A gap with a larger error, relative to the integral, is taken for an open loop. Conventional: two digits.
+const MAX_RELATIVE_ERROR: f64 = 0.01;
+
+/// Below this error, relative to the integral, equal spacing is not questioned. Conventional: three digits less than the weakest bound.
+const SMALL_ERROR: f64 = 1e-9;
+
+/// A jump between unequally spaced rows exceeds every increment around it, each as steep as the steepest and as wide as the widest, by
+/// this factor. Conventional.
+const JUMP_OVER_SPACING: f64 = 4.0;
+
+/// Cells on each side of a jump that its confirmation uses.
+const AROUND_A_JUMP: usize = 10;
+
 /// Gains round a loop that differ by less than this part are one: they are whole numbers of periods, to round-off.
 const SAME_GAIN: f64 = 1e-9;
 
@@ -31,6 +49,8 @@ pub(super) struct Initial<'a> {
     pub broken: Option<Break>,
     pub wrapped: Option<Wrap>,
     windings: Vec<f64>,
+    /// If the rows are not equally spaced.
+    arcs: Option<ArcLength>,
 }
 
 /// What the jumps of one loop do to its integral.
@@ -50,6 +70,8 @@ pub(super) struct Broken {
 pub(super) struct Compared {
     pub step_size: Option<f64>,
     pub rule: RuleKind,
+    /// The integral before the step, by the same rule.
+    pub initial: f64,
     pub integral: LoopIntegral,
     pub defect: Defect,
     /// If there are jumps.
@@ -82,6 +104,16 @@ impl Row {
             flagged[jump.cell] = true;
         }
         flagged
+    }
+
+    /// Cells that look like jumps and are none, if rows may be missing.
+    fn gaps(&self, samples: usize, may_miss: bool) -> Vec<bool> {
+        let mut gaps = vec![false; samples];
+        let jumps = self.roughness.iter().flat_map(|rough| &rough.jumps);
+        for jump in jumps.filter(|jump| may_miss && !jump.confirmed) {
+            gaps[jump.cell] = true;
+        }
+        gaps
     }
 
     fn jumps(&self) -> bool {
@@ -230,34 +262,119 @@ impl<'a> Initial<'a> {
         let rows = rows(snapshot, coordinates, None);
         let integral = smooth(snapshot, &rows, coordinates)?;
         let found = breaks(&rows, snapshot.states.samples(), |_| true);
-        Ok(Initial {
+        let mut initial = Initial {
             snapshot,
             coordinates,
             integral,
             broken: found.first().copied(),
             wrapped: wrap(&rows, &snapshot.states, coordinates),
             windings: rows.iter().map(|row| row.increments[0].gain).collect(),
-        })
+            arcs: None,
+        };
+        initial.look_at_spacing(&rows)?;
+        Ok(initial)
+    }
+
+    /// Interpolates the loop in its arc length if its rows are not equally spaced: it is closed then.
+    fn look_at_spacing(&mut self, rows: &[Row]) -> Result<(), Error> {
+        let states = &self.snapshot.states;
+        let error = self.integral.quadrature_error.unwrap_or(f64::INFINITY);
+        let is_exact = self.broken.is_none() && error <= SMALL_ERROR * self.integral.value.abs();
+        if is_exact || states.samples() < FEWEST_SAMPLES {
+            return Ok(());
+        }
+        let Some(arcs) = ArcLength::of(states, self.coordinates) else {
+            return Ok(());
+        };
+        let Some(mut found) = self.interpolated(&arcs, &[(states, rows)])? else {
+            return Ok(());
+        };
+        let integral = found.remove(0);
+        let smaller = integral.quadrature_error.unwrap_or(f64::INFINITY);
+        if LEAST_GAIN * smaller < error && smaller < MAX_RELATIVE_ERROR * integral.value.abs() {
+            (self.broken, self.wrapped) = (None, None);
+            self.arcs = Some(arcs);
+            self.integral = integral;
+        }
+        Ok(())
+    }
+
+    /// The widest gap between neighbouring rows as a part of the loop, if they are not equally spaced.
+    pub fn widest_gap(&self) -> Option<f64> {
+        self.arcs.as_ref().map(ArcLength::widest)
+    }
+
+    /// Integrals of loops by one rule, with the errors that belong to stored values.
+    fn interpolated(
+        &self,
+        arcs: &ArcLength,
+        loops: &[(&Ensemble, &[Row])],
+    ) -> Result<Option<Vec<LoopIntegral>>, Error> {
+        let states: Vec<&Ensemble> = loops.iter().map(|(states, _)| *states).collect();
+        let mut integrals = arcs.integrals(&states, self.coordinates)?;
+        for (integral, (_, rows)) in integrals.iter_mut().flatten().zip(loops) {
+            for (dof, row) in rows.iter().enumerate() {
+                integral.roundoff += self.coordinates.weight(dof).abs() * row.roundoff();
+            }
+        }
+        Ok(integrals)
+    }
+
+    /// Leaves of the jumps those that lost rows do not explain.
+    fn confirm_jumps(&self, arcs: &ArcLength, rows: &mut [Row]) {
+        let around = |cell: usize, n: usize| {
+            (0..=2 * AROUND_A_JUMP).map(move |j| (cell + n * AROUND_A_JUMP + j - AROUND_A_JUMP) % n)
+        };
+        for row in rows {
+            for (increments, roughness) in row.increments.iter().zip(&mut row.roughness) {
+                let values = &increments.values;
+                for jump in &mut roughness.jumps {
+                    let widest = around(jump.cell, values.len())
+                        .map(|k| arcs.width(k))
+                        .fold(0.0, f64::max);
+                    let steepest = around(jump.cell, values.len())
+                        .filter(|&k| k != jump.cell)
+                        .map(|k| values[k].abs() / arcs.width(k))
+                        .fold(0.0, f64::max);
+                    jump.confirmed &= jump.size.abs() > JUMP_OVER_SPACING * steepest * widest;
+                }
+            }
+        }
     }
 
     /// Integrates an advanced loop and takes its defect.
     pub fn compare(&self, after: &Snapshot) -> Result<Compared, Error> {
-        let rows = rows(after, self.coordinates, Some(&self.snapshot.states));
-        let mut compared = if rows.iter().any(Row::jumps) {
-            self.across_jumps(after, &rows)?
-        } else {
-            let integral = smooth(after, &rows, self.coordinates)?;
-            Compared {
-                step_size: after.step_size,
-                rule: RuleKind::Pseudospectral,
-                defect: Defect::between(&self.integral, &integral)?,
-                integral,
-                broken: None,
-                breaks: Vec::new(),
-                largest_jump: 0.0,
-                wrapped: None,
-                motion: motion(&self.snapshot.states, &after.states, self.coordinates),
+        let mut rows = rows(after, self.coordinates, Some(&self.snapshot.states));
+        if let Some(arcs) = &self.arcs {
+            self.confirm_jumps(arcs, &mut rows);
+        }
+        let confirmed = |row: &Row| {
+            let jumps = row.roughness.iter().flat_map(|rough| &rough.jumps);
+            jumps.clone().any(|jump| jump.confirmed)
+        };
+        let mut compared = match &self.arcs {
+            Some(arcs) if !rows.iter().any(confirmed) => {
+                let before = &self.snapshot.states;
+                let of_before = &[][..];
+                let loops = [(before, of_before), (&after.states, &rows[..])];
+                match self.interpolated(arcs, &loops)?.as_deref_mut() {
+                    Some([initial, integral]) => {
+                        initial.roundoff = self.integral.roundoff;
+                        self.without_jumps(after, RuleKind::Piecewise, initial, integral.clone())?
+                    }
+                    _ => {
+                        let mut integral = smooth(after, &rows, self.coordinates)?;
+                        integral.quadrature_error = None;
+                        let rule = RuleKind::Pseudospectral;
+                        self.without_jumps(after, rule, &self.integral, integral)?
+                    }
+                }
             }
+            None if !rows.iter().any(Row::jumps) => {
+                let integral = smooth(after, &rows, self.coordinates)?;
+                self.without_jumps(after, RuleKind::Pseudospectral, &self.integral, integral)?
+            }
+            _ => self.across_jumps(after, &rows)?,
         };
         // No continuous map changes how often a loop winds.
         let winds = |(row, before): (&Row, &f64)| {
@@ -271,6 +388,27 @@ impl<'a> Initial<'a> {
         Ok(compared)
     }
 
+    fn without_jumps(
+        &self,
+        after: &Snapshot,
+        rule: RuleKind,
+        initial: &LoopIntegral,
+        integral: LoopIntegral,
+    ) -> Result<Compared, Error> {
+        Ok(Compared {
+            step_size: after.step_size,
+            rule,
+            initial: initial.value,
+            defect: Defect::between(initial, &integral)?,
+            integral,
+            broken: None,
+            breaks: Vec::new(),
+            largest_jump: 0.0,
+            wrapped: None,
+            motion: motion(&self.snapshot.states, &after.states, self.coordinates),
+        })
+    }
+
     fn across_jumps(&self, after: &Snapshot, rows: &[Row]) -> Result<Compared, Error> {
         let (states, _) = after.states.unwrap_momenta(self.coordinates);
         let samples = states.samples();
@@ -279,11 +417,13 @@ impl<'a> Initial<'a> {
                 let [q, p] = &row.increments;
                 let momenta = states.p().row(dof);
                 let flagged = &row.flagged(samples);
+                let gaps = &row.gaps(samples, self.arcs.is_some());
                 Curve {
                     q,
                     p,
                     momenta,
                     flagged,
+                    gaps,
                 }
                 .integrate()
             })
@@ -345,6 +485,7 @@ impl<'a> Initial<'a> {
         Ok(Compared {
             step_size: after.step_size,
             rule: RuleKind::JumpDetecting,
+            initial: self.integral.value,
             defect: Defect::between(&self.integral, &integral)?,
             broken: Some(Broken {
                 confirmed: found.len(),

@@ -3,10 +3,12 @@
 //! A map can be evaluated between the samples, data cannot. So where the samples are smooth the
 //! pseudospectral rule with an error estimate from every second sample is used, and where they jump
 //! (`find_jumps`) a finite-difference rule that leaves the jumps out (`pieces`); its
-//! error covers that the position of a break within its cell is not known. No cut-off is compared with the size of
+//! error covers that the position of a break within its cell is not known. Rows that are not equally spaced, as some were lost,
+//! are interpolated in the arc length of the loop before the step (`arc_length`). No cut-off is compared with the size of
 //! a coordinate: a shift of the origin
 //! changes nothing.
 
+mod arc_length;
 mod compare;
 mod increments;
 mod order;
@@ -14,19 +16,20 @@ mod pieces;
 
 use rayon::prelude::*;
 
-use crate::breaks::Break;
+use crate::breaks::{Break, rounding};
 use crate::error::Error;
 use crate::evidence::{
     BreakAt, Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, Origin, StepEvidence, Survey,
 };
 use crate::rules::RuleKind;
-use crate::state::{Coordinates, Ensemble};
+use crate::signal::{Extent, nearest};
+use crate::state::{Coordinates, Ensemble, coordinate, period};
 use compare::{Compared, Initial};
 
 /// All samples of a loop at one time, as another code stored them.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
-    /// The states; sample k belongs to s = k/N_s.
+    /// The states, in the order of the loop. Equally spaced rows, sample k at s = k/N_s, give the most digits.
     pub states: Ensemble,
     /// Relative rounding error of the stored values, as a part of the largest: 2^-53 of double precision,
     /// 2^-24 of single precision, 5e-7 of seven decimal digits.
@@ -57,6 +60,16 @@ impl Snapshot {
         self
     }
 
+    /// The same without the last row.
+    fn without_last(&self) -> Self {
+        let mut states = self.states.clone();
+        let samples = states.samples() - 1;
+        Snapshot {
+            states: states.block().copy_of(0..samples),
+            ..self.clone()
+        }
+    }
+
     /// The same with another relative rounding error.
     pub fn with_unit_roundoff(mut self, unit_roundoff: f64) -> Self {
         self.unit_roundoff = unit_roundoff;
@@ -67,7 +80,9 @@ impl Snapshot {
 /// Compares a loop before a step with the same loop after one or several steps of different sizes, each
 /// taken from `before`.
 ///
-/// Where the samples are smooth the rule is pseudospectral. Where they jump it is [`RuleKind::JumpDetecting`]: the
+/// Rows may be spaced unequally, and some may be missing, the same before and after. A last row that repeats the first one is
+/// left out. Where the samples are smooth the rule is pseudospectral, or piecewise if they are not equally spaced. Where they jump
+/// it is [`RuleKind::JumpDetecting`]: the
 /// advanced integral is then the absolutely continuous part.
 ///
 /// # Errors
@@ -80,6 +95,18 @@ pub fn measure_snapshots(
     coordinates: &Coordinates,
 ) -> Result<Evidence, Error> {
     check(before, after, coordinates)?;
+    let repeats = closes(before, coordinates);
+    let shortened: Vec<Snapshot> = match repeats {
+        true => (std::iter::once(before)
+            .chain(after)
+            .map(Snapshot::without_last))
+        .collect(),
+        false => Vec::new(),
+    };
+    let (before, after) = match shortened.split_first() {
+        Some((before, after)) => (before, after),
+        None => (before, after),
+    };
     let initial = Initial::new(before, coordinates)?;
     // All of them, so that the error is that of the first snapshot on any number of threads.
     let compared: Vec<Result<Compared, Error>> = (after.par_iter())
@@ -90,6 +117,8 @@ pub fn measure_snapshots(
     let mut given = LoopEvidence::new(0, LoopKind::Given);
     given.rule = RuleKind::Pseudospectral;
     given.samples = samples;
+    given.repeated_row = repeats.then_some(samples);
+    given.widest_gap = initial.widest_gap();
     given.broken_before = initial.broken;
     given.wrap_before = initial.wrapped;
     let all = std::iter::once(before).chain(after);
@@ -97,7 +126,7 @@ pub fn measure_snapshots(
         .filter_map(|snapshot| order::shuffled(&snapshot.states, coordinates))
         .reduce(f64::max);
     given.steps = (compared.iter())
-        .map(|step| evidence(&initial, step, samples))
+        .map(|step| evidence(step, samples))
         .collect();
     let stated = std::iter::once(before)
         .chain(after)
@@ -116,6 +145,24 @@ pub fn measure_snapshots(
     })
 }
 
+/// Whether the last row repeats the first one, or is a period away: as of parameters from 0 to 1, both included. Rows next to these
+/// are not as near, or rounding to few digits may have made them the same.
+fn closes(snapshot: &Snapshot, coordinates: &Coordinates) -> bool {
+    /// Neighbours are this many times the rounding of a row apart at least. Conventional.
+    const APART: f64 = 8.0;
+    let states = &snapshot.states;
+    let (dof, last) = (states.dof(), states.samples() - 1);
+    let stored = snapshot.unit_roundoff.max(Snapshot::DOUBLE);
+    let differ = |a: usize, b: usize, roundings: f64| {
+        (0..2 * dof).any(|c| {
+            let row = coordinate(states, c);
+            let rounding = rounding(stored * Extent::of(row).magnitude());
+            nearest(row[b] - row[a], period(coordinates, c)).abs() > roundings * rounding
+        })
+    };
+    last >= 3 && !differ(0, last, 1.0) && differ(0, 1, APART) && differ(last - 1, last, APART)
+}
+
 fn breaks_at(step: &Compared) -> impl Iterator<Item = BreakAt> + '_ {
     step.breaks.iter().map(|&found| BreakAt {
         loop_index: 0,
@@ -124,14 +171,14 @@ fn breaks_at(step: &Compared) -> impl Iterator<Item = BreakAt> + '_ {
     })
 }
 
-fn evidence(initial: &Initial<'_>, step: &Compared, samples: usize) -> StepEvidence {
+fn evidence(step: &Compared, samples: usize) -> StepEvidence {
     let size = |found: &Break| found.jump_q.abs() + found.jump_p.abs();
     StepEvidence {
         reach_of_jumps: 0.0,
         step_size: step.step_size,
         samples,
         rule: step.rule,
-        initial: initial.integral.value,
+        initial: step.initial,
         advanced: step.integral.value,
         defect: step.defect,
         jump: (step.breaks.iter().copied()).reduce(|a, b| if size(&b) > size(&a) { b } else { a }),

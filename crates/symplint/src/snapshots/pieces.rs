@@ -45,6 +45,8 @@ pub(super) struct Curve<'a> {
     pub momenta: &'a [f64],
     /// Cells that jump in q or in p.
     pub flagged: &'a [bool],
+    /// Those of them in which rows may be missing, where the loop need not jump.
+    pub gaps: &'a [bool],
 }
 
 impl Curve<'_> {
@@ -126,7 +128,12 @@ impl Curve<'_> {
         };
         pieces.error += half * of_place + off + between;
         pieces.closed_error += half * of_closed + off + between;
-        pieces.steep += segment.abs() + 0.5 * (jump_q * jump_p).abs();
+        let steep = segment.abs() + 0.5 * (jump_q * jump_p).abs();
+        pieces.steep += steep;
+        if (first..first + width).any(|k| self.gaps[k % n]) {
+            pieces.error += steep;
+            pieces.closed_error += 0.5 * (jump_q * jump_p).abs();
+        }
     }
 
     /// What p dq/ds may vary within a run, times its width.

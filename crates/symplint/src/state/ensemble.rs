@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::error::{Error, StateAt};
+use crate::error::{Error, LOOK_AT_MAP, StateAt};
 use crate::signal::unwrap_row;
 use crate::state::{Block, Coordinates};
 use crate::state::{Rows, RowsMut};
@@ -205,17 +205,28 @@ pub(crate) struct NotFinite {
 }
 
 impl NotFinite {
+    /// `step_size` is that of the step that made the state, if one did.
     pub fn into_error(self, first_sample: usize, step_size: Option<f64>) -> Error {
+        let remedy = match step_size {
+            None => "give finite states",
+            Some(_) => "look at the map there, or take smaller step sizes or a smaller loop",
+        };
+        self.with(first_sample, step_size, remedy)
+    }
+
+    /// The error of a state that a map without a step size made.
+    pub fn of_map(self, first_sample: usize) -> Error {
+        self.with(first_sample, None, LOOK_AT_MAP)
+    }
+
+    fn with(self, first_sample: usize, step_size: Option<f64>, remedy: &'static str) -> Error {
         Error::NotFinite {
             coordinate: self.coordinate,
             dof: self.dof,
             at: StateAt::Sample(first_sample + self.sample),
             step_size,
             value: self.value,
-            remedy: match step_size {
-                None => "give finite states",
-                Some(_) => "look at the map there, or take smaller step sizes or a smaller loop",
-            },
+            remedy,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod inner_precision;
 mod motion;
+mod periods;
 mod precision;
 mod purity;
 mod scatter;
@@ -9,9 +10,10 @@ mod singular;
 mod windings;
 
 pub(crate) use inner_precision::rounding_inside;
+pub(crate) use periods::wrong_period;
 pub(crate) use precision::of_grain;
 pub(crate) use purity::check_purity;
-pub(crate) use singular::{cost as singular_cost, singular_jacobian};
+pub(crate) use singular::{cost as singular_cost, degenerate_form, singular_jacobian};
 pub(crate) use windings::wound;
 
 use crate::error::Error;

@@ -1,11 +1,19 @@
 //! How one step moves the samples of a loop against each other.
 
-use crate::evidence::Motion;
+use crate::evidence::{FEWEST_SAMPLES, Motion};
 use crate::signal::{Extent, Turns, UNIT_ROUNDOFF};
 use crate::state::{Coordinates, Ensemble};
 
 /// Changes of a coordinate that differ by no more than this many units in the last place of its values are the same.
 const SAME: f64 = 8.0;
+
+/// Changes below this part of the range of a coordinate may be rounding inside the map, which can be larger than that of
+/// the coordinate. Conventional: half of the digits of double precision.
+const LARGEST_ROUNDING: f64 = 1.5e-8;
+
+/// The mean squared difference of neighbouring changes over their variance, at least, if they scatter as rounding does.
+/// Derived: it is 2 for independent numbers (von Neumann, Ann. Math. Stat. 12, 1941), and (2πm/N)² for mode m of N samples.
+const LEAST_SCATTER: f64 = 1.0;
 
 /// The motion of a loop, from its samples before and after a step.
 pub(super) struct Motions {
@@ -53,6 +61,7 @@ impl Motions {
             phase_advance: squared.sqrt(),
             imbalance: (self.planes.iter()).fold(0.0, |most, plane| plane.imbalance().max(most)),
             shear: self.planes.iter().all(Plane::is_sheared),
+            moves: self.planes.iter().any(Plane::moves),
         };
         (motion.deformation.is_finite() && motion.phase_advance.is_finite()).then_some(motion)
     }
@@ -68,6 +77,9 @@ struct Plane {
     /// Of q and p.
     turns_before: [Turns; 2],
     turns: [Turns; 2],
+    /// The last changes of q and p, and the sums of the squared differences of neighbouring ones.
+    last: Option<[f64; 2]>,
+    differences: [f64; 2],
 }
 
 impl Plane {
@@ -78,6 +90,8 @@ impl Plane {
             first: f64::INFINITY,
             turns_before: Default::default(),
             turns: Default::default(),
+            last: None,
+            differences: [0.0; 2],
         }
     }
 
@@ -94,6 +108,10 @@ impl Plane {
             }
             self.of_loop.add(state);
             self.of_changes.add(change);
+            for (c, last) in self.last.into_iter().flatten().enumerate() {
+                self.differences[c] += (change[c] - last).powi(2);
+            }
+            self.last = Some(change);
         }
     }
 
@@ -133,7 +151,20 @@ impl Plane {
             let largest =
                 self.of_loop.extents[c].magnitude() + self.of_changes.extents[c].magnitude();
             self.of_changes.extents[c].length() <= SAME * UNIT_ROUNDOFF * largest
+                || self.is_rounding(c)
         })
+    }
+
+    /// Whether the changes of a coordinate are small, and scatter from sample to sample.
+    fn is_rounding(&self, c: usize) -> bool {
+        let [change, size] = [&self.of_changes, &self.of_loop].map(|of| of.extents[c].length());
+        self.of_changes.count() >= FEWEST_SAMPLES as f64
+            && change <= LARGEST_ROUNDING * size
+            && self.differences[c] >= LEAST_SCATTER * self.of_changes.squares(c)
+    }
+
+    fn moves(&self) -> bool {
+        (self.of_changes.extents.iter()).any(|changes| changes.magnitude() > 0.0)
     }
 }
 
@@ -158,6 +189,17 @@ impl Moments {
         let turn = rotation(x_x, x);
         let y = rotate(turn, x_y, y);
         rotation(y_y, y);
+    }
+
+    /// The number of rows.
+    fn count(&self) -> f64 {
+        self.triangle.0[0].powi(2)
+    }
+
+    /// The sum of the squared deviations of a coordinate from its mean.
+    fn squares(&self, c: usize) -> f64 {
+        let (_, [_, x], [_, xy, y]) = self.triangle;
+        [x.powi(2), xy.powi(2) + y.powi(2)][c]
     }
 
     /// √(⟨x²⟩⟨y²⟩) of deviations from the mean.
@@ -250,6 +292,22 @@ mod tests {
         // Rotated, a shear is one in neither coordinate, and advances nothing all the same.
         let turned = motion([1.0, 1.0], |q, p| (q + 0.3 * (q + p), p - 0.3 * (q + p)));
         assert!(!turned.shear && turned.phase_advance < 1e-7, "{turned:?}");
+    }
+
+    /// A free flight whose momenta go through other units inside: rounding of numbers near 1 is left of them.
+    #[test]
+    fn rounding_inside_a_shear_makes_no_rotation_of_it() {
+        for size in [1.0, 1e-3, 1e-6] {
+            let found = motion([size, size], |q, p| (q + 0.5 * p, (1.0 + p) - 1.0));
+            assert!(found.shear && found.moves, "{size}: {found:?}");
+            // A force a hundred times as large does.
+            let weak = motion([size, size], |q, p| {
+                (q + 0.5 * p, (1.0 + p) - 1.0 - 1e-13 / size * q)
+            });
+            assert!(!weak.shear, "{size}: {weak:?}");
+        }
+        let at_rest = motion([1.0, 1.0], |q, p| (q, p));
+        assert!(at_rest.shear && !at_rest.moves, "{at_rest:?}");
     }
 
     #[test]

@@ -49,7 +49,7 @@ pub(crate) fn check_purity(
                     s: s[sample],
                     dof: found.coordinate % forward.dof(),
                     difference: found.size,
-                    step_size: h,
+                    step_size: evaluator.stated(h),
                 };
                 worst = Some((found.relative, found, error));
             }

@@ -1,9 +1,9 @@
-//! Whether a map projects onto a manifold: whether its Jacobian is singular.
+//! Whether a map projects onto a manifold: whether its Jacobian is singular. Whether the symplectic form is degenerate there.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::error::{Error, StateAt};
-use crate::evidence::SingularJacobian;
+use crate::evidence::{Rank, SingularJacobian};
 use crate::map::{Evaluator, LoopSize};
 use crate::rules::Subject;
 use crate::signal::nearest;
@@ -34,6 +34,22 @@ const MOST_ERROR: f64 = 0.05;
 /// A smallest singular value that is this many times its error is not zero.
 const ERRORS: f64 = 4.0;
 
+/// Singular values below this part of the largest one are zero. Those of a form are at least 1e-3 in coordinates of similar
+/// action, and the differences have errors of 1e-9.
+const ZERO_PART: f64 = 1e-6;
+
+/// The largest error of a rank that counts, as a part of the largest singular value.
+const MOST_ERROR_OF_RANK: f64 = 1e-2;
+
+/// The most coordinates of a one-form whose rank is tested: the matrix has this size.
+const MOST_COORDINATES: usize = 512;
+
+/// The trace of the derivative of a projection is the dimension of its manifold, up to this error.
+const MOST_ERROR_OF_TRACE: f64 = 0.1;
+
+/// Repetitions of a scaling by the largest entries of rows, of which each halves the logarithms of their ratios.
+const SCALINGS: usize = 40;
+
 /// Evaluations that it takes at most in so many degrees of freedom.
 pub(crate) fn cost(dof: usize) -> usize {
     let columns: usize = stretches(dof).iter().map(|dofs| 2 * dofs.len()).sum();
@@ -55,16 +71,58 @@ pub(crate) fn singular_jacobian(
     if rounding_hides(subject.evaluator, size) {
         return Ok(None);
     }
-    let mut found = None;
+    let dof = subject.dof();
+    let mut found: Option<SingularJacobian> = None;
     for s in SITES {
         let mut of_site: Option<SingularJacobian> = None;
-        for dofs in stretches(subject.dof()) {
-            let columns = Columns::measure(subject, size, h, s, &dofs)?;
+        for dofs in stretches(dof) {
+            let displaced: Vec<usize> = dofs.iter().flat_map(|&i| [i, dof + i]).collect();
+            let columns = Columns::measure(subject, size, s, &displaced, |states, fill| {
+                let advanced = subject.evaluator.advance_from(states, h, fill);
+                advanced.map_err(|error| error.at(|_| StateAt::Displaced(s)))
+            })?;
             of_site = of_site.or(columns.singular(s));
         }
-        match of_site {
-            None => return Ok(None),
-            found_here => found = found_here,
+        let Some(mut of_site) = of_site else {
+            return Ok(None);
+        };
+        if found.is_some_and(|before| before.degenerate != of_site.degenerate) {
+            of_site.degenerate = None;
+        }
+        found = Some(of_site);
+    }
+    Ok(found)
+}
+
+/// The rank of the symplectic form dϑ of a map in non-canonical coordinates, on the leaf to which its projection keeps it, if
+/// the form is degenerate there at both points. There are at most 512 coordinates. It takes no evaluations of the map.
+///
+/// # Errors
+/// If the states do not fit into memory.
+pub(crate) fn degenerate_form(
+    subject: Subject<'_>,
+    size: &LoopSize,
+) -> Result<Option<Rank>, Error> {
+    let constraint = subject.evaluator.constraint();
+    let Some(constraint) = constraint.filter(|constraint| constraint.is_of_one_form()) else {
+        return Ok(None);
+    };
+    if subject.dof() > MOST_COORDINATES {
+        return Ok(None);
+    }
+    let displaced: Vec<usize> = (0..subject.dof()).collect();
+    let mut found: Option<Rank> = None;
+    for s in SITES {
+        let columns = Columns::measure(subject, size, s, &displaced, |states, fill| {
+            let mut block = states.block();
+            fill(0, &mut block)?;
+            constraint.project(&mut block);
+            Ok(())
+        })?;
+        match columns.rank_of_form() {
+            Some(rank) if rank.rank == rank.of => return Ok(None),
+            Some(rank) if found.is_none_or(|before| before.rank < rank.rank) => found = Some(rank),
+            _ => {}
         }
     }
     Ok(found)
@@ -92,25 +150,28 @@ fn stretches(dof: usize) -> Vec<Vec<usize>> {
         .collect()
 }
 
+/// Writes the displaced states of a block that begins with the sample named.
+type Fill<'a> = &'a (dyn Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync);
+
 /// Columns of the Jacobian in units in which ω is Σ dx ∧ dy: sizes of the loop times the root of its action in that
 /// degree of freedom.
 struct Columns {
     value: DMatrix<f64>,
-    /// The largest error in the Frobenius norm.
-    error: f64,
+    /// The largest errors.
+    errors: DMatrix<f64>,
 }
 
 impl Columns {
+    /// The columns of the coordinates `displaced`, of what `act` does to the states.
     fn measure(
         subject: Subject<'_>,
         size: &LoopSize,
-        h: f64,
         s: f64,
-        dofs: &[usize],
+        displaced: &[usize],
+        act: impl FnOnce(&mut Ensemble, Fill<'_>) -> Result<(), Error>,
     ) -> Result<Self, Error> {
         let evaluator: &Evaluator<'_> = subject.evaluator;
         let (dof, coordinates) = (subject.dof(), evaluator.coordinates());
-        let displaced: Vec<usize> = dofs.iter().flat_map(|&i| [i, dof + i]).collect();
         let mut centre = Ensemble::zeros(dof, 1);
         subject.phase_loop.sample(&[s], &mut centre.block());
         let radius = |c: usize| size.radius[c / dof][c % dof];
@@ -131,8 +192,7 @@ impl Columns {
             }
             Ok(())
         };
-        (evaluator.advance_from(&mut states, h, fill))
-            .map_err(|error| error.at(|_| StateAt::Displaced(s)))?;
+        act(&mut states, &fill)?;
         let unit = |c: usize| {
             let action =
                 coordinates.weight(c % dof).abs() * radius(c % dof) * radius(c % dof + dof);
@@ -155,7 +215,7 @@ impl Columns {
         let first = (&middle * 4.0 - wide) / 3.0;
         let second = (narrow * 4.0 - middle) / 3.0;
         Ok(Columns {
-            error: (&second - &first).norm(),
+            errors: (&second - &first).abs(),
             value: (second * 16.0 - first) / 15.0,
         })
     }
@@ -164,14 +224,107 @@ impl Columns {
         let squares = SymmetricEigen::new(self.value.transpose() * &self.value).eigenvalues;
         let [smallest, largest] =
             [squares.min(), squares.max()].map(|square| square.max(0.0).sqrt());
-        let resolved = self.error * largest <= MOST_ERROR;
-        let zero = (PROJECTED / largest).max(ERRORS * self.error);
+        let error = self.errors.norm();
+        let resolved = error * largest <= MOST_ERROR;
+        let zero = (PROJECTED / largest).max(ERRORS * error);
         // Of numbers that are not finite nothing is true.
-        (resolved && smallest <= zero).then_some(SingularJacobian {
+        (resolved && smallest <= zero).then(|| SingularJacobian {
             s,
             smallest,
             largest,
-            uncertainty: self.error,
+            uncertainty: error,
+            degenerate: self.degenerate_image(zero, error),
         })
     }
+
+    /// The rank of the Jacobian, if the symplectic form is degenerate on its image: then the map is symplectic on no manifold
+    /// that contains the image. `None` also if some columns were not measured, or the rank is not resolved.
+    fn degenerate_image(&self, zero: f64, error: f64) -> Option<Rank> {
+        let coordinates = self.value.nrows();
+        if self.value.ncols() < coordinates {
+            return None;
+        }
+        let squares = SymmetricEigen::new(&self.value * self.value.transpose());
+        let sizes: Vec<f64> = (squares.eigenvalues.iter())
+            .map(|square| square.max(0.0).sqrt())
+            .collect();
+        let kept: Vec<usize> = (0..coordinates).filter(|&k| sizes[k] > zero).collect();
+        let least = kept.iter().map(|&k| sizes[k]).fold(f64::INFINITY, f64::min);
+        // An error of the image, and as much of its conjugate.
+        let tolerance = ZERO_PART.max(2.0 * ERRORS * error / least);
+        let rank = kept.len();
+        if rank == 0 || tolerance > MOST_ERROR_OF_RANK {
+            return None;
+        }
+        let image = squares.eigenvectors.select_columns(&kept);
+        let (q, p) = halves(&image);
+        let form = q.transpose() * &p - p.transpose() * &q;
+        let degenerate = singular_values(&form).iter().any(|&size| size <= tolerance);
+        degenerate.then_some(Rank {
+            rank,
+            of: coordinates,
+        })
+    }
+
+    /// The rank of the symplectic form on the image of a projection, of the dimension of the image. `None` if it is not resolved.
+    fn rank_of_form(&self) -> Option<Rank> {
+        let (q, p) = halves(&self.value);
+        let (of_q, of_p) = halves(&self.errors);
+        // A projection is idempotent on its manifold.
+        let dimension = q.trace().round();
+        if !((q.trace() - dimension).abs() <= MOST_ERROR_OF_TRACE && dimension >= 1.0) {
+            return None;
+        }
+        let form = q.transpose() * &p - p.transpose() * &q;
+        let errors = {
+            let half = of_q.transpose() * p.abs() + q.abs().transpose() * &of_p;
+            &half + half.transpose()
+        };
+        let significant = |i: usize, j: usize| form[(i, j)].abs() > ERRORS * errors[(i, j)];
+        let n = form.nrows();
+        let mut scale = vec![1.0; n];
+        // Degrees of freedom of different action, and coordinates in different units, count alike.
+        for _ in 0..SCALINGS {
+            let largest = |i: usize| {
+                let row = (0..n).filter(|&j| significant(i, j));
+                row.map(|j| (scale[i] * form[(i, j)] * scale[j]).abs())
+                    .fold(0.0, f64::max)
+            };
+            let largest: Vec<f64> = (0..n).map(largest).collect();
+            for (scale, largest) in scale.iter_mut().zip(largest) {
+                if largest > 0.0 {
+                    *scale /= largest.sqrt();
+                }
+            }
+        }
+        let scaled = |matrix: &DMatrix<f64>| {
+            DMatrix::from_fn(n, n, |i, j| match significant(i, j) {
+                true => scale[i] * matrix[(i, j)] * scale[j],
+                false => 0.0,
+            })
+        };
+        let sizes = singular_values(&scaled(&form));
+        let largest = sizes.iter().copied().fold(0.0, f64::max);
+        let tolerance = (ZERO_PART * largest).max(ERRORS * scaled(&errors).norm());
+        let resolved = largest == 0.0 || tolerance <= MOST_ERROR_OF_RANK * largest;
+        resolved.then(|| Rank {
+            rank: sizes.iter().filter(|&&size| size > tolerance).count(),
+            of: dimension as usize,
+        })
+    }
+}
+
+/// The rows of positions, and those of momenta.
+fn halves(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
+    let half = matrix.nrows() / 2;
+    (
+        matrix.rows(0, half).into_owned(),
+        matrix.rows(half, half).into_owned(),
+    )
+}
+
+fn singular_values(matrix: &DMatrix<f64>) -> Vec<f64> {
+    let squares = SymmetricEigen::new(matrix.transpose() * matrix).eigenvalues;
+    let size = |square: &f64| square.max(0.0).sqrt();
+    squares.iter().map(size).collect()
 }

@@ -7,7 +7,8 @@ use super::long_time::Growth;
 use super::order::Fit;
 use crate::breaks::Break;
 use crate::evidence::{
-    Contraction, LongTime, Motion, Omission, OutputPrecision, Scatter, Sector, SubstepDefect,
+    Contraction, LongTime, Motion, Omission, OutputPrecision, Rank, Reach, Scatter, Sector,
+    SubstepDefect, WrongPeriod,
 };
 
 /// Which advanced loop a finding speaks of.
@@ -16,6 +17,8 @@ use crate::evidence::{
 pub enum Step {
     /// The one after a step of this size.
     Size(f64),
+    /// The image under a map without a step size.
+    Map,
     /// The only one, after a step of unknown size.
     Only,
     /// One of several, counted from 1, after a step of unknown size.
@@ -37,6 +40,8 @@ pub struct Change {
 pub enum StepRange {
     /// Nobody stated them.
     Unknown,
+    /// The map has none.
+    Map,
     /// One.
     One(f64),
     /// From the smallest to the largest.
@@ -111,9 +116,13 @@ pub enum Finding {
         random: usize,
         /// Whether the given loop counts: a loop that winds does not.
         given: bool,
+        /// The largest radii of a position and of a momentum, if the verdict is about loops of this size: the map has no
+        /// step size, or moves them little.
+        radii: Option<[f64; 2]>,
     },
-    /// The largest step advances the motions of no loop by 0.05 rad (a kick or a free flight alone deforms none by 0.2 of its
-    /// size), or by too little for the bound on the defect: a method of order 4 would not show one.
+    /// The largest step advances the motions of no loop by 0.05 rad, or by too little for the bound on the defect: a method of
+    /// order 4 would not show one; and a larger step shows a defect, or was not tried. (In loops that another code advanced,
+    /// also a kick or a free flight alone that deforms none by 0.2 of its size.)
     LittleMotion {
         /// The strongest motion of a loop.
         motion: Motion,
@@ -161,6 +170,18 @@ pub enum Finding {
     Shuffled {
         /// Mean distance of neighbouring samples over that of sorted ones.
         ratio: f64,
+    },
+    /// The last row of a loop of another code repeats the first one.
+    RepeatedRow {
+        /// Its number, counted from 0.
+        row: usize,
+    },
+    /// The rows of a loop of another code are not equally spaced.
+    UnequalRows {
+        /// The widest gap between neighbours, as a part of the loop.
+        widest: f64,
+        /// The same in units of the mean gap.
+        over_mean: f64,
     },
     /// A defect of 3 to 10 times its uncertainty, 1e-10 or larger; or a smaller one that is significant and not confirmed.
     Unexplained {
@@ -241,6 +262,19 @@ pub enum Finding {
         given: Option<f64>,
         /// The random loop with the largest defect, and this defect.
         beside: Option<(usize, f64)>,
+    },
+    /// A loop, or the Jacobian, shows a change in non-canonical coordinates whose symplectic form is degenerate: the rank of dϑ
+    /// is below the dimension of the manifold to which the loops keep, at both points that were tested.
+    DegenerateForm {
+        /// The rank of the form, of the dimension of the manifold.
+        rank: Rank,
+        /// What the defect of the given loop does not exceed.
+        given: Option<f64>,
+    },
+    /// The Jacobian of the step is singular at the loop, and the symplectic form is degenerate on its image.
+    LosesRank {
+        /// The rank of the Jacobian, of all coordinates.
+        rank: Rank,
     },
 
     /// Where the largest jump is.
@@ -421,6 +455,15 @@ pub enum Finding {
     Moves {
         /// The strongest motion of a loop.
         motion: Motion,
+        /// Whether the map has a step size.
+        has_step_size: bool,
+    },
+    /// What a larger step, or a larger loop of a map without a step size, shows of a map that moves loops little.
+    Beyond {
+        /// The loop.
+        reach: Reach,
+        /// Whether it moves more than the other loops.
+        more: bool,
     },
     /// The decay of the Fourier coefficients of the advanced loop.
     Regularity {
@@ -435,6 +478,8 @@ pub enum Finding {
     SingleInside,
     /// Repeated runs of one state differ by chance.
     Scatter(Scatter),
+    /// A stated period is not one of the map.
+    WrongPeriod(WrongPeriod),
     /// What becomes of the defect in many steps.
     ManySteps {
         /// What was measured.
@@ -543,6 +588,11 @@ pub enum Advice {
         /// The largest one, where it is known.
         step_size: Option<f64>,
     },
+    /// Take a larger loop: its integral changes.
+    LargerRadii {
+        /// This number of times as large.
+        factor: f64,
+    },
     /// Take a loop on which forces act: the step is a free flight or a kick alone.
     LoopWithForces,
     /// Check that the files differ.
@@ -563,6 +613,8 @@ pub enum Advice {
     LoopOnManifold,
     /// Give a projection onto the constraint manifold.
     Project,
+    /// Give Casimir functions, or a projection onto a leaf of the symplectic form.
+    KeepToLeaf,
     /// Take a smaller loop that stays in the domain of the map.
     SmallerLoopInDomain,
     /// A loop that a step does not deform by so many times its size.

@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::VerdictKind;
-use super::thresholds::LEAST_DEFORMATION;
-use crate::evidence::{SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
+use crate::evidence::{LEAST_DEFORMATION, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
 use crate::jacobian::{JacobianEvidence, JacobianMethod, TangentDefect};
 
 /// The answer of a Jacobian test alone.
@@ -98,8 +97,8 @@ pub enum Agreement {
 /// A Jacobian test beside the verdict of the loops; its text is one paragraph.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JacobianFinding {
-    /// Step size of the test.
-    pub step_size: f64,
+    /// Step size of the test; `None` for a map without one.
+    pub step_size: Option<f64>,
     /// How derivatives were computed.
     pub method: JacobianMethod,
     /// The answer of the test.
@@ -132,7 +131,8 @@ pub fn judge_jacobian(evidence: &JacobianEvidence) -> JacobianVerdict {
     if 2 * evidence.not_differentiable >= evidence.points.len() {
         return no_derivative;
     }
-    if evidence.deformation < LEAST_DEFORMATION {
+    // A map without a step size approximates nothing: it is judged itself, however little it deforms.
+    if evidence.step_size.is_some() && evidence.deformation < LEAST_DEFORMATION {
         return undecided(Inconclusive::LittleDeformation {
             deformation: evidence.deformation,
         });
@@ -234,7 +234,7 @@ mod tests {
             bound: Some(2e-13),
         };
         JacobianEvidence {
-            step_size: 0.5,
+            step_size: Some(0.5),
             method: JacobianMethod::TangentMap,
             points: vec![point; 4],
             not_differentiable: 0,

@@ -22,10 +22,11 @@ use crate::rules::Defect;
 /// significant defect proves that a map is not symplectic, and so does one break; the absence of both bounds the
 /// defect for the loops and steps that were tried.
 pub fn judge(evidence: &Evidence) -> Verdict {
-    // Beside the manifold that a map projects onto it conserves nothing, and need not.
-    let counted = match evidence.survey.singular {
-        Some(_) => &evidence.loops[..evidence.loops.len().min(1)],
-        None => &evidence.loops,
+    // Beside the manifold that a map projects onto it conserves nothing, and need not; nor beside a leaf of its form.
+    let survey = &evidence.survey;
+    let counted = match survey.singular.is_some() || survey.degenerate_form.is_some() {
+        true => &evidence.loops[..evidence.loops.len().min(1)],
+        false => &evidence.loops,
     };
     let fits: Vec<Fit> = counted.iter().filter_map(fit_order).collect();
     let case = Case {
@@ -119,6 +120,7 @@ impl<'a> Case<'a> {
             return decision;
         }
         (self.no_closed_loop())
+            .or_else(|| self.beside_leaf())
             .or_else(|| self.beside_manifold())
             .or_else(|| self.broken())
             .or_else(|| self.not_contracted())
@@ -131,6 +133,11 @@ impl<'a> Case<'a> {
 
     fn is_sampled(&self) -> bool {
         self.evidence.origin == Origin::Samples
+    }
+
+    /// Whether the map has a step size, as far as is known.
+    fn has_step_size(&self) -> bool {
+        self.is_sampled() || self.steps().all(|(_, step)| step.step_size.is_some())
     }
 
     /// Every step with its loop.
@@ -149,10 +156,22 @@ impl<'a> Case<'a> {
             .max_by(|a, b| a.1.defect.magnitude().total_cmp(&b.1.defect.magnitude()))
     }
 
+    /// The range of the step sizes of a loop.
+    fn range(&self, found: &LoopEvidence) -> StepRange {
+        let sizes = || found.steps.iter().filter_map(|step| step.step_size);
+        match (sizes().reduce(f64::min), sizes().reduce(f64::max)) {
+            (Some(low), Some(high)) if low == high => StepRange::One(low),
+            (Some(low), Some(high)) => StepRange::Between(low, high),
+            _ if self.is_sampled() => StepRange::Unknown,
+            _ => StepRange::Map,
+        }
+    }
+
     /// How the findings name a step of a loop.
     fn name(&self, found: &LoopEvidence, step: &StepEvidence) -> Step {
         match step.step_size {
             Some(h) => Step::Size(h),
+            None if !self.is_sampled() => Step::Map,
             None if found.steps.len() == 1 => Step::Only,
             None => {
                 let mut steps = found.steps.iter();
@@ -282,6 +301,12 @@ impl<'a> Case<'a> {
                 fit: fit.clone(),
                 between_breaks: is_broken,
             }));
+        let singular = self.evidence.survey.singular;
+        if let Some(rank) = singular.and_then(|singular| singular.degenerate) {
+            decision.findings.push(Finding::LosesRank { rank });
+            decision.advice.push(Advice::LoopOnManifold);
+            return Some(decision);
+        }
         if let (Some(law), Some(by_jacobian), Some(decay)) =
             (law, other_slope, self.evidence.jacobian_decay)
         {
@@ -354,7 +379,7 @@ impl<'a> Case<'a> {
             return None;
         }
         if self.steps().any(|(_, step)| step.step_size.is_none()) {
-            return Some(Advice::StateStepSizes);
+            return self.is_sampled().then_some(Advice::StateStepSizes);
         }
         if !self.fits.is_empty() && self.fits.iter().all(|fit| fit.slope <= TREND) {
             return Some(Advice::DefectDoesNotFall);
@@ -397,16 +422,25 @@ impl<'a> Case<'a> {
             let step = self.name(found, step);
             findings.push(Finding::Regularity { exponent, step });
         }
+        if let Some(given) = self.loops.first() {
+            let repeated = given.repeated_row.map(|row| Finding::RepeatedRow { row });
+            let unequal = given.widest_gap.map(|widest| Finding::UnequalRows {
+                widest,
+                over_mean: widest * given.samples as f64,
+            });
+            findings.extend(repeated.into_iter().chain(unequal));
+        }
         findings.extend(evidence.survey.output_precision.map(Finding::Precision));
         let inside = evidence.survey.single_inside && evidence.survey.output_precision.is_none();
         findings.extend(inside.then_some(Finding::SingleInside));
         findings.extend(evidence.survey.scatter.map(Finding::Scatter));
+        findings.extend(evidence.survey.wrong_period.map(Finding::WrongPeriod));
         findings.extend(evidence.long_time.map(|steps| Finding::ManySteps {
             growth: long_time::growth(&steps),
             steps,
         }));
         if let Some(localisation) = &evidence.localisation {
-            let step = Step::Size(localisation.step_size);
+            let step = localisation.step_size.map_or(Step::Map, Step::Size);
             if !localisation.substeps.is_empty() {
                 let substeps = localisation.substeps.clone();
                 findings.push(Finding::Substeps { substeps, step });
@@ -418,6 +452,7 @@ impl<'a> Case<'a> {
         }
         if let Some(jacobian) = &evidence.jacobian
             && evidence.survey.singular.is_none()
+            && evidence.survey.degenerate_form.is_none()
         {
             let finding = compare_jacobian(jacobian, kind, digits);
             findings.push(Finding::Jacobian { finding });
@@ -443,16 +478,9 @@ impl<'a> Case<'a> {
         })
     }
 
-    /// The strongest motion of a loop, and the step size that makes it, where it is known. Of shears, the one that
-    /// deforms its loop most.
+    /// The strongest motion of a loop, and the step size that makes it, where it is known.
     fn strongest_motion(&self) -> Option<(Motion, Option<f64>)> {
-        // Loops that wind, or bound no defect, acquit nobody, unless there are no others.
-        let counts = |found: &&LoopEvidence| !found.winds && found.is_bounded();
-        let counted: Vec<&LoopEvidence> = self.loops.iter().filter(counts).collect();
-        match counted.is_empty() {
-            true => strongest_motion(&self.loops.iter().collect::<Vec<_>>()),
-            false => strongest_motion(&counted),
-        }
+        Motion::strongest(self.loops)
     }
 
     /// Whether something was left out that evaluations would have told.
@@ -476,20 +504,6 @@ impl<'a> Case<'a> {
     }
 }
 
-/// The strongest motion of some loops, and the step size that makes it.
-fn strongest_motion(loops: &[&LoopEvidence]) -> Option<(Motion, Option<f64>)> {
-    let strength = |motion: &Motion| match motion.shear {
-        true => (false, motion.deformation),
-        false => (true, motion.phase_advance),
-    };
-    (loops.iter().flat_map(|found| &found.steps))
-        .filter_map(|step| Some((step.motion?, step.step_size)))
-        .reduce(|a, b| match strength(&b.0) > strength(&a.0) {
-            true => b,
-            false => a,
-        })
-}
-
 /// A defect as findings carry it.
 fn change(defect: &Defect) -> Change {
     Change {
@@ -502,19 +516,4 @@ fn change(defect: &Defect) -> Change {
 fn moves_rest(found: &LoopEvidence) -> Option<Finding> {
     let loop_index = found.index;
     (found.kind == LoopKind::Extended).then_some(Finding::MovesRest { loop_index })
-}
-
-/// The range of the step sizes of a loop.
-fn range(found: &LoopEvidence) -> StepRange {
-    let sizes = (found.steps.iter()).filter_map(|step| step.step_size.map(f64::abs));
-    let (low, high) = sizes.fold((f64::INFINITY, 0.0), |(l, h): (f64, f64), size| {
-        (l.min(size), h.max(size))
-    });
-    if high == 0.0 {
-        StepRange::Unknown
-    } else if low == high {
-        StepRange::One(high)
-    } else {
-        StepRange::Between(low, high)
-    }
 }

@@ -45,10 +45,10 @@ impl Fit {
     /// The leading terms of the law at a step size, from the defect at the smallest one of the fit.
     pub(super) fn at(&self, loops: &[LoopEvidence], h: f64) -> Option<f64> {
         let found = loops.iter().find(|found| found.index == self.loop_index)?;
-        let is_first = |step: &&StepEvidence| step.step_size.map(f64::abs) == Some(self.from);
+        let is_first = |step: &&StepEvidence| step.step_size.map(f64::abs) == Some(self.from.abs());
         let first = found.steps.iter().find(is_first)?.defect.signed;
         let constant = self.constant.unwrap_or(0.0);
-        Some(constant + (first - constant) * (h.abs() / self.from).powf(self.slope))
+        Some(constant + (first - constant) * (h / self.from).abs().powf(self.slope))
     }
 }
 
@@ -59,7 +59,7 @@ const STEP: f64 = 0.01;
 /// rounded to a few digits.
 const SAME_RATIO: f64 = 1e-3;
 
-/// One point of the fit: h > 0, the signed defect, its uncertainty.
+/// One point of the fit: |h|, the signed defect, its uncertainty.
 type Datum = (f64, f64, f64);
 
 /// Fits the defect's power of h at the smallest steps where the defect is well above its uncertainty.
@@ -85,6 +85,9 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     let changes = &changes[seen.unwrap_or(changes.len()).saturating_sub(1)..];
     let changes = &clear(changes)[..];
     let of_changes = wide(changes).then(|| whole_law(changes)).flatten();
+    let is_negative = |h: f64| h < 0.0;
+    let backwards = (evidence.steps.iter()).all(|step| step.step_size.is_some_and(is_negative));
+    let sign = if backwards { -1.0 } else { 1.0 };
     let fit = |(slope, uncertainty): (f64, f64), constant, data: &[Datum]| Fit {
         quantity: "defect",
         against: "step_size",
@@ -92,8 +95,8 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
         slope,
         uncertainty,
         constant,
-        from: data[0].0,
-        to: data[data.len() - 1].0,
+        from: sign * data[0].0,
+        to: sign * data[data.len() - 1].0,
     };
     let with_constant = |law: (f64, f64)| {
         // The defects between which the changes are.

@@ -12,15 +12,16 @@ use super::number::{capitalised, jumping, loop_name, short, size};
 use super::order::Fit;
 use crate::breaks::Break;
 use crate::evidence::{
-    LongTime, Motion, OutputFormat, OutputPrecision, SIGNIFICANT, Sector, SubstepDefect,
+    LongTime, Motion, OutputFormat, OutputPrecision, Reach, SIGNIFICANT, Sector, SubstepDefect,
 };
 use domain::degrees_of_freedom;
 
 impl Display for Step {
-    /// `at h = 2^-1`, `after the step`, `in loop 2 after the step`.
+    /// `at h = 2^-1`, `in one application`, `after the step`, `in loop 2 after the step`.
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Step::Size(h) => write!(f, "at h = {}", size(*h)),
+            Step::Map => f.write_str("in one application"),
             Step::Only => f.write_str("after the step"),
             Step::Number(number) => write!(f, "in loop {number} after the step"),
         }
@@ -41,6 +42,7 @@ impl Display for StepRange {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             StepRange::Unknown => f.write_str("; the step size is not stated"),
+            StepRange::Map => Ok(()),
             StepRange::One(h) => write!(f, " at h = {}", size(*h)),
             StepRange::Between(low, high) => {
                 write!(f, " for h from {} to {}", size(*low), size(*high))
@@ -66,8 +68,12 @@ fn law(fit: &Fit) -> String {
 /// `, and the bound of a range`, for random loops.
 fn random_loops(count: usize, range: &StepRange) -> String {
     let high = match range {
-        StepRange::Unknown => String::new(),
-        StepRange::One(h) | StepRange::Between(_, h) => format!(" at h = {}", size(*h)),
+        StepRange::Unknown | StepRange::Map => String::new(),
+        StepRange::One(h) => format!(" at h = {}", size(*h)),
+        StepRange::Between(low, high) => {
+            let largest = if low.abs() > high.abs() { low } else { high };
+            format!(" at h = {}", size(*largest))
+        }
     };
     match count {
         0 => String::new(),
@@ -160,21 +166,33 @@ impl Display for Finding {
                 failed,
                 random,
                 given,
-            } => match given {
-                true => write!(
-                    f,
-                    "No defect above {bound:.1e} on the given loop{range}{}{}.",
-                    but_failed(*failed),
-                    random_loops(*random, range)
-                ),
-                false => write!(
-                    f,
-                    "No defect above {bound:.1e} on {random} random loop{}{range}{}; the given one winds round a \
-                     period.",
-                    plural(*random),
-                    but_failed(*failed)
-                ),
-            },
+                radii,
+            } => {
+                match given {
+                    true => write!(
+                        f,
+                        "No defect above {bound:.1e} on the given loop{range}{}{}",
+                        but_failed(*failed),
+                        random_loops(*random, range)
+                    )?,
+                    false => write!(
+                        f,
+                        "No defect above {bound:.1e} on {random} random loop{}{range}{}; the given one winds round a \
+                         period",
+                        plural(*random),
+                        but_failed(*failed)
+                    )?,
+                }
+                if let Some([q, p]) = radii {
+                    write!(
+                        f,
+                        ": on loops with radii up to {} in q and {} in p",
+                        short(*q),
+                        short(*p)
+                    )?;
+                }
+                f.write_str(".")
+            }
             Finding::LittleMotion { motion, group } => little_motion(f, motion, *group),
             Finding::MissesGrid {
                 loop_index,
@@ -221,6 +239,17 @@ impl Display for Finding {
                     "{samples} samples do not resolve the loop {step}: its integral is not known."
                 ),
             },
+            Finding::RepeatedRow { row } => write!(
+                f,
+                "Row {row} repeats row 0, as if both ends of the loop were included: it was left out."
+            ),
+            Finding::UnequalRows { widest, over_mean } => write!(
+                f,
+                "The rows are not equally spaced: the widest gap is {} times the mean, {:.2}% of the loop. The integrals \
+                 are interpolated, and their errors include the gaps.",
+                short(*over_mean),
+                100.0 * widest
+            ),
             Finding::Unexplained {
                 defect,
                 uncertainty,
@@ -272,6 +301,13 @@ impl Display for Finding {
                 given,
                 beside,
             } => domain::projects(f, *smallest, *given, *beside),
+            Finding::DegenerateForm { rank, given } => domain::degenerate_form(f, *rank, *given),
+            Finding::LosesRank { rank } => write!(
+                f,
+                "The step projects: its Jacobian has rank {} of {} at the loop. Such a step is not symplectic on the whole phase \
+                 space; it may be on the manifold onto which it projects.",
+                rank.rank, rank.of
+            ),
             Finding::Jump {
                 loop_index,
                 step,
@@ -465,16 +501,11 @@ impl Display for Finding {
                 f,
                 "Features narrower than 1/{samples} of the loop are not resolved."
             ),
-            Finding::Moves { motion } if motion.shear => write!(
-                f,
-                "The largest step is a kick or a free flight alone, and deforms a loop by {} of its size.",
-                short(motion.deformation)
-            ),
-            Finding::Moves { motion } => write!(
-                f,
-                "The largest step advances the motions on a loop by {} rad.",
-                short(motion.phase_advance)
-            ),
+            Finding::Moves {
+                motion,
+                has_step_size,
+            } => moves(f, motion, *has_step_size),
+            Finding::Beyond { reach, more } => beyond(f, reach, *more),
             Finding::Regularity { exponent, step } => write!(
                 f,
                 "{} the Fourier coefficients of the given loop decay as those of a function in H^{exponent:.1}: \
@@ -492,6 +523,12 @@ impl Display for Finding {
                 "Repeated runs of one state differ by chance, by {:.0e} in {} of degree of freedom {}, as sums do that \
                  many cores take in any order. That is noise of the map: figures differ from run to run.",
                 scatter.size, scatter.coordinate, scatter.dof
+            ),
+            Finding::WrongPeriod(wrong) => write!(
+                f,
+                "{:?} is not a period of the map in {}[{}]: two states that differ by it differ after the step by {:.1e} \
+                 more. No random loop winds round it. Correct the period, or leave it out.",
+                wrong.period, wrong.coordinate, wrong.dof, wrong.difference
             ),
             Finding::ManySteps { steps, growth } => fmt_long_time(f, steps, *growth),
             Finding::Substeps { substeps, step } => fmt_substeps(f, substeps, step),
@@ -687,6 +724,52 @@ pub(super) fn roughness(exponent: f64) -> Option<&'static str> {
         1.0..2.0 => Some("as at kinks"),
         2.0..4.5 => Some("as where a higher derivative jumps"),
         _ => None,
+    }
+}
+
+fn moves(f: &mut Formatter<'_>, motion: &Motion, has_step_size: bool) -> Result {
+    let subject = match has_step_size {
+        true => "The largest step",
+        false => "The map",
+    };
+    if motion.deformation == 0.0 && !motion.moves {
+        write!(f, "{subject} leaves every state of the loops where it is.")
+    } else if motion.shear {
+        write!(
+            f,
+            "{subject} is a kick or a free flight alone, and deforms a loop by {} of its size.",
+            short(motion.deformation)
+        )
+    } else {
+        write!(
+            f,
+            "{subject} advances the motions on a loop by {} rad.",
+            short(motion.phase_advance)
+        )
+    }
+}
+
+fn beyond(f: &mut Formatter<'_>, reach: &Reach, more: bool) -> Result {
+    let step = &reach.step;
+    match step.step_size {
+        Some(_) if !more => {
+            f.write_str("Larger step sizes move the loops no further: a random loop")?
+        }
+        Some(h) => write!(f, "At h = {} a random loop", size(h))?,
+        None => write!(f, "A random loop {} times as large", short(reach.factor))?,
+    }
+    let moved = step.motion.filter(|moved| more && !moved.shear);
+    if let Some(moved) = moved {
+        write!(f, " is advanced by {} rad, and", short(moved.phase_advance))?;
+    }
+    match reach.shows_defect() {
+        true => write!(
+            f,
+            " changes its integral by {:+.3e}, with an uncertainty of {:.1e}.",
+            step.defect.signed,
+            step.defect.uncertainty()
+        ),
+        false => write!(f, " is conserved to {:.1e}.", step.bound()),
     }
 }
 

@@ -1,19 +1,5 @@
-//! The numbers that the judge decides by. Those that measuring needs, too, stand in `evidence/step.rs`.
-
-/// A step that advances the motions on its loops by less than this, in radians, tests nothing. The defect of a method of
-/// order 4 has to stand clear of the bound on the defect, too: [`defect_of_order_4`]. Methods of order 8 and more need
-/// steps of a radian to show one; the findings tell θ.
-pub(super) const LEAST_PHASE_ADVANCE: f64 = 0.05;
-
-/// The defect of Runge and Kutta's method of order 4 on a harmonic oscillator, |R(iθ)|² − 1 = −θ^6/72 + ….
-pub(super) fn defect_of_order_4(phase_advance: f64) -> f64 {
-    phase_advance.powi(6) / 72.0
-}
-
-/// A kick or a free flight alone, or a Jacobian, that deforms a loop, or tangent vectors, by less than this part of
-/// their size tests nothing. Calibrated on the truth table: explicit midpoint and Heun steps of all its systems show
-/// a defect from 0.2 on.
-pub(super) const LEAST_DEFORMATION: f64 = 0.2;
+//! The numbers that the judge decides by. Those that measuring needs, too, stand in `evidence/step.rs` and
+//! `evidence/motion.rs`.
 
 /// Advice to take steps more than this many times as large is none: such a small phase advance may be rounding, which
 /// makes 1e-8 of a shear that is one in neither coordinate.

@@ -13,7 +13,7 @@ use crate::{Bare, circle, kick_drift, pendula, run, single_precision};
 /// The evidence within a budget, of which no evaluation is too many.
 fn within(map: &dyn TimeAdvance, budget: usize) -> Option<JacobianEvidence> {
     let test = JacobianTest::within(budget, map.dof(), map.tangent().is_some())?;
-    let phase_loop = circle(map.dof()).with_random_phases(3);
+    let phase_loop = circle(map.dof()).with_phases(symplint::Phases::Random { seed: 3 });
     let evidence = test.run(map, &phase_loop, 0.5).unwrap();
     assert!(
         evidence.evaluations <= budget,

@@ -31,7 +31,7 @@ fn differences_agree_with_dual_numbers() {
     for system in SYSTEMS {
         for method in METHODS {
             let map = Step(system, method);
-            let phase_loop = circle(system.dof()).with_random_phases(4);
+            let phase_loop = circle(system.dof()).with_phases(symplint::Phases::Random { seed: 4 });
             let exact = test.run(&map, &phase_loop, 0.5).unwrap();
             let differences = test.run(&Bare(map), &phase_loop, 0.5).unwrap();
             let name = format!("{system:?}, {method:?}");

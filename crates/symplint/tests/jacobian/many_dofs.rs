@@ -7,7 +7,7 @@ use crate::{assert_symplectic, circle, pendula, run, worst_of};
 #[test]
 fn the_degrees_of_freedom_that_carry_the_defect_are_named() {
     for (dof, i, j) in [(8, 5, 2), (100, 37, 71)] {
-        let phase_loop = circle(dof).with_random_phases(3);
+        let phase_loop = circle(dof).with_phases(symplint::Phases::Random { seed: 3 });
         assert_symplectic(&run(&pendula(dof, |_, _, _| {}), &phase_loop, 0.3), 11.0);
 
         // One momentum is damped by 1 − h/100: ω of its plane shrinks by that, and no pair of unit
@@ -45,7 +45,7 @@ fn the_degrees_of_freedom_that_carry_the_defect_are_named() {
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let map = pendula(60, |h, _, p| p[11] *= 1.0 - h);
-    let phase_loop = circle(60).with_random_phases(5);
+    let phase_loop = circle(60).with_phases(symplint::Phases::Random { seed: 5 });
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.unwrap().install(|| run(&map, &phase_loop, 0.3))

@@ -3,7 +3,8 @@
 use serde_json::json;
 use symplint::breaks::Break;
 use symplint::evidence::{
-    Contraction, LongTime, Motion, OutputFormat, OutputPrecision, Scatter, Sector, SubstepDefect,
+    Contraction, LongTime, Motion, OutputFormat, OutputPrecision, Rank, Scatter, Sector,
+    SubstepDefect,
 };
 use symplint::verdict::{Advice, Change, Finding, Growth, Step, StepRange};
 
@@ -259,6 +260,7 @@ fn of_findings() {
                 failed,
                 random,
                 given,
+                radii: None,
             }],
         );
     }
@@ -271,7 +273,11 @@ fn of_findings() {
         for group in [None, Some(1)] {
             write(text, [Finding::LittleMotion { motion, group }]);
         }
-        write(text, [Finding::Moves { motion }]);
+        let moves = |has_step_size| Finding::Moves {
+            motion,
+            has_step_size,
+        };
+        write(text, [moves(true), moves(false)]);
     }
     for (roundoff, too_few, sure) in [(true, true, Some(1e-9)), (false, false, None)] {
         write(
@@ -376,6 +382,11 @@ fn of_findings() {
             },
         ],
     );
+    let rank = Rank { rank: 2, of: 3 };
+    for given in [None, Some(1e-14)] {
+        write(text, [Finding::DegenerateForm { rank, given }]);
+    }
+    write(text, [Finding::LosesRank { rank }]);
     for (given, beside) in [(None, None), (Some(1e-14), Some((3, 0.2)))] {
         write(
             text,

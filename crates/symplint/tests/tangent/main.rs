@@ -15,7 +15,7 @@ use symplint::{Block, Circle, JacobianTest, Loop, TimeAdvance};
 
 fn circle(dof: usize) -> Circle {
     let circle = Circle::new(vec![0.3; dof], vec![-0.2; dof], 1.0).unwrap();
-    circle.with_random_phases(4)
+    circle.with_phases(symplint::Phases::Random { seed: 4 })
 }
 
 fn run(map: &dyn TimeAdvance, h: f64) -> JacobianEvidence {

@@ -51,7 +51,7 @@ impl Diagnostic {
         };
         let mut localisation = Localisation {
             loop_index: found.index,
-            step_size: h,
+            step_size: subject.evaluator.stated(h),
             substeps: match subject.evaluator.substeps() {
                 1 => Vec::new(),
                 _ => substeps::defects(subject, rule, samples, h)?,

@@ -46,6 +46,22 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// If something shows a defect, tests whether the symplectic form of non-canonical coordinates is degenerate.
+    pub(super) fn look_for_leaf(
+        &mut self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+    ) -> Result<(), Error> {
+        let shows = |found: &LoopEvidence| found.shows_defect() || found.is_broken();
+        let by_jacobian = self.evidence.jacobian.as_ref();
+        if self.evidence.loops.iter().any(shows)
+            || by_jacobian.is_some_and(JacobianEvidence::shows_defect)
+        {
+            self.evidence.survey.degenerate_form = survey::degenerate_form(subject, &given.size)?;
+        }
+        Ok(())
+    }
+
     /// Where a loop integral changes and the Jacobian does not show why, looks whether the loop can be contracted in the
     /// domain of the map.
     pub(super) fn contract(
@@ -68,6 +84,7 @@ impl Run<'_> {
         let Some(found) = worst.filter(|found| {
             !of_jacobian.is_some_and(JacobianEvidence::shows_defect)
                 && self.evidence.survey.singular.is_none()
+                && self.evidence.survey.degenerate_form.is_none()
                 && found.kind != LoopKind::Image
                 && !given.probe.is_beyond_memory()
         }) else {

@@ -4,10 +4,11 @@ use super::{Given, Run, of_the_map};
 use crate::diagnosis::Event;
 use crate::diagnosis::initial_samples::InitialSamples;
 use crate::diagnosis::plan;
+use crate::diagnosis::probe::{Known, Probe};
 use crate::diagnosis::random_loops::{loop_of_kind, random_kind};
 use crate::diagnosis::resolve::Resolution;
 use crate::error::Error;
-use crate::evidence::{DofGroup, LoopEvidence, LoopKind, Omission, StepEvidence, Sweep};
+use crate::evidence::{DofGroup, LoopEvidence, LoopKind, Motion, Omission, StepEvidence, Sweep};
 use crate::loops::FourierLoop;
 use crate::map::{ImageLoop, LoopSize};
 use crate::rules::{RuleKind, Subject};
@@ -97,7 +98,8 @@ impl Run<'_> {
         }
         let winds = self.evidence.loops[0].winds;
         let affordable = self.left() >= given.cost.max(self.plan.first_samples);
-        if count > 0 && !winds && !self.is_settled() && affordable {
+        let periodic = self.evidence.survey.wrong_period.is_none();
+        if count > 0 && periodic && !winds && !self.is_settled() && affordable {
             self.winding_loop(subject, &given.size)?;
         }
         self.evidence.evaluations.random_loops = self.count.made() - start;
@@ -131,10 +133,12 @@ impl Run<'_> {
     /// before which [`is_settled`](Self::is_settled) is false.
     fn sure_loops(&self, of_loop: usize) -> usize {
         let given = &self.evidence.loops[0];
-        let needed = match (given.is_broken(), self.plan.is_tight()) {
+        // One that winds proves nothing.
+        let proves = !given.winds;
+        let needed = match (proves && given.is_broken(), self.plan.is_tight()) {
             (true, true) => 0,
             (true, false) => LOOPS_BESIDE_BREAKS,
-            (false, true) if given.shows_defect() => 1,
+            (false, true) if proves && given.shows_defect() => 1,
             (false, _) => usize::MAX,
         };
         needed.min(self.left() / SURE_PART / of_loop)
@@ -289,6 +293,35 @@ impl Run<'_> {
         }
     }
 
+    /// A loop beside the given one, with as many samples as it needs, after a step of size `h`: how that was measured, what
+    /// it shows, and how the loop moves.
+    pub(super) fn resolved<'s>(
+        &self,
+        subject: Subject<'s>,
+        samples: &mut InitialSamples<'s>,
+        h: f64,
+    ) -> Result<(Probe<'s>, Known, Option<Motion>), Error> {
+        subject.evaluator.begin_loop();
+        let left = self.left();
+        let with = Resolution {
+            h,
+            plan: &self.plan,
+            // As many as the given loop took, at least: with fewer it may not see what that one did.
+            most_samples: match self.plan.is_tight() {
+                true => plan::tight_samples(left)
+                    .max(self.evidence.loops[0].samples)
+                    .min(left),
+                false => plan::share(self.diagnostic, self.count.budget()).min(left),
+            },
+            allowance: left,
+        };
+        let mut seen = None;
+        let mut look = |after: &Ensemble| seen = Some(survey::of_samples(subject, after));
+        let probe = self.diagnostic.resolve(subject, &with, &mut look)?;
+        let known = probe.measure(samples, h, &mut look)?;
+        Ok((probe, known, seen.and_then(|seen| seen.motion)))
+    }
+
     /// A random loop at the largest step size; at all if it shows a defect and none did before.
     fn random_loop(
         &mut self,
@@ -296,26 +329,9 @@ impl Run<'_> {
         subject: Subject<'_>,
         known: bool,
     ) -> Result<(), Error> {
-        subject.evaluator.begin_loop();
         let diagnostic = self.diagnostic;
-        let left = self.left();
-        let with = Resolution {
-            h: self.largest,
-            plan: &self.plan,
-            // As many as the given loop took, at least: with fewer it may not see what that one did.
-            most_samples: match self.plan.is_tight() {
-                true => plan::tight_samples(left)
-                    .max(self.evidence.loops[0].samples)
-                    .min(left),
-                false => plan::share(diagnostic, self.count.budget()).min(left),
-            },
-            allowance: left,
-        };
-        let mut seen = None;
-        let mut look = |after: &Ensemble| seen = Some(survey::of_samples(subject, after));
-        let probe = diagnostic.resolve(subject, &with, &mut look)?;
         let samples = &mut InitialSamples::new(subject);
-        let first = probe.measure(samples, self.largest, &mut look)?;
+        let (probe, first, motion) = self.resolved(subject, samples, self.largest)?;
         (self.watch)(Event::Planned(1));
         let mut found = other.evidence();
         found.rule = match probe.rule.kind() {
@@ -327,7 +343,7 @@ impl Run<'_> {
         found.winds = !found.wound.is_empty();
         self.evidence.loops.push(found);
         self.record(other.index, Sweep::StepSize, &probe, &first);
-        self.moved(seen.and_then(|seen| seen.motion));
+        self.moved(motion);
         let shows = (self.evidence.loops.last()).is_some_and(LoopEvidence::shows_defect);
         if !shows || known {
             return Ok(());

@@ -6,8 +6,8 @@ use super::lobatto::{evaluate, polynomial};
 use super::piece::{Piece, Smooth};
 use super::scales::Scales;
 use crate::breaks::{
-    AROUND_A_ZONE, Bracket, DISTANCES_AROUND, End, LOOKS, Progress, flickers, is_between_levels,
-    scatter,
+    AROUND_A_ZONE, Bracket, DISTANCES_AROUND, End, LOOKS, OF_A_CONFIRMATION, Progress, REPETITIONS,
+    flickers, is_between_levels, is_repeated, moves_by_a_jump, scatter, stands_out,
 };
 use crate::signal::nearest;
 use crate::state::{Coordinates, period};
@@ -29,6 +29,10 @@ pub(super) struct Jump {
     around: [Vec<Image>; 2],
     /// Which of [`DISTANCES_AROUND`] they have, if the map flickers beside it.
     zone: Option<usize>,
+    /// Times that both ends were advanced again; `None` before that.
+    repetitions: Option<usize>,
+    /// Whether they had the same jump each time, and moved by no more than that when they were displaced.
+    is_repeated: bool,
     /// Where the jump points, for each coordinate.
     direction: Vec<f64>,
     /// A state nearby, from which coordinates are counted.
@@ -42,8 +46,8 @@ pub(super) struct Jump {
     pub fallback: Smooth,
 }
 
-/// States that a jump may ask for beside it.
-const BESIDE: usize = 2 * (LOOKS[LOOKS.len() - 1] - 1);
+/// States that a jump may ask for beside it, and its ends again and displaced.
+const BESIDE: usize = 2 * (LOOKS[LOOKS.len() - 1] - 1) + OF_A_CONFIRMATION;
 
 impl Jump {
     pub fn new(
@@ -65,6 +69,8 @@ impl Jump {
             looks: 0,
             around: [Vec::new(), Vec::new()],
             zone: None,
+            repetitions: None,
+            is_repeated: true,
             direction,
             reference,
             left,
@@ -76,7 +82,8 @@ impl Jump {
     /// What was granted for it and is not needed after all.
     pub fn refund(&self) -> usize {
         let beside: usize = self.beside.iter().map(|side| side.len() - 1).sum();
-        self.price - self.bracket.halvings() - beside
+        let again = self.repetitions.map_or(0, |made| 2 + 2 * made);
+        self.price - self.bracket.halvings() - beside - again
     }
 
     /// The images of both ends.
@@ -111,44 +118,102 @@ impl Jump {
         self.bracket.halve(end, difference)
     }
 
-    /// The states beside it, or round its zone, that the next look needs and that are not known yet.
+    /// The states beside it, or around its zone, that the next look needs and that are not known yet; or its ends again, in another
+    /// order each time, and displaced at first.
     pub fn surroundings(&self) -> impl Iterator<Item = At> {
-        let within = |s: f64| s.clamp(self.piece.a, self.piece.b);
-        let at = move |s: f64| At {
-            curve: self.piece.curve,
-            s: within(s),
+        let curve = self.piece.curve;
+        let within = move |s: f64| match curve {
+            0 if (0.0..=1.0).contains(&s) => s,
+            0 => s.rem_euclid(1.0),
+            _ => s.clamp(0.0, 1.0),
         };
-        [End::Low, End::High].into_iter().flat_map(move |end| {
-            let states: Vec<f64> = match self.zone {
-                None => {
+        self.order().into_iter().flat_map(move |end| {
+            let around = |distance: f64| self.bracket.around(end, distance);
+            let states: Vec<f64> = match (self.repetitions, self.zone) {
+                (Some(made), _) => {
+                    let once = if made == 0 { 2 } else { 1 };
+                    around(0.0).take(once).collect()
+                }
+                (None, None) => {
                     let known = self.beside[end as usize].len();
                     self.bracket.beside(end, self.looks).skip(known).collect()
                 }
-                Some(k) => (self.bracket.around(end, DISTANCES_AROUND[k]))
-                    .skip(1)
-                    .collect(),
+                (None, Some(k)) => around(DISTANCES_AROUND[k]).skip(1).collect(),
             };
-            states.into_iter().map(at)
+            // The second one of the same state is displaced.
+            let again = self.repetitions.is_some();
+            states.into_iter().enumerate().map(move |(k, s)| At {
+                curve,
+                s: within(s),
+                pattern: if again && k == 1 { 1 + end as usize } else { 0 },
+            })
         })
+    }
+
+    /// In which order the ends are advanced.
+    fn order(&self) -> [End; 2] {
+        match self.repetitions {
+            Some(k) if k % 2 == 0 => [End::High, End::Low],
+            _ => [End::Low, End::High],
+        }
     }
 
     /// How many they are.
     pub fn missing(&self) -> usize {
-        match self.zone {
-            None => (self.beside.iter())
+        match (self.repetitions, self.zone) {
+            (Some(0), _) => 4,
+            (Some(_), _) => 2,
+            (None, None) => (self.beside.iter())
                 .map(|side| LOOKS[self.looks] - side.len())
                 .sum(),
-            Some(_) => 2 * (AROUND_A_ZONE - 1),
+            (None, Some(_)) => 2 * (AROUND_A_ZONE - 1),
         }
     }
 
     /// How many of them were not granted with the jump.
     pub fn extra(&self) -> usize {
-        self.zone.map_or(0, |_| self.missing())
+        match (self.repetitions, self.zone) {
+            (None, Some(_)) => self.missing(),
+            _ => 0,
+        }
+    }
+
+    /// Asks for both ends again; whether that was not done often enough.
+    pub fn repeat(&mut self) -> bool {
+        let made = *self.repetitions.get_or_insert(0);
+        self.is_repeated && made < REPETITIONS
+    }
+
+    /// Takes in both ends again, and displaced.
+    fn look_again(&mut self, images: &[Image], made: usize, coordinates: &Coordinates) {
+        let mut sides = images.split_at(images.len() / 2);
+        if self.order()[0] == End::High {
+            sides = (sides.1, sides.0);
+        }
+        let again = [sides.0, sides.1];
+        let jump = |[low, high]: [&Image; 2]| self.project(high.after(), low.after(), coordinates);
+        let [before, after] = [jump(self.ends()), jump(again.map(|side| &side[0]))];
+        self.is_repeated &= is_repeated(before, after);
+        for end in [End::Low, End::High] {
+            let [from, moved] = match again[end as usize] {
+                [from, moved] => [from, moved].map(Image::after),
+                _ => continue,
+            };
+            let moved = self.project(moved, from, coordinates);
+            self.is_repeated &= moves_by_a_jump(after, moved);
+        }
+        self.repetitions = Some(made + 1);
+        if !self.is_repeated {
+            let ends = [self.bracket.low, self.bracket.high].into_iter().zip(again);
+            ends.for_each(|(s, side)| self.piece.replace(s, &side[0]));
+        }
     }
 
     /// Takes their images in.
-    pub fn look(&mut self, images: &[Image]) {
+    pub fn look(&mut self, images: &[Image], coordinates: &Coordinates) {
+        if let Some(made) = self.repetitions {
+            return self.look_again(images, made, coordinates);
+        }
         let (left, right) = images.split_at(images.len() / 2);
         for (k, images) in [left, right].into_iter().enumerate() {
             match self.zone {
@@ -180,8 +245,8 @@ impl Jump {
 
     /// The states of each side in the direction of the jump, from its own end, so that a wrap in between is none
     /// of it.
-    fn projected(&self, sides: &[Vec<Image>; 2], coordinates: &Coordinates) -> [Vec<f64>; 2] {
-        sides.each_ref().map(|side| {
+    fn projected(&self, sides: [&[Image]; 2], coordinates: &Coordinates) -> [Vec<f64>; 2] {
+        sides.map(|side| {
             let origin = side[0].after();
             let each = side.iter();
             each.map(|image| self.project(image.after(), origin, coordinates))
@@ -193,8 +258,15 @@ impl Jump {
     pub fn judge(&self, scales: &Scales, coordinates: &Coordinates) -> Judgement {
         let [low, high] = self.ends().map(Image::after);
         let jump = self.project(high, low, coordinates);
+        if self.repetitions.is_some() {
+            return match self.is_repeated {
+                true => Judgement::Break,
+                false => Judgement::Noise,
+            };
+        }
         if self.zone.is_some() {
-            let [left, right] = self.projected(&self.around, coordinates);
+            let around = self.around.each_ref().map(Vec::as_slice);
+            let [left, right] = self.projected(around, coordinates);
             return match is_between_levels(jump, [&left, &right]) {
                 true => Judgement::Break,
                 false => Judgement::LookAround,
@@ -207,17 +279,18 @@ impl Jump {
         let large = (all.clone()).any(|c| scales.weight(c) * apart(c) > LARGE);
         // The steps of a grid are jumps with nothing beside them, and noise all the same.
         let no_step = all.any(|c| apart(c) > self.piece.allowance(c, scales));
-        let [left, right] = self.projected(&self.beside, coordinates);
+        let beside = self.beside.each_ref().map(Vec::as_slice);
+        let [left, right] = self.projected(beside, coordinates);
         let sides = [&left[..], &right[..]];
         if is_rounding {
             Judgement::Noise
-        } else if large || (self.bracket.stands_out(jump.abs(), sides) && no_step) {
+        } else if stands_out(jump, sides) && (large || no_step) {
             Judgement::Break
-        } else if self.bracket.is_little(jump) {
+        } else if !large && self.bracket.is_little(jump) {
             Judgement::Wrap
         } else if self.looks < LOOKS.len() {
             Judgement::LookAgain
-        } else if no_step && flickers(jump, sides) {
+        } else if (large || no_step) && flickers(jump, sides) {
             Judgement::LookAround
         } else {
             Judgement::Noise

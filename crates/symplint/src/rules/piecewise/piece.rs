@@ -72,6 +72,15 @@ impl Piece {
         points.find_map(|k| self.images[k].clone())
     }
 
+    /// Takes another image of a parameter.
+    pub fn replace(&mut self, s: f64, image: &Image) {
+        for k in 0..POINTS {
+            if self.point(k) == s {
+                self.images[k] = Some(image.clone());
+            }
+        }
+    }
+
     /// What a coordinate may be off: the tolerance, or what the noise here makes of it.
     pub fn allowance(&self, c: usize, scales: &Scales) -> f64 {
         let part = if self.level < FULL { BELOW_FULL } else { 1.0 };
@@ -127,10 +136,7 @@ impl Piece {
 
     /// Where they are.
     pub fn missing_points(&self) -> impl Iterator<Item = At> {
-        self.missing().map(|k| At {
-            curve: self.curve,
-            s: self.point(k),
-        })
+        self.missing().map(|k| At::on(self.curve, self.point(k)))
     }
 
     /// Takes their images in.

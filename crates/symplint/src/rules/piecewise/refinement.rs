@@ -273,7 +273,7 @@ impl<'a> Refinement<'a> {
                 }
             },
             Task::Confirm(mut jump) => {
-                jump.look(images);
+                jump.look(images, self.coordinates);
                 self.confirm(jump)
             }
             Task::CheckTurningPoints(piece, smooth, turning) => {
@@ -291,11 +291,15 @@ impl<'a> Refinement<'a> {
         }
     }
 
-    /// Takes a jump for a break if it stands out of the noise on both sides.
+    /// Takes a jump for a break if it stands out of the noise on both sides, and is the same when its ends are evaluated again.
     fn confirm(&self, mut jump: Box<Jump>) -> Outcome {
         let judgement = jump.judge(&self.scales, self.coordinates);
         match judgement {
             Judgement::LookAgain => return self.go_on(Task::Confirm(jump)),
+            Judgement::Break if jump.repeat() => {
+                let unresolved = jump.fallback.clone();
+                return Outcome::then(vec![Task::Confirm(jump)], unresolved);
+            }
             Judgement::LookAround if jump.look_around() => {
                 let unresolved = jump.fallback.clone();
                 return Outcome::then(vec![Task::Confirm(jump)], unresolved);

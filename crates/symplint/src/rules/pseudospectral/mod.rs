@@ -10,6 +10,7 @@
 //! brought to the same size first, by powers of two, which costs no digit: a loop that is
 //! 1e8 times wider in q than in p stays as accurate as any other.
 
+mod interpolant;
 mod regularity;
 mod row;
 mod sums;
@@ -26,6 +27,7 @@ use super::{RowIntegral, least};
 use crate::signal::{UNIT_ROUNDOFF, largest, unwrap_row, wraps};
 use crate::state::Coordinates;
 use crate::state::Ensemble;
+pub(crate) use interpolant::{misses, roughness};
 use regularity::sobolev_exponent;
 use row::{Scaling, pack};
 use sums::{Sums, fold, value};
@@ -90,11 +92,15 @@ fn take_off_ramp(row: &mut [f64], gain: f64) {
     }
 }
 
-/// What rounding makes of a mode: of the samples as stored and of the transform, with a margin.
+/// What rounding makes of a mode: of the samples as stored and of the transform, with a margin. Infinite for a coordinate at
+/// rest, which has no unit: its modes are the rounding of the other coordinate.
 ///
 /// Transforms of other lengths than powers of two are less exact, those with large prime factors most: up
 /// to 13 units for 4,097 samples and 100 for 262,147.
 fn noise_of_mode(samples: usize, scaling: &Scaling) -> f64 {
+    if scaling.unit == 0.0 {
+        return f64::INFINITY;
+    }
     let n = samples as f64;
     let margin = match samples.is_power_of_two() {
         true => 4.0,
@@ -256,6 +262,25 @@ mod tests {
         for octave in [4, 12] {
             let is_jump = [0.2, 0.3, 0.95, 1.05].map(|s| looks_like_jumps(s, octave, 1e-6));
             assert_eq!(is_jump, [false, true, true, false]);
+        }
+    }
+
+    #[test]
+    fn a_coordinate_at_rest_has_no_regularity() {
+        let n = 512;
+        let angle = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
+        let q: Vec<f64> = (0..n)
+            .map(|k| angle(k).cos() + 0.2 * angle(k).sin().powi(2))
+            .collect();
+        let of = |q: &[f64], p: &[f64]| {
+            Workspace::lend(&transform(n), |workspace| workspace.integrate(q, p, 0.0))
+        };
+        for rest in [0.0, 1e-300, 3.0] {
+            let rest = vec![rest; n];
+            for found in [of(&q, &rest), of(&rest, &q)] {
+                assert!(found.regularity.is_none_or(|s| s > 6.0), "{found:?}");
+                assert!(found.value.abs() <= found.roundoff + found.quadrature_error.unwrap());
+            }
         }
     }
 

@@ -10,8 +10,9 @@ const FITTED: usize = 4;
 /// The Sobolev exponent s of one coordinate, from the energies Σ |c_k|² of its octaves, k from 1;
 /// `None` where there are fewer than three, or the coordinate is at rest.
 ///
-/// `noise` is the size of a mode that is round-off. Where the modes fall to round-off before
-/// they end, s counts the fall down to there: it is a lower bound then.
+/// `noise` is the size of a mode that is round-off. If the modes fall to round-off before they end, s counts the fall down to
+/// there: it is a lower bound then. The same holds if they fall to noise, whose energy rises with every octave. Where noise fills
+/// all octaves that are fitted, s is −½.
 pub(super) fn sobolev_exponent(energies: &[f64], noise: f64) -> Option<f64> {
     let octaves = energies.len();
     if octaves < 3 || !noise.is_finite() {
@@ -29,14 +30,21 @@ pub(super) fn sobolev_exponent(energies: &[f64], noise: f64) -> Option<f64> {
             break;
         }
     }
-    if clear < 2 {
+    // The noise of the map may end the fall above round-off.
+    let rising = |j: usize| levels[j] > levels[j - 1];
+    let plateau = (1..clear).rev().take_while(|&j| rising(j)).count();
+    let end = match plateau < FITTED - 1 {
+        true => clear - plateau,
+        false => clear,
+    };
+    if end < 2 {
         return None;
     }
-    // A fall to round-off is fitted whole: its last octave alone is as steep as chance has it.
-    let fitted = if clear < octaves {
-        &levels[..clear]
+    // A fall to round-off or noise is fitted whole: its last octave alone is as steep as chance has it.
+    let fitted = if end < octaves {
+        &levels[..end]
     } else {
-        &levels[clear - FITTED.min(clear)..clear]
+        &levels[end - FITTED.min(end)..end]
     };
     Some(-slope(fitted))
 }
@@ -98,6 +106,25 @@ mod tests {
     fn analytic_loops_have_many_derivatives() {
         assert!(exponent(256, |s| (TAU * s).sin()) > 8.0);
         assert!(exponent(256, |s| 1.0 / (2.0 + (TAU * s).cos())) > 6.0);
+    }
+
+    #[test]
+    fn noise_does_not_make_an_analytic_loop_rough_nor_a_kink_smooth() {
+        let noise = |s: f64| ((s * 12.9898).sin() * 43758.5453).fract() - 0.5;
+        let distance = |s: f64| (s - 0.3).abs().min(1.0 - (s - 0.3).abs());
+        for samples in [64, 128, 256, 512, 1024, 2048, 4096] {
+            for size in [1e-14, 1e-12, 1e-9] {
+                let analytic = exponent(samples, |s| {
+                    (TAU * s).cos() + 0.3 * (0.4 * (TAU * s).sin()).sin() + size * noise(s)
+                });
+                // Of noise alone the exponent is −½.
+                let smooth = analytic > 4.5 || analytic < 0.25;
+                assert!(smooth, "{samples}, {size:e}: {analytic}");
+                let kink = exponent(samples, |s| (TAU * s).sin() + distance(s) + size * noise(s));
+                let kinked = samples < 256 || (kink - 1.5).abs() < 0.3;
+                assert!(kinked, "{samples}, {size:e}: {kink}");
+            }
+        }
     }
 
     #[test]

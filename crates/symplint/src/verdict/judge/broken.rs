@@ -1,6 +1,7 @@
 //! Loops that are not closed before the step, and loops that a step breaks.
 
 use super::{Case, Decision, change, moves_rest};
+use crate::breaks::Break;
 use crate::evidence::{LoopEvidence, StepEvidence, WEAKEST_BOUND};
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding, Step};
@@ -52,9 +53,15 @@ impl Case<'_> {
         }
     }
 
+    /// Every break that a step of a map makes, with its loop and step.
+    pub(super) fn jumps(&self) -> impl Iterator<Item = (&LoopEvidence, &StepEvidence, Break)> {
+        self.steps()
+            .filter_map(|(found, step)| Some((found, step, step.jump?)))
+    }
+
+    /// A loop that winds may break because its period is not one of the map: it does not count.
     fn broken_by_map(&self) -> Option<Decision> {
-        let (found, _, jump) =
-            (self.steps()).find_map(|(found, step)| Some((found, step, step.jump?)))?;
+        let (found, _, jump) = self.jumps().find(|(found, ..)| !found.winds)?;
         // A small break must not hide a large change.
         if self.changes_beside_breaks() {
             return None;
@@ -90,8 +97,7 @@ impl Case<'_> {
 
     /// The first broken loop with its jump, and the number of broken loops.
     pub(super) fn findings_on_breaks(&self) -> Option<[Finding; 2]> {
-        let (found, step, jump) =
-            (self.steps()).find_map(|(found, step)| Some((found, step, step.jump?)))?;
+        let (found, step, jump) = self.jumps().find(|(found, ..)| !found.winds)?;
         let first = Finding::Jump {
             loop_index: found.index,
             step: self.name(found, step),
@@ -101,7 +107,7 @@ impl Case<'_> {
             sampled: false,
         };
         let count = Finding::BrokenCount {
-            broken: self.steps().filter(|(_, step)| step.jump.is_some()).count(),
+            broken: self.jumps().count(),
             of: self.steps().count(),
         };
         Some([first, count])

@@ -1,6 +1,6 @@
 //! No defect: how large it may be.
 
-use super::{Case, Decision, change, range};
+use super::{Case, Decision, change};
 use crate::evidence::{LoopEvidence, Omission, StepEvidence};
 use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
@@ -14,10 +14,11 @@ impl Case<'_> {
         let bound = self.bound_of_loops();
         let because = Finding::Conserved {
             bound,
-            range: range(&given[0]),
+            range: self.range(&given[0]),
             failed: self.failed_steps(),
             random: random.count(),
             given: given[0].is_bounded(),
+            radii: self.radii(),
         };
         let mut decision = Decision::new(VerdictKind::Symplectic, because);
         decision.digits = Some((-bound.log10() * 10.0).floor() / 10.0);
@@ -35,17 +36,18 @@ impl Case<'_> {
         self.evidence.omissions.iter().filter(failed).count()
     }
 
+    /// The largest radii of the loops that are conserved, if the verdict is about loops of this size.
+    fn radii(&self) -> Option<[f64; 2]> {
+        let larger = (self.evidence.reach.iter())
+            .filter(|reach| reach.step.step_size.is_none() && !reach.shows_defect());
+        let factor = larger.map(|reach| reach.factor).fold(1.0, f64::max);
+        Some(self.evidence.radii?.map(|radius| factor * radius))
+    }
+
     /// What no defect exceeds, of loops that bound one: the given loop, and others that do not wind.
     pub(super) fn bound_of_loops(&self) -> f64 {
-        let (given, others) = self.loops.split_at(1);
-        let others = others.iter().filter(|found| !found.winds);
-        let of_loops = (given.iter().chain(others))
-            .filter(|found| found.is_bounded())
-            .flat_map(|found| &found.steps)
-            .map(StepEvidence::bound);
-        of_loops
-            .chain(self.bounds_by_jacobian_alone())
-            .fold(f64::EPSILON, f64::max)
+        let of_jacobian = self.bounds_by_jacobian_alone();
+        of_jacobian.fold(LoopEvidence::bound_of(self.loops), f64::max)
     }
 
     /// How large the defects may be: of every sampled loop; else of the given loop and of the worst random one.
@@ -58,7 +60,14 @@ impl Case<'_> {
         let samples = self.loops.first().map_or(0, |given| given.samples);
         findings.push(Finding::Resolution { samples });
         let motion = self.strongest_motion();
-        findings.extend(motion.map(|(motion, _)| Finding::Moves { motion }));
+        findings.extend(motion.map(|(motion, _)| Finding::Moves {
+            motion,
+            has_step_size: self.has_step_size(),
+        }));
+        findings.extend(self.evidence.reach.map(|reach| Finding::Beyond {
+            reach,
+            more: motion.is_none_or(|(motion, _)| reach.is_further(motion)),
+        }));
         findings
     }
 
@@ -105,7 +114,18 @@ impl Case<'_> {
             })
         });
         findings.extend(failed);
-        let flux = (self.steps()).find(|(found, step)| found.winds && step.is_significant());
+        // That a loop breaks which winds proves nothing: it may be its period.
+        let cut = self.jumps().find(|(found, ..)| found.winds);
+        findings.extend(cut.map(|(found, step, jump)| Finding::Jump {
+            loop_index: found.index,
+            step: self.name(found, step),
+            breaks: step.closing.map(|closing| closing.breaks),
+            at_least: step.flickering > 0,
+            jump,
+            sampled: false,
+        }));
+        let flux = (self.steps())
+            .find(|(found, step)| found.winds && step.jump.is_none() && step.is_significant());
         findings.extend(flux.map(|(found, step)| Finding::NotExact {
             loop_index: found.index,
             wound: found.wound.clone(),

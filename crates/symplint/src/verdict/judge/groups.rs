@@ -1,7 +1,7 @@
 //! Groups of degrees of freedom of similar action: what is known of each.
 
-use super::{Case, Decision, strongest_motion};
-use crate::evidence::{LoopEvidence, StepEvidence, WEAKEST_BOUND};
+use super::{Case, Decision};
+use crate::evidence::{LoopEvidence, Motion, StepEvidence, WEAKEST_BOUND};
 use crate::verdict::finding::{Advice, Finding};
 
 impl Case<'_> {
@@ -48,11 +48,14 @@ impl Case<'_> {
         (1..self.evidence.groups.len()).find_map(|index| {
             let of_group = |found: &&LoopEvidence| found.group == Some(index) && found.is_bounded();
             let loops: Vec<&LoopEvidence> = self.loops.iter().filter(of_group).collect();
-            let (motion, step_size) = strongest_motion(&loops)?;
+            let (motion, step_size) = Motion::strongest_of(&loops)?;
             let bounds = loops.iter().flat_map(|found| &found.steps);
             let bound = bounds.map(StepEvidence::bound).fold(f64::EPSILON, f64::max);
-            (!motion.tests(bound))
-                .then(|| self.little_motion(motion, step_size, Some(index), bound))
+            let of_map = !self.has_step_size() || motion.shear && motion.moves;
+            (!motion.tests(bound) && !of_map).then(|| {
+                let advice = self.advice_on_motion(motion, step_size, bound);
+                self.little_motion(motion, Some(index), advice)
+            })
         })
     }
 

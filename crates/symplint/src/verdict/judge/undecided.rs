@@ -1,14 +1,16 @@
 //! Reasons for which the numbers do not decide.
 
 use super::{Case, Decision, change};
-use crate::evidence::{LoopEvidence, LoopKind, Motion, Omission, StepEvidence};
+use crate::evidence::{
+    LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, LoopEvidence, LoopKind, Motion, Omission, StepEvidence,
+    defect_of_order_4,
+};
 use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding};
 use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
-    CONTRADICTS, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, LOOSEST_TOLERANCE, MOST_DEFORMATION,
-    MOST_LARGER, POINT_OF_DISC, SMALL, UNBALANCED, defect_of_order_4,
+    CONTRADICTS, LOOSEST_TOLERANCE, MOST_DEFORMATION, MOST_LARGER, POINT_OF_DISC, SMALL, UNBALANCED,
 };
 
 impl Case<'_> {
@@ -96,6 +98,9 @@ impl Case<'_> {
     /// The map projects onto a manifold, and the given loop does not lie on it: on the manifold it is conserved.
     pub(super) fn beside_manifold(&self) -> Option<Decision> {
         let singular = self.evidence.survey.singular?;
+        if singular.degenerate.is_some() {
+            return None;
+        }
         let given = self.loops.first().filter(|given| given.shows_defect())?;
         let image = (self.evidence.loops.iter())
             .find(|found| found.kind == LoopKind::Image)
@@ -106,6 +111,16 @@ impl Case<'_> {
             second: bound(image)?,
         };
         Some(self.because(because, vec![Advice::LoopOnManifold]))
+    }
+
+    /// The symplectic form is degenerate on the manifold of the map: a map that is symplectic on every leaf need not conserve
+    /// the integrals of loops that leave it, nor the form on tangent vectors that do.
+    pub(super) fn beside_leaf(&self) -> Option<Decision> {
+        let rank = self.evidence.survey.degenerate_form?;
+        let conserved = |found: &&LoopEvidence| !found.shows_defect() && !found.is_broken();
+        let given = self.loops.first().filter(conserved).and_then(bound);
+        let because = Finding::DegenerateForm { rank, given };
+        Some(self.because(because, vec![Advice::KeepToLeaf]))
     }
 
     pub(super) fn undecided(&self) -> Option<Decision> {
@@ -121,8 +136,9 @@ impl Case<'_> {
         }
         if let Some((motion, step_size)) = self.strongest_motion()
             && !motion.tests(self.bound_of_loops())
+            && let Some(advice) = self.moves_too_little(motion, step_size)
         {
-            return Some(self.little_motion(motion, step_size, None, self.bound_of_loops()));
+            return Some(self.little_motion(motion, None, advice));
         }
         if self.is_sampled()
             && let Some(decision) = self.undecided_samples()
@@ -144,7 +160,8 @@ impl Case<'_> {
             ));
         }
         let all_wind = self.loops.iter().all(|found| found.winds);
-        if all_wind && self.steps().any(|(_, step)| step.is_unexplained()) {
+        let changes = |step: &StepEvidence| step.is_unexplained() || step.jump.is_some();
+        if all_wind && self.steps().any(|(_, step)| changes(step)) {
             return Some(self.because(Finding::AllLoopsWind, vec![Advice::ContractibleLoops]));
         }
         (self.weak_bound())
@@ -154,23 +171,43 @@ impl Case<'_> {
             .or_else(|| self.refuted())
     }
 
-    /// The largest step moves loops too little: what would move them enough.
+    /// What to do if little motion is a reason to stay undecided: an accurate method that is not symplectic would look the
+    /// same. A map without a step size approximates nothing: it is judged itself, and so is a kick or a free flight of which a
+    /// larger step shows no more.
+    fn moves_too_little(&self, motion: Motion, step_size: Option<f64>) -> Option<Advice> {
+        let of_map = !self.has_step_size();
+        let kicks = !self.is_sampled() && motion.shear && motion.moves;
+        match self.evidence.reach {
+            Some(reach) if reach.shows_defect() => Some(match reach.step.step_size {
+                Some(_) => Advice::LargerSteps {
+                    factor: Some(reach.factor),
+                    step_size,
+                },
+                None => Advice::LargerRadii {
+                    factor: reach.factor,
+                },
+            }),
+            Some(reach) if of_map || reach.settles(motion) => None,
+            None if of_map || kicks => None,
+            _ => Some(self.advice_on_motion(motion, step_size, self.bound_of_loops())),
+        }
+    }
+
+    /// The largest step moves loops too little, and `advice` tells what moves them enough.
     pub(super) fn little_motion(
         &self,
         motion: Motion,
-        step_size: Option<f64>,
         group: Option<usize>,
-        bound: f64,
+        mut advice: Advice,
     ) -> Decision {
         let mut decision = self.because(Finding::LittleMotion { motion, group }, Vec::new());
         // More evaluations do not move them.
-        let mut of_steps = self.advice_on_motion(motion, step_size, bound);
         let of_radii = self.balanced_radii(motion);
         // How much larger depends on the radii.
-        if let (Some(_), Advice::LargerSteps { factor, .. }) = (&of_radii, &mut of_steps) {
+        if let (Some(_), Advice::LargerSteps { factor, .. }) = (&of_radii, &mut advice) {
             *factor = None;
         }
-        decision.advice = of_radii.into_iter().chain([of_steps]).collect();
+        decision.advice = of_radii.into_iter().chain([advice]).collect();
         decision
     }
 
@@ -181,7 +218,12 @@ impl Case<'_> {
             .then_some(Advice::BalancedRadii { imbalance })
     }
 
-    fn advice_on_motion(&self, motion: Motion, step_size: Option<f64>, bound: f64) -> Advice {
+    pub(super) fn advice_on_motion(
+        &self,
+        motion: Motion,
+        step_size: Option<f64>,
+        bound: f64,
+    ) -> Advice {
         let factor = match motion.shear {
             true => 2.0 * LEAST_DEFORMATION / motion.deformation,
             false if motion.phase_advance < LEAST_PHASE_ADVANCE => 1.0 / motion.phase_advance,
@@ -256,6 +298,10 @@ impl Case<'_> {
                 step: self.name(found, step),
                 roundoff,
             };
+            if found.widest_gap.is_some() && !roundoff {
+                let advice = vec![Advice::MoreSamplesOfFile, Advice::OrderOfSamples];
+                return self.because(because, advice);
+            }
             let advice = match (roundoff, self.is_sampled()) {
                 (_, false) if deformation > MOST_DEFORMATION => {
                     match self.balanced_radii(motion) {
@@ -321,20 +367,6 @@ impl Case<'_> {
     /// Whether any random loop was tried that can be contracted.
     pub(super) fn has_random_loops(&self) -> bool {
         self.loops.iter().any(|found| found.kind != LoopKind::Given)
-    }
-}
-
-impl Motion {
-    /// Whether a method that is not symplectic would show a defect above this bound. A step that is exactly a kick or a free
-    /// flight is no method's approximation: the map itself is what is judged.
-    pub(super) fn tests(&self, bound: f64) -> bool {
-        match self.shear {
-            true => self.deformation >= LEAST_DEFORMATION,
-            false => {
-                self.phase_advance >= LEAST_PHASE_ADVANCE
-                    && defect_of_order_4(self.phase_advance) >= bound
-            }
-        }
     }
 }
 

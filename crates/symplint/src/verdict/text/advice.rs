@@ -15,11 +15,15 @@ impl Display for Omission {
                 "The budget was spent before {count} step size{} could be tried.",
                 plural(*count)
             ),
-            Omission::StepFailed { step_size, reason } => write!(
+            Omission::StepFailed {
+                step_size: Some(h),
+                reason,
+            } => write!(
                 f,
                 "The step size h = {} was left out: {reason}.",
-                size(*step_size)
+                size(*h)
             ),
+            Omission::StepFailed { reason, .. } => write!(f, "The map failed: {reason}."),
             Omission::SampleSweep { count } => write!(
                 f,
                 "The budget was spent before {count} number{} of samples could be tried.",
@@ -137,6 +141,11 @@ impl Display for Advice {
                 }
                 f.write_str(": one step should advance the motions by about a radian, or so far that a defect stands clear of the bound.")
             }
+            Advice::LargerRadii { factor } => write!(
+                f,
+                "Take a loop {} times as large: the map changes the integral of such a loop.",
+                short(*factor)
+            ),
             Advice::LoopWithForces => f.write_str(
                 "Take much larger step sizes, or a loop on which forces differ: a step that is nearly a free flight, \
                  or a kick, is right by every method.",
@@ -146,7 +155,7 @@ impl Display for Advice {
             ),
             Advice::ReturnStates => f.write_str(
                 "Check that the step returns the states that it advanced, or writes them into the arrays that it gets; \
-                 if it does, take larger step sizes.",
+                 if it does, take larger step sizes, or step_sizes = \"none\" for a map that is no step in time.",
             ),
             Advice::SamplesInCells => f.write_str(
                 "Take more samples or a smaller loop: two samples or more in each cell that it crosses.",
@@ -170,6 +179,10 @@ impl Display for Advice {
             Advice::Project => f.write_str(
                 "Give a projection onto the constraint manifold (`with_projection`, `project`), which keeps random loops and \
                  the Jacobian on it; or judge the given loop alone: loops = 1, jacobian = false.",
+            ),
+            Advice::KeepToLeaf => f.write_str(
+                "State all Casimir functions of the form (`casimir`, `OneForm::project`), or a projection onto a leaf \
+                 (`project`): they keep all loops and the Jacobian on one leaf.",
             ),
             Advice::SmallerLoopInDomain => f.write_str(
                 "Take a smaller loop, well inside the domain of the map, or set loops to 1.",

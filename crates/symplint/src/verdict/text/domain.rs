@@ -2,7 +2,7 @@
 
 use std::fmt::{Formatter, Result};
 
-use crate::evidence::Contraction;
+use crate::evidence::{Contraction, Rank};
 use crate::verdict::finding::{Change, Step};
 use crate::verdict::number::loop_name;
 
@@ -98,6 +98,22 @@ pub(super) fn projects(
             loop_name(loop_index)
         ),
         None => f.write_str("; what leaves the manifold proves nothing."),
+    }
+}
+
+pub(super) fn degenerate_form(
+    f: &mut Formatter<'_>,
+    Rank { rank, of }: Rank,
+    given: Option<f64>,
+) -> Result {
+    write!(
+        f,
+        "The form is degenerate: rank {rank} of {of}. A map that is symplectic on every leaf need not conserve the integrals of \
+         loops that leave the leaf, nor the form on such tangent vectors: the changes that were found prove nothing"
+    )?;
+    match given {
+        Some(bound) => write!(f, "; the given loop is conserved to {bound:.1e}."),
+        None => f.write_str("."),
     }
 }
 

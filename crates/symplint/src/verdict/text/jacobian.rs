@@ -8,13 +8,14 @@ use crate::verdict::number::{short, size};
 
 impl Display for JacobianFinding {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self.step_size {
+            Some(h) => write!(f, "At h = {} the Jacobian", size(h))?,
+            None => f.write_str("The Jacobian")?,
+        }
         write!(
             f,
-            "At h = {} the Jacobian is {} ({}). {}",
-            size(self.step_size),
-            self.verdict,
-            self.method,
-            self.agreement
+            " is {} ({}). {}",
+            self.verdict, self.method, self.agreement
         )?;
         match self.verdict {
             JacobianVerdict::Undecided {
@@ -64,7 +65,7 @@ impl Display for Inconclusive {
             ),
             Inconclusive::LittleDeformation { deformation } => write!(
                 f,
-                "the step deforms tangent vectors by only {} of their size; take a larger step",
+                "the step deforms tangent vectors by only {} of their size, and every accurate method does so little",
                 short(*deformation)
             ),
             Inconclusive::WeakBound { bound, noise } => write!(

@@ -1,0 +1,118 @@
+//! Features of the advanced loop that its samples do not resolve: a narrow strip of friction, say.
+//!
+//! The spectrum of a feature that a sample or two have met is as flat as the spectrum of noise, and its error estimate bounds nothing.
+//! But noise is everywhere along the loop, and a feature is at one place and continuous there. A feature that no sample has met is
+//! found, with luck, by states at irregular parameters that are not where the interpolant of the samples has them.
+
+use super::limits::{
+    BESIDE_FEATURE, FEATURE_OF_ERROR, FEATURE_OF_MEDIAN, FEATURE_OF_ROUNDING, IRREGULAR_PART,
+    MOST_IRREGULAR,
+};
+use super::refined_samples::RefinedSamples;
+use crate::error::Error;
+use crate::rules::{Subject, misses, roughness};
+use crate::signal::{Extent, nearest};
+use crate::state::{Ensemble, coordinate, period};
+
+/// Evaluations that a search for features takes at most, beside so many samples.
+pub(super) fn cost(samples: usize) -> usize {
+    irregular(samples) + 2 * AROUND
+}
+
+/// States that show whether a feature is continuous.
+const AROUND: usize = 3;
+
+fn irregular(samples: usize) -> usize {
+    (samples / IRREGULAR_PART).min(MOST_IRREGULAR)
+}
+
+/// Where the loop after a step of size `h` has a feature that its samples do not resolve, if they show one: at a sample, if
+/// `stalled`, as their error does not fall, or between samples, if states there are further off than the `error` explains.
+///
+/// # Errors
+/// Those of the map.
+pub(super) fn unresolved_feature(
+    subject: Subject<'_>,
+    refined: &RefinedSamples<'_>,
+    h: f64,
+    (stalled, error): (bool, f64),
+) -> Result<Option<f64>, Error> {
+    let (after, coordinates) = (&refined.after, subject.coordinates());
+    let count = after.samples();
+    if stalled
+        && let Some((k, size)) = outstanding(&roughness(after, coordinates), rounding(after))
+        && is_continuous(
+            subject,
+            h,
+            (after, (after, k)),
+            k as f64 / count as f64,
+            size,
+        )?
+    {
+        return Ok(Some(k as f64 / count as f64));
+    }
+    let s: Vec<f64> = (0..irregular(count)).map(parameter).collect();
+    if s.is_empty() {
+        return Ok(None);
+    }
+    let between = subject.evaluator.image(subject.phase_loop, h, &s)?;
+    let least = rounding(after).max(FEATURE_OF_ERROR * error);
+    let missed = misses(after, coordinates, &between, &s);
+    Ok(match outstanding(&missed, least) {
+        Some((j, size)) if is_continuous(subject, h, (after, (&between, j)), s[j], size)? => {
+            Some(s[j])
+        }
+        _ => None,
+    })
+}
+
+/// Parameters of irregular states: multiples of the golden ratio.
+fn parameter(j: usize) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    (0.31 + j as f64 * GOLDEN).fract()
+}
+
+/// The largest of some sizes, if it is more than `least` and there are few others like it.
+fn outstanding(sizes: &[f64], least: f64) -> Option<(usize, f64)> {
+    let mut sorted = sizes.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let most = least.max(FEATURE_OF_MEDIAN * sorted.get(sorted.len() / 2)?);
+    let largest = (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]))?;
+    (sizes[largest] > most).then_some((largest, sizes[largest]))
+}
+
+/// What rounding makes of a coordinate, in units of its size.
+fn rounding(after: &Ensemble) -> f64 {
+    let of_row = |c: usize| {
+        let extent = Extent::of(coordinate(after, c));
+        match extent.length() > 0.0 {
+            true => extent.magnitude() / extent.length(),
+            false => 0.0,
+        }
+    };
+    let largest = (0..2 * after.dof()).map(of_row).fold(1.0, f64::max);
+    FEATURE_OF_ROUNDING * f64::EPSILON * largest
+}
+
+/// Whether a state of the advanced loop, at `s`, that is off by this part of the size of its coordinate is the same when it is
+/// advanced again, and has neighbours that are off as well.
+fn is_continuous(
+    subject: Subject<'_>,
+    h: f64,
+    (after, place): (&Ensemble, (&Ensemble, usize)),
+    s: f64,
+    size: f64,
+) -> Result<bool, Error> {
+    let around: [f64; AROUND] = [-1.0, 0.0, 1.0].map(|k| (s + k * BESIDE_FEATURE).rem_euclid(1.0));
+    let again = subject.evaluator.image(subject.phase_loop, h, &around)?;
+    let (states, index) = place;
+    let is_smooth = |c: usize| {
+        let (row, period) = (coordinate(&again, c), period(subject.coordinates(), c));
+        let from = |x: f64, origin: f64| nearest(x - origin, period);
+        let bend = from(row[0], row[1]) + from(row[2], row[1]);
+        let off = from(row[1], coordinate(states, c)[index]);
+        let size = 0.5 * size * Extent::of(coordinate(after, c)).length();
+        bend.abs() <= size && off.abs() <= 0.5 * size
+    };
+    Ok((0..2 * again.dof()).all(is_smooth))
+}

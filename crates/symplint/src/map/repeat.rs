@@ -1,0 +1,103 @@
+//! Several steps of one map.
+
+use super::{Constraint, StepFailure, TangentMap, TimeAdvance};
+use crate::error::Error;
+use crate::state::{Block, Coordinates};
+
+/// The map Φ_h ∘ … ∘ Φ_h of n steps of size h each: it advances by a time n h.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Repeat<M> {
+    map: M,
+    steps: usize,
+}
+
+impl<M> Repeat<M> {
+    /// `steps` steps of `map`.
+    ///
+    /// # Errors
+    /// If `steps` is 0.
+    pub fn new(map: M, steps: usize) -> Result<Self, Error> {
+        match steps {
+            0 => Err(Error::OutOfRange {
+                what: "number of repetitions",
+                value: 0.0,
+                remedy: "give 1 or more",
+            }),
+            _ => Ok(Repeat { map, steps }),
+        }
+    }
+
+    /// The map that is repeated.
+    pub fn map(&self) -> &M {
+        &self.map
+    }
+
+    /// How many times it is applied.
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+}
+
+impl<M: TimeAdvance> TimeAdvance for Repeat<M> {
+    fn dof(&self) -> usize {
+        self.map.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        (0..self.steps).try_for_each(|_| self.map.advance(h, block))
+    }
+
+    fn block_width(&self) -> usize {
+        self.map.block_width()
+    }
+
+    fn substeps(&self) -> usize {
+        self.steps.saturating_mul(self.map.substeps())
+    }
+
+    fn advance_substep(
+        &self,
+        substep: usize,
+        h: f64,
+        block: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        (self.map).advance_substep(substep % self.map.substeps(), h, block)
+    }
+
+    fn substep_name(&self, substep: usize) -> String {
+        let (step, substep) = (substep / self.map.substeps(), substep % self.map.substeps());
+        format!("{} of step {}", self.map.substep_name(substep), step + 1)
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        self.map.coordinates()
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.map.is_stopped()
+    }
+
+    fn constraint(&self) -> Option<&dyn Constraint> {
+        self.map.constraint()
+    }
+
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        self.map.tangent().map(|_| self as &dyn TangentMap)
+    }
+}
+
+/// The chain rule.
+impl<M: TimeAdvance> TangentMap for Repeat<M> {
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        let of_map = self.map.tangent().ok_or_else(|| StepFailure {
+            sample: 0,
+            reason: "the map has no tangent map".into(),
+        })?;
+        (0..self.steps).try_for_each(|_| of_map.advance_tangents(h, states, tangents))
+    }
+}

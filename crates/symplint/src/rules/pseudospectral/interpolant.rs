@@ -1,0 +1,172 @@
+//! The trigonometric interpolant of samples, and where the loop is not what its samples make of it.
+
+use std::f64::consts::PI;
+
+use rayon::prelude::*;
+use rustfft::num_complex::Complex64;
+
+use super::row::pack;
+use super::take_off_ramp;
+use super::transform::transform;
+use crate::signal::{Extent, nearest, unwrap_row};
+use crate::state::{Coordinates, Ensemble, coordinate, period};
+
+/// How much of each sample the upper half of the modes makes up, in units of the size of its coordinate; the largest of all
+/// coordinates. Noise is everywhere along the loop, a narrow feature is at one place.
+pub(crate) fn roughness(samples: &Ensemble, coordinates: &Coordinates) -> Vec<f64> {
+    let n = samples.samples();
+    let transform = transform(n);
+    let row_of = |c: usize| periodic_part(samples, coordinates, c).0;
+    let of_dof = |i: usize| {
+        let (q, p) = (row_of(i), row_of(samples.dof() + i));
+        let mut modes = vec![Complex64::ZERO; n];
+        pack(&mut modes, &q, &p);
+        transform.process(&mut modes);
+        let quarter = n / 4;
+        for (k, mode) in modes.iter_mut().enumerate() {
+            // The transform of the conjugates is the inverse one, conjugated.
+            *mode = match k.min(n - k) < quarter {
+                true => Complex64::ZERO,
+                false => mode.conj() / n as f64,
+            };
+        }
+        transform.process(&mut modes);
+        modes.iter().map(|x| x.norm()).collect::<Vec<f64>>()
+    };
+    let larger = |mut a: Vec<f64>, b: Vec<f64>| {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a = a.max(b));
+        a
+    };
+    let zeros = || vec![0.0; n];
+    (0..samples.dof())
+        .into_par_iter()
+        .map(of_dof)
+        .reduce(zeros, larger)
+}
+
+/// How far states `between` the samples, at parameters `s`, are from the trigonometric interpolant of the samples (barycentric,
+/// Henrici, Numer. Math. 33, 1979), in units of the size of each coordinate; the largest of all coordinates.
+pub(crate) fn misses(
+    samples: &Ensemble,
+    coordinates: &Coordinates,
+    between: &Ensemble,
+    s: &[f64],
+) -> Vec<f64> {
+    let n = samples.samples();
+    let rows: Vec<(Vec<f64>, f64, f64)> = (0..2 * samples.dof())
+        .into_par_iter()
+        .map(|c| {
+            let (row, gain) = periodic_part(samples, coordinates, c);
+            let size = 0.5 * Extent::of(&row).length();
+            (row, gain, size)
+        })
+        .collect();
+    let of_state = |(j, &s): (usize, &f64)| {
+        let weights: Vec<f64> = (0..n)
+            .map(|k| {
+                let angle = PI * (s - k as f64 / n as f64);
+                let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+                match n.is_multiple_of(2) {
+                    true => sign / angle.tan(),
+                    false => sign / angle.sin(),
+                }
+            })
+            .collect();
+        let all: f64 = weights.iter().sum();
+        let miss = |(c, (row, gain, size)): (usize, &(Vec<f64>, f64, f64))| {
+            let sum: f64 = weights.iter().zip(row).map(|(w, x)| w * x).sum();
+            let expected = sum / all + gain * s;
+            let off = nearest(coordinate(between, c)[j] - expected, period(coordinates, c));
+            (off / size).abs()
+        };
+        // Of a coordinate at rest, whose size is 0, and next to a sample, there is no number.
+        let finite = rows
+            .iter()
+            .enumerate()
+            .map(miss)
+            .filter(|miss| miss.is_finite());
+        finite.fold(0.0, f64::max)
+    };
+    s.par_iter().enumerate().map(of_state).collect()
+}
+
+/// A coordinate round the loop without the ramp by which it gains whole periods, and the gain.
+fn periodic_part(samples: &Ensemble, coordinates: &Coordinates, c: usize) -> (Vec<f64>, f64) {
+    let period = period(coordinates, c);
+    let mut row = coordinate(samples, c).to_vec();
+    let gain = unwrap_row(&mut row, period) as f64 * period;
+    if gain != 0.0 {
+        take_off_ramp(&mut row, gain);
+    }
+    (row, gain)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    fn states(s: &[f64], of: impl Fn(f64) -> [f64; 2]) -> Ensemble {
+        let mut states = Ensemble::zeros(1, s.len());
+        for (k, &s) in s.iter().enumerate() {
+            let [q, p] = of(s);
+            states.block().q.row_mut(0)[k] = q;
+            states.block().p.row_mut(0)[k] = p;
+        }
+        states
+    }
+
+    fn equispaced(n: usize) -> Vec<f64> {
+        (0..n).map(|k| k as f64 / n as f64).collect()
+    }
+
+    #[test]
+    fn the_interpolant_of_a_smooth_loop_misses_nothing_and_shows_a_feature() {
+        let coordinates = Coordinates::plain(1).with_periods(vec![2.0]).unwrap();
+        // It winds, and its position is wrapped.
+        let smooth = |s: f64| {
+            let q = 4.0 * s + 0.3 * (TAU * s).sin();
+            [q.rem_euclid(2.0), 1e5 + (2.0 * TAU * s).cos()]
+        };
+        let bumped = |s: f64| {
+            let bump = 1e-6 * (-((s - 0.4) / 1e-3).powi(2)).exp();
+            [smooth(s)[0], smooth(s)[1] + bump]
+        };
+        let s = [0.0131, 0.3999, 0.77];
+        for n in [64, 101] {
+            let samples = states(&equispaced(n), smooth);
+            let off = misses(&samples, &coordinates, &states(&s, smooth), &s);
+            assert!(off.iter().all(|&miss| miss < 1e-9), "{n}: {off:?}");
+            let off = misses(&samples, &coordinates, &states(&s, bumped), &s);
+            assert!(off[0] < 1e-9 && off[2] < 1e-9, "{n}: {off:?}");
+            assert!((off[1] / 1e-6 - 1.0).abs() < 0.05, "{n}: {off:?}");
+        }
+    }
+
+    #[test]
+    fn roughness_is_at_a_spike_and_everywhere_in_noise() {
+        let coordinates = Coordinates::plain(1);
+        let n = 256;
+        let noise = |s: f64| ((s * 12.9898).sin() * 43758.5453).fract();
+        let largest = |of: &dyn Fn(f64) -> [f64; 2]| {
+            let rough = roughness(&states(&equispaced(n), of), &coordinates);
+            let at = (0..n)
+                .max_by(|&a, &b| rough[a].total_cmp(&rough[b]))
+                .unwrap();
+            let mut sorted = rough.clone();
+            sorted.sort_by(f64::total_cmp);
+            (at, rough[at] / sorted[n / 2])
+        };
+        let spike = |s: f64| {
+            [
+                (TAU * s).sin(),
+                (TAU * s).cos() + 1e-8 * f64::from(s == 0.25),
+            ]
+        };
+        let (at, outstanding) = largest(&spike);
+        assert!(at == 64 && outstanding > 100.0, "{at} {outstanding}");
+        let (_, outstanding) = largest(&|s| [(TAU * s).sin(), (TAU * s).cos() + 1e-8 * noise(s)]);
+        assert!(outstanding < 8.0, "{outstanding}");
+    }
+}
