@@ -20,11 +20,12 @@ MOST_STEPS = 50
 #: Moves below this part of the loop that do not shrink are noise of the functions.
 LARGEST_NOISE = 1e-6
 
-#: The distance of differences in units of the loop: their error is 1e-11 for functions of the size of the loop.
-DISTANCE = 2.0**-17
+#: The distance of differences in units of the loop. It is large, as the noise of the direction makes loops rough, and a smooth error of
+#: the direction only makes Newton's method take a step more.
+DISTANCE = 2.0**-6
 
-#: Gradients this nearly parallel are those of functions that depend on each other: the square of the error of differences.
-DEPENDENT = 1e-18
+#: Functions whose gradients differ in direction by less than the root of this depend on each other. Rounding makes 1e-15 of it.
+DEPENDENT = 1e-10
 
 
 class MapOfForm:
@@ -83,8 +84,10 @@ class Leaf:
             with np.errstate(all="ignore"):
                 missed = self.values(rows) - self.level
                 usable = np.isfinite(missed).all(axis=1) & np.isfinite(gradients).all(axis=(1, 2))
-                rows[~usable] = np.nan
-                gradients[~usable], missed[~usable] = 0.0, 0.0
+                sizes = np.linalg.norm(gradients, axis=2)
+                usable &= (sizes > 0.0).all(axis=1)
+                rows[~usable], gradients[~usable], missed[~usable], sizes[~usable] = np.nan, 0.0, 0.0, 1.0
+                gradients, missed = gradients / sizes[:, :, None], missed / sizes
                 products = gradients @ gradients.transpose(0, 2, 1)
                 # Functions that depend on each other are as good as one.
                 factors = np.linalg.pinv(products, rcond=DEPENDENT, hermitian=True) @ missed[:, :, None]

@@ -119,7 +119,7 @@ def test_runs_go_on_and_processes_take_steps(tmp_path):
         ({"form": lambda z: z[:, :1]}, r"form\(z\) has shape \(1, 1\) and z \(1, 2\)"),
         ({"p0": [1.0]}, "p0 is for canonical coordinates"),
         ({"weight": 2.0}, "weight is for canonical coordinates"),
-        ({"project": splitting}, "project is for canonical coordinates"),
+        ({"project": 3}, "project is an object of type int"),
         ({"radius": "auto"}, "radius is 'auto'"),
         ({"loop": symplint.Circle(0.0, 0.0)}, "give a function of s that returns z"),
         ({"radius": 2.0, "loop": circle}, "both loop and radius"),

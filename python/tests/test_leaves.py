@@ -118,7 +118,7 @@ def test_two_spins_have_two_casimirs():
     for casimir, words in [(None, "rank 4 of 6"), (casimirs[:1], "rank 4 of 5")]:
         report = symplint.check(two_spins, centre, casimir=casimir, **arguments)
         assert report.kind == "undecided" and words in report.summary, report
-    # The length of the sum is conserved, too, but it is no Casimir function: on its level the form is degenerate.
+    # A function of the others adds nothing.
     redundant = [*casimirs, lambda z: squared(z[:, :3]) + squared(z[:, 3:])]
     for casimir in (casimirs, redundant):
         report = symplint.check(two_spins, centre, casimir=casimir, **arguments)

@@ -168,7 +168,7 @@ static void checks(void) {
     CHECK(says("p of degree of freedom 1 is NaN"));
     user.fault = MEMORY;
     CHECK(symplint_check(step, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_FAILED);
-    CHECK(says("the map has a memory"));
+    CHECK(says("the result depends on earlier calls"));
     user.fault = NONE;
 
     /* Bad arguments. */
@@ -184,6 +184,8 @@ static void checks(void) {
     SymplintOptions bad = options;
     bad.rule = "simpson";
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("simpson"));
+    bad = options, bad.phases = "golden";
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("golden"));
     bad = options, bad.period = bad_period;
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("period"));
     bad = options, bad.budget = 10;

@@ -5,9 +5,11 @@ use symplint::breaks::Break;
 use symplint::evidence::LongTime;
 use symplint::evidence::{
     Closing, Contraction, DofGroup, Evidence, JumpingCells, LoopEvidence, LoopKind, Motion,
-    Omission, Origin, Rank, SingularJacobian, StepEvidence, Wrap,
+    Omission, Origin, Rank, Reach, SingularJacobian, StepEvidence, Wrap,
 };
-use symplint::jacobian::{JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect};
+use symplint::jacobian::{
+    JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect,
+};
 use symplint::verdict::{Advice, Finding, Growth, Step, Verdict};
 use symplint::{Defect, VerdictKind, judge};
 
@@ -590,6 +592,209 @@ fn a_loop_that_hides_terms_of_lower_order_states_no_order() {
 }
 
 #[test]
+fn a_constant_part_is_a_term_of_the_law() {
+    let with_noise = |law: fn(f64) -> f64, noise: f64| {
+        let sizes = (1..=10).map(|m| 0.5f64.powi(m));
+        judge(&of_map(sizes.map(|h| step(h, law(h), noise)).collect()))
+    };
+    let of = |law| with_noise(law, 1e-15);
+    for sign in [1e-6, -1e-6] {
+        let verdict = match sign > 0.0 {
+            true => of(|h| 0.1 * h.powi(3) + 1e-6),
+            false => of(|h| 0.1 * h.powi(3) - 1e-6),
+        };
+        assert_eq!(verdict.order, Some(3.0), "{verdict}");
+        let constant = verdict.fits[0].constant.unwrap();
+        assert!((constant / sign - 1.0).abs() < 0.05, "{constant:e}");
+        assert!(verdict.summary().contains("constant part"), "{verdict}");
+    }
+    // Whether it is a constant, or a lower power, one point does not show.
+    assert_eq!(with_noise(|h| h.powi(7) + 1e-13, 5e-15).order, None);
+    // Nothing else falls but a small part of it.
+    let verdict = of(|h| 1e-3 + 1e-4 * h.powi(3));
+    assert_eq!(verdict.order, None);
+    assert_eq!(verdict.advice, [Advice::DefectDoesNotFall]);
+}
+
+#[test]
+fn no_order_lies_outside_the_local_slopes() {
+    // Two loops by Tao's method: a fit with one degree of freedom left passes for h^0.9 and h^1.8.
+    for defects in [
+        [1.68e-3, 2.26e-4, 3.05e-5, 4.52e-6, 8.57e-7],
+        [2.04e-3, 2.63e-4, 3.20e-5, 3.35e-6, 1.11e-7],
+    ] {
+        let sizes = [0.4, 0.2, 0.1, 0.05, 0.025].into_iter();
+        let steps = sizes.zip(defects).map(|(h, d)| step(h, d, 1e-15));
+        let verdict = judge(&of_map(steps.collect()));
+        assert_eq!((verdict.kind, verdict.order), (NotSymplectic, None));
+        for fit in &verdict.fits {
+            assert!((2.4..4.92).contains(&fit.slope), "{fit:?}");
+        }
+    }
+}
+
+#[test]
+fn the_jacobian_is_a_witness_of_the_order() {
+    let defect = |signed: f64| TangentDefect {
+        s: 0.1,
+        signed,
+        uncertainty: 1e-12,
+        dofs: None,
+    };
+    let of = |slope: f64| {
+        let sizes = (1..=8).map(|m| 0.5f64.powi(m));
+        let steps = sizes.map(|h| step(h, 0.3 * h.powi(4), 1e-15));
+        let mut evidence = of_map(steps.collect());
+        evidence.jacobian_decay = Some(JacobianDecay {
+            step_sizes: [0.5, 0.125],
+            defects: [defect(1e-2), defect(1e-2 * 0.25f64.powf(slope))],
+        });
+        judge(&evidence)
+    };
+    for (slope, order) in [(3.4, None), (3.6, Some(4.0)), (4.4, Some(4.0)), (4.6, None)] {
+        let verdict = of(slope);
+        assert_eq!(verdict.order, order, "{slope}");
+        let differ = |finding: &Finding| matches!(finding, Finding::OrdersDiffer { .. });
+        let told = verdict.findings.iter().any(differ);
+        assert_eq!(told, order.is_none(), "{slope}");
+        assert_eq!(
+            verdict.summary().contains("falling"),
+            order.is_some(),
+            "{verdict}"
+        );
+    }
+    // One that shows nothing, where loops change by much.
+    let sizes = (1..=8).map(|m| 0.5f64.powi(m));
+    let steps: Vec<StepEvidence> = sizes.map(|h| step(h, 0.3 * h.powi(4), 1e-15)).collect();
+    let mut evidence = of_map(steps);
+    assert_eq!(judge(&evidence).order, Some(4.0));
+    evidence.jacobian = Some(symplectic_jacobian(1e-9));
+    assert_eq!(judge(&evidence).order, None);
+}
+
+#[test]
+fn a_defect_that_is_gone_at_the_next_step_size_is_a_step_that_does_not_converge() {
+    let of = |below: f64| {
+        let defects = [5.2e-4, below, below, below];
+        let sizes = [0.5, 0.25, 0.125, 0.0625].into_iter();
+        let steps = sizes.zip(defects).map(|(h, d)| step(h, d, 1e-15));
+        judge(&of_map(steps.collect()))
+    };
+    let verdict = of(1e-16);
+    assert_eq!(verdict.kind, NotSymplectic);
+    assert_eq!(
+        verdict.advice,
+        [Advice::LetStepConverge { converges: 0.25 }]
+    );
+    let text = verdict.evidence().concat();
+    assert!(text.contains("fails to converge at h = 2^-1"), "{text}");
+    // A power of h falls more slowly.
+    assert!(!of(1e-7).evidence().concat().contains("converge"));
+}
+
+#[test]
+fn a_small_break_hides_no_large_change() {
+    let broken = |signed: f64, reach: f64| {
+        let mut evidence = of_map(vec![step(0.5, signed, 3e-8), step(0.25, 7e-8, 2.7e-6)]);
+        let broken = &mut evidence.loops[0].steps[1];
+        (broken.jump, broken.reach_of_jumps) = (Some(JUMP), reach);
+        evidence
+    };
+    // A hundred times what the jumps reach, with the uncertainty.
+    for (signed, reach, expected) in [
+        (5.2e-4, 5e-6, NotSymplectic),
+        (5.2e-4, 5.3e-6, BrokenLoops),
+        (2.9e-6, 1e-12, BrokenLoops),
+        (3.1e-6, 1e-12, NotSymplectic),
+        // It is not known how far they reach.
+        (5.2e-4, 0.0, BrokenLoops),
+    ] {
+        let verdict = judge(&broken(signed, reach));
+        assert_eq!(verdict.kind, expected, "{signed:e} beside {reach:e}");
+        assert!(matches!(
+            (&verdict.findings[0], expected),
+            (Finding::Changes { .. }, NotSymplectic) | (Finding::Discontinuous { .. }, BrokenLoops)
+        ));
+        let jumps = |finding: &Finding| matches!(finding, Finding::Jump { .. });
+        assert!(verdict.findings.iter().any(jumps));
+    }
+    // The step that is broken itself, if its closed integral changes by as much.
+    let mut evidence = broken(0.0, 1e-6);
+    let step = &mut evidence.loops[0].steps[1];
+    step.defect = defect(1e-3, 1e-9);
+    for (closed, expected) in [(1e-3, NotSymplectic), (1e-6, BrokenLoops)] {
+        let step = &mut evidence.loops[0].steps[1];
+        step.closing = Some(Closing {
+            breaks: 1,
+            chord: 0.0,
+            closed: defect(closed, 1e-9),
+            bend: 0.0,
+            straight: true,
+        });
+        assert_eq!(kind(&evidence), expected, "{closed:e}");
+    }
+}
+
+#[test]
+fn radii_that_do_not_fit_the_motion_are_named_first() {
+    for (imbalance, told) in [(0.9e3, false), (1.1e3, true)] {
+        let balanced = Advice::BalancedRadii { imbalance };
+        // A loop that hardly moves, and one that is torn apart.
+        let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
+        evidence.loops[0].steps[0].motion = Some(motion(0.01));
+        for loops in &mut evidence.loops {
+            let mut found = motion(0.01);
+            found.imbalance = imbalance;
+            loops.steps[0].motion = Some(found);
+        }
+        assert_eq!(judge(&evidence).advice[0] == balanced, told);
+        let mut evidence = of_map(vec![step(0.5, 0.0, 1e-3)]);
+        let mut found = motion(1.0);
+        (found.deformation, found.imbalance) = (1e9, imbalance);
+        evidence.loops[0].steps[0].motion = Some(found);
+        assert_eq!(judge(&evidence).advice == [balanced], told);
+    }
+}
+
+#[test]
+fn advice_does_not_contradict_itself_for_maps_with_few_digits() {
+    let mut evidence = of_map(vec![step(0.5, 0.0, 2e-6)]);
+    evidence.survey.single_inside = true;
+    let larger = [Advice::MoreDigits, Advice::LargerLoopOrMoreSamples];
+    assert_eq!(judge(&evidence).advice, larger);
+    evidence.loops[0].steps[0].defect = defect(0.0, 1e-8);
+    assert_eq!(judge(&evidence).kind, Symplectic);
+    assert_eq!(judge(&evidence).advice, larger);
+    evidence.loops[0].steps[0].defect = defect(0.0, 2e-6);
+    let deformed = evidence.loops[0].steps[0].motion.as_mut().unwrap();
+    deformed.deformation = 101.0;
+    let smaller = Advice::SmallerSteps { deformation: 101.0 };
+    assert_eq!(judge(&evidence).advice, [smaller, Advice::MoreDigits]);
+}
+
+#[test]
+fn no_bound_in_the_evidence_exceeds_the_summary() {
+    let mut evidence = of_map(vec![step(0.5, 0.0, 2e-6), step(0.25, 0.0, 5e-4)]);
+    assert!(matches!(
+        decides(&evidence),
+        Finding::WeakBound { bound: 5e-4, .. }
+    ));
+    evidence.loops[0].steps = vec![step(0.5, 0.0, 1e-14)];
+    evidence.loops[0].steps[0].motion = Some(motion(0.5));
+    let weak = of_loop(2, LoopKind::Random, vec![step(0.5, 0.0, 1e-3)]);
+    evidence.loops.push(weak);
+    let verdict = judge(&evidence);
+    let Finding::Conserved { bound, .. } = verdict.findings[0] else {
+        panic!("{verdict}");
+    };
+    for finding in &verdict.findings {
+        if let Finding::Bound { bound: other, .. } = finding {
+            assert!(other.unwrap() <= bound, "{finding}");
+        }
+    }
+}
+
+#[test]
 fn advice_on_the_order_says_what_is_missing() {
     let advice = |steps: Vec<StepEvidence>| judge(&of_map(steps)).advice().join(" ");
     let few = vec![step(0.5, 1e-3, 1e-15), step(0.25, 1e-4, 1e-15)];
@@ -607,6 +812,21 @@ fn advice_on_the_order_says_what_is_missing() {
     assert!(text.contains("do not follow one power"), "{text}");
     let constant = sizes().map(|h| step(h, 1e-3, 1e-15)).collect();
     assert!(advice(constant).contains("does not fall with h"));
+    // Four were given: the budget was spent, or the map failed.
+    let three = sizes().zip([1e-3, 5e-6, 2e-3]);
+    let mut spent = of_map(three.map(|(h, d)| step(h, d, 1e-15)).collect());
+    spent.omissions = vec![Omission::StepSizes { count: 1 }];
+    spent.evaluations.given_loop = 300;
+    assert_eq!(
+        judge(&spent).advice,
+        [Advice::MoreEvaluations { wanted: 200 }]
+    );
+    spent.omissions = vec![Omission::StepFailed {
+        step_size: Some(1.0),
+        reason: "the map failed".into(),
+    }];
+    let advice = judge(&spent).advice().concat();
+    assert!(!advice.contains("four or more"), "{advice}");
 }
 
 #[test]
@@ -790,6 +1010,18 @@ fn the_jacobian_refutes_loops_that_are_conserved() {
     assert_eq!(decides(&evidence), Finding::JacobianRefutes);
     assert_eq!(judge(&evidence).advice, [Advice::OtherLoops]);
     assert_eq!(kind(&evidence), Undecided);
+    // A spent budget comes first, and a tolerance if the defect is as small as one.
+    evidence.omissions = vec![Omission::RandomLoops { count: 3 }];
+    evidence.evaluations.wanted = 640;
+    let more = Advice::MoreEvaluations { wanted: 640 };
+    assert_eq!(judge(&evidence).advice, [more, Advice::OtherLoops]);
+    evidence.omissions.clear();
+    let jacobian = evidence.jacobian.as_mut().unwrap();
+    for worst in [&mut jacobian.worst, &mut jacobian.points[0].worst] {
+        worst.as_mut().unwrap().signed = 1e-7;
+    }
+    let by_tolerance = [Advice::TightenSolver, Advice::OtherLoops];
+    assert_eq!(judge(&evidence).advice, by_tolerance);
 }
 
 #[test]
@@ -866,4 +1098,114 @@ fn evidence_survives_json_to_the_last_bit() {
     let read: Evidence = serde_json::from_str(&text).unwrap();
     assert_eq!(read, evidence);
     assert_eq!(judge(&read), judge(&evidence));
+}
+
+#[test]
+fn a_kick_is_judged_by_its_bound_however_little_it_deforms() {
+    for deformation in [1e-14, 1e-3] {
+        let mut kick = shear(deformation);
+        kick.moves = true;
+        for (origin, expected) in [
+            (of_map as fn(Vec<StepEvidence>) -> Evidence, Symplectic),
+            // Loops of another code may be of any step.
+            (of_samples, Undecided),
+        ] {
+            let mut evidence = origin(vec![step(0.5, 0.0, 1e-15)]);
+            evidence.loops[0].steps[0].motion = Some(kick);
+            assert_eq!(kind(&evidence), expected, "{deformation}");
+        }
+    }
+}
+
+/// A map without a step size, which moves its loops by this phase advance.
+fn without_step_size(phase_advance: f64, signed: f64) -> Evidence {
+    let mut evidence = of_map(vec![step(0.5, signed, 1e-15)]);
+    for found in &mut evidence.loops {
+        found.steps[0].step_size = None;
+        found.steps[0].motion = Some(motion(phase_advance));
+    }
+    evidence.radii = Some([0.25, 0.5]);
+    evidence
+}
+
+#[test]
+fn a_map_without_a_step_size_is_judged_itself() {
+    let mut evidence = without_step_size(1e-5, 0.0);
+    let verdict = judge(&evidence);
+    assert_eq!(verdict.kind, Symplectic);
+    let summary = "No defect above 1.0e-15 on the given loop, nor on a random one: on loops with radii up to 0.25 in q \
+                   and 0.50 in p.";
+    assert_eq!(verdict.summary(), summary);
+    // A larger loop that is conserved counts, and one that is not leaves it open.
+    let mut reach = Reach::default();
+    reach.factor = 16.0;
+    reach.step = step(0.5, 0.0, 1e-15);
+    reach.step.step_size = None;
+    evidence.reach = Some(reach);
+    assert!(
+        judge(&evidence)
+            .summary()
+            .contains("radii up to 4.00 in q and 8.00 in p")
+    );
+    reach.step.defect.signed = 1e-3;
+    evidence.reach = Some(reach);
+    let verdict = judge(&evidence);
+    assert_eq!(verdict.kind, Undecided);
+    assert_eq!(verdict.advice, [Advice::LargerRadii { factor: 16.0 }]);
+    // It has no order.
+    let verdict = judge(&without_step_size(1e-5, 1e-3));
+    assert_eq!((verdict.kind, verdict.order), (NotSymplectic, None));
+    let text = verdict.summary() + &verdict.evidence().concat() + &verdict.advice().concat();
+    assert!(text.contains("in one application"), "{text}");
+    assert!(!text.contains("step") && !text.contains("h ="), "{text}");
+}
+
+#[test]
+fn a_larger_step_decides_where_the_others_move_too_little() {
+    for (signed, bound, advance, expected) in [
+        // A defect is not one of the step sizes that were given.
+        (1e-3, 1e-15, 0.7, Undecided),
+        (0.0, 1e-15, 0.7, Symplectic),
+        // Of a method that is not symplectic, a larger step than this would show a defect.
+        (0.0, 1.1e-12, 0.03, Undecided),
+        (0.0, 0.9e-12, 0.03, Symplectic),
+        // The map does not depend on h.
+        (0.0, 1.1e-12, 0.015, Symplectic),
+    ] {
+        let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
+        evidence.loops[0].steps[0].motion = Some(motion(0.01));
+        assert_eq!(kind(&evidence), Undecided, "no larger step was tried");
+        let mut reach = Reach::default();
+        reach.factor = 64.0;
+        reach.step = step(32.0, signed, bound);
+        reach.step.motion = Some(motion(advance));
+        evidence.reach = Some(reach);
+        let verdict = judge(&evidence);
+        assert_eq!(verdict.kind, expected, "{signed} {advance}");
+        if signed > 0.0 {
+            let factor = Some(64.0);
+            let step_size = Some(0.5);
+            assert_eq!(verdict.advice, [Advice::LargerSteps { factor, step_size }]);
+        }
+    }
+}
+
+#[test]
+fn a_loop_that_winds_proves_nothing_by_a_break() {
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
+    let mut winding = of_loop(8, LoopKind::Winding, vec![step(0.5, 1e-3, 1e-15)]);
+    winding.winds = true;
+    winding.wound = vec![0];
+    winding.steps[0].jump = Some(JUMP);
+    evidence.loops.push(winding);
+    let verdict = judge(&evidence);
+    assert_eq!(verdict.kind, Symplectic);
+    let named = |finding: &Finding| matches!(finding, Finding::Jump { loop_index: 8, .. });
+    assert!(verdict.findings.iter().any(named), "{verdict}");
+    let exact =
+        |finding: &Finding| matches!(finding, Finding::NotExact { .. } | Finding::Exact { .. });
+    assert!(!verdict.findings.iter().any(exact), "{verdict}");
+    // Nor do such loops alone.
+    evidence.loops.drain(..2);
+    assert_eq!(decides(&evidence), Finding::AllLoopsWind);
 }

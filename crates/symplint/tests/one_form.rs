@@ -1,7 +1,7 @@
 //! Maps in non-canonical coordinates, against the same maps in canonical ones.
 
 use symplint::map::{NonCanonical, OneForm};
-use symplint::verdict::{Agreement, Finding};
+use symplint::verdict::{Advice, Agreement, Finding};
 use symplint::{
     Block, Circle, Diagnosis, Diagnostic, Loop, PerSample, Rule, TimeAdvance, VerdictKind,
 };
@@ -167,6 +167,78 @@ fn breaks_are_closed_by_the_integral_of_the_form() {
         let closing = step.closing.unwrap();
         assert_eq!(closing.breaks, 2);
         assert!(closing.closed.magnitude() < 1e-12, "{closing:?}");
+    }
+}
+
+/// A spin: ϑ = m_z dφ, in three coordinates, on the sphere of size 1 or off it.
+struct Spin {
+    keeps: bool,
+}
+
+impl OneForm for Spin {
+    fn dimension(&self) -> usize {
+        3
+    }
+
+    fn evaluate(&self, block: &mut Block<'_>) {
+        for k in 0..block.len() {
+            let [x, y, z] = [0, 1, 2].map(|i| block.q.row(i)[k]);
+            let squared = x * x + y * y;
+            let theta = [-z * y / squared, z * x / squared, 0.0];
+            (0..3).for_each(|i| block.p.row_mut(i)[k] = theta[i]);
+        }
+    }
+
+    fn project(&self, block: &mut Block<'_>) {
+        for k in 0..block.len() {
+            let squared: f64 = (0..3).map(|i| block.q.row(i)[k].powi(2)).sum();
+            let factor = if self.keeps { squared.sqrt() } else { 1.0 };
+            (0..3).for_each(|i| block.q.row_mut(i)[k] /= factor);
+        }
+    }
+}
+
+/// Turns about the x-axis, by an angle that depends on x, and about the z-axis likewise.
+fn turns(h: f64, m: &mut [f64], _: &mut [f64]) {
+    for (axis, rate) in [(0, 1.0), (2, 0.4)] {
+        let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (sin, cos) = (rate * h * m[axis]).sin_cos();
+        (m[j], m[k]) = (cos * m[j] - sin * m[k], sin * m[j] + cos * m[k]);
+    }
+}
+
+/// The same, and towards the z-axis on the sphere of the state.
+fn damped_turns(h: f64, m: &mut [f64], p: &mut [f64]) {
+    let size = |m: &[f64]| m.iter().map(|x| x * x).sum::<f64>().sqrt();
+    turns(h, m, p);
+    let before = size(m);
+    m[2] += 0.1 * h;
+    let factor = before / size(m);
+    m.iter_mut().for_each(|x| *x *= factor);
+}
+
+#[test]
+fn a_degenerate_form_convicts_on_its_leaf_only() {
+    for (step, kind) in [
+        (turns as Step, VerdictKind::Symplectic),
+        (damped_turns, VerdictKind::NotSymplectic),
+    ] {
+        for keeps in [true, false] {
+            let map = NonCanonical::of_positions(PerSample::new(3, step), Spin { keeps }).unwrap();
+            let circle = Circle::new(vec![0.6, 0.5, 0.4], vec![0.0; 3], 0.2).unwrap();
+            let found = Diagnostic::halving(-1, -5).run(&map, &map.loop_of(circle));
+            let verdict = found.unwrap().verdict;
+            if keeps {
+                assert_eq!(verdict.kind, kind, "{verdict}");
+                continue;
+            }
+            assert_eq!(verdict.kind, VerdictKind::Undecided, "{verdict}");
+            let Finding::DegenerateForm { rank, .. } = verdict.findings[0] else {
+                panic!("{verdict}");
+            };
+            assert_eq!((rank.rank, rank.of), (2, 3));
+            assert_eq!(verdict.advice, [Advice::KeepToLeaf]);
+        }
     }
 }
 

@@ -1,6 +1,10 @@
 //! Maps and loops with features that a few pieces, or a few samples, step over: numbers must come with an
 //! error that covers them, and verdicts must not be wrong.
 
+#[path = "traps/steep.rs"]
+mod steep;
+#[path = "traps/strips.rs"]
+mod strips;
 #[path = "traps/under_resolved.rs"]
 mod under_resolved;
 
@@ -303,7 +307,11 @@ fn two_jumps_next_to_each_other_are_no_noise() {
             let found = Piecewise::default().integrate(&map, &circle(0.0, 0.0), 0.5);
             let found = found.unwrap();
             assert_covered(&found.continuous, exact);
-            assert!(found.evaluations < 1_500, "{}", found.evaluations);
+            assert!(
+                found.evaluations < 1_500,
+                "{j:e} at {a}: {}",
+                found.evaluations
+            );
             for gap in [1e-15, 1e-14, 3e-14, 1e-13, 1e-12] {
                 let (map, exact) = two_jumps(j, a, gap);
                 let found = Piecewise::default().integrate(&map, &circle(0.0, 0.0), 0.5);

@@ -1,6 +1,7 @@
 //! Verdicts on evidence that is written by hand.
 
-use symplint::{Circle, Diagnostic, Evidence, PerSample, VerdictKind, judge};
+use symplint::verdict::Finding;
+use symplint::{Block, Circle, Diagnostic, Evidence, Loop, PerSample, VerdictKind, judge};
 
 #[test]
 fn without_a_loop_nothing_is_decided() {
@@ -22,4 +23,68 @@ fn a_broken_loop_whose_defect_has_no_trend_has_no_order() {
     let diagnosis = (Diagnostic::halving(-4, -8).run(&map, &circle)).unwrap();
     assert_eq!(diagnosis.verdict.kind, VerdictKind::BrokenLoops);
     assert_eq!(diagnosis.verdict.order, None, "{:?}", diagnosis.fits());
+}
+
+/// The Fourier coefficients fall by ten orders in 16 modes, and then stay at the rounding of √(1 + 2δ + …) − 1.
+#[test]
+fn an_analytic_loop_is_not_rough_where_rounding_inside_the_map_ends_the_fall() {
+    const BETA: f64 = 0.9;
+    let energy = |p: f64| (1.0 + 2.0 * p + (BETA * p).powi(2)).sqrt() - 1.0;
+    let momentum =
+        |d: f64| ((((1.0 + d) * BETA).powi(2) + 1.0 - BETA * BETA).sqrt() - 1.0) / (BETA * BETA);
+    for k in [11.0, 13.0, 15.0, 17.0, 19.0, 25.0] {
+        let cavity = PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+            p[0] = momentum(energy(p[0] + 0.16 * h / k * (k * q[0]).sin()));
+        });
+        let circle = Circle::with_radii(vec![0.0], vec![3e-3], vec![2e-2], vec![8e-3]).unwrap();
+        for budget in [20_000, 1_000_000] {
+            let diagnostic = Diagnostic {
+                budget: Some(budget),
+                step_sizes: vec![1.0, 0.5, 0.25],
+                ..Diagnostic::default()
+            };
+            let found = diagnostic.run(&cavity, &circle).unwrap().verdict;
+            assert!(!is_rough(&found), "{k}, {budget}: {found}");
+        }
+    }
+}
+
+/// Whether a verdict calls the loop rough.
+fn is_rough(found: &symplint::Verdict) -> bool {
+    let is_regularity = |finding: &Finding| matches!(finding, Finding::Regularity { .. });
+    found.findings.iter().any(is_regularity)
+}
+
+#[test]
+fn a_loop_with_a_momentum_at_rest_is_not_rough() {
+    struct Flat(f64);
+    impl Loop for Flat {
+        fn dof(&self) -> usize {
+            2
+        }
+        fn sample(&self, s: &[f64], block: &mut Block<'_>) {
+            for (k, &s) in s.iter().enumerate() {
+                let (sin, cos) = (std::f64::consts::TAU * s).sin_cos();
+                block.q.row_mut(0)[k] = sin;
+                block.q.row_mut(1)[k] = cos + 0.2 * sin * sin;
+                block.p.row_mut(0)[k] = cos;
+                block.p.row_mut(1)[k] = self.0;
+            }
+        }
+    }
+    let free = PerSample::new(2, |h, q: &mut [f64], p: &mut [f64]| {
+        for (q, p) in q.iter_mut().zip(p) {
+            *q += h * *p;
+        }
+    });
+    for at_rest in [0.0, 1e-300] {
+        let diagnostic = Diagnostic {
+            step_sizes: vec![0.5],
+            loops: 1,
+            jacobian: false,
+            ..Diagnostic::default()
+        };
+        let found = diagnostic.run(&free, &Flat(at_rest)).unwrap().verdict;
+        assert!(!is_rough(&found), "{at_rest:e}: {found}");
+    }
 }

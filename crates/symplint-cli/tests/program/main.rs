@@ -164,19 +164,47 @@ fn broken_loops_and_undecided_have_their_own_status() {
             "broken-loops (conserved once breaks are closed), defect of order h^2"
         )
     );
+    // Runge and Kutta's method at small steps: a larger one shows its defect.
     let output = symplint(&[
         "check",
-        path,
+        &example("pendulum.toml"),
         "--quiet",
         "--set",
         "diagnostic.step_sizes=[1e-6]",
         "--set",
-        "system.q0=5",
+        "integrator.name=rk4",
     ]);
     assert_eq!(
         (output.status.code(), text(&output.stdout).trim()),
         (Some(3), "undecided")
     );
+}
+
+#[test]
+fn a_map_without_a_step_size_has_no_column_of_them() {
+    let (folder, path) = configuration(
+        "[system]\nname = \"standard-map\"\n[diagnostic]\nstep_sizes = \"none\"\nrepeat = 2\n",
+    );
+    let (path, out) = (path.to_str().unwrap(), folder.path().join("run"));
+    let output = symplint(&["check", path, "--out", out.to_str().unwrap()]);
+    let said = text(&output.stdout);
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{said}{}",
+        text(&output.stderr)
+    );
+    assert!(said.contains("the map, pseudospectral rule"), "{said}");
+    assert!(
+        !said.contains("step size") && !said.contains("h ="),
+        "{said}"
+    );
+    assert!(out.join("figures/loop.svg").exists());
+    assert!(!out.join("figures/step_sizes.svg").exists());
+    let found = report(&["check", out.join("config.toml").to_str().unwrap()]);
+    assert_eq!(found["points"][0]["step_size"], Value::Null);
+    assert_eq!(found["config"]["diagnostic"]["step_sizes"], "none");
+    assert_eq!(found["evidence"]["jacobian"]["step_size"], Value::Null);
 }
 
 #[test]

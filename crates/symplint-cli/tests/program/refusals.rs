@@ -80,6 +80,16 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     );
     refused(
         PENDULUM,
+        &["diagnostic.step_sizes=none", "diagnostic.step_size=0.1"],
+        &["step_sizes is \"none\"", "leave one"],
+    );
+    refused(
+        PENDULUM,
+        &["diagnostic.repeat=0"],
+        &["diagnostic.repeat is 0", "1"],
+    );
+    refused(
+        PENDULUM,
         &["diagnostic.samples=2"],
         &["diagnostic.samples is 2", "at least 3"],
     );

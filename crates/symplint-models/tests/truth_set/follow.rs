@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use symplint::diagnosis::SampleCount;
+use symplint::map::balanced_radii;
 use symplint::verdict::{Advice, Finding};
-use symplint::{Block, Diagnosis, Diagnostic, Ensemble, Loop, Rule};
+use symplint::{Block, Circle, Diagnosis, Diagnostic, Ensemble, Loop, Rule};
 
 use crate::member::{Member, Subject};
 use crate::outcome::{Outcome, diagnose, outcome};
@@ -97,6 +98,22 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                 Advice::LargerSteps { factor, .. } => {
                     *diagnostic = larger_steps(diagnostic, largest, factor.unwrap_or(100.0));
                 }
+                Advice::LoopWithForces | Advice::ReturnStates => {
+                    *diagnostic = larger_steps(diagnostic, largest, 1e4);
+                }
+                Advice::SmallerSteps { .. } => {
+                    *diagnostic = larger_steps(diagnostic, largest, 0.1);
+                }
+                Advice::BalancedRadii { .. } => {
+                    let [q0, p0] = Stretched::new(on, 1.0).centre;
+                    let h = diagnostic.typical_step.unwrap_or(largest);
+                    let radii = balanced_radii(map, &q0, &p0, h).ok()?;
+                    let circle = Circle::with_radii(q0, p0, radii.q, radii.p).ok()?;
+                    *on = Arc::new(circle);
+                }
+                Advice::LargerLoopOrMoreSamples => *on = Arc::new(Stretched::new(on, 3.0)),
+                Advice::LoopBesidePoint => *on = Arc::new(Stretched::new(on, 0.1)),
+                Advice::ContractibleLoops | Advice::MoreLoops => diagnostic.loops = 8,
                 Advice::MoreEvaluations { wanted } => {
                     diagnostic.budget = Some(found.evidence.evaluations.budget + wanted);
                 }
@@ -127,11 +144,15 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                 Advice::Project | Advice::LoopOnManifold | Advice::KeepToLeaf => {
                     *map = projected.clone()?;
                 }
-                Advice::MoreDigits | Advice::TightenSolver => {
+                Advice::MoreDigits
+                | Advice::TightenSolver
+                | Advice::SameRandomNumbers
+                | Advice::SolverTolerance { .. }
+                | Advice::LetStepConverge { .. } => {
                     *map = full.clone()?;
                     exact = true;
                 }
-                _ => return None,
+                other => return not_here(other),
             }
         }
         Subject::Samples {
@@ -152,10 +173,37 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
             } => {
                 step_sizes.iter_mut().for_each(|h| *h *= factor);
             }
-            _ => return None,
+            other => return not_here(other),
         },
     }
     Some((changed, exact))
+}
+
+/// Advice that no member can follow: it belongs to verdicts that are decided, to a force of another shape, or to files.
+/// Other advice has to be followed.
+fn not_here(advice: &Advice) -> Option<(Subject, bool)> {
+    let known = matches!(
+        advice,
+        Advice::MeasureLoop
+            | Advice::StatePeriod
+            | Advice::PeriodIfPeriodic
+            | Advice::OrderOfSamples
+            | Advice::MoreSamplesOfFile
+            | Advice::MoreLoopsOfFile
+            | Advice::SmootherForce
+            | Advice::StateStepSizes
+            | Advice::CheckCopies
+            | Advice::MoreStepSizes { .. }
+            | Advice::NoOrder { .. }
+            | Advice::DefectDoesNotFall
+            // Of files.
+            | Advice::TightenSolver
+            | Advice::LargerSteps { factor: None, .. }
+            | Advice::LoopWithForces
+            | Advice::SamplesInCells
+    );
+    assert!(known, "no member follows {advice:?}");
+    None
 }
 
 fn larger_steps(diagnostic: &Diagnostic, largest: f64, factor: f64) -> Diagnostic {
@@ -208,7 +256,14 @@ pub fn follow(member: &Member, diagnosis: &Diagnosis) -> Followed {
 
 /// Whether an advice is to change the precision of the map.
 fn lifts_a_limit(advice: &Advice) -> bool {
-    matches!(advice, Advice::MoreDigits | Advice::TightenSolver)
+    matches!(
+        advice,
+        Advice::MoreDigits
+            | Advice::TightenSolver
+            | Advice::SameRandomNumbers
+            | Advice::SolverTolerance { .. }
+            | Advice::LetStepConverge { .. }
+    )
 }
 
 fn followed(member: &Member, diagnosis: &Diagnosis, wanted: impl Fn(&Advice) -> bool) -> Followed {

@@ -240,7 +240,9 @@ fn vector(random: &mut Random, size: f64) -> Vector {
 pub fn member(index: usize) -> Member {
     let random = &mut Random::of(22, index);
     let unit = random.log_between(1e-3, 1e3);
-    let inertia = |random: &mut Random| [0, 1, 2].map(|_| random.between(0.7, 2.5));
+    // They differ: a body of equal inertia about all axes does not move.
+    let inertia =
+        |random: &mut Random| [0.8, 1.4, 2.3].map(|about| about * random.between(0.9, 1.1));
     let symplectic = index % 2 == 0;
     let rate = random.log_between(1e-2, 0.2);
     let (kind, centre, step, what): (Kind, Vec<f64>, Step, String) = match index % 4 {
@@ -295,7 +297,7 @@ pub fn member(index: usize) -> Member {
         let map = PerSample::new(n, move |h, z: &mut [f64], _: &mut [f64]| {
             step(h, z, &mut []);
         });
-        NonCanonical::new(map, form).unwrap()
+        NonCanonical::of_positions(map, form).unwrap()
     };
     let centre: Vec<f64> = centre.iter().map(|x| unit * x).collect();
     let circle = Circle::new(centre, vec![0.0; n], unit * random.between(0.1, 0.2)).unwrap();

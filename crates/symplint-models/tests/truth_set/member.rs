@@ -31,6 +31,9 @@ pub enum Expected {
     /// It changes by so little that only digits that are not too many are asked for where it is below
     /// [`FAINT`](crate::outcome::FAINT).
     SmallDefect(f64),
+    /// The loop integral changes by this much, in a feature so narrow that few samples meet it: a symplectic verdict is right if its digits
+    /// are not too many.
+    Hidden(f64),
     /// The map breaks loops. Once closed, they keep their integrals or do not, where that is known.
     Broken { closed: Option<bool> },
     /// Symplectic, with a period that is not the map's: symplectic, or an error that names it.
@@ -44,13 +47,19 @@ pub enum Expected {
         /// Whether the map is symplectic but for its breaks.
         whole: bool,
     },
+    /// Symplectic with noise: random numbers, if it is large; else this number of digits at most.
+    Noisy { most_digits: f64 },
+    /// It is no map: results depend on earlier calls or on the batch.
+    Refused,
 }
 
 impl Expected {
     /// The right verdict of the same map without rounding, or solved to round-off.
     pub fn in_full_precision(self) -> Self {
         match self {
-            Expected::Symplectic { .. } | Expected::Tolerance { .. } => SYMPLECTIC,
+            Expected::Symplectic { .. } | Expected::Tolerance { .. } | Expected::Noisy { .. } => {
+                SYMPLECTIC
+            }
             other => other,
         }
     }

@@ -41,8 +41,8 @@ pub struct Tableau {
 
 /// HLW, section II.1.1; the last is Butcher's of order 5 (HNW, section II.5). Orders of the defect: one more than that of
 /// the method, but for Heun's, whose remainder is −h²/4 (dk₁ − dk₂)∧(dk₁ − dk₂), and the classical one. Its h⁵ term is
-/// a sum of dq_i∧dq_j: it vanishes in one degree of freedom, and on loops whose planes are in phase, as the ellipses here are.
-/// On random loops it may be so small beside h⁶ that doubles do not show it: both orders are right there.
+/// a sum of dq_i∧dq_j: it vanishes in one degree of freedom, and on loops whose planes are in phase.
+/// On other loops it may be so small compared with h⁶ that doubles do not show it: both orders are right there.
 pub const TABLEAUS: [Tableau; 6] = [
     Tableau {
         name: "euler",

@@ -295,9 +295,14 @@ fn newton(random: &mut Random) -> Member {
 
 pub fn member(index: usize) -> Member {
     let random = &mut Random::of(3, index);
-    if index % 4 == 3 {
-        return newton(random);
+    match index % 4 {
+        3 => newton(random),
+        _ => solved(random, 1e-12, 1e-5),
     }
+}
+
+/// Solved to a tolerance between these.
+pub fn solved(random: &mut Random, tightest: f64, loosest: f64) -> Member {
     let system = match random.chance(0.3) {
         true => systems::pendulum(random),
         false => {
@@ -310,7 +315,7 @@ pub fn member(index: usize) -> Member {
     let on = system.on.circle();
     let solver = Solver {
         system,
-        tolerance: random.log_between(1e-12, 1e-5),
+        tolerance: random.log_between(tightest, loosest),
         predicts: random.chance(0.5),
     };
     let (breaks, change) = solver.scan(&on, h);

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use symplint::TimeAdvance;
+use symplint::map::Repeat;
 use symplint_models::Separable;
 use symplint_models::discrete::StandardMap;
 use symplint_models::integrators::catalogue::build;
 use symplint_models::integrators::{Splitting, Variant, splitting_methods};
-use symplint_models::maps::{Adjoint, Compose, Damped, Inverse, Repeat, SinglePrecision};
+use symplint_models::maps::{Adjoint, Compose, Damped, Inverse, SinglePrecision};
 use symplint_models::systems::{HenonHeiles, Pendulum};
 
 use crate::case::{

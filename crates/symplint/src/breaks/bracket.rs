@@ -2,9 +2,9 @@
 
 use super::limits::{
     AGREES, AROUND_A_ZONE, KEEPS_ITS_SIZE, LOOKS, NARROWEST, NOISES_OF_A_JUMP, PATIENCE,
-    ROUNDINGS_OF_A_STEP, SPACING, STAYS_ON_HALVING, STEPS_OF_A_JUMP, WIDENING, WIDENINGS,
+    ROUNDINGS_OF_A_STATE, SPACING, STAYS_ON_HALVING,
 };
-use crate::state::{Ensemble, coordinate};
+use crate::state::Block;
 
 /// Two parameters with a jump between them, of a function that is continuous on both sides of it.
 #[derive(Clone, Debug)]
@@ -15,8 +15,6 @@ pub(crate) struct Bracket {
     /// Size that the jump should have.
     expected: f64,
     halvings: usize,
-    /// Distance of the states beside it.
-    spacing: f64,
 }
 
 /// An end of a bracket.
@@ -45,7 +43,6 @@ impl Bracket {
             high,
             expected,
             halvings: 0,
-            spacing: SPACING,
         }
     }
 
@@ -102,38 +99,12 @@ impl Bracket {
         self.high - self.low <= NARROWEST || middle <= self.low || middle >= self.high
     }
 
-    /// Chooses the distance of the states beside the bracket from the `states` of the curve, before the step: rounding must be a
-    /// small part of their motion, in every coordinate that moves. It is not far from the origin, nor where a coordinate turns.
-    pub fn space_out(&mut self, states: impl Fn(&[f64]) -> Ensemble) {
-        let distance = |k: usize| SPACING * WIDENING.powi(k as i32);
-        let s: Vec<f64> = [(self.low, -1.0), (self.high, 1.0)]
-            .into_iter()
-            .flat_map(|(end, sign)| {
-                let outwards = (0..WIDENINGS).map(move |k| end + sign * distance(k));
-                std::iter::once(end).chain(outwards)
-            })
-            .collect();
-        let states = states(&s);
-        let needed = |c: usize| {
-            let of_side = |side: &[f64]| {
-                let least = ROUNDINGS_OF_A_STEP * f64::EPSILON * side[0].abs();
-                let moves = |x: &f64| (x - side[0]).abs() > least;
-                // A coordinate that does not move on the largest distance is at rest.
-                side[1..].iter().position(moves).unwrap_or(0)
-            };
-            let sides = coordinate(&states, c).chunks_exact(1 + WIDENINGS);
-            sides.map(of_side).max().unwrap_or(0)
-        };
-        let widest = (0..2 * states.dof()).map(needed).max().unwrap_or(0);
-        self.spacing = distance(widest);
-    }
-
     /// Parameters of the states beside the bracket that tell a jump from noise, on its `end`, from there outwards;
     /// the first is the end itself.
     pub fn beside(&self, end: End, look: usize) -> impl Iterator<Item = f64> + use<> {
         let (from, outwards) = match end {
-            End::Low => (self.low, -self.spacing),
-            End::High => (self.high, self.spacing),
+            End::Low => (self.low, -SPACING),
+            End::High => (self.high, SPACING),
         };
         (0..LOOKS[look]).map(move |k| from + k as f64 * outwards)
     }
@@ -152,12 +123,42 @@ impl Bracket {
 /// which are what the slope makes of the rounding of states; and whether the values on the two sides are as far apart as the
 /// ends, which one wrong state is not.
 pub(crate) fn stands_out(jump: f64, sides: [&[f64]; 2]) -> bool {
-    let [low, high] = sides.map(|side| median(side.iter().map(|x| x - side[0])));
-    let lasts = (jump + high - low) / jump > 0.5;
+    let lasts = lasting(jump, sides) / jump > 0.5;
     // Other breaks close by spoil two of five steps at most; at the first look there are two in all.
     let step = |side: &[f64]| median(side.windows(2).map(|x| (x[1] - x[0]).abs()));
     let climb = step(sides[0]).max(step(sides[1]));
-    lasts && jump.abs() > (NOISES_OF_A_JUMP * scatter(sides)).max(STEPS_OF_A_JUMP * climb)
+    lasts && jump.abs() > NOISES_OF_A_JUMP * scatter(sides).max(climb)
+}
+
+/// How far the values on one side of a `jump` are from those on the other.
+pub(crate) fn lasting(jump: f64, sides: [&[f64]; 2]) -> f64 {
+    let [low, high] = sides.map(|side| median(side.iter().map(|x| x - side[0])));
+    jump + high - low
+}
+
+/// Displaces a state by a few roundings of each coordinate, one way in `pattern` 1 and the other way in pattern 2. The two differ in size,
+/// so that displacements that cancel at one end of a bracket do not cancel at the other.
+pub(crate) fn displace(block: &mut Block<'_>, sample: usize, pattern: usize) {
+    let dof = block.q.count();
+    for c in 0..2 * dof {
+        // Quasi-random: a sign, and a part between ½ and 3/2.
+        let k = (c + 1) as f64;
+        let forward = ((0.618_034 * k).fract() < 0.5) == pattern.is_multiple_of(2);
+        let part = 0.5 + (0.754_878 * k + 0.3 * pattern as f64).fract();
+        let row = match c < dof {
+            true => block.q.row_mut(c),
+            false => block.p.row_mut(c - dof),
+        };
+        let size = part * ROUNDINGS_OF_A_STATE * f64::EPSILON * row[sample].abs();
+        row[sample] += if forward { size } else { -size };
+    }
+}
+
+/// Whether a displaced end of a `jump` has `moved` by no more than the jump, or than the values on its sides are apart: what breaks the
+/// loop may be so close that the state is on its other side. On a slope it moves by several times the jump, as the jump is a
+/// rounding of the state times the slope.
+pub(crate) fn moves_by_a_jump(jump: f64, lasting: f64, moved: f64) -> bool {
+    moved.abs() <= (1.0 + AGREES) * jump.abs().max(lasting.abs())
 }
 
 /// Whether a jump that is evaluated `again` is the same.
@@ -212,12 +213,13 @@ pub(crate) fn scatter(sides: [&[f64]; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::state::Ensemble;
 
     #[test]
     fn a_jump_stands_out_of_the_steps_beside_it() {
         let line = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
-        assert!(!stands_out(STEPS_OF_A_JUMP - 0.1, [&line, &line]));
-        assert!(stands_out(STEPS_OF_A_JUMP + 0.1, [&line, &line]));
+        assert!(!stands_out(NOISES_OF_A_JUMP - 0.1, [&line, &line]));
+        assert!(stands_out(NOISES_OF_A_JUMP + 0.1, [&line, &line]));
         // Other breaks, and a value of its own where a force jumps.
         for other in [
             [0.0, 1.0, 1.0, 1.0, 1.0, 1.0],
@@ -260,27 +262,33 @@ mod tests {
     }
 
     #[test]
-    fn states_beside_a_bracket_are_as_far_apart_as_rounding_asks_for() {
-        let spacing = |q0: f64, s: f64| {
-            let mut bracket = Bracket::new([s, s + 1e-16], 1.0);
-            bracket.space_out(|s| {
-                let mut states = Ensemble::zeros(1, s.len());
-                for (k, s) in s.iter().enumerate() {
-                    let (sin, cos) = (std::f64::consts::TAU * s).sin_cos();
-                    states.block().q.row_mut(0)[k] = q0 + sin;
-                    states.block().p.row_mut(0)[k] = 0.0 * cos;
-                }
-                states
-            });
-            bracket.spacing
+    fn displaced_ends_move_along_a_slope_and_by_no_more_than_a_jump() {
+        let moved = |value: &dyn Fn(f64, f64) -> f64, pattern: usize| {
+            let mut states = Ensemble::zeros(1, 1);
+            states.block().q.row_mut(0)[0] = -0.25;
+            states.block().p.row_mut(0)[0] = 1.0;
+            let before = value(-0.25, 1.0);
+            displace(&mut states.block(), 0, pattern);
+            value(states.q().row(0)[0], states.p().row(0)[0]) - before
         };
-        assert_eq!(spacing(0.0, 0.1), SPACING);
-        // A rounding of q is 1.5e-11.
-        let far = spacing(1e5, 0.1);
-        assert!((1e-11..1e-9).contains(&far), "{far:e}");
-        // sin falls by 2π² Δs² beside its maximum.
-        let turning = spacing(0.0, 0.25);
-        assert!((7e-9..1e-7).contains(&turning), "{turning:e}");
+        for pattern in [1, 2] {
+            // A sum that a scaling of the state leaves 0, steep in either.
+            let steep = moved(&|q, p| 1e9 * (q + 0.25 * p), pattern);
+            let of_a_rounding = 1e9 * 0.125 * f64::EPSILON;
+            assert!(!moves_by_a_jump(of_a_rounding, 0.0, steep), "{steep:e}");
+            let flat = moved(&|q, p| 3.0 * q - p, pattern);
+            assert!(moves_by_a_jump(1e-11, 0.0, flat), "{flat:e}");
+        }
+        // A root, from one side or the other.
+        let root = |q: f64, _: f64| (q + 0.25).max(0.0).sqrt();
+        let above = [1, 2].map(|pattern| moved(&root, pattern));
+        let of_a_rounding = (0.125 * f64::EPSILON).sqrt();
+        assert!(
+            above
+                .iter()
+                .any(|moved| !moves_by_a_jump(of_a_rounding, 0.0, *moved)),
+            "{above:?}"
+        );
     }
 
     #[test]

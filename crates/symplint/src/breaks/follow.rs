@@ -1,7 +1,8 @@
 //! Closing in on a suspected jump, one state at a time.
 
 use super::bracket::{
-    Bracket, End, Progress, flickers, is_between_levels, is_repeated, stands_out,
+    Bracket, End, Progress, displace, flickers, is_between_levels, is_repeated, lasting,
+    moves_by_a_jump, stands_out,
 };
 use super::limits::{
     AROUND_A_ZONE, DISTANCES_AROUND, LOOKS, REPETITIONS, ROUNDINGS, SAMPLES_OF_SIZE,
@@ -115,7 +116,14 @@ pub(super) fn follow(
         jump_p,
         substep: None,
     };
-    let confirmed = || -> Result<Search, Error> {
+    // Values on one side, from its end outwards.
+    let beside = |end: End, s: &[f64]| -> Result<Vec<f64>, Error> {
+        let origin = ends[end as usize].value;
+        let points = image(s)?.into_iter();
+        let from_end = |point: Point| origin + nearest(sides.sign * point.value - origin, period);
+        Ok(points.map(from_end).collect())
+    };
+    let confirmed = |close: &[Vec<f64>; 2]| -> Result<Search, Error> {
         for k in 0..REPETITIONS {
             let order = [1 - k % 2, k % 2];
             let points = image(&order.map(|end| ends[end].s))?;
@@ -124,19 +132,23 @@ pub(super) fn follow(
                 return Ok(Search::Clean);
             }
         }
-        Ok(Search::Found(found))
+        let on_loop = ends.map(|point| point.s.rem_euclid(1.0));
+        let mut states = states_at(phase_loop, &on_loop);
+        for end in [End::Low, End::High] {
+            displace(&mut states.block(), end as usize, 1 + end as usize);
+        }
+        evaluator.advance(&mut states, h)?;
+        let lasting = lasting(jump, [&close[0], &close[1]]);
+        let is_jump = |end: End| {
+            let point = Point::of(suspect, &states, end as usize, on_loop[end as usize]);
+            let moved = sides.sign * point.value - ends[end as usize].value;
+            moves_by_a_jump(jump, lasting, nearest(moved, period))
+        };
+        Ok(match is_jump(End::Low) && is_jump(End::High) {
+            true => Search::Found(found),
+            false => Search::Clean,
+        })
     };
-    // Values on one side, from its end outwards.
-    let beside = |end: End, s: &[f64]| -> Result<Vec<f64>, Error> {
-        let origin = ends[end as usize].value;
-        let points = image(s)?.into_iter();
-        let from_end = |point: Point| origin + nearest(sides.sign * point.value - origin, period);
-        Ok(points.map(from_end).collect())
-    };
-    bracket.space_out(|s| {
-        let on_loop: Vec<f64> = s.iter().map(|s| s.rem_euclid(1.0)).collect();
-        states_at(phase_loop, &on_loop)
-    });
     let mut close = ends.map(|point| vec![point.value]);
     for look in 0..LOOKS.len() {
         for (side, end) in close.iter_mut().zip([End::Low, End::High]) {
@@ -144,7 +156,7 @@ pub(super) fn follow(
             side.extend(beside(end, &s)?);
         }
         if stands_out(jump, [&close[0], &close[1]]) {
-            return confirmed();
+            return confirmed(&close);
         }
     }
     if !flickers(jump, [&close[0], &close[1]]) {
@@ -160,7 +172,7 @@ pub(super) fn follow(
             side.extend(beside(end, &s)?);
         }
         if is_between_levels(jump, [&around[0], &around[1]]) {
-            return confirmed();
+            return confirmed(&close);
         }
     }
     Ok(Search::Clean)

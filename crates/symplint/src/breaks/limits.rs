@@ -19,8 +19,9 @@ pub(super) const ROUNDINGS: f64 = 32.0;
 /// Suspected jumps of a loop that are followed.
 pub(super) const MOST_SUSPECTS: usize = 4;
 
-/// Evaluations that following one may take: 6 samples around it, fewer than 54 halvings, those beside it, and both ends again.
-pub(super) const OF_A_SUSPECT: usize = 6 + 54 + 2 * LOOKS[1] + 2 * REPETITIONS;
+/// Evaluations that following one may take: 6 samples around it, fewer than 54 halvings, those beside it, and both ends
+/// again, displaced, too.
+pub(super) const OF_A_SUSPECT: usize = 6 + 54 + 2 * LOOKS[1] + OF_A_CONFIRMATION;
 
 /// The step that two smooth sides leave between them keeps its size as the map is evaluated more closely: what is
 /// smaller than this part of what was expected is none.
@@ -42,25 +43,17 @@ pub(super) const NARROWEST: f64 = 0.25 * f64::EPSILON;
 /// at a second one if need be.
 pub(crate) const LOOKS: [usize; 2] = [3, 6];
 
-/// Their smallest distance: 32 doubles, so that the rounding of s is not part of the noise, and nothing on the scale of a loop.
+/// Their distance: 32 doubles, so that the rounding of s is not part of the noise, and nothing on the scale of a loop.
 pub(super) const SPACING: f64 = 32.0 * f64::EPSILON;
 
-/// Their distance is this factor larger, as often as necessary, until rounding is a small part of the motion of the states.
-pub(super) const WIDENING: f64 = 8.0;
-
-/// Distances that are tried: the largest is 1e-6 of the loop, where a coordinate next to its turning point has moved by 1e-11 of
-/// its size.
-pub(super) const WIDENINGS: usize = 10;
-
-/// Every coordinate that moves changes by at least this many roundings from one of these states to the next.
-pub(super) const ROUNDINGS_OF_A_STEP: f64 = 8.0;
-
-/// A break is this many times the typical step from one of these states to the next. Derived: such a step is
-/// [`ROUNDINGS_OF_A_STEP`] roundings of the state times the slope, so that a break exceeds the slope times 32 roundings.
-pub(super) const STEPS_OF_A_JUMP: f64 = 4.0;
+/// The ends of a break are displaced by about this many roundings: what the map makes of one rounding is then an eighth of the change.
+pub(super) const ROUNDINGS_OF_A_STATE: f64 = 8.0;
 
 /// Times that both ends of a break are evaluated again, each time in another order.
 pub(crate) const REPETITIONS: usize = 2;
+
+/// Evaluations for that, and for both ends displaced.
+pub(crate) const OF_A_CONFIRMATION: usize = 2 * REPETITIONS + 2;
 
 /// How far from a jump these states reach.
 pub(crate) const REACH_BESIDE: f64 = (LOOKS[1] - 1) as f64 * SPACING;
@@ -80,7 +73,8 @@ pub(crate) const DISTANCES_AROUND: [f64; 5] = [
     SPACING * 64.0,
 ];
 
-/// A break is this many times the noise beside it.
+/// A break is this many times the noise beside it, and the typical step from one of the states beside it to the next: this is the slope
+/// times the rounding of states, or more.
 pub(super) const NOISES_OF_A_JUMP: f64 = 8.0;
 
 /// Sizes of a jump at different spacings, or when it is evaluated again, agree to this part.

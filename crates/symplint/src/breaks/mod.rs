@@ -14,9 +14,12 @@ mod residual;
 mod search;
 
 pub(crate) use bracket::{
-    Bracket, End, Progress, flickers, is_between_levels, is_repeated, scatter, stands_out,
+    Bracket, End, Progress, displace, flickers, is_between_levels, is_repeated, lasting,
+    moves_by_a_jump, scatter, stands_out,
 };
-pub(crate) use limits::{AROUND_A_ZONE, DISTANCES_AROUND, LOOKS, REACH_BESIDE, REPETITIONS};
+pub(crate) use limits::{
+    AROUND_A_ZONE, DISTANCES_AROUND, LOOKS, OF_A_CONFIRMATION, REACH_BESIDE, REPETITIONS,
+};
 pub(crate) use little::little_jumps;
 pub(crate) use residual::{
     Coordinate, GROUP, REACH, Residuals, Suspect, Window, most_outstanding, rounding,

@@ -14,6 +14,9 @@ pub(crate) const LEAST_PHASE_ADVANCE: f64 = 0.05;
 /// a defect from 0.2 on.
 pub(crate) const LEAST_DEFORMATION: f64 = 0.2;
 
+/// The defect that a larger step would show stands clear of its bound by this factor. Conventional: one digit.
+const CLEAR_OF_BOUND: f64 = 10.0;
+
 /// Motions that grow by no more than this factor do not depend on the step size, which is at least four times as large.
 /// Conventional.
 const MOST_INDEPENDENT: f64 = 2.0;
@@ -96,7 +99,7 @@ impl Motion {
 
 /// A random loop after a larger step, or a larger one for a map without a step size: it is looked at where no other loop
 /// moves enough to show the defect of an accurate method.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Reach {
     /// The step size, or the radii of the loop, are this number of times the largest ones of the other loops.
@@ -118,17 +121,25 @@ impl Reach {
         self.step.is_significant()
     }
 
-    /// Whether the larger step moves the loop enough to show a defect above its bound, or no more than this motion: then the
-    /// map is no approximation that gets worse with h.
+    /// Whether the larger step moves the loop enough to show a defect above its bound; or is a kick or a free flight alone, as
+    /// this motion is; or moves no more than this: then the map is no approximation that gets worse with h.
     pub(crate) fn settles(&self, motion: Motion) -> bool {
-        self.step
-            .motion
-            .is_some_and(|moved| moved.tests(self.step.bound()) || !self.is_further(motion))
+        let shows = |moved: Motion| match moved.shear {
+            true => moved.deformation >= LEAST_DEFORMATION,
+            false => defect_of_order_4(moved.phase_advance) >= CLEAR_OF_BOUND * self.step.bound(),
+        };
+        (self.step.motion).is_some_and(|moved| {
+            shows(moved) || motion.shear && moved.shear || !self.is_further(motion)
+        })
     }
 
     /// Whether the loop moves more than by this motion.
     pub(crate) fn is_further(&self, motion: Motion) -> bool {
-        let most = MOST_INDEPENDENT * motion.phase_advance;
-        (self.step.motion).is_none_or(|moved| moved.shear || moved.phase_advance > most)
+        let far = |moved: f64, before: f64| moved > MOST_INDEPENDENT * before;
+        (self.step.motion).is_none_or(|moved| match (motion.shear, moved.shear) {
+            (true, true) => far(moved.deformation, motion.deformation),
+            (false, true) => true,
+            _ => far(moved.phase_advance, motion.phase_advance),
+        })
     }
 }

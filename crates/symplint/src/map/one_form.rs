@@ -78,8 +78,7 @@ impl<F: OneForm + ?Sized> OneForm for Box<F> {
 /// A map in non-canonical coordinates z as a canonical one of the points (z, ϑ(z)).
 ///
 /// The map takes states as all maps do: the first half of the coordinates are its "positions", the others its "momenta", such
-/// as x and v of a charged particle. A map of as many degrees of freedom as the form has coordinates, such as the three of a spin,
-/// has all of them as "positions", and does not use its momenta. What is tested has n degrees of freedom: its positions are all coordinates z, its momenta
+/// as x and v of a charged particle. [`of_positions`](Self::of_positions) is for other numbers of coordinates. What is tested has n degrees of freedom: its positions are all coordinates z, its momenta
 /// are ϑ(z). Reports number them so: degree of freedom i is the coordinate z_i.
 ///
 /// ```
@@ -121,11 +120,26 @@ impl<M: TimeAdvance, F: OneForm> NonCanonical<M, F> {
     /// weights are not used, as the one-form says what momenta are.
     ///
     /// # Errors
-    /// If the form has neither twice as many coordinates as the map has degrees of freedom, nor as many.
+    /// If the form has not twice as many coordinates as the map has degrees of freedom.
     pub fn new(map: M, form: F) -> Result<Self, Error> {
-        let (dof, n) = (map.dof(), form.dimension());
-        if n != 2 * dof && n != dof {
-            return Err(Error::FormDimension { dimension: n, dof });
+        let n = 2 * map.dof();
+        Self::of_dimension(map, form, n)
+    }
+
+    /// The same for a map whose positions are all coordinates z, and which does not use its momenta: three of a spin.
+    ///
+    /// # Errors
+    /// If the form has not as many coordinates as the map has degrees of freedom.
+    pub fn of_positions(map: M, form: F) -> Result<Self, Error> {
+        let n = map.dof();
+        Self::of_dimension(map, form, n)
+    }
+
+    fn of_dimension(map: M, form: F, n: usize) -> Result<Self, Error> {
+        let dof = map.dof();
+        if form.dimension() != n {
+            let dimension = form.dimension();
+            return Err(Error::FormDimension { dimension, dof });
         }
         let of_map = map.coordinates();
         let periods = (0..dof).map(|i| of_map.period(i));

@@ -32,12 +32,12 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The order that the slope stands for: the whole number within 0.15 of it, if a mean slope is known as well. `None` for
-    /// other slopes: the range is not asymptotic.
+    /// The order that the slope stands for: the whole number within 0.15 of it, and of all local slopes of which it is the mean.
+    /// `None` for other slopes: the range is not asymptotic.
     pub fn whole(&self) -> Option<f64> {
         let whole = self.slope.round();
-        let is_sure = self.slope == whole || self.uncertainty <= WHOLE;
-        (is_sure && (self.slope - whole).abs() <= WHOLE).then_some(whole)
+        let distance = (self.slope - whole).abs();
+        (distance == 0.0 || distance + self.uncertainty <= WHOLE).then_some(whole)
     }
 }
 
@@ -79,7 +79,11 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     };
     let of_defects = wide(data).then(|| whole_law(data).or_else(|| plain_law(data)));
     let changes = differences(&known);
-    let changes = &clear(&changes)[..];
+    // At smaller steps, but for one, the constant alone is seen: no local slope differs from 0.
+    let is_seen = |(change, known): (&Datum, &Datum)| change.1.abs() > WHOLE * known.1.abs();
+    let seen = changes.iter().zip(&known).position(is_seen);
+    let changes = &changes[seen.unwrap_or(changes.len()).saturating_sub(1)..];
+    let changes = &clear(changes)[..];
     let of_changes = wide(changes).then(|| whole_law(changes)).flatten();
     let is_negative = |h: f64| h < 0.0;
     let backwards = (evidence.steps.iter()).all(|step| step.step_size.is_some_and(is_negative));
@@ -94,14 +98,21 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
         from: sign * data[0].0,
         to: sign * data[data.len() - 1].0,
     };
+    let with_constant = |law: (f64, f64)| {
+        // The defects between which the changes are.
+        let first = known.iter().position(|known| known.0 == changes[0].0)?;
+        let data = &known[first..=first + changes.len()];
+        constant(data, law.0).map(|constant| fit(law, Some(constant), data))
+    };
     match (of_defects.flatten(), of_changes) {
-        // A defect that does not fall has no order, even if a smaller part of it falls.
         (Some(law), None) => Some(fit(law, None, data)),
-        (Some(law), Some(_)) if law.0 <= TREND => Some(fit(law, None, data)),
         (Some(law), Some(other)) if (law.0 - other.0).abs() <= WHOLE => Some(fit(law, None, data)),
+        (Some(law), Some(other)) if law.0 <= TREND => {
+            with_constant(other).or_else(|| Some(fit(law, None, data)))
+        }
         // No order fits both.
         (Some(law), Some(_)) if law.0.fract() == 0.0 => None,
-        (_, Some(law)) => constant(data, law.0).map(|constant| fit(law, Some(constant), data)),
+        (_, Some(law)) => with_constant(law),
         (None, None) => None,
     }
 }
@@ -201,14 +212,14 @@ fn constant(data: &[Datum], order: f64) -> Option<f64> {
     is_known.then(|| first.1 - (second.1 - first.1) / growth)
 }
 
-/// The mean slope of log |E| over log h, and half the spread of the local slopes.
+/// The mean slope of log |E| over log h, and how far local slopes are from it.
 fn plain_law(data: &[Datum]) -> Option<(f64, f64)> {
     if (data.windows(2)).any(|pair| pair[0].1.signum() != pair[1].1.signum()) {
         return None;
     }
     let (low, high) = local_slopes(data);
     let mean = local_slope(&data[0], &data[data.len() - 1]);
-    let uncertainty = (high - low) / 2.0;
+    let uncertainty = (high - mean).max(mean - low);
     (uncertainty <= MOST_UNCERTAIN).then_some((mean, uncertainty))
 }
 

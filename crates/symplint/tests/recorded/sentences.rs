@@ -3,7 +3,8 @@
 use serde_json::json;
 use symplint::breaks::Break;
 use symplint::evidence::{
-    Contraction, LongTime, Motion, OutputFormat, OutputPrecision, Scatter, Sector, SubstepDefect,
+    Contraction, LongTime, Motion, OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind,
+    Sector, SubstepDefect,
 };
 use symplint::verdict::{Advice, Change, Finding, Growth, Step, StepRange};
 
@@ -374,6 +375,7 @@ fn of_findings() {
                 coordinate: 'p',
                 dof: 2,
                 size: 3e-9,
+                kind: ScatterKind::Noise,
             }),
             Finding::Evaluations {
                 made: 12,
@@ -381,6 +383,11 @@ fn of_findings() {
             },
         ],
     );
+    let rank = Rank { rank: 2, of: 3 };
+    for given in [None, Some(1e-14)] {
+        write(text, [Finding::DegenerateForm { rank, given }]);
+    }
+    write(text, [Finding::LosesRank { rank }]);
     for (given, beside) in [(None, None), (Some(1e-14), Some((3, 0.2)))] {
         write(
             text,

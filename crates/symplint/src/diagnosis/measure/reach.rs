@@ -2,7 +2,7 @@
 
 use super::{Given, Run, of_the_map};
 use crate::diagnosis::initial_samples::InitialSamples;
-use crate::diagnosis::limits::{LARGER, MOST_REACHES};
+use crate::diagnosis::limits::{LARGER, MOST_HALVINGS, MOST_LARGER, SMALLEST_SHEAR};
 use crate::diagnosis::random_loops::loop_of_kind;
 use crate::diagnosis::step_sizes::step_sizes;
 use crate::error::Error;
@@ -12,8 +12,7 @@ use crate::rules::Subject;
 
 impl Run<'_> {
     /// A random loop after a larger step, or a larger loop for a map without a step size, if no loop shows a defect or moves
-    /// enough to show one: an accurate method that is not symplectic shows it there. A kick or a free flight alone is no
-    /// approximation in h, and no step size shows more of it.
+    /// enough to show one: an accurate method that is not symplectic shows it there.
     pub(super) fn reach(&mut self, subject: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
         let diagnostic = self.diagnostic;
         let loops = &self.evidence.loops;
@@ -27,27 +26,37 @@ impl Run<'_> {
         let Some((motion, _)) = little.filter(|_| !shown) else {
             return Ok(());
         };
-        if diagnostic.has_step_size && motion.shear {
-            return Ok(());
-        }
         let start = self.count.made();
         let found = match diagnostic.has_step_size {
-            true => self.larger_step(subject, given),
+            true => self.larger_step(subject, given, motion),
             false => self.larger_loop(subject, given),
         };
         self.evidence.evaluations.random_loops += self.count.made() - start;
         self.evidence.reach = match found {
             Err(Error::BudgetSpent { .. }) => None,
+            Err(error) if of_the_map(&error) => None,
             found => found?,
         };
         Ok(())
     }
 
-    /// The largest step that advances the motions by about a radian or less, or shorter ones if it breaks the loop.
-    fn larger_step(&self, subject: Subject<'_>, given: &Given<'_>) -> Result<Option<Reach>, Error> {
-        let largest = step_sizes(subject, self.largest)?.first().copied();
+    /// The largest step that advances the motions by about a radian or less, or shorter ones if it breaks the loop. What
+    /// looks like a kick or a free flight alone is first taken to deform the loop by about its size.
+    fn larger_step(
+        &self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+        motion: Motion,
+    ) -> Result<Option<Reach>, Error> {
+        let octaves = match motion.shear {
+            true if motion.deformation < SMALLEST_SHEAR => return Ok(None),
+            true => -motion.deformation.log2().ceil(),
+            false => 0.0,
+        };
+        let start = self.largest * octaves.max(0.0).exp2();
+        let largest = step_sizes(subject, start)?.first().copied();
         let mut h = largest.unwrap_or(self.largest);
-        for _ in 0..MOST_REACHES {
+        for _ in 0..MOST_HALVINGS {
             if h.abs() <= self.largest.abs() {
                 break;
             }
@@ -55,7 +64,7 @@ impl Run<'_> {
             if found.is_some() {
                 return Ok(found);
             }
-            h /= LARGER;
+            h /= 2.0;
         }
         Ok(None)
     }
@@ -63,7 +72,7 @@ impl Run<'_> {
     /// Larger and larger loops, up to one that moves enough or shows a defect, or the last one on which the map works.
     fn larger_loop(&self, subject: Subject<'_>, given: &Given<'_>) -> Result<Option<Reach>, Error> {
         let mut last = None;
-        for k in 1..=MOST_REACHES {
+        for k in 1..=MOST_LARGER {
             let factor = LARGER.powi(k as i32);
             let mut size = given.size.clone();
             size.radius

@@ -31,10 +31,7 @@ pub(super) fn break_uncertainty(refinement: &mut Refinement<'_>) -> Result<f64, 
             let [low, high] = refinement.breaks[at.index].sides;
             [low - at.free, high + at.free]
         })
-        .map(|s| At {
-            curve: 0,
-            s: s.rem_euclid(1.0),
-        })
+        .map(|s| At::on(0, s.rem_euclid(1.0)))
         .collect();
     for at in &uncertain {
         let found = &mut refinement.breaks[at.index];

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::lift::Lift;
+use crate::breaks::displace;
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::Evaluator;
@@ -38,6 +39,19 @@ pub(super) struct At {
     pub curve: usize,
     /// s of the loop, t of a segment.
     pub s: f64,
+    /// How the state is displaced by a few roundings: 0 if it is not.
+    pub pattern: usize,
+}
+
+impl At {
+    /// A point that is not displaced.
+    pub fn on(curve: usize, s: f64) -> Self {
+        At {
+            curve,
+            s,
+            pattern: 0,
+        }
+    }
 }
 
 /// What a step makes of a point of a curve: the states before each substep that it meets, and after the last.
@@ -80,22 +94,6 @@ impl Image {
 impl Curves<'_> {
     pub fn dof(&self) -> usize {
         self.phase_loop.dof()
-    }
-
-    /// The states of a curve at some parameters, before the step or the substep that it meets first.
-    pub fn states(&self, curve: usize, s: &[f64]) -> Ensemble {
-        let points: Vec<At> = s
-            .iter()
-            .map(|&s| At {
-                curve,
-                s: s.clamp(0.0, 1.0),
-            })
-            .collect();
-        let substep = match curve {
-            0 => 0,
-            _ => self.segments[curve - 1].substep,
-        };
-        self.before(&points, substep)
     }
 
     /// The states at `points` of curves that meet `substep` first, before it.
@@ -142,7 +140,7 @@ impl Curves<'_> {
         let mut index_of = HashMap::with_capacity(points.len());
         let indices: Vec<usize> = (points.iter())
             .map(|&at| {
-                *(index_of.entry((at.curve, at.s.to_bits()))).or_insert_with(|| {
+                *(index_of.entry((at.curve, at.s.to_bits(), at.pattern))).or_insert_with(|| {
                     different.push(at);
                     different.len() - 1
                 })
@@ -162,9 +160,14 @@ impl Curves<'_> {
 
     fn images_of_each(&self, points: &[At], substep: usize) -> Result<Vec<Image>, Error> {
         let mut states = self.before(points, substep);
+        for (k, point) in points.iter().enumerate() {
+            if point.pattern > 0 {
+                displace(&mut states.block(), k, point.pattern);
+            }
+        }
         let mut stages = Vec::new();
         let position = |sample: usize| match points[sample] {
-            At { curve: 0, s } => StateAt::Loop(s),
+            At { curve: 0, s, .. } => StateAt::Loop(s),
             At { s, .. } => StateAt::Segment(s),
         };
         let at = |error: Error| error.at(position);

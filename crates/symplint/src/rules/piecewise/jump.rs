@@ -6,8 +6,8 @@ use super::lobatto::{evaluate, polynomial};
 use super::piece::{Piece, Smooth};
 use super::scales::Scales;
 use crate::breaks::{
-    AROUND_A_ZONE, Bracket, DISTANCES_AROUND, End, LOOKS, Progress, REPETITIONS, flickers,
-    is_between_levels, is_repeated, scatter, stands_out,
+    AROUND_A_ZONE, Bracket, DISTANCES_AROUND, End, LOOKS, OF_A_CONFIRMATION, Progress, REPETITIONS,
+    flickers, is_between_levels, is_repeated, lasting, moves_by_a_jump, scatter, stands_out,
 };
 use crate::signal::nearest;
 use crate::state::{Coordinates, period};
@@ -29,9 +29,9 @@ pub(super) struct Jump {
     around: [Vec<Image>; 2],
     /// Which of [`DISTANCES_AROUND`] they have, if the map flickers beside it.
     zone: Option<usize>,
-    /// Times that both ends were asked for again; `None` before that.
+    /// Times that both ends were advanced again; `None` before that.
     repetitions: Option<usize>,
-    /// Whether they had the same jump each time.
+    /// Whether they had the same jump each time, and moved by no more than that when they were displaced.
     is_repeated: bool,
     /// Where the jump points, for each coordinate.
     direction: Vec<f64>,
@@ -46,8 +46,8 @@ pub(super) struct Jump {
     pub fallback: Smooth,
 }
 
-/// States that a jump may ask for beside it, and its ends again.
-const BESIDE: usize = 2 * (LOOKS[LOOKS.len() - 1] - 1) + 2 * REPETITIONS;
+/// States that a jump may ask for beside it, and its ends again and displaced.
+const BESIDE: usize = 2 * (LOOKS[LOOKS.len() - 1] - 1) + OF_A_CONFIRMATION;
 
 impl Jump {
     pub fn new(
@@ -82,7 +82,8 @@ impl Jump {
     /// What was granted for it and is not needed after all.
     pub fn refund(&self) -> usize {
         let beside: usize = self.beside.iter().map(|side| side.len() - 1).sum();
-        self.price - self.bracket.halvings() - beside - 2 * self.repetitions.unwrap_or(0)
+        let again = self.repetitions.map_or(0, |made| 2 + 2 * made);
+        self.price - self.bracket.halvings() - beside - again
     }
 
     /// The images of both ends.
@@ -117,32 +118,39 @@ impl Jump {
         self.bracket.halve(end, difference)
     }
 
-    /// The states beside it, or around its zone, that the next look needs and that are not known yet; or its ends again, in
-    /// another order each time.
+    /// The states beside it, or around its zone, that the next look needs and that are not known yet; or its ends again, in another
+    /// order each time, and displaced at first.
     pub fn surroundings(&self) -> impl Iterator<Item = At> {
-        let at = move |s: f64| At {
-            curve: self.piece.curve,
-            s: s.clamp(0.0, 1.0),
+        let curve = self.piece.curve;
+        let within = move |s: f64| match curve {
+            0 if (0.0..=1.0).contains(&s) => s,
+            0 => s.rem_euclid(1.0),
+            _ => s.clamp(0.0, 1.0),
         };
         self.order().into_iter().flat_map(move |end| {
-            let states: Vec<f64> = match self.zone {
-                _ if self.repetitions.is_some() => match end {
-                    End::Low => vec![self.bracket.low],
-                    End::High => vec![self.bracket.high],
-                },
-                None => {
+            let around = |distance: f64| self.bracket.around(end, distance);
+            let states: Vec<f64> = match (self.repetitions, self.zone) {
+                (Some(made), _) => {
+                    let once = if made == 0 { 2 } else { 1 };
+                    around(0.0).take(once).collect()
+                }
+                (None, None) => {
                     let known = self.beside[end as usize].len();
                     self.bracket.beside(end, self.looks).skip(known).collect()
                 }
-                Some(k) => (self.bracket.around(end, DISTANCES_AROUND[k]))
-                    .skip(1)
-                    .collect(),
+                (None, Some(k)) => around(DISTANCES_AROUND[k]).skip(1).collect(),
             };
-            states.into_iter().map(at)
+            // The second one of the same state is displaced.
+            let again = self.repetitions.is_some();
+            states.into_iter().enumerate().map(move |(k, s)| At {
+                curve,
+                s: within(s),
+                pattern: if again && k == 1 { 1 + end as usize } else { 0 },
+            })
         })
     }
 
-    /// In which order the ends are evaluated.
+    /// In which order the ends are advanced.
     fn order(&self) -> [End; 2] {
         match self.repetitions {
             Some(k) if k % 2 == 0 => [End::High, End::Low],
@@ -152,20 +160,21 @@ impl Jump {
 
     /// How many they are.
     pub fn missing(&self) -> usize {
-        match self.zone {
-            _ if self.repetitions.is_some() => 2,
-            None => (self.beside.iter())
+        match (self.repetitions, self.zone) {
+            (Some(0), _) => 4,
+            (Some(_), _) => 2,
+            (None, None) => (self.beside.iter())
                 .map(|side| LOOKS[self.looks] - side.len())
                 .sum(),
-            Some(_) => 2 * (AROUND_A_ZONE - 1),
+            (None, Some(_)) => 2 * (AROUND_A_ZONE - 1),
         }
     }
 
     /// How many of them were not granted with the jump.
     pub fn extra(&self) -> usize {
-        match self.repetitions {
-            None => self.zone.map_or(0, |_| self.missing()),
-            Some(_) => 0,
+        match (self.repetitions, self.zone) {
+            (None, Some(_)) => self.missing(),
+            _ => 0,
         }
     }
 
@@ -175,22 +184,38 @@ impl Jump {
         self.is_repeated && made < REPETITIONS
     }
 
+    /// Takes in both ends again, and displaced.
+    fn look_again(&mut self, images: &[Image], made: usize, coordinates: &Coordinates) {
+        let mut sides = images.split_at(images.len() / 2);
+        if self.order()[0] == End::High {
+            sides = (sides.1, sides.0);
+        }
+        let again = [sides.0, sides.1];
+        let jump = |[low, high]: [&Image; 2]| self.project(high.after(), low.after(), coordinates);
+        let [before, after] = [jump(self.ends()), jump(again.map(|side| &side[0]))];
+        self.is_repeated &= is_repeated(before, after);
+        let beside = self.beside.each_ref().map(Vec::as_slice);
+        let [low, high] = self.projected(beside, coordinates);
+        let lasting = lasting(before, [&low, &high]);
+        for end in [End::Low, End::High] {
+            let [from, moved] = match again[end as usize] {
+                [from, moved] => [from, moved].map(Image::after),
+                _ => continue,
+            };
+            let moved = self.project(moved, from, coordinates);
+            self.is_repeated &= moves_by_a_jump(after, lasting, moved);
+        }
+        self.repetitions = Some(made + 1);
+        if !self.is_repeated {
+            let ends = [self.bracket.low, self.bracket.high].into_iter().zip(again);
+            ends.for_each(|(s, side)| self.piece.replace(s, &side[0]));
+        }
+    }
+
     /// Takes their images in.
     pub fn look(&mut self, images: &[Image], coordinates: &Coordinates) {
         if let Some(made) = self.repetitions {
-            let mut again = [&images[0], &images[1]];
-            if self.order()[0] == End::High {
-                again.reverse();
-            }
-            let jump =
-                |[low, high]: [&Image; 2]| self.project(high.after(), low.after(), coordinates);
-            self.is_repeated &= is_repeated(jump(self.ends()), jump(again));
-            self.repetitions = Some(made + 1);
-            if !self.is_repeated {
-                let ends = [self.bracket.low, self.bracket.high].into_iter().zip(again);
-                ends.for_each(|(s, image)| self.piece.replace(s, image));
-            }
-            return;
+            return self.look_again(images, made, coordinates);
         }
         let (left, right) = images.split_at(images.len() / 2);
         for (k, images) in [left, right].into_iter().enumerate() {
@@ -223,8 +248,8 @@ impl Jump {
 
     /// The states of each side in the direction of the jump, from its own end, so that a wrap in between is none
     /// of it.
-    fn projected(&self, sides: &[Vec<Image>; 2], coordinates: &Coordinates) -> [Vec<f64>; 2] {
-        sides.each_ref().map(|side| {
+    fn projected(&self, sides: [&[Image]; 2], coordinates: &Coordinates) -> [Vec<f64>; 2] {
+        sides.map(|side| {
             let origin = side[0].after();
             let each = side.iter();
             each.map(|image| self.project(image.after(), origin, coordinates))
@@ -243,20 +268,23 @@ impl Jump {
             };
         }
         if self.zone.is_some() {
-            let [left, right] = self.projected(&self.around, coordinates);
+            let around = self.around.each_ref().map(Vec::as_slice);
+            let [left, right] = self.projected(around, coordinates);
             return match is_between_levels(jump, [&left, &right]) {
                 true => Judgement::Break,
                 false => Judgement::LookAround,
             };
         }
-        let apart = |c: usize| nearest(high[c] - low[c], period(coordinates, c)).abs();
+        let sizes = self.sizes(coordinates);
+        let apart = |c: usize| sizes[c];
         let mut all = 0..2 * coordinates.dof();
         let is_rounding = (scales.grain.as_ref())
             .is_some_and(|grain| !all.clone().any(|c| grain.is_exceeded(c, apart(c))));
         let large = (all.clone()).any(|c| scales.weight(c) * apart(c) > LARGE);
         // The steps of a grid are jumps with nothing beside them, and noise all the same.
         let no_step = all.any(|c| apart(c) > self.piece.allowance(c, scales));
-        let [left, right] = self.projected(&self.beside, coordinates);
+        let beside = self.beside.each_ref().map(Vec::as_slice);
+        let [left, right] = self.projected(beside, coordinates);
         let sides = [&left[..], &right[..]];
         if is_rounding {
             Judgement::Noise
@@ -271,6 +299,13 @@ impl Jump {
         } else {
             Judgement::Noise
         }
+    }
+
+    /// How far each coordinate jumps.
+    pub fn sizes(&self, coordinates: &Coordinates) -> Vec<f64> {
+        let [low, high] = self.ends().map(Image::after);
+        let jump = |c: usize| nearest(high[c] - low[c], period(coordinates, c)).abs();
+        (0..2 * coordinates.dof()).map(jump).collect()
     }
 
     /// How far each coordinate scatters beside it.

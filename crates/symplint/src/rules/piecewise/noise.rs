@@ -19,10 +19,9 @@ pub(super) fn points(curve: usize, [a, b]: [f64; 2]) -> impl Iterator<Item = At>
     };
     NOISE_SITES.into_iter().flat_map(move |site| {
         let first = a + site * length;
-        NOISE_POINTS.into_iter().map(move |x| At {
-            curve,
-            s: first + spacing * x,
-        })
+        NOISE_POINTS
+            .into_iter()
+            .map(move |x| At::on(curve, first + spacing * x))
     })
 }
 

@@ -136,10 +136,7 @@ impl Piece {
 
     /// Where they are.
     pub fn missing_points(&self) -> impl Iterator<Item = At> {
-        self.missing().map(|k| At {
-            curve: self.curve,
-            s: self.point(k),
-        })
+        self.missing().map(|k| At::on(self.curve, self.point(k)))
     }
 
     /// Takes their images in.

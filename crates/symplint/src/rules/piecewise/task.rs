@@ -38,6 +38,8 @@ pub(super) struct Outcome {
     pub found: Option<Found>,
     /// Whether the map may have noise.
     pub noisy: bool,
+    /// The size of each coordinate of a jump that was noise.
+    pub noise: Option<Vec<f64>>,
     /// What was granted and is not needed.
     pub refund: usize,
     /// The piece unchanged: it is done where there is nothing to do next, or no means to.
@@ -49,15 +51,12 @@ impl Task {
     pub fn points(&self) -> Vec<At> {
         match self {
             Task::Look(piece) => piece.missing_points().collect(),
-            Task::Halve(jump) => vec![At {
-                curve: jump.piece.curve,
-                s: jump.bracket.middle(),
-            }],
+            Task::Halve(jump) => vec![At::on(jump.piece.curve, jump.bracket.middle())],
             Task::Confirm(jump) => jump.surroundings().collect(),
             Task::CheckTurningPoints(piece, _, turning) => {
                 let curve = piece.curve;
                 let points = turning.expected.iter();
-                points.map(|&(s, _)| At { curve, s }).collect()
+                points.map(|&(s, _)| At::on(curve, s)).collect()
             }
             Task::EstimateNoise(piece) => noise::points(piece.curve, [piece.a, piece.b]).collect(),
         }

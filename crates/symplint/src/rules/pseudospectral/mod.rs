@@ -266,6 +266,25 @@ mod tests {
     }
 
     #[test]
+    fn a_coordinate_at_rest_has_no_regularity() {
+        let n = 512;
+        let angle = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
+        let q: Vec<f64> = (0..n)
+            .map(|k| angle(k).cos() + 0.2 * angle(k).sin().powi(2))
+            .collect();
+        let of = |q: &[f64], p: &[f64]| {
+            Workspace::lend(&transform(n), |workspace| workspace.integrate(q, p, 0.0))
+        };
+        for rest in [0.0, 1e-300, 3.0] {
+            let rest = vec![rest; n];
+            for found in [of(&q, &rest), of(&rest, &q)] {
+                assert!(found.regularity.is_none_or(|s| s > 6.0), "{found:?}");
+                assert!(found.value.abs() <= found.roundoff + found.quadrature_error.unwrap());
+            }
+        }
+    }
+
+    #[test]
     fn units_of_coordinates_scale_every_estimate() {
         // Jumps too small for the error of the highest modes to show.
         let n = 512;

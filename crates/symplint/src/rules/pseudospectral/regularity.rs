@@ -109,6 +109,25 @@ mod tests {
     }
 
     #[test]
+    fn noise_does_not_make_an_analytic_loop_rough_nor_a_kink_smooth() {
+        let noise = |s: f64| ((s * 12.9898).sin() * 43758.5453).fract() - 0.5;
+        let distance = |s: f64| (s - 0.3).abs().min(1.0 - (s - 0.3).abs());
+        for samples in [64, 128, 256, 512, 1024, 2048, 4096] {
+            for size in [1e-14, 1e-12, 1e-9] {
+                let analytic = exponent(samples, |s| {
+                    (TAU * s).cos() + 0.3 * (0.4 * (TAU * s).sin()).sin() + size * noise(s)
+                });
+                // Of noise alone the exponent is −½.
+                let smooth = analytic > 4.5 || analytic < 0.25;
+                assert!(smooth, "{samples}, {size:e}: {analytic}");
+                let kink = exponent(samples, |s| (TAU * s).sin() + distance(s) + size * noise(s));
+                let kinked = samples < 256 || (kink - 1.5).abs() < 0.3;
+                assert!(kinked, "{samples}, {size:e}: {kink}");
+            }
+        }
+    }
+
+    #[test]
     fn few_modes_or_none_tell_nothing() {
         assert_eq!(sobolev_exponent(&[0.0; 6], 0.0), None);
         assert_eq!(sobolev_exponent(&[0.0; 6], 1e-16), None);

@@ -172,9 +172,11 @@ impl Case<'_> {
     }
 
     /// What to do if little motion is a reason to stay undecided: an accurate method that is not symplectic would look the
-    /// same. A kick, a free flight or a map without a step size approximates nothing: the map itself is what is judged.
+    /// same. A map without a step size approximates nothing: it is judged itself, and so is a kick or a free flight of which a
+    /// larger step shows no more.
     fn moves_too_little(&self, motion: Motion, step_size: Option<f64>) -> Option<Advice> {
-        let of_map = !self.is_sampled() && (!self.has_step_size() || motion.shear && motion.moves);
+        let of_map = !self.has_step_size();
+        let kicks = !self.is_sampled() && motion.shear && motion.moves;
         match self.evidence.reach {
             Some(reach) if reach.shows_defect() => Some(match reach.step.step_size {
                 Some(_) => Advice::LargerSteps {
@@ -186,7 +188,7 @@ impl Case<'_> {
                 },
             }),
             Some(reach) if of_map || reach.settles(motion) => None,
-            None if of_map => None,
+            None if of_map || kicks => None,
             _ => Some(self.advice_on_motion(motion, step_size, self.bound_of_loops())),
         }
     }
@@ -196,12 +198,16 @@ impl Case<'_> {
         &self,
         motion: Motion,
         group: Option<usize>,
-        advice: Advice,
+        mut advice: Advice,
     ) -> Decision {
         let mut decision = self.because(Finding::LittleMotion { motion, group }, Vec::new());
         // More evaluations do not move them.
-        decision.advice = self.balanced_radii(motion).into_iter().collect();
-        decision.advice.push(advice);
+        let of_radii = self.balanced_radii(motion);
+        // How much larger depends on the radii.
+        if let (Some(_), Advice::LargerSteps { factor, .. }) = (&of_radii, &mut advice) {
+            *factor = None;
+        }
+        decision.advice = of_radii.into_iter().chain([advice]).collect();
         decision
     }
 

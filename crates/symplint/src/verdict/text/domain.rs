@@ -108,8 +108,8 @@ pub(super) fn degenerate_form(
 ) -> Result {
     write!(
         f,
-        "The form is degenerate: rank {rank} of {of}. A map that is symplectic on every leaf of it may change the integrals of \
-         loops that leave the leaf, and these loops do"
+        "The form is degenerate: rank {rank} of {of}. A map that is symplectic on every leaf need not conserve the integrals of \
+         loops that leave the leaf, nor the form on such tangent vectors: the changes that were found prove nothing"
     )?;
     match given {
         Some(bound) => write!(f, "; the given loop is conserved to {bound:.1e}."),
