@@ -64,7 +64,7 @@ fn the_error_of_a_step_is_not_hidden_by_a_small_budget() {
         };
         let circle = Circle::new(vec![1.0, 2.0], vec![0.5, 0.1], 1.0).unwrap();
         let told = match diagnostic.run(&map, &circle) {
-            Ok(found) => found.verdict.to_string(),
+            Ok(found) => format!("{:?}", found.verdict.findings),
             Err(error) => error.to_string(),
         };
         assert!(told.contains("cannot open restart.dat"), "{budget}: {told}");

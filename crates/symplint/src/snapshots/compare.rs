@@ -272,6 +272,10 @@ impl<'a> Initial<'a> {
             arcs: None,
         };
         initial.look_at_spacing(&rows)?;
+        if initial.broken.is_some() {
+            // The integral of a loop that is not closed has no known error.
+            initial.integral.quadrature_error = None;
+        }
         Ok(initial)
     }
 
