@@ -1125,7 +1125,7 @@ fn without_step_size(phase_advance: f64, signed: f64) -> Evidence {
         found.steps[0].step_size = None;
         found.steps[0].motion = Some(motion(phase_advance));
     }
-    evidence.radii = Some([0.25, 0.125]);
+    evidence.radii = Some([0.25, 0.5]);
     evidence
 }
 
@@ -1135,7 +1135,7 @@ fn a_map_without_a_step_size_is_judged_itself() {
     let verdict = judge(&evidence);
     assert_eq!(verdict.kind, Symplectic);
     let summary = "No defect above 1.0e-15 on the given loop, nor on a random one: on loops with radii up to 0.25 in q \
-                   and 0.125 in p.";
+                   and 0.50 in p.";
     assert_eq!(verdict.summary(), summary);
     // A larger loop that is conserved counts, and one that is not leaves it open.
     let mut reach = Reach::default();
@@ -1146,7 +1146,7 @@ fn a_map_without_a_step_size_is_judged_itself() {
     assert!(
         judge(&evidence)
             .summary()
-            .contains("radii up to 4 in q and 2 in p")
+            .contains("radii up to 4.00 in q and 8.00 in p")
     );
     reach.step.defect.signed = 1e-3;
     evidence.reach = Some(reach);
