@@ -123,12 +123,17 @@ impl Bracket {
 /// which are what the slope makes of the rounding of states; and whether the values on the two sides are as far apart as the
 /// ends, which one wrong state is not.
 pub(crate) fn stands_out(jump: f64, sides: [&[f64]; 2]) -> bool {
-    let [low, high] = sides.map(|side| median(side.iter().map(|x| x - side[0])));
-    let lasts = (jump + high - low) / jump > 0.5;
+    let lasts = lasting(jump, sides) / jump > 0.5;
     // Other breaks close by spoil two of five steps at most; at the first look there are two in all.
     let step = |side: &[f64]| median(side.windows(2).map(|x| (x[1] - x[0]).abs()));
     let climb = step(sides[0]).max(step(sides[1]));
     lasts && jump.abs() > NOISES_OF_A_JUMP * scatter(sides).max(climb)
+}
+
+/// How far the values on one side of a `jump` are from those on the other.
+pub(crate) fn lasting(jump: f64, sides: [&[f64]; 2]) -> f64 {
+    let [low, high] = sides.map(|side| median(side.iter().map(|x| x - side[0])));
+    jump + high - low
 }
 
 /// Displaces a state by a few roundings of each coordinate, one way in `pattern` 1 and the other way in pattern 2. The two differ in size,
@@ -149,10 +154,11 @@ pub(crate) fn displace(block: &mut Block<'_>, sample: usize, pattern: usize) {
     }
 }
 
-/// Whether a displaced end of a `jump` has `moved` by no more than the jump: what breaks the loop may be so close that the state is on
-/// its other side. On a slope it moves by several times the jump, as the jump is a rounding of the state times the slope.
-pub(crate) fn moves_by_a_jump(jump: f64, moved: f64) -> bool {
-    moved.abs() <= (1.0 + AGREES) * jump.abs()
+/// Whether a displaced end of a `jump` has `moved` by no more than the jump, or than the values on its sides are apart: what breaks the
+/// loop may be so close that the state is on its other side. On a slope it moves by several times the jump, as the jump is a
+/// rounding of the state times the slope.
+pub(crate) fn moves_by_a_jump(jump: f64, lasting: f64, moved: f64) -> bool {
+    moved.abs() <= (1.0 + AGREES) * jump.abs().max(lasting.abs())
 }
 
 /// Whether a jump that is evaluated `again` is the same.
@@ -269,9 +275,9 @@ mod tests {
             // A sum that a scaling of the state leaves 0, steep in either.
             let steep = moved(&|q, p| 1e9 * (q + 0.25 * p), pattern);
             let of_a_rounding = 1e9 * 0.125 * f64::EPSILON;
-            assert!(!moves_by_a_jump(of_a_rounding, steep), "{steep:e}");
+            assert!(!moves_by_a_jump(of_a_rounding, 0.0, steep), "{steep:e}");
             let flat = moved(&|q, p| 3.0 * q - p, pattern);
-            assert!(moves_by_a_jump(1e-11, flat), "{flat:e}");
+            assert!(moves_by_a_jump(1e-11, 0.0, flat), "{flat:e}");
         }
         // A root, from one side or the other.
         let root = |q: f64, _: f64| (q + 0.25).max(0.0).sqrt();
@@ -280,7 +286,7 @@ mod tests {
         assert!(
             above
                 .iter()
-                .any(|moved| !moves_by_a_jump(of_a_rounding, *moved)),
+                .any(|moved| !moves_by_a_jump(of_a_rounding, 0.0, *moved)),
             "{above:?}"
         );
     }

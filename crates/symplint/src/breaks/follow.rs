@@ -1,8 +1,8 @@
 //! Closing in on a suspected jump, one state at a time.
 
 use super::bracket::{
-    Bracket, End, Progress, displace, flickers, is_between_levels, is_repeated, moves_by_a_jump,
-    stands_out,
+    Bracket, End, Progress, displace, flickers, is_between_levels, is_repeated, lasting,
+    moves_by_a_jump, stands_out,
 };
 use super::limits::{
     AROUND_A_ZONE, DISTANCES_AROUND, LOOKS, REPETITIONS, ROUNDINGS, SAMPLES_OF_SIZE,
@@ -123,7 +123,7 @@ pub(super) fn follow(
         let from_end = |point: Point| origin + nearest(sides.sign * point.value - origin, period);
         Ok(points.map(from_end).collect())
     };
-    let confirmed = || -> Result<Search, Error> {
+    let confirmed = |close: &[Vec<f64>; 2]| -> Result<Search, Error> {
         for k in 0..REPETITIONS {
             let order = [1 - k % 2, k % 2];
             let points = image(&order.map(|end| ends[end].s))?;
@@ -138,10 +138,11 @@ pub(super) fn follow(
             displace(&mut states.block(), end as usize, 1 + end as usize);
         }
         evaluator.advance(&mut states, h)?;
+        let lasting = lasting(jump, [&close[0], &close[1]]);
         let is_jump = |end: End| {
             let point = Point::of(suspect, &states, end as usize, on_loop[end as usize]);
             let moved = sides.sign * point.value - ends[end as usize].value;
-            moves_by_a_jump(jump, nearest(moved, period))
+            moves_by_a_jump(jump, lasting, nearest(moved, period))
         };
         Ok(match is_jump(End::Low) && is_jump(End::High) {
             true => Search::Found(found),
@@ -155,7 +156,7 @@ pub(super) fn follow(
             side.extend(beside(end, &s)?);
         }
         if stands_out(jump, [&close[0], &close[1]]) {
-            return confirmed();
+            return confirmed(&close);
         }
     }
     if !flickers(jump, [&close[0], &close[1]]) {
@@ -171,7 +172,7 @@ pub(super) fn follow(
             side.extend(beside(end, &s)?);
         }
         if is_between_levels(jump, [&around[0], &around[1]]) {
-            return confirmed();
+            return confirmed(&close);
         }
     }
     Ok(Search::Clean)

@@ -14,8 +14,8 @@ mod residual;
 mod search;
 
 pub(crate) use bracket::{
-    Bracket, End, Progress, displace, flickers, is_between_levels, is_repeated, moves_by_a_jump,
-    scatter, stands_out,
+    Bracket, End, Progress, displace, flickers, is_between_levels, is_repeated, lasting,
+    moves_by_a_jump, scatter, stands_out,
 };
 pub(crate) use limits::{
     AROUND_A_ZONE, DISTANCES_AROUND, LOOKS, OF_A_CONFIRMATION, REACH_BESIDE, REPETITIONS,

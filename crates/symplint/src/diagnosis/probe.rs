@@ -69,6 +69,23 @@ impl<'a> Probe<'a> {
         self
     }
 
+    /// With a quadrature error of the step of size `h` that is at least this part of the initial integral; not known if there is none.
+    pub fn known_to(mut self, error: Option<f64>, h: f64) -> Self {
+        let size = self.initial.value.abs();
+        if let Some(known) = self.known.as_mut().filter(|known| known.h == h) {
+            let at_least = |known: Option<f64>, error: Option<f64>| {
+                known.zip(error).map(|(known, error)| known.max(error))
+            };
+            let Advanced {
+                integral, defect, ..
+            } = &mut known.advanced;
+            defect.quadrature_error = at_least(defect.quadrature_error, error);
+            integral.quadrature_error =
+                at_least(integral.quadrature_error, error.map(|error| error * size));
+        }
+        self
+    }
+
     /// What is known of the step of size `h`.
     pub fn known(&self, h: f64) -> Option<&Known> {
         self.known.as_ref().filter(|known| known.h == h)
@@ -112,7 +129,10 @@ impl<'a> Probe<'a> {
     /// With what the grain of the map leaves of the integral.
     fn rounded(&self, mut advanced: Advanced) -> Advanced {
         if let Some(grain) = self.subject.evaluator.grain() {
-            let of_integral = grain.of_integral(self.subject.coordinates());
+            let coordinates = self.subject.coordinates();
+            let noise = self.subject.evaluator.noise();
+            let of_noise = noise.map_or(0.0, |noise| grain.of_noise(&noise, coordinates));
+            let of_integral = grain.of_integral(coordinates) + of_noise;
             let relative = of_integral / self.initial.value.abs();
             advanced.defect.roundoff += relative;
             if let Some(closed) = &mut advanced.closed {

@@ -13,7 +13,7 @@ use super::probe::Probe;
 use super::refined_samples::{RefinedSamples, coarse, most_rounded};
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
-use crate::evidence::WEAKEST_BOUND;
+use crate::evidence::{SIGNIFICANT, WEAKEST_BOUND};
 use crate::rules::{Advanced, Cutoffs, Piecewise, Rule, Streaming, Subject};
 use crate::state::Ensemble;
 
@@ -194,8 +194,7 @@ impl Diagnostic {
                 }
                 return match pieces {
                     Some((pieces, of_pieces))
-                        if of_pieces < error
-                            || contradicts(&pieces, &probe, h, of_pieces + error) =>
+                        if of_pieces < error || apart(&pieces, &probe, h) > of_pieces + error =>
                     {
                         Ok(pieces)
                     }
@@ -221,8 +220,8 @@ impl Diagnostic {
         }
     }
 
-    /// The piecewise rule, cut at a feature that samples do not resolve. Without the evaluations for it, the error of the samples
-    /// is not known.
+    /// The piecewise rule, cut at a feature that samples do not resolve; or the samples, if both agree to an error that is as small.
+    /// Without evaluations for pieces, the error of the samples is not known.
     fn around_feature<'a>(
         &self,
         probe: Probe<'a>,
@@ -233,13 +232,21 @@ impl Diagnostic {
     ) -> Result<Probe<'a>, Error> {
         let subject = probe.subject;
         subject.evaluator.note_feature(s);
-        if let Some((pieces, _)) = self.tried(subject, refined, with, start)? {
-            return Ok(pieces);
-        }
-        let mut known = probe.known(with.h).expect("it was just measured").clone();
-        known.advanced.integral.quadrature_error = None;
-        known.advanced.defect.quadrature_error = None;
-        Ok(probe.knowing(known.h, known.advanced, known.evaluations))
+        let error = match self.tried(subject, refined, with, start)? {
+            None => None,
+            Some((pieces, of_pieces)) => {
+                let known = probe
+                    .known(with.h)
+                    .map(|known| known.advanced.defect.uncertainty());
+                let error = of_pieces + apart(&pieces, &probe, with.h);
+                // Where both agree, the feature is a small one, such as a jump that is too small to break the loop.
+                if known.is_none_or(|known| error > SIGNIFICANT * known) {
+                    return Ok(pieces);
+                }
+                Some(error)
+            }
+        };
+        Ok(probe.known_to(error, with.h))
     }
 
     /// The piecewise rule within the means of automatic choices.
@@ -385,18 +392,16 @@ impl Diagnostic {
     }
 }
 
-/// Whether pieces and samples differ by more than the uncertainties of both, `explained`: then the estimate of the samples bounds
+/// By how much pieces and samples differ. If it is by more than the uncertainties of both explain, the estimate of the samples bounds
 /// nothing, as the pieces resolve what the samples show, and more.
-fn contradicts(pieces: &Probe<'_>, samples: &Probe<'_>, h: f64, explained: f64) -> bool {
+fn apart(pieces: &Probe<'_>, samples: &Probe<'_>, h: f64) -> f64 {
     let signed = |probe: &Probe<'_>| {
         let advanced = &probe.known(h)?.advanced;
         let closed = advanced.closed.as_ref().map(|closed| closed.defect);
         Some(closed.unwrap_or(advanced.defect).signed)
     };
-    let apart = signed(pieces)
-        .zip(signed(samples))
-        .map(|(a, b)| (a - b).abs());
-    apart.is_some_and(|apart| apart > explained)
+    let both = signed(pieces).zip(signed(samples));
+    both.map_or(f64::INFINITY, |(a, b)| (a - b).abs())
 }
 
 /// The Sobolev exponent of a loop with kinks, on which twice the samples agree. That of a smooth loop

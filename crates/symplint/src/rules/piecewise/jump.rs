@@ -7,7 +7,7 @@ use super::piece::{Piece, Smooth};
 use super::scales::Scales;
 use crate::breaks::{
     AROUND_A_ZONE, Bracket, DISTANCES_AROUND, End, LOOKS, OF_A_CONFIRMATION, Progress, REPETITIONS,
-    flickers, is_between_levels, is_repeated, moves_by_a_jump, scatter, stands_out,
+    flickers, is_between_levels, is_repeated, lasting, moves_by_a_jump, scatter, stands_out,
 };
 use crate::signal::nearest;
 use crate::state::{Coordinates, period};
@@ -194,13 +194,16 @@ impl Jump {
         let jump = |[low, high]: [&Image; 2]| self.project(high.after(), low.after(), coordinates);
         let [before, after] = [jump(self.ends()), jump(again.map(|side| &side[0]))];
         self.is_repeated &= is_repeated(before, after);
+        let beside = self.beside.each_ref().map(Vec::as_slice);
+        let [low, high] = self.projected(beside, coordinates);
+        let lasting = lasting(before, [&low, &high]);
         for end in [End::Low, End::High] {
             let [from, moved] = match again[end as usize] {
                 [from, moved] => [from, moved].map(Image::after),
                 _ => continue,
             };
             let moved = self.project(moved, from, coordinates);
-            self.is_repeated &= moves_by_a_jump(after, moved);
+            self.is_repeated &= moves_by_a_jump(after, lasting, moved);
         }
         self.repetitions = Some(made + 1);
         if !self.is_repeated {
@@ -272,7 +275,8 @@ impl Jump {
                 false => Judgement::LookAround,
             };
         }
-        let apart = |c: usize| nearest(high[c] - low[c], period(coordinates, c)).abs();
+        let sizes = self.sizes(coordinates);
+        let apart = |c: usize| sizes[c];
         let mut all = 0..2 * coordinates.dof();
         let is_rounding = (scales.grain.as_ref())
             .is_some_and(|grain| !all.clone().any(|c| grain.is_exceeded(c, apart(c))));
@@ -295,6 +299,13 @@ impl Jump {
         } else {
             Judgement::Noise
         }
+    }
+
+    /// How far each coordinate jumps.
+    pub fn sizes(&self, coordinates: &Coordinates) -> Vec<f64> {
+        let [low, high] = self.ends().map(Image::after);
+        let jump = |c: usize| nearest(high[c] - low[c], period(coordinates, c)).abs();
+        (0..2 * coordinates.dof()).map(jump).collect()
     }
 
     /// How far each coordinate scatters beside it.

@@ -2,7 +2,7 @@
 
 use super::PiecewiseIntegral;
 use super::closure::Closing;
-use super::limits::{ESTIMATES, NEIGHBOURS, OF_AN_ESTIMATE};
+use super::limits::{ESTIMATES, NEIGHBOURS, OF_AN_ESTIMATE, OF_NOISE};
 use super::piece::Smooth;
 use super::refinement::Refinement;
 use super::under_resolved::{beside_samples, under_resolved};
@@ -106,9 +106,15 @@ pub(super) fn sum(
         .map(|piece| (piece.a, piece.b))
         .collect();
     unresolved.dedup();
+    // If more jumps were noise than breaks, those are noise that happened to look like breaks, unless they are larger.
+    let (noises, noise) = &refinement.noise;
+    let is_noisy = *noises > refinement.breaks.len();
     let is_substantial = |found: &Break| {
         let range = |c: usize| 2.0 * scales.size[c];
-        found.is_substantial([range(found.dof), range(dof + found.dof)])
+        let [q, p] = [found.dof, dof + found.dof];
+        let exceeds = |jump: f64, c: usize| jump.abs() > OF_NOISE * noise[c];
+        found.is_substantial([range(q), range(p)])
+            && (!is_noisy || exceeds(found.jump_q, q) || exceeds(found.jump_p, p))
     };
     let mut breaks = Vec::new();
     let (mut insubstantial, mut all_across, mut flickering) = (0.0, 0.0, 0);
@@ -139,6 +145,9 @@ pub(super) fn sum(
         }
         one
     });
+    if is_noisy {
+        breaks.retain(is_substantial);
+    }
     let broken = breaks.iter().any(is_substantial);
     // Rounding decides beside the breaks of a solver: their positions are known to a factor of two of the width of that zone,
     // and pairs of them in narrow stretches are missed. There may be as many of them as were found.

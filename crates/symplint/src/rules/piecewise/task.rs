@@ -38,6 +38,8 @@ pub(super) struct Outcome {
     pub found: Option<Found>,
     /// Whether the map may have noise.
     pub noisy: bool,
+    /// The size of each coordinate of a jump that was noise.
+    pub noise: Option<Vec<f64>>,
     /// What was granted and is not needed.
     pub refund: usize,
     /// The piece unchanged: it is done where there is nothing to do next, or no means to.
