@@ -461,7 +461,7 @@ pub enum Finding {
     /// What a larger step, or a larger loop of a map without a step size, shows of a map that moves loops little.
     Beyond {
         /// The loop.
-        reach: Reach,
+        reach: Box<Reach>,
         /// Whether it moves more than the other loops.
         more: bool,
     },
