@@ -319,7 +319,7 @@ pub fn check(
     if let Some(difference) = found.difference {
         // What they leave of each other's states is noise: the larger one counts.
         let scatter = &mut diagnosis.evidence.survey.scatter;
-        if scatter.is_none_or(|chance| difference.size > chance.size) {
+        if scatter.is_none_or(|of| !of.is_random() && difference.size > of.size) {
             *scatter = Some(difference);
             diagnosis.verdict = judge(&diagnosis.evidence);
         }

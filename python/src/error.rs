@@ -66,7 +66,7 @@ impl Failed {
             Error::StepFailed { at, step_size, .. } => Some(Self::at(*at, *step_size)),
             Error::Memory { s, step_size, .. } => Some(Failed {
                 h: *step_size,
-                s: Some(*s),
+                s: *s,
                 sample: None,
             }),
             Error::InStep { error, .. } => Self::of(error),

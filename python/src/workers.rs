@@ -6,7 +6,7 @@ use std::sync::Arc;
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use symplint::Ensemble;
-use symplint::evidence::Scatter;
+use symplint::evidence::{Scatter, ScatterKind};
 use symplint_journal::{Call, Journal, JournalError};
 
 use crate::arrays::{self, Arrays};
@@ -147,6 +147,7 @@ impl Workers {
                 coordinate,
                 dof,
                 size,
+                kind: ScatterKind::Noise,
             }),
         })
     }

@@ -185,7 +185,7 @@ def test_state_that_leaks_between_samples_is_named():
             self.heat += float((p**2).mean())
             return q, p
 
-    with pytest.raises(symplint.StepError, match="the map has a memory") as caught:
+    with pytest.raises(symplint.StepError, match="the result depends on earlier calls") as caught:
         symplint.check(Thermostat(), 1.0, 0.5)
     assert caught.value.h == 0.5 and 0.0 <= caught.value.s < 1.0
 

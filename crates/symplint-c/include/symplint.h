@@ -29,7 +29,7 @@ typedef enum {
    */
   SYMPLINT_STATUS_STEP_FAILED = 3,
   /**
-   * The diagnosis is not possible: the map has a memory, the loop has no area, and so on.
+   * The diagnosis is not possible: results depend on earlier calls, the loop has no area, and so on.
    */
   SYMPLINT_STATUS_FAILED = 4,
   /**

@@ -17,7 +17,7 @@ pub enum SymplintStatus {
     BadArgument = 2,
     /// The step failed, or returned states that are not finite, at all step sizes.
     StepFailed = 3,
-    /// The diagnosis is not possible: the map has a memory, the loop has no area, and so on.
+    /// The diagnosis is not possible: results depend on earlier calls, the loop has no area, and so on.
     Failed = 4,
     /// An error of this library. Please report it.
     Internal = 5,

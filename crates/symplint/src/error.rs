@@ -65,6 +65,28 @@ impl fmt::Display for StateAt {
     }
 }
 
+/// What the result of a step depends on, apart from h and the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Dependence {
+    /// The states that were advanced before.
+    EarlierCalls,
+    /// The other rows of the batch.
+    OtherRows,
+    /// One of the two.
+    Either,
+}
+
+impl fmt::Display for Dependence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Dependence::EarlierCalls => "earlier calls",
+            Dependence::OtherRows => "the other rows of the batch",
+            Dependence::Either => "earlier calls or on the other rows of the batch",
+        })
+    }
+}
+
 /// Errors of the diagnostic.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -210,16 +232,21 @@ pub enum Error {
     },
     /// The same state does not always become the same state.
     #[error(
-        "the map has a memory: the state at s = {s} of the loop comes out different {circumstance}, by \
-         {difference:.1e} in degree of freedom {dof}{}; let a step depend on nothing \
-         but h and the state itself",
+        "the result depends on {dependence}: the state{} gives another one {circumstance}, by {difference:.1e} in \
+         {coordinate}[{dof}]{}; let a step depend only on h and the state (if \
+         it draws random numbers: give every row and every call the same ones)",
+        match .s { Some(s) => format!(" at s = {s} of the loop"), None => String::new() },
         with(*.step_size)
     )]
     Memory {
         /// How it was advanced the second time.
         circumstance: &'static str,
-        /// The loop parameter.
-        s: f64,
+        /// What the result depends on.
+        dependence: Dependence,
+        /// The loop parameter, if the state is one of the given loop that was advanced to test this.
+        s: Option<f64>,
+        /// `'q'` or `'p'`.
+        coordinate: char,
         /// Degree of freedom.
         dof: usize,
         /// How far apart the two states are.
@@ -266,6 +293,21 @@ pub enum Error {
         dof: usize,
         /// The widest gap of all coordinates.
         gap: f64,
+    },
+    /// A loop function that does not repeat itself.
+    #[error(
+        "the loop function is random: at s = {s} of the loop, {coordinate}[{dof}] differs by {difference:.1e} when it is \
+         called again; let it depend only on s"
+    )]
+    RandomLoop {
+        /// The loop parameter.
+        s: f64,
+        /// `'q'` or `'p'`.
+        coordinate: char,
+        /// Degree of freedom.
+        dof: usize,
+        /// How far apart the two states are.
+        difference: f64,
     },
     /// A loop that winds round a torus, on which ∮ p·dq has no value.
     #[error(

@@ -34,7 +34,7 @@ fn a_fringe_field_is_symplectic_on_larger_loops_as_well() {
     assert!(json.contains("\"step_size\":null") && !json.contains("\"step_size\":1"));
     let read = serde_json::from_str(&json).unwrap();
     assert_eq!(found.evidence, read);
-    let text = found.verdict.to_string();
+    let text = found.verdict.summary() + &found.verdict.evidence().concat();
     assert!(
         !text.contains("h =") && !text.contains("step size"),
         "{text}"
@@ -61,7 +61,7 @@ fn larger_loops_end_where_the_map_does() {
     });
     let found = (Diagnostic::without_step_size().run(&map, &small_circle())).unwrap();
     assert_eq!(found.verdict.kind, VerdictKind::Symplectic);
-    assert_eq!(found.evidence.reach.unwrap().factor, 4.0);
+    assert!((4.0..64.0).contains(&found.evidence.reach.unwrap().factor));
 }
 
 #[test]
@@ -69,7 +69,8 @@ fn the_identity_is_named() {
     let map = PerSample::new(1, |_, _: &mut [f64], _: &mut [f64]| {});
     let found = (Diagnostic::without_step_size().run(&map, &small_circle())).unwrap();
     assert_eq!(found.verdict.kind, VerdictKind::Symplectic);
-    assert!(found.verdict.to_string().contains("leaves every state"));
+    let text = found.verdict.evidence().concat();
+    assert!(text.contains("leaves every state"), "{text}");
     // With a step size it is a step that returns nothing.
     let found = (Diagnostic::halving(-1, -4).run(&map, &small_circle())).unwrap();
     assert_eq!(found.verdict.kind, VerdictKind::Undecided);

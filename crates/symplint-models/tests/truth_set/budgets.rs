@@ -5,7 +5,7 @@ use std::fmt::Write;
 use rayon::prelude::*;
 
 use crate::member::{Expected, Subject};
-use crate::outcome::{Outcome, diagnose, outcome};
+use crate::outcome::{Outcome, diagnose, outcome, outcome_of_error};
 use crate::{FAMILIES, Family};
 
 /// Evaluations; the last is the default of maps that are called through other languages.
@@ -47,7 +47,17 @@ fn found(family: &Family, index: usize, budget: usize) -> Option<Found> {
         return None;
     };
     diagnostic.budget = Some(budget);
-    let outcome = diagnose(&member.subject).ok().map(|found| {
+    let found = diagnose(&member.subject);
+    if let Err(error) = &found
+        && let wrong @ Outcome::Wrong(_) = outcome_of_error(&member, error)
+    {
+        return Some(Found {
+            budget,
+            label: format!("{} {index}: {}", family.name, member.label),
+            outcome: Some(wrong),
+        });
+    }
+    let outcome = found.ok().map(|found| {
         match (member.truth.expected, found.verdict.digits) {
             // A small budget need not find it, as long as the digits that it states are not too many.
             (Expected::SmallDefect(defect), Some(digits)) if digits <= -defect.log10() => {

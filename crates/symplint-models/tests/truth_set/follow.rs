@@ -146,6 +146,7 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                 }
                 Advice::MoreDigits
                 | Advice::TightenSolver
+                | Advice::SameRandomNumbers
                 | Advice::SolverTolerance { .. }
                 | Advice::LetStepConverge { .. } => {
                     *map = full.clone()?;
@@ -259,6 +260,7 @@ fn lifts_a_limit(advice: &Advice) -> bool {
         advice,
         Advice::MoreDigits
             | Advice::TightenSolver
+            | Advice::SameRandomNumbers
             | Advice::SolverTolerance { .. }
             | Advice::LetStepConverge { .. }
     )

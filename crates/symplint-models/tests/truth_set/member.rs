@@ -47,13 +47,19 @@ pub enum Expected {
         /// Whether the map is symplectic but for its breaks.
         whole: bool,
     },
+    /// Symplectic with noise: random numbers, if it is large; else this number of digits at most.
+    Noisy { most_digits: f64 },
+    /// It is no map: results depend on earlier calls or on the batch.
+    Refused,
 }
 
 impl Expected {
     /// The right verdict of the same map without rounding, or solved to round-off.
     pub fn in_full_precision(self) -> Self {
         match self {
-            Expected::Symplectic { .. } | Expected::Tolerance { .. } => SYMPLECTIC,
+            Expected::Symplectic { .. } | Expected::Tolerance { .. } | Expected::Noisy { .. } => {
+                SYMPLECTIC
+            }
             other => other,
         }
     }

@@ -1,6 +1,8 @@
 //! Right, undecided or wrong.
 
-use symplint::{Diagnosis, Ensemble, Snapshot, VerdictKind, measure};
+use symplint::evidence::Scatter;
+use symplint::verdict::Finding;
+use symplint::{Diagnosis, Ensemble, Error, Snapshot, VerdictKind, measure};
 
 use crate::member::{Expected, Member, Subject, Truth};
 use crate::ratios::given_breaks;
@@ -74,6 +76,22 @@ pub fn diagnose(subject: &Subject) -> Result<Diagnosis, symplint::Error> {
     }
 }
 
+/// What an error is: right, if the map is to be refused.
+pub fn outcome_of_error(member: &Member, error: &Error) -> Outcome {
+    match (member.truth.expected, error) {
+        (Expected::Refused, Error::Memory { .. }) => Outcome::Right,
+        (_, Error::Memory { .. }) => Outcome::Wrong(error.to_string()),
+        // Others say what to do, and decide nothing.
+        _ => Outcome::Undecided,
+    }
+}
+
+/// Whether the verdict is that the step draws random numbers.
+fn is_random(diagnosis: &Diagnosis) -> bool {
+    let first = diagnosis.verdict.findings.first();
+    matches!(first, Some(Finding::Scatter(scatter)) if Scatter::is_random(scatter))
+}
+
 /// Whether the verdict is the right one.
 pub fn outcome(member: &Member, diagnosis: &Diagnosis) -> Outcome {
     let verdict = &diagnosis.verdict;
@@ -83,7 +101,11 @@ pub fn outcome(member: &Member, diagnosis: &Diagnosis) -> Outcome {
     // Digits are rounded down to a tenth.
     let honest = |defect: f64| digits <= -defect.log10();
     match (member.truth.expected, verdict.kind) {
+        (Expected::Noisy { .. }, VerdictKind::Undecided) if is_random(diagnosis) => Outcome::Right,
         (_, VerdictKind::Undecided) => Outcome::Undecided,
+        (Expected::Refused, _) => wrong(),
+        (Expected::Noisy { most_digits }, VerdictKind::Symplectic) => right(digits <= most_digits),
+        (Expected::Noisy { .. }, _) => wrong(),
         (Expected::Symplectic { most_digits }, VerdictKind::Symplectic) => {
             right(digits <= most_digits)
         }

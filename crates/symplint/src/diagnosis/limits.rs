@@ -70,9 +70,16 @@ pub(super) const FEWEST_TIGHT_SAMPLES: usize = 64;
 /// Budgets below this are tight: every evaluation is counted on.
 pub(super) const TIGHT: usize = 20_000;
 
-/// Samples that are tried for a memory of the map: eight find a state that samples share, or an order that
+/// States that are advanced again at the beginning: eight find a state that samples share, or an order that
 /// matters; a tight budget, or states so large that few fit into memory, have four.
 pub(super) const PURITY_SAMPLES: [usize; 2] = [4, 16];
+
+/// States that are taken out of the largest batch of a loop and advanced again, at most: a batch of eight has another order and
+/// other neighbours.
+pub(super) const MOST_WITNESSES: usize = 8;
+
+/// Evaluations of the budget for each of these states: all of them take about 2% of a budget.
+pub(super) const BUDGET_OF_A_WITNESS: usize = 250;
 
 /// The part of a budget that the Jacobian may take at most.
 pub(super) const JACOBIAN_PART: usize = 5;

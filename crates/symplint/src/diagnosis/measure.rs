@@ -30,14 +30,14 @@ impl Diagnostic {
     ///
     /// `watch` is told of each point as it is measured. Where the number of samples is looked for, or
     /// swept over, samples before and after a step are kept and doubled: no evaluation is made twice, but for a few
-    /// that show whether the map has a memory. In a sweep over step sizes one ensemble is in memory, and the
+    /// that show whether results depend on earlier calls or on the batch. In a sweep over step sizes one ensemble is in memory, and the
     /// samples before the step too where they take 64 MiB at most; larger ones are made anew for each step size,
     /// block by block. By the streaming rule it is a few dozen states; what needs larger ensembles (the Jacobian,
     /// many steps) is then left out where they take more than 512 MiB.
     ///
     /// # Errors
-    /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, there is no loop or too many, the map gives
-    /// different states for the same one, the loop is not closed or encloses no area, or the map fails on the given loop or
+    /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, there is no loop or too many, results depend on
+    /// earlier calls or on the batch, the loop is random, the loop is not closed or encloses no area, or the map fails on the given loop or
     /// returns states that are not finite at every step size: where it does so at some of them, the others are measured and
     /// those are noted ([`Omission::StepFailed`]).
     pub fn measure(
@@ -111,6 +111,7 @@ impl Diagnostic {
                 largest,
                 failed: failed.clone(),
                 reserved: 0,
+                noise: None,
                 evidence: evidence.clone(),
             };
             match start.begin(subject) {
@@ -152,6 +153,7 @@ impl Diagnostic {
         }
         // Jacobian and localisation note any error and go on.
         evaluator.check_not_stopped()?;
+        run.look_again(&evaluator, &sizes)?;
         run.evidence.evaluations.made = count.made();
         run.evidence.evaluations.wanted = diagnostic.missing(subject, &run.evidence)?;
         Ok(run.evidence)
@@ -240,6 +242,8 @@ struct Run<'a> {
     failed: Vec<FailedStep>,
     /// Evaluations that loops take which are still to come, and of which the map was told.
     reserved: usize,
+    /// By how much results of one state differ.
+    noise: Option<survey::Noise>,
     evidence: Evidence,
 }
 
@@ -266,18 +270,9 @@ impl Run<'_> {
             phase_loop,
         } = subject;
         let start = self.count.made();
-        let samples = self.plan.purity_samples;
-        let pure = survey::check_purity(evaluator, phase_loop, self.largest, samples);
-        // Where the given loop fails too, its samples tell more of where that is.
-        let beside = match pure {
-            Ok(scatter) => {
-                self.evidence.survey.scatter = scatter;
-                None
-            }
-            // One failure is described as well as possible, further ones at little cost.
-            Err(error) if of_the_map(&error) && self.failed.is_empty() => Some(error),
-            Err(error) => return Err(error),
-        };
+        let (samples, witnesses) = (self.plan.purity_samples, self.plan.witnesses);
+        evaluator.keep_witnesses(witnesses);
+        self.count.reserve(survey::cost_again(witnesses));
         match survey::rounding_inside(subject, self.largest) {
             Ok(None) => {}
             Ok(Some(grains)) => {
@@ -288,6 +283,16 @@ impl Run<'_> {
             Err(error) if of_the_map(&error) => {}
             Err(error) => return Err(error),
         }
+        // Where the given loop fails too, its samples tell more of where that is.
+        let beside = match survey::check_purity(evaluator, phase_loop, self.largest, samples) {
+            Ok(noise) => {
+                self.note_noise(evaluator, noise);
+                None
+            }
+            // One failure is described as well as possible, further ones at little cost.
+            Err(error) if of_the_map(&error) && self.failed.is_empty() => Some(error),
+            Err(error) => return Err(error),
+        };
         self.evidence.evaluations.purity = self.count.made() - start;
         let given = self.given_loop(subject)?;
         let start_of_periods = self.count.made();
@@ -298,7 +303,40 @@ impl Run<'_> {
         }
         // Step sizes that failed before were tried on the given loop, too.
         self.evidence.evaluations.given_loop += start - self.evidence.evaluations.step_sizes;
+        let start = self.count.made();
+        let noise = survey::check_again(evaluator, true, self.noise.clone())?;
+        self.note_noise(evaluator, noise);
+        self.evidence.evaluations.purity += self.count.made() - start;
         Ok((self, given))
+    }
+
+    /// Keeps by how much results of one state differ: the rules allow for it.
+    fn note_noise(&mut self, evaluator: &Evaluator<'_>, noise: Option<survey::Noise>) {
+        if noise == self.noise {
+            return;
+        }
+        let scatter = noise.as_ref().and_then(survey::Noise::scatter);
+        self.evidence.survey.scatter = scatter;
+        // Random numbers look like single precision.
+        self.evidence.survey.single_inside &= !scatter.is_some_and(|of| of.is_random());
+        if let Some(noise) = &noise {
+            evaluator.note_rounding_inside(noise.units());
+            if let Some(deviations) = noise.deviations() {
+                evaluator.note_noise(deviations);
+            }
+        }
+        self.noise = noise;
+    }
+
+    /// Advances states of the batches before once more, and one of them by steps of other sizes.
+    fn look_again(&mut self, evaluator: &Evaluator<'_>, sizes: &[f64]) -> Result<(), Error> {
+        let start = self.count.made();
+        self.count.reserve(0);
+        let noise = survey::check_again(evaluator, false, self.noise.clone())?;
+        self.note_noise(evaluator, noise);
+        self.evidence.survey.ignores_step_size = survey::ignores_step_size(evaluator, sizes)?;
+        self.evidence.evaluations.purity += self.count.made() - start;
+        Ok(())
     }
 
     /// Checks that no loop needs a period that is not one of the map: a given loop that winds, or one that breaks, where

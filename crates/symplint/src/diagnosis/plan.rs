@@ -1,9 +1,9 @@
 //! How a budget of evaluations is spent.
 
 use super::limits::{
-    CONTRACTION, DEFAULT_BUDGET, DOMAIN_PART, FEWEST_JACOBIAN, FEWEST_SAMPLES,
+    BUDGET_OF_A_WITNESS, CONTRACTION, DEFAULT_BUDGET, DOMAIN_PART, FEWEST_JACOBIAN, FEWEST_SAMPLES,
     FEWEST_TIGHT_SAMPLES, FINE_SAMPLES, FINE_SAMPLES_OF_MANY, FIRST_PART, FIXED_PART, FOLDED,
-    JACOBIAN_PART, MOST_JACOBIAN, PURITY_SAMPLES, SMALL, TIGHT, TIGHT_SAMPLES_PART,
+    JACOBIAN_PART, MOST_JACOBIAN, MOST_WITNESSES, PURITY_SAMPLES, SMALL, TIGHT, TIGHT_SAMPLES_PART,
     TIGHT_TOLERANCE,
 };
 use super::memory::fits;
@@ -37,8 +37,10 @@ pub(super) fn default_budget(diagnostic: &Diagnostic) -> usize {
 pub(super) struct Plan {
     /// Samples from which doubling begins.
     pub first_samples: usize,
-    /// States that are advanced again, to see whether the map has a memory.
+    /// States that are advanced again at the beginning, to see whether results depend on earlier calls or on the batch.
     pub purity_samples: usize,
+    /// States of the largest batches of a loop that are advanced again.
+    pub witnesses: usize,
     /// Evaluations that are kept for the Jacobian, which may take no more.
     pub jacobian: usize,
     /// Evaluations that are kept for the domain of the map.
@@ -55,13 +57,18 @@ impl Plan {
         let share = power_below(budget / (FIRST_PART * measurements.max(1)));
         let fine = power_below(FINE_SAMPLES / dof.max(1)).max(FINE_SAMPLES_OF_MANY);
         let tight = budget < TIGHT;
+        let ample = usize::from(!tight && fits(dof, SMALL));
         Plan {
             first_samples: match diagnostic.samples {
                 SampleCount::Fixed(samples) if samples <= budget / FIXED_PART => samples,
                 SampleCount::Fixed(samples) => power_below(samples).min(share.max(FEWEST_SAMPLES)),
                 SampleCount::Auto => share.clamp(FEWEST_SAMPLES, fine),
             },
-            purity_samples: PURITY_SAMPLES[usize::from(!tight && fits(dof, SMALL))],
+            purity_samples: PURITY_SAMPLES[ample],
+            witnesses: match fits(dof, SMALL) {
+                true => (budget / BUDGET_OF_A_WITNESS).clamp(1, MOST_WITNESSES),
+                false => 1,
+            },
             jacobian: match diagnostic.jacobian {
                 true => {
                     let all = JacobianTest::default().evaluations(dof, evaluator.has_tangent());

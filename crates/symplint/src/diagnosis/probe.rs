@@ -129,7 +129,10 @@ impl<'a> Probe<'a> {
     /// With what the grain of the map leaves of the integral.
     fn rounded(&self, mut advanced: Advanced) -> Advanced {
         if let Some(grain) = self.subject.evaluator.grain() {
-            let of_integral = grain.of_integral(self.subject.coordinates());
+            let coordinates = self.subject.coordinates();
+            let noise = self.subject.evaluator.noise();
+            let of_noise = noise.map_or(0.0, |noise| grain.of_noise(&noise, coordinates));
+            let of_integral = grain.of_integral(coordinates) + of_noise;
             let relative = of_integral / self.initial.value.abs();
             advanced.defect.roundoff += relative;
             if let Some(closed) = &mut advanced.closed {

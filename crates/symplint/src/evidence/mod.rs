@@ -18,7 +18,8 @@ pub use point::{BreakAt, Point, Sweep};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
 pub use survey::{
-    OutputFormat, OutputPrecision, Rank, Scatter, SingularJacobian, Survey, WrongPeriod,
+    OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind, SingularJacobian, Survey,
+    WrongPeriod,
 };
 
 use serde::{Deserialize, Serialize};

@@ -121,19 +121,25 @@ impl Reach {
         self.step.is_significant()
     }
 
-    /// Whether the larger step moves the loop enough to show a defect above its bound, or no more than this motion: then the
-    /// map is no approximation that gets worse with h.
+    /// Whether the larger step moves the loop enough to show a defect above its bound; or is a kick or a free flight alone, as
+    /// this motion is; or moves no more than this: then the map is no approximation that gets worse with h.
     pub(crate) fn settles(&self, motion: Motion) -> bool {
         let shows = |moved: Motion| match moved.shear {
             true => moved.deformation >= LEAST_DEFORMATION,
             false => defect_of_order_4(moved.phase_advance) >= CLEAR_OF_BOUND * self.step.bound(),
         };
-        (self.step.motion).is_some_and(|moved| shows(moved) || !self.is_further(motion))
+        (self.step.motion).is_some_and(|moved| {
+            shows(moved) || motion.shear && moved.shear || !self.is_further(motion)
+        })
     }
 
     /// Whether the loop moves more than by this motion.
     pub(crate) fn is_further(&self, motion: Motion) -> bool {
-        let most = MOST_INDEPENDENT * motion.phase_advance;
-        (self.step.motion).is_none_or(|moved| moved.shear || moved.phase_advance > most)
+        let far = |moved: f64, before: f64| moved > MOST_INDEPENDENT * before;
+        (self.step.motion).is_none_or(|moved| match (motion.shear, moved.shear) {
+            (true, true) => far(moved.deformation, motion.deformation),
+            (false, true) => true,
+            _ => far(moved.phase_advance, motion.phase_advance),
+        })
     }
 }

@@ -19,9 +19,12 @@ pub struct Survey {
     /// The relative rounding error of the states, where it was stated and is above that of double precision.
     #[serde(default)]
     pub stated_roundoff: Option<f64>,
-    /// By how much repeated runs of one state differ by chance, if they do.
+    /// By how much results of one state differ, if they do.
     #[serde(default)]
     pub scatter: Option<Scatter>,
+    /// Whether a state has the same result at all step sizes.
+    #[serde(default)]
+    pub ignores_step_size: bool,
     /// Whether the Jacobian of a step is singular at points of the given loop. It is looked at where random loops or the
     /// Jacobian show a defect that the given loop does not have.
     #[serde(default)]
@@ -67,15 +70,38 @@ impl Survey {
     }
 }
 
-/// Repeated runs of one state differ, as sums do that many cores take in any order: noise of the map.
+/// Results of one state differ, and nothing explains it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scatter {
     /// `'q'` or `'p'`: the coordinate that scatters most, relative to its range on the loop.
     pub coordinate: char,
     /// Degree of freedom.
     pub dof: usize,
-    /// The standard deviation.
+    /// The standard deviation; the largest difference, if results differ rarely, or by rounding.
     pub size: f64,
+    /// Its cause.
+    #[serde(default)]
+    pub kind: ScatterKind,
+}
+
+impl Scatter {
+    /// Whether the step draws random numbers.
+    pub fn is_random(&self) -> bool {
+        self.kind == ScatterKind::RandomNumbers
+    }
+}
+
+/// Why results of one state differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ScatterKind {
+    /// Rounding that depends on the batch: matrix products add up in another order.
+    Rounding,
+    /// Noise: parallel sums, or a solver that starts at random.
+    #[default]
+    Noise,
+    /// Noise that is larger than rounding in single precision: random numbers.
+    RandomNumbers,
 }
 
 /// A Jacobian with a direction that the step projects away, as that of a map onto a constraint manifold. In canonical

@@ -18,11 +18,47 @@ const A_GAP: f64 = 64.0;
 /// Rounding of the loop's own arithmetic, in units in the last place. Jumps of less are no breaks either.
 const ROUNDINGS: f64 = 1024.0;
 
-/// Checks that a loop ends where it begins, but for whole periods.
+/// Loop parameters of states that are sampled twice: no two of them, nor their mirror images, coincide.
+const SAMPLED_TWICE: [f64; 3] = [0.137, 0.604, 0.291];
+
+/// Checks that the same parameters give the same states, in any order.
+fn check_repeats(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<(), Error> {
+    let dof = phase_loop.dof();
+    let [first, again] = [false, true].map(|reversed| {
+        let mut s = SAMPLED_TWICE;
+        if reversed {
+            s.reverse();
+        }
+        let mut states = Ensemble::zeros(dof, s.len());
+        phase_loop.sample(&s, &mut states.block());
+        states
+    });
+    let last = SAMPLED_TWICE.len() - 1;
+    for c in 0..2 * dof {
+        let (first, again) = (coordinate(&first, c), coordinate(&again, c));
+        let rounding = f64::from(f32::EPSILON) * Extent::of(first).magnitude();
+        for (k, &s) in SAMPLED_TWICE.iter().enumerate() {
+            let difference = nearest(again[last - k] - first[k], period(coordinates, c)).abs();
+            if difference > ROUNDINGS * rounding {
+                return Err(Error::RandomLoop {
+                    s,
+                    coordinate: if c < dof { 'q' } else { 'p' },
+                    dof: c % dof,
+                    difference,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that a loop is the same curve each time, and ends where it begins, but for whole periods.
 ///
 /// # Errors
-/// Names the coordinate with the widest gap. Those of states that are not finite are left to whoever samples the loop.
+/// Names the coordinate that differs, or the one with the widest gap. Those of states that are not finite are left to whoever
+/// samples the loop.
 pub(crate) fn check_closed(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<(), Error> {
+    check_repeats(phase_loop, coordinates)?;
     let s: Vec<f64> = (1..=STEPS + 1)
         .rev()
         .map(|k| 1.0 - k as f64 * SHORT)
@@ -110,6 +146,41 @@ mod tests {
                 };
                 assert!((gap / missing - 1.0).abs() < 1e-3, "{missing:e}: {gap:e}");
             }
+        }
+    }
+
+    /// A circle with noise.
+    struct Random(std::sync::atomic::AtomicU64, f64);
+
+    impl Loop for Random {
+        fn dof(&self) -> usize {
+            1
+        }
+        fn sample(&self, s: &[f64], block: &mut Block<'_>) {
+            for (k, s) in s.iter().enumerate() {
+                let count = self.0.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                let (sin, cos) = (std::f64::consts::TAU * s).sin_cos();
+                block.q.row_mut(0)[k] = sin;
+                block.p.row_mut(0)[k] = cos + self.1 * (count as f64 * 1.7).sin();
+            }
+        }
+    }
+
+    #[test]
+    fn a_random_loop_is_named() {
+        for size in [1e-3, 1.0] {
+            let random = Random(Default::default(), size);
+            let error = check_closed(&random, &Coordinates::plain(1)).unwrap_err();
+            assert!(
+                matches!(
+                    error,
+                    Error::RandomLoop {
+                        coordinate: 'p',
+                        ..
+                    }
+                ),
+                "{error}"
+            );
         }
     }
 

@@ -1,11 +1,14 @@
 //! The one place where maps are called.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, OnceLock, PoisonError, RwLock};
+use std::sync::{Arc, PoisonError, RwLock};
 
 use rayon::prelude::*;
 
-use super::{Before, Constraint, Grain, ProjectedLoop, StepFailure, TangentMap, TimeAdvance};
+use super::witnesses::Recorder;
+use super::{
+    Before, Constraint, Grain, ProjectedLoop, StepFailure, TangentMap, TimeAdvance, Witnesses,
+};
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::state::{Block, Coordinates, Ensemble, first_error, first_not_finite};
@@ -23,8 +26,12 @@ pub(crate) struct Evaluator<'a> {
     count: &'a EvaluationCount,
     /// The grain of the states that were returned of the present loop, once there are enough of them.
     grain: RwLock<Option<Arc<Grain>>>,
-    /// What the map rounds each coordinate to inside, where it works in single precision there.
-    inside: OnceLock<Vec<f64>>,
+    /// What the map rounds each coordinate to inside, if it works in single precision there, or is noisy.
+    inside: RwLock<Option<Arc<Vec<f64>>>>,
+    /// The noise of each coordinate, if results of one state differ at random.
+    noise: RwLock<Option<Arc<Vec<f64>>>>,
+    /// States that are advanced again later.
+    recorder: Recorder,
     /// Parameters of the present loop at which samples show a feature that they do not resolve.
     features: RwLock<Vec<f64>>,
     has_step_size: bool,
@@ -37,6 +44,8 @@ pub(crate) struct Evaluator<'a> {
 pub(crate) struct EvaluationCount {
     made: AtomicUsize,
     budget: usize,
+    /// Kept for later.
+    reserved: AtomicUsize,
 }
 
 impl EvaluationCount {
@@ -45,6 +54,7 @@ impl EvaluationCount {
         EvaluationCount {
             made: AtomicUsize::new(0),
             budget,
+            reserved: AtomicUsize::new(0),
         }
     }
 
@@ -63,9 +73,17 @@ impl EvaluationCount {
         self.made.load(Ordering::Relaxed)
     }
 
-    /// Evaluations that may still be made.
+    /// Evaluations that may still be made, without those that are reserved.
     pub fn left(&self) -> usize {
-        self.budget.saturating_sub(self.made())
+        let reserved = self.reserved.load(Ordering::Relaxed);
+        self.budget
+            .saturating_sub(self.made())
+            .saturating_sub(reserved)
+    }
+
+    /// Keeps this number of evaluations for later, instead of those that were reserved before.
+    pub fn reserve(&self, evaluations: usize) {
+        self.reserved.store(evaluations, Ordering::Relaxed);
     }
 
     /// Counts evaluations that are about to be made.
@@ -101,7 +119,9 @@ impl<'a> Evaluator<'a> {
             substeps: map.substeps(),
             count,
             grain: RwLock::default(),
-            inside: OnceLock::new(),
+            inside: RwLock::default(),
+            noise: RwLock::default(),
+            recorder: Recorder::default(),
             features: RwLock::default(),
             has_step_size: true,
         })
@@ -116,7 +136,9 @@ impl<'a> Evaluator<'a> {
             substeps,
             count: self.count,
             grain: RwLock::default(),
-            inside: self.inside.clone(),
+            inside: RwLock::new(self.rounding_inside()),
+            noise: RwLock::new(self.noise()),
+            recorder: Recorder::default(),
             features: RwLock::default(),
             has_step_size: self.has_step_size,
         }
@@ -189,11 +211,6 @@ impl<'a> Evaluator<'a> {
     /// A step size as errors and evidence state it: `None` for a map without one.
     pub fn stated(&self, h: f64) -> Option<f64> {
         self.has_step_size.then_some(h)
-    }
-
-    /// What the map rounds each coordinate to inside, where it works in single precision there.
-    pub fn rounding_inside(&self) -> Option<&[f64]> {
-        self.inside.get().map(Vec::as_slice)
     }
 
     /// The count that evaluations are added to.
@@ -291,19 +308,55 @@ impl<'a> Evaluator<'a> {
                 Ok(before) => Before::Exact(before),
                 Err(_) => Before::Unknown,
             };
-            let found = Grain::of(samples, &self.coordinates, inside, value, before);
+            let found = Grain::of(
+                samples,
+                &self.coordinates,
+                inside.as_deref().map(Vec::as_slice),
+                value,
+                before,
+            );
             *self.grain.write().unwrap_or_else(PoisonError::into_inner) = found.map(Arc::new);
         }
     }
 
-    /// Takes note that the map rounds each coordinate to this inside.
-    pub fn note_rounding_inside(&self, grains: Vec<f64>) {
-        // It is looked at once.
-        let _ = self.inside.set(grains);
+    /// Takes note that the map rounds each coordinate to this inside, or is as noisy.
+    pub fn note_rounding_inside(&self, mut grains: Vec<f64>) {
+        if let Some(known) = self.rounding_inside() {
+            (grains.iter_mut().zip(&*known)).for_each(|(grain, known)| *grain = grain.max(*known));
+        }
+        *self.inside.write().unwrap_or_else(PoisonError::into_inner) = Some(Arc::new(grains));
+    }
+
+    /// What the map rounds each coordinate to inside, if it does more than double precision does.
+    pub fn rounding_inside(&self) -> Option<Arc<Vec<f64>>> {
+        let inside = self.inside.read().unwrap_or_else(PoisonError::into_inner);
+        inside.clone()
+    }
+
+    /// Takes note that results of one state differ at random, by this standard deviation of each coordinate.
+    pub fn note_noise(&self, deviations: Vec<f64>) {
+        *self.noise.write().unwrap_or_else(PoisonError::into_inner) = Some(Arc::new(deviations));
+    }
+
+    /// The standard deviation of each coordinate, if results of one state differ at random.
+    pub fn noise(&self) -> Option<Arc<Vec<f64>>> {
+        let noise = self.noise.read().unwrap_or_else(PoisonError::into_inner);
+        noise.clone()
+    }
+
+    /// Keeps this number of states of the first call and of the largest batch of each loop.
+    pub fn keep_witnesses(&self, states: usize) {
+        self.recorder.begin(states);
+    }
+
+    /// The states that were kept, in the order of the calls.
+    pub fn witnesses(&self) -> Vec<Witnesses> {
+        self.recorder.witnesses()
     }
 
     /// Another loop is advanced from now on: its grain is not known, nor its features.
     pub fn begin_loop(&self) {
+        self.recorder.begin_loop();
         let features = self.features.write();
         features.unwrap_or_else(PoisonError::into_inner).clear();
         *self.grain.write().unwrap_or_else(PoisonError::into_inner) = None;
@@ -331,6 +384,7 @@ impl<'a> Evaluator<'a> {
         let each = |(b, mut block): (usize, Block<'_>)| {
             let first = first + b * width;
             fill(first, &mut block)?;
+            let taken = (b == 0).then(|| self.recorder.take(&block)).flatten();
             let finite = if self.substeps == self.map.substeps() {
                 self.map.advance_and_look(h, &mut block)
             } else {
@@ -338,7 +392,11 @@ impl<'a> Evaluator<'a> {
                     .try_for_each(|k| self.map.advance_substep(k, h, &mut block))
                     .map(|()| block.all_finite())
             };
-            checked(finite, self.stated(h), first, &block)
+            checked(finite, self.stated(h), first, &block)?;
+            if let Some(taken) = taken {
+                self.recorder.keep(taken, h, &block);
+            }
+            Ok(())
         };
         first_error(blocks.into_par_iter().enumerate().map(each).collect())
     }
@@ -396,18 +454,6 @@ impl<'a> Evaluator<'a> {
             checked(finite, self.stated(h), first, &states)
         };
         first_error(pairs.enumerate().map(each).collect())
-    }
-
-    /// Tells the map that [`image`](Self::image) will be asked for at each set of parameters.
-    pub fn prefetch_images<'s>(
-        &self,
-        phase_loop: &dyn Loop,
-        h: f64,
-        sets: impl Iterator<Item = &'s [f64]>,
-    ) {
-        if self.has_prefetch() {
-            sets.for_each(|s| self.prefetch(&mut states_at(phase_loop, s), h));
-        }
     }
 
     /// What one step makes of the loop at the parameters `s`, as many or few as wanted.

@@ -160,6 +160,17 @@ impl Grain {
         (0..dof).map(of_dof).sum::<f64>() / (samples.max(1) as f64).sqrt()
     }
 
+    /// What noise of this size of each coordinate makes of a loop integral at most: its mean need not be 0, as that of a
+    /// solver which stops at a tolerance.
+    pub fn of_noise(&self, deviations: &[f64], coordinates: &Coordinates) -> f64 {
+        let dof = self.dof();
+        let of_dof = |i: usize| {
+            let of = |c: usize, other: usize| deviations[c] * self.ranges[other];
+            coordinates.weight(i).abs() * (of(i, dof + i) + of(dof + i, i))
+        };
+        (0..dof).map(of_dof).sum()
+    }
+
     /// What rounding makes of a loop integral, about.
     pub fn of_integral(&self, coordinates: &Coordinates) -> f64 {
         let of_dof = |i: usize| coordinates.weight(i).abs() * self.of_dof(i);

@@ -10,6 +10,7 @@ mod one_form;
 mod prefetch;
 mod repeat;
 mod tangent;
+mod witnesses;
 
 pub use closures::{PerBlock, PerSample, StepOutcome};
 pub use constraint::{Constraint, ProjectedLoop};
@@ -22,6 +23,7 @@ pub use one_form::{NonCanonical, OneForm};
 pub use prefetch::Prefetch;
 pub use repeat::Repeat;
 pub use tangent::TangentMap;
+pub(crate) use witnesses::Witnesses;
 
 #[cfg(doc)]
 use crate::error::Error;

@@ -129,6 +129,11 @@ fn first_bit(value: f64) -> i16 {
     lowest.saturating_add(digits - 1)
 }
 
+/// Binary digits of a number; 0 of 0.
+pub(crate) fn binary_digits(value: f64) -> i32 {
+    binary(value).1.into()
+}
+
 /// The exponent of the last binary digit of a number that is not 0, and how many digits it has.
 fn binary(value: f64) -> (i16, i16) {
     if value == 0.0 || !value.is_finite() {

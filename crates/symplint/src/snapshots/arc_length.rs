@@ -62,6 +62,21 @@ pub(super) struct ArcLength {
     length: f64,
 }
 
+/// The integral of a loop by polynomials of each order, without those that there are too few rows for.
+pub(super) type Integrals = [Option<LoopIntegral>; ORDERS.len() - 1];
+
+/// The integrals of two loops by the order that leaves their errors smallest.
+pub(super) fn best(before: &Integrals, after: &Integrals) -> Option<(LoopIntegral, LoopIntegral)> {
+    let error = |(a, b): &(&LoopIntegral, &LoopIntegral)| {
+        let errors = a.quadrature_error.zip(b.quadrature_error);
+        errors.map_or(f64::INFINITY, |(a, b)| a + b)
+    };
+    (before.iter().zip(after))
+        .filter_map(|(a, b)| a.as_ref().zip(b.as_ref()))
+        .min_by(|a, b| error(a).total_cmp(&error(b)))
+        .map(|(a, b)| (a.clone(), b.clone()))
+}
+
 /// A point of a cell at which a polynomial is evaluated.
 struct Node {
     /// Of Gauss's quadrature.
@@ -188,13 +203,16 @@ impl ArcLength {
         if rows.len() < order {
             return None;
         }
-        let at: Vec<f64> = rows.iter().map(|&k| self.position(k)).collect();
+        // In units of the cell, so that products neither vanish nor overflow.
+        let at: Vec<f64> = (rows.iter())
+            .map(|&k| (self.position(k) - from) / width)
+            .collect();
+        let weights = barycentric_weights(&at);
         let nodes = (quadrature.iter())
             .map(|&(x, weight)| {
-                let x = from + 0.5 * (1.0 + x) * width;
-                let (values, slopes) = lagrange(&at, x);
+                let (values, slopes) = lagrange(&at, &weights, 0.5 * (1.0 + x));
                 Node {
-                    weight: 0.5 * width * weight,
+                    weight: 0.5 * weight,
                     values,
                     slopes,
                 }
@@ -203,39 +221,16 @@ impl ArcLength {
         Some(Stencil { rows, nodes })
     }
 
-    /// The integral of loops whose rows have these arc lengths, all by polynomials of the order that leaves their errors
-    /// smallest; `None` if there are too few rows for any.
-    pub fn integrals(
-        &self,
-        loops: &[&Ensemble],
-        coordinates: &Coordinates,
-    ) -> Result<Option<Vec<LoopIntegral>>, Error> {
-        let by_order: Vec<[Option<LoopIntegral>; ORDERS.len() - 1]> = (loops.iter())
-            .map(|states| self.by_order(states, coordinates))
-            .collect::<Result<_, Error>>()?;
-        let error = |order: usize| -> f64 {
-            let of = |found: &[Option<LoopIntegral>; ORDERS.len() - 1]| {
-                let found = found[order].as_ref();
-                found.map_or(f64::INFINITY, |found| {
-                    found.quadrature_error.unwrap_or(f64::INFINITY)
-                })
-            };
-            by_order.iter().map(of).sum()
-        };
-        let best = (0..ORDERS.len() - 1).min_by(|&a, &b| error(a).total_cmp(&error(b)));
-        let of_best = by_order
-            .into_iter()
-            .map(|mut found| found[best.unwrap_or(0)].take());
-        Ok(of_best.collect())
-    }
-
     /// The integral of a loop by polynomials of each order but the first. The error is the area between them and the polynomials of
     /// the order before, which nothing cancels: the orders agree about the integral across a jump, but not about the loop.
-    fn by_order(
+    ///
+    /// # Errors
+    /// If it overflows.
+    pub fn integrals(
         &self,
         states: &Ensemble,
         coordinates: &Coordinates,
-    ) -> Result<[Option<LoopIntegral>; ORDERS.len() - 1], Error> {
+    ) -> Result<Integrals, Error> {
         let dof = states.dof();
         let rows: Vec<[Row; 2]> = (0..dof)
             .map(|i| [i, dof + i].map(|c| Row::new(coordinate(states, c), period(coordinates, c))))
@@ -264,11 +259,12 @@ impl ArcLength {
                         let found = Polynomials::new(stencil, row, n + cell);
                         *sum += found.value;
                         *scale += found.value.abs();
-                        if let Some(before) = before.replace(found.clone()) {
+                        if let Some(before) = &before {
                             let area;
-                            (area, distances[order]) = found.distance(&before, stencil);
+                            (area, distances[order]) = found.distance(before, stencil);
                             *errors += area + (found.value - before.value).abs();
                         }
+                        before = Some(found);
                     }
                     let momentum = row[1].at(n + cell) + coordinate(states, dof + i)[0];
                     jumps.push((distances, momentum.abs()));
@@ -325,7 +321,6 @@ impl ArcLength {
 }
 
 /// The polynomials of one order on a cell, relative to its first row.
-#[derive(Clone)]
 struct Polynomials {
     /// q, p and their derivatives at the nodes.
     at: Vec<[f64; 4]>,
@@ -408,20 +403,25 @@ fn rounding_of(states: &Ensemble, c: usize) -> f64 {
     rounding(UNIT_ROUNDOFF * Extent::of(coordinate(states, c)).magnitude())
 }
 
-/// The values of the polynomials of Lagrange at `x`, which is none of their nodes, and their derivatives.
-fn lagrange(nodes: &[f64], x: f64) -> (Vec<f64>, Vec<f64>) {
-    let others = |j: usize| nodes.iter().enumerate().filter(move |(i, _)| *i != j);
-    let values: Vec<f64> = (nodes.iter().enumerate())
-        .map(|(j, node)| {
-            others(j)
-                .map(|(_, other)| (x - other) / (node - other))
-                .product()
-        })
-        .collect();
-    let slope = |(j, value): (usize, &f64)| -> f64 {
-        value * others(j).map(|(_, other)| 1.0 / (x - other)).sum::<f64>()
+/// The weights of Lagrange interpolation in barycentric form.
+fn barycentric_weights(nodes: &[f64]) -> Vec<f64> {
+    let weight = |j: usize| {
+        let others = (0..nodes.len()).filter(|&i| i != j);
+        1.0 / others.map(|i| nodes[j] - nodes[i]).product::<f64>()
     };
-    let slopes = values.iter().enumerate().map(slope).collect();
+    (0..nodes.len()).map(weight).collect()
+}
+
+/// The values of the polynomials of Lagrange at `x`, which is none of their nodes, and their derivatives.
+fn lagrange(nodes: &[f64], weights: &[f64], x: f64) -> (Vec<f64>, Vec<f64>) {
+    let inverse: Vec<f64> = nodes.iter().map(|node| 1.0 / (x - node)).collect();
+    let product: f64 = nodes.iter().map(|node| x - node).product();
+    let sum: f64 = inverse.iter().sum();
+    let values: Vec<f64> = (weights.iter().zip(&inverse))
+        .map(|(weight, inverse)| product * weight * inverse)
+        .collect();
+    let slopes = (values.iter().zip(&inverse)).map(|(value, inverse)| value * (sum - inverse));
+    let slopes = slopes.collect();
     (values, slopes)
 }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::Snapshot;
-use super::arc_length::ArcLength;
+use super::arc_length::{ArcLength, Integrals, best};
 use super::increments::Increments;
 use super::pieces::{Curve, Pieces, stored_roundoff};
 use crate::breaks::{Break, Jump, Roughness, find_jumps};
@@ -49,8 +49,8 @@ pub(super) struct Initial<'a> {
     pub broken: Option<Break>,
     pub wrapped: Option<Wrap>,
     windings: Vec<f64>,
-    /// If the rows are not equally spaced.
-    arcs: Option<ArcLength>,
+    /// If the rows are not equally spaced: their arc lengths, and the integral by polynomials of each order.
+    arcs: Option<(ArcLength, Integrals)>,
 }
 
 /// What the jumps of one loop do to its integral.
@@ -286,14 +286,14 @@ impl<'a> Initial<'a> {
         let Some(arcs) = ArcLength::of(states, self.coordinates) else {
             return Ok(());
         };
-        let Some(mut found) = self.interpolated(&arcs, &[(states, rows)])? else {
+        let found = self.interpolated(&arcs, states, rows)?;
+        let Some((integral, _)) = best(&found, &found) else {
             return Ok(());
         };
-        let integral = found.remove(0);
         let smaller = integral.quadrature_error.unwrap_or(f64::INFINITY);
         if LEAST_GAIN * smaller < error && smaller < MAX_RELATIVE_ERROR * integral.value.abs() {
             (self.broken, self.wrapped) = (None, None);
-            self.arcs = Some(arcs);
+            self.arcs = Some((arcs, found));
             self.integral = integral;
         }
         Ok(())
@@ -301,18 +301,18 @@ impl<'a> Initial<'a> {
 
     /// The widest gap between neighbouring rows as a part of the loop, if they are not equally spaced.
     pub fn widest_gap(&self) -> Option<f64> {
-        self.arcs.as_ref().map(ArcLength::widest)
+        self.arcs.as_ref().map(|(arcs, _)| arcs.widest())
     }
 
-    /// Integrals of loops by one rule, with the errors that belong to stored values.
+    /// The integral of a loop in arc length, with the errors that belong to stored values.
     fn interpolated(
         &self,
         arcs: &ArcLength,
-        loops: &[(&Ensemble, &[Row])],
-    ) -> Result<Option<Vec<LoopIntegral>>, Error> {
-        let states: Vec<&Ensemble> = loops.iter().map(|(states, _)| *states).collect();
-        let mut integrals = arcs.integrals(&states, self.coordinates)?;
-        for (integral, (_, rows)) in integrals.iter_mut().flatten().zip(loops) {
+        states: &Ensemble,
+        rows: &[Row],
+    ) -> Result<Integrals, Error> {
+        let mut integrals = arcs.integrals(states, self.coordinates)?;
+        for integral in integrals.iter_mut().flatten() {
             for (dof, row) in rows.iter().enumerate() {
                 integral.roundoff += self.coordinates.weight(dof).abs() * row.roundoff();
             }
@@ -345,7 +345,7 @@ impl<'a> Initial<'a> {
     /// Integrates an advanced loop and takes its defect.
     pub fn compare(&self, after: &Snapshot) -> Result<Compared, Error> {
         let mut rows = rows(after, self.coordinates, Some(&self.snapshot.states));
-        if let Some(arcs) = &self.arcs {
+        if let Some((arcs, _)) = &self.arcs {
             self.confirm_jumps(arcs, &mut rows);
         }
         let confirmed = |row: &Row| {
@@ -353,16 +353,13 @@ impl<'a> Initial<'a> {
             jumps.clone().any(|jump| jump.confirmed)
         };
         let mut compared = match &self.arcs {
-            Some(arcs) if !rows.iter().any(confirmed) => {
-                let before = &self.snapshot.states;
-                let of_before = &[][..];
-                let loops = [(before, of_before), (&after.states, &rows[..])];
-                match self.interpolated(arcs, &loops)?.as_deref_mut() {
-                    Some([initial, integral]) => {
-                        initial.roundoff = self.integral.roundoff;
-                        self.without_jumps(after, RuleKind::Piecewise, initial, integral.clone())?
+            Some((arcs, before)) if !rows.iter().any(confirmed) => {
+                let found = self.interpolated(arcs, &after.states, &rows)?;
+                match best(before, &found) {
+                    Some((initial, integral)) => {
+                        self.without_jumps(after, RuleKind::Piecewise, &initial, integral)?
                     }
-                    _ => {
+                    None => {
                         let mut integral = smooth(after, &rows, self.coordinates)?;
                         integral.quadrature_error = None;
                         let rule = RuleKind::Pseudospectral;

@@ -25,6 +25,10 @@ const STAIRS: [f64; 10] = [0.0, 1.13, 2.77, 3.83, 5.43, 6.55, 7.8, 9.21, 10.37, 
 /// double precision; and no more than so many times.
 const PARTS: [f64; 2] = [0.02, 4.0];
 
+/// Results of single precision differ by less than this part of their rounding, if the same states are advanced in another
+/// order: few sums of a matrix product add up otherwise. Independent noise differs by √2 of itself.
+const OF_OTHER_ORDER: f64 = 0.5;
+
 /// Stairs of a unit have a standard deviation of 1/√12 of it.
 const UNITS_OF_NOISE: f64 = 3.5;
 
@@ -49,38 +53,73 @@ pub(crate) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
     let Some(grain) = grain else {
         return Ok(None);
     };
-    let mut noise = noise(subject, h, &SITES[..FIRST], &units)?;
+    let mut forward = vec![stairs(subject, h, &SITES[..FIRST], &units, |point| point)?];
+    let mut noise = noise(subject, &forward[0]);
     let shows = |c: usize, noise: f64| noise > PARTS[0] * grain.of_coordinate(c);
     let any = |of: &[f64]| (of.iter().enumerate()).any(|(c, &noise)| shows(c, noise));
     if !noise.iter().any(|of_site| any(of_site)) {
         return Ok(None);
     }
-    noise.extend(self::noise(subject, h, &SITES[FIRST..], &units)?);
+    forward.push(stairs(subject, h, &SITES[FIRST..], &units, |point| point)?);
+    noise.extend(self::noise(subject, &forward[1]));
     let is_single = |c: usize| {
         let noisy = noise.iter().filter(|of_site| shows(c, of_site[c])).count();
         let most = PARTS[1] * grain.of_coordinate(c);
         // The sixth difference at one site may be small. A larger one comes from a break or a kink.
         noisy + 1 >= SITES.len() && noise.iter().all(|of_site| of_site[c] < most)
     };
-    if !(0..2 * dof).any(is_single) {
+    let largest = |c: usize| {
+        let of_sites = noise.iter().map(|of_site| of_site[c]);
+        of_sites.fold(0.0, f64::max)
+    };
+    let single: Vec<usize> = (0..2 * dof).filter(|&c| is_single(c)).collect();
+    if single.is_empty() {
         return Ok(None);
     }
-    let inside = |c: usize| {
-        let largest = noise
-            .iter()
-            .fold(0.0, |most: f64, of_site| most.max(of_site[c]));
-        units[c].max(UNITS_OF_NOISE * largest)
-    };
+    // Random numbers, and what is left from earlier calls, look like rounding.
+    let other_order = in_other_order(subject, h, &units, &forward)?;
+    let of_sites = |c: usize| noise.iter().map(|of_site| of_site[c].powi(2)).sum::<f64>();
+    let is_other = |&c: &usize| other_order[c] > OF_OTHER_ORDER.powi(2) * of_sites(c);
+    if single.iter().any(is_other) {
+        return Ok(None);
+    }
+    let inside = |c: usize| units[c].max(UNITS_OF_NOISE * largest(c));
     Ok(Some((0..2 * dof).map(inside).collect()))
 }
 
-/// The root mean square of the sixth differences of each coordinate, at some sites.
-fn noise(
+/// By how much results of each coordinate differ if the same states are advanced in another order, squared and added up over the
+/// sites: not at all, if rounding depends on the state alone.
+fn in_other_order(
+    subject: Subject<'_>,
+    h: f64,
+    units: &[f64],
+    forward: &[Ensemble],
+) -> Result<Vec<f64>, Error> {
+    let reversed = |point: usize| STAIRS.len() - 1 - point;
+    let mut sums = vec![0.0; units.len()];
+    for (sites, there) in [&SITES[..FIRST], &SITES[FIRST..]].into_iter().zip(forward) {
+        let back = stairs(subject, h, sites, units, reversed)?;
+        for (c, sum) in sums.iter_mut().enumerate() {
+            let (there, back) = (coordinate(there, c), coordinate(&back, c));
+            let period = period(subject.coordinates(), c);
+            let squares = there.iter().enumerate().map(|(k, x)| {
+                let (site, point) = (k / STAIRS.len(), k % STAIRS.len());
+                nearest(x - back[site * STAIRS.len() + reversed(point)], period).powi(2)
+            });
+            *sum += squares.sum::<f64>() / STAIRS.len() as f64;
+        }
+    }
+    Ok(sums)
+}
+
+/// What the map makes of the points of some sites, in an order of the points.
+fn stairs(
     subject: Subject<'_>,
     h: f64,
     sites: &[f64],
     units: &[f64],
-) -> Result<Vec<Vec<f64>>, Error> {
+    order: impl Fn(usize) -> usize + Sync,
+) -> Result<Ensemble, Error> {
     let dof = subject.dof();
     let mut at_sites = Ensemble::zeros(dof, sites.len());
     subject.phase_loop.sample(sites, &mut at_sites.block());
@@ -91,12 +130,18 @@ fn noise(
             let centres = coordinate(&at_sites, c);
             for (k, value) in coordinate_mut(block, c).iter_mut().enumerate() {
                 let (site, point) = ((first + k) / STAIRS.len(), (first + k) % STAIRS.len());
-                *value = centres[site] + STAIRS[point] * unit;
+                *value = centres[site] + STAIRS[order(point)] * unit;
             }
         }
         Ok(())
     };
     subject.evaluator.advance_from(&mut states, h, fill)?;
+    Ok(states)
+}
+
+/// The root mean square of the sixth differences of each coordinate, at some sites.
+fn noise(subject: Subject<'_>, states: &Ensemble) -> Vec<Vec<f64>> {
+    let dof = subject.dof();
     // At one window of points a lattice may look straight.
     let windows: Vec<SixthDifference> = (STAIRS.windows(POINTS))
         .map(|at| SixthDifference::at(std::array::from_fn(|k| at[k])))
@@ -112,5 +157,5 @@ fn noise(
         };
         (0..2 * dof).map(of_coordinate).collect()
     };
-    Ok((0..sites.len()).map(of_site).collect())
+    (0..states.samples() / STAIRS.len()).map(of_site).collect()
 }

@@ -1,18 +1,22 @@
 //! What a few samples show of a map, apart from loop integrals.
 
+mod ignored_step_size;
 mod inner_precision;
 mod motion;
 mod periods;
 mod precision;
 mod purity;
+mod repeats;
+mod rounding;
 mod scatter;
 mod singular;
 mod windings;
 
+pub(crate) use ignored_step_size::ignores_step_size;
 pub(crate) use inner_precision::rounding_inside;
 pub(crate) use periods::wrong_period;
 pub(crate) use precision::of_grain;
-pub(crate) use purity::check_purity;
+pub(crate) use purity::{Noise, check_again, check_purity, cost_again};
 pub(crate) use singular::{cost as singular_cost, degenerate_form, singular_jacobian};
 pub(crate) use windings::wound;
 

@@ -1,119 +1,392 @@
-//! Whether a map is a map: the same state must come of the same state, whatever was advanced before
-//! or beside it.
+//! Whether a map is a map: the same state must have the same result, whatever was advanced before
+//! or in the same batch.
+//!
+//! Results that differ are *rounding* if they do so by no more than sums in another order, in the precision of the map; *noise* if
+//! nothing explains the difference; and a *dependence* on earlier calls, or on other rows of the batch, if it follows the states
+//! that were advanced before or beside it, drifts, or comes again with the same batch.
 
-use super::scatter::scatter;
-use crate::error::Error;
-use crate::evidence::Scatter;
+use super::repeats::{Mismatch, Repeats, in_order};
+use super::rounding::roundings_inside;
+use super::scatter::{self, Repetitions, repetitions};
+use crate::error::{Dependence, Error};
+use crate::evidence::{Scatter, ScatterKind};
 use crate::loops::Loop;
-use crate::map::Evaluator;
-use crate::signal::Extent;
+use crate::map::{Evaluator, Witnesses};
+use crate::signal::{Extent, SINGLE};
 use crate::state::{Ensemble, coordinate};
 
-/// Differences below this many roundings are another order of the same arithmetic: vector instructions and
-/// their remainders need not agree to the last bit.
-const ROUNDINGS: f64 = 256.0;
+/// One in this number of states is advanced alone at the beginning.
+const ALONE: usize = 4;
 
-/// Advances some samples in their order, in reverse, one of them twice, and each alone. Where results differ by chance, as
-/// sums do that many cores take in any order, the largest scatter of a coordinate is returned.
+/// States of a batch that is advanced once more.
+const BATCH_AGAIN: usize = 8;
+
+/// Differences up to this many standard deviations are explained by scatter.
+const EXPLAINED: f64 = 16.0;
+
+/// Noise larger than this many roundings of single precision is no rounding of any arithmetic in use: random numbers, or
+/// a solver that starts at random. Sums add up some roundings.
+const ROUNDINGS_OF_SINGLE: f64 = 4.0;
+
+/// The same if the map computes in single precision, or less: sums cancel.
+const ROUNDINGS_OF_FEW_DIGITS: f64 = 64.0;
+
+/// Rows that differ twice in another order, at least.
+const ROWS_IN_ORDER: usize = 3;
+
+/// A uniform distribution of width 1 has a standard deviation of 1/√12.
+const UNITS_OF_NOISE: f64 = 3.5;
+
+/// Results that depend on chance, or on the batch by rounding.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Noise {
+    kind: ScatterKind,
+    /// The standard deviation of each coordinate, or the largest difference.
+    sizes: Vec<f64>,
+    /// Differences that it explains.
+    tolerances: Vec<f64>,
+    /// The range of each coordinate.
+    ranges: Vec<f64>,
+}
+
+impl Noise {
+    /// As evidence: the coordinate that scatters most, relative to its range.
+    pub fn scatter(&self) -> Option<Scatter> {
+        let part = |c: usize| self.sizes[c] / self.ranges[c];
+        let moving = (0..self.sizes.len()).filter(|&c| self.ranges[c] > 0.0);
+        let largest = moving.max_by(|&a, &b| part(a).total_cmp(&part(b)))?;
+        let dof = self.sizes.len() / 2;
+        Some(Scatter {
+            coordinate: if largest < dof { 'q' } else { 'p' },
+            dof: largest % dof,
+            size: self.sizes[largest],
+            kind: self.kind,
+        })
+    }
+
+    /// Roundings of a map that are as large.
+    pub fn units(&self) -> Vec<f64> {
+        let units = match self.kind {
+            // Results differ by one unit, or some.
+            ScatterKind::Rounding => 1.0,
+            ScatterKind::Noise | ScatterKind::RandomNumbers => UNITS_OF_NOISE,
+        };
+        self.sizes.iter().map(|size| units * size).collect()
+    }
+
+    /// The standard deviation of each coordinate, if it is not rounding: its mean need not be 0.
+    pub fn deviations(&self) -> Option<Vec<f64>> {
+        (self.kind != ScatterKind::Rounding).then(|| self.sizes.clone())
+    }
+
+    /// Both together.
+    fn and(self, other: Option<&Noise>) -> Noise {
+        let Some(other) = other else {
+            return self;
+        };
+        let larger = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a.max(*b)).collect();
+        Noise {
+            kind: self.kind.max(other.kind),
+            sizes: larger(&self.sizes, &other.sizes),
+            tolerances: larger(&self.tolerances, &other.tolerances),
+            ranges: larger(&self.ranges, &other.ranges),
+        }
+    }
+}
+
+/// Evaluations that [`check_again`] takes of all states that were kept, and a step of another size takes, if nothing differs.
+pub(crate) fn cost_again(witnesses: usize) -> usize {
+    Witnesses::most(witnesses) + 1
+}
+
+/// Advances some samples in their order, in reverse, one of them twice, and some alone.
 ///
 /// # Errors
-/// [`Error::Memory`] where the same state is advanced to different ones, and the differences are not random; those of a map that
+/// [`Error::Memory`] if the same state has different results, and that is neither rounding nor noise; those of a map that
 /// fails.
 pub(crate) fn check_purity(
     evaluator: &Evaluator<'_>,
     phase_loop: &dyn Loop,
     h: f64,
     samples: usize,
-) -> Result<Option<Scatter>, Error> {
+) -> Result<Option<Noise>, Error> {
     // Off any symmetry of the loop.
     let s: Vec<f64> = (0..samples)
         .map(|k| (k as f64 + 0.31) / samples as f64)
         .collect();
-    let reversed: Vec<f64> = s.iter().rev().copied().collect();
-    let twice = [s[0], s[0], s[1], s[0]];
-    let forward = evaluator.image(phase_loop, h, &s)?;
-    let sets = [&reversed[..], &twice].into_iter().chain(s.chunks(1));
-    evaluator.prefetch_images(phase_loop, h, sets);
-    let mut worst: Option<(f64, Difference, Error)> = None;
-    let mut differs =
-        |circumstance: &'static str, states: &Ensemble, from: usize, sample: usize| {
-            let Some(found) = difference(&forward, sample, states, from) else {
-                return;
-            };
-            if worst
-                .as_ref()
-                .is_none_or(|(most, ..)| found.relative > *most)
-            {
-                let error = Error::Memory {
-                    circumstance,
-                    s: s[sample],
-                    dof: found.coordinate % forward.dof(),
-                    difference: found.size,
-                    step_size: evaluator.stated(h),
-                };
-                worst = Some((found.relative, found, error));
-            }
+    let mut before = Ensemble::zeros(phase_loop.dof(), samples);
+    phase_loop.sample(&s, &mut before.block());
+    let first = evaluator.image(phase_loop, h, &s)?;
+    let mut repeats = Repeats::of_loop(h, s, before, first);
+    let reversed: Vec<usize> = (0..samples).rev().collect();
+    let alone = (0..samples).step_by(ALONE);
+    let calls: Vec<(Vec<usize>, &'static str)> = [
+        (reversed, "in reverse order"),
+        (vec![0, 0, 1, 0], "when it is repeated"),
+    ]
+    .into_iter()
+    .chain(alone.map(|state| (vec![state], "when it is advanced alone")))
+    .collect();
+    for (order, _) in &calls {
+        repeats.prefetch(evaluator, order);
+    }
+    for (order, circumstance) in calls {
+        repeats.repeat(evaluator, order, circumstance)?;
+    }
+    explain(evaluator, &repeats, None)
+}
+
+/// Advances states that were kept once more, those of the given loop or all of them, in another order and beside others.
+///
+/// # Errors
+/// Those of [`check_purity`].
+pub(crate) fn check_again(
+    evaluator: &Evaluator<'_>,
+    given_loop_only: bool,
+    known: Option<Noise>,
+) -> Result<Option<Noise>, Error> {
+    let witnesses = evaluator.witnesses().into_iter();
+    let mut kept: Vec<Repeats> = witnesses
+        .filter(|witnesses| !given_loop_only || witnesses.is_of_given_loop())
+        .map(Repeats::of_witnesses)
+        .collect();
+    let orders = |repeats: &Repeats| -> Vec<Vec<usize>> {
+        let reversed: Vec<usize> = (0..repeats.before.samples()).rev().collect();
+        reversed
+            .chunks(BATCH_AGAIN)
+            .map(<[usize]>::to_vec)
+            .collect()
+    };
+    for repeats in &kept {
+        for order in orders(repeats) {
+            repeats.prefetch(evaluator, &order);
+        }
+    }
+    let circumstance = match given_loop_only {
+        true => "in a smaller batch",
+        false => "in a smaller batch at the end of the diagnosis",
+    };
+    let mut found = known;
+    for repeats in &mut kept {
+        for order in orders(repeats) {
+            repeats.repeat(evaluator, order, circumstance)?;
+        }
+    }
+    for repeats in &kept {
+        found = explain(evaluator, repeats, found.as_ref())?;
+    }
+    Ok(found)
+}
+
+/// Explains why results differ, if they do by more than what is `known`, and returns all that is known then.
+///
+/// # Errors
+/// [`Error::Memory`] if neither rounding nor noise explains it.
+fn explain(
+    evaluator: &Evaluator<'_>,
+    repeats: &Repeats,
+    known: Option<&Noise>,
+) -> Result<Option<Noise>, Error> {
+    let mut tolerances = repeats.roundings();
+    let raise = |tolerances: &mut [f64], by: &[f64]| {
+        (tolerances.iter_mut().zip(by)).for_each(|(tolerance, by)| *tolerance = tolerance.max(*by));
+    };
+    if let Some(known) = known {
+        raise(&mut tolerances, &known.tolerances);
+    }
+    let differing = repeats.mismatches(evaluator, &tolerances);
+    let Some(worst) = largest(&differing) else {
+        return Ok(known.cloned());
+    };
+    let noise = |kind: ScatterKind, sizes: Vec<f64>, tolerances: Vec<f64>| {
+        let range = |c| Extent::of(coordinate(&repeats.first, c)).length();
+        let ranges = (0..sizes.len()).map(range).collect();
+        let found = Noise {
+            kind,
+            sizes,
+            tolerances,
+            ranges,
         };
-    let backward = evaluator.image(phase_loop, h, &reversed)?;
-    for k in 0..samples {
-        differs("in reverse order", &backward, samples - 1 - k, k);
-    }
-    let repeated = evaluator.image(phase_loop, h, &twice)?;
-    for k in [0, 1, 3] {
-        differs("when it is repeated", &repeated, k, 0);
-    }
-    for k in 0..samples {
-        let alone = evaluator.image(phase_loop, h, &s[k..=k])?;
-        differs("alone, outside a block", &alone, 0, k);
-    }
-    let Some((_, found, error)) = worst else {
-        return Ok(None);
+        Ok(Some(found.and(known)))
     };
-    let sites = [s[0], s[1], s[samples / 2]];
-    let of = (found.coordinate, found.size);
-    let scatters = scatter(evaluator, phase_loop, h, sites, of)?.ok_or(error)?;
-    let range = |c: usize| {
-        let mut extent = Extent::default();
-        coordinate(&forward, c)
-            .iter()
-            .for_each(|&x| extent.include(x));
-        extent.length()
+    let sizes = sizes(evaluator, repeats, &differing);
+    let affords = |evaluations: usize| evaluations <= evaluator.count().left();
+    let kind = |sizes: &[f64]| match exceed_rounding(repeats, sizes) {
+        true => ScatterKind::RandomNumbers,
+        false => ScatterKind::Noise,
     };
-    let parts = scatters.iter().enumerate().filter(|(c, _)| range(*c) > 0.0);
-    let largest = parts.max_by(|a, b| (a.1 / range(a.0)).total_cmp(&(b.1 / range(b.0))));
-    Ok(largest.map(|(c, &size)| Scatter {
-        coordinate: if c < forward.dof() { 'q' } else { 'p' },
-        dof: c % forward.dof(),
-        size,
-    }))
+    let unexplained = || {
+        let tolerances = sizes.iter().map(|size| EXPLAINED * size).collect();
+        noise(kind(&sizes), sizes.clone(), tolerances)
+    };
+    let states = repeats.before.samples();
+    if states < 2 || !affords(2 * EVALUATIONS_OF_ROUNDING + scatter::evaluations(states)) {
+        return unexplained();
+    }
+    let other = (worst.state + states / 2) % states;
+    let inside = roundings_inside(evaluator, repeats, [worst.state, other])?;
+    raise(&mut tolerances, &inside);
+    let differing = repeats.mismatches(evaluator, &tolerances);
+    let Some(worst) = largest(&differing) else {
+        return noise(ScatterKind::Rounding, sizes, tolerances);
+    };
+    let depends = |dependence: Dependence| Error::Memory {
+        circumstance: repeats.again[worst.again].circumstance,
+        dependence,
+        s: repeats.s.as_ref().map(|s| s[worst.state]),
+        coordinate: if worst.coordinate < repeats.first.dof() {
+            'q'
+        } else {
+            'p'
+        },
+        dof: worst.coordinate % repeats.first.dof(),
+        difference: worst.size,
+        step_size: evaluator.stated(repeats.h),
+    };
+    match repetitions(evaluator, repeats, worst.state, &tolerances)? {
+        Repetitions::Depend(dependence) => return Err(depends(dependence)),
+        Repetitions::Scatter(scatters) => {
+            let explained: Vec<f64> = scatters.iter().map(|size| EXPLAINED * size).collect();
+            raise(&mut tolerances, &explained);
+            if worst.size <= explained[worst.coordinate] {
+                return noise(kind(&scatters), scatters, tolerances);
+            }
+        }
+    }
+    let again = &repeats.again[worst.again];
+    let rows = repeats.order.len() + again.order.len();
+    if affords(rows) && comes_again(evaluator, repeats, &differing, worst.again, &tolerances)? {
+        return Err(depends(Dependence::Either));
+    }
+    if affords(8 * repeats.order.len()) && follows_order(evaluator, repeats, &tolerances)? {
+        return Err(depends(Dependence::Either));
+    }
+    if affords(2 * states) && has_changed(evaluator, repeats, &tolerances)? {
+        return Err(depends(Dependence::EarlierCalls));
+    }
+    unexplained()
 }
 
-/// By how much two states differ.
-struct Difference {
-    /// The coordinate with the largest relative difference.
-    coordinate: usize,
-    size: f64,
-    /// In units of the largest value of the coordinate.
-    relative: f64,
+/// Evaluations of [`roundings_inside`], at most.
+const EVALUATIONS_OF_ROUNDING: usize = 16;
+
+/// The state whose results differ most.
+fn largest(differing: &[Mismatch]) -> Option<Mismatch> {
+    let largest = differing
+        .iter()
+        .max_by(|a, b| a.excess.total_cmp(&b.excess));
+    largest.copied()
 }
 
-/// How two states differ, if it is by more than rounding.
-fn difference(a: &Ensemble, i: usize, b: &Ensemble, j: usize) -> Option<Difference> {
-    let of = |c: usize| {
-        let largest = coordinate(a, c)
+/// The largest difference of each coordinate.
+fn sizes(evaluator: &Evaluator<'_>, repeats: &Repeats, differing: &[Mismatch]) -> Vec<f64> {
+    let of = |c: usize, found: &Mismatch| {
+        let call = &repeats.again[found.again];
+        repeats.difference(evaluator, c, found.state, (&call.after, found.row))
+    };
+    let largest = |c: usize| {
+        differing
             .iter()
-            .fold(0.0, |m: f64, v| m.max(v.abs()));
-        let size = (coordinate(a, c)[i] - coordinate(b, c)[j]).abs();
-        (size > ROUNDINGS * f64::EPSILON * largest).then_some(Difference {
-            coordinate: c,
-            size,
-            relative: size / largest,
+            .map(|found| of(c, found))
+            .fold(0.0, f64::max)
+    };
+    (0..2 * repeats.first.dof()).map(largest).collect()
+}
+
+/// Whether noise is larger than rounding in the precision of the map, or in single precision.
+fn exceed_rounding(repeats: &Repeats, sizes: &[f64]) -> bool {
+    let single = 0.5f64.powi(SINGLE as i32);
+    let unit = repeats.unit_of_results();
+    let bar = match unit > single {
+        true => ROUNDINGS_OF_FEW_DIGITS * unit,
+        false => ROUNDINGS_OF_SINGLE * single,
+    };
+    (0..sizes.len()).any(|c| sizes[c] > bar * repeats.magnitude(c))
+}
+
+/// Whether both batches of a state with two results, advanced once more, differ again and by as much.
+fn comes_again(
+    evaluator: &Evaluator<'_>,
+    repeats: &Repeats,
+    differing: &[Mismatch],
+    again: usize,
+    tolerances: &[f64],
+) -> Result<bool, Error> {
+    let call = &repeats.again[again];
+    let first = repeats.advance_first(evaluator)?;
+    let second = repeats.advance(evaluator, &call.order)?;
+    let returns = |found: &Mismatch| {
+        let (c, row) = (found.coordinate, found.row);
+        let before = coordinate(&call.after, c)[row] - coordinate(&repeats.first, c)[found.state];
+        let now = coordinate(&second, c)[row] - coordinate(&first, c)[repeats.rows[found.state]];
+        is_about(before, now, tolerances[c])
+    };
+    let mut of_call = differing.iter().filter(|found| found.again == again);
+    Ok(of_call.any(returns))
+}
+
+/// Whether two differences are above a tolerance, and of one size to a factor of two.
+fn is_about(a: f64, b: f64, tolerance: f64) -> bool {
+    let (less, more) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
+    less > tolerance && less > 0.5 * more
+}
+
+/// Whether the results of some rows follow the order of a whole batch: they differ in reverse order, and do so again.
+fn follows_order(
+    evaluator: &Evaluator<'_>,
+    repeats: &Repeats,
+    tolerances: &[f64],
+) -> Result<bool, Error> {
+    let forward = repeats.whole_batch();
+    let rows = forward.samples();
+    let reversed: Vec<usize> = (0..rows).rev().collect();
+    let backward = in_order(&forward, &reversed);
+    let pair = || -> Result<[Ensemble; 2], Error> {
+        let mut pair = [forward.clone(), backward.clone()];
+        for states in &mut pair {
+            evaluator.advance(states, repeats.h)?;
+        }
+        Ok(pair)
+    };
+    let pairs = [pair()?, pair()?];
+    let differences = |row: usize, c: usize| {
+        pairs
+            .each_ref()
+            .map(|[there, back]| coordinate(there, c)[row] - coordinate(back, c)[reversed[row]])
+    };
+    let (mut once, mut twice) = (0, 0);
+    for row in 0..rows {
+        let of = |is: &dyn Fn([f64; 2], f64) -> bool| {
+            let mut tolerances = tolerances.iter().enumerate();
+            usize::from(tolerances.any(|(c, &tolerance)| is(differences(row, c), tolerance)))
+        };
+        once += of(&|[first, _], tolerance| first.abs() > tolerance);
+        twice += of(&|[first, second], tolerance| is_about(first, second, tolerance));
+    }
+    // Rare noise hits few rows twice.
+    Ok(twice >= ROWS_IN_ORDER && 2 * twice >= once)
+}
+
+/// Whether a third of the states, and two at least, have another result now than they had at first, and keep it.
+fn has_changed(
+    evaluator: &Evaluator<'_>,
+    repeats: &Repeats,
+    tolerances: &[f64],
+) -> Result<bool, Error> {
+    let states = repeats.before.samples();
+    let order: Vec<usize> = (0..states).rev().collect();
+    let now = repeats.advance(evaluator, &order)?;
+    let later = repeats.advance(evaluator, &order)?;
+    let changed = |row: usize| {
+        (0..tolerances.len()).any(|c| {
+            let kept = (coordinate(&now, c)[row] - coordinate(&later, c)[row]).abs();
+            let change = repeats.difference(evaluator, c, order[row], (&now, row));
+            change > tolerances[c] && kept <= tolerances[c]
         })
     };
-    let found = (0..2 * a.dof()).filter_map(of);
-    found.max_by(|a, b| a.relative.total_cmp(&b.relative))
+    let count = (0..states).filter(|&row| changed(row)).count();
+    Ok(count >= 2.max(states.div_ceil(3)))
 }
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,7 +395,7 @@ mod tests {
     use crate::state::Block;
     use std::sync::atomic::{AtomicU64, Ordering};
 
-    fn verdict(map: &dyn TimeAdvance) -> Result<Option<Scatter>, Error> {
+    fn verdict(map: &dyn TimeAdvance) -> Result<Option<Noise>, Error> {
         let count = EvaluationCount::unlimited();
         let evaluator = Evaluator::new(map, &count)?;
         check_purity(
@@ -202,7 +475,7 @@ mod tests {
         };
         for size in [1e-12, 1e-9, 1e-6] {
             let found = verdict(&pendulum(size, |count, _| scrambled(count))).unwrap();
-            let scatter = found.unwrap().size / (0.25 * size);
+            let scatter = found.unwrap().scatter().unwrap().size / (0.25 * size);
             assert!((0.3..1.0).contains(&scatter), "{size}: {scatter}");
         }
         // What depends on the count, the last state, or both by chance and by history, is a memory.

@@ -1,77 +1,154 @@
-//! Whether a map that does not repeat itself scatters, as sums in the order of many cores do, or has a memory.
+//! Whether a map that does not repeat itself scatters at random, or depends on what was advanced before or in the same batch.
 
-use crate::error::Error;
-use crate::loops::Loop;
+use super::repeats::Repeats;
+use crate::error::{Dependence, Error};
 use crate::map::Evaluator;
 use crate::signal::nearest;
-use crate::state::{coordinate, period};
+use crate::state::{Ensemble, coordinate, period};
 
 /// Repetitions after each of two histories.
 const REPETITIONS: usize = 8;
 
 /// Means of two histories further apart than this many standard deviations of one value, and changes along all
-/// repetitions, are none of chance: they have 6 and 3.5 standard deviations of their own.
+/// repetitions, are not random: they have 6 and 3.5 standard deviations of their own.
 const DEVIATIONS: f64 = 3.0;
 
-/// Differences so many times the standard deviation are explained by it.
-const EXPLAINED: f64 = 16.0;
+/// Repetitions drift if straight lines explain this part of their squares: of independent values with a probability of 1e-6.
+const DRIFT: f64 = 0.9;
 
-/// The largest scatter of each coordinate, if it is chance: the state at `s[0]` is repeated, eight times each after two
-/// other states. `None` if it depends on what came before, changes from repetition to repetition, or does not
-/// explain a `difference` of coordinate `c`.
+/// Means of repetitions that rounding moves differ by less than single results.
+const PART_OF_MEANS: f64 = 1.0 / 16.0;
+
+/// A batch that is advanced twice depends on its rows if the results of the two differ by less than this part of what they
+/// differ by from row to row.
+const REPRODUCED: f64 = 0.25;
+
+/// Evaluations of the test with this number of states.
+pub(super) fn evaluations(states: usize) -> usize {
+    4 * REPETITIONS + 5 + 4 * states
+}
+
+/// What repetitions of one state show.
+pub(super) enum Repetitions {
+    /// Results depend on other states.
+    Depend(Dependence),
+    /// They do not: each coordinate has this standard deviation.
+    Scatter(Vec<f64>),
+}
+
+/// Repeats a state eight times each after two others, in one batch, alone after each of them, and after all others in a batch
+/// that is advanced twice.
 ///
 /// # Errors
 /// Those of the map.
-pub(super) fn scatter(
+pub(super) fn repetitions(
     evaluator: &Evaluator<'_>,
-    phase_loop: &dyn Loop,
-    h: f64,
-    s: [f64; 3],
-    (c, difference): (usize, f64),
-) -> Result<Option<Vec<f64>>, Error> {
-    let after = |other: f64| {
-        let batch = [other, s[0]].repeat(REPETITIONS);
-        evaluator.image(phase_loop, h, &batch)
-    };
-    let histories = [after(s[1])?, after(s[2])?];
-    let mut scatters = Vec::with_capacity(2 * evaluator.dof());
-    for row in 0..2 * evaluator.dof() {
-        let period = period(evaluator.coordinates(), row);
-        let reference = coordinate(&histories[0], row)[1];
-        let values: Vec<Vec<f64>> = (histories.iter())
-            .map(|states| {
-                let repeated = coordinate(states, row).iter().skip(1).step_by(2);
-                repeated.map(|x| nearest(x - reference, period)).collect()
-            })
-            .collect();
-        let Some(deviation) = chance(&values) else {
-            return Ok(None);
+    repeats: &Repeats,
+    state: usize,
+    tolerances: &[f64],
+) -> Result<Repetitions, Error> {
+    let states = repeats.before.samples();
+    let others = [(state + 1) % states, (state + 1 + states / 2) % states];
+    let histories = [
+        repeats.advance(evaluator, &[others[0], state].repeat(REPETITIONS))?,
+        repeats.advance(evaluator, &[others[1], state].repeat(REPETITIONS))?,
+    ];
+    let calls = [state, others[0], state, others[1], state];
+    let alone: Vec<Ensemble> = (calls.iter())
+        .map(|&state| repeats.advance(evaluator, &[state]))
+        .collect::<Result<_, Error>>()?;
+    let after_each: Vec<usize> = (0..states).flat_map(|other| [other, state]).collect();
+    let twice = [
+        repeats.advance(evaluator, &after_each)?,
+        repeats.advance(evaluator, &after_each)?,
+    ];
+    let mut scatters = Vec::with_capacity(tolerances.len());
+    let (mut depends, mut on_earlier_calls) = (false, false);
+    for (c, &tolerance) in tolerances.iter().enumerate() {
+        let period = period(evaluator.coordinates(), c);
+        let reference = coordinate(&histories[0], c)[1];
+        let near = |x: &f64| nearest(x - reference, period);
+        let every_second = |states: &Ensemble, first: usize| -> Vec<f64> {
+            let row = coordinate(states, c).iter().skip(first).step_by(2);
+            row.map(near).collect()
         };
-        scatters.push(deviation);
+        let values = [&histories[0], &histories[1]].map(|states| every_second(states, 1));
+        let (deviation, is_random) = chance(&values, tolerance);
+        let mut alone: Vec<f64> = (alone.iter().step_by(2))
+            .map(|states| near(&coordinate(states, c)[0]))
+            .collect();
+        alone.sort_by(f64::total_cmp);
+        on_earlier_calls |= alone[2] - alone[0] > tolerance;
+        // A state that is advanced alone has a batch of its own.
+        let differs_alone =
+            deviation <= tolerance && (alone[1] - mean(&values.concat())).abs() > tolerance;
+        let [first, second] = [&twice[0], &twice[1]].map(|states| every_second(states, 1));
+        let between = (first.iter().zip(&second)).map(|(a, b)| (a - b).powi(2));
+        let within = Line::through(&first).squares;
+        let is_reproduced =
+            within.sqrt() > tolerance && between.sum::<f64>() < 2.0 * within * REPRODUCED.powi(2);
+        depends |= !is_random || differs_alone || is_reproduced;
+        // The other states were repeated, too.
+        let others = [&histories[0], &histories[1]].map(|states| {
+            let values = every_second(states, 0);
+            let mean = mean(&values);
+            let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+            (squares / (REPETITIONS - 1) as f64).sqrt()
+        });
+        scatters.push(others.into_iter().fold(deviation, f64::max));
     }
-    Ok((difference <= EXPLAINED * scatters[c]).then_some(scatters))
+    Ok(match depends {
+        true => Repetitions::Depend(match on_earlier_calls {
+            true => Dependence::EarlierCalls,
+            false => Dependence::OtherRows,
+        }),
+        false => Repetitions::Scatter(scatters),
+    })
 }
 
-/// The standard deviation of values after two histories, if neither the history nor the repetition matters.
-fn chance(values: &[Vec<f64>]) -> Option<f64> {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let means = [mean(&values[0]), mean(&values[1])];
-    let squared = |(values, mean): (&Vec<f64>, f64)| -> f64 {
-        values.iter().map(|x| (x - mean).powi(2)).sum()
-    };
-    let within: f64 = values.iter().zip(means).map(squared).sum();
-    let deviation = (within / (2 * (REPETITIONS - 1)) as f64).sqrt();
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// The standard deviation of values after two histories, and whether neither the history nor the repetition matters.
+fn chance(values: &[Vec<f64>; 2], tolerance: f64) -> (f64, bool) {
     let all = values.concat();
-    let (last, middle) = (all.len() as f64 - 1.0, mean(&all));
-    // The regression line over the repetitions.
-    let (mut covariance, mut variance) = (0.0, 0.0);
-    for (k, x) in all.iter().enumerate() {
-        let place = k as f64 - 0.5 * last;
-        covariance += place * (x - middle);
-        variance += place * place;
+    let lines = values.each_ref().map(|values| Line::through(values));
+    let within = lines[0].squares + lines[1].squares;
+    let deviation = (within / (2 * (REPETITIONS - 1)) as f64).sqrt();
+    let most = (DEVIATIONS * deviation).max(tolerance * PART_OF_MEANS);
+    let drifts = (Line::through(&all).rise.abs() > most)
+        || (deviation > tolerance * PART_OF_MEANS
+            && lines[0].explained + lines[1].explained > DRIFT * within);
+    let depends = (lines[0].mean - lines[1].mean).abs() > most;
+    (deviation, !drifts && !depends)
+}
+
+/// The regression line over repetitions.
+struct Line {
+    mean: f64,
+    /// From the first repetition to the last.
+    rise: f64,
+    /// Squares of the distances from the mean, and what the line explains of them.
+    squares: f64,
+    explained: f64,
+}
+
+impl Line {
+    fn through(values: &[f64]) -> Self {
+        let (last, mean) = (values.len() as f64 - 1.0, mean(values));
+        let (mut covariance, mut variance, mut squares) = (0.0, 0.0, 0.0);
+        for (k, x) in values.iter().enumerate() {
+            let place = k as f64 - 0.5 * last;
+            covariance += place * (x - mean);
+            variance += place * place;
+            squares += (x - mean).powi(2);
+        }
+        Line {
+            mean,
+            rise: covariance / variance * last,
+            squares,
+            explained: covariance * covariance / variance,
+        }
     }
-    let drift = (covariance / variance * last).abs();
-    let by_chance =
-        (means[0] - means[1]).abs() <= DEVIATIONS * deviation && drift <= DEVIATIONS * deviation;
-    by_chance.then_some(deviation)
 }

@@ -476,8 +476,10 @@ pub enum Finding {
     Precision(OutputPrecision),
     /// The map works in single precision inside.
     SingleInside,
-    /// Repeated runs of one state differ by chance.
+    /// Results of one state differ, by rounding or at random.
     Scatter(Scatter),
+    /// A state has the same result at all step sizes.
+    IgnoresStepSize,
     /// A stated period is not one of the map.
     WrongPeriod(WrongPeriod),
     /// What becomes of the defect in many steps.
@@ -630,6 +632,8 @@ pub enum Advice {
     LargerLoop,
     /// Return more digits.
     MoreDigits,
+    /// Give every row and every call the same random numbers.
+    SameRandomNumbers,
     /// Take other loops: the Jacobian shows a defect that these hide.
     OtherLoops,
     /// One loop is one probe.

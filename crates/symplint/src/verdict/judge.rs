@@ -12,7 +12,9 @@ use super::thresholds::{
     CONTRADICTS, FAR, FEWEST_POINTS, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND,
 };
 use super::{Verdict, VerdictKind, long_time};
-use crate::evidence::{Evidence, LoopEvidence, LoopKind, Motion, Omission, Origin, StepEvidence};
+use crate::evidence::{
+    Evidence, LoopEvidence, LoopKind, Motion, Omission, Origin, Scatter, StepEvidence,
+};
 use crate::jacobian::JacobianDecay;
 use crate::rules::Defect;
 
@@ -120,6 +122,7 @@ impl<'a> Case<'a> {
             return decision;
         }
         (self.no_closed_loop())
+            .or_else(|| self.random_numbers())
             .or_else(|| self.beside_leaf())
             .or_else(|| self.beside_manifold())
             .or_else(|| self.broken())
@@ -373,9 +376,17 @@ impl<'a> Case<'a> {
         })
     }
 
+    /// The step draws random numbers: what it does to a loop differs from run to run.
+    fn random_numbers(&self) -> Option<Decision> {
+        let scatter = self.evidence.survey.scatter.filter(Scatter::is_random)?;
+        let mut decision = Decision::new(VerdictKind::Undecided, Finding::Scatter(scatter));
+        decision.advice.push(Advice::SameRandomNumbers);
+        Some(decision)
+    }
+
     /// What would show the order of a defect, of all loops that were swept over step sizes.
     fn advice_on_order(&self, has_trend: bool) -> Option<Advice> {
-        if has_trend {
+        if has_trend || self.evidence.survey.ignores_step_size {
             return None;
         }
         if self.steps().any(|(_, step)| step.step_size.is_none()) {
@@ -433,7 +444,10 @@ impl<'a> Case<'a> {
         findings.extend(evidence.survey.output_precision.map(Finding::Precision));
         let inside = evidence.survey.single_inside && evidence.survey.output_precision.is_none();
         findings.extend(inside.then_some(Finding::SingleInside));
-        findings.extend(evidence.survey.scatter.map(Finding::Scatter));
+        // If it is the reason of the verdict, it stands first.
+        let scatter = evidence.survey.scatter;
+        findings.extend(scatter.filter(|of| !of.is_random()).map(Finding::Scatter));
+        findings.extend((evidence.survey.ignores_step_size).then_some(Finding::IgnoresStepSize));
         findings.extend(evidence.survey.wrong_period.map(Finding::WrongPeriod));
         findings.extend(evidence.long_time.map(|steps| Finding::ManySteps {
             growth: long_time::growth(&steps),

@@ -79,7 +79,11 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     };
     let of_defects = wide(data).then(|| whole_law(data).or_else(|| plain_law(data)));
     let changes = differences(&known);
-    let changes = &clear(&changes)[..];
+    // At smaller steps, but for one, the constant alone is seen: no local slope differs from 0.
+    let is_seen = |(change, known): (&Datum, &Datum)| change.1.abs() > WHOLE * known.1.abs();
+    let seen = changes.iter().zip(&known).position(is_seen);
+    let changes = &changes[seen.unwrap_or(changes.len()).saturating_sub(1)..];
+    let changes = &clear(changes)[..];
     let of_changes = wide(changes).then(|| whole_law(changes)).flatten();
     let is_negative = |h: f64| h < 0.0;
     let backwards = (evidence.steps.iter()).all(|step| step.step_size.is_some_and(is_negative));
@@ -208,14 +212,14 @@ fn constant(data: &[Datum], order: f64) -> Option<f64> {
     is_known.then(|| first.1 - (second.1 - first.1) / growth)
 }
 
-/// The mean slope of log |E| over log h, and half the spread of the local slopes.
+/// The mean slope of log |E| over log h, and how far local slopes are from it.
 fn plain_law(data: &[Datum]) -> Option<(f64, f64)> {
     if (data.windows(2)).any(|pair| pair[0].1.signum() != pair[1].1.signum()) {
         return None;
     }
     let (low, high) = local_slopes(data);
     let mean = local_slope(&data[0], &data[data.len() - 1]);
-    let uncertainty = (high - low) / 2.0;
+    let uncertainty = (high - mean).max(mean - low);
     (uncertainty <= MOST_UNCERTAIN).then_some((mean, uncertainty))
 }
 

@@ -12,7 +12,8 @@ use super::number::{capitalised, jumping, loop_name, short, size};
 use super::order::Fit;
 use crate::breaks::Break;
 use crate::evidence::{
-    LongTime, Motion, OutputFormat, OutputPrecision, Reach, SIGNIFICANT, Sector, SubstepDefect,
+    LongTime, Motion, OutputFormat, OutputPrecision, Reach, SIGNIFICANT, Scatter, ScatterKind,
+    Sector, SubstepDefect,
 };
 use domain::degrees_of_freedom;
 
@@ -518,11 +519,9 @@ impl Display for Finding {
                 "States that are a few units of single precision apart scatter by as much after the step: the map \
                  works in single precision inside, or rounds as coarsely.",
             ),
-            Finding::Scatter(scatter) => write!(
-                f,
-                "Repeated runs of one state differ by chance, by {:.0e} in {} of degree of freedom {}, as sums do that \
-                 many cores take in any order. That is noise of the map: figures differ from run to run.",
-                scatter.size, scatter.coordinate, scatter.dof
+            Finding::Scatter(scatter) => fmt_scatter(f, scatter),
+            Finding::IgnoresStepSize => f.write_str(
+                "The step ignores h: a state has the same result at all step sizes, so that the defect has no order in h.",
             ),
             Finding::WrongPeriod(wrong) => write!(
                 f,
@@ -580,6 +579,32 @@ fn fmt_jump(
             substep.saturating_add(1)
         ),
         None => f.write_str("."),
+    }
+}
+
+fn fmt_scatter(f: &mut Formatter<'_>, scatter: &Scatter) -> Result {
+    let Scatter {
+        coordinate,
+        dof,
+        size,
+        kind,
+    } = scatter;
+    match kind {
+        ScatterKind::Rounding => write!(
+            f,
+            "Results of one state differ from batch to batch, by up to {size:.0e} in {coordinate}[{dof}]. That is rounding, as \
+             in matrix products that add up in another order."
+        ),
+        ScatterKind::Noise => write!(
+            f,
+            "Results of one state differ at random, by {size:.0e} in {coordinate}[{dof}], as in parallel sums or after a \
+             solver that starts at random. Figures differ from run to run by this noise."
+        ),
+        ScatterKind::RandomNumbers => write!(
+            f,
+            "Results of one state differ at random, by {size:.0e} in {coordinate}[{dof}], and rounding is smaller: the step \
+             draws random numbers."
+        ),
     }
 }
 

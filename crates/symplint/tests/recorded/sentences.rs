@@ -3,8 +3,8 @@
 use serde_json::json;
 use symplint::breaks::Break;
 use symplint::evidence::{
-    Contraction, LongTime, Motion, OutputFormat, OutputPrecision, Rank, Scatter, Sector,
-    SubstepDefect,
+    Contraction, LongTime, Motion, OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind,
+    Sector, SubstepDefect,
 };
 use symplint::verdict::{Advice, Change, Finding, Growth, Step, StepRange};
 
@@ -375,6 +375,7 @@ fn of_findings() {
                 coordinate: 'p',
                 dof: 2,
                 size: 3e-9,
+                kind: ScatterKind::Noise,
             }),
             Finding::Evaluations {
                 made: 12,

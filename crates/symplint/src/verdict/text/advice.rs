@@ -225,6 +225,10 @@ impl Display for Advice {
                 "Return more digits to learn more: compute in double precision, and do not round (17 digits, if \
                  states are printed).",
             ),
+            Advice::SameRandomNumbers => f.write_str(
+                "If the step draws random numbers: give every row and every call the same ones (one seed at the start of \
+                 every step, and one draw for all rows). If it starts a solver at random: start it from the state.",
+            ),
             Advice::OtherLoops => f.write_str(
                 "Take other loops: one that is off the symmetries of the system, and a larger one.",
             ),
