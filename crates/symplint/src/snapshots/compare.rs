@@ -291,7 +291,13 @@ impl<'a> Initial<'a> {
             return Ok(());
         };
         let smaller = integral.quadrature_error.unwrap_or(f64::INFINITY);
-        if LEAST_GAIN * smaller < error && smaller < MAX_RELATIVE_ERROR * integral.value.abs() {
+        // Of a loop that jumps, equal spacing is out of the question.
+        let gain = if self.broken.is_some() {
+            1.0
+        } else {
+            LEAST_GAIN
+        };
+        if gain * smaller < error && smaller < MAX_RELATIVE_ERROR * integral.value.abs() {
             (self.broken, self.wrapped) = (None, None);
             self.arcs = Some((arcs, found));
             self.integral = integral;
