@@ -40,9 +40,9 @@ impl NativeLoop {
 
 #[pymethods]
 impl NativeLoop {
-    /// An ellipse in every degree of freedom.
+    /// An ellipse in every degree of freedom. Phases come by name, with the seed of random ones.
     #[staticmethod]
-    #[pyo3(signature = (q0, p0, radii_q, radii_p, dofs=None, phases="staggered", seed=1))]
+    #[pyo3(signature = (q0, p0, radii_q, radii_p, dofs, phases))]
     fn circle(
         py: Python<'_>,
         q0: Vec<f64>,
@@ -50,14 +50,13 @@ impl NativeLoop {
         radii_q: Vec<f64>,
         radii_p: Vec<f64>,
         dofs: Option<Vec<usize>>,
-        phases: &str,
-        seed: u64,
+        phases: (String, u64),
     ) -> PyResult<Self> {
         let made = Circle::with_radii(q0, p0, radii_q, radii_p).and_then(|circle| match dofs {
             Some(dofs) => circle.on(&dofs),
             None => Ok(circle),
         });
-        let phases = named_phases(py, phases, seed)?;
+        let phases = named_phases(py, &phases.0, phases.1)?;
         Self::new(py, made.map(|circle| circle.with_phases(phases)))
     }
 

@@ -112,7 +112,7 @@ class Circle(Loop):
         q, p = centre(q0, p0)
         moved = None if dofs is None else [whole(dof, "dofs", 0) for dof in dofs]
         start = phases_and_seed(phases, seed)
-        super().__init__(_native.Loop.circle(q, p, *radii(radius, q.size), moved, *start))
+        super().__init__(_native.Loop.circle(q, p, *radii(radius, q.size), moved, start))
 
 
 class FourierLoop(Loop):

@@ -28,9 +28,8 @@ class Loop:
         p0: _Vector,
         radii_q: _Vector,
         radii_p: _Vector,
-        dofs: Sequence[int] | None = None,
-        phases: str = "staggered",
-        seed: int = 1,
+        dofs: Sequence[int] | None,
+        phases: tuple[str, int],
     ) -> Loop: ...
     @staticmethod
     def fourier(q0: _Vector, p0: _Vector, radii_q: _Vector, radii_p: _Vector, seed: int) -> Loop: ...

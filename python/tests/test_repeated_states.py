@@ -30,7 +30,7 @@ def network(kind):
 @pytest.mark.parametrize("arguments", [{}, {"dtype": "float32"}, {"per_sample": True}])
 def test_rounding_in_single_precision_that_depends_on_the_batch_is_no_memory(arguments):
     report = symplint.check(network(np.float32), np.zeros(3), np.full(3, 0.3), **arguments)
-    assert report.kind == "symplectic" and 6.0 < report.digits < 8.5
+    assert report.kind == "symplectic" and 5.9 < report.digits < 8.5
     damped = network(np.float32)
 
     def step(q, p, h):

@@ -71,9 +71,7 @@ impl fmt::Display for StateAt {
 pub enum Dependence {
     /// The states that were advanced before.
     EarlierCalls,
-    /// The other rows of the batch.
-    OtherRows,
-    /// One of the two.
+    /// The states that were advanced before, or the other rows of the batch.
     Either,
 }
 
@@ -81,7 +79,6 @@ impl fmt::Display for Dependence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Dependence::EarlierCalls => "earlier calls",
-            Dependence::OtherRows => "the other rows of the batch",
             Dependence::Either => "earlier calls or on the other rows of the batch",
         })
     }

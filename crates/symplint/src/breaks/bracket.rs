@@ -1,8 +1,8 @@
 //! Bisection of a jump, and how a jump is told from noise and from a steep stretch.
 
 use super::limits::{
-    AGREES, AROUND_A_ZONE, KEEPS_ITS_SIZE, LOOKS, NARROWEST, NOISES_OF_A_JUMP, PATIENCE,
-    ROUNDINGS_OF_A_STATE, SPACING, STAYS_ON_HALVING,
+    AGREES, AROUND_A_ZONE, JUMPS_OF_AN_END, KEEPS_ITS_SIZE, LOOKS, NARROWEST, NOISES_OF_A_JUMP,
+    PATIENCE, ROUNDINGS_OF_A_STATE, SPACING, STAYS_ON_HALVING,
 };
 use crate::state::Block;
 
@@ -154,11 +154,11 @@ pub(crate) fn displace(block: &mut Block<'_>, sample: usize, pattern: usize) {
     }
 }
 
-/// Whether a displaced end of a `jump` has `moved` by no more than the jump, or than the values on its sides are apart: what breaks the
+/// Whether a displaced end of a `jump` has `moved` by no more than about the jump, or than the values on its sides are apart: what breaks the
 /// loop may be so close that the state is on its other side. On a slope it moves by several times the jump, as the jump is a
 /// rounding of the state times the slope.
 pub(crate) fn moves_by_a_jump(jump: f64, lasting: f64, moved: f64) -> bool {
-    moved.abs() <= (1.0 + AGREES) * jump.abs().max(lasting.abs())
+    moved.abs() <= JUMPS_OF_AN_END * jump.abs().max(lasting.abs())
 }
 
 /// Whether a jump that is evaluated `again` is the same.

@@ -20,7 +20,7 @@ pub(super) const ROUNDINGS: f64 = 32.0;
 pub(super) const MOST_SUSPECTS: usize = 4;
 
 /// Evaluations that following one may take: 6 samples around it, fewer than 54 halvings, those beside it, and both ends
-/// again, displaced, too.
+/// again, also displaced.
 pub(super) const OF_A_SUSPECT: usize = 6 + 54 + 2 * LOOKS[1] + OF_A_CONFIRMATION;
 
 /// The step that two smooth sides leave between them keeps its size as the map is evaluated more closely: what is
@@ -46,8 +46,13 @@ pub(crate) const LOOKS: [usize; 2] = [3, 6];
 /// Their distance: 32 doubles, so that the rounding of s is not part of the noise, and nothing on the scale of a loop.
 pub(super) const SPACING: f64 = 32.0 * f64::EPSILON;
 
-/// The ends of a break are displaced by about this many roundings: what the map makes of one rounding is then an eighth of the change.
-pub(super) const ROUNDINGS_OF_A_STATE: f64 = 8.0;
+/// The ends of a break are displaced by about this many roundings. On a slope the change is then about as many times what the map makes of
+/// one rounding, and at a square root the root of it.
+pub(super) const ROUNDINGS_OF_A_STATE: f64 = 32.0;
+
+/// Displaced ends of a break move by at most this many jumps, to a quarter of one: the force may have a value of its own at one
+/// double, and then there are two jumps.
+pub(super) const JUMPS_OF_AN_END: f64 = 2.25;
 
 /// Times that both ends of a break are evaluated again, each time in another order.
 pub(crate) const REPETITIONS: usize = 2;

@@ -84,12 +84,12 @@ fn difference(subject: Subject<'_>, h: f64, moved: &[usize]) -> Result<Option<f6
         .iter()
         .for_each(|&c| shift[c] = period(coordinates, c));
     let fill = |first: usize, block: &mut Block<'_>| {
-        for c in 0..count {
+        for (c, shift) in shift.iter().enumerate() {
             let rounding = unit * largest(c);
             for (k, value) in coordinate_mut(block, c).iter_mut().enumerate() {
                 let (k, nudge) = ((first + k) / NUDGES.len(), (first + k) % NUDGES.len());
                 let at = coordinate(&at_sites, c)[k / 2] + NUDGES[nudge] * rounding;
-                *value = if k % 2 == 1 { at + shift[c] } else { at };
+                *value = if k % 2 == 1 { at + shift } else { at };
             }
         }
         Ok(())

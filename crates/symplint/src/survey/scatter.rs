@@ -100,7 +100,7 @@ pub(super) fn repetitions(
     Ok(match depends {
         true => Repetitions::Depend(match on_earlier_calls {
             true => Dependence::EarlierCalls,
-            false => Dependence::OtherRows,
+            false => Dependence::Either,
         }),
         false => Repetitions::Scatter(scatters),
     })

@@ -378,7 +378,7 @@ pub enum Finding {
         /// The law of the loop integrals.
         by_loops: Fit,
         /// The two step sizes, the larger one first.
-        steps: [Step; 2],
+        step_sizes: [f64; 2],
     },
     /// The loop of the verdict moves degrees of freedom that the given loop leaves at rest.
     MovesRest {
@@ -461,7 +461,7 @@ pub enum Finding {
     /// What a larger step, or a larger loop of a map without a step size, shows of a map that moves loops little.
     Beyond {
         /// The loop.
-        reach: Reach,
+        reach: Box<Reach>,
         /// Whether it moves more than the other loops.
         more: bool,
     },

@@ -421,13 +421,15 @@ impl Display for Finding {
             Finding::OrdersDiffer {
                 by_jacobian,
                 by_loops,
-                steps: [large, small],
+                step_sizes: [large, small],
             } => write!(
                 f,
-                "No order is stated: {} falls as h^{:.2}, and the defect of the Jacobian as h^{by_jacobian:.2} from {large} to \
-                 {small}.",
+                "No order is stated: {} falls as h^{:.2}, and the defect of the Jacobian as h^{by_jacobian:.2} between h = {} \
+                 and h = {}.",
                 loop_name(by_loops.loop_index),
-                by_loops.slope
+                by_loops.slope,
+                size(*small),
+                size(*large)
             ),
             Finding::MovesRest { loop_index } => write!(
                 f,

@@ -294,7 +294,9 @@ impl Jump {
             Judgement::Wrap
         } else if self.looks < LOOKS.len() {
             Judgement::LookAgain
-        } else if (large || no_step) && flickers(jump, sides) {
+        } else if large && flickers(jump, sides) {
+            Judgement::Break
+        } else if no_step && flickers(jump, sides) {
             Judgement::LookAround
         } else {
             Judgement::Noise

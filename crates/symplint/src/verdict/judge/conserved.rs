@@ -65,7 +65,7 @@ impl Case<'_> {
             has_step_size: self.has_step_size(),
         }));
         findings.extend(self.evidence.reach.map(|reach| Finding::Beyond {
-            reach,
+            reach: Box::new(reach),
             more: motion.is_none_or(|(motion, _)| reach.is_further(motion)),
         }));
         findings
