@@ -424,7 +424,8 @@ fn verdicts_on_steps_that_are_solved_and_not() {
         tolerance: 1e-6,
         max_iterations: 50,
     }));
-    assert_eq!(loose.kind, VerdictKind::BrokenLoops);
+    // The method itself changes loop integrals by far more than the jumps of the solver could.
+    assert_eq!(loose.kind, VerdictKind::NotSymplectic);
     let said = loose.advice().join(" ");
     assert!(said.contains("stops at a tolerance"), "{said}");
 }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use symplint::rules::Piecewise;
 use symplint::{
-    Circle, Coordinates, Defect, Diagnosis, Ensemble, FourierLoop, LoopIntegral, Rule, Snapshot,
-    TimeAdvance, VerdictKind, measure,
+    Circle, Coordinates, Defect, Diagnosis, Ensemble, FourierLoop, LoopIntegral, Phases, Rule,
+    Snapshot, TimeAdvance, VerdictKind, measure,
 };
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::{self, CATALOGUE};
@@ -34,7 +34,8 @@ fn two_particles(degree: usize) -> (Box<dyn TimeAdvance>, Circle) {
         .map(|a| 3.0 * [1.0, -1.0][a % 2] + 0.3 * (1.0 + index(a)).sin())
         .collect();
     let map = catalogue::build("rk2", Some("midpoint"), Arc::new(pic)).unwrap();
-    (map, Circle::new(x, v, 1.0).unwrap())
+    let circle = Circle::new(x, v, 1.0).unwrap();
+    (map, circle.with_phases(Phases::Equal))
 }
 
 /// Only the samples and what a file may state go into the measurement.

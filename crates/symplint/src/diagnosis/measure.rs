@@ -14,6 +14,7 @@ use super::refined_samples::RefinedSamples;
 use super::resolve::Resolution;
 use super::step_sizes::step_sizes;
 use super::{Diagnostic, Event, SampleCount, SampleSweep, long_time};
+use crate::breaks::Break;
 use crate::error::Error;
 use crate::evidence::{
     BreakAt, Evidence, LoopEvidence, LoopKind, Motion, Omission, Point, StepEvidence, Sweep,
@@ -22,7 +23,7 @@ use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest};
 use crate::loops::{Loop, check_closed};
 use crate::map::{EvaluationCount, Evaluator, LoopSize, Repeat, TimeAdvance};
 use crate::rules::{Rule, RuleKind, Subject};
-use crate::state::Ensemble;
+use crate::state::{Coordinates, Ensemble};
 use crate::survey;
 
 impl Diagnostic {
@@ -134,7 +135,7 @@ impl Diagnostic {
             }
         };
         run.random_loops(subject, &given)?;
-        run.check_periods()?;
+        run.check_periods(subject.coordinates())?;
         run.reach(subject, &given)?;
         run.long_time(&given)?;
         run.jacobian(subject, &given);
@@ -187,6 +188,10 @@ impl Diagnostic {
         Ok(evidence)
     }
 }
+
+/// If a map wraps a coordinate, the other one of its degree of freedom jumps by at most this part of the jump: it is continuous, and
+/// the ends of a break are a rounding apart. Conventional.
+const OF_A_WRAP: f64 = 1e-6;
 
 /// What a map without a step size is called with.
 const ONLY_STEP: f64 = 1.0;
@@ -339,14 +344,26 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Checks that no loop needs a period that is not one of the map: a given loop that winds, or one that breaks, where
-    /// positions are wrapped by another period say.
-    fn check_periods(&self) -> Result<(), Error> {
+    /// Checks that no loop needs a period that is not one of the map: a given loop that winds, or a loop that breaks in periodic
+    /// coordinates alone, because the map wraps them by another period. (A kick, a wall or a solver also changes the other
+    /// coordinate of the degree of freedom.)
+    fn check_periods(&self, coordinates: &Coordinates) -> Result<(), Error> {
         let Some(wrong) = self.evidence.survey.wrong_period else {
             return Ok(());
         };
-        let needs = |found: &LoopEvidence| found.winds || found.is_broken();
-        match self.evidence.loops.iter().any(needs) {
+        let is_wrapped = |at: &BreakAt| {
+            let Break {
+                dof,
+                jump_q,
+                jump_p,
+                ..
+            } = at.found;
+            let alone = |jump: f64, other: f64| other.abs() <= OF_A_WRAP * jump.abs();
+            coordinates.period(dof) > 0.0 && alone(jump_q, jump_p)
+                || coordinates.momentum_period(dof) > 0.0 && alone(jump_p, jump_q)
+        };
+        let winds = self.evidence.loops.iter().any(|found| found.winds);
+        match winds || self.evidence.breaks.iter().any(is_wrapped) {
             true => Err(wrong.into_error()),
             false => Ok(()),
         }

@@ -149,7 +149,7 @@ fn noise(subject: Subject<'_>, states: &Ensemble) -> Vec<Vec<f64>> {
     let of_site = |site: usize| {
         let of_coordinate = |c: usize| {
             let period = period(subject.coordinates(), c);
-            let row = &coordinate(&states, c)[site * STAIRS.len()..(site + 1) * STAIRS.len()];
+            let row = &coordinate(states, c)[site * STAIRS.len()..(site + 1) * STAIRS.len()];
             let values: Vec<f64> = row.iter().map(|x| nearest(x - row[0], period)).collect();
             let differences = values.windows(POINTS).zip(&windows);
             let squares: f64 = differences.map(|(x, of)| of.of(x).powi(2)).sum();

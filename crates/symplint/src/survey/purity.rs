@@ -136,7 +136,8 @@ pub(crate) fn check_purity(
     explain(evaluator, &repeats, None)
 }
 
-/// Advances states that were kept once more, those of the given loop or all of them, in another order and beside others.
+/// Advances states that were kept once more, those of the given loop or all of them, in another order and beside others, as far as
+/// the budget allows.
 ///
 /// # Errors
 /// Those of [`check_purity`].
@@ -169,7 +170,9 @@ pub(crate) fn check_again(
     let mut found = known;
     for repeats in &mut kept {
         for order in orders(repeats) {
-            repeats.repeat(evaluator, order, circumstance)?;
+            if order.len() <= evaluator.count().left() {
+                repeats.repeat(evaluator, order, circumstance)?;
+            }
         }
     }
     for repeats in &kept {

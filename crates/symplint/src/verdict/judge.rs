@@ -228,10 +228,14 @@ impl<'a> Case<'a> {
         };
         let range = (large / small).abs().ln();
         let slope = |defect: f64| (before.magnitude() / defect.max(0.0)).ln() / range;
-        let expected = (fit.at(self.loops, large)? / fit.at(self.loops, small)?)
-            .abs()
-            .ln()
-            / range;
+        // The defects of the loop at the same step sizes: the largest need not follow the law of the smallest ones.
+        let of_loop = self.loops.iter().find(|of| of.index == fit.loop_index)?;
+        let at = |h: f64| {
+            let step = of_loop.steps.iter().find(|step| step.step_size == Some(h));
+            step.map(|step| step.defect.signed)
+                .or_else(|| fit.at(self.loops, h))
+        };
+        let expected = (at(large)? / at(small)?).abs().ln() / range;
         // Loops can hide lower orders than the Jacobian shows; its one point can hide the order of the loops, not the next one.
         let lowest = slope(after.magnitude() + after.uncertainty) - 1.0 - MAX_SLOPE_DIFFERENCE;
         let highest = slope(after.magnitude() - after.uncertainty) + MAX_SLOPE_DIFFERENCE;

@@ -118,7 +118,7 @@ mod tests {
                     (TAU * s).cos() + 0.3 * (0.4 * (TAU * s).sin()).sin() + size * noise(s)
                 });
                 // Of noise alone the exponent is −½.
-                let smooth = analytic > 4.5 || analytic < 0.25;
+                let smooth = !(0.25..=4.5).contains(&analytic);
                 assert!(smooth, "{samples}, {size:e}: {analytic}");
                 let kink = exponent(samples, |s| (TAU * s).sin() + distance(s) + size * noise(s));
                 let kinked = samples < 256 || (kink - 1.5).abs() < 0.3;
