@@ -116,7 +116,7 @@ fn stiff(random: &mut Random, dof: usize) -> (Vec<Vec<f64>>, f64) {
 
 pub fn member(index: usize) -> Member {
     let random = &mut Random::of(36, index);
-    let single = index % 2 == 0;
+    let single = index.is_multiple_of(2);
     let damping = if random.chance(0.25) {
         random.between(0.02, 0.1)
     } else {

@@ -243,7 +243,7 @@ pub fn member(index: usize) -> Member {
     // They differ: a body of equal inertia about all axes does not move.
     let inertia =
         |random: &mut Random| [0.8, 1.4, 2.3].map(|about| about * random.between(0.9, 1.1));
-    let symplectic = index % 2 == 0;
+    let symplectic = index.is_multiple_of(2);
     let rate = random.log_between(1e-2, 0.2);
     let (kind, centre, step, what): (Kind, Vec<f64>, Step, String) = match index % 4 {
         3 | 2 if random.chance(0.6) => {

@@ -175,7 +175,9 @@ fn kept_list(random: &mut Random) -> Member {
         radii_q: vec![0.12, 0.02, 0.05],
         radii_p: vec![0.3; 3],
     };
-    let mut list: Option<(Vec<f64>, Vec<(usize, usize)>)> = None;
+    /// Positions, and the pairs that were near then.
+    type List = (Vec<f64>, Vec<(usize, usize)>);
+    let mut list: Option<List> = None;
     let mut force = move |q: &[f64]| -> Vec<f64> {
         let is_old = |at: &Vec<f64>| at.iter().zip(q).any(|(a, b)| (a - b).abs() > 0.5 * skin);
         if list.as_ref().is_none_or(|(at, _)| is_old(at)) {

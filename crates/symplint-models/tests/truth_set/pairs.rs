@@ -60,8 +60,8 @@ fn system(random: &mut Random, axes: usize, extra: Extra) -> System {
         for i in 0..particles {
             for j in i + 1..particles {
                 let mut apart = [0.0; 2];
-                for axis in 0..axes {
-                    apart[axis] = q[i * axes + axis] - q[j * axes + axis];
+                for (axis, apart) in apart.iter_mut().enumerate().take(axes) {
+                    *apart = q[i * axes + axis] - q[j * axes + axis];
                 }
                 let strength = k * pair.strength(apart[0] * apart[0] + apart[1] * apart[1]);
                 let mut on = |axis: usize, of_i: f64, of_j: f64| {
@@ -126,7 +126,7 @@ pub fn member(index: usize) -> Member {
     let size = random.sign() * random.log_between(1e-3, 0.3);
     let extra = match index % 5 {
         1 => Extra::Turning(size),
-        2 if index % 2 == 0 => Extra::Curl(size),
+        2 if index.is_multiple_of(2) => Extra::Curl(size),
         2 => Extra::Deposited(size),
         _ => Extra::Nothing,
     };

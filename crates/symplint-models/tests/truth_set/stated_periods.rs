@@ -39,7 +39,7 @@ pub fn member(index: usize) -> Member {
     let unit = TAU / period;
     let depth = random.row(dof, 0.3, 1.0);
     let coupling = random.between(0.0, 0.3);
-    let wraps = index / 2 % 2 == 0;
+    let wraps = (index / 2).is_multiple_of(2);
     let winds = index % 3 == 1;
     let is_wrong = index % 2 == 1;
     let stated = if is_wrong {

@@ -29,6 +29,8 @@ pub enum Truth {
 #[derive(Clone, Copy, Debug)]
 pub enum Order {
     Exactly(f64),
+    /// This one, or none is stated: a small term of this order is hidden by the next one, so that no local slope is near it.
+    IfAny(f64),
     /// Of methods so accurate that few steps show it.
     AtLeast(f64),
     /// Theory gives none, or terms of several orders are of a size.
@@ -217,6 +219,7 @@ impl Case {
         match self.truth {
             Truth::Symplectic { digits } => format!("symplectic to {digits} digits or more"),
             Truth::Defect(Order::Exactly(order)) => format!("not-symplectic, h^{order}"),
+            Truth::Defect(Order::IfAny(order)) => format!("not-symplectic, h^{order} or no order"),
             Truth::Defect(Order::AtLeast(order)) => {
                 format!("not-symplectic, h^{order} or steeper")
             }
@@ -241,6 +244,7 @@ impl Case {
             }
             (Truth::Defect(order), VerdictKind::NotSymplectic) => match order {
                 Order::Exactly(order) => verdict.order == Some(order),
+                Order::IfAny(order) => verdict.order.is_none_or(|found| found == order),
                 Order::AtLeast(order) => verdict.order.is_none_or(|found| found >= order - 0.1),
                 Order::Unstated => true,
             },

@@ -10,7 +10,7 @@ use symplint_models::maps::Damped;
 use symplint_models::systems::{HenonHeiles, Pendulum};
 
 use crate::case::{
-    Case, Named, SYMPLECTIC, Truth, circle, fourier, of_order, phased, symplectic_to,
+    Case, Named, Order, SYMPLECTIC, Truth, circle, fourier, of_order, phased, symplectic_to,
 };
 
 /// A loop run backwards, whose integral is negative.
@@ -57,7 +57,7 @@ pub fn cases() -> Vec<Case> {
 
 fn pendulum() -> Vec<Case> {
     let model: Model = Arc::new(Pendulum::default()).into();
-    let symmetric = "a loop symmetric about p = 0 hides the h³ term; random ones show it";
+    let symmetric = "a loop symmetric about p = 0 hides the h³ term; random ones have little of it";
     let backwards = symplint::Circle::new(vec![2.0], vec![0.5], 1.0).unwrap();
     let mut loops: Vec<(Named, Truth, &'static str)> = vec![
         (circle(&[PI], &[0.0], 1.0), SYMPLECTIC, symmetric),
@@ -81,7 +81,11 @@ fn pendulum() -> Vec<Case> {
             Case::built("pendulum", &model, step, on.clone(), truth, because).steps(-1, -8)
         };
         cases.push(case("strang", truth, FLOWS));
-        cases.push(case("rk2 midpoint", of_order(3.0), of_rk2));
+        let of_rk2_order = match of_rk2 == symmetric {
+            true => Truth::Defect(Order::IfAny(3.0)),
+            false => of_order(3.0),
+        };
+        cases.push(case("rk2 midpoint", of_rk2_order, of_rk2));
         cases.push(case("rk2 heun", of_order(4.0), HEUN));
     }
     cases
