@@ -50,13 +50,17 @@ impl Default for Turns {
 
 impl Turns {
     pub fn unwrap(&mut self, wrapped: f64, period: f64) -> f64 {
-        if period > 0.0 {
-            if !self.previous.is_nan() {
-                self.turns -= ((wrapped - self.previous) / period).round();
-            }
-            self.previous = wrapped;
+        if period > 0.0 && !self.previous.is_nan() {
+            self.turns -= ((wrapped - self.previous) / period).round();
         }
+        self.previous = wrapped;
         wrapped + self.turns * period
+    }
+
+    /// The last value, unwrapped.
+    pub fn last(&self, period: f64) -> Option<f64> {
+        let last = self.previous + self.turns * period;
+        (!last.is_nan()).then_some(last)
     }
 }
 

@@ -18,6 +18,8 @@ const LEAST_SCATTER: f64 = 1.0;
 /// The motion of a loop, from its samples before and after a step.
 pub(super) struct Motions {
     planes: Vec<Plane>,
+    /// The root of the number of samples.
+    root: f64,
 }
 
 impl Motions {
@@ -25,13 +27,18 @@ impl Motions {
     pub fn new(dof: usize) -> Self {
         Motions {
             planes: vec![Plane::new(); dof],
+            root: 0.0,
         }
     }
 
     /// Takes in samples before and after the step, in the order of the loop.
     pub fn add(&mut self, before: &Ensemble, after: &Ensemble, coordinates: &Coordinates) {
+        let of_ones: Vec<(f64, f64)> = (0..before.samples())
+            .map(|_| rotation(&mut self.root, 1.0))
+            .collect();
         for (i, plane) in self.planes.iter_mut().enumerate() {
             plane.add(
+                &of_ones,
                 [before.q().row(i), before.p().row(i)],
                 [after.q().row(i), after.p().row(i)],
                 [coordinates.period(i), coordinates.momentum_period(i)],
@@ -41,6 +48,7 @@ impl Motions {
 
     /// What they show, if it is a number.
     pub fn value(&self, coordinates: &Coordinates) -> Option<Motion> {
+        let count = self.root.powi(2);
         let deformation =
             (self.planes.iter()).fold(0.0, |most, plane| plane.deformation().max(most));
         let sum = |of: fn(&Plane) -> &Moments| -> f64 {
@@ -59,8 +67,9 @@ impl Motions {
         let motion = Motion {
             deformation,
             phase_advance: squared.sqrt(),
-            imbalance: (self.planes.iter()).fold(0.0, |most, plane| plane.imbalance().max(most)),
-            shear: self.planes.iter().all(Plane::is_sheared),
+            imbalance: (self.planes.iter())
+                .fold(0.0, |most, plane| plane.imbalance(count).max(most)),
+            shear: self.planes.iter().all(|plane| plane.is_sheared(count)),
             moves: self.planes.iter().any(Plane::moves),
         };
         (motion.deformation.is_finite() && motion.phase_advance.is_finite()).then_some(motion)
@@ -77,8 +86,7 @@ struct Plane {
     /// Of q and p.
     turns_before: [Turns; 2],
     turns: [Turns; 2],
-    /// The last changes of q and p, and the sums of the squared differences of neighbouring ones.
-    last: Option<[f64; 2]>,
+    /// The sums of the squared differences of neighbouring changes of q and p.
     differences: [f64; 2],
 }
 
@@ -90,28 +98,32 @@ impl Plane {
             first: f64::INFINITY,
             turns_before: Default::default(),
             turns: Default::default(),
-            last: None,
             differences: [0.0; 2],
         }
     }
 
-    fn add(&mut self, before: [&[f64]; 2], after: [&[f64]; 2], periods: [f64; 2]) {
+    /// Takes in samples. `of_ones` are the rotations that take the ones of their rows into the triangles.
+    fn add(
+        &mut self,
+        of_ones: &[(f64, f64)],
+        before: [&[f64]; 2],
+        after: [&[f64]; 2],
+        periods: [f64; 2],
+    ) {
         if let (f64::INFINITY, Some(&first)) = (self.first, before[0].first()) {
             self.first = first;
         }
-        for k in 0..before[0].len() {
+        for (k, &of_one) in of_ones.iter().enumerate() {
             let (mut state, mut change) = ([0.0; 2], [0.0; 2]);
             for c in 0..2 {
                 let [old, new] = [before[c][k], after[c][k]];
                 state[c] = self.turns_before[c].unwrap(old, periods[c]);
+                let last = self.turns[c].last(periods[c]);
                 change[c] = self.turns[c].unwrap(new - old, periods[c]);
+                self.differences[c] += last.map_or(0.0, |last| (change[c] - last).powi(2));
             }
-            self.of_loop.add(state);
-            self.of_changes.add(change);
-            for (c, last) in self.last.into_iter().flatten().enumerate() {
-                self.differences[c] += (change[c] - last).powi(2);
-            }
-            self.last = Some(change);
+            self.of_loop.add(of_one, state);
+            self.of_changes.add(of_one, change);
         }
     }
 
@@ -138,27 +150,27 @@ impl Plane {
     }
 
     /// See [`Motion::imbalance`]: 0 for a kick or a free flight alone.
-    fn imbalance(&self) -> f64 {
+    fn imbalance(&self, count: f64) -> f64 {
         let [q, p] = self.relative_changes();
-        match self.is_sheared() || q == 0.0 || p == 0.0 {
+        match self.is_sheared(count) || q == 0.0 || p == 0.0 {
             true => 0.0,
             false => (q / p).max(p / q).sqrt(),
         }
     }
 
-    fn is_sheared(&self) -> bool {
+    fn is_sheared(&self, count: f64) -> bool {
         (0..2).any(|c| {
             let largest =
                 self.of_loop.extents[c].magnitude() + self.of_changes.extents[c].magnitude();
             self.of_changes.extents[c].length() <= SAME * UNIT_ROUNDOFF * largest
-                || self.is_rounding(c)
+                || self.is_rounding(c, count)
         })
     }
 
     /// Whether the changes of a coordinate are small, and scatter from sample to sample.
-    fn is_rounding(&self, c: usize) -> bool {
+    fn is_rounding(&self, c: usize, count: f64) -> bool {
         let [change, size] = [&self.of_changes, &self.of_loop].map(|of| of.extents[c].length());
-        self.of_changes.count() >= FEWEST_SAMPLES as f64
+        count >= FEWEST_SAMPLES as f64
             && change <= LARGEST_ROUNDING * size
             && self.differences[c] >= LEAST_SCATTER * self.of_changes.squares(c)
     }
@@ -173,45 +185,40 @@ impl Plane {
 struct Moments {
     extents: [Extent; 2],
     /// The columns of the upper triangle R of a QR factorisation with rows (1, x, y): it keeps the digits that sums
-    /// of squares would cancel. The first entry is the root of the number of samples.
-    triangle: ([f64; 1], [f64; 2], [f64; 3]),
+    /// of squares would cancel. The first column, the root of the number of samples, is the same for all moments, and left out.
+    triangle: ([f64; 2], [f64; 3]),
 }
 
 impl Moments {
-    fn add(&mut self, [x, y]: [f64; 2]) {
+    fn add(&mut self, of_one: (f64, f64), [x, y]: [f64; 2]) {
         self.extents[0].include(x);
         self.extents[1].include(y);
         // Rotates the entries of the row into the triangle one by one (Givens).
-        let ([one], [mean_x, x_x], [mean_y, x_y, y_y]) = &mut self.triangle;
-        let turn = rotation(one, 1.0);
-        let x = rotate(turn, mean_x, x);
-        let y = rotate(turn, mean_y, y);
+        let ([mean_x, x_x], [mean_y, x_y, y_y]) = &mut self.triangle;
+        let x = rotate(of_one, mean_x, x);
+        let y = rotate(of_one, mean_y, y);
         let turn = rotation(x_x, x);
         let y = rotate(turn, x_y, y);
         rotation(y_y, y);
     }
 
-    /// The number of rows.
-    fn count(&self) -> f64 {
-        self.triangle.0[0].powi(2)
-    }
-
     /// The sum of the squared deviations of a coordinate from its mean.
     fn squares(&self, c: usize) -> f64 {
-        let (_, [_, x], [_, xy, y]) = self.triangle;
+        let ([_, x], [_, xy, y]) = self.triangle;
         [x.powi(2), xy.powi(2) + y.powi(2)][c]
     }
 
-    /// √(⟨x²⟩⟨y²⟩) of deviations from the mean.
+    /// √(⟨x²⟩⟨y²⟩) of deviations from the mean, times the number of samples.
     fn widths(&self) -> f64 {
-        let ([root], [_, x], [_, xy, y]) = self.triangle;
-        (x / root).abs() * (xy.hypot(y) / root)
+        let ([_, x], [_, xy, y]) = self.triangle;
+        x.abs() * xy.hypot(y)
     }
 
-    /// √(⟨x²⟩⟨y²⟩ − ⟨xy⟩²) of deviations from the mean (Lapostolle, IEEE Trans. Nucl. Sci. 18, 1971).
+    /// √(⟨x²⟩⟨y²⟩ − ⟨xy⟩²) of deviations from the mean (Lapostolle, IEEE Trans. Nucl. Sci. 18, 1971), times the
+    /// number of samples.
     fn emittance(&self) -> f64 {
-        let ([root], [_, x], [_, _, y]) = self.triangle;
-        (x / root * (y / root)).abs()
+        let ([_, x], [_, _, y]) = self.triangle;
+        (x * y).abs()
     }
 }
 

@@ -28,6 +28,7 @@ pub(super) struct Repeats {
     pub rows: Vec<usize>,
     /// The whole batch before the step, if other states were in other rows, and it is known.
     pub whole: Option<Ensemble>,
+    /// Calls with other results.
     pub again: Vec<Again>,
 }
 
@@ -119,7 +120,7 @@ impl Repeats {
         Ok(states)
     }
 
-    /// The same once more, to be compared.
+    /// Advances the states in this order, and keeps the results if any of them differs.
     ///
     /// # Errors
     /// Those of the map.
@@ -130,11 +131,19 @@ impl Repeats {
         circumstance: &'static str,
     ) -> Result<(), Error> {
         let after = self.advance(evaluator, &order)?;
-        self.again.push(Again {
-            order,
-            after,
-            circumstance,
-        });
+        let is_same = |c: usize| {
+            let first = coordinate(&self.first, c);
+            let rows = coordinate(&after, c).iter().zip(&order);
+            rows.into_iter().all(|(x, &state)| *x == first[state])
+        };
+        // Equal results take no memory: there may be millions of coordinates.
+        if !(0..2 * after.dof()).all(is_same) {
+            self.again.push(Again {
+                order,
+                after,
+                circumstance,
+            });
+        }
         Ok(())
     }
 
