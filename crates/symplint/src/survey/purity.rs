@@ -467,15 +467,26 @@ mod tests {
         })
     }
 
+    /// A number between −1 and 1 that the count of calls scrambles (splitmix64).
+    fn scrambled(count: u64) -> f64 {
+        let mut x = count.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        (x ^ (x >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
+    }
+
+    #[test]
+    fn noise_as_large_as_rounding_is_no_memory() {
+        for size in [3e-14, 1e-13, 2e-13, 4e-13, 8e-13] {
+            for seed in 0..100 {
+                let found = verdict(&pendulum(size, |count, _| scrambled(count + 4096 * seed)));
+                assert!(found.is_ok(), "{size}, seed {seed}: {found:?}");
+            }
+        }
+    }
+
     #[test]
     fn chance_is_no_memory() {
-        // A number between −1 and 1 that the count of calls scrambles (splitmix64).
-        let scrambled = |count: u64| {
-            let mut x = count.wrapping_mul(0x9E37_79B9_7F4A_7C15);
-            x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            (x ^ (x >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
-        };
         for size in [1e-12, 1e-9, 1e-6] {
             let found = verdict(&pendulum(size, |count, _| scrambled(count))).unwrap();
             let scatter = found.unwrap().scatter().unwrap().size / (0.25 * size);

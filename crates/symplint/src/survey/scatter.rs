@@ -79,9 +79,10 @@ pub(super) fn repetitions(
             .collect();
         alone.sort_by(f64::total_cmp);
         on_earlier_calls |= alone[2] - alone[0] > tolerance;
-        // A state that is advanced alone has a batch of its own.
-        let differs_alone =
-            deviation <= tolerance && (alone[1] - mean(&values.concat())).abs() > tolerance;
+        // A state that is advanced alone has a batch of its own. The median of three differs from the mean of 16 by 0.7
+        // standard deviations.
+        let differs_alone = deviation <= tolerance
+            && (alone[1] - mean(&values.concat())).abs() > tolerance.max(DEVIATIONS * deviation);
         let [first, second] = [&twice[0], &twice[1]].map(|states| every_second(states, 1));
         let between = (first.iter().zip(&second)).map(|(a, b)| (a - b).powi(2));
         let within = Line::through(&first).squares;
