@@ -68,8 +68,8 @@ fn system(random: &mut Random, axes: usize, extra: Extra) -> System {
                     f[i * axes + axis] += of_i;
                     f[j * axes + axis] += of_j;
                 };
-                for axis in 0..axes {
-                    on(axis, strength * apart[axis], -strength * apart[axis]);
+                for (axis, apart) in apart.into_iter().enumerate().take(axes) {
+                    on(axis, strength * apart, -strength * apart);
                 }
                 match extra {
                     Extra::Nothing => {}

@@ -82,7 +82,7 @@ fn pendulum() -> Vec<Case> {
         };
         cases.push(case("strang", truth, FLOWS));
         let of_rk2_order = match of_rk2 == symmetric {
-            true => Truth::Defect(Order::IfAny(3.0)),
+            true => Truth::Defect(Order::IfAny([3.0, 3.0])),
             false => of_order(3.0),
         };
         cases.push(case("rk2 midpoint", of_rk2_order, of_rk2));
