@@ -473,7 +473,12 @@ fn examples_of_mechanics_have_their_verdicts() {
     symplectic("rotational-force.toml", &["system.strength=0"]);
 
     symplectic("fput.toml", &[]);
-    assert_eq!(verdict("fput.toml", &["integrator.name=rk4"]), of_order(5));
+    // Its terms of order 5 and 6 are as large as each other at these step sizes.
+    let without_order = (1, "not-symplectic".to_owned());
+    assert_eq!(
+        verdict("fput.toml", &["integrator.name=rk4"]),
+        without_order
+    );
     symplectic("toda.toml", &[]);
     symplectic("toda.toml", &["integrator.name=gauss4"]);
     assert_eq!(verdict("toda.toml", &[averaged]), of_order(3));

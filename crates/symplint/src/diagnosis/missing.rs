@@ -65,7 +65,8 @@ impl Diagnostic {
     ) -> Option<usize> {
         let enough = |budget: usize| {
             let plan = self.plan(subject, budget);
-            let looks = evidence.evaluations.purity;
+            // A larger budget keeps evaluations to advance more states again.
+            let looks = evidence.evaluations.purity + survey::cost_again(plan.witnesses);
             let left = budget.saturating_sub(looks + plan.jacobian + plan.domain);
             let most = match self.samples {
                 SampleCount::Fixed(_) => plan.first_samples,
