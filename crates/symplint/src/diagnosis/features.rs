@@ -6,7 +6,7 @@
 
 use super::limits::{
     BESIDE_FEATURE, FEATURE_OF_ERROR, FEATURE_OF_MEDIAN, FEATURE_OF_ROUNDING, IRREGULAR_PART,
-    MOST_IRREGULAR,
+    MOST_INTERPOLATED, MOST_IRREGULAR,
 };
 use super::refined_samples::RefinedSamples;
 use crate::error::Error;
@@ -15,15 +15,18 @@ use crate::signal::{Extent, nearest};
 use crate::state::{Ensemble, coordinate, period};
 
 /// Evaluations that a search for features takes at most, beside so many samples.
-pub(super) fn cost(samples: usize) -> usize {
-    irregular(samples) + 2 * AROUND
+pub(super) fn cost(samples: usize, dof: usize) -> usize {
+    irregular(samples, dof) + 2 * AROUND
 }
 
 /// States that show whether a feature is continuous.
 const AROUND: usize = 3;
 
-fn irregular(samples: usize) -> usize {
-    (samples / IRREGULAR_PART).min(MOST_IRREGULAR)
+fn irregular(samples: usize, dof: usize) -> usize {
+    let affordable = MOST_INTERPOLATED / (2 * dof * samples).max(1);
+    (samples / IRREGULAR_PART)
+        .min(MOST_IRREGULAR)
+        .min(affordable)
 }
 
 /// Where the loop after a step of size `h` has a feature that its samples do not resolve, if they show one: at a sample, if
@@ -51,7 +54,7 @@ pub(super) fn unresolved_feature(
     {
         return Ok(Some(k as f64 / count as f64));
     }
-    let s: Vec<f64> = (0..irregular(count)).map(parameter).collect();
+    let s: Vec<f64> = (0..irregular(count, after.dof())).map(parameter).collect();
     if s.is_empty() {
         return Ok(None);
     }

@@ -160,6 +160,9 @@ pub(super) const IRREGULAR_PART: usize = 16;
 /// The most of them.
 pub(super) const MOST_IRREGULAR: usize = 256;
 
+/// Coordinates of samples that are interpolated at all of them together, at most: a tenth of a second.
+pub(super) const MOST_INTERPOLATED: usize = 1 << 23;
+
 /// A feature exceeds the median along the loop by this factor: the largest of 65,536 normally distributed values exceeds it by
 /// less than 7, and rounding, whose unit changes by factors of two along the loop, by as much again.
 pub(super) const FEATURE_OF_MEDIAN: f64 = 32.0;

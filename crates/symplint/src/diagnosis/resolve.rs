@@ -177,7 +177,7 @@ impl Diagnostic {
                     return Ok(probe);
                 }
                 if settled {
-                    let feature = match has_left(features::cost(samples)) {
+                    let feature = match has_left(features::cost(samples, subject.dof())) {
                         true => {
                             let stalled = standing.stalled && !standing.enough;
                             unresolved_feature(subject, refined, h, (stalled, error))?
