@@ -7,7 +7,7 @@ use crate::random::Random;
 
 pub const COUNT: usize = 160;
 
-/// Damping so many times as large as what the jumps could do has to come first.
+/// Damping has to come first if it exceeds the effect of the jumps by this factor.
 const FAR: f64 = 1e4;
 
 pub fn member(index: usize) -> Member {

@@ -1,4 +1,4 @@
-//! Defects whose law in the step size is known: mixed powers, constants, saturation, changes of sign, and laws that are none.
+//! Defects whose law in the step size is known: mixed powers, constants, saturation, changes of sign, and defects without a law.
 
 use std::sync::Arc;
 

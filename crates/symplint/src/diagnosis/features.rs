@@ -14,7 +14,7 @@ use crate::rules::{Subject, misses, roughness};
 use crate::signal::{Extent, nearest};
 use crate::state::{Ensemble, coordinate, period};
 
-/// Evaluations that a search for features takes at most, beside so many samples.
+/// The largest number of evaluations that a search for features takes for this number of samples.
 pub(super) fn cost(samples: usize, dof: usize) -> usize {
     irregular(samples, dof) + 2 * AROUND
 }

@@ -153,7 +153,7 @@ pub(super) const LARGEST_NOISE: f64 = 1e-5;
 
 // Features that samples do not resolve.
 
-/// States at irregular parameters, one for so many samples: they take at most 6% of the evaluations of a loop at the largest step
+/// Samples for each state at an irregular parameter: these states take at most 6% of the evaluations of a loop at the largest step
 /// size, and 3% of a diagnosis.
 pub(super) const IRREGULAR_PART: usize = 16;
 
@@ -167,7 +167,7 @@ pub(super) const MOST_INTERPOLATED: usize = 1 << 23;
 /// less than 7, and rounding, whose unit changes by factors of two along the loop, by as much again.
 pub(super) const FEATURE_OF_MEDIAN: f64 = 32.0;
 
-/// A feature is larger than so many roundings of its coordinate.
+/// A feature exceeds the rounding of its coordinate by this factor.
 pub(super) const FEATURE_OF_ROUNDING: f64 = 256.0;
 
 /// States between samples are off by at most this many times the error of the integral if samples resolve the loop: an error that

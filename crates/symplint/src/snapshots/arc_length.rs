@@ -419,7 +419,7 @@ fn barycentric_weights(nodes: &[f64]) -> Vec<f64> {
     (0..nodes.len()).map(weight).collect()
 }
 
-/// The values of the polynomials of Lagrange at `x`, which is none of their nodes, and their derivatives.
+/// The values of the Lagrange polynomials at `x`, which differs from all their nodes, and their derivatives.
 fn lagrange(nodes: &[f64], weights: &[f64], x: f64) -> (Vec<f64>, Vec<f64>) {
     let inverse: Vec<f64> = nodes.iter().map(|node| 1.0 / (x - node)).collect();
     let product: f64 = nodes.iter().map(|node| x - node).product();

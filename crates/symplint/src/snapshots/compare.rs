@@ -106,7 +106,7 @@ impl Row {
         flagged
     }
 
-    /// Cells that look like jumps and are none, if rows may be missing.
+    /// Cells that only look like jumps, if rows may be missing.
     fn gaps(&self, samples: usize, may_miss: bool) -> Vec<bool> {
         let mut gaps = vec![false; samples];
         let jumps = self.roughness.iter().flat_map(|rough| &rough.jumps);
