@@ -2,7 +2,8 @@
 //!
 //! A member is made from its family and its number alone. The normal tests run every 20th;
 //! `cargo test --release -p symplint-models --test truth_set -- --ignored --nocapture` runs all of them and prints the
-//! tables of docs/truth.md; the variable `TRUTH_SET_FAMILIES=units,sizes` chooses some of them.
+//! tables of docs/truth.md; the variable `TRUTH_SET_FAMILIES=units,sizes` chooses some of them. `TRUTH_SET_MEMBER=steep:23` and the test
+//! `one_member` print what is said of one.
 
 mod advice;
 mod batch_rounding;
@@ -218,4 +219,21 @@ fn all_members() {
         let found = budgets::run(1, 0, counts);
         println!("{}\n{:#?}", budgets::table(&found), budgets::wrong(&found));
     }
+}
+
+#[test]
+#[ignore = "prints the verdict of one member, TRUTH_SET_MEMBER=steep:23"]
+fn one_member() {
+    let member = std::env::var("TRUTH_SET_MEMBER").expect("TRUTH_SET_MEMBER");
+    let (name, index) = member.split_once(':').expect("a family:number");
+    let index = index.parse().expect("a number");
+    let mut families = FAMILIES.iter();
+    let family = families.find(|family| family.name == name).expect("family");
+    let member = (family.member)(index);
+    println!("{}", member.label);
+    match diagnose(&member.subject) {
+        Ok(found) => println!("{}", found.verdict),
+        Err(error) => println!("{error}"),
+    }
+    print(&[line(family, index)]);
 }

@@ -1,7 +1,7 @@
 //! Bisection of a jump, and how a jump is told from noise and from a steep stretch.
 
 use super::limits::{
-    AGREES, AROUND_A_ZONE, JUMPS_OF_AN_END, KEEPS_ITS_SIZE, LOOKS, NARROWEST, NOISES_OF_A_JUMP,
+    AGREES, AROUND_A_ZONE, BETWEEN, CONFIRMING, KEEPS_ITS_SIZE, LOOKS, NARROWEST, NOISES_OF_A_JUMP,
     PATIENCE, ROUNDINGS_OF_A_STATE, SPACING, STAYS_ON_HALVING,
 };
 use crate::state::Block;
@@ -101,21 +101,28 @@ impl Bracket {
 
     /// Parameters of the states beside the bracket that tell a jump from noise, on its `end`, from there outwards;
     /// the first is the end itself.
-    pub fn beside(&self, end: End, look: usize) -> impl Iterator<Item = f64> + use<> {
-        let (from, outwards) = match end {
-            End::Low => (self.low, -SPACING),
-            End::High => (self.high, SPACING),
-        };
-        (0..LOOKS[look]).map(move |k| from + k as f64 * outwards)
+    pub fn beside(&self, end: End) -> impl Iterator<Item = f64> + use<> {
+        (0..CONFIRMING).map(self.outwards(end, SPACING))
     }
 
     /// Parameters of states at this `distance` from each other, from its `end` outwards; the first is the end itself.
     pub fn around(&self, end: End, distance: f64) -> impl Iterator<Item = f64> + use<> {
+        (0..AROUND_A_ZONE).map(self.outwards(end, distance))
+    }
+
+    /// Parameters of states in the middle between those around a zone.
+    pub fn between(&self, end: End, distance: f64) -> impl Iterator<Item = f64> + use<> {
+        let half = self.outwards(end, 0.5 * distance);
+        (0..BETWEEN).map(move |k| half(3 + 2 * k))
+    }
+
+    /// The parameter that is a number of these distances from an end.
+    fn outwards(&self, end: End, distance: f64) -> impl Fn(usize) -> f64 + use<> {
         let (from, outwards) = match end {
             End::Low => (self.low, -distance),
             End::High => (self.high, distance),
         };
-        (0..AROUND_A_ZONE).map(move |k| from + k as f64 * outwards)
+        move |k| from + k as f64 * outwards
     }
 }
 
@@ -154,16 +161,35 @@ pub(crate) fn displace(block: &mut Block<'_>, sample: usize, pattern: usize) {
     }
 }
 
-/// Whether a displaced end of a `jump` has `moved` by no more than about the jump, or than the values on its sides are apart: what breaks the
-/// loop may be so close that the state is on its other side. On a slope it moves by several times the jump, as the jump is a
-/// rounding of the state times the slope.
-pub(crate) fn moves_by_a_jump(jump: f64, lasting: f64, moved: f64) -> bool {
-    moved.abs() <= JUMPS_OF_AN_END * jump.abs().max(lasting.abs())
+/// Whether a displaced end of a `jump` lands on one of its levels: it has not `moved`, or by the jump, or as far as the values on
+/// the two sides are apart, since what breaks the loop may be so close that the state is on its other side, or by two jumps, which
+/// a force with a value of its own at its threshold has. On a slope it moves by
+/// several times the jump, as the jump is a rounding of the state times the slope; in noise it moves by any part of it.
+pub(crate) fn lands_on_a_level(jump: f64, lasting: f64, moved: f64) -> bool {
+    let off = |level: f64| (moved.abs() - level.abs()).abs();
+    let levels = [0.0, jump, 2.0 * jump, lasting].into_iter();
+    levels.map(off).fold(f64::INFINITY, f64::min) <= AGREES * jump.abs()
 }
 
-/// Whether a jump that is evaluated `again` is the same.
-pub(crate) fn is_repeated(jump: f64, again: f64) -> bool {
-    (again - jump).abs() <= AGREES * jump.abs()
+/// Whether the values on each side of a `jump`, from its end outwards, are on one level, apart from their slope, and the two levels as far
+/// apart as the ends: what a map does at random, or from the bits of the state, has both levels on both sides. Up to the first
+/// look, they may have values of their own, as a force that is 0 at its threshold.
+pub(crate) fn keeps_its_levels(jump: f64, sides: [&[f64]; 2]) -> bool {
+    let is_level = |side: &&[f64]| {
+        let side = &side[LOOKS[0]..];
+        let step = (side[side.len() - 1] - side[0]) / (side.len() - 1) as f64;
+        let off = |(k, x): (usize, &f64)| (x - side[0] - k as f64 * step).abs();
+        let mut values = side.iter().enumerate();
+        values.all(|value| off(value) <= AGREES * jump.abs())
+    };
+    lasting(jump, sides) / jump > 0.5 && sides.iter().all(is_level)
+}
+
+/// The values around a zone, from the end outwards, with those in the middle between them: at equal distances, without the end.
+pub(crate) fn interleaved<T: Clone>(around: &[T], between: &[T]) -> Vec<T> {
+    let pairs = around[1..].iter().zip(between);
+    let each = pairs.flat_map(|(at, next)| [at.clone(), next.clone()]);
+    each.chain(around.last().cloned()).collect()
 }
 
 /// The middle one of some values, the larger one of two.
@@ -275,9 +301,9 @@ mod tests {
             // A sum that a scaling of the state leaves 0, steep in either.
             let steep = moved(&|q, p| 1e9 * (q + 0.25 * p), pattern);
             let of_a_rounding = 1e9 * 0.125 * f64::EPSILON;
-            assert!(!moves_by_a_jump(of_a_rounding, 0.0, steep), "{steep:e}");
+            assert!(!lands_on_a_level(of_a_rounding, 0.0, steep), "{steep:e}");
             let flat = moved(&|q, p| 3.0 * q - p, pattern);
-            assert!(moves_by_a_jump(1e-11, 0.0, flat), "{flat:e}");
+            assert!(lands_on_a_level(1e-11, 0.0, flat), "{flat:e}");
         }
         // A root, from one side or the other.
         let root = |q: f64, _: f64| (q + 0.25).max(0.0).sqrt();
@@ -286,9 +312,31 @@ mod tests {
         assert!(
             above
                 .iter()
-                .any(|moved| !moves_by_a_jump(of_a_rounding, 0.0, *moved)),
+                .any(|moved| !lands_on_a_level(of_a_rounding, 0.0, *moved)),
             "{above:?}"
         );
+    }
+
+    #[test]
+    fn each_side_of_a_break_keeps_its_level() {
+        // A slope, and a rounding.
+        let side: [f64; 10] = std::array::from_fn(|k| 0.02 * k as f64 + 0.1 * (k % 2) as f64);
+        assert!(keeps_its_levels(1.0, [&side, &side]));
+        for k in 0..10 {
+            let mut wrong = side;
+            wrong[k] += 1.0;
+            let was_seen = k > 0 && k < LOOKS[0];
+            assert_eq!(keeps_its_levels(1.0, [&side, &wrong]), was_seen, "{k}");
+            assert_eq!(keeps_its_levels(-1.0, [&wrong, &side]), was_seen, "{k}");
+        }
+    }
+
+    #[test]
+    fn a_displaced_end_lands_on_one_of_the_levels() {
+        for level in [0.0, 1.0, -1.0, 2.0, 4.0] {
+            assert!(lands_on_a_level(1.0, 4.0, level + 0.24), "{level}");
+            assert!(!lands_on_a_level(1.0, 4.0, level + 0.26), "{level}");
+        }
     }
 
     #[test]

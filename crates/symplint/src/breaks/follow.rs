@@ -1,11 +1,11 @@
 //! Closing in on a suspected jump, one state at a time.
 
 use super::bracket::{
-    Bracket, End, Progress, displace, flickers, is_between_levels, is_repeated, lasting,
-    moves_by_a_jump, stands_out,
+    Bracket, End, Progress, displace, flickers, interleaved, is_between_levels, keeps_its_levels,
+    lands_on_a_level, lasting, stands_out,
 };
 use super::limits::{
-    AROUND_A_ZONE, DISTANCES_AROUND, LOOKS, REPETITIONS, ROUNDINGS, SAMPLES_OF_SIZE,
+    AROUND_A_ZONE, BETWEEN, CONFIRMING, DISTANCES_AROUND, LOOKS, ROUNDINGS, SAMPLES_OF_SIZE,
 };
 use super::residual::{Coordinate, Suspect};
 use super::{Break, Search, uncertainty_of_position};
@@ -42,8 +42,8 @@ impl Point {
 ///
 /// The six samples around it are taken from `known`, if they are in memory. Finds a break if the two sides are
 /// still apart when no double lies between. There is no break if the sides meet (the loop is steep but continuous there), if the
-/// jump does not stand out of the noise and of the slope times the rounding of states, or if it differs when both ends are
-/// evaluated again.
+/// jump does not stand out of the noise and of the slope times the rounding of states, or if more states beside it, or its
+/// ends displaced, have other values than those of its two sides.
 pub(super) fn follow(
     evaluator: &Evaluator<'_>,
     phase_loop: &dyn Loop,
@@ -123,15 +123,8 @@ pub(super) fn follow(
         let from_end = |point: Point| origin + nearest(sides.sign * point.value - origin, period);
         Ok(points.map(from_end).collect())
     };
-    let confirmed = |close: &[Vec<f64>; 2]| -> Result<Search, Error> {
-        for k in 0..REPETITIONS {
-            let order = [1 - k % 2, k % 2];
-            let points = image(&order.map(|end| ends[end].s))?;
-            let value = |end: usize| sides.sign * points[order[end]].value;
-            if !is_repeated(jump, nearest(value(1) - value(0), period)) {
-                return Ok(Search::Clean);
-            }
-        }
+    // Whether both ends, displaced, stay on the levels of the jump.
+    let are_steady = |close: &[Vec<f64>; 2]| -> Result<bool, Error> {
         let on_loop = ends.map(|point| point.s.rem_euclid(1.0));
         let mut states = states_at(phase_loop, &on_loop);
         for end in [End::Low, End::High] {
@@ -139,31 +132,39 @@ pub(super) fn follow(
         }
         evaluator.advance(&mut states, h)?;
         let lasting = lasting(jump, [&close[0], &close[1]]);
-        let is_jump = |end: End| {
+        let is_steady = |end: End| {
             let point = Point::of(suspect, &states, end as usize, on_loop[end as usize]);
             let moved = sides.sign * point.value - ends[end as usize].value;
-            moves_by_a_jump(jump, lasting, nearest(moved, period))
+            lands_on_a_level(jump, lasting, nearest(moved, period))
         };
-        Ok(match is_jump(End::Low) && is_jump(End::High) {
-            true => Search::Found(found),
-            false => Search::Clean,
-        })
+        Ok(is_steady(End::Low) && is_steady(End::High))
     };
     let mut close = ends.map(|point| vec![point.value]);
-    for look in 0..LOOKS.len() {
+    let look = |close: &mut [Vec<f64>; 2], states: usize| -> Result<(), Error> {
         for (side, end) in close.iter_mut().zip([End::Low, End::High]) {
-            let s: Vec<f64> = bracket.beside(end, look).skip(side.len()).collect();
+            let s: Vec<f64> = bracket.beside(end).take(states).skip(side.len()).collect();
             side.extend(beside(end, &s)?);
         }
+        Ok(())
+    };
+    for states in LOOKS {
+        look(&mut close, states)?;
         if stands_out(jump, [&close[0], &close[1]]) {
-            return confirmed(&close);
+            look(&mut close, CONFIRMING)?;
+            if !are_steady(&close)? {
+                return Ok(Search::Clean);
+            }
+            if keeps_its_levels(jump, [&close[0], &close[1]]) {
+                return Ok(Search::Found(found));
+            }
+            break;
         }
     }
     if !flickers(jump, [&close[0], &close[1]]) {
         return Ok(Search::Clean);
     }
     for distance in DISTANCES_AROUND {
-        if evaluator.count().left() < 2 * (AROUND_A_ZONE - 1) {
+        if evaluator.count().left() < 2 * (AROUND_A_ZONE - 1 + BETWEEN) {
             return Ok(Search::Unaffordable);
         }
         let mut around = ends.map(|point| vec![point.value]);
@@ -172,7 +173,14 @@ pub(super) fn follow(
             side.extend(beside(end, &s)?);
         }
         if is_between_levels(jump, [&around[0], &around[1]]) {
-            return confirmed(&close);
+            for (side, end) in around.iter_mut().zip([End::Low, End::High]) {
+                let between = beside(end, &bracket.between(end, distance).collect::<Vec<f64>>())?;
+                *side = interleaved(side, &between);
+            }
+            return Ok(match is_between_levels(jump, [&around[0], &around[1]]) {
+                true => Search::Found(found),
+                false => Search::Clean,
+            });
         }
     }
     Ok(Search::Clean)

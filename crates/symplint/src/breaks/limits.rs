@@ -20,8 +20,8 @@ pub(super) const ROUNDINGS: f64 = 32.0;
 pub(super) const MOST_SUSPECTS: usize = 4;
 
 /// Evaluations that following one may take: 6 samples around it, fewer than 54 halvings, those beside it, and both ends
-/// again, also displaced.
-pub(super) const OF_A_SUSPECT: usize = 6 + 54 + 2 * LOOKS[1] + OF_A_CONFIRMATION;
+/// displaced.
+pub(super) const OF_A_SUSPECT: usize = 6 + 54 + 2 * CONFIRMING;
 
 /// The step that two smooth sides leave between them keeps its size as the map is evaluated more closely: what is
 /// smaller than this part of what was expected is none.
@@ -50,15 +50,12 @@ pub(super) const SPACING: f64 = 32.0 * f64::EPSILON;
 /// one rounding, and at a square root the root of it.
 pub(super) const ROUNDINGS_OF_A_STATE: f64 = 32.0;
 
-/// Displaced ends of a break move by at most this many jumps, to a quarter of one: the force may have a value of its own at one
-/// double, and then there are two jumps.
-pub(super) const JUMPS_OF_AN_END: f64 = 2.25;
+/// States on each side that confirm a break, the end of the bracket among them. A map that takes one of two values at random, from the bits
+/// of the state, passes with a chance of 2^-18 at most.
+pub(crate) const CONFIRMING: usize = 10;
 
-/// Times that both ends of a break are evaluated again, each time in another order.
-pub(crate) const REPETITIONS: usize = 2;
-
-/// Evaluations for that, and for both ends displaced.
-pub(crate) const OF_A_CONFIRMATION: usize = 2 * REPETITIONS + 2;
+/// States on each side, between those around a zone, that confirm a break with a zone.
+pub(crate) const BETWEEN: usize = AROUND_A_ZONE - 2;
 
 /// How far from a jump these states reach.
 pub(crate) const REACH_BESIDE: f64 = (LOOKS[1] - 1) as f64 * SPACING;
@@ -82,7 +79,7 @@ pub(crate) const DISTANCES_AROUND: [f64; 5] = [
 /// times the rounding of states, or more.
 pub(super) const NOISES_OF_A_JUMP: f64 = 8.0;
 
-/// Sizes of a jump at different spacings, or when it is evaluated again, agree to this part.
+/// Sizes of a jump at different spacings, and the values on each side of it, agree to this part of the jump.
 pub(super) const AGREES: f64 = 0.25;
 
 /// A jump is confirmed only if no other is nearer than this many cells.

@@ -14,11 +14,11 @@ mod residual;
 mod search;
 
 pub(crate) use bracket::{
-    Bracket, End, Progress, displace, flickers, is_between_levels, is_repeated, lasting,
-    moves_by_a_jump, scatter, stands_out,
+    Bracket, End, Progress, displace, flickers, interleaved, is_between_levels, keeps_its_levels,
+    lands_on_a_level, lasting, scatter, stands_out,
 };
 pub(crate) use limits::{
-    AROUND_A_ZONE, DISTANCES_AROUND, LOOKS, OF_A_CONFIRMATION, REACH_BESIDE, REPETITIONS,
+    AROUND_A_ZONE, BETWEEN, CONFIRMING, DISTANCES_AROUND, LOOKS, REACH_BESIDE,
 };
 pub(crate) use little::little_jumps;
 pub(crate) use residual::{

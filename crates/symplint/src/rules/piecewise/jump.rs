@@ -6,8 +6,9 @@ use super::lobatto::{evaluate, polynomial};
 use super::piece::{Piece, Smooth};
 use super::scales::Scales;
 use crate::breaks::{
-    AROUND_A_ZONE, Bracket, DISTANCES_AROUND, End, LOOKS, OF_A_CONFIRMATION, Progress, REPETITIONS,
-    flickers, is_between_levels, is_repeated, lasting, moves_by_a_jump, scatter, stands_out,
+    AROUND_A_ZONE, BETWEEN, Bracket, CONFIRMING, DISTANCES_AROUND, End, LOOKS, Progress, flickers,
+    interleaved, is_between_levels, keeps_its_levels, lands_on_a_level, lasting, scatter,
+    stands_out,
 };
 use crate::signal::nearest;
 use crate::state::{Coordinates, period};
@@ -29,10 +30,11 @@ pub(super) struct Jump {
     around: [Vec<Image>; 2],
     /// Which of [`DISTANCES_AROUND`] they have, if the map flickers beside it.
     zone: Option<usize>,
-    /// Times that both ends were advanced again; `None` before that.
-    repetitions: Option<usize>,
-    /// Whether they had the same jump each time, and moved by no more than that when they were displaced.
-    is_repeated: bool,
+    confirmation: Confirmation,
+    /// Whether states that were to confirm it are on both of its levels.
+    flickers: bool,
+    /// States used of those that were granted with it, beside the bracket.
+    used: usize,
     /// Where the jump points, for each coordinate.
     direction: Vec<f64>,
     /// A state nearby, from which coordinates are counted.
@@ -46,8 +48,19 @@ pub(super) struct Jump {
     pub fallback: Smooth,
 }
 
-/// States that a jump may ask for beside it, and its ends again and displaced.
-const BESIDE: usize = 2 * (LOOKS[LOOKS.len() - 1] - 1) + OF_A_CONFIRMATION;
+/// Whether more states say the same of a jump as the first ones.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Confirmation {
+    /// Not asked for.
+    None,
+    Wanted,
+    Made {
+        is_break: bool,
+    },
+}
+
+/// States that a jump may ask for beside it, and its ends displaced.
+const BESIDE: usize = 2 * CONFIRMING;
 
 impl Jump {
     pub fn new(
@@ -69,8 +82,9 @@ impl Jump {
             looks: 0,
             around: [Vec::new(), Vec::new()],
             zone: None,
-            repetitions: None,
-            is_repeated: true,
+            confirmation: Confirmation::None,
+            flickers: false,
+            used: 0,
             direction,
             reference,
             left,
@@ -81,9 +95,7 @@ impl Jump {
 
     /// What was granted for it and is not needed after all.
     pub fn refund(&self) -> usize {
-        let beside: usize = self.beside.iter().map(|side| side.len() - 1).sum();
-        let again = self.repetitions.map_or(0, |made| 2 + 2 * made);
-        self.price - self.bracket.halvings() - beside - again
+        self.price - self.bracket.halvings() - self.used
     }
 
     /// The images of both ends.
@@ -93,10 +105,13 @@ impl Jump {
 
     /// The coordinates counted from some origin, in the direction of the jump.
     fn project(&self, state: &[f64], origin: &[f64], coordinates: &Coordinates) -> f64 {
-        let terms = self.direction.iter().enumerate();
-        terms
-            .map(|(c, direction)| direction * nearest(state[c] - origin[c], period(coordinates, c)))
-            .sum()
+        project(&self.direction, state, origin, coordinates)
+    }
+
+    /// From one end to the other, in that direction.
+    fn jump(&self, coordinates: &Coordinates) -> f64 {
+        let [low, high] = self.ends().map(Image::after);
+        self.project(high, low, coordinates)
     }
 
     /// Halves the bracket, with the image of its middle.
@@ -118,8 +133,8 @@ impl Jump {
         self.bracket.halve(end, difference)
     }
 
-    /// The states beside it, or around its zone, that the next look needs and that are not known yet; or its ends again, in another
-    /// order each time, and displaced at first.
+    /// The states beside it, or around its zone, that the next look needs and that are not known yet. The last of each side that
+    /// confirm a jump without a zone is its end, displaced.
     pub fn surroundings(&self) -> impl Iterator<Item = At> {
         let curve = self.piece.curve;
         let within = move |s: f64| match curve {
@@ -127,108 +142,129 @@ impl Jump {
             0 => s.rem_euclid(1.0),
             _ => s.clamp(0.0, 1.0),
         };
-        self.order().into_iter().flat_map(move |end| {
-            let around = |distance: f64| self.bracket.around(end, distance);
-            let states: Vec<f64> = match (self.repetitions, self.zone) {
-                (Some(made), _) => {
-                    let once = if made == 0 { 2 } else { 1 };
-                    around(0.0).take(once).collect()
-                }
-                (None, None) => {
-                    let known = self.beside[end as usize].len();
-                    self.bracket.beside(end, self.looks).skip(known).collect()
-                }
-                (None, Some(k)) => around(DISTANCES_AROUND[k]).skip(1).collect(),
+        [End::Low, End::High].into_iter().flat_map(move |end| {
+            let known = self.beside[end as usize].len();
+            let is_wanted = self.confirmation == Confirmation::Wanted;
+            let states: Vec<f64> = match self.zone.map(|k| DISTANCES_AROUND[k]) {
+                None => (self.bracket.beside(end))
+                    .take(self.beside_wanted())
+                    .skip(known)
+                    .collect(),
+                Some(distance) if is_wanted => self.bracket.between(end, distance).collect(),
+                Some(distance) => self.bracket.around(end, distance).skip(1).collect(),
             };
-            // The second one of the same state is displaced.
-            let again = self.repetitions.is_some();
-            states.into_iter().enumerate().map(move |(k, s)| At {
+            let is_displaced = is_wanted && self.zone.is_none();
+            let own = self.bracket.beside(end).take(usize::from(is_displaced));
+            let displaced = own.map(move |s| (s, 1 + end as usize));
+            let states = states.into_iter().map(|s| (s, 0)).chain(displaced);
+            states.map(move |(s, pattern)| At {
                 curve,
                 s: within(s),
-                pattern: if again && k == 1 { 1 + end as usize } else { 0 },
+                pattern,
             })
         })
     }
 
-    /// In which order the ends are advanced.
-    fn order(&self) -> [End; 2] {
-        match self.repetitions {
-            Some(k) if k % 2 == 0 => [End::High, End::Low],
-            _ => [End::Low, End::High],
+    /// How many states of each side the next look has, without a zone.
+    fn beside_wanted(&self) -> usize {
+        match self.confirmation {
+            Confirmation::None => LOOKS[self.looks],
+            _ => CONFIRMING,
         }
     }
 
-    /// How many they are.
+    /// How many of them are not known.
     pub fn missing(&self) -> usize {
-        match (self.repetitions, self.zone) {
-            (Some(0), _) => 4,
-            (Some(_), _) => 2,
-            (None, None) => (self.beside.iter())
-                .map(|side| LOOKS[self.looks] - side.len())
-                .sum(),
-            (None, Some(_)) => 2 * (AROUND_A_ZONE - 1),
+        let beside = |side: &Vec<Image>| self.beside_wanted() - side.len();
+        let is_wanted = self.confirmation == Confirmation::Wanted;
+        match self.zone {
+            None => self.beside.iter().map(beside).sum::<usize>() + 2 * usize::from(is_wanted),
+            Some(_) if is_wanted => 2 * BETWEEN,
+            Some(_) => 2 * (AROUND_A_ZONE - 1),
         }
     }
 
     /// How many of them were not granted with the jump.
     pub fn extra(&self) -> usize {
-        match (self.repetitions, self.zone) {
-            (None, Some(_)) => self.missing(),
-            _ => 0,
-        }
+        self.zone.map_or(0, |_| self.missing())
     }
 
-    /// Asks for both ends again; whether that was not done often enough.
-    pub fn repeat(&mut self) -> bool {
-        let made = *self.repetitions.get_or_insert(0);
-        self.is_repeated && made < REPETITIONS
+    /// Asks for the states that confirm it, if it has not been done.
+    pub fn wants_confirmation(&mut self) -> bool {
+        // The same states would be asked for again.
+        let is_known = self.flickers && self.zone.is_none();
+        let is_new = self.confirmation == Confirmation::None && !is_known;
+        if is_new {
+            self.confirmation = Confirmation::Wanted;
+        }
+        is_new
     }
 
-    /// Takes in both ends again, and displaced.
-    fn look_again(&mut self, images: &[Image], made: usize, coordinates: &Coordinates) {
-        let mut sides = images.split_at(images.len() / 2);
-        if self.order()[0] == End::High {
-            sides = (sides.1, sides.0);
-        }
-        let again = [sides.0, sides.1];
-        let jump = |[low, high]: [&Image; 2]| self.project(high.after(), low.after(), coordinates);
-        let [before, after] = [jump(self.ends()), jump(again.map(|side| &side[0]))];
-        self.is_repeated &= is_repeated(before, after);
-        let beside = self.beside.each_ref().map(Vec::as_slice);
-        let [low, high] = self.projected(beside, coordinates);
-        let lasting = lasting(before, [&low, &high]);
-        for end in [End::Low, End::High] {
-            let [from, moved] = match again[end as usize] {
-                [from, moved] => [from, moved].map(Image::after),
-                _ => continue,
+    /// Takes in more states on both sides, and the ends displaced.
+    fn confirm(&mut self, sides: [&[Image]; 2], coordinates: &Coordinates) {
+        let jump = self.jump(coordinates);
+        let [low, high] = self.projected(&self.beside, coordinates);
+        let did_stand_out = stands_out(jump, [&low, &high]);
+        let lasting = lasting(jump, [&low, &high]);
+        let mut is_steady = true;
+        for (side, images) in self.beside.iter_mut().zip(sides) {
+            let [new @ .., displaced] = images else {
+                continue;
             };
-            let moved = self.project(moved, from, coordinates);
-            self.is_repeated &= moves_by_a_jump(after, lasting, moved);
+            let from = side[0].after();
+            let moved = project(&self.direction, displaced.after(), from, coordinates);
+            is_steady &= lands_on_a_level(jump, lasting, moved);
+            side.extend_from_slice(new);
         }
-        self.repetitions = Some(made + 1);
-        if !self.is_repeated {
-            let ends = [self.bracket.low, self.bracket.high].into_iter().zip(again);
-            ends.for_each(|(s, side)| self.piece.replace(s, &side[0]));
+        let [low, high] = self.projected(&self.beside, coordinates);
+        let flickers = flickers(jump, [&low, &high]);
+        let is_break = match did_stand_out {
+            true => keeps_its_levels(jump, [&low, &high]),
+            false => flickers,
+        };
+        eprintln!(
+            "DBG s={:e} w={:e} jump={jump:e} steady={is_steady} brk={is_break} fl={flickers} {low:?} {high:?}",
+            self.bracket.low,
+            self.bracket.high - self.bracket.low
+        );
+        self.flickers = is_steady && !is_break && flickers;
+        self.confirmation = match self.flickers {
+            true => Confirmation::None,
+            false => Confirmation::Made {
+                is_break: is_steady && is_break,
+            },
+        };
+    }
+
+    /// Takes in the states between those around the zone.
+    fn confirm_zone(&mut self, sides: [&[Image]; 2], coordinates: &Coordinates) {
+        for (side, between) in self.around.iter_mut().zip(sides) {
+            *side = interleaved(side, between);
         }
+        let [low, high] = self.projected(&self.around, coordinates);
+        let is_break = is_between_levels(self.jump(coordinates), [&low, &high]);
+        self.confirmation = Confirmation::Made { is_break };
     }
 
     /// Takes their images in.
     pub fn look(&mut self, images: &[Image], coordinates: &Coordinates) {
-        if let Some(made) = self.repetitions {
-            return self.look_again(images, made, coordinates);
-        }
         let (left, right) = images.split_at(images.len() / 2);
-        for (k, images) in [left, right].into_iter().enumerate() {
-            match self.zone {
-                None => self.beside[k].extend_from_slice(images),
-                Some(_) => {
-                    let end = self.beside[k][..1].iter();
-                    self.around[k] = end.chain(images).cloned().collect();
-                }
+        let is_wanted = self.confirmation == Confirmation::Wanted;
+        match (self.zone, is_wanted) {
+            (None, true) => self.confirm([left, right], coordinates),
+            (Some(_), true) => self.confirm_zone([left, right], coordinates),
+            (None, false) => {
+                self.beside[0].extend_from_slice(left);
+                self.beside[1].extend_from_slice(right);
+                self.looks += 1;
+            }
+            (Some(_), false) => {
+                let ends = self.beside.each_ref().map(|side| &side[..1]);
+                self.around = [[ends[0], left].concat(), [ends[1], right].concat()];
             }
         }
         if self.zone.is_none() {
-            self.looks += 1;
+            self.used += images.len();
         }
     }
 
@@ -248,8 +284,8 @@ impl Jump {
 
     /// The states of each side in the direction of the jump, from its own end, so that a wrap in between is none
     /// of it.
-    fn projected(&self, sides: [&[Image]; 2], coordinates: &Coordinates) -> [Vec<f64>; 2] {
-        sides.map(|side| {
+    fn projected(&self, sides: &[Vec<Image>; 2], coordinates: &Coordinates) -> [Vec<f64>; 2] {
+        sides.each_ref().map(|side| {
             let origin = side[0].after();
             let each = side.iter();
             each.map(|image| self.project(image.after(), origin, coordinates))
@@ -259,17 +295,14 @@ impl Jump {
 
     /// What the states beside it say of it.
     pub fn judge(&self, scales: &Scales, coordinates: &Coordinates) -> Judgement {
-        let [low, high] = self.ends().map(Image::after);
-        let jump = self.project(high, low, coordinates);
-        if self.repetitions.is_some() {
-            return match self.is_repeated {
-                true => Judgement::Break,
-                false => Judgement::Noise,
-            };
+        let jump = self.jump(coordinates);
+        match self.confirmation {
+            Confirmation::Made { is_break: true } => return Judgement::Break,
+            Confirmation::Made { is_break: false } => return Judgement::Noise,
+            _ => {}
         }
         if self.zone.is_some() {
-            let around = self.around.each_ref().map(Vec::as_slice);
-            let [left, right] = self.projected(around, coordinates);
+            let [left, right] = self.projected(&self.around, coordinates);
             return match is_between_levels(jump, [&left, &right]) {
                 true => Judgement::Break,
                 false => Judgement::LookAround,
@@ -283,11 +316,17 @@ impl Jump {
         let large = (all.clone()).any(|c| scales.weight(c) * apart(c) > LARGE);
         // The steps of a grid are jumps with nothing beside them, and noise all the same.
         let no_step = all.any(|c| apart(c) > self.piece.allowance(c, scales));
-        let beside = self.beside.each_ref().map(Vec::as_slice);
-        let [left, right] = self.projected(beside, coordinates);
+        let [left, right] = self.projected(&self.beside, coordinates);
         let sides = [&left[..], &right[..]];
         if is_rounding {
             Judgement::Noise
+        } else if self.flickers {
+            // It may be large all the same: other breaks are close by.
+            if large {
+                Judgement::Break
+            } else {
+                Judgement::LookAround
+            }
         } else if stands_out(jump, sides) && (large || no_step) {
             Judgement::Break
         } else if !large && self.bracket.is_little(jump) {
@@ -324,6 +363,14 @@ impl Jump {
         };
         (0..2 * coordinates.dof()).map(of_coordinate).collect()
     }
+}
+
+/// A state counted from an origin, in a direction.
+fn project(direction: &[f64], state: &[f64], origin: &[f64], coordinates: &Coordinates) -> f64 {
+    let terms = direction.iter().enumerate();
+    terms
+        .map(|(c, direction)| direction * nearest(state[c] - origin[c], period(coordinates, c)))
+        .sum()
 }
 
 /// What a jump is.

@@ -72,15 +72,6 @@ impl Piece {
         points.find_map(|k| self.images[k].clone())
     }
 
-    /// Takes another image of a parameter.
-    pub fn replace(&mut self, s: f64, image: &Image) {
-        for k in 0..POINTS {
-            if self.point(k) == s {
-                self.images[k] = Some(image.clone());
-            }
-        }
-    }
-
     /// What a coordinate may be off: the tolerance, or what the noise here makes of it.
     pub fn allowance(&self, c: usize, scales: &Scales) -> f64 {
         let part = if self.level < FULL { BELOW_FULL } else { 1.0 };

@@ -300,12 +300,12 @@ impl<'a> Refinement<'a> {
         }
     }
 
-    /// Takes a jump for a break if it stands out of the noise on both sides, and is the same when its ends are evaluated again.
+    /// Takes a jump for a break if it stands out of the noise on both sides, and more states confirm it.
     fn confirm(&self, mut jump: Box<Jump>) -> Outcome {
         let judgement = jump.judge(&self.scales, self.coordinates);
         match judgement {
             Judgement::LookAgain => return self.go_on(Task::Confirm(jump)),
-            Judgement::Break if jump.repeat() => {
+            Judgement::Break if jump.wants_confirmation() => {
                 let unresolved = jump.fallback.clone();
                 return Outcome::then(vec![Task::Confirm(jump)], unresolved);
             }
