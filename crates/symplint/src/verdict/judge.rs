@@ -7,7 +7,7 @@ mod undecided;
 
 use super::finding::{Advice, Change, Finding, Step, StepRange};
 use super::jacobian::{JacobianVerdict, compare_jacobian};
-use super::order::{Fit, fit_order, smallest_steps_slope};
+use super::order::{Fit, fit_order, leaves, smallest_steps_slope};
 use super::thresholds::{
     CONTRADICTS, FAR, FEWEST_POINTS, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND,
 };
@@ -193,7 +193,7 @@ impl<'a> Case<'a> {
     }
 
     /// The law of the lowest order: a symmetric loop can hide terms of lower order. `None` if the defects of another loop
-    /// fall more slowly, by their own law or at the smallest steps.
+    /// fall more slowly, by their own law or at the smallest steps, or have slopes that move away from this order.
     fn law_of_loops(&self) -> Option<&'a Fit> {
         let contractible = || self.loops.iter().filter(|found| !found.winds);
         let of_loop =
@@ -207,7 +207,9 @@ impl<'a> Case<'a> {
             (slope.or_else(|| smallest_steps_slope(found)))
                 .is_some_and(|slope| slope < lowest.slope - TREND)
         };
-        (!contractible().any(falls_slower)).then_some(lowest)
+        let contradicts =
+            |found: &LoopEvidence| falls_slower(found) || leaves(found, lowest.slope.round());
+        (!contractible().any(contradicts)).then_some(lowest)
     }
 
     /// The slope of the defect of the Jacobian between two step sizes, if it contradicts a law of loop integrals; 0 if the

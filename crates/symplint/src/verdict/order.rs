@@ -125,6 +125,14 @@ pub(super) fn smallest_steps_slope(evidence: &LoopEvidence) -> Option<f64> {
     }
 }
 
+/// Whether the slopes of the defects move away from an order as the steps shrink, until they are not of it: a term of lower order
+/// takes over.
+pub(super) fn leaves(evidence: &LoopEvidence, order: f64) -> bool {
+    let data = clear(&known_data(evidence));
+    let is_other = |pair: &[Datum]| (local_slope(&pair[0], &pair[1]) - order).abs() > WHOLE;
+    departs(&data, order) && data.windows(2).next().is_some_and(is_other)
+}
+
 /// The defects with a known uncertainty, the smallest step first.
 fn known_data(evidence: &LoopEvidence) -> Vec<Datum> {
     let mut data: Vec<Datum> = (evidence.steps.iter())
