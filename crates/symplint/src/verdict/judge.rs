@@ -193,7 +193,7 @@ impl<'a> Case<'a> {
     }
 
     /// The law of the lowest order: a symmetric loop can hide terms of lower order. `None` if the defects of another loop
-    /// fall more slowly, by their own law or at the smallest steps, or have slopes that move away from this order.
+    /// fall more slowly, by their own law or at the smallest steps, or are of no order and leave this one.
     fn law_of_loops(&self) -> Option<&'a Fit> {
         let contractible = || self.loops.iter().filter(|found| !found.winds);
         let of_loop =
@@ -202,13 +202,14 @@ impl<'a> Case<'a> {
             .filter_map(of_loop)
             .filter(|fit| fit.slope > TREND)
             .min_by(|a, b| a.slope.total_cmp(&b.slope))?;
-        let falls_slower = |found: &LoopEvidence| {
-            let slope = of_loop(found).map(|fit| fit.slope);
-            (slope.or_else(|| smallest_steps_slope(found)))
-                .is_some_and(|slope| slope < lowest.slope - TREND)
+        let contradicts = |found: &LoopEvidence| {
+            let fit = of_loop(found);
+            let slope = fit.map(|fit| fit.slope);
+            let falls_slower = (slope.or_else(|| smallest_steps_slope(found)))
+                .is_some_and(|slope| slope < lowest.slope - TREND);
+            let has_law = fit.is_some_and(|fit| fit.constant.is_some() || fit.whole().is_some());
+            falls_slower || !has_law && leaves(found, lowest.slope.round())
         };
-        let contradicts =
-            |found: &LoopEvidence| falls_slower(found) || leaves(found, lowest.slope.round());
         (!contractible().any(contradicts)).then_some(lowest)
     }
 

@@ -53,7 +53,8 @@ pub(super) struct Jump {
 enum Confirmation {
     /// Not asked for.
     None,
-    Wanted,
+    /// By this number of states on each side, if there is no zone.
+    Wanted(usize),
     Made {
         is_break: bool,
     },
@@ -144,7 +145,7 @@ impl Jump {
         };
         [End::Low, End::High].into_iter().flat_map(move |end| {
             let known = self.beside[end as usize].len();
-            let is_wanted = self.confirmation == Confirmation::Wanted;
+            let is_wanted = self.is_wanted();
             let states: Vec<f64> = match self.zone.map(|k| DISTANCES_AROUND[k]) {
                 None => (self.bracket.beside(end))
                     .take(self.beside_wanted())
@@ -168,15 +169,20 @@ impl Jump {
     /// How many states of each side the next look has, without a zone.
     fn beside_wanted(&self) -> usize {
         match self.confirmation {
-            Confirmation::None => LOOKS[self.looks],
-            _ => CONFIRMING,
+            Confirmation::Wanted(states) => states,
+            _ => LOOKS[self.looks],
         }
+    }
+
+    /// Whether the next look is to confirm it.
+    fn is_wanted(&self) -> bool {
+        matches!(self.confirmation, Confirmation::Wanted(_))
     }
 
     /// How many of them are not known.
     pub fn missing(&self) -> usize {
         let beside = |side: &Vec<Image>| self.beside_wanted() - side.len();
-        let is_wanted = self.confirmation == Confirmation::Wanted;
+        let is_wanted = self.is_wanted();
         match self.zone {
             None => self.beside.iter().map(beside).sum::<usize>() + 2 * usize::from(is_wanted),
             Some(_) if is_wanted => 2 * BETWEEN,
@@ -189,15 +195,26 @@ impl Jump {
         self.zone.map_or(0, |_| self.missing())
     }
 
-    /// Asks for the states that confirm it, if it has not been done.
-    pub fn wants_confirmation(&mut self) -> bool {
+    /// Asks for the states that confirm it, if it has not been done: fewer if it is large.
+    pub fn wants_confirmation(&mut self, scales: &Scales, coordinates: &Coordinates) -> bool {
         // The same states would be asked for again.
         let is_known = self.flickers && self.zone.is_none();
         let is_new = self.confirmation == Confirmation::None && !is_known;
         if is_new {
-            self.confirmation = Confirmation::Wanted;
+            self.confirmation = Confirmation::Wanted(match self.is_large(scales, coordinates) {
+                true => LOOKS[1],
+                false => CONFIRMING,
+            });
         }
         is_new
+    }
+
+    /// Whether noise cannot be as large.
+    fn is_large(&self, scales: &Scales, coordinates: &Coordinates) -> bool {
+        let sizes = self.sizes(coordinates).into_iter().enumerate();
+        sizes
+            .map(|(c, size)| scales.weight(c) * size)
+            .any(|part| part > LARGE)
     }
 
     /// Takes in more states on both sides, and the ends displaced.
@@ -222,11 +239,6 @@ impl Jump {
             true => keeps_its_levels(jump, [&low, &high]),
             false => flickers,
         };
-        eprintln!(
-            "DBG s={:e} w={:e} jump={jump:e} steady={is_steady} brk={is_break} fl={flickers} {low:?} {high:?}",
-            self.bracket.low,
-            self.bracket.high - self.bracket.low
-        );
         self.flickers = is_steady && !is_break && flickers;
         self.confirmation = match self.flickers {
             true => Confirmation::None,
@@ -249,8 +261,7 @@ impl Jump {
     /// Takes their images in.
     pub fn look(&mut self, images: &[Image], coordinates: &Coordinates) {
         let (left, right) = images.split_at(images.len() / 2);
-        let is_wanted = self.confirmation == Confirmation::Wanted;
-        match (self.zone, is_wanted) {
+        match (self.zone, self.is_wanted()) {
             (None, true) => self.confirm([left, right], coordinates),
             (Some(_), true) => self.confirm_zone([left, right], coordinates),
             (None, false) => {
@@ -313,7 +324,7 @@ impl Jump {
         let mut all = 0..2 * coordinates.dof();
         let is_rounding = (scales.grain.as_ref())
             .is_some_and(|grain| !all.clone().any(|c| grain.is_exceeded(c, apart(c))));
-        let large = (all.clone()).any(|c| scales.weight(c) * apart(c) > LARGE);
+        let large = self.is_large(scales, coordinates);
         // The steps of a grid are jumps with nothing beside them, and noise all the same.
         let no_step = all.any(|c| apart(c) > self.piece.allowance(c, scales));
         let [left, right] = self.projected(&self.beside, coordinates);

@@ -305,7 +305,7 @@ impl<'a> Refinement<'a> {
         let judgement = jump.judge(&self.scales, self.coordinates);
         match judgement {
             Judgement::LookAgain => return self.go_on(Task::Confirm(jump)),
-            Judgement::Break if jump.wants_confirmation() => {
+            Judgement::Break if jump.wants_confirmation(&self.scales, self.coordinates) => {
                 let unresolved = jump.fallback.clone();
                 return Outcome::then(vec![Task::Confirm(jump)], unresolved);
             }
