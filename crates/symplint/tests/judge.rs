@@ -452,6 +452,7 @@ fn symplectic_jacobian(bound: f64) -> JacobianEvidence {
     };
     JacobianEvidence {
         step_size: Some(0.5),
+        loop_index: 0,
         method: JacobianMethod::CentralDifferences { rejected: None },
         points: vec![point; 4],
         not_differentiable: 0,

@@ -5,8 +5,8 @@
 //! found, with luck, by states at irregular parameters that are not where the interpolant of the samples has them.
 
 use super::limits::{
-    BESIDE_FEATURE, FEATURE_OF_ERROR, FEATURE_OF_MEDIAN, FEATURE_OF_ROUNDING, IRREGULAR_PART,
-    MOST_INTERPOLATED, MOST_IRREGULAR,
+    BESIDE_FEATURE, BESIDE_SAMPLES, FEATURE_OF_ERROR, FEATURE_OF_MEDIAN, FEATURE_OF_ROUNDING,
+    IRREGULAR_PART, MOST_INTERPOLATED, MOST_IRREGULAR, OF_A_MISS,
 };
 use super::refined_samples::RefinedSamples;
 use crate::error::Error;
@@ -14,13 +14,13 @@ use crate::rules::{Subject, misses, roughness};
 use crate::signal::{Extent, nearest};
 use crate::state::{Ensemble, coordinate, period};
 
-/// The largest number of evaluations that a search for features takes for this number of samples.
+/// The largest number of evaluations that a search for features between samples takes for this number of samples.
 pub(super) fn cost(samples: usize, dof: usize) -> usize {
-    irregular(samples, dof) + 2 * AROUND
+    irregular(samples, dof) + AROUND
 }
 
 /// States that show whether a feature is continuous.
-const AROUND: usize = 3;
+pub(super) const AROUND: usize = 3;
 
 fn irregular(samples: usize, dof: usize) -> usize {
     let affordable = MOST_INTERPOLATED / (2 * dof * samples).max(1);
@@ -29,44 +29,65 @@ fn irregular(samples: usize, dof: usize) -> usize {
         .min(affordable)
 }
 
-/// Where the loop after a step of size `h` has a feature that its samples do not resolve, if they show one: at a sample, if
-/// `stalled`, as their error does not fall, or between samples, if states there are further off than the `error` explains.
+/// The sample of the loop after a step of size `h` that has met a feature which samples do not resolve, as its parameter.
 ///
 /// # Errors
 /// Those of the map.
-pub(super) fn unresolved_feature(
+pub(super) fn feature_at_sample(
     subject: Subject<'_>,
     refined: &RefinedSamples<'_>,
     h: f64,
-    (stalled, error): (bool, f64),
+) -> Result<Option<f64>, Error> {
+    let after = &refined.after;
+    let sizes = roughness(after, subject.coordinates());
+    let Some((k, size)) = outstanding(&sizes, rounding(after)) else {
+        return Ok(None);
+    };
+    let s = k as f64 / after.samples() as f64;
+    Ok(is_continuous(subject, h, (after, (after, k)), s, size)?.then_some(s))
+}
+
+/// The parameter of the sample that is roughest after the step; 0 if none is.
+pub(super) fn roughest_sample(subject: Subject<'_>, refined: &RefinedSamples<'_>) -> f64 {
+    let sizes = roughness(&refined.after, subject.coordinates());
+    let largest = (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]));
+    largest.unwrap_or(0) as f64 / sizes.len() as f64
+}
+
+/// Where the loop after a step of size `h` has a feature between its samples: states there are further off than the `error`
+/// explains.
+///
+/// # Errors
+/// Those of the map.
+pub(super) fn feature_between_samples(
+    subject: Subject<'_>,
+    refined: &RefinedSamples<'_>,
+    h: f64,
+    error: f64,
 ) -> Result<Option<f64>, Error> {
     let (after, coordinates) = (&refined.after, subject.coordinates());
-    let count = after.samples();
-    if stalled
-        && let Some((k, size)) = outstanding(&roughness(after, coordinates), rounding(after))
-        && is_continuous(
-            subject,
-            h,
-            (after, (after, k)),
-            k as f64 / count as f64,
-            size,
-        )?
-    {
-        return Ok(Some(k as f64 / count as f64));
-    }
-    let s: Vec<f64> = (0..irregular(count, after.dof())).map(parameter).collect();
+    let states = irregular(after.samples(), after.dof());
+    let s: Vec<f64> = (0..states).map(parameter).collect();
     if s.is_empty() {
         return Ok(None);
     }
     let between = subject.evaluator.image(subject.phase_loop, h, &s)?;
     let least = rounding(after).max(FEATURE_OF_ERROR * error);
     let missed = misses(after, coordinates, &between, &s);
-    Ok(match outstanding(&missed, least) {
-        Some((j, size)) if is_continuous(subject, h, (after, (&between, j)), s[j], size)? => {
-            Some(s[j])
-        }
-        _ => None,
-    })
+    let Some((j, size)) = outstanding(&missed, least) else {
+        return Ok(None);
+    };
+    // The interpolant is off beside a sample that is off, and the state between is not.
+    let count = after.samples();
+    let sizes = roughness(after, coordinates);
+    let nearest = (s[j] * count as f64).round() as usize;
+    let beside = (0..=2 * BESIDE_SAMPLES).map(|k| (nearest + count - BESIDE_SAMPLES + k) % count);
+    let roughest = beside.max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]));
+    let (s, place, size) = match roughest {
+        Some(k) if sizes[k] > OF_A_MISS * size => (k as f64 / count as f64, (after, k), sizes[k]),
+        _ => (s[j], (&between, j), size),
+    };
+    Ok(is_continuous(subject, h, (after, place), s, size)?.then_some(s))
 }
 
 /// Parameters of irregular states: multiples of the golden ratio.

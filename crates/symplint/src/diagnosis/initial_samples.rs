@@ -1,6 +1,7 @@
 //! The samples of a loop before the step, kept from one step size to the next.
 
 use super::limits::KEPT_BYTES;
+use super::refined_samples::RefinedSamples;
 use crate::error::{Error, StateAt};
 use crate::loops::sample_block;
 use crate::rules::Subject;
@@ -76,6 +77,15 @@ impl<'a> InitialSamples<'a> {
         advanced.map_err(|error| error.at(|sample| StateAt::SampleOf { sample, samples }))?;
         evaluator.learn_grain(phase_loop, samples, |c, k| coordinate(after, c)[k]);
         Ok(after)
+    }
+}
+
+impl<'a> InitialSamples<'a> {
+    /// The samples before and after the last step, which had the size `h`, if those before it are kept.
+    pub fn last(&self, h: f64) -> Option<RefinedSamples<'a>> {
+        let ensembles = self.ensembles.as_ref()?;
+        let (before, after) = (ensembles.before.as_ref()?.clone(), ensembles.after.clone());
+        Some(RefinedSamples::of(self.subject, h, before, after))
     }
 }
 

@@ -144,6 +144,10 @@ pub(super) const ENOUGH: f64 = 1e-14;
 /// kinked ones 4 or more, jumps 2, noise of the states √2.
 pub(super) const STALLED: f64 = 1.7;
 
+/// Twice the samples that gain less than this factor may have met a feature with one sample: between the 2 of its part of the sum
+/// and the 4 of kinks.
+pub(super) const OF_SPIKES: f64 = 3.0;
+
 /// An estimate of the quadrature error that is no more than so many times what rounding of the samples makes of an
 /// integral is of rounding alone. Calibrated: pendula in single precision and with three to nine decimals have 0.3 to 3.
 pub(super) const OF_ROUNDING: f64 = 8.0;
@@ -173,6 +177,21 @@ pub(super) const FEATURE_OF_ROUNDING: f64 = 256.0;
 /// States between samples are off by at most this many times the error of the integral if samples resolve the loop: an error that
 /// has one sign all along the loop is as large as the error of the integral, one in a hundredth of the loop a hundred times.
 pub(super) const FEATURE_OF_ERROR: f64 = 100.0;
+
+/// Samples on each side of a state that may be what puts the interpolant off there. Conventional: off by less than a fifth beyond.
+pub(super) const BESIDE_SAMPLES: usize = 2;
+
+/// Such a sample is off by this part of what the state is, at least. Derived: half of a sample is in the upper half of its modes.
+pub(super) const OF_A_MISS: f64 = 0.5;
+
+/// Features at which the Jacobian is tested, each on another loop. Conventional.
+pub(super) const MOST_FEATURES: usize = 3;
+
+/// Where a loop that changes is roughest, a part of the samples that resolve it shows, as its upper modes are not yet lost in rounding then.
+pub(super) const PART_OF_SAMPLES: usize = 4;
+
+/// The fewest of them.
+pub(super) const FEWEST_OF_ROUGHNESS: usize = 64;
 
 /// Distance of states that share a feature with one of them: far below the width of a feature that matters, and so small that the
 /// curvature of the loop, (2π)² of the square, is below 1e-12.

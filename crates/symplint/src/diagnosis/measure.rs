@@ -21,7 +21,7 @@ use crate::evidence::{
 };
 use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest};
 use crate::loops::{Loop, check_closed};
-use crate::map::{EvaluationCount, Evaluator, LoopSize, Repeat, TimeAdvance};
+use crate::map::{EvaluationCount, Evaluator, Feature, LoopSize, Repeat, TimeAdvance};
 use crate::rules::{Rule, RuleKind, Subject};
 use crate::state::{Coordinates, Ensemble};
 use crate::survey;
@@ -113,6 +113,7 @@ impl Diagnostic {
                 failed: failed.clone(),
                 reserved: 0,
                 noise: None,
+                features: Vec::new(),
                 evidence: evidence.clone(),
             };
             match start.begin(subject) {
@@ -139,6 +140,7 @@ impl Diagnostic {
         run.reach(subject, &given)?;
         run.long_time(&given)?;
         run.jacobian(subject, &given);
+        run.jacobian_at_features(subject, &given)?;
         run.look_for_manifold(subject, &given)?;
         run.look_for_leaf(subject, &given)?;
         run.contract(subject, &given)?;
@@ -249,6 +251,8 @@ struct Run<'a> {
     reserved: usize,
     /// By how much results of one state differ.
     noise: Option<survey::Noise>,
+    /// Features that the samples of loops do not resolve, with the number of the loop.
+    features: Vec<(usize, Feature)>,
     evidence: Evidence,
 }
 
@@ -396,8 +400,8 @@ impl Run<'_> {
         };
         let probe = diagnostic.resolve(subject, &with, &mut look)?;
         let samples = &mut InitialSamples::new(subject);
-        let known = probe.measure(samples, self.largest, &mut look)?;
-        let cost = known.evaluations.max(1);
+        let judged = probe.measure(samples, self.largest, &mut look)?;
+        let cost = judged.evaluations.max(1);
         let seen = match seen {
             Some(seen) => seen,
             None => survey::of_few_samples(subject, self.largest)?,
@@ -424,7 +428,7 @@ impl Run<'_> {
         let mut omitted = diagnostic.step_sizes.len() - self.failed.len() - affordable.len();
         for h in affordable {
             let known = match h == self.largest {
-                true => known.clone(),
+                true => judged.clone(),
                 false if self.left() < probe.least_cost() => {
                     omitted += 1;
                     continue;
@@ -439,11 +443,27 @@ impl Run<'_> {
                         self.failed.push(FailedStep { h, error });
                         continue;
                     }
-                    known => known?,
+                    measured => measured?,
                 },
             };
-            self.record(0, Sweep::StepSize, &probe, &known);
+            let with = Resolution {
+                h,
+                plan: &self.plan,
+                most_samples: probe.samples,
+                allowance: self.left(),
+            };
+            let judged = (&probe, &judged.advanced);
+            let refined = || samples.last(h);
+            let reconsidered = diagnostic.reconsidered(judged, &known, refined, &with)?;
+            match reconsidered {
+                Some(again) => {
+                    let known = again.known(h).unwrap_or(&known);
+                    self.record(0, Sweep::StepSize, &again, known);
+                }
+                None => self.record(0, Sweep::StepSize, &probe, &known),
+            }
         }
+        self.keep_features(0, subject);
         for FailedStep { h, error } in &self.failed {
             self.evidence.omissions.push(Omission::StepFailed {
                 step_size: Some(*h),
@@ -574,6 +594,33 @@ impl Run<'_> {
         if let Some(step) = steps.and_then(|steps| steps.iter_mut().find(largest)) {
             step.motion = motion;
         }
+    }
+
+    /// A feature that a sample has met at one step size is on the loop at larger ones as well, whether a sample has met it or not: what
+    /// it may change falls at least as h. Their errors are as large as that.
+    fn bound_by_features(&mut self) {
+        let steps = &mut self.evidence.loops[0].steps;
+        for (_, feature) in &self.features {
+            let at = |step: &&StepEvidence| step.step_size == Some(feature.h);
+            let Some(bound) = steps.iter().find(at).map(StepEvidence::bound) else {
+                continue;
+            };
+            for step in steps.iter_mut() {
+                let growth = step.step_size.map_or(0.0, |h| (h / feature.h).abs());
+                if growth > 1.0
+                    && let Some(error) = &mut step.defect.quadrature_error
+                {
+                    *error = error.max(growth * bound);
+                }
+            }
+        }
+    }
+
+    /// Keeps the features that were noted of a loop.
+    fn keep_features(&mut self, loop_index: usize, subject: Subject<'_>) {
+        let noted = subject.evaluator.features().into_iter();
+        self.features
+            .extend(noted.map(|feature| (loop_index, feature)));
     }
 
     /// Notes what is left out.

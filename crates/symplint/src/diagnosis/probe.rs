@@ -218,6 +218,8 @@ impl<'a> Probe<'a> {
             omitted_cells: advanced.integral.omitted.as_ref().map(Vec::len),
             cells_apart: advanced.cells_apart,
             regularity: advanced.regularity,
+            has_feature: (self.subject.evaluator.features().iter())
+                .any(|feature| feature.h == known.h),
             evaluations: known.evaluations,
             ..StepEvidence::default()
         }

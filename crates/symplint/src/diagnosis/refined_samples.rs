@@ -34,6 +34,16 @@ impl<'a> RefinedSamples<'a> {
         })
     }
 
+    /// Samples that are known before and after the step.
+    pub fn of(subject: Subject<'a>, h: f64, before: Ensemble, after: Ensemble) -> Self {
+        RefinedSamples {
+            subject,
+            h,
+            before,
+            after,
+        }
+    }
+
     /// So many samples, or fewer where the map rounds: neighbours that are nearer than a grain show its stairs and not
     /// the loop.
     pub fn down_to_the_grain(subject: Subject<'a>, samples: usize, h: f64) -> Result<Self, Error> {

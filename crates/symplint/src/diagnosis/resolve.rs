@@ -1,7 +1,7 @@
 //! Choosing the rule and the number of samples of a loop.
 
-use super::convergence::Convergence;
-use super::features::{self, unresolved_feature};
+use super::convergence::{Convergence, wanted};
+use super::features::{self, feature_at_sample, feature_between_samples};
 use super::initial_samples::InitialSamples;
 use super::limits::{
     AGREEMENT, COARSE, CUTOFF, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES,
@@ -9,7 +9,7 @@ use super::limits::{
 };
 use super::memory::fits;
 use super::plan::{Plan, power_below};
-use super::probe::Probe;
+use super::probe::{Known, Probe};
 use super::refined_samples::{RefinedSamples, coarse, most_rounded};
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
@@ -176,18 +176,19 @@ impl Diagnostic {
                 if !auto {
                     return Ok(probe);
                 }
+                let mut feature = None;
+                if standing.may_be_spike && !standing.enough && has_left(features::AROUND) {
+                    feature = feature_at_sample(subject, refined, h)?;
+                }
+                if settled && feature.is_none() && has_left(features::cost(samples, subject.dof()))
+                {
+                    feature = feature_between_samples(subject, refined, h, error)?;
+                }
+                if let Some(s) = feature {
+                    return self.around_feature(probe, refined, with, start, s);
+                }
                 if settled {
-                    let feature = match has_left(features::cost(samples, subject.dof())) {
-                        true => {
-                            let stalled = standing.stalled && !standing.enough;
-                            unresolved_feature(subject, refined, h, (stalled, error))?
-                        }
-                        false => None,
-                    };
-                    return match feature {
-                        None => Ok(probe),
-                        Some(s) => self.around_feature(probe, refined, with, start, s),
-                    };
+                    return Ok(probe);
                 }
                 if pieces.is_none() {
                     pieces = self.tried(subject, refined, with, start)?;
@@ -220,6 +221,38 @@ impl Diagnostic {
         }
     }
 
+    /// A step of another size that was measured with the samples of a probe: looked at again if its error is above that of the
+    /// step for which they were chosen, as a sample may have met a feature. `None` if none has.
+    pub(super) fn reconsidered<'a>(
+        &self,
+        (probe, judged): (&Probe<'a>, &Advanced),
+        known: &Known,
+        refined: impl FnOnce() -> Option<RefinedSamples<'a>>,
+        with: &Resolution<'_>,
+    ) -> Result<Option<Probe<'a>>, Error> {
+        let error = |of: &Advanced| of.defect.quadrature_error.unwrap_or(0.0);
+        let (advanced, subject) = (&known.advanced, probe.subject);
+        let most = error(judged).max(wanted(advanced));
+        let is_suspect = self.rule == Rule::Auto
+            && probe.rule == Rule::Auto
+            && advanced.breaks.is_empty()
+            && error(advanced) > most;
+        if !is_suspect || with.allowance < features::AROUND {
+            return Ok(None);
+        }
+        let Some(refined) = refined() else {
+            return Ok(None);
+        };
+        let start = subject.evaluator.count().made();
+        let Some(s) = feature_at_sample(subject, &refined, with.h)? else {
+            return Ok(None);
+        };
+        let again = Probe::of_samples(subject, probe.rule, &refined.before)?;
+        let again = again.knowing(with.h, advanced.clone(), known.evaluations);
+        self.around_feature(again, &refined, with, start, s)
+            .map(Some)
+    }
+
     /// The piecewise rule, cut at a feature that samples do not resolve; or the samples, if both agree to an error that is as small.
     /// Without evaluations for pieces, the error of the samples is not known.
     fn around_feature<'a>(
@@ -231,7 +264,7 @@ impl Diagnostic {
         s: f64,
     ) -> Result<Probe<'a>, Error> {
         let subject = probe.subject;
-        subject.evaluator.note_feature(s);
+        subject.evaluator.note_feature(s, with.h);
         let error = match self.tried(subject, refined, with, start)? {
             None => None,
             Some((pieces, of_pieces)) => {
@@ -239,8 +272,11 @@ impl Diagnostic {
                     .known(with.h)
                     .map(|known| known.advanced.defect.uncertainty());
                 let error = of_pieces + apart(&pieces, &probe, with.h);
-                // Where both agree, the feature is a small one, such as a jump that is too small to break the loop.
-                if known.is_none_or(|known| error > SIGNIFICANT * known) {
+                // If both agree as well as the samples are known, the feature is a small one, such as a jump that is too small to
+                // break the loop.
+                let is_better =
+                    |known: f64| error > SIGNIFICANT * known || SIGNIFICANT * of_pieces < known;
+                if known.is_none_or(is_better) {
                     return Ok(pieces);
                 }
                 Some(error)

@@ -149,6 +149,9 @@ impl JacobianEvidence {
 pub struct JacobianEvidence {
     /// Step size h; `None` for a map without one.
     pub step_size: Option<f64>,
+    /// Number of the loop on which the points are.
+    #[serde(default, skip_serializing_if = "is_given")]
+    pub loop_index: usize,
     /// How derivatives were computed.
     pub method: JacobianMethod,
     /// Point by point.
@@ -178,6 +181,11 @@ pub struct JacobianEvidence {
     pub noise: f64,
     /// Evaluations made, with a tangent vector or without.
     pub evaluations: usize,
+}
+
+/// Whether a loop is the given one.
+pub(crate) fn is_given(index: &usize) -> bool {
+    *index == 0
 }
 
 #[cfg(test)]

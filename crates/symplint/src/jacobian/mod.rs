@@ -27,6 +27,7 @@ mod sampler;
 mod tangent_check;
 mod tangents;
 
+pub(crate) use evidence::is_given;
 pub use evidence::{
     JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect, TangentRejection,
 };
@@ -125,11 +126,23 @@ impl JacobianTest {
         size: &LoopSize,
         h: f64,
     ) -> Result<JacobianEvidence, Error> {
+        self.run_at(evaluator, phase_loop, size, h, parameters(self.points))
+    }
+
+    /// The same at these parameters of the loop, as many as there are points.
+    pub(crate) fn run_at(
+        &self,
+        evaluator: &Evaluator<'_>,
+        phase_loop: &dyn Loop,
+        size: &LoopSize,
+        h: f64,
+        s: Vec<f64>,
+    ) -> Result<JacobianEvidence, Error> {
         evaluator.check_dof(phase_loop.dof())?;
         let dof = evaluator.dof();
         let planned = self.evaluations(dof, evaluator.has_tangent());
         self.check(h, planned)?;
-        let (s, spare) = (parameters(self.points), self.budget - planned);
+        let spare = self.budget - planned;
         let mut sampler = Sampler::new(evaluator, (phase_loop, size), h, s, self.seed, spare)?;
         let groups = &size.groups;
         let mut outcomes = self.outcomes(&mut sampler, groups)?;
@@ -164,6 +177,7 @@ impl JacobianTest {
         }
         Ok(JacobianEvidence {
             step_size: evaluator.stated(h),
+            loop_index: 0,
             method,
             not_differentiable: points.iter().filter(|p| p.worst.is_none()).count(),
             full,

@@ -13,6 +13,13 @@ use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::state::{Block, Coordinates, Ensemble, first_error, first_not_finite};
 
+/// A part of a loop, after a step of size `h`, that its samples do not resolve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Feature {
+    pub s: f64,
+    pub h: f64,
+}
+
 /// Calls a map for the diagnostic: spreads samples over threads, checks that states are finite, names the
 /// sample and the step size of a failure, and counts evaluations.
 ///
@@ -33,7 +40,7 @@ pub(crate) struct Evaluator<'a> {
     /// States that are advanced again later.
     recorder: Recorder,
     /// Parameters of the present loop at which samples show a feature that they do not resolve.
-    features: RwLock<Vec<f64>>,
+    features: RwLock<Vec<Feature>>,
     has_step_size: bool,
 }
 
@@ -167,14 +174,21 @@ impl<'a> Evaluator<'a> {
     /// Breaks that the map can tell beforehand, and features of the present loop that were noted.
     pub fn known_breaks(&self, phase_loop: &dyn Loop, h: f64) -> Vec<f64> {
         let mut known = self.map.known_breaks(phase_loop, h);
-        known.extend_from_slice(&self.features.read().unwrap_or_else(PoisonError::into_inner));
+        known.extend(self.features().iter().map(|feature| feature.s));
         known
     }
 
-    /// Takes note of a feature of the present loop.
-    pub fn note_feature(&self, s: f64) {
+    /// Takes note of a feature of the present loop after a step of size `h`.
+    pub fn note_feature(&self, s: f64, h: f64) {
         let features = self.features.write();
-        features.unwrap_or_else(PoisonError::into_inner).push(s);
+        let mut features = features.unwrap_or_else(PoisonError::into_inner);
+        features.push(Feature { s, h });
+    }
+
+    /// The features of the present loop that were noted.
+    pub fn features(&self) -> Vec<Feature> {
+        let features = self.features.read();
+        features.unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// The tangent map, if the map has one. It is called by [`advance_tangents`](Self::advance_tangents).

@@ -14,7 +14,7 @@ mod witnesses;
 
 pub use closures::{PerBlock, PerSample, StepOutcome};
 pub use constraint::{Constraint, ProjectedLoop};
-pub(crate) use evaluator::{EvaluationCount, Evaluator, states_at};
+pub(crate) use evaluator::{EvaluationCount, Evaluator, Feature, states_at};
 pub(crate) use grain::{Before, Grain};
 pub(crate) use image_loop::ImageLoop;
 pub(crate) use loop_size::{ActionGroup, LoopSize};

@@ -199,6 +199,7 @@ fn evidence(step: &Compared, samples: usize) -> StepEvidence {
         omitted_cells: step.integral.omitted.as_ref().map(Vec::len),
         cells_apart: 0.0,
         regularity: step.integral.regularity,
+        has_feature: false,
         motion: step.motion,
         evaluations: samples,
     }

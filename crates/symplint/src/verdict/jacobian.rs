@@ -99,6 +99,9 @@ pub enum Agreement {
 pub struct JacobianFinding {
     /// Step size of the test; `None` for a map without one.
     pub step_size: Option<f64>,
+    /// Number of the loop on which its points are.
+    #[serde(default, skip_serializing_if = "crate::jacobian::is_given")]
+    pub loop_index: usize,
     /// How derivatives were computed.
     pub method: JacobianMethod,
     /// The answer of the test.
@@ -214,6 +217,7 @@ pub fn compare_jacobian(
     };
     JacobianFinding {
         step_size: evidence.step_size,
+        loop_index: evidence.loop_index,
         method: evidence.method,
         verdict,
         agreement,
@@ -235,6 +239,7 @@ mod tests {
         };
         JacobianEvidence {
             step_size: Some(0.5),
+            loop_index: 0,
             method: JacobianMethod::TangentMap,
             points: vec![point; 4],
             not_differentiable: 0,

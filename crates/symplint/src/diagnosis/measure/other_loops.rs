@@ -343,6 +343,7 @@ impl Run<'_> {
         found.winds = !found.wound.is_empty();
         self.evidence.loops.push(found);
         self.record(other.index, Sweep::StepSize, &probe, &first);
+        self.keep_features(other.index, subject);
         self.moved(motion);
         let shows = (self.evidence.loops.last()).is_some_and(LoopEvidence::shows_defect);
         if !shows || known {

@@ -320,6 +320,17 @@ impl Case<'_> {
             };
             self.because(because, vec![advice])
         };
+        // A feature that a sample has met may change the integral, unless pieces resolved another one and found no change.
+        let is_resolved =
+            |step: &StepEvidence| step.rule == RuleKind::Piecewise && step.is_bounded();
+        let resolved = self.steps().any(|(_, step)| is_resolved(step));
+        let has_feature = |step: &&StepEvidence| step.has_feature && !step.is_bounded();
+        let mut featured = random
+            .iter()
+            .filter_map(|found| Some((*found, found.steps.iter().find(has_feature)?)));
+        if let Some((found, step)) = featured.next().filter(|_| !resolved) {
+            return Some(weak(found, step));
+        }
         // Random loops that the samples do not resolve do not count, but one must.
         if !random.is_empty() && !random.iter().any(|found| found.is_bounded()) {
             let step = (random.iter())

@@ -4,7 +4,7 @@ use std::fmt::{Display, Formatter, Result};
 
 use crate::jacobian::{JacobianMethod, TangentRejection};
 use crate::verdict::jacobian::{Agreement, Inconclusive, JacobianFinding, JacobianVerdict};
-use crate::verdict::number::{short, size};
+use crate::verdict::number::{loop_name, short, size};
 
 impl Display for JacobianFinding {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -12,9 +12,13 @@ impl Display for JacobianFinding {
             Some(h) => write!(f, "At h = {} the Jacobian", size(h))?,
             None => f.write_str("The Jacobian")?,
         }
+        let of_loop = match self.loop_index {
+            0 => String::new(),
+            index => format!(", on {}", loop_name(index)),
+        };
         write!(
             f,
-            " is {} ({}). {}",
+            " is {}{of_loop} ({}). {}",
             self.verdict, self.method, self.agreement
         )?;
         match self.verdict {
