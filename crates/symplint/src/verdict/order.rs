@@ -125,12 +125,18 @@ pub(super) fn smallest_steps_slope(evidence: &LoopEvidence) -> Option<f64> {
     }
 }
 
-/// Whether the slopes of the defects move away from an order as the steps shrink, until they are not of it: a term of lower order
+/// Whether the slopes of the defects are of an order at large steps and move away from it as the steps shrink: a term of lower order
 /// takes over.
 pub(super) fn leaves(evidence: &LoopEvidence, order: f64) -> bool {
     let data = clear(&known_data(evidence));
-    let is_other = |pair: &[Datum]| (local_slope(&pair[0], &pair[1]) - order).abs() > WHOLE;
-    departs(&data, order) && data.windows(2).next().is_some_and(is_other)
+    let slopes: Vec<f64> = (data.windows(2))
+        .map(|pair| local_slope(&pair[0], &pair[1]))
+        .collect();
+    let is_other = |slope: &f64| (slope - order).abs() > WHOLE;
+    let [fine, .., coarse] = &slopes[..] else {
+        return false;
+    };
+    is_other(fine) && !is_other(coarse) && departs(&data, order)
 }
 
 /// The defects with a known uncertainty, the smallest step first.

@@ -6,12 +6,11 @@ use crate::diagnosis::limits::{FEWEST_OF_ROUGHNESS, MOST_FEATURES, PART_OF_SAMPL
 use crate::diagnosis::localise::{FEWEST_OF_HALVING, MOST_OF_A_BOUNDARY, contraction};
 use crate::diagnosis::refined_samples::RefinedSamples;
 use crate::error::Error;
-use crate::evidence::{LoopEvidence, LoopKind, Omission};
+use crate::evidence::{LoopEvidence, LoopKind, Omission, WEAKEST_BOUND};
 use crate::jacobian::{JacobianEvidence, JacobianTest};
 use crate::map::Feature;
 use crate::rules::Subject;
 use crate::survey;
-use crate::verdict::JacobianVerdict;
 
 /// Where the Jacobian is tested once more.
 enum Place {
@@ -133,11 +132,8 @@ impl Run<'_> {
                     break;
                 }
                 Ok(Some(found)) => {
-                    is_symplectic |= index == 0
-                        && matches!(
-                            found.verdict(),
-                            JacobianVerdict::SymplecticAlmostEverywhere { .. }
-                        );
+                    let is_bounded = found.bound.is_some_and(|bound| bound < WEAKEST_BOUND);
+                    is_symplectic |= index == 0 && found.not_differentiable == 0 && is_bounded;
                 }
                 Ok(None) | Err(Error::BudgetSpent { .. }) => {}
                 Err(error) if of_the_map(&error) => {}
