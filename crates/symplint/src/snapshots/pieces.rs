@@ -128,6 +128,12 @@ impl Curve<'_> {
         };
         pieces.error += half * of_place + off + between;
         pieces.closed_error += half * of_closed + off + between;
+        // If rows were lost, one may be lost in this run as well, where the jump hides that it is a cell wider.
+        if self.gaps.contains(&true) {
+            let of_cell = |side: &Side| (side.p * side.q_slope).abs();
+            pieces.error += 0.5 * of_place + of_cell(&left).max(of_cell(&right));
+            pieces.closed_error += 0.5 * of_closed;
+        }
         let steep = segment.abs() + 0.5 * (jump_q * jump_p).abs();
         pieces.steep += steep;
         if (first..first + width).any(|k| self.gaps[k % n]) {
