@@ -140,3 +140,47 @@ fn is_continuous(
     };
     Ok((0..2 * again.dof()).all(is_smooth))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::loops::Circle;
+    use crate::map::{EvaluationCount, Evaluator, PerSample};
+
+    /// The features that 256 samples of a circle show at a sample and between samples, if its momenta are off by this after a step.
+    fn found(
+        off: impl Fn(f64) -> f64 + Send + Sync + 'static,
+        error: f64,
+    ) -> (Option<f64>, Option<f64>) {
+        let map = PerSample::new(1, move |_, q: &mut [f64], p: &mut [f64]| p[0] += off(q[0]));
+        let count = EvaluationCount::unlimited();
+        let evaluator = Evaluator::new(&map, &count).unwrap();
+        let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
+        let subject = Subject {
+            evaluator: &evaluator,
+            phase_loop: &circle,
+        };
+        let refined = RefinedSamples::new(subject, 256, 0.5).unwrap();
+        (
+            feature_at_sample(subject, &refined, 0.5).unwrap(),
+            feature_between_samples(subject, &refined, 0.5, error).unwrap(),
+        )
+    }
+
+    #[test]
+    fn a_sample_that_meets_a_narrow_strip_shows_it() {
+        // The sample at s = 1/8, and at 3/8 on the other side.
+        let q = std::f64::consts::FRAC_1_SQRT_2;
+        let strip = move |x: f64| 1e-3 * (-((x - q) / 1e-3).powi(2)).exp();
+        let (at, _) = found(strip, 0.0);
+        assert!(at == Some(0.125) || at == Some(0.375), "{at:?}");
+    }
+
+    #[test]
+    fn one_state_that_is_off_is_no_feature() {
+        let q = (std::f64::consts::TAU / 8.0).sin();
+        let off = move |x: f64| if x == q { 1e-3 } else { 0.0 };
+        assert_eq!(found(off, 0.0), (None, None));
+        assert_eq!(found(|x| 0.1 * x.sin(), 1e-14), (None, None));
+    }
+}

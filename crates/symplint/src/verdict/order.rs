@@ -411,6 +411,20 @@ mod tests {
     }
 
     #[test]
+    fn a_loop_leaves_an_order_that_a_lower_one_takes_over_from() {
+        let leaves_4 = |law: fn(f64) -> f64| leaves(&evidence(law, 1e-10), 4.0);
+        // A small term of order 3, of the other sign; below 2^-6 there is noise.
+        assert!(leaves_4(|h| h.powi(4) - 1e-2 * h.powi(3)));
+        assert!(!leaves_4(|h| h.powi(4)));
+        assert!(!leaves_4(|h| h.powi(4) + 3.0 * h.powi(5)));
+        // Of order 3, with a term of order 4 that is larger at large steps and does not hide it.
+        assert!(!leaves(
+            &evidence(|h| h.powi(3) - 4.0 * h.powi(4), 1e-16),
+            3.0
+        ));
+    }
+
+    #[test]
     fn noise_alone_has_no_order() {
         assert_eq!(fit_order(&evidence(|_| 0.0, 1e-14)), None);
     }
