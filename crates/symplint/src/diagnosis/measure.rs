@@ -454,7 +454,12 @@ impl Run<'_> {
             };
             let judged = (&probe, &judged.advanced);
             let refined = || samples.last(h);
-            let reconsidered = diagnostic.reconsidered(judged, &known, refined, &with)?;
+            let reconsidered = match diagnostic.reconsidered(judged, &known, refined, &with) {
+                // The samples themselves were advanced: the map failed between them.
+                Err(error) if of_the_map(&error) => None,
+                Err(Error::BudgetSpent { .. }) => None,
+                reconsidered => reconsidered?,
+            };
             match reconsidered {
                 Some(again) => {
                     let known = again.known(h).unwrap_or(&known);
@@ -600,17 +605,18 @@ impl Run<'_> {
     /// it may change falls at least as h. Their errors are as large as that.
     fn bound_by_features(&mut self) {
         let steps = &mut self.evidence.loops[0].steps;
-        for (_, feature) in &self.features {
+        for (_, feature) in self.features.iter().filter(|(index, _)| *index == 0) {
             let at = |step: &&StepEvidence| step.step_size == Some(feature.h);
             let Some(bound) = steps.iter().find(at).map(StepEvidence::bound) else {
                 continue;
             };
             for step in steps.iter_mut() {
                 let growth = step.step_size.map_or(0.0, |h| (h / feature.h).abs());
-                if growth > 1.0
-                    && let Some(error) = &mut step.defect.quadrature_error
-                {
-                    *error = error.max(growth * bound);
+                // A change that is significant is known, whatever else the feature adds.
+                if growth > 1.0 && !step.is_significant() {
+                    let error = &mut step.defect.quadrature_error;
+                    *error = (error.filter(|_| bound.is_finite()))
+                        .map(|error| error.max(growth * bound));
                 }
             }
         }

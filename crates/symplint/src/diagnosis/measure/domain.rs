@@ -85,7 +85,10 @@ impl Run<'_> {
     ) -> Result<(), Error> {
         let has_none = |found: &JacobianEvidence| !found.shows_defect();
         if !self.evidence.jacobian.as_ref().is_some_and(has_none) {
-            self.bound_by_features();
+            // A defect that the Jacobian shows needs no bound.
+            if self.evidence.jacobian.is_none() {
+                self.bound_by_features();
+            }
             return Ok(());
         }
         let mut is_symplectic = false;
