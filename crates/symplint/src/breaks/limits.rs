@@ -50,8 +50,8 @@ pub(super) const SPACING: f64 = 32.0 * f64::EPSILON;
 /// one rounding, and at a square root the root of it.
 pub(super) const ROUNDINGS_OF_A_STATE: f64 = 32.0;
 
-/// States on each side that confirm a break, the end of the bracket among them. A map that takes one of two values at random, from the bits
-/// of the state, passes with a chance of 2^-18 at most.
+/// States on each side that confirm a break, the end of the bracket among them. The chance that a map which takes one of two values at
+/// random, from the bits of the state, passes both looks is below 2^-15.
 pub(crate) const CONFIRMING: usize = 10;
 
 /// States on each side, between those around a zone, that confirm a break with a zone.

@@ -221,8 +221,8 @@ impl Diagnostic {
         }
     }
 
-    /// A step of another size that was measured with the samples of a probe: looked at again if its error is above that of the
-    /// step for which they were chosen, as a sample may have met a feature. `None` if none has.
+    /// Looks again at a step that was measured with samples chosen for another step size, if its error is above the error of that step:
+    /// a sample may have met a feature. `None` if no sample has.
     pub(super) fn reconsidered<'a>(
         &self,
         (probe, judged): (&Probe<'a>, &Advanced),

@@ -44,7 +44,7 @@ pub struct StepEvidence {
     pub cells_apart: f64,
     /// Sobolev exponent of the advanced loop: about ½ at jumps and 3/2 at kinks.
     pub regularity: Option<f64>,
-    /// Whether a sample has met a feature that is narrower than the distance of samples.
+    /// Whether the loop has a feature that is narrower than the distance of its samples.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_feature: bool,
     /// How the step moves the loop: of a map, at the largest step size.
