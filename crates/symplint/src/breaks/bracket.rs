@@ -223,7 +223,7 @@ pub(crate) fn is_between_levels(jump: f64, sides: [&[f64]; 2]) -> bool {
 /// How far the values on the sides of a jump scatter, on the side where they do so more.
 ///
 /// Second differences of a straight line vanish; those of noise are larger than it. Noise fills a side; a
-/// second jump close by spoils two of its four differences at most, and the second smallest counts. At the
+/// second jump close by spoils two of its differences at most, and the largest of the others counts. At the
 /// first look there is one alone.
 pub(crate) fn scatter(sides: [&[f64]; 2]) -> f64 {
     let of_side = |side: &[f64]| {
@@ -231,7 +231,7 @@ pub(crate) fn scatter(sides: [&[f64]; 2]) -> f64 {
             .map(|x| (x[0] - 2.0 * x[1] + x[2]).abs())
             .collect();
         bends.sort_by(f64::total_cmp);
-        bends[usize::from(bends.len() > 1)]
+        bends[bends.len().saturating_sub(3)]
     };
     of_side(sides[0]).max(of_side(sides[1]))
 }

@@ -42,8 +42,8 @@ impl Point {
 ///
 /// The six samples around it are taken from `known`, if they are in memory. Finds a break if the two sides are
 /// still apart when no double lies between. There is no break if the sides meet (the loop is steep but continuous there), if the
-/// jump does not stand out of the noise and of the slope times the rounding of states, or if more states beside it, or its
-/// ends displaced, have other values than those of its two sides.
+/// jump does not stand out of the noise and of the slope times the rounding of states, or if more states beside it have other
+/// values than those of its two sides: so have its ends, displaced, if there is no zone in which the map flickers.
 pub(super) fn follow(
     evaluator: &Evaluator<'_>,
     phase_loop: &dyn Loop,
@@ -177,10 +177,9 @@ pub(super) fn follow(
                 let between = beside(end, &bracket.between(end, distance).collect::<Vec<f64>>())?;
                 *side = interleaved(side, &between);
             }
-            return Ok(match is_between_levels(jump, [&around[0], &around[1]]) {
-                true => Search::Found(found),
-                false => Search::Clean,
-            });
+            if is_between_levels(jump, [&around[0], &around[1]]) {
+                return Ok(Search::Found(found));
+            }
         }
     }
     Ok(Search::Clean)

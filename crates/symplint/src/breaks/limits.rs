@@ -58,7 +58,7 @@ pub(crate) const CONFIRMING: usize = 10;
 pub(crate) const BETWEEN: usize = AROUND_A_ZONE - 2;
 
 /// How far from a jump these states reach.
-pub(crate) const REACH_BESIDE: f64 = (LOOKS[1] - 1) as f64 * SPACING;
+pub(crate) const REACH_BESIDE: f64 = (CONFIRMING - 1) as f64 * SPACING;
 
 /// States on each side of a zone, the end of the bracket among them: a quadratic function takes each of two values at
 /// two points at most, so that no flicker between them looks smooth at five.

@@ -51,7 +51,7 @@ pub(super) fn feature_at_sample(
 pub(super) fn roughest_sample(subject: Subject<'_>, refined: &RefinedSamples<'_>) -> f64 {
     let sizes = roughness(&refined.after, subject.coordinates());
     let largest = (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]));
-    largest.unwrap_or(0) as f64 / sizes.len() as f64
+    largest.map_or(0.0, |k| k as f64 / sizes.len() as f64)
 }
 
 /// Where the loop after a step of size `h` has a feature between its samples: states there are further off than the `error`
@@ -80,8 +80,8 @@ pub(super) fn feature_between_samples(
     // The interpolant is off beside a sample that is off, and the state between is not.
     let count = after.samples();
     let sizes = roughness(after, coordinates);
-    let nearest = (s[j] * count as f64).round() as usize;
-    let beside = (0..=2 * BESIDE_SAMPLES).map(|k| (nearest + count - BESIDE_SAMPLES + k) % count);
+    let closest = (s[j] * count as f64).round() as usize;
+    let beside = (0..=2 * BESIDE_SAMPLES).map(|k| (closest + count - BESIDE_SAMPLES + k) % count);
     let roughest = beside.max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]));
     let (s, place, size) = match roughest {
         Some(k) if sizes[k] > OF_A_MISS * size => (k as f64 / count as f64, (after, k), sizes[k]),

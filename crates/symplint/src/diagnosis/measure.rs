@@ -1,6 +1,7 @@
 //! Carrying out the plan: fills the evidence.
 
 mod domain;
+mod features;
 mod other_loops;
 mod reach;
 
@@ -140,7 +141,7 @@ impl Diagnostic {
         run.reach(subject, &given)?;
         run.long_time(&given)?;
         run.jacobian(subject, &given);
-        run.jacobian_at_features(subject, &given)?;
+        run.test_features(subject, &given)?;
         run.look_for_manifold(subject, &given)?;
         run.look_for_leaf(subject, &given)?;
         run.contract(subject, &given)?;
@@ -450,7 +451,7 @@ impl Run<'_> {
                 h,
                 plan: &self.plan,
                 most_samples: probe.samples,
-                allowance: self.left(),
+                allowance: known.evaluations + self.left() / KEPT_PART,
             };
             let judged = (&probe, &judged.advanced);
             let refined = || samples.last(h);
@@ -599,34 +600,6 @@ impl Run<'_> {
         if let Some(step) = steps.and_then(|steps| steps.iter_mut().find(largest)) {
             step.motion = motion;
         }
-    }
-
-    /// A feature that a sample has met at one step size is on the loop at larger ones as well, whether a sample has met it or not: what
-    /// it may change falls at least as h. Their errors are as large as that.
-    fn bound_by_features(&mut self) {
-        let steps = &mut self.evidence.loops[0].steps;
-        for (_, feature) in self.features.iter().filter(|(index, _)| *index == 0) {
-            let at = |step: &&StepEvidence| step.step_size == Some(feature.h);
-            let Some(bound) = steps.iter().find(at).map(StepEvidence::bound) else {
-                continue;
-            };
-            for step in steps.iter_mut() {
-                let growth = step.step_size.map_or(0.0, |h| (h / feature.h).abs());
-                // A change that is significant is known, whatever else the feature adds.
-                if growth > 1.0 && !step.is_significant() {
-                    let error = &mut step.defect.quadrature_error;
-                    *error = (error.filter(|_| bound.is_finite()))
-                        .map(|error| error.max(growth * bound));
-                }
-            }
-        }
-    }
-
-    /// Keeps the features that were noted of a loop.
-    fn keep_features(&mut self, loop_index: usize, subject: Subject<'_>) {
-        let noted = subject.evaluator.features().into_iter();
-        self.features
-            .extend(noted.map(|feature| (loop_index, feature)));
     }
 
     /// Notes what is left out.

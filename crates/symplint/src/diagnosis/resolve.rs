@@ -185,7 +185,7 @@ impl Diagnostic {
                     feature = feature_between_samples(subject, refined, h, error)?;
                 }
                 if let Some(s) = feature {
-                    return self.around_feature(probe, refined, with, start, s);
+                    return self.around_feature((probe, pieces), refined, with, start, s);
                 }
                 if settled {
                     return Ok(probe);
@@ -243,21 +243,22 @@ impl Diagnostic {
         let Some(refined) = refined() else {
             return Ok(None);
         };
-        let start = subject.evaluator.count().made();
+        // The samples were just advanced.
+        let start = subject.evaluator.count().made() - known.evaluations;
         let Some(s) = feature_at_sample(subject, &refined, with.h)? else {
             return Ok(None);
         };
         let again = Probe::of_samples(subject, probe.rule, &refined.before)?;
         let again = again.knowing(with.h, advanced.clone(), known.evaluations);
-        self.around_feature(again, &refined, with, start, s)
+        self.around_feature((again, None), &refined, with, start, s)
             .map(Some)
     }
 
     /// The piecewise rule, cut at a feature that samples do not resolve; or the samples, if both agree to an error that is as small.
-    /// Without evaluations for pieces, the error of the samples is not known.
+    /// Without evaluations for pieces, those that were `tried` before have to do; the error of the samples is not known if there are none.
     fn around_feature<'a>(
         &self,
-        probe: Probe<'a>,
+        (probe, tried): (Probe<'a>, Option<(Probe<'a>, f64)>),
         refined: &RefinedSamples<'_>,
         with: &Resolution<'_>,
         start: usize,
@@ -265,7 +266,7 @@ impl Diagnostic {
     ) -> Result<Probe<'a>, Error> {
         let subject = probe.subject;
         subject.evaluator.note_feature(s, with.h);
-        let error = match self.tried(subject, refined, with, start)? {
+        let error = match self.tried(subject, refined, with, start)?.or(tried) {
             None => None,
             Some((pieces, of_pieces)) => {
                 let known = probe

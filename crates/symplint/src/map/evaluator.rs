@@ -14,7 +14,7 @@ use crate::loops::Loop;
 use crate::state::{Block, Coordinates, Ensemble, first_error, first_not_finite};
 
 /// A part of a loop, after a step of size `h`, that its samples do not resolve.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Feature {
     pub s: f64,
     pub h: f64,

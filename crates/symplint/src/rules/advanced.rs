@@ -20,6 +20,17 @@ impl<'a> Subject<'a> {
         self.phase_loop.dof()
     }
 
+    /// The same map on another loop, if there is one.
+    pub fn on<'b>(self, other: Option<&'b impl Loop>) -> Subject<'b>
+    where
+        'a: 'b,
+    {
+        Subject {
+            phase_loop: other.map_or(self.phase_loop, |other| other),
+            ..self
+        }
+    }
+
     /// Periods, weights and grid of the map.
     pub fn coordinates(&self) -> &'a Coordinates {
         self.evaluator.coordinates()

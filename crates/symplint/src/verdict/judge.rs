@@ -208,7 +208,8 @@ impl<'a> Case<'a> {
             let falls_slower = (slope.or_else(|| smallest_steps_slope(found)))
                 .is_some_and(|slope| slope < lowest.slope - TREND);
             let has_law = fit.is_some_and(|fit| fit.constant.is_some() || fit.whole().is_some());
-            falls_slower || !has_law && leaves(found, lowest.slope.round())
+            let is_other = found.index != lowest.loop_index;
+            falls_slower || is_other && !has_law && leaves(found, lowest.slope.round())
         };
         (!contractible().any(contradicts)).then_some(lowest)
     }

@@ -34,10 +34,7 @@ impl Diagnostic {
         plan: &Plan,
     ) -> Result<Localisation, Error> {
         let random = self.random_loop_of(found, size, subject)?;
-        let subject = Subject {
-            phase_loop: (random.as_ref()).map_or(subject.phase_loop, |random| random),
-            ..subject
-        };
+        let subject = subject.on(random.as_ref());
         subject.evaluator.begin_loop();
         let left = subject.evaluator.count().left();
         let piecewise = self.affordable(subject.dof(), plan, left / 2);

@@ -1,26 +1,12 @@
 //! Whether what has a defect lies in the domain of the map.
 
 use super::{Given, Run, of_the_map};
-use crate::diagnosis::features::roughest_sample;
-use crate::diagnosis::limits::{FEWEST_OF_ROUGHNESS, MOST_FEATURES, PART_OF_SAMPLES};
 use crate::diagnosis::localise::{FEWEST_OF_HALVING, MOST_OF_A_BOUNDARY, contraction};
-use crate::diagnosis::refined_samples::RefinedSamples;
 use crate::error::Error;
-use crate::evidence::{LoopEvidence, LoopKind, Omission, WEAKEST_BOUND};
-use crate::jacobian::{JacobianEvidence, JacobianTest};
-use crate::map::Feature;
+use crate::evidence::{LoopEvidence, LoopKind, Omission};
+use crate::jacobian::JacobianEvidence;
 use crate::rules::Subject;
 use crate::survey;
-
-/// Where the Jacobian is tested once more.
-enum Place {
-    Feature(Feature),
-    /// Where this number of samples is roughest after a step of this size.
-    Roughest {
-        samples: usize,
-        h: f64,
-    },
-}
 
 impl Run<'_> {
     /// Where something has a defect, looks whether it lies outside the domain of the map: whether the map projects onto a
@@ -76,113 +62,8 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Where the Jacobian has no defect at its points, tests it at features that the samples of a loop do not resolve; and where a loop
-    /// integral changes, at the roughest place of that loop: a defect may be in a narrow strip.
-    pub(super) fn jacobian_at_features(
-        &mut self,
-        subject: Subject<'_>,
-        given: &Given<'_>,
-    ) -> Result<(), Error> {
-        let has_none = |found: &JacobianEvidence| !found.shows_defect();
-        if !self.evidence.jacobian.as_ref().is_some_and(has_none) {
-            // A defect that the Jacobian shows needs no bound.
-            if self.evidence.jacobian.is_none() {
-                self.bound_by_features();
-            }
-            return Ok(());
-        }
-        let mut is_symplectic = false;
-        let start = self.count.made();
-        let mut places = self.features.clone();
-        places.dedup_by_key(|(index, _)| *index);
-        places.truncate(MOST_FEATURES);
-        let changed = self.changed_loop().map(|(found, h)| (found.index, h));
-        for place in places.into_iter().map(Some).chain([None]) {
-            let index = match (place, changed) {
-                (Some((index, _)), _) | (None, Some((index, _))) => index,
-                (None, None) => break,
-            };
-            let found = self.evidence.loops.iter().find(|of| of.index == index);
-            let Some(found) = found.filter(|found| found.kind != LoopKind::Image) else {
-                continue;
-            };
-            let samples = (found.samples / PART_OF_SAMPLES).max(FEWEST_OF_ROUGHNESS);
-            let random = self
-                .diagnostic
-                .random_loop_of(found, &given.size, subject)?;
-            let subject = Subject {
-                phase_loop: (random.as_ref()).map_or(subject.phase_loop, |random| random),
-                ..subject
-            };
-            let place = match (place, changed) {
-                (Some((_, feature)), _) => Place::Feature(feature),
-                (None, Some((_, h))) => Place::Roughest { samples, h },
-                (None, None) => break,
-            };
-            let shown = self.jacobian_at(subject, given, place);
-            match shown {
-                Ok(Some(found)) if found.shows_defect() => {
-                    let one = JacobianTest {
-                        points: 1,
-                        ..JacobianTest::default()
-                    };
-                    self.evidence.jacobian_decay =
-                        self.jacobian_decay(&one, subject, given, &found);
-                    self.evidence.jacobian = Some(JacobianEvidence {
-                        loop_index: index,
-                        ..found
-                    });
-                    break;
-                }
-                Ok(Some(found)) => {
-                    let is_bounded = found.bound.is_some_and(|bound| bound < WEAKEST_BOUND);
-                    is_symplectic |= index == 0 && found.not_differentiable == 0 && is_bounded;
-                }
-                Ok(None) | Err(Error::BudgetSpent { .. }) => {}
-                Err(error) if of_the_map(&error) => {}
-                Err(error) => return Err(error),
-            }
-        }
-        if !is_symplectic {
-            self.bound_by_features();
-        }
-        self.evidence.evaluations.jacobian += self.count.made() - start;
-        Ok(())
-    }
-
-    /// The Jacobian at a place; `None` if too few evaluations are left.
-    fn jacobian_at(
-        &self,
-        subject: Subject<'_>,
-        given: &Given<'_>,
-        place: Place,
-    ) -> Result<Option<JacobianEvidence>, Error> {
-        let (evaluator, phase_loop) = (subject.evaluator, subject.phase_loop);
-        let left = self.count.left();
-        let (dof, has_tangent) = (evaluator.dof(), evaluator.has_tangent());
-        let Some(one) = JacobianTest::within(left, dof, has_tangent) else {
-            return Ok(None);
-        };
-        let one = JacobianTest { points: 1, ..one };
-        let cost = one.evaluations(dof, has_tangent);
-        let Feature { s, h } = match place {
-            Place::Feature(feature) if cost <= left => feature,
-            Place::Roughest { samples, h } if cost + samples <= left => {
-                let refined = RefinedSamples::new(subject, samples, h)?;
-                let s = roughest_sample(subject, &refined);
-                Feature { s, h }
-            }
-            _ => return Ok(None),
-        };
-        let one = JacobianTest {
-            budget: cost,
-            ..one
-        };
-        (one.run_at(evaluator, phase_loop, &given.size, h, vec![s])).map(Some)
-    }
-
     /// The loop without breaks whose integral changes most, and the step size at which it does.
-    fn changed_loop(&self) -> Option<(&LoopEvidence, f64)> {
+    pub(super) fn changed_loop(&self) -> Option<(&LoopEvidence, f64)> {
         let smooth = |found: &&LoopEvidence| {
             !found.winds
                 && found.steps.iter().all(|step| step.jump.is_none())
@@ -225,10 +106,7 @@ impl Run<'_> {
         let random = self
             .diagnostic
             .random_loop_of(found, &given.size, subject)?;
-        let subject = Subject {
-            phase_loop: (random.as_ref()).map_or(subject.phase_loop, |random| random),
-            ..subject
-        };
+        let subject = subject.on(random.as_ref());
         subject.evaluator.begin_loop();
         match contraction(subject, &given.size, self.largest) {
             // A boundary was not resolved, as no more evaluations were left.

@@ -222,18 +222,20 @@ impl Jump {
         let jump = self.jump(coordinates);
         let [low, high] = self.projected(&self.beside, coordinates);
         let did_stand_out = stands_out(jump, [&low, &high]);
-        let lasting = lasting(jump, [&low, &high]);
-        let mut is_steady = true;
-        for (side, images) in self.beside.iter_mut().zip(sides) {
+        let mut moved = [0.0; 2];
+        for ((side, images), moved) in self.beside.iter_mut().zip(sides).zip(&mut moved) {
             let [new @ .., displaced] = images else {
                 continue;
             };
             let from = side[0].after();
-            let moved = project(&self.direction, displaced.after(), from, coordinates);
-            is_steady &= lands_on_a_level(jump, lasting, moved);
+            *moved = project(&self.direction, displaced.after(), from, coordinates);
             side.extend_from_slice(new);
         }
         let [low, high] = self.projected(&self.beside, coordinates);
+        let lasting = lasting(jump, [&low, &high]);
+        let is_steady = moved
+            .iter()
+            .all(|moved| lands_on_a_level(jump, lasting, *moved));
         let flickers = flickers(jump, [&low, &high]);
         let is_break = match did_stand_out {
             true => keeps_its_levels(jump, [&low, &high]),
@@ -248,14 +250,17 @@ impl Jump {
         };
     }
 
-    /// Takes in the states between those around the zone.
+    /// Takes in the states between those around the zone. If they do not confirm it, nearer states may.
     fn confirm_zone(&mut self, sides: [&[Image]; 2], coordinates: &Coordinates) {
         for (side, between) in self.around.iter_mut().zip(sides) {
             *side = interleaved(side, between);
         }
         let [low, high] = self.projected(&self.around, coordinates);
         let is_break = is_between_levels(self.jump(coordinates), [&low, &high]);
-        self.confirmation = Confirmation::Made { is_break };
+        self.confirmation = match is_break {
+            true => Confirmation::Made { is_break },
+            false => Confirmation::None,
+        };
     }
 
     /// Takes their images in.

@@ -321,8 +321,9 @@ impl Case<'_> {
             self.because(because, vec![advice])
         };
         // A feature that a sample has met may change the integral, unless pieces resolved another one and found no change.
-        let is_resolved =
-            |step: &StepEvidence| step.rule == RuleKind::Piecewise && step.is_bounded();
+        let is_resolved = |step: &StepEvidence| {
+            step.has_feature && step.rule == RuleKind::Piecewise && step.is_bounded()
+        };
         let resolved = self.steps().any(|(_, step)| is_resolved(step));
         let has_feature = |step: &&StepEvidence| step.has_feature && !step.is_bounded();
         let mut featured = random

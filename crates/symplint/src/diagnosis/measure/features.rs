@@ -1,0 +1,176 @@
+//! What features that the samples of a loop do not resolve may change.
+
+use super::{Given, Run, of_the_map};
+use crate::diagnosis::features::roughest_sample;
+use crate::diagnosis::limits::{FEWEST_OF_ROUGHNESS, MOST_FEATURES, PART_OF_SAMPLES};
+use crate::diagnosis::memory::fits;
+use crate::diagnosis::refined_samples::RefinedSamples;
+use crate::error::Error;
+use crate::evidence::{LoopKind, StepEvidence, WEAKEST_BOUND};
+use crate::jacobian::{JacobianEvidence, JacobianTest};
+use crate::map::Feature;
+use crate::rules::Subject;
+use crate::survey;
+
+/// Where the Jacobian is tested once more.
+#[derive(Clone, Copy)]
+enum Place {
+    Feature(Feature),
+    /// Where samples of the loop are roughest after a step of this size.
+    Roughest {
+        h: f64,
+    },
+}
+
+impl Run<'_> {
+    /// Keeps the features that were noted of a loop.
+    pub(super) fn keep_features(&mut self, loop_index: usize, subject: Subject<'_>) {
+        let noted = subject.evaluator.features().into_iter();
+        self.features
+            .extend(noted.map(|feature| (loop_index, feature)));
+    }
+
+    /// If the Jacobian has no defect at its points, tests it at features, and at the roughest place of a loop whose integral
+    /// changes: a defect may be in a narrow strip. Features of the given loop that it does not show to be harmless widen the errors there.
+    pub(super) fn test_features(
+        &mut self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+    ) -> Result<(), Error> {
+        let jacobian = self.evidence.jacobian.as_ref();
+        // A defect that the Jacobian shows needs no bound.
+        if jacobian.is_some_and(JacobianEvidence::shows_defect) {
+            return Ok(());
+        }
+        let places = match jacobian {
+            Some(_) => self.places(),
+            None => Vec::new(),
+        };
+        let start = self.count.made();
+        let mut harmless = Vec::new();
+        for (index, place) in places {
+            match self.jacobian_at(subject, given, index, place) {
+                Ok(Some(found)) if found.shows_defect() => {
+                    self.evidence.jacobian = Some(found);
+                    break;
+                }
+                Ok(Some(found)) => {
+                    let is_bounded = found.bound.is_some_and(|bound| bound < WEAKEST_BOUND);
+                    if found.not_differentiable == 0 && is_bounded {
+                        harmless.extend(match place {
+                            Place::Feature(feature) => Some((index, feature)),
+                            Place::Roughest { .. } => None,
+                        });
+                    }
+                }
+                Ok(None) | Err(Error::BudgetSpent { .. }) => {}
+                Err(error) if of_the_map(&error) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        self.bound_by_features(&harmless);
+        self.evidence.evaluations.jacobian += self.count.made() - start;
+        Ok(())
+    }
+
+    /// The first feature of each loop, then others, and the roughest place of the loop that changes most, each with the number of its loop.
+    fn places(&self) -> Vec<(usize, Place)> {
+        let is_first = |k: usize| {
+            let (index, _) = self.features[k];
+            !self.features[..k].iter().any(|(of, _)| *of == index)
+        };
+        let mut order: Vec<usize> = (0..self.features.len()).collect();
+        order.sort_by_key(|&k| !is_first(k));
+        let features = order.into_iter().map(|k| self.features[k]);
+        let features = features.map(|(index, feature)| (index, Place::Feature(feature)));
+        let changed = self.changed_loop();
+        let roughest = changed.map(|(found, h)| (found.index, Place::Roughest { h }));
+        features.take(MOST_FEATURES).chain(roughest).collect()
+    }
+
+    /// The Jacobian at a place of a loop, and what a defect becomes at a second step size; `None` if too few evaluations are left.
+    fn jacobian_at(
+        &mut self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+        index: usize,
+        place: Place,
+    ) -> Result<Option<JacobianEvidence>, Error> {
+        let found = self.evidence.loops.iter().find(|of| of.index == index);
+        let Some(found) = found.filter(|found| found.kind != LoopKind::Image) else {
+            return Ok(None);
+        };
+        let samples = (found.samples / PART_OF_SAMPLES).max(FEWEST_OF_ROUGHNESS);
+        let (dof, has_tangent) = (subject.dof(), subject.evaluator.has_tangent());
+        let left = self.left_for_features(dof);
+        let Some(one) = JacobianTest::within(left, dof, has_tangent) else {
+            return Ok(None);
+        };
+        let one = JacobianTest { points: 1, ..one };
+        let cost = one.evaluations(dof, has_tangent);
+        let is_affordable = match place {
+            Place::Feature(_) => cost <= left,
+            Place::Roughest { .. } => cost + samples <= left && fits(dof, samples),
+        };
+        if !is_affordable {
+            return Ok(None);
+        }
+        let random = self
+            .diagnostic
+            .random_loop_of(found, &given.size, subject)?;
+        let subject = subject.on(random.as_ref());
+        subject.evaluator.begin_loop();
+        let Feature { s, h } = match place {
+            Place::Feature(feature) => feature,
+            Place::Roughest { h } => {
+                let refined = RefinedSamples::new(subject, samples, h)?;
+                let s = roughest_sample(subject, &refined);
+                Feature { s, h }
+            }
+        };
+        // Further groups of degrees of freedom, and tracing a defect, take as much again; so do differences if a tangent map is wrong.
+        let further = cost * (2 + given.size.groups.len());
+        let left = self.left_for_features(dof);
+        let one = JacobianTest {
+            budget: left.clamp(cost, further),
+            ..one
+        };
+        let (evaluator, phase_loop) = (subject.evaluator, subject.phase_loop);
+        let found = one.run_at(evaluator, phase_loop, &given.size, h, vec![s])?;
+        if found.shows_defect() {
+            self.evidence.jacobian_decay = self.jacobian_decay(&one, subject, given, &found);
+        }
+        Ok(Some(JacobianEvidence {
+            loop_index: index,
+            ..found
+        }))
+    }
+
+    /// Evaluations left but for those that show whether what has a defect lies in the domain of the map.
+    fn left_for_features(&self, dof: usize) -> usize {
+        self.count.left().saturating_sub(survey::singular_cost(dof))
+    }
+
+    /// A feature that a sample has met at one step size is on the given loop at larger ones as well, whether a sample has met it or not:
+    /// what it may change falls at least as h. Their errors are as large as that, but for features that are `harmless`.
+    fn bound_by_features(&mut self, harmless: &[(usize, Feature)]) {
+        let steps = &mut self.evidence.loops[0].steps;
+        let is_harmless = |s: f64| harmless.iter().any(|of| of.0 == 0 && of.1.s == s);
+        let may_change = |of: &&(usize, Feature)| of.0 == 0 && !is_harmless(of.1.s);
+        for (_, feature) in self.features.iter().filter(may_change) {
+            let at = |step: &&StepEvidence| step.step_size == Some(feature.h);
+            let Some(bound) = steps.iter().find(at).map(StepEvidence::bound) else {
+                continue;
+            };
+            for step in steps.iter_mut() {
+                let growth = step.step_size.map_or(0.0, |h| (h / feature.h).abs());
+                // A change that is significant is known, whatever else the feature adds.
+                if growth > 1.0 && !step.is_significant() {
+                    let error = &mut step.defect.quadrature_error;
+                    *error = (error.filter(|_| bound.is_finite()))
+                        .map(|error| error.max(growth * bound));
+                }
+            }
+        }
+    }
+}
