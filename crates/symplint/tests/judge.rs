@@ -10,6 +10,7 @@ use symplint::evidence::{
 use symplint::jacobian::{
     JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect,
 };
+use symplint::rules::RuleKind;
 use symplint::verdict::{Advice, Finding, Growth, Step, Verdict};
 use symplint::{Defect, VerdictKind, judge};
 
@@ -150,6 +151,22 @@ fn a_bound_counts_below_one_in_a_million() {
     let mut unknown = of_map(vec![step(0.5, 0.0, 1e-15)]);
     unknown.loops[0].steps[0].defect.quadrature_error = None;
     assert_eq!(kind(&unknown), Undecided);
+}
+
+#[test]
+fn a_feature_of_a_random_loop_has_to_be_resolved_on_one_loop() {
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
+    let mut featured = step(0.5, 0.0, 1e-3);
+    (evidence.loops).push(of_loop(2, LoopKind::Random, vec![featured.clone()]));
+    assert_eq!(kind(&evidence), Symplectic);
+    featured.has_feature = true;
+    evidence.loops[2].steps = vec![featured];
+    assert_eq!(kind(&evidence), Undecided);
+    // Pieces that resolve something else say nothing of it.
+    evidence.loops[1].steps[0].rule = RuleKind::Piecewise;
+    assert_eq!(kind(&evidence), Undecided);
+    evidence.loops[1].steps[0].has_feature = true;
+    assert_eq!(kind(&evidence), Symplectic);
 }
 
 #[test]

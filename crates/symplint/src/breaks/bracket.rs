@@ -269,6 +269,37 @@ mod tests {
     }
 
     #[test]
+    fn noise_beside_a_jump_is_what_a_second_jump_does_not_spoil() {
+        let noisy: [f64; 10] = std::array::from_fn(|k| if k % 2 == 0 { 0.1 } else { -0.1 });
+        for states in [3, 6, 10] {
+            // Every second difference is 4 times the noise.
+            let found = scatter([&[0.0; 10][..states], &noisy[..states]]);
+            assert!((found - 0.4).abs() < 1e-15, "{states}: {found}");
+        }
+        let with_jump: [f64; 10] = std::array::from_fn(|k| f64::from(u8::from(k > 4)));
+        assert_eq!(scatter([&[0.0; 10], &with_jump]), 0.0);
+        // Rest on the side, but for four states in ten.
+        let half = [0.0, 0.0, 0.0, 0.0, 0.0, 0.1, -0.1, 0.1, -0.1, 0.1];
+        assert!(scatter([&[0.0; 10], &half]) > 0.2);
+    }
+
+    #[test]
+    fn states_around_a_zone_and_between_them_are_equally_far_apart() {
+        let bracket = Bracket::new([0.5, 0.5 + 1e-9], 1.0);
+        for (end, sign) in [(End::Low, -1.0), (End::High, 1.0)] {
+            let around: Vec<f64> = bracket.around(end, 1e-3).collect();
+            let between: Vec<f64> = bracket.between(end, 1e-3).collect();
+            let all = interleaved(&around, &between);
+            assert_eq!(all.len(), AROUND_A_ZONE - 1 + BETWEEN);
+            let origin = around[0];
+            for (k, s) in all.iter().enumerate() {
+                let expected = origin + sign * (1e-3 + 5e-4 * k as f64);
+                assert!((s - expected).abs() < 1e-15, "{k}: {s}");
+            }
+        }
+    }
+
+    #[test]
     fn the_size_of_a_break_stays_while_its_bracket_shrinks() {
         let narrowed = |expected: f64, difference: &dyn Fn(f64) -> f64| {
             let mut bracket = Bracket::new([0.25, 0.375], expected);

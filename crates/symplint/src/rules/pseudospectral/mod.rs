@@ -135,6 +135,11 @@ const OF_JUMPS: f64 = 6.0;
 /// Jumps of this part of the size of a coordinate are looked for between the samples, and no part of an error.
 const LITTLE: f64 = 1e-3;
 
+/// From one octave to the next the Sobolev exponent of jumps stays, or falls to theirs, but for how much it scatters; the exponent of a smooth
+/// feature as narrow as the samples are apart grows. Derived: from ¼ to 1, those of [`JUMPING`], by 0.36 or more if its modes fall
+/// exponentially, and by 0.56 or more if they fall as those of a Gaussian.
+const OF_A_FEATURE: f64 = 0.3;
+
 /// √(Σ J²) of the jumps J of a function from the energy Σ |c_k|² of its octave `first` ≤ k < 2 `first`: far up, c_k is a sum
 /// of J/(2πik), each with a phase of its own, and Σ 1/k² over an octave is about 1/(2 first).
 fn jump_size(first: usize, energy: f64) -> f64 {
@@ -189,9 +194,11 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
     // What the integral of the loop with its jumps closed has more than that between them.
     let jumps = match last_clear(&q_energies[..octaves], noise_of_positions) {
         Some(last) if last > 0 => {
-            let exponent = 0.5 * (q_energies[last - 1] / q_energies[last]).log2();
+            let exponent = |j: usize| 0.5 * (q_energies[j - 1] / q_energies[j]).log2();
             let size = jump_size(1 << last, q_energies[last] / (n * n));
-            match size < LITTLE && looks_like_jumps(exponent, last, size) {
+            let is_feature = last > 1 && exponent(last) - exponent(last - 1) > OF_A_FEATURE;
+            let is_jump = looks_like_jumps(exponent(last), last, size) && !is_feature;
+            match size < LITTLE && is_jump {
                 true => OF_JUMPS * of_p.largest * of_q.unit * size,
                 false => 0.0,
             }
@@ -248,6 +255,32 @@ pub(super) fn rows(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<RowInt
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn narrow_features_that_samples_resolve_are_not_taken_for_jumps() {
+        const SAMPLES: usize = 4096;
+        const SIZE: f64 = 1e-4;
+        let at = |k: usize| k as f64 / SAMPLES as f64;
+        for step in 0..40 {
+            // Cells.
+            let width = 1.5 * 1.05f64.powi(step);
+            let gaussian = |x: f64| (-(x / width).powi(2)).exp();
+            let sech = |x: f64| (x / width).cosh().powi(-2);
+            let shapes: [&dyn Fn(f64) -> f64; 2] = [&gaussian, &sech];
+            for of in shapes {
+                let mut states = Ensemble::zeros(1, SAMPLES);
+                for k in 0..SAMPLES {
+                    let (sin, cos) = (2.0 * PI * at(k)).sin_cos();
+                    let feature = SIZE * (of(k as f64 - 512.0) + of(k as f64 - 1536.3));
+                    states.block().q.row_mut(0)[k] = sin + feature;
+                    states.block().p.row_mut(0)[k] = cos;
+                }
+                let found = &rows(&states, &Coordinates::plain(1))[0];
+                let error = found.quadrature_error.unwrap();
+                assert!(error < SIZE, "{width}: {error:e}");
+            }
+        }
+    }
 
     #[test]
     fn small_jumps_are_told_from_noise_by_how_much_octaves_scatter() {
