@@ -648,7 +648,7 @@ impl Run<'_> {
                 match test.run_with(evaluator, phase_loop, &given.size, self.largest) {
                     Ok(found) => {
                         self.evidence.jacobian_decay =
-                            self.jacobian_decay(&test, subject, given, &found);
+                            self.jacobian_decay(&test, subject, &given.size, &found);
                         self.evidence.jacobian = Some(found);
                     }
                     // It displaces states off the loop, where the map need not be defined.
@@ -667,7 +667,7 @@ impl Run<'_> {
         &self,
         test: &JacobianTest,
         subject: Subject<'_>,
-        given: &Given<'_>,
+        size: &LoopSize,
         found: &JacobianEvidence,
     ) -> Option<JacobianDecay> {
         let (_, worst) = found.worst_point().filter(|_| found.shows_defect())?;
@@ -697,7 +697,7 @@ impl Run<'_> {
         let groups = if found.full {
             1
         } else {
-            given.size.groups.len().max(1)
+            size.groups.len().max(1)
         };
         let cost = groups * one.evaluations(evaluator.dof(), evaluator.has_tangent());
         let left = self.count.left().saturating_sub(self.plan.domain);
@@ -705,7 +705,7 @@ impl Run<'_> {
             return None;
         }
         // A witness that fails is not missed: the loops are measured.
-        (one.decay(evaluator, subject.phase_loop, &given.size, found, h)).ok()?
+        (one.decay(evaluator, subject.phase_loop, size, found, h)).ok()?
     }
 
     /// Looks where a defect comes from, on the first loop that shows it.

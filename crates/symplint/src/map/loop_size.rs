@@ -154,6 +154,15 @@ impl ActionGroup {
 }
 
 impl LoopSize {
+    /// The same with radii that are this many times as large.
+    pub fn times(&self, factor: f64) -> Self {
+        let scaled = |radii: &Vec<f64>| radii.iter().map(|radius| factor * radius).collect();
+        LoopSize {
+            radius: self.radius.each_ref().map(scaled),
+            ..self.clone()
+        }
+    }
+
     /// That of `phase_loop`; coordinates at rest are displaced, and advanced by a step of size `h`.
     ///
     /// # Errors

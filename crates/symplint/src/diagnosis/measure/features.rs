@@ -2,18 +2,17 @@
 
 use super::{Given, Run, of_the_map};
 use crate::diagnosis::features::roughest_sample;
-use crate::diagnosis::limits::{FEWEST_OF_ROUGHNESS, MOST_FEATURES, PART_OF_SAMPLES};
+use crate::diagnosis::limits::{FEWEST_OF_ROUGHNESS, MOST_FEATURES, OF_A_FEATURE, PART_OF_SAMPLES};
 use crate::diagnosis::memory::fits;
 use crate::diagnosis::refined_samples::RefinedSamples;
 use crate::error::Error;
-use crate::evidence::{LoopKind, StepEvidence, WEAKEST_BOUND};
+use crate::evidence::{LoopKind, StepEvidence};
 use crate::jacobian::{JacobianEvidence, JacobianTest};
 use crate::map::Feature;
 use crate::rules::Subject;
 use crate::survey;
 
 /// Where the Jacobian is tested once more.
-#[derive(Clone, Copy)]
 enum Place {
     Feature(Feature),
     /// Where samples of the loop are roughest after a step of this size.
@@ -31,7 +30,8 @@ impl Run<'_> {
     }
 
     /// If the Jacobian has no defect at its points, tests it at features, and at the roughest place of a loop whose integral
-    /// changes: a defect may be in a narrow strip. Features of the given loop that it does not show to be harmless widen the errors there.
+    /// changes: a defect may be in a narrow strip. If it has none there either, it may be beside the sample that met the feature: the errors
+    /// of the given loop are widened.
     pub(super) fn test_features(
         &mut self,
         subject: Subject<'_>,
@@ -47,28 +47,18 @@ impl Run<'_> {
             None => Vec::new(),
         };
         let start = self.count.made();
-        let mut harmless = Vec::new();
         for (index, place) in places {
             match self.jacobian_at(subject, given, index, place) {
                 Ok(Some(found)) if found.shows_defect() => {
                     self.evidence.jacobian = Some(found);
                     break;
                 }
-                Ok(Some(found)) => {
-                    let is_bounded = found.bound.is_some_and(|bound| bound < WEAKEST_BOUND);
-                    if found.not_differentiable == 0 && is_bounded {
-                        harmless.extend(match place {
-                            Place::Feature(feature) => Some((index, feature)),
-                            Place::Roughest { .. } => None,
-                        });
-                    }
-                }
-                Ok(None) | Err(Error::BudgetSpent { .. }) => {}
+                Ok(_) | Err(Error::BudgetSpent { .. }) => {}
                 Err(error) if of_the_map(&error) => {}
                 Err(error) => return Err(error),
             }
         }
-        self.bound_by_features(&harmless);
+        self.bound_by_features();
         self.evidence.evaluations.jacobian += self.count.made() - start;
         Ok(())
     }
@@ -136,9 +126,10 @@ impl Run<'_> {
             ..one
         };
         let (evaluator, phase_loop) = (subject.evaluator, subject.phase_loop);
-        let found = one.run_at(evaluator, phase_loop, &given.size, h, vec![s])?;
+        let size = given.size.times(OF_A_FEATURE);
+        let found = one.run_at(evaluator, phase_loop, &size, h, vec![s])?;
         if found.shows_defect() {
-            self.evidence.jacobian_decay = self.jacobian_decay(&one, subject, given, &found);
+            self.evidence.jacobian_decay = self.jacobian_decay(&one, subject, &size, &found);
         }
         Ok(Some(JacobianEvidence {
             loop_index: index,
@@ -152,12 +143,10 @@ impl Run<'_> {
     }
 
     /// A feature that a sample has met at one step size is on the given loop at larger ones as well, whether a sample has met it or not:
-    /// what it may change falls at least as h. Their errors are as large as that, but for features that are `harmless`.
-    fn bound_by_features(&mut self, harmless: &[(usize, Feature)]) {
+    /// what it may change falls at least as h. Their errors are as large as that.
+    fn bound_by_features(&mut self) {
         let steps = &mut self.evidence.loops[0].steps;
-        let is_harmless = |s: f64| harmless.iter().any(|of| of.0 == 0 && of.1.s == s);
-        let may_change = |of: &&(usize, Feature)| of.0 == 0 && !is_harmless(of.1.s);
-        for (_, feature) in self.features.iter().filter(may_change) {
+        for (_, feature) in self.features.iter().filter(|(index, _)| *index == 0) {
             let at = |step: &&StepEvidence| step.step_size == Some(feature.h);
             let Some(bound) = steps.iter().find(at).map(StepEvidence::bound) else {
                 continue;

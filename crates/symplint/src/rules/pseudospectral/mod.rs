@@ -137,7 +137,8 @@ const LITTLE: f64 = 1e-3;
 
 /// From one octave to the next the Sobolev exponent of jumps stays, or falls to theirs, but for how much it scatters; the exponent of a smooth
 /// feature as narrow as the samples are apart grows. Derived: from ¼ to 1, those of [`JUMPING`], by 0.36 or more if its modes fall
-/// exponentially, and by 0.56 or more if they fall as those of a Gaussian.
+/// exponentially, and by 0.56 or more if they fall as those of a Gaussian. So does the exponent of two jumps that are near each other,
+/// which are followed if they are large enough.
 const OF_A_FEATURE: f64 = 0.3;
 
 /// √(Σ J²) of the jumps J of a function from the energy Σ |c_k|² of its octave `first` ≤ k < 2 `first`: far up, c_k is a sum
@@ -196,7 +197,8 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
         Some(last) if last > 0 => {
             let exponent = |j: usize| 0.5 * (q_energies[j - 1] / q_energies[j]).log2();
             let size = jump_size(1 << last, q_energies[last] / (n * n));
-            let is_feature = last > 1 && exponent(last) - exponent(last - 1) > OF_A_FEATURE;
+            let grows = last > 1 && exponent(last) - exponent(last - 1) > OF_A_FEATURE;
+            let is_feature = grows && size > NOT_FOLLOWED;
             let is_jump = looks_like_jumps(exponent(last), last, size) && !is_feature;
             match size < LITTLE && is_jump {
                 true => OF_JUMPS * of_p.largest * of_q.unit * size,
