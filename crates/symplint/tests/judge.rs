@@ -157,7 +157,7 @@ fn a_bound_counts_below_one_in_a_million() {
 fn a_feature_of_a_random_loop_has_to_be_resolved_on_one_loop() {
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
     let mut featured = step(0.5, 0.0, 1e-3);
-    (evidence.loops).push(of_loop(2, LoopKind::Random, vec![featured.clone()]));
+    (evidence.loops).push(of_loop(2, LoopKind::Random, vec![featured]));
     assert_eq!(kind(&evidence), Symplectic);
     featured.has_feature = true;
     evidence.loops[2].steps = vec![featured];

@@ -54,11 +54,11 @@ pub(super) const ROUNDINGS_OF_A_STATE: f64 = 32.0;
 /// random, from the bits of the state, passes both looks is below 2^-15.
 pub(crate) const CONFIRMING: usize = 10;
 
-/// States on each side, between those around a zone, that confirm a break with a zone.
-pub(crate) const BETWEEN: usize = AROUND_A_ZONE - 2;
-
 /// How far from a jump these states reach.
 pub(crate) const REACH_BESIDE: f64 = (CONFIRMING - 1) as f64 * SPACING;
+
+/// States on each side, between those around a zone, that confirm a break with a zone.
+pub(crate) const BETWEEN: usize = AROUND_A_ZONE - 2;
 
 /// States on each side of a zone, the end of the bracket among them: a quadratic function takes each of two values at
 /// two points at most, so that no flicker between them looks smooth at five.

@@ -184,11 +184,11 @@ pub(super) const BESIDE_SAMPLES: usize = 2;
 /// Such a sample is off by this part of what the state is, at least. Derived: half of a sample is in the upper half of its modes.
 pub(super) const OF_A_MISS: f64 = 0.5;
 
-/// Features at which the Jacobian is tested, each on another loop. Conventional.
+/// Features at which the Jacobian is tested, those of different loops first. Conventional.
 pub(super) const MOST_FEATURES: usize = 3;
 
 /// States for the Jacobian at a feature are displaced by this part of what they are elsewhere: by 1e-4 of the size of the loop at most, the
-/// width of the narrowest strips that samples meet now and then. Differences have 11 digits there, in place of 13.
+/// width of the narrowest strips that samples meet now and then. Rounding leaves 10 digits of the differences there.
 pub(super) const OF_A_FEATURE: f64 = 1e-3;
 
 /// Where a loop that changes is roughest, a part of the samples that resolve it shows, as its upper modes are not yet lost in rounding then.

@@ -185,7 +185,7 @@ impl Diagnostic {
                     feature = feature_between_samples(subject, refined, h, error)?;
                 }
                 if let Some(s) = feature {
-                    return self.around_feature((probe, pieces), refined, with, start, s);
+                    return self.around_feature(probe, refined, with, start, s);
                 }
                 if settled {
                     return Ok(probe);
@@ -237,7 +237,8 @@ impl Diagnostic {
             && probe.rule == Rule::Auto
             && advanced.breaks.is_empty()
             && error(advanced) > most;
-        if !is_suspect || with.allowance < features::AROUND {
+        let left = with.allowance.saturating_sub(known.evaluations);
+        if !is_suspect || left < features::AROUND {
             return Ok(None);
         }
         let Some(refined) = refined() else {
@@ -250,15 +251,15 @@ impl Diagnostic {
         };
         let again = Probe::of_samples(subject, probe.rule, &refined.before)?;
         let again = again.knowing(with.h, advanced.clone(), known.evaluations);
-        self.around_feature((again, None), &refined, with, start, s)
+        self.around_feature(again, &refined, with, start, s)
             .map(Some)
     }
 
     /// The piecewise rule, cut at a feature that samples do not resolve; or the samples, if both agree to an error that is as small.
-    /// Without evaluations for pieces, those that were `tried` before have to do; the error of the samples is not known if there are none.
+    /// Without evaluations for pieces, the error of the samples is not known.
     fn around_feature<'a>(
         &self,
-        (probe, tried): (Probe<'a>, Option<(Probe<'a>, f64)>),
+        probe: Probe<'a>,
         refined: &RefinedSamples<'_>,
         with: &Resolution<'_>,
         start: usize,
@@ -266,7 +267,7 @@ impl Diagnostic {
     ) -> Result<Probe<'a>, Error> {
         let subject = probe.subject;
         subject.evaluator.note_feature(s, with.h);
-        let error = match self.tried(subject, refined, with, start)?.or(tried) {
+        let error = match self.tried(subject, refined, with, start)? {
             None => None,
             Some((pieces, of_pieces)) => {
                 let known = probe

@@ -30,8 +30,8 @@ impl Run<'_> {
     }
 
     /// If the Jacobian has no defect at its points, tests it at features, and at the roughest place of a loop whose integral
-    /// changes: a defect may be in a narrow strip. If it has none there either, it may be beside the sample that met the feature: the errors
-    /// of the given loop are widened.
+    /// changes: a defect may be in a narrow strip. A test of one state clears no feature: unless a defect is found, the errors of the given
+    /// loop are widened.
     pub(super) fn test_features(
         &mut self,
         subject: Subject<'_>,
@@ -47,10 +47,12 @@ impl Run<'_> {
             None => Vec::new(),
         };
         let start = self.count.made();
+        let mut is_shown = false;
         for (index, place) in places {
             match self.jacobian_at(subject, given, index, place) {
                 Ok(Some(found)) if found.shows_defect() => {
                     self.evidence.jacobian = Some(found);
+                    is_shown = true;
                     break;
                 }
                 Ok(_) | Err(Error::BudgetSpent { .. }) => {}
@@ -58,19 +60,25 @@ impl Run<'_> {
                 Err(error) => return Err(error),
             }
         }
-        self.bound_by_features();
         self.evidence.evaluations.jacobian += self.count.made() - start;
+        if !is_shown {
+            self.bound_by_features();
+        }
         Ok(())
     }
 
     /// The first feature of each loop, then others, and the roughest place of the loop that changes most, each with the number of its loop.
     fn places(&self) -> Vec<(usize, Place)> {
-        let is_first = |k: usize| {
-            let (index, _) = self.features[k];
-            !self.features[..k].iter().any(|(of, _)| *of == index)
+        let is_first = |k: usize, is_alike: &dyn Fn(&(usize, Feature)) -> bool| {
+            !self.features[..k].iter().any(is_alike)
         };
-        let mut order: Vec<usize> = (0..self.features.len()).collect();
-        order.sort_by_key(|&k| !is_first(k));
+        let mut order: Vec<usize> = (0..self.features.len())
+            .filter(|&k| {
+                let (index, feature) = self.features[k];
+                is_first(k, &|(of, other)| *of == index && other.s == feature.s)
+            })
+            .collect();
+        order.sort_by_key(|&k| !is_first(k, &|(of, _)| *of == self.features[k].0));
         let features = order.into_iter().map(|k| self.features[k]);
         let features = features.map(|(index, feature)| (index, Place::Feature(feature)));
         let changed = self.changed_loop();
@@ -118,8 +126,9 @@ impl Run<'_> {
                 Feature { s, h }
             }
         };
-        // Further groups of degrees of freedom, and tracing a defect, take as much again; so do differences if a tangent map is wrong.
-        let further = cost * (2 + given.size.groups.len());
+        // Further groups of degrees of freedom, and tracing a defect, take as much again. A tangent map that is wrong is replaced by differences.
+        let of_differences = one.evaluations(dof, false);
+        let further = cost * (1 + given.size.groups.len().max(1)) + of_differences;
         let left = self.left_for_features(dof);
         let one = JacobianTest {
             budget: left.clamp(cost, further),
@@ -137,7 +146,8 @@ impl Run<'_> {
         }))
     }
 
-    /// Evaluations left but for those that show whether what has a defect lies in the domain of the map.
+    /// Evaluations left but for those that show whether the map projects onto a manifold. A loop need not be contracted if the Jacobian
+    /// shows the defect.
     fn left_for_features(&self, dof: usize) -> usize {
         self.count.left().saturating_sub(survey::singular_cost(dof))
     }

@@ -51,7 +51,7 @@ pub(super) struct Jump {
 /// Whether more states say the same of a jump as the first ones.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Confirmation {
-    /// Not asked for.
+    /// Not asked for, or not given by the states around a zone: nearer ones may give it.
     None,
     /// By this number of states on each side, if there is no zone.
     Wanted(usize),

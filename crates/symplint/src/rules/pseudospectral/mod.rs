@@ -120,10 +120,8 @@ const NOT_FOLLOWED: f64 = 1e-10;
 /// there is the rounding of double precision alone, it need only be nearer to that of jumps than to that of noise, by how much that
 /// scatters.
 fn looks_like_jumps(exponent: f64, octave: usize, size: f64) -> bool {
-    // An energy of n independent modes scatters by 1/√n of itself; an octave has half as many modes as the next.
-    let scatter = 0.5 * std::f64::consts::LOG2_E * (3.0 / f64::from(1u32 << octave)).sqrt();
     match size < NOT_FOLLOWED {
-        true => ((-0.5 + 3.0 * scatter).max(0.0)..1.25).contains(&exponent),
+        true => ((-0.5 + 3.0 * scatter(octave, 3.0)).max(0.0)..1.25).contains(&exponent),
         false => JUMPING.contains(&exponent),
     }
 }
@@ -135,11 +133,18 @@ const OF_JUMPS: f64 = 6.0;
 /// Jumps of this part of the size of a coordinate are looked for between the samples, and no part of an error.
 const LITTLE: f64 = 1e-3;
 
+/// By how much an exponent scatters that is a difference of the logarithms of the energies of octaves: those of the modes of each
+/// add up to 3 times those of the highest `octave` if it is of two octaves, and the difference of two such exponents has 13. (An energy of n independent
+/// modes scatters by 1/√n of itself, and an octave has half as many modes as the next.)
+fn scatter(octave: usize, variance: f64) -> f64 {
+    0.5 * std::f64::consts::LOG2_E * (variance / f64::from(1u32 << octave)).sqrt()
+}
+
 /// From one octave to the next the Sobolev exponent of jumps stays, or falls to theirs, but for how much it scatters; the exponent of a smooth
 /// feature as narrow as the samples are apart grows. Derived: from ¼ to 1, those of [`JUMPING`], by 0.36 or more if its modes fall
 /// exponentially, and by 0.56 or more if they fall as those of a Gaussian. So does the exponent of two jumps that are near each other,
 /// which are followed if they are large enough.
-const OF_A_FEATURE: f64 = 0.3;
+const GROWTH_OF_A_FEATURE: f64 = 0.3;
 
 /// √(Σ J²) of the jumps J of a function from the energy Σ |c_k|² of its octave `first` ≤ k < 2 `first`: far up, c_k is a sum
 /// of J/(2πik), each with a phase of its own, and Σ 1/k² over an octave is about 1/(2 first).
@@ -197,8 +202,9 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
         Some(last) if last > 0 => {
             let exponent = |j: usize| 0.5 * (q_energies[j - 1] / q_energies[j]).log2();
             let size = jump_size(1 << last, q_energies[last] / (n * n));
-            let grows = last > 1 && exponent(last) - exponent(last - 1) > OF_A_FEATURE;
-            let is_feature = grows && size > NOT_FOLLOWED;
+            let grows = |growth: f64| growth > GROWTH_OF_A_FEATURE.max(3.0 * scatter(last, 13.0));
+            let is_feature =
+                size > NOT_FOLLOWED && last > 1 && grows(exponent(last) - exponent(last - 1));
             let is_jump = looks_like_jumps(exponent(last), last, size) && !is_feature;
             match size < LITTLE && is_jump {
                 true => OF_JUMPS * of_p.largest * of_q.unit * size,
@@ -280,6 +286,31 @@ mod tests {
                 let found = &rows(&states, &Coordinates::plain(1))[0];
                 let error = found.quadrature_error.unwrap();
                 assert!(error < SIZE, "{width}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn some_jumps_are_not_taken_for_features() {
+        const SIZE: f64 = 1e-5;
+        for samples in [256, 1024, 4096] {
+            for seed in 0..60 {
+                let random = |k: usize| (0.137 + 0.618_034 * (7 * seed + 31 * k) as f64).fract();
+                let mut states = Ensemble::zeros(1, samples);
+                for k in 0..samples {
+                    let s = k as f64 / samples as f64;
+                    let (sin, cos) = (2.0 * PI * s).sin_cos();
+                    // Four jumps, of which two go down.
+                    let jumps = (0..4).map(|j| {
+                        let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
+                        sign * SIZE * f64::from(u8::from(s > random(j)))
+                    });
+                    states.block().q.row_mut(0)[k] = sin + jumps.sum::<f64>();
+                    states.block().p.row_mut(0)[k] = cos;
+                }
+                let found = &rows(&states, &Coordinates::plain(1))[0];
+                let error = found.quadrature_error.unwrap();
+                assert!(error > SIZE, "{samples}, {seed}: {error:e}");
             }
         }
     }
