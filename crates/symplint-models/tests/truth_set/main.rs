@@ -15,6 +15,9 @@ mod constraint;
 mod control;
 mod follow;
 mod hidden;
+#[path = "../common/kept.rs"]
+mod kept;
+mod kept_evidence;
 mod laws;
 mod leaves;
 mod links;
@@ -118,6 +121,8 @@ fn line(family: &Family, index: usize) -> Line {
     };
     match &found {
         Ok(found) => {
+            let name = format!("{} {index}", family.name);
+            kept::keep(&name, &found.evidence, &found.verdict);
             line.outcome = outcome(&member, found);
             if line.outcome == Outcome::Undecided {
                 line.followed = Some(follow(&member, found));

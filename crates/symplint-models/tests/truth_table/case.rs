@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
+use crate::kept;
 use crate::scaled::Scaled;
 use symplint::{
     Circle, Diagnosis, Diagnostic, Evidence, FourierLoop, Loop, TimeAdvance, Verdict, VerdictKind,
@@ -271,7 +272,10 @@ pub fn check(theme: &str, cases: &[Case]) {
         let started = std::time::Instant::now();
         let phase_loop = &*case.on.phase_loop;
         let verdict = match case.diagnostic.run(&*case.map, phase_loop) {
-            Ok(diagnosis) => judged_again(diagnosis),
+            Ok(diagnosis) => {
+                kept::keep(&case.title(), &diagnosis.evidence, &diagnosis.verdict);
+                judged_again(diagnosis)
+            }
             Err(error) => {
                 let title = case.title();
                 writeln!(

@@ -4,6 +4,8 @@
 //! No verdict may be wrong. A case may be undecided only if the table says so and why, and few may.
 //! `cargo test --release --test truth_table -- --nocapture` prints the table.
 
+#[path = "../common/kept.rs"]
+mod kept;
 #[path = "../common/scaled.rs"]
 mod scaled;
 

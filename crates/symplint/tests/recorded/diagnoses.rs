@@ -1,4 +1,4 @@
-//! Whole diagnoses: evidence, verdict and words.
+//! Whole diagnoses: words and the numbers behind them.
 
 use symplint::diagnosis::SampleCount;
 use symplint::rules::{Cutoffs, Streaming};
@@ -8,21 +8,8 @@ use symplint::{Diagnostic, Evidence, Rule, Verdict};
 use crate::maps::cases;
 use crate::record::{ROUND_OFF, check};
 
-/// Coefficients of smoother loops reach round-off before they show how smooth these are, and those of noise show nothing.
-const REGULARITY: [f64; 2] = [0.0, 6.0];
-
-fn limit_regularities(evidence: &mut Evidence) {
-    for step in (evidence.loops.iter_mut()).flat_map(|found| &mut found.steps) {
-        step.regularity = step
-            .regularity
-            .map(|s| s.clamp(REGULARITY[0], REGULARITY[1]));
-    }
-}
-
-/// The verdict, and what evidence has of numbers and words, line by line.
+/// The verdict with its sentences, and a line for each step of each loop.
 pub fn write(text: &mut String, heading: &str, verdict: &Verdict, evidence: &Evidence) {
-    let mut evidence = evidence.clone();
-    limit_regularities(&mut evidence);
     *text += &format!("== {heading}\n{verdict}\n");
     // Which loop bounds a defect at round-off is chance.
     let chance = |finding: &&Finding| matches!(finding, Finding::Bound { measured, .. } if *measured < ROUND_OFF);
@@ -37,10 +24,19 @@ pub fn write(text: &mut String, heading: &str, verdict: &Verdict, evidence: &Evi
     for sentence in verdict.advice() {
         *text += &format!("{sentence}\n");
     }
-    let evidence = serde_json::to_string_pretty(&evidence).unwrap();
-    let lines = evidence.lines().map(str::trim);
-    for line in lines.filter(|line| !line.trim_end_matches(',').ends_with("null")) {
-        *text += &format!("{line}\n");
+    for found in &evidence.loops {
+        for step in &found.steps {
+            let h = step.step_size.map_or("no h".into(), |h| format!("h {h}"));
+            let breaks = step.closing.map_or(0, |closing| closing.breaks);
+            *text += &format!(
+                "loop {} {h} {} samples: {:.3e} ± {:.1e}, {breaks} breaks, {} evaluations\n",
+                found.index,
+                step.samples,
+                step.defect.signed,
+                step.defect.uncertainty(),
+                step.evaluations
+            );
+        }
     }
 }
 

@@ -21,13 +21,12 @@ fn write_integral(text: &mut String, what: &str, integral: &LoopIntegral) {
         estimate(integral.regularity),
     )
     .unwrap();
-    let parts: Vec<_> = integral
-        .contributions
-        .iter()
-        .map(|x| format!("{x:.9e}"))
-        .collect();
-    writeln!(text, "    of {}", parts.join(" ")).unwrap();
-    if let Some(omitted) = &integral.omitted {
+    if integral.contributions.len() > 1 {
+        let parts = integral.contributions.iter();
+        let parts: Vec<_> = parts.map(|x| format!("{x:.9e}")).collect();
+        writeln!(text, "    of {}", parts.join(" ")).unwrap();
+    }
+    if let Some(omitted) = integral.omitted.as_ref().filter(|cells| !cells.is_empty()) {
         let cells: Vec<_> = omitted.iter().map(|cell| (cell.dof, cell.cell)).collect();
         writeln!(text, "    without {cells:?}").unwrap();
     }
@@ -60,13 +59,17 @@ fn record(text: &mut String, rule: &Piecewise, what: &str, case: &crate::maps::C
     )
     .unwrap();
     write_integral(text, "continuous", &found.continuous);
-    write_integral(text, "closed", &found.closed());
+    if !found.breaks.is_empty() {
+        write_integral(text, "closed", &found.closed());
+    }
     found
         .breaks
         .iter()
         .for_each(|found| write_break(text, found));
-    let shown = found.unresolved.iter().take(20);
-    shown.for_each(|(a, b)| writeln!(text, "    unresolved {a:.6e} {b:.6e}").unwrap());
+    if let Some((from, _)) = found.unresolved.first() {
+        let count = found.unresolved.len();
+        writeln!(text, "    {count} stretches unresolved from {from:.6e}").unwrap();
+    }
 }
 
 #[test]
@@ -85,15 +88,6 @@ fn piecewise() {
                 ..plain
             },
             "in full",
-            &case,
-        );
-        record(
-            &mut text,
-            &Piecewise {
-                most_evaluations: 700,
-                ..plain
-            },
-            "on 700",
             &case,
         );
         record(
@@ -124,7 +118,7 @@ fn piecewise() {
 fn of_samples() {
     let mut text = String::new();
     for case in cases() {
-        for samples in [33, 128, 1000] {
+        for samples in [33, 1000] {
             let mut ensemble = Ensemble::sample(&*case.phase_loop, samples).unwrap();
             ensemble.advance(&*case.map, case.h).unwrap();
             writeln!(text, "{}, {samples} samples", case.name).unwrap();
@@ -142,10 +136,8 @@ fn of_samples() {
                     Err(error) => writeln!(text, "  {what}: {error}").unwrap(),
                 }
             }
-            match find_break(&*case.map, &*case.phase_loop, case.h, &ensemble).unwrap() {
-                Some(found) => write_break(&mut text, &found),
-                None => writeln!(text, "    no break").unwrap(),
-            }
+            let found = find_break(&*case.map, &*case.phase_loop, case.h, &ensemble).unwrap();
+            found.iter().for_each(|found| write_break(&mut text, found));
         }
     }
     check("of_samples", &text);
@@ -155,7 +147,7 @@ fn of_samples() {
 fn streaming() {
     let mut text = String::new();
     for case in cases() {
-        for (half_width, samples) in [(8, 40), (10, 257), (16, 3000)] {
+        for (half_width, samples) in [(8, 40), (16, 3000)] {
             let rule = Streaming { half_width };
             writeln!(text, "{}, {samples} samples", case.name).unwrap();
             match rule.integrate(&*case.map, &*case.phase_loop, case.h, samples) {
