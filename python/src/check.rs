@@ -305,11 +305,7 @@ pub fn check(
         functions,
     } = subject.run(py, (progress, journal), step_size, measure)?;
     if evaluations > 0 {
-        // They were made before the run, beside its budget.
-        let counted = &mut diagnosis.evidence.evaluations;
-        counted.sizes += evaluations;
-        counted.made += evaluations;
-        counted.budget += evaluations;
+        diagnosis.evidence.evaluations.add_radii(evaluations);
         diagnosis.verdict = judge(&diagnosis.evidence);
     }
     let failed = (failed.get()).map(|error| functions.exception(py, error));

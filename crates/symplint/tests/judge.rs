@@ -4,8 +4,8 @@ use VerdictKind::{BrokenLoops, NotSymplectic, Symplectic, Undecided};
 use symplint::breaks::Break;
 use symplint::evidence::LongTime;
 use symplint::evidence::{
-    Closing, Contraction, DofGroup, Evidence, JumpingCells, LoopEvidence, LoopKind, Motion,
-    Omission, Origin, Rank, Reach, SingularJacobian, StepEvidence, Wrap,
+    Check, Closing, Contraction, DofGroup, Evidence, JumpingCells, LoopEvidence, LoopKind, Motion,
+    Omission, Origin, Rank, Reach, SingularJacobian, StepEvidence, Why, Wrap,
 };
 use symplint::jacobian::{
     JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect,
@@ -89,6 +89,12 @@ fn of_samples(steps: Vec<StepEvidence>) -> Evidence {
 
 fn kind(evidence: &Evidence) -> VerdictKind {
     judge(evidence).kind
+}
+
+/// What of a check the budget did not allow.
+fn spent(check: Check, missing: usize) -> Omission {
+    let why = Why::Budget { missing };
+    Omission { check, why }
 }
 
 fn decides(evidence: &Evidence) -> Finding {
@@ -430,7 +436,7 @@ fn what_may_lie_outside_the_domain_of_the_map_convicts_nobody() {
     // Beside a manifold, of which nothing is known.
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-14)]);
     evidence.loops[1].steps = vec![step(0.5, -1.0, 1e-12)];
-    evidence.omissions.push(Omission::ManifoldBudget);
+    evidence.omissions.push(spent(Check::Constraint, 1));
     evidence.evaluations.wanted = 480;
     assert_eq!(kind(&evidence), Undecided);
     assert!(matches!(
@@ -447,7 +453,7 @@ fn what_may_lie_outside_the_domain_of_the_map_convicts_nobody() {
     // Round a point at which it may be singular: the Jacobian is symplectic to a digit more than the change, or not.
     for (signed, expected) in [(1.1e-6, Undecided), (0.9e-6, NotSymplectic)] {
         let mut evidence = of_map(vec![step(0.5, signed, 1e-12)]);
-        evidence.omissions.push(Omission::ContractionBudget);
+        evidence.omissions.push(spent(Check::Contraction, 1));
         assert_eq!(kind(&evidence), NotSymplectic);
         evidence.jacobian = Some(symplectic_jacobian(1e-7));
         assert_eq!(kind(&evidence), expected, "{signed}");
@@ -834,15 +840,18 @@ fn advice_on_the_order_says_what_is_missing() {
     // Four were given: the budget was spent, or the map failed.
     let three = sizes().zip([1e-3, 5e-6, 2e-3]);
     let mut spent = of_map(three.map(|(h, d)| step(h, d, 1e-15)).collect());
-    spent.omissions = vec![Omission::StepSizes { count: 1 }];
-    spent.evaluations.given_loop = 300;
+    spent.omissions = vec![self::spent(Check::GivenLoop, 1)];
+    spent.evaluations.by_check.insert(Check::GivenLoop, 300);
     assert_eq!(
         judge(&spent).advice,
         [Advice::MoreEvaluations { wanted: 200 }]
     );
-    spent.omissions = vec![Omission::StepFailed {
-        step_size: Some(1.0),
-        reason: "the map failed".into(),
+    spent.omissions = vec![Omission {
+        check: Check::GivenLoop,
+        why: Why::Failed {
+            step_size: Some(1.0),
+            reason: "the map failed".into(),
+        },
     }];
     let advice = judge(&spent).advice().concat();
     assert!(!advice.contains("four or more"), "{advice}");
@@ -990,7 +999,7 @@ fn every_group_has_to_be_moved() {
 fn without_random_loops_the_jacobian_has_to_bound_as_much_as_the_loop() {
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-9)]);
     evidence.loops.truncate(1);
-    evidence.omissions = vec![Omission::RandomLoops { count: 3 }];
+    evidence.omissions = vec![spent(Check::RandomLoops, 3)];
     assert_eq!(decides(&evidence), Finding::NoRandomLoop);
     for (bound, expected) in [(0.9e-9, Symplectic), (1.1e-9, Undecided)] {
         evidence.jacobian = Some(symplectic_jacobian(bound));
@@ -1030,7 +1039,7 @@ fn the_jacobian_refutes_loops_that_are_conserved() {
     assert_eq!(judge(&evidence).advice, [Advice::OtherLoops]);
     assert_eq!(kind(&evidence), Undecided);
     // A spent budget comes first, and a tolerance if the defect is as small as one.
-    evidence.omissions = vec![Omission::RandomLoops { count: 3 }];
+    evidence.omissions = vec![spent(Check::RandomLoops, 3)];
     evidence.evaluations.wanted = 640;
     let more = Advice::MoreEvaluations { wanted: 640 };
     assert_eq!(judge(&evidence).advice, [more, Advice::OtherLoops]);
@@ -1099,7 +1108,10 @@ fn motion_on_a_loop_that_winds_acquits_nobody() {
 #[test]
 fn what_the_budget_left_out_is_said_with_what_it_would_take() {
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-3)]);
-    evidence.omissions.push(Omission::Samples { loop_index: 0 });
+    evidence.omissions.push(Omission {
+        check: Check::GivenLoop,
+        why: Why::Unresolved,
+    });
     evidence.evaluations.wanted = 640;
     let verdict = judge(&evidence);
     assert_eq!(verdict.kind, Undecided);

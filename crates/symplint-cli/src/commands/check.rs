@@ -111,11 +111,7 @@ pub(super) fn diagnose(
     }
     let mut diagnosis = outcome?;
     if let Some((_, evaluations)) = &config.radii {
-        // They were made before the run, beside its budget.
-        let counted = &mut diagnosis.evidence.evaluations;
-        counted.sizes += evaluations;
-        counted.made += evaluations;
-        counted.budget += evaluations;
+        diagnosis.evidence.evaluations.add_radii(*evaluations);
         diagnosis.verdict = judge(&diagnosis.evidence);
     }
     // What is written from here on can be written again from the calls that are noted.

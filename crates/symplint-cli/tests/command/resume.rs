@@ -338,7 +338,7 @@ fn radii_that_the_map_suggests_are_looked_for_once() {
     let output = check("calls", &[]);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     let whole = report(&path("run"));
-    assert!(whole["evaluations"]["sizes"].as_u64().unwrap() > 0);
+    assert!(whole["evaluations"]["by_check"]["radii"].as_u64().unwrap() > 0);
     let output = check("no_calls", &[]);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     // Another run is refused before its first call.

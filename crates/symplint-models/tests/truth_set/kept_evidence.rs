@@ -33,7 +33,11 @@ fn kept_evidence_is_judged_as_before() {
         if !is_same {
             verdicts.push(format!("{name}:\n  {before}\n  {now}"));
         } else if *before != now {
-            sentences.push(format!("{name}:\n  {before}\n  {now}"));
+            sentences.push(format!(
+                "{name}:{}{}",
+                new(before, &now, '-'),
+                new(&now, before, '+')
+            ));
         }
     }
     println!(
@@ -46,4 +50,19 @@ fn kept_evidence_is_judged_as_before() {
     println!("{}", shown.join("\n"));
     assert!(!files.is_empty());
     assert!(verdicts.is_empty(), "{}", verdicts.join("\n"));
+}
+
+/// The sentences of a verdict that another one does not have, each with this mark.
+fn new(of: &Value, other: &Value, mark: char) -> String {
+    let sentences = |of: &Value| -> Vec<Value> {
+        let lists = ["findings", "advice"].iter();
+        lists
+            .filter_map(|key| of[key].as_array().cloned())
+            .flatten()
+            .collect()
+    };
+    let known = sentences(other);
+    let new = sentences(of).into_iter().filter(|one| !known.contains(one));
+    new.map(|sentence| format!("\n  {mark} {sentence}"))
+        .collect()
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use symplint::evidence::Check;
 use symplint::map::balanced_radii;
 use symplint::{Circle, Diagnostic, PerSample, VerdictKind};
 use symplint_models::Separable;
@@ -129,8 +130,8 @@ fn step_sizes_and_radii_are_found_in_all_units() {
         let area: Vec<f64> = radii.q.iter().zip(&radii.p).map(|(q, p)| q * p).collect();
         let orbit = Circle::with_radii(q0.to_vec(), p0.to_vec(), radii.q, radii.p).unwrap();
         let diagnosis = diagnose(&Diagnostic::around(time), &map, &orbit);
-        let made = diagnosis.evidence.evaluations;
-        assert!((8..100).contains(&made.step_sizes), "{made:?}");
+        let made = &diagnosis.evidence.evaluations;
+        assert!((8..100).contains(&made.of(Check::StepSizes)), "{made:?}");
         let largest = diagnosis.points()[0].step_size / time;
         assert!((200.0..1400.0).contains(&largest), "{largest}");
         assert_eq!(diagnosis.verdict.kind, VerdictKind::NotSymplectic);

@@ -4,7 +4,7 @@ use super::limits::{FINE_DEFECT, FOLDED, RESOLVED_DEFECT};
 use super::memory::fits;
 use super::probe::Probe;
 use crate::error::Error;
-use crate::evidence::{LongTime, Omission};
+use crate::evidence::{LongTime, Why};
 use crate::rules::Rule;
 use crate::trace::{Trace, TracePoint};
 
@@ -15,18 +15,18 @@ pub(super) fn follow(
     h: f64,
     steps: usize,
     left: usize,
-) -> Result<Result<LongTime, Omission>, Error> {
+) -> Result<Result<LongTime, Why>, Error> {
     let dof = probe.subject.dof();
     let mut samples = probe.samples.max(FOLDED / dof.max(1));
     if !probe.keeps_samples() && !fits(dof, samples) {
-        return Ok(Err(Omission::LongTimeMemory { samples }));
+        return Ok(Err(Why::Memory { samples }));
     }
     // Fewer samples than one step is resolved with say nothing of many.
     if samples.saturating_mul(steps) > left {
         samples = probe.samples;
     }
     if samples.saturating_mul(steps) > left {
-        return Ok(Err(Omission::LongTimeBudget));
+        return Ok(Err(Why::BUDGET));
     }
     let trace = Trace {
         rule: Rule::Pseudospectral,

@@ -7,24 +7,25 @@ mod reach;
 
 use super::initial_samples::InitialSamples;
 use super::limits::{
-    CLEAR_OF_METHOD, DECAY_PART, FEWEST_OF_AN_ORDER, KEPT_PART, LEAST_BUDGET, MOST_LOOPS,
+    CLEAR_OF_METHOD, DECAY_PART, FEWEST_OF_AN_ORDER, KEPT_PART, LEAST_BUDGET, MOST_LOOPS, SMALL,
 };
 use super::plan::{self, Plan};
 use super::probe::{Known, Probe};
 use super::refined_samples::RefinedSamples;
 use super::resolve::Resolution;
 use super::step_sizes::step_sizes;
-use super::{Diagnostic, Event, SampleCount, SampleSweep, long_time};
+use super::{Diagnostic, Event, SampleCount, long_time};
 use crate::breaks::Break;
 use crate::error::Error;
 use crate::evidence::{
-    BreakAt, Evidence, LoopEvidence, LoopKind, Motion, Omission, Point, StepEvidence, Sweep,
+    BreakAt, Check, Evidence, LoopEvidence, LoopKind, Motion, Omission, Point, StepEvidence, Sweep,
+    Why,
 };
 use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest};
 use crate::loops::{Loop, check_closed};
 use crate::map::{EvaluationCount, Evaluator, Feature, LoopSize, Repeat, TimeAdvance};
 use crate::rules::{Rule, RuleKind, Subject};
-use crate::state::{Coordinates, Ensemble};
+use crate::state::Ensemble;
 use crate::survey;
 
 impl Diagnostic {
@@ -41,7 +42,7 @@ impl Diagnostic {
     /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, there is no loop or too many, results depend on
     /// earlier calls or on the batch, the loop is random, the loop is not closed or encloses no area, or the map fails on the given loop or
     /// returns states that are not finite at every step size: where it does so at some of them, the others are measured and
-    /// those are noted ([`Omission::StepFailed`]).
+    /// those are noted ([`Omission`]).
     pub fn measure(
         &self,
         map: &dyn TimeAdvance,
@@ -100,7 +101,7 @@ impl Diagnostic {
         };
         let mut evidence = Evidence::default();
         evidence.evaluations.budget = budget;
-        evidence.evaluations.step_sizes = count.made();
+        evidence.evaluations.add(Check::StepSizes, count.made());
         let mut failed: Vec<FailedStep> = Vec::new();
         let mut sizes = diagnostic.step_sizes.clone();
         let (mut run, given) = loop {
@@ -136,28 +137,12 @@ impl Diagnostic {
                 begun => break begun?,
             }
         };
-        run.random_loops(subject, &given)?;
-        run.check_periods(subject.coordinates())?;
-        run.reach(subject, &given)?;
-        run.long_time(&given)?;
-        run.jacobian(subject, &given);
-        run.test_features(subject, &given)?;
-        run.look_for_manifold(subject, &given)?;
-        run.look_for_leaf(subject, &given)?;
-        run.contract(subject, &given)?;
-        run.localise(subject, &given);
-        if let Some(sweep) = &self.sample_sweep {
-            match run.sweep_samples(&given.probe, sweep) {
-                Err(error) if of_the_map(&error) => run.omit(Omission::StepFailed {
-                    step_size: subject.evaluator.stated(sweep.step_size),
-                    reason: error.to_string(),
-                }),
-                swept => swept?,
-            }
+        for (check, measure) in Run::checks() {
+            run.check(check, |run| measure(run, subject, &given))?;
         }
         // Jacobian and localisation note any error and go on.
         evaluator.check_not_stopped()?;
-        run.look_again(&evaluator, &sizes)?;
+        run.counted(Check::Memory, |run| run.look_again(&evaluator, &sizes))?;
         run.evidence.evaluations.made = count.made();
         run.evidence.evaluations.wanted = diagnostic.missing(subject, &run.evidence)?;
         Ok(run.evidence)
@@ -272,14 +257,78 @@ struct Given<'a> {
     size: LoopSize,
 }
 
+/// What a check measures beside the given loop.
+type Measure<'a> = fn(&mut Run<'a>, Subject<'_>, &Given<'_>) -> Result<(), Error>;
+
+impl<'a> Run<'a> {
+    /// The checks that follow the given loop, in their order.
+    fn checks() -> [(Check, Measure<'a>); 11] {
+        [
+            (Check::RandomLoops, Self::random_loops),
+            (Check::RandomLoops, Self::check_periods),
+            (Check::RandomLoops, Self::reach),
+            (Check::ManySteps, Self::many_steps),
+            (Check::Jacobian, Self::jacobian),
+            (Check::Jacobian, Self::test_features),
+            (Check::Constraint, Self::look_for_manifold),
+            (Check::Constraint, Self::look_for_leaf),
+            (Check::Contraction, Self::contract),
+            (Check::Localisation, Self::localise),
+            (Check::SampleSweep, Self::sweep_samples),
+        ]
+    }
+
+    /// Counts the evaluations of a check, and notes why it was left out if the budget was spent or the map failed.
+    fn check(
+        &mut self,
+        check: Check,
+        measure: impl FnOnce(&mut Self) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        match self.counted(check, measure) {
+            Err(Error::BudgetSpent { .. }) => self.omit(check, Why::BUDGET),
+            Err(error) if of_the_map(&error) => self.omit(check, failed(&error)),
+            measured => return measured,
+        }
+        Ok(())
+    }
+
+    /// Counts the evaluations of a check.
+    fn counted<T>(&mut self, check: Check, measure: impl FnOnce(&mut Self) -> T) -> T {
+        let start = self.count.made();
+        let measured = measure(self);
+        let made = self.count.made() - start;
+        self.evidence.evaluations.add(check, made);
+        measured
+    }
+}
+
 impl Run<'_> {
     /// Checks the map at the largest step size, and measures the given loop.
     fn begin<'s>(mut self, subject: Subject<'s>) -> Result<(Self, Given<'s>), Error> {
+        // Step sizes that failed before were tried on the given loop, too.
+        let of_failed = self.count.made() - self.evidence.evaluations.of(Check::StepSizes);
+        self.evidence.evaluations.add(Check::GivenLoop, of_failed);
+        let beside = self.counted(Check::Memory, |run| run.look_first(subject))?;
+        let given = self.counted(Check::GivenLoop, |run| run.given_loop(subject))?;
+        self.counted(Check::Memory, |run| {
+            run.evidence.survey.wrong_period = survey::wrong_period(subject, run.largest)?;
+            if let Some(error) = beside {
+                return Err(error);
+            }
+            let noise = survey::check_again(subject.evaluator, true, run.noise.clone())?;
+            run.note_noise(subject.evaluator, noise);
+            Ok(())
+        })?;
+        Ok((self, given))
+    }
+
+    /// Tests whether results depend on earlier calls, and how they are rounded. The error of the map beside the given loop, if it fails
+    /// there: where the given loop fails, too, its samples tell more of where that is.
+    fn look_first(&mut self, subject: Subject<'_>) -> Result<Option<Error>, Error> {
         let Subject {
             evaluator,
             phase_loop,
         } = subject;
-        let start = self.count.made();
         let (samples, witnesses) = (self.plan.purity_samples, self.plan.witnesses);
         evaluator.keep_witnesses(witnesses);
         self.count.reserve(survey::cost_again(witnesses));
@@ -293,31 +342,15 @@ impl Run<'_> {
             Err(error) if of_the_map(&error) => {}
             Err(error) => return Err(error),
         }
-        // Where the given loop fails too, its samples tell more of where that is.
-        let beside = match survey::check_purity(evaluator, phase_loop, self.largest, samples) {
+        match survey::check_purity(evaluator, phase_loop, self.largest, samples) {
             Ok(noise) => {
                 self.note_noise(evaluator, noise);
-                None
+                Ok(None)
             }
             // One failure is described as well as possible, further ones at little cost.
-            Err(error) if of_the_map(&error) && self.failed.is_empty() => Some(error),
-            Err(error) => return Err(error),
-        };
-        self.evidence.evaluations.purity = self.count.made() - start;
-        let given = self.given_loop(subject)?;
-        let start_of_periods = self.count.made();
-        self.evidence.survey.wrong_period = survey::wrong_period(subject, self.largest)?;
-        self.evidence.evaluations.purity += self.count.made() - start_of_periods;
-        if let Some(error) = beside {
-            return Err(error);
+            Err(error) if of_the_map(&error) && self.failed.is_empty() => Ok(Some(error)),
+            Err(error) => Err(error),
         }
-        // Step sizes that failed before were tried on the given loop, too.
-        self.evidence.evaluations.given_loop += start - self.evidence.evaluations.step_sizes;
-        let start = self.count.made();
-        let noise = survey::check_again(evaluator, true, self.noise.clone())?;
-        self.note_noise(evaluator, noise);
-        self.evidence.evaluations.purity += self.count.made() - start;
-        Ok((self, given))
     }
 
     /// Keeps by how much results of one state differ: the rules allow for it.
@@ -340,19 +373,18 @@ impl Run<'_> {
 
     /// Advances states of the batches before once more, and one of them by steps of other sizes.
     fn look_again(&mut self, evaluator: &Evaluator<'_>, sizes: &[f64]) -> Result<(), Error> {
-        let start = self.count.made();
         self.count.reserve(0);
         let noise = survey::check_again(evaluator, false, self.noise.clone())?;
         self.note_noise(evaluator, noise);
         self.evidence.survey.ignores_step_size = survey::ignores_step_size(evaluator, sizes)?;
-        self.evidence.evaluations.purity += self.count.made() - start;
         Ok(())
     }
 
     /// Checks that no loop needs a period that is not one of the map: a given loop that winds, or a loop that breaks in periodic
     /// coordinates alone, because the map wraps them by another period. (A kick, a wall or a solver also changes the other
     /// coordinate of the degree of freedom.)
-    fn check_periods(&self, coordinates: &Coordinates) -> Result<(), Error> {
+    fn check_periods(&mut self, subject: Subject<'_>, _: &Given<'_>) -> Result<(), Error> {
+        let coordinates = subject.coordinates();
         let Some(wrong) = self.evidence.survey.wrong_period else {
             return Ok(());
         };
@@ -387,7 +419,6 @@ impl Run<'_> {
 
     /// The given loop at all step sizes that the budget allows, the largest first of all.
     fn given_loop<'s>(&mut self, subject: Subject<'s>) -> Result<Given<'s>, Error> {
-        let start = self.count.made();
         let diagnostic = self.diagnostic;
         let left = self.left();
         let (budget, tight) = (self.count.budget(), self.plan.is_tight());
@@ -455,13 +486,8 @@ impl Run<'_> {
             };
             let judged = (&probe, &judged.advanced);
             let refined = || samples.last(h);
-            let reconsidered = match diagnostic.reconsidered(judged, &known, refined, &with) {
-                // The samples themselves were advanced: the map failed between them.
-                Err(error) if of_the_map(&error) => None,
-                Err(Error::BudgetSpent { .. }) => None,
-                reconsidered => reconsidered?,
-            };
-            match reconsidered {
+            // The samples themselves were advanced, if the map fails between them.
+            match if_possible(diagnostic.reconsidered(judged, &known, refined, &with))? {
                 Some(again) => {
                     let known = again.known(h).unwrap_or(&known);
                     self.record(0, Sweep::StepSize, &again, known);
@@ -471,26 +497,26 @@ impl Run<'_> {
         }
         self.keep_features(0, subject);
         for FailedStep { h, error } in &self.failed {
-            self.evidence.omissions.push(Omission::StepFailed {
-                step_size: Some(*h),
-                reason: error.to_string(),
+            self.evidence.omissions.push(Omission {
+                check: Check::GivenLoop,
+                why: Why::Failed {
+                    step_size: Some(*h),
+                    reason: error.to_string(),
+                },
             });
         }
         self.moved(seen.motion);
         if omitted > 0 {
-            self.omit(Omission::StepSizes { count: omitted });
+            self.omit(Check::GivenLoop, Why::Budget { missing: omitted });
         }
         let unresolved = match diagnostic.samples {
             SampleCount::Fixed(samples) => probe.samples < samples,
             SampleCount::Auto => tight && self.evidence.loops[0].weak_step().is_some(),
         };
         if unresolved {
-            self.omit(Omission::Samples { loop_index: 0 });
+            self.omit(Check::GivenLoop, Why::Unresolved);
         }
-        self.evidence.evaluations.given_loop = self.count.made() - start;
-        let start = self.count.made();
         let size = LoopSize::of(subject.evaluator, subject.phase_loop, self.largest)?;
-        self.evidence.evaluations.sizes = self.count.made() - start;
         Ok(Given { probe, cost, size })
     }
 
@@ -510,7 +536,12 @@ impl Run<'_> {
         order.into_iter().map(|k| sizes[k]).collect()
     }
 
-    fn sweep_samples(&mut self, probe: &Probe<'_>, sweep: &SampleSweep) -> Result<(), Error> {
+    /// The given loop with other numbers of samples, if they are asked for.
+    fn sweep_samples(&mut self, _: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
+        let (diagnostic, probe) = (self.diagnostic, &given.probe);
+        let Some(sweep) = &diagnostic.sample_sweep else {
+            return Ok(());
+        };
         (self.watch)(Event::Planned(sweep.counts.len()));
         let h = match self.diagnostic.has_step_size {
             true => sweep.step_size,
@@ -519,15 +550,11 @@ impl Run<'_> {
         let subject = probe.subject;
         subject.evaluator.begin_loop();
         let mut refined: Option<RefinedSamples<'_>> = None;
-        let start = self.count.made();
         for (k, &samples) in sweep.counts.iter().enumerate() {
             let before = self.count.made();
             if samples > self.count.left() {
-                let left_out = &sweep.counts[k..];
-                let omission = Omission::SampleSweep {
-                    count: left_out.len(),
-                };
-                self.omit(omission);
+                let missing = sweep.counts[k..].len();
+                self.omit(Check::SampleSweep, Why::Budget { missing });
                 break;
             }
             let (of_samples, advanced) = if probe.keeps_samples() {
@@ -558,7 +585,6 @@ impl Run<'_> {
             };
             self.record(0, Sweep::Samples, &of_samples, &known);
         }
-        self.evidence.evaluations.given_loop += self.count.made() - start;
         Ok(())
     }
 
@@ -603,33 +629,32 @@ impl Run<'_> {
     }
 
     /// Notes what is left out.
-    fn omit(&mut self, omission: Omission) {
-        self.evidence.omissions.push(omission);
+    fn omit(&mut self, check: Check, why: Why) {
+        self.evidence.omissions.push(Omission { check, why });
     }
 
-    fn long_time(&mut self, given: &Given<'_>) -> Result<(), Error> {
+    /// The given loop in many steps, if they are asked for.
+    fn many_steps(&mut self, _: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
         let steps = self.diagnostic.long_time;
         if steps == 0 {
             return Ok(());
         }
-        let start = self.count.made();
         match long_time::follow(&given.probe, self.largest, steps, self.left())? {
             Ok(found) => self.evidence.long_time = Some(found),
-            Err(omission) => self.omit(omission),
+            Err(why) => self.omit(Check::ManySteps, why),
         }
-        self.evidence.evaluations.long_time = self.count.made() - start;
         Ok(())
     }
 
-    fn jacobian(&mut self, subject: Subject<'_>, given: &Given<'_>) {
+    /// The Jacobian of the largest step, on the given loop.
+    fn jacobian(&mut self, subject: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
         if !self.diagnostic.jacobian {
-            return;
+            return Ok(());
         }
         if given.probe.is_beyond_memory() {
-            self.omit(Omission::JacobianMemory);
-            return;
+            self.omit(Check::Jacobian, Why::Memory { samples: SMALL });
+            return Ok(());
         }
-        let start = self.count.made();
         let Subject {
             evaluator,
             phase_loop,
@@ -637,7 +662,7 @@ impl Run<'_> {
         let left = self.count.left().saturating_sub(self.plan.domain);
         let planned = self.plan.jacobian;
         match JacobianTest::within(left.min(planned), evaluator.dof(), evaluator.has_tangent()) {
-            None => self.omit(Omission::JacobianBudget),
+            None => self.omit(Check::Jacobian, Why::BUDGET),
             Some(test) => {
                 // Further groups of degrees of freedom, and tracing a defect, take as much again.
                 let further = planned.saturating_mul(1 + given.size.groups.len().max(1));
@@ -652,13 +677,11 @@ impl Run<'_> {
                         self.evidence.jacobian = Some(found);
                     }
                     // It displaces states off the loop, where the map need not be defined.
-                    Err(error) => self.evidence.omissions.push(Omission::JacobianFailed {
-                        reason: error.to_string(),
-                    }),
+                    Err(error) => self.omit(Check::Jacobian, failed(&error)),
                 }
             }
         }
-        self.evidence.evaluations.jacobian = self.count.made() - start;
+        Ok(())
     }
 
     /// The defect of the Jacobian at a second step size, if the loops may have an order: at the smallest step size at which
@@ -709,24 +732,23 @@ impl Run<'_> {
     }
 
     /// Looks where a defect comes from, on the first loop that shows it.
-    fn localise(&mut self, subject: Subject<'_>, given: &Given<'_>) {
+    fn localise(&mut self, subject: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
         let survey = &self.evidence.survey;
         let off_manifold = survey.singular.is_some() || survey.degenerate_form.is_some();
         if !self.diagnostic.localise || off_manifold || given.probe.is_beyond_memory() {
-            return;
+            return Ok(());
         }
         // The integral of a loop that winds may change, and its period need not be one of the map.
         let broken = (self.evidence.loops.iter()).any(|found| !found.winds && found.is_broken());
         let Some(found) =
             (self.evidence.loops.iter()).find(|found| found.shows_defect() && !found.winds)
         else {
-            return;
+            return Ok(());
         };
-        let start = self.count.made();
         let most = subject.evaluator.substeps().saturating_mul(given.cost);
         if self.count.left() < most {
-            self.omit(Omission::LocalisationBudget);
-            return;
+            self.omit(Check::Localisation, Why::BUDGET);
+            return Ok(());
         }
         let found = self.diagnostic.locate(
             subject,
@@ -739,11 +761,26 @@ impl Run<'_> {
         match found {
             Ok(found) => self.evidence.localisation = Some(found),
             // Inside the loop, or between substeps, the map need not be defined.
-            Err(error) => self.evidence.omissions.push(Omission::LocalisationFailed {
-                reason: error.to_string(),
-            }),
+            Err(error) => self.omit(Check::Localisation, failed(&error)),
         }
-        self.evidence.evaluations.localisation += self.count.made() - start;
+        Ok(())
+    }
+}
+
+/// That the map failed beside the given loop.
+fn failed(error: &Error) -> Why {
+    Why::Failed {
+        step_size: None,
+        reason: error.to_string(),
+    }
+}
+
+/// What was found where the map need not be defined, or where it was not asked for: `None` if the map failed or the budget was spent.
+pub(super) fn if_possible<T>(found: Result<Option<T>, Error>) -> Result<Option<T>, Error> {
+    match found {
+        Err(Error::BudgetSpent { .. }) => Ok(None),
+        Err(error) if of_the_map(&error) => Ok(None),
+        found => found,
     }
 }
 

@@ -12,7 +12,7 @@ use super::limits::{
 use super::plan::Plan;
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
-use crate::evidence::{Evidence, LoopEvidence, MOST_CELLS_APART, Omission, StepEvidence};
+use crate::evidence::{Check, Evidence, LoopEvidence, MOST_CELLS_APART, StepEvidence};
 use crate::rules::{Rule, Subject, cells_apart};
 use crate::state::Ensemble;
 use crate::survey;
@@ -66,7 +66,7 @@ impl Diagnostic {
         let enough = |budget: usize| {
             let plan = self.plan(subject, budget);
             // A larger budget keeps evaluations to advance more states again.
-            let looks = evidence.evaluations.purity + survey::cost_again(plan.witnesses);
+            let looks = evidence.evaluations.of(Check::Memory) + survey::cost_again(plan.witnesses);
             let left = budget.saturating_sub(looks + plan.jacobian + plan.domain);
             let most = match self.samples {
                 SampleCount::Fixed(_) => plan.first_samples,
@@ -97,28 +97,19 @@ impl Diagnostic {
 
 /// Evaluations that the random loops would take that were left out: each as many as a step of the given loop.
 fn random_loops(evidence: &Evidence) -> usize {
-    let omitted = evidence
-        .omissions
-        .iter()
-        .find_map(|omission| match omission {
-            Omission::RandomLoops { count } => Some(*count),
-            _ => None,
-        });
     let steps = evidence.loops.first().map_or(0, |given| given.steps.len());
-    omitted.map_or(0, |count| {
-        count * evidence.evaluations.given_loop / steps.max(1)
-    })
+    let missing = evidence.missing(Check::RandomLoops);
+    missing * evidence.evaluations.of(Check::GivenLoop) / steps.max(1)
 }
 
 /// The budget in which enough is kept to find out whether what shows a defect lies in the domain of the map; 0 where that
 /// is known.
 fn budget_for_domain(dof: usize, evidence: &Evidence) -> usize {
-    let omitted = |omission: &Omission| evidence.omissions.contains(omission);
     let manifold = survey::singular_cost(dof);
-    if omitted(&Omission::ContractionBudget) {
+    if evidence.missing(Check::Contraction) > 0 {
         let of_more = 2 * evidence.evaluations.budget;
         (DOMAIN_PART * (manifold + CONTRACTION)).max(of_more)
-    } else if omitted(&Omission::ManifoldBudget) {
+    } else if evidence.missing(Check::Constraint) > 0 {
         DOMAIN_PART * manifold
     } else {
         0

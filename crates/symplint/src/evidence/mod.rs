@@ -3,6 +3,7 @@
 //! A diagnosis fills one [`Evidence`], [`judge`](crate::verdict::judge) reads it. It is serialisable: a verdict
 //! can be reached again from a file.
 
+mod checks;
 mod localisation;
 mod long_time;
 mod motion;
@@ -10,6 +11,7 @@ mod point;
 mod step;
 mod survey;
 
+pub use checks::{Check, Evaluations, Omission, Why};
 pub use localisation::{Contraction, Localisation, Sector, SubstepDefect};
 pub use long_time::LongTime;
 pub(crate) use motion::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, defect_of_order_4};
@@ -156,125 +158,6 @@ pub struct LoopEvidence {
     pub failure: Option<String>,
 }
 
-/// Something that was asked for and not measured.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", tag = "what")]
-#[non_exhaustive]
-pub enum Omission {
-    /// Step sizes of the given loop: the budget was spent.
-    StepSizes {
-        /// How many.
-        count: usize,
-    },
-    /// A step size: the map failed there on the given loop.
-    StepFailed {
-        /// The step size; `None` for a map without one.
-        step_size: Option<f64>,
-        /// The error of the map.
-        reason: String,
-    },
-    /// Numbers of samples of the sweep: the budget was spent.
-    SampleSweep {
-        /// How many.
-        count: usize,
-    },
-    /// Random loops: the budget was spent.
-    RandomLoops {
-        /// How many.
-        count: usize,
-    },
-    /// Samples that a loop would need to be resolved: the budget was spent.
-    Samples {
-        /// Which loop.
-        #[serde(rename = "loop")]
-        loop_index: usize,
-    },
-    /// The Jacobian: the budget was spent.
-    JacobianBudget,
-    /// The Jacobian: its states would not fit into memory.
-    JacobianMemory,
-    /// The Jacobian: the map failed near the loop.
-    JacobianFailed {
-        /// The error of the map.
-        reason: String,
-    },
-    /// Where a defect comes from: the map failed between substeps or within the loop.
-    LocalisationFailed {
-        /// The error of the map.
-        reason: String,
-    },
-    /// Where a defect comes from: the budget was spent.
-    LocalisationBudget,
-    /// Whether the map projects onto a manifold, and what has a defect leaves it: the budget was spent.
-    ManifoldBudget,
-    /// Whether a loop whose integral changes can be contracted in the domain of the map: the budget was spent.
-    ContractionBudget,
-    /// Many steps: this many samples would have to stay in memory.
-    LongTimeMemory {
-        /// Samples.
-        samples: usize,
-    },
-    /// Many steps: the budget was spent.
-    LongTimeBudget,
-}
-
-/// Evaluations of the map: states advanced by one step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub struct Evaluations {
-    /// Made in all.
-    pub made: usize,
-    /// Allowed.
-    pub budget: usize,
-    /// 0: what is measured does not depend on where evaluations come from. The provenance of a report says how many were taken
-    /// from a journal.
-    pub replayed: usize,
-    /// More that would resolve the loops, about and at most; 0 where they are resolved, and where no number is known
-    /// to resolve them.
-    pub wanted: usize,
-    /// Made to find step sizes that test something.
-    pub step_sizes: usize,
-    /// Made to check that the map has no memory, and whether it works in single precision.
-    pub purity: usize,
-    /// Made to learn how far tests should go in coordinates that the given loop leaves at rest.
-    pub sizes: usize,
-    /// Made on the given loop.
-    pub given_loop: usize,
-    /// Made on random loops.
-    pub random_loops: usize,
-    /// Made for the Jacobian.
-    pub jacobian: usize,
-    /// Made to learn whether the map projects onto a manifold.
-    #[serde(default)]
-    pub manifold: usize,
-    /// Made to find which substep and which part of a loop has a defect.
-    pub localisation: usize,
-    /// Made in many steps of the given loop.
-    pub long_time: usize,
-}
-
-impl Evaluations {
-    /// Those of a map that is applied this number of times to each state.
-    pub(crate) fn times(self, repeat: usize) -> Self {
-        let times = |count: usize| count.saturating_mul(repeat);
-        Evaluations {
-            made: times(self.made),
-            budget: times(self.budget),
-            replayed: self.replayed,
-            wanted: times(self.wanted),
-            step_sizes: times(self.step_sizes),
-            purity: times(self.purity),
-            sizes: times(self.sizes),
-            given_loop: times(self.given_loop),
-            random_loops: times(self.random_loops),
-            jacobian: times(self.jacobian),
-            manifold: times(self.manifold),
-            localisation: times(self.localisation),
-            long_time: times(self.long_time),
-        }
-    }
-}
-
 impl Evidence {
     /// All points, flat, as tables and reports show them: the sweep over step sizes loop by loop, then
     /// the sweep over samples.
@@ -285,6 +168,12 @@ impl Evidence {
         });
         let of_samples = (self.sample_sweep.iter()).map(|step| Point::new(Sweep::Samples, 0, step));
         of_loops.chain(of_samples).collect()
+    }
+
+    /// What of a check the budget did not allow.
+    pub(crate) fn missing(&self, check: Check) -> usize {
+        let missing = self.omissions.iter().map(|of| of.missing(check));
+        missing.sum()
     }
 }
 

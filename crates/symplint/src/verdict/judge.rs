@@ -13,7 +13,7 @@ use super::thresholds::{
 };
 use super::{Verdict, VerdictKind, long_time};
 use crate::evidence::{
-    Evidence, LoopEvidence, LoopKind, Motion, Omission, Origin, Scatter, StepEvidence,
+    Check, Evidence, LoopEvidence, LoopKind, Motion, Omission, Origin, Scatter, StepEvidence, Why,
 };
 use crate::jacobian::JacobianDecay;
 use crate::rules::Defect;
@@ -412,18 +412,14 @@ impl<'a> Case<'a> {
             return Some(Advice::DefectDoesNotFall);
         }
         let given = self.loops.first()?.steps.len();
-        let spent = |omission: &Omission| match omission {
-            Omission::StepSizes { count } => Some(*count),
-            _ => None,
-        };
-        let spent = self.evidence.omissions.iter().find_map(spent).unwrap_or(0);
+        let spent = self.evidence.missing(Check::GivenLoop);
         let asked = given + spent + self.failed_steps();
         if asked < FEWEST_POINTS + 1 {
             return Some(Advice::MoreStepSizes { given: asked });
         }
         if spent > 0 {
             // Half of what a larger budget adds is kept for random loops.
-            let of_each = self.evidence.evaluations.given_loop / given.max(1);
+            let of_each = self.evidence.evaluations.of(Check::GivenLoop) / given.max(1);
             let wanted = 2 * spent * of_each;
             return Some(Advice::MoreEvaluations { wanted });
         }
@@ -516,17 +512,8 @@ impl<'a> Case<'a> {
     /// Whether something was left out that evaluations would have told.
     fn wants_evaluations(&self) -> Option<Advice> {
         let by_budget = |omission: &Omission| {
-            matches!(
-                omission,
-                Omission::StepSizes { .. }
-                    | Omission::RandomLoops { .. }
-                    | Omission::Samples { .. }
-                    | Omission::JacobianBudget
-                    | Omission::LocalisationBudget
-                    | Omission::ManifoldBudget
-                    | Omission::ContractionBudget
-                    | Omission::LongTimeBudget
-            )
+            let of_budget = matches!(omission.why, Why::Budget { .. } | Why::Unresolved);
+            of_budget && omission.check != Check::SampleSweep
         };
         let wanted = self.evidence.evaluations.wanted;
         (wanted > 0 && self.evidence.omissions.iter().any(by_budget))

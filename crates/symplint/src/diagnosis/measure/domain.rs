@@ -1,9 +1,9 @@
 //! Whether what has a defect lies in the domain of the map.
 
-use super::{Given, Run, of_the_map};
+use super::{Given, Run, if_possible, of_the_map};
 use crate::diagnosis::localise::{FEWEST_OF_HALVING, MOST_OF_A_BOUNDARY, contraction};
 use crate::error::Error;
-use crate::evidence::{LoopEvidence, LoopKind, Omission};
+use crate::evidence::{Check, LoopEvidence, LoopKind, Why};
 use crate::jacobian::JacobianEvidence;
 use crate::rules::Subject;
 use crate::survey;
@@ -29,20 +29,14 @@ impl Run<'_> {
             return Ok(());
         }
         if self.count.left() < survey::singular_cost(subject.dof()) {
-            self.omit(Omission::ManifoldBudget);
+            self.omit(Check::Constraint, Why::BUDGET);
             return Ok(());
         }
-        let start = self.count.made();
-        match survey::singular_jacobian(subject, &given.size, self.largest) {
-            Ok(found) => self.evidence.survey.singular = found,
-            // Beside the loop the map need not be defined.
-            Err(error) if of_the_map(&error) => {}
-            Err(error) => return Err(error),
-        }
+        let found = survey::singular_jacobian(subject, &given.size, self.largest);
+        self.evidence.survey.singular = if_possible(found)?;
         if self.evidence.survey.singular.is_some() && of_given {
             self.image_loop(subject)?;
         }
-        self.evidence.evaluations.manifold = self.count.made() - start;
         Ok(())
     }
 
@@ -99,10 +93,9 @@ impl Run<'_> {
             return Ok(());
         };
         if self.count.left() < FEWEST_OF_HALVING {
-            self.omit(Omission::ContractionBudget);
+            self.omit(Check::Contraction, Why::BUDGET);
             return Ok(());
         }
-        let start = self.count.made();
         let random = self
             .diagnostic
             .random_loop_of(found, &given.size, subject)?;
@@ -111,15 +104,13 @@ impl Run<'_> {
         match contraction(subject, &given.size, self.largest) {
             // A boundary was not resolved, as no more evaluations were left.
             Ok(None) if self.count.left() < MOST_OF_A_BOUNDARY => {
-                self.omit(Omission::ContractionBudget);
+                self.omit(Check::Contraction, Why::BUDGET);
             }
             Ok(found) => self.evidence.contraction = found,
-            Err(Error::BudgetSpent { .. }) => self.omit(Omission::ContractionBudget),
             // Within the loop the map need not be defined.
             Err(error) if of_the_map(&error) => {}
             Err(error) => return Err(error),
         }
-        self.evidence.evaluations.localisation += self.count.made() - start;
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! What features that the samples of a loop do not resolve may change.
 
-use super::{Given, Run, of_the_map};
+use super::{Given, Run, if_possible};
 use crate::diagnosis::features::roughest_sample;
 use crate::diagnosis::limits::{FEWEST_OF_ROUGHNESS, MOST_FEATURES, OF_A_FEATURE, PART_OF_SAMPLES};
 use crate::diagnosis::memory::fits;
@@ -46,24 +46,14 @@ impl Run<'_> {
             Some(_) => self.places(),
             None => Vec::new(),
         };
-        let start = self.count.made();
-        let mut is_shown = false;
         for (index, place) in places {
-            match self.jacobian_at(subject, given, index, place) {
-                Ok(Some(found)) if found.shows_defect() => {
-                    self.evidence.jacobian = Some(found);
-                    is_shown = true;
-                    break;
-                }
-                Ok(_) | Err(Error::BudgetSpent { .. }) => {}
-                Err(error) if of_the_map(&error) => {}
-                Err(error) => return Err(error),
+            let found = if_possible(self.jacobian_at(subject, given, index, place))?;
+            if let Some(found) = found.filter(JacobianEvidence::shows_defect) {
+                self.evidence.jacobian = Some(found);
+                return Ok(());
             }
         }
-        self.evidence.evaluations.jacobian += self.count.made() - start;
-        if !is_shown {
-            self.bound_by_features();
-        }
+        self.bound_by_features();
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! The loops beside the given one: random ones, and one that winds round a period.
 
-use super::{Given, Run, of_the_map};
+use super::{Given, Run, if_possible, of_the_map};
 use crate::diagnosis::Event;
 use crate::diagnosis::initial_samples::InitialSamples;
 use crate::diagnosis::plan;
@@ -8,7 +8,7 @@ use crate::diagnosis::probe::{Known, Probe};
 use crate::diagnosis::random_loops::{loop_of_kind, random_kind};
 use crate::diagnosis::resolve::Resolution;
 use crate::error::Error;
-use crate::evidence::{DofGroup, LoopEvidence, LoopKind, Motion, Omission, StepEvidence, Sweep};
+use crate::evidence::{Check, DofGroup, LoopEvidence, LoopKind, Motion, StepEvidence, Sweep, Why};
 use crate::loops::FourierLoop;
 use crate::map::{ImageLoop, LoopSize};
 use crate::rules::{RuleKind, Subject};
@@ -49,7 +49,6 @@ impl Run<'_> {
         subject: Subject<'_>,
         given: &Given<'_>,
     ) -> Result<(), Error> {
-        let start = self.count.made();
         let diagnostic = self.diagnostic;
         let count = diagnostic.loops - 1;
         let mut others: Vec<Other> = (1..=count)
@@ -94,7 +93,7 @@ impl Run<'_> {
             }
         }
         if omitted > 0 {
-            self.omit(Omission::RandomLoops { count: omitted });
+            self.omit(Check::RandomLoops, Why::Budget { missing: omitted });
         }
         let winds = self.evidence.loops[0].winds;
         let affordable = self.left() >= given.cost.max(self.plan.first_samples);
@@ -102,7 +101,6 @@ impl Run<'_> {
         if count > 0 && periodic && !winds && !self.is_settled() && affordable {
             self.winding_loop(subject, &given.size)?;
         }
-        self.evidence.evaluations.random_loops = self.count.made() - start;
         Ok(())
     }
 
@@ -249,14 +247,9 @@ impl Run<'_> {
             ..subject
         };
         match self.random_loop(&winding, subject, true) {
-            Err(error @ (Error::NoArea { .. } | Error::LostInRounding { .. })) => {
-                let _ = error;
-                Ok(())
-            }
+            Err(Error::NoArea { .. } | Error::LostInRounding { .. }) => Ok(()),
             // It was not asked for.
-            Err(Error::BudgetSpent { .. }) => Ok(()),
-            Err(error) if of_the_map(&error) => Ok(()),
-            other => other,
+            measured => if_possible(measured.map(Some)).map(|_| ()),
         }
     }
 
@@ -285,11 +278,8 @@ impl Run<'_> {
         };
         match self.random_loop(&of_image, subject, true) {
             // It may have lost its area, or the budget may be spent: the given loop has to do.
-            Err(
-                Error::NoArea { .. } | Error::LostInRounding { .. } | Error::BudgetSpent { .. },
-            ) => Ok(()),
-            Err(error) if of_the_map(&error) => Ok(()),
-            other => other,
+            Err(Error::NoArea { .. } | Error::LostInRounding { .. }) => Ok(()),
+            measured => if_possible(measured.map(Some)).map(|_| ()),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Beyond the loops and step sizes of a diagnosis, if they move too little to test an accurate method.
 
-use super::{Given, Run, of_the_map};
+use super::{Given, Run, if_possible, of_the_map};
 use crate::diagnosis::initial_samples::InitialSamples;
 use crate::diagnosis::limits::{LARGER, MOST_HALVINGS, MOST_LARGER, SMALLEST_SHEAR};
 use crate::diagnosis::random_loops::loop_of_kind;
@@ -26,17 +26,11 @@ impl Run<'_> {
         let Some((motion, _)) = little.filter(|_| !shown) else {
             return Ok(());
         };
-        let start = self.count.made();
         let found = match diagnostic.has_step_size {
             true => self.larger_step(subject, given, motion),
             false => self.larger_loop(subject, given),
         };
-        self.evidence.evaluations.random_loops += self.count.made() - start;
-        self.evidence.reach = match found {
-            Err(Error::BudgetSpent { .. }) => None,
-            Err(error) if of_the_map(&error) => None,
-            found => found?,
-        };
+        self.evidence.reach = if_possible(found)?;
         Ok(())
     }
 

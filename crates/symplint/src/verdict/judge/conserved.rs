@@ -1,7 +1,7 @@
 //! No defect: how large it may be.
 
 use super::{Case, Decision, change};
-use crate::evidence::{LoopEvidence, Omission, StepEvidence};
+use crate::evidence::{Check, LoopEvidence, Omission, StepEvidence, Why};
 use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
 use crate::verdict::finding::{Advice, Finding};
@@ -32,7 +32,8 @@ impl Case<'_> {
 
     /// At how many step sizes the map failed on the given loop.
     pub(super) fn failed_steps(&self) -> usize {
-        let failed = |omission: &&Omission| matches!(omission, Omission::StepFailed { .. });
+        let failed =
+            |of: &&Omission| of.check == Check::GivenLoop && matches!(of.why, Why::Failed { .. });
         self.evidence.omissions.iter().filter(failed).count()
     }
 

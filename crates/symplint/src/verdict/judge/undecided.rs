@@ -2,7 +2,7 @@
 
 use super::{Case, Decision, change};
 use crate::evidence::{
-    LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, LoopEvidence, LoopKind, Motion, Omission, StepEvidence,
+    Check, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, LoopEvidence, LoopKind, Motion, StepEvidence,
     defect_of_order_4,
 };
 use crate::rules::RuleKind;
@@ -59,12 +59,12 @@ impl Case<'_> {
 
     /// It is not known whether what shows a defect lies in the domain of the map.
     pub(super) fn outside_its_domain(&self) -> Option<Decision> {
-        let omitted = |omission| self.evidence.omissions.contains(&omission);
+        let omitted = |check| self.evidence.missing(check) > 0;
         let (found, step) = self.worst(StepEvidence::is_significant)?;
         let of_given = (self.loops.first()).is_some_and(LoopEvidence::shows_defect);
         let change = change(&step.defect);
         let step = self.name(found, step);
-        if omitted(Omission::ManifoldBudget) && !of_given {
+        if omitted(Check::Constraint) && !of_given {
             let because = Finding::ManifoldUnknown {
                 loop_index: found.index,
                 change,
@@ -74,7 +74,7 @@ impl Case<'_> {
         }
         let bound = self.jacobian_bound()?;
         let contradicts = change.signed.abs() > CONTRADICTS * bound;
-        if omitted(Omission::ContractionBudget) && contradicts {
+        if omitted(Check::Contraction) && contradicts {
             let because = Finding::ContractionUnknown {
                 loop_index: found.index,
                 change,
@@ -350,12 +350,11 @@ impl Case<'_> {
     /// The budget was spent before a random loop was tried, and the Jacobian does not bound the defect as well as the given
     /// loop does.
     fn no_random_loop(&self) -> Option<Decision> {
-        let spent = |omission: &Omission| matches!(omission, Omission::RandomLoops { .. });
         let by_jacobian = self
             .jacobian_bound()
             .is_some_and(|bound| bound <= self.bound_of_loops());
-        let none =
-            !self.has_random_loops() && !by_jacobian && self.evidence.omissions.iter().any(spent);
+        let spent = self.evidence.missing(Check::RandomLoops) > 0;
+        let none = !self.has_random_loops() && !by_jacobian && spent;
         none.then(|| self.because(Finding::NoRandomLoop, Vec::new()))
     }
 

@@ -3,73 +3,64 @@
 use std::fmt::{Display, Formatter, Result};
 
 use super::plural;
-use crate::evidence::Omission;
+use crate::evidence::{Check, Omission, Why};
 use crate::verdict::finding::Advice;
 use crate::verdict::number::{loop_name, one_digit, short, size};
 
 impl Display for Omission {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match self {
-            Omission::StepSizes { count } => write!(
-                f,
-                "The budget was spent before {count} step size{} could be tried.",
-                plural(*count)
-            ),
-            Omission::StepFailed {
-                step_size: Some(h),
-                reason,
-            } => write!(
-                f,
-                "The step size h = {} was left out: {reason}.",
-                size(*h)
-            ),
-            Omission::StepFailed { reason, .. } => write!(f, "The map failed: {reason}."),
-            Omission::SampleSweep { count } => write!(
-                f,
-                "The budget was spent before {count} number{} of samples could be tried.",
-                plural(*count)
-            ),
-            Omission::RandomLoops { count } => write!(
-                f,
-                "The budget was spent before {count} random loop{} could be tried.",
-                plural(*count)
-            ),
-            Omission::Samples { loop_index } => write!(
-                f,
-                "The budget was spent before {} was resolved to round-off.",
-                loop_name(*loop_index)
-            ),
-            Omission::JacobianBudget => {
-                f.write_str("The Jacobian was left out: the budget was spent.")
+        let missing = match (self.check, &self.why) {
+            (Check::GivenLoop, Why::Budget { missing }) => Some(("step size", "", missing)),
+            (Check::SampleSweep, Why::Budget { missing }) => {
+                Some(("number", " of samples", missing))
             }
-            Omission::JacobianMemory => {
-                f.write_str("The Jacobian was left out: its states would not fit into memory.")
+            (Check::RandomLoops, Why::Budget { missing }) => Some(("random loop", "", missing)),
+            _ => None,
+        };
+        if let Some((what, of, missing)) = missing {
+            let plural = plural(*missing);
+            return write!(
+                f,
+                "The budget was spent before {missing} {what}{plural}{of} could be tried."
+            );
+        }
+        let left_out = match self.check {
+            Check::Radii => "Radii were not looked for",
+            Check::StepSizes => "Step sizes were not looked for",
+            Check::Memory => "Whether results depend on earlier calls was not tested",
+            Check::GivenLoop => "The given loop was left out",
+            Check::SampleSweep => "The sweep over numbers of samples was left out",
+            Check::RandomLoops => "Random loops were left out",
+            Check::Jacobian => "The Jacobian was left out",
+            Check::Constraint => {
+                "Whether the map projects onto a constraint manifold was not tested"
             }
-            Omission::JacobianFailed { reason } => {
-                write!(f, "The Jacobian could not be measured: {reason}.")
+            Check::Contraction => {
+                "Whether the loop can be contracted in the domain of the map was not found out"
             }
-            Omission::LocalisationFailed { reason } => {
+            Check::Localisation => "Where the defect comes from was not found",
+            Check::ManySteps => "Many steps were left out",
+        };
+        match &self.why {
+            Why::Budget { .. } => write!(f, "{left_out}: the budget was spent."),
+            Why::Unresolved => {
+                let name = loop_name(0);
                 write!(
                     f,
-                    "Where the defect comes from could not be found: {reason}."
+                    "The budget was spent before {name} was resolved to round-off."
                 )
             }
-            Omission::ManifoldBudget => f.write_str(
-                "Whether the map projects onto a constraint manifold was not looked at: the budget was spent.",
-            ),
-            Omission::ContractionBudget => f.write_str(
-                "Whether the loop can be contracted in the domain of the map was not found out: the budget was spent.",
-            ),
-            Omission::LocalisationBudget => {
-                f.write_str("Where the defect comes from was not looked for: the budget was spent.")
+            Why::Memory { samples } => {
+                write!(
+                    f,
+                    "{left_out}: {samples} samples would not fit into memory."
+                )
             }
-            Omission::LongTimeMemory { samples } => write!(
-                f,
-                "Many steps were left out: {samples} samples would have to stay in memory."
-            ),
-            Omission::LongTimeBudget => {
-                f.write_str("Many steps were left out: the budget was spent.")
-            }
+            Why::Failed {
+                step_size: Some(h),
+                reason,
+            } => write!(f, "The step size h = {} was left out: {reason}.", size(*h)),
+            Why::Failed { reason, .. } => write!(f, "{left_out}: {reason}."),
         }
     }
 }

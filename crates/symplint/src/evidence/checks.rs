@@ -1,0 +1,133 @@
+//! The checks of a diagnosis: the evaluations that each made, and what was left out.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// A test of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Check {
+    /// Radii of the loop that fit the map, if they are not given.
+    Radii,
+    /// Step sizes that test something, if they are not given.
+    StepSizes,
+    /// Whether results depend on earlier calls, on other rows of a batch or on random numbers; their precision.
+    Memory,
+    /// The given loop at all step sizes.
+    GivenLoop,
+    /// The given loop with different numbers of samples.
+    SampleSweep,
+    /// Random loops, and larger steps or loops if all others move little.
+    RandomLoops,
+    /// The Jacobian of a step.
+    Jacobian,
+    /// Whether the map projects onto a constraint manifold.
+    Constraint,
+    /// Whether a loop whose integral changes can be contracted in the domain of the map.
+    Contraction,
+    /// Which substep and which part of a loop has a defect.
+    Localisation,
+    /// The given loop in many steps.
+    ManySteps,
+}
+
+/// A check that was left out, or a part of one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Omission {
+    /// Which.
+    pub check: Check,
+    /// Why.
+    pub why: Why,
+}
+
+/// Why a check was left out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Why {
+    /// The budget was spent.
+    Budget {
+        /// What is missing: step sizes of the given loop, numbers of samples of a sweep, random loops; 1 of other checks.
+        missing: usize,
+    },
+    /// The budget was spent before the samples resolved the loop to round-off.
+    Unresolved,
+    /// Ensembles of this many samples would not fit into memory.
+    Memory {
+        /// How many.
+        samples: usize,
+    },
+    /// The map failed.
+    Failed {
+        /// At a step size of the given loop, if it has one: others were measured.
+        step_size: Option<f64>,
+        /// The error of the map.
+        reason: String,
+    },
+}
+
+impl Why {
+    /// Of a check of one part that the budget did not allow.
+    pub(crate) const BUDGET: Why = Why::Budget { missing: 1 };
+}
+
+impl Omission {
+    /// What of this check the budget did not allow; 0 if this is another omission.
+    pub(crate) fn missing(&self, check: Check) -> usize {
+        match self.why {
+            Why::Budget { missing } if self.check == check => missing,
+            _ => 0,
+        }
+    }
+}
+
+/// Evaluations of the map: states advanced by one step.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Evaluations {
+    /// Made in all.
+    pub made: usize,
+    /// Allowed.
+    pub budget: usize,
+    /// More that would resolve the loops, about and at most; 0 where they are resolved, and where no number is known
+    /// to resolve them.
+    pub wanted: usize,
+    /// Made by each check.
+    #[serde(default)]
+    pub by_check: BTreeMap<Check, usize>,
+}
+
+impl Evaluations {
+    /// Made by a check.
+    pub fn of(&self, check: Check) -> usize {
+        self.by_check.get(&check).copied().unwrap_or(0)
+    }
+
+    /// Counts those of a check.
+    pub(crate) fn add(&mut self, check: Check, evaluations: usize) {
+        if evaluations > 0 {
+            *self.by_check.entry(check).or_default() += evaluations;
+        }
+    }
+
+    /// Counts those that were made to find radii, before the diagnosis and beside its budget.
+    pub fn add_radii(&mut self, evaluations: usize) {
+        self.add(Check::Radii, evaluations);
+        self.made += evaluations;
+        self.budget += evaluations;
+    }
+
+    /// Those of a map that is applied this number of times to each state.
+    pub(crate) fn times(self, repeat: usize) -> Self {
+        let times = |count: usize| count.saturating_mul(repeat);
+        let by_check = self.by_check.into_iter();
+        Evaluations {
+            made: times(self.made),
+            budget: times(self.budget),
+            wanted: times(self.wanted),
+            by_check: (by_check.map(|(check, count)| (check, times(count)))).collect(),
+        }
+    }
+}
