@@ -161,13 +161,3 @@ pub(super) const NEIGHBOURING_SAMPLES: usize = 6;
 
 /// The Fourier coefficients of a spike do not fall, s = −½; those of a jump fall by s = ½.
 pub(super) const OF_SPIKES: f64 = 0.25;
-
-/// A stretch between two breaks of a solver is looked at once more if it is narrower than this part of the loop: wider ones have pieces and samples enough.
-pub(super) const WIDEST_STRETCH: f64 = 1.0 / 16.0;
-
-/// In so many parts: a stretch within it is narrower by the contraction of the iteration, h²ω²/4 for the implicit midpoint
-/// rule, and each part has states at sixths of its length.
-pub(super) const PARTS_OF_STRETCH: usize = 16;
-
-/// Stretches within stretches at most: each takes an iteration more.
-pub(super) const MOST_STRETCHES: usize = 8;
