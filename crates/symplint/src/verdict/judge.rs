@@ -115,23 +115,46 @@ struct Case<'a> {
 }
 
 impl<'a> Case<'a> {
+    /// What a verdict may rest on, the most important reason first: the first that applies decides.
+    const PRIORITY: [fn(&Self) -> Option<Decision>; 20] = [
+        Self::nothing_measured,
+        Self::no_closed_loop,
+        Self::random_numbers,
+        // Loops outside the domain of the map prove nothing.
+        Self::beside_leaf,
+        Self::beside_manifold,
+        Self::broken,
+        Self::not_contracted,
+        Self::outside_its_domain,
+        Self::not_symplectic,
+        Self::projects,
+        // Nothing shows a defect. What may hide one:
+        Self::misses_grid,
+        Self::hardly_moves,
+        Self::undecided_samples,
+        Self::unexplained,
+        Self::all_wind,
+        Self::weak_bound,
+        Self::no_random_loop,
+        Self::unknown_group,
+        Self::slow_group,
+        Self::refuted,
+    ];
+
     fn decide(&self) -> Decision {
-        if self.steps().next().is_none() && self.loops.iter().all(|found| found.failure.is_none()) {
+        let mut reasons = Self::PRIORITY.iter();
+        let decision = reasons.find_map(|reason| reason(self));
+        decision.unwrap_or_else(|| self.symplectic())
+    }
+
+    fn nothing_measured(&self) -> Option<Decision> {
+        let is_empty =
+            self.steps().next().is_none() && self.loops.iter().all(|found| found.failure.is_none());
+        is_empty.then(|| {
             let mut decision = Decision::new(VerdictKind::Undecided, Finding::NothingMeasured);
             decision.advice.push(Advice::MeasureLoop);
-            return decision;
-        }
-        (self.no_closed_loop())
-            .or_else(|| self.random_numbers())
-            .or_else(|| self.beside_leaf())
-            .or_else(|| self.beside_manifold())
-            .or_else(|| self.broken())
-            .or_else(|| self.not_contracted())
-            .or_else(|| self.outside_its_domain())
-            .or_else(|| self.not_symplectic())
-            .or_else(|| self.projects())
-            .or_else(|| self.undecided())
-            .unwrap_or_else(|| self.symplectic())
+            decision
+        })
     }
 
     fn is_sampled(&self) -> bool {

@@ -123,52 +123,47 @@ impl Case<'_> {
         Some(self.because(because, vec![Advice::KeepToLeaf]))
     }
 
-    pub(super) fn undecided(&self) -> Option<Decision> {
-        if let Some((found, step)) = self.worst(StepEvidence::misses_the_grid) {
-            return Some(self.because(
-                Finding::MissesGrid {
-                    loop_index: found.index,
-                    cells_apart: step.cells_apart,
-                    step: self.name(found, step),
-                },
-                vec![Advice::SamplesInCells],
-            ));
+    /// The samples are further apart than the cells of the map's grid.
+    pub(super) fn misses_grid(&self) -> Option<Decision> {
+        let (found, step) = self.worst(StepEvidence::misses_the_grid)?;
+        let because = Finding::MissesGrid {
+            loop_index: found.index,
+            cells_apart: step.cells_apart,
+            step: self.name(found, step),
+        };
+        Some(self.because(because, vec![Advice::SamplesInCells]))
+    }
+
+    /// The largest step moves the loops too little to show the defect of an accurate method.
+    pub(super) fn hardly_moves(&self) -> Option<Decision> {
+        let (motion, step_size) = self.strongest_motion()?;
+        if motion.tests(self.bound_of_loops()) {
+            return None;
         }
-        if let Some((motion, step_size)) = self.strongest_motion()
-            && !motion.tests(self.bound_of_loops())
-            && let Some(advice) = self.moves_too_little(motion, step_size)
-        {
-            return Some(self.little_motion(motion, None, advice));
-        }
-        if self.is_sampled()
-            && let Some(decision) = self.undecided_samples()
-        {
-            return Some(decision);
-        }
-        // A small defect that is not even significant is part of the bound.
+        let advice = self.moves_too_little(motion, step_size)?;
+        Some(self.little_motion(motion, None, advice))
+    }
+
+    /// A defect that is neither explained nor significant. A small one that is not even significant is part of the bound.
+    pub(super) fn unexplained(&self) -> Option<Decision> {
         let counts = |step: &StepEvidence| {
             step.is_unexplained() && (step.defect.magnitude() >= SMALL || step.is_significant())
         };
-        if let Some((found, step)) = self.worst(counts) {
-            return Some(self.because(
-                Finding::Unexplained {
-                    defect: step.defect.magnitude(),
-                    uncertainty: step.defect.uncertainty(),
-                    step: self.name(found, step),
-                },
-                vec![Advice::MoreSamplesAndLargerSteps],
-            ));
-        }
+        let (found, step) = self.worst(counts)?;
+        let because = Finding::Unexplained {
+            defect: step.defect.magnitude(),
+            uncertainty: step.defect.uncertainty(),
+            step: self.name(found, step),
+        };
+        Some(self.because(because, vec![Advice::MoreSamplesAndLargerSteps]))
+    }
+
+    /// Every loop winds, and changes: a symplectic map may do that.
+    pub(super) fn all_wind(&self) -> Option<Decision> {
         let all_wind = self.loops.iter().all(|found| found.winds);
         let changes = |step: &StepEvidence| step.is_unexplained() || step.jump.is_some();
-        if all_wind && self.steps().any(|(_, step)| changes(step)) {
-            return Some(self.because(Finding::AllLoopsWind, vec![Advice::ContractibleLoops]));
-        }
-        (self.weak_bound())
-            .or_else(|| self.no_random_loop())
-            .or_else(|| self.unknown_group())
-            .or_else(|| self.slow_group())
-            .or_else(|| self.refuted())
+        (all_wind && self.steps().any(|(_, step)| changes(step)))
+            .then(|| self.because(Finding::AllLoopsWind, vec![Advice::ContractibleLoops]))
     }
 
     /// What to do if little motion is a reason to stay undecided: an accurate method that is not symplectic would look the
@@ -247,7 +242,10 @@ impl Case<'_> {
     }
 
     /// What only loops of another code can lack.
-    fn undecided_samples(&self) -> Option<Decision> {
+    pub(super) fn undecided_samples(&self) -> Option<Decision> {
+        if !self.is_sampled() {
+            return None;
+        }
         let jumping = (self.steps()).find_map(|(found, step)| Some((found, step, step.jumping?)));
         if let Some((found, step, jumps)) = jumping {
             let name = self.name(found, step);
@@ -280,7 +278,7 @@ impl Case<'_> {
     }
 
     /// The given loop, or all random loops, bound the defect too weakly.
-    fn weak_bound(&self) -> Option<Decision> {
+    pub(super) fn weak_bound(&self) -> Option<Decision> {
         let (given, others) = self.loops.split_first()?;
         let random: Vec<&LoopEvidence> = others.iter().collect();
         let weak = |found: &LoopEvidence, step: &StepEvidence| {
@@ -349,7 +347,7 @@ impl Case<'_> {
 
     /// The budget was spent before a random loop was tried, and the Jacobian does not bound the defect as well as the given
     /// loop does.
-    fn no_random_loop(&self) -> Option<Decision> {
+    pub(super) fn no_random_loop(&self) -> Option<Decision> {
         let by_jacobian = self
             .jacobian_bound()
             .is_some_and(|bound| bound <= self.bound_of_loops());
@@ -359,7 +357,7 @@ impl Case<'_> {
     }
 
     /// The loops are conserved, and the Jacobian is not symplectic.
-    fn refuted(&self) -> Option<Decision> {
+    pub(super) fn refuted(&self) -> Option<Decision> {
         self.jacobian_refutes().then(|| {
             let worst = self
                 .evidence
