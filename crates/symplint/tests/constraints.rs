@@ -1,7 +1,7 @@
 //! Maps on a constraint manifold: RATTLE for rods in Cartesian coordinates, with a projection and without.
 
 use symplint::map::ProjectedLoop;
-use symplint::verdict::{Advice, Agreement, Finding, JacobianVerdict};
+use symplint::verdict::{Advice, Agreement, DomainFinding, Finding, JacobianVerdict, RunFinding};
 use symplint::{
     Circle, Diagnosis, Diagnostic, JacobianTest, Loop, PerSample, TimeAdvance, VerdictKind,
 };
@@ -106,7 +106,7 @@ fn on_its_manifold_rattle_is_symplectic() {
         let jacobian = diagnosis.evidence.jacobian.as_ref().unwrap();
         assert!(jacobian.projected && jacobian.full);
         assert!(jacobian.bound.unwrap() < 1e-9, "{jacobian:?}");
-        let agree = |finding: &Finding| matches!(finding, Finding::Jacobian { finding } if finding.agreement == Agreement::Symplectic);
+        let agree = |finding: &Finding| matches!(finding, Finding::Run(RunFinding::Jacobian { finding }) if finding.agreement == Agreement::Symplectic);
         assert!(verdict.findings.iter().any(agree), "{verdict}");
     }
 }
@@ -118,11 +118,11 @@ fn without_a_projection_what_leaves_the_manifold_convicts_nobody() {
         let diagnosis = diagnose(&rattle, &manifold);
         let verdict = &diagnosis.verdict;
         assert_eq!(verdict.kind, VerdictKind::Undecided, "{verdict}");
-        let Finding::Projects {
+        let Finding::Domain(DomainFinding::Projects {
             smallest,
             given: Some(bound),
             beside: Some((_, defect)),
-        } = verdict.findings[0]
+        }) = verdict.findings[0]
         else {
             panic!("{verdict}");
         };
@@ -242,7 +242,9 @@ fn a_loop_beside_the_manifold_is_told() {
         .unwrap()
         .verdict;
     assert_eq!(verdict.kind, VerdictKind::Undecided, "{verdict}");
-    let Finding::LoopBesideManifold { first, second, .. } = verdict.findings[0] else {
+    let Finding::Domain(DomainFinding::LoopBesideManifold { first, second, .. }) =
+        verdict.findings[0]
+    else {
         panic!("{verdict}");
     };
     assert!(first > 1e-2 && second < 1e-12, "{verdict}");

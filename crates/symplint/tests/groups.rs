@@ -1,6 +1,6 @@
 //! Degrees of freedom of very different action: Jupiter and light bodies round a fixed Sun.
 
-use symplint::verdict::Finding;
+use symplint::verdict::{BoundFinding, Finding};
 use symplint::{Circle, Diagnosis, Diagnostic, PerSample, VerdictKind};
 
 /// Astronomical units, days, and masses of Jupiter: GM of the Sun and of Jupiter.
@@ -94,12 +94,12 @@ fn circle_dof(bodies: &Bodies) -> usize {
 /// Bounds of loops and of the Jacobian, group by group.
 fn bounds(diagnosis: &Diagnosis) -> Vec<(usize, Option<f64>, Option<f64>)> {
     let of_group = |finding: &Finding| match finding {
-        Finding::Group {
+        Finding::Bounds(BoundFinding::Group {
             dofs,
             by_loops,
             by_jacobian,
             ..
-        } => Some((dofs.len(), *by_loops, *by_jacobian)),
+        }) => Some((dofs.len(), *by_loops, *by_jacobian)),
         _ => None,
     };
     diagnosis

@@ -11,7 +11,10 @@ use symplint::jacobian::{
     JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect,
 };
 use symplint::rules::RuleKind;
-use symplint::verdict::{Advice, Finding, Growth, Step, Verdict};
+use symplint::verdict::{
+    Advice, BoundFinding, BreakFinding, ChangeFinding, DomainFinding, Finding, Growth, MapFinding,
+    RunFinding, SampleFinding, Step, Verdict,
+};
 use symplint::{Defect, VerdictKind, judge};
 
 const JUMP: Break = Break {
@@ -190,7 +193,10 @@ fn one_random_loop_has_to_be_bounded() {
     assert_eq!(kind(&evidence), Undecided);
     evidence.loops[1].steps.clear();
     evidence.loops[1].failure = Some("the map failed".into());
-    assert_eq!(decides(&evidence), Finding::RandomLoopsFail);
+    assert_eq!(
+        decides(&evidence),
+        Finding::Bounds(BoundFinding::RandomLoopsFail)
+    );
 }
 
 #[test]
@@ -351,7 +357,11 @@ fn a_step_that_loses_rank_is_convicted_by_the_given_loop_and_named() {
     evidence.loops.push(image);
     let verdict = judge(&evidence);
     assert_eq!(verdict.kind, NotSymplectic);
-    assert!(verdict.findings.contains(&Finding::LosesRank { rank }));
+    assert!(
+        verdict
+            .findings
+            .contains(&Finding::Domain(DomainFinding::LosesRank { rank }))
+    );
     assert_eq!(verdict.advice, [Advice::LoopOnManifold]);
 }
 
@@ -366,7 +376,10 @@ fn beside_a_leaf_of_a_degenerate_form_nothing_convicts() {
         let verdict = judge(&evidence);
         assert_eq!(verdict.kind, Undecided);
         let given = of_given;
-        assert_eq!(verdict.findings[0], Finding::DegenerateForm { rank, given });
+        assert_eq!(
+            verdict.findings[0],
+            Finding::Domain(DomainFinding::DegenerateForm { rank, given })
+        );
         assert_eq!(verdict.advice, [Advice::KeepToLeaf]);
     }
 }
@@ -384,11 +397,11 @@ fn beside_a_manifold_that_a_map_projects_onto_nothing_convicts() {
     evidence.loops[1].steps = vec![step(0.5, -1.0, 1e-12)];
     assert_eq!(kind(&evidence), NotSymplectic);
     evidence.survey.singular = Some(singular);
-    let expected = Finding::Projects {
+    let expected = Finding::Domain(DomainFinding::Projects {
         smallest: 1e-9,
         given: Some(1e-14),
         beside: Some((1, 1.0)),
-    };
+    });
     assert_eq!(kind(&evidence), Undecided);
     assert_eq!(decides(&evidence), expected);
     assert_eq!(judge(&evidence).advice, [Advice::Project]);
@@ -403,11 +416,11 @@ fn beside_a_manifold_that_a_map_projects_onto_nothing_convicts() {
         evidence.loops.push(image);
         assert_eq!(kind(&evidence), expected, "{second}");
         if expected == Undecided {
-            let because = Finding::LoopBesideManifold {
+            let because = Finding::Domain(DomainFinding::LoopBesideManifold {
                 smallest: 1e-9,
                 first: 0.1,
                 second: 1.1e-12,
-            };
+            });
             assert_eq!(decides(&evidence), because);
         }
     }
@@ -441,7 +454,7 @@ fn what_may_lie_outside_the_domain_of_the_map_convicts_nobody() {
     assert_eq!(kind(&evidence), Undecided);
     assert!(matches!(
         decides(&evidence),
-        Finding::ManifoldUnknown { loop_index: 1, .. }
+        Finding::Domain(DomainFinding::ManifoldUnknown { loop_index: 1, .. })
     ));
     assert_eq!(
         judge(&evidence).advice[0],
@@ -502,16 +515,21 @@ fn every_group_of_degrees_of_freedom_has_to_be_bounded() {
     assert!(
         matches!(
             decided,
-            Finding::Group {
+            Finding::Bounds(BoundFinding::Group {
                 index: 1,
                 by_loops: None,
                 ..
-            }
+            })
         ),
         "{decided:?}"
     );
     let told = judge(&evidence).findings;
-    let of_group = |finding: &&Finding| matches!(finding, Finding::Group { index: 1, .. });
+    let of_group = |finding: &&Finding| {
+        matches!(
+            finding,
+            Finding::Bounds(BoundFinding::Group { index: 1, .. })
+        )
+    };
     assert_eq!(told.iter().filter(of_group).count(), 1, "{told:?}");
     for (uncertainty, expected) in [(0.99e-6, Symplectic), (1.01e-6, Undecided)] {
         let mut light = of_loop(9, LoopKind::Group, vec![step(0.5, 0.0, uncertainty)]);
@@ -543,7 +561,12 @@ fn breaks_about_which_rounding_decides_point_to_a_solver() {
             straight: false,
         });
         let advice = judge(&evidence).advice;
-        let at_least = |finding: &Finding| matches!(finding, Finding::Jump { at_least: true, .. });
+        let at_least = |finding: &Finding| {
+            matches!(
+                finding,
+                Finding::Breaks(BreakFinding::Jump { at_least: true, .. })
+            )
+        };
         let told = judge(&evidence).findings.iter().any(at_least);
         assert_eq!(told, flickering > 0);
         let of_solver = Advice::SolverTolerance {
@@ -572,7 +595,10 @@ fn loops_that_wind_prove_nothing_but_that_a_map_is_not_exact() {
             .any(|line| line.contains("not exact"))
     );
     evidence.loops.drain(..2);
-    assert_eq!(decides(&evidence), Finding::AllLoopsWind);
+    assert_eq!(
+        decides(&evidence),
+        Finding::Changes(ChangeFinding::AllLoopsWind)
+    );
 }
 
 #[test]
@@ -679,7 +705,12 @@ fn the_jacobian_is_a_witness_of_the_order() {
     for (slope, order) in [(3.4, None), (3.6, Some(4.0)), (5.4, Some(4.0)), (5.6, None)] {
         let verdict = of(slope);
         assert_eq!(verdict.order, order, "{slope}");
-        let differ = |finding: &Finding| matches!(finding, Finding::OrdersDiffer { .. });
+        let differ = |finding: &Finding| {
+            matches!(
+                finding,
+                Finding::Changes(ChangeFinding::OrdersDiffer { .. })
+            )
+        };
         let told = verdict.findings.iter().any(differ);
         assert_eq!(told, order.is_none(), "{slope}");
         assert_eq!(
@@ -738,9 +769,16 @@ fn a_small_break_hides_no_large_change() {
         assert_eq!(verdict.kind, expected, "{signed:e} beside {reach:e}");
         assert!(matches!(
             (&verdict.findings[0], expected),
-            (Finding::Changes { .. }, NotSymplectic) | (Finding::Discontinuous { .. }, BrokenLoops)
+            (
+                Finding::Changes(ChangeFinding::Changes { .. }),
+                NotSymplectic
+            ) | (
+                Finding::Breaks(BreakFinding::Discontinuous { .. }),
+                BrokenLoops
+            )
         ));
-        let jumps = |finding: &Finding| matches!(finding, Finding::Jump { .. });
+        let jumps =
+            |finding: &Finding| matches!(finding, Finding::Breaks(BreakFinding::Jump { .. }));
         assert!(verdict.findings.iter().any(jumps));
     }
     // The step that is broken itself, if its closed integral changes by as much.
@@ -802,18 +840,18 @@ fn no_bound_in_the_evidence_exceeds_the_summary() {
     let mut evidence = of_map(vec![step(0.5, 0.0, 2e-6), step(0.25, 0.0, 5e-4)]);
     assert!(matches!(
         decides(&evidence),
-        Finding::WeakBound { bound: 5e-4, .. }
+        Finding::Bounds(BoundFinding::WeakBound { bound: 5e-4, .. })
     ));
     evidence.loops[0].steps = vec![step(0.5, 0.0, 1e-14)];
     evidence.loops[0].steps[0].motion = Some(motion(0.5));
     let weak = of_loop(2, LoopKind::Random, vec![step(0.5, 0.0, 1e-3)]);
     evidence.loops.push(weak);
     let verdict = judge(&evidence);
-    let Finding::Conserved { bound, .. } = verdict.findings[0] else {
+    let Finding::Bounds(BoundFinding::Conserved { bound, .. }) = verdict.findings[0] else {
         panic!("{verdict}");
     };
     for finding in &verdict.findings {
-        if let Finding::Bound { bound: other, .. } = finding {
+        if let Finding::Bounds(BoundFinding::Bound { bound: other, .. }) = finding {
             assert!(other.unwrap() <= bound, "{finding}");
         }
     }
@@ -873,11 +911,11 @@ fn jumps_of_samples_count_from_the_size_that_single_precision_cannot_explain() {
     assert_eq!(kind(&jumping(1.1e-6, 2)), BrokenLoops);
     assert!(matches!(
         decides(&jumping(0.9e-6, 2)),
-        Finding::SmallJumps { .. }
+        Finding::Samples(SampleFinding::SmallJumps { .. })
     ));
     assert!(matches!(
         decides(&jumping(0.0, 0)),
-        Finding::TooFewForJumps { cells: 2, .. }
+        Finding::Samples(SampleFinding::TooFewForJumps { cells: 2, .. })
     ));
 }
 
@@ -892,7 +930,7 @@ fn files_that_hold_no_closed_loop_are_told_why() {
     });
     assert!(matches!(
         decides(&wrapped),
-        Finding::Wrapped { step: None, .. }
+        Finding::Samples(SampleFinding::Wrapped { step: None, .. })
     ));
     let mut wrapped = fine();
     wrapped.loops[0].steps[0].wrap = Some(Wrap {
@@ -901,15 +939,21 @@ fn files_that_hold_no_closed_loop_are_told_why() {
     });
     assert!(matches!(
         decides(&wrapped),
-        Finding::Wrapped { step: Some(_), .. }
+        Finding::Samples(SampleFinding::Wrapped { step: Some(_), .. })
     ));
     let mut open = fine();
     open.loops[0].broken_before = Some(JUMP);
-    assert!(matches!(decides(&open), Finding::NotClosed { .. }));
+    assert!(matches!(
+        decides(&open),
+        Finding::Samples(SampleFinding::NotClosed { .. })
+    ));
     for (ratio, shuffled) in [(3.9, false), (4.1, true)] {
         let mut evidence = fine();
         evidence.loops[0].shuffled = Some(ratio);
-        let found = matches!(decides(&evidence), Finding::Shuffled { .. });
+        let found = matches!(
+            decides(&evidence),
+            Finding::Samples(SampleFinding::Shuffled { .. })
+        );
         assert_eq!(found, shuffled, "{ratio}");
     }
 }
@@ -935,7 +979,9 @@ fn what_many_steps_do_follows_from_four_numbers() {
         evidence.long_time = Some(found);
         let verdict = judge(&evidence);
         let finding = (verdict.findings.iter()).find_map(|finding| match finding {
-            Finding::ManySteps { growth, .. } => Some((*growth, finding.to_string())),
+            Finding::Run(RunFinding::ManySteps { growth, .. }) => {
+                Some((*growth, finding.to_string()))
+            }
             _ => None,
         });
         finding.unwrap()
@@ -986,10 +1032,10 @@ fn every_group_has_to_be_moved() {
         found.steps[0].motion = Some(motion(phase_advance));
         evidence.loops.push(found);
     }
-    let because = Finding::LittleMotion {
+    let because = Finding::Map(MapFinding::LittleMotion {
         motion: motion(0.01),
         group: Some(1),
-    };
+    });
     assert_eq!(decides(&evidence), because);
     evidence.loops[2].steps[0].motion = Some(motion(0.5));
     assert_eq!(kind(&evidence), Symplectic);
@@ -1000,7 +1046,10 @@ fn without_random_loops_the_jacobian_has_to_bound_as_much_as_the_loop() {
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-9)]);
     evidence.loops.truncate(1);
     evidence.omissions = vec![spent(Check::RandomLoops, 3)];
-    assert_eq!(decides(&evidence), Finding::NoRandomLoop);
+    assert_eq!(
+        decides(&evidence),
+        Finding::Bounds(BoundFinding::NoRandomLoop)
+    );
     for (bound, expected) in [(0.9e-9, Symplectic), (1.1e-9, Undecided)] {
         evidence.jacobian = Some(symplectic_jacobian(bound));
         assert_eq!(kind(&evidence), expected, "{bound}");
@@ -1035,7 +1084,10 @@ fn the_jacobian_refutes_loops_that_are_conserved() {
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
     assert_eq!(kind(&evidence), Symplectic);
     evidence.jacobian = Some(jacobian);
-    assert_eq!(decides(&evidence), Finding::JacobianRefutes);
+    assert_eq!(
+        decides(&evidence),
+        Finding::Run(RunFinding::JacobianRefutes)
+    );
     assert_eq!(judge(&evidence).advice, [Advice::OtherLoops]);
     assert_eq!(kind(&evidence), Undecided);
     // A spent budget comes first, and a tolerance if the defect is as small as one.
@@ -1062,7 +1114,7 @@ fn steps_are_named_by_what_is_known_of_them() {
         let last = steps.last_mut().unwrap();
         last.defect = defect(1e-3, 1e-15);
         match decides(&of_samples(steps)) {
-            Finding::Changes { step, .. } => step,
+            Finding::Changes(ChangeFinding::Changes { step, .. }) => step,
             other => panic!("{other:?}"),
         }
     };
@@ -1076,7 +1128,7 @@ fn evaluations_are_told_where_a_map_was_called() {
     let told = |evidence: &Evidence| {
         let findings = judge(evidence).findings;
         let mut of_calls = findings.iter().filter_map(|finding| match finding {
-            Finding::Evaluations { made, budget } => Some((*made, *budget)),
+            Finding::Run(RunFinding::Evaluations { made, budget }) => Some((*made, *budget)),
             _ => None,
         });
         of_calls.next()
@@ -1231,12 +1283,25 @@ fn a_loop_that_winds_proves_nothing_by_a_break() {
     evidence.loops.push(winding);
     let verdict = judge(&evidence);
     assert_eq!(verdict.kind, Symplectic);
-    let named = |finding: &Finding| matches!(finding, Finding::Jump { loop_index: 8, .. });
+    let named = |finding: &Finding| {
+        matches!(
+            finding,
+            Finding::Breaks(BreakFinding::Jump { loop_index: 8, .. })
+        )
+    };
     assert!(verdict.findings.iter().any(named), "{verdict}");
-    let exact =
-        |finding: &Finding| matches!(finding, Finding::NotExact { .. } | Finding::Exact { .. });
+    let exact = |finding: &Finding| {
+        matches!(
+            finding,
+            Finding::Changes(ChangeFinding::NotExact { .. })
+                | Finding::Changes(ChangeFinding::Exact { .. })
+        )
+    };
     assert!(!verdict.findings.iter().any(exact), "{verdict}");
     // Nor do such loops alone.
     evidence.loops.drain(..2);
-    assert_eq!(decides(&evidence), Finding::AllLoopsWind);
+    assert_eq!(
+        decides(&evidence),
+        Finding::Changes(ChangeFinding::AllLoopsWind)
+    );
 }

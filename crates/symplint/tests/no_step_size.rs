@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use symplint::evidence::Evaluations;
 use symplint::map::Repeat;
-use symplint::verdict::{Advice, Finding};
+use symplint::verdict::{Advice, Finding, MapFinding};
 use symplint::{
     Circle, Coordinates, Diagnostic, Error, FourierLoop, PerSample, TimeAdvance, VerdictKind,
 };
@@ -151,7 +151,7 @@ fn pendulum(stated: f64, wraps: bool) -> impl TimeAdvance {
 fn a_period_that_is_not_one_of_the_map_is_named() {
     let circle = Circle::new(vec![0.3], vec![0.5], 0.5).unwrap();
     let diagnostic = Diagnostic::halving(-1, -4);
-    let wrong = |found: &Finding| matches!(found, Finding::WrongPeriod(wrong) if wrong.dof == 0);
+    let wrong = |found: &Finding| matches!(found, Finding::Map(MapFinding::WrongPeriod(wrong)) if wrong.dof == 0);
     for (stated, is_wrong) in [(TAU, false), (2.0 * TAU, false), (6.25, true), (3.0, true)] {
         let found = diagnostic.run(&pendulum(stated, false), &circle).unwrap();
         assert_eq!(found.verdict.kind, VerdictKind::Symplectic, "{stated}");

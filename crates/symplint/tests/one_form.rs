@@ -1,7 +1,7 @@
 //! Maps in non-canonical coordinates, against the same maps in canonical ones.
 
 use symplint::map::{NonCanonical, OneForm};
-use symplint::verdict::{Advice, Agreement, Finding};
+use symplint::verdict::{Advice, Agreement, DomainFinding, Finding, RunFinding};
 use symplint::{
     Block, Circle, Diagnosis, Diagnostic, Loop, PerSample, Rule, TimeAdvance, VerdictKind,
 };
@@ -123,7 +123,7 @@ fn the_jacobian_conserves_the_form_of_the_coordinates() {
         let [of_form, _] = both(step, &diagnostic);
         let jacobian = of_form.evidence.jacobian.as_ref().unwrap();
         assert!(jacobian.projected && jacobian.full);
-        let agrees = |finding: &Finding| matches!(finding, Finding::Jacobian { finding } if finding.agreement == agreement);
+        let agrees = |finding: &Finding| matches!(finding, Finding::Run(RunFinding::Jacobian { finding }) if finding.agreement == agreement);
         assert!(
             of_form.verdict.findings.iter().any(agrees),
             "{}",
@@ -233,7 +233,8 @@ fn a_degenerate_form_convicts_on_its_leaf_only() {
                 continue;
             }
             assert_eq!(verdict.kind, VerdictKind::Undecided, "{verdict}");
-            let Finding::DegenerateForm { rank, .. } = verdict.findings[0] else {
+            let Finding::Domain(DomainFinding::DegenerateForm { rank, .. }) = verdict.findings[0]
+            else {
                 panic!("{verdict}");
             };
             assert_eq!((rank.rank, rank.of), (2, 3));

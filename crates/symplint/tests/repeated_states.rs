@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use symplint::evidence::ScatterKind;
-use symplint::verdict::{Advice, Finding};
+use symplint::verdict::{Advice, Finding, MapFinding};
 use symplint::{
     Circle, Diagnosis, Diagnostic, Error, PerBlock, PerSample, TimeAdvance, VerdictKind,
 };
@@ -140,7 +140,9 @@ fn small_noise_limits_the_digits() {
 fn a_step_that_ignores_its_size_is_named() {
     let named = |map: &dyn TimeAdvance| {
         let verdict = run(map).unwrap().verdict;
-        verdict.findings.contains(&Finding::IgnoresStepSize)
+        verdict
+            .findings
+            .contains(&Finding::Map(MapFinding::IgnoresStepSize))
     };
     let of = |fixed: Option<f64>| {
         PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {

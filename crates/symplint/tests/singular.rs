@@ -1,6 +1,6 @@
 //! Loops that run round a point at which the map is singular.
 
-use symplint::verdict::{Advice, Finding};
+use symplint::verdict::{Advice, DomainFinding, Finding};
 use symplint::{Circle, Diagnostic, PerSample, TimeAdvance, Verdict, VerdictKind};
 
 fn verdict(map: &dyn TimeAdvance, circle: &Circle) -> Verdict {
@@ -45,11 +45,11 @@ fn a_closed_kick_round_an_axis_convicts_nobody() {
     for strength in [1.0, 1e-3] {
         let around = verdict(&vortex(strength), &circle(vec![0.1, 0.0]));
         assert_eq!(around.kind, VerdictKind::Undecided, "{around}");
-        let Finding::ChangesAtAPoint {
+        let Finding::Domain(DomainFinding::ChangesAtAPoint {
             contraction,
             change,
             ..
-        } = &around.findings[0]
+        }) = &around.findings[0]
         else {
             panic!("{around}");
         };
@@ -78,7 +78,10 @@ fn several_axes_convict_nobody_in_any_budget() {
             let found = diagnostic.run(map, &circle(vec![0.1, 0.0])).unwrap();
             let verdict = found.verdict;
             assert_eq!(verdict.kind, VerdictKind::Undecided, "{budget}: {verdict}");
-            let said = matches!(verdict.findings[0], Finding::ChangesAtAPoint { .. });
+            let said = matches!(
+                verdict.findings[0],
+                Finding::Domain(DomainFinding::ChangesAtAPoint { .. })
+            );
             assert_eq!(said, budget == 200_000, "{budget}: {verdict}");
             // Both the budget and another loop would decide.
             assert!(

@@ -1,6 +1,6 @@
 //! Verdicts on evidence that is written by hand.
 
-use symplint::verdict::Finding;
+use symplint::verdict::{Finding, MapFinding};
 use symplint::{Block, Circle, Diagnostic, Evidence, Loop, PerSample, VerdictKind, judge};
 
 #[test]
@@ -51,7 +51,8 @@ fn an_analytic_loop_is_not_rough_where_rounding_inside_the_map_ends_the_fall() {
 
 /// Whether a verdict calls the loop rough.
 fn is_rough(found: &symplint::Verdict) -> bool {
-    let is_regularity = |finding: &Finding| matches!(finding, Finding::Regularity { .. });
+    let is_regularity =
+        |finding: &Finding| matches!(finding, Finding::Map(MapFinding::Regularity { .. }));
     found.findings.iter().any(is_regularity)
 }
 

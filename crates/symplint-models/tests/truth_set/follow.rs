@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use symplint::diagnosis::SampleCount;
 use symplint::map::balanced_radii;
-use symplint::verdict::{Advice, Finding};
+use symplint::verdict::{Advice, BoundFinding, Finding};
 use symplint::{Block, Circle, Diagnosis, Diagnostic, Ensemble, Loop, Rule};
 
 use crate::member::{Member, Subject};
@@ -125,7 +125,7 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                         .findings
                         .iter()
                         .find_map(|finding| match finding {
-                            Finding::Group { dofs, .. } => Some(dofs.clone()),
+                            Finding::Bounds(BoundFinding::Group { dofs, .. }) => Some(dofs.clone()),
                             _ => None,
                         });
                     *on = Arc::new(Stretched::in_dofs(on, 3.0, group?));

@@ -1,7 +1,7 @@
 //! Right, undecided or wrong.
 
 use symplint::evidence::Scatter;
-use symplint::verdict::Finding;
+use symplint::verdict::{Finding, MapFinding};
 use symplint::{Diagnosis, Ensemble, Error, Snapshot, VerdictKind, measure};
 
 use crate::member::{Expected, Member, Subject, Truth};
@@ -89,7 +89,7 @@ pub fn outcome_of_error(member: &Member, error: &Error) -> Outcome {
 /// Whether the verdict is that the step draws random numbers.
 fn is_random(diagnosis: &Diagnosis) -> bool {
     let first = diagnosis.verdict.findings.first();
-    matches!(first, Some(Finding::Scatter(scatter)) if Scatter::is_random(scatter))
+    matches!(first, Some(Finding::Map(MapFinding::Scatter(scatter))) if Scatter::is_random(scatter))
 }
 
 /// Whether the verdict is the right one.

@@ -5,7 +5,11 @@ mod conserved;
 mod groups;
 mod undecided;
 
-use super::finding::{Advice, Change, Finding, Step, StepRange};
+use super::advice::Advice;
+use super::findings::{
+    BoundFinding, Change, ChangeFinding, DomainFinding, Finding, LocalisationFinding, MapFinding,
+    RunFinding, SampleFinding, Step, StepRange,
+};
 use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, fit_order, leaves, smallest_steps_slope};
 use super::thresholds::{
@@ -84,9 +88,9 @@ impl Decision {
             // If rounding is what hides an answer, digits come first.
             let of_rounding = matches!(
                 self.because,
-                Finding::WeakBound { .. }
-                    | Finding::Unexplained { .. }
-                    | Finding::SmallJumps { .. }
+                Finding::Bounds(BoundFinding::WeakBound { .. })
+                    | Finding::Changes(ChangeFinding::Unexplained { .. })
+                    | Finding::Samples(SampleFinding::SmallJumps { .. })
             );
             let of_motion = matches!(
                 self.advice[..],
@@ -151,7 +155,10 @@ impl<'a> Case<'a> {
         let is_empty =
             self.steps().next().is_none() && self.loops.iter().all(|found| found.failure.is_none());
         is_empty.then(|| {
-            let mut decision = Decision::new(VerdictKind::Undecided, Finding::NothingMeasured);
+            let mut decision = Decision::new(
+                VerdictKind::Undecided,
+                Finding::Run(RunFinding::NothingMeasured),
+            );
             decision.advice.push(Advice::MeasureLoop);
             decision
         })
@@ -320,43 +327,49 @@ impl<'a> Case<'a> {
         let name = self.name(found, step);
         let mut decision = Decision::new(
             VerdictKind::NotSymplectic,
-            Finding::Changes {
+            Finding::Changes(ChangeFinding::Changes {
                 defect,
                 step: name,
                 law: trend.cloned(),
-            },
+            }),
         );
         decision.order = trend.and_then(Fit::whole);
-        decision.findings.push(Finding::Significant {
-            change: change(&step.defect),
-            loop_index: found.index,
-            step: name,
-        });
+        decision
+            .findings
+            .push(Finding::Changes(ChangeFinding::Significant {
+                change: change(&step.defect),
+                loop_index: found.index,
+                step: name,
+            }));
         let threshold = self.fails_to_converge();
         decision
             .findings
             .extend(threshold.iter().map(|(finding, _)| finding.clone()));
         decision.findings.extend(moves_rest(found));
-        decision
-            .findings
-            .extend(self.fits.iter().map(|fit| Finding::Law {
+        decision.findings.extend(self.fits.iter().map(|fit| {
+            Finding::Changes(ChangeFinding::Law {
                 fit: fit.clone(),
                 between_breaks: is_broken,
-            }));
+            })
+        }));
         let singular = self.evidence.survey.singular;
         if let Some(rank) = singular.and_then(|singular| singular.degenerate) {
-            decision.findings.push(Finding::LosesRank { rank });
+            decision
+                .findings
+                .push(Finding::Domain(DomainFinding::LosesRank { rank }));
             decision.advice.push(Advice::LoopOnManifold);
             return Some(decision);
         }
         if let (Some(law), Some(by_jacobian), Some(decay)) =
             (law, other_slope, self.evidence.jacobian_decay)
         {
-            decision.findings.push(Finding::OrdersDiffer {
-                by_jacobian,
-                by_loops: law.clone(),
-                step_sizes: decay.step_sizes,
-            });
+            decision
+                .findings
+                .push(Finding::Changes(ChangeFinding::OrdersDiffer {
+                    by_jacobian,
+                    by_loops: law.clone(),
+                    step_sizes: decay.step_sizes,
+                }));
         }
         if is_broken {
             decision
@@ -394,12 +407,12 @@ impl<'a> Case<'a> {
         let gone =
             |step: &StepEvidence| step.bound() < defect * (sizes(step) / h).powf(HIGHEST_ORDER);
         let bound = below().map(StepEvidence::bound).fold(0.0, f64::max);
-        let finding = Finding::FailsToConverge {
+        let finding = Finding::Changes(ChangeFinding::FailsToConverge {
             defect,
             step: Step::Size(last.step_size?),
             smaller: Step::Size(next.step_size?),
             bound,
-        };
+        });
         let of_next = |step: &&StepEvidence| sizes(step) == sizes(next);
         (below().filter(of_next).all(gone)).then_some((finding, next.step_size?))
     }
@@ -418,7 +431,10 @@ impl<'a> Case<'a> {
     /// The step draws random numbers: what it does to a loop differs from run to run.
     fn random_numbers(&self) -> Option<Decision> {
         let scatter = self.evidence.survey.scatter.filter(Scatter::is_random)?;
-        let mut decision = Decision::new(VerdictKind::Undecided, Finding::Scatter(scatter));
+        let mut decision = Decision::new(
+            VerdictKind::Undecided,
+            Finding::Map(MapFinding::Scatter(scatter)),
+        );
         decision.advice.push(Advice::SameRandomNumbers);
         Some(decision)
     }
@@ -463,40 +479,69 @@ impl<'a> Case<'a> {
             && !self.is_sampled()
             && let Some(exponent) = step
                 .regularity
-                .filter(|s| super::text::roughness(*s).is_some())
+                .filter(|s| super::findings::roughness(*s).is_some())
         {
             let step = self.name(found, step);
-            findings.push(Finding::Regularity { exponent, step });
+            findings.push(Finding::Map(MapFinding::Regularity { exponent, step }));
         }
         if let Some(given) = self.loops.first() {
-            let repeated = given.repeated_row.map(|row| Finding::RepeatedRow { row });
-            let unequal = given.widest_gap.map(|widest| Finding::UnequalRows {
-                widest,
-                over_mean: widest * given.samples as f64,
+            let repeated = given
+                .repeated_row
+                .map(|row| Finding::Samples(SampleFinding::RepeatedRow { row }));
+            let unequal = given.widest_gap.map(|widest| {
+                Finding::Samples(SampleFinding::UnequalRows {
+                    widest,
+                    over_mean: widest * given.samples as f64,
+                })
             });
             findings.extend(repeated.into_iter().chain(unequal));
         }
-        findings.extend(evidence.survey.output_precision.map(Finding::Precision));
+        findings.extend(
+            evidence
+                .survey
+                .output_precision
+                .map(|of| Finding::Map(MapFinding::Precision(of))),
+        );
         let inside = evidence.survey.single_inside && evidence.survey.output_precision.is_none();
-        findings.extend(inside.then_some(Finding::SingleInside));
+        findings.extend(inside.then_some(Finding::Map(MapFinding::SingleInside)));
         // If it is the reason of the verdict, it stands first.
         let scatter = evidence.survey.scatter;
-        findings.extend(scatter.filter(|of| !of.is_random()).map(Finding::Scatter));
-        findings.extend((evidence.survey.ignores_step_size).then_some(Finding::IgnoresStepSize));
-        findings.extend(evidence.survey.wrong_period.map(Finding::WrongPeriod));
-        findings.extend(evidence.long_time.map(|steps| Finding::ManySteps {
-            growth: long_time::growth(&steps),
-            steps,
+        findings.extend(
+            scatter
+                .filter(|of| !of.is_random())
+                .map(|of| Finding::Map(MapFinding::Scatter(of))),
+        );
+        findings.extend(
+            (evidence.survey.ignores_step_size)
+                .then_some(Finding::Map(MapFinding::IgnoresStepSize)),
+        );
+        findings.extend(
+            evidence
+                .survey
+                .wrong_period
+                .map(|of| Finding::Map(MapFinding::WrongPeriod(of))),
+        );
+        findings.extend(evidence.long_time.map(|steps| {
+            Finding::Run(RunFinding::ManySteps {
+                growth: long_time::growth(&steps),
+                steps,
+            })
         }));
         if let Some(localisation) = &evidence.localisation {
             let step = localisation.step_size.map_or(Step::Map, Step::Size);
             if !localisation.substeps.is_empty() {
                 let substeps = localisation.substeps.clone();
-                findings.push(Finding::Substeps { substeps, step });
+                findings.push(Finding::Localisation(LocalisationFinding::Substeps {
+                    substeps,
+                    step,
+                }));
             }
-            if super::text::largest_sector(&localisation.sectors).is_some() {
+            if super::findings::largest_sector(&localisation.sectors).is_some() {
                 let sectors = localisation.sectors.clone();
-                findings.push(Finding::Sectors { sectors, step });
+                findings.push(Finding::Localisation(LocalisationFinding::Sectors {
+                    sectors,
+                    step,
+                }));
             }
         }
         if let Some(jacobian) = &evidence.jacobian
@@ -504,18 +549,18 @@ impl<'a> Case<'a> {
             && evidence.survey.degenerate_form.is_none()
         {
             let finding = compare_jacobian(jacobian, kind, digits);
-            findings.push(Finding::Jacobian { finding });
+            findings.push(Finding::Run(RunFinding::Jacobian { finding }));
         }
-        findings.extend(
-            (evidence.omissions.iter()).map(|omission| Finding::Omitted {
+        findings.extend((evidence.omissions.iter()).map(|omission| {
+            Finding::Run(RunFinding::Omitted {
                 omission: omission.clone(),
-            }),
-        );
+            })
+        }));
         if !self.is_sampled() && evidence.evaluations.made > 0 {
-            findings.push(Finding::Evaluations {
+            findings.push(Finding::Run(RunFinding::Evaluations {
                 made: evidence.evaluations.made,
                 budget: evidence.evaluations.budget,
-            });
+            }));
         }
         findings
     }
@@ -555,5 +600,6 @@ fn change(defect: &Defect) -> Change {
 /// Whether the loop moves more than the given one.
 fn moves_rest(found: &LoopEvidence) -> Option<Finding> {
     let loop_index = found.index;
-    (found.kind == LoopKind::Extended).then_some(Finding::MovesRest { loop_index })
+    (found.kind == LoopKind::Extended)
+        .then_some(Finding::Bounds(BoundFinding::MovesRest { loop_index }))
 }

@@ -2,18 +2,19 @@
 //!
 //! [`judge`] is the only place where anything is concluded. It calls no map.
 
+mod advice;
 mod diagnosis;
-mod finding;
+mod findings;
 mod jacobian;
 mod judge;
 mod long_time;
 mod number;
 mod order;
-mod text;
 mod thresholds;
 
+pub use advice::Advice;
 pub use diagnosis::{Diagnosis, measure};
-pub use finding::{Advice, Change, Finding, Step, StepRange};
+pub use findings::*;
 pub use jacobian::*;
 pub use judge::judge;
 pub use long_time::Growth;
@@ -78,7 +79,10 @@ impl Verdict {
         }
         if self.conserved_once_closed == Some(true) {
             let straight = |finding: &Finding| {
-                matches!(finding, Finding::ClosedConserved { straight: true, .. })
+                matches!(
+                    finding,
+                    Finding::Breaks(BreakFinding::ClosedConserved { straight: true, .. })
+                )
             };
             text += match self.findings.iter().any(straight) {
                 true => " (conserved once breaks are closed by straight chords)",

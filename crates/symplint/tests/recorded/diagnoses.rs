@@ -2,7 +2,7 @@
 
 use symplint::diagnosis::SampleCount;
 use symplint::rules::{Cutoffs, Streaming};
-use symplint::verdict::Finding;
+use symplint::verdict::{BoundFinding, Finding};
 use symplint::{Diagnostic, Evidence, Rule, Verdict};
 
 use crate::maps::cases;
@@ -12,7 +12,7 @@ use crate::record::{ROUND_OFF, check};
 pub fn write(text: &mut String, heading: &str, verdict: &Verdict, evidence: &Evidence) {
     *text += &format!("== {heading}\n{verdict}\n");
     // Which loop bounds a defect at round-off is chance.
-    let chance = |finding: &&Finding| matches!(finding, Finding::Bound { measured, .. } if *measured < ROUND_OFF);
+    let chance = |finding: &&Finding| matches!(finding, Finding::Bounds(BoundFinding::Bound { measured, .. }) if *measured < ROUND_OFF);
     for finding in verdict
         .findings
         .iter()

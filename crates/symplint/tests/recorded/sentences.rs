@@ -6,7 +6,10 @@ use symplint::evidence::{
     Contraction, LongTime, Motion, OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind,
     Sector, SubstepDefect,
 };
-use symplint::verdict::{Advice, Change, Finding, Growth, Step, StepRange};
+use symplint::verdict::{
+    Advice, BoundFinding, BreakFinding, Change, ChangeFinding, DomainFinding, Finding, Growth,
+    LocalisationFinding, MapFinding, RunFinding, SampleFinding, Step, StepRange,
+};
 
 use crate::record::check;
 
@@ -80,34 +83,34 @@ fn of_findings() {
     write(
         text,
         [
-            Finding::NothingMeasured,
-            Finding::OneState,
-            Finding::AllLoopsWind,
+            Finding::Run(RunFinding::NothingMeasured),
+            Finding::Bounds(BoundFinding::OneState),
+            Finding::Changes(ChangeFinding::AllLoopsWind),
         ],
     );
     write(
         text,
         [
-            Finding::RandomLoopsFail,
-            Finding::NoRandomLoop,
-            Finding::SingleInside,
+            Finding::Bounds(BoundFinding::RandomLoopsFail),
+            Finding::Bounds(BoundFinding::NoRandomLoop),
+            Finding::Map(MapFinding::SingleInside),
         ],
     );
     write(
         text,
         [
-            Finding::JacobianRefutes,
-            Finding::SamplesAreNoProof { samples: 77 },
+            Finding::Run(RunFinding::JacobianRefutes),
+            Finding::Samples(SampleFinding::SamplesAreNoProof { samples: 77 }),
         ],
     );
     for step in [None, Some(half), Some(third), Some(only)] {
         write(
             text,
-            [Finding::Wrapped {
+            [Finding::Samples(SampleFinding::Wrapped {
                 dof: 2,
                 period: 6.5,
                 step,
-            }],
+            })],
         );
     }
     // Jumps of one coordinate, of the other, and of both, next to a thousandth of each other.
@@ -120,13 +123,19 @@ fn of_findings() {
     ] {
         write(
             text,
-            [Finding::NotClosed {
+            [Finding::Samples(SampleFinding::NotClosed {
                 jump: jump(jumps, None),
-            }],
+            })],
         );
         for conserved in [None, Some(true), Some(false)] {
             let jump = jump(jumps, Some(1));
-            write(text, [Finding::Discontinuous { jump, conserved }]);
+            write(
+                text,
+                [Finding::Breaks(BreakFinding::Discontinuous {
+                    jump,
+                    conserved,
+                })],
+            );
         }
     }
     for (breaks, at_least, sampled, substep) in [
@@ -139,14 +148,14 @@ fn of_findings() {
         for (loop_index, step) in [(0, half), (4, third)] {
             write(
                 text,
-                [Finding::Jump {
+                [Finding::Breaks(BreakFinding::Jump {
                     loop_index,
                     step,
                     breaks,
                     at_least,
                     jump,
                     sampled,
-                }],
+                })],
             );
         }
     }
@@ -166,11 +175,11 @@ fn of_findings() {
         let step = Step::Size(h);
         write(
             text,
-            [Finding::Significant {
+            [Finding::Changes(ChangeFinding::Significant {
                 change: change(2e-3, Some(1e-9)),
                 loop_index: 1,
                 step,
-            }],
+            })],
         );
     }
     for change in [
@@ -181,51 +190,51 @@ fn of_findings() {
         write(
             text,
             [
-                Finding::ClosedChanges {
+                Finding::Breaks(BreakFinding::ClosedChanges {
                     change,
                     straight: true,
                     bend: None,
                     loop_index: 0,
                     step: half,
-                },
-                Finding::ClosedChanges {
+                }),
+                Finding::Breaks(BreakFinding::ClosedChanges {
                     change,
                     straight: false,
                     bend: None,
                     loop_index: 0,
                     step: half,
-                },
-                Finding::ClosedChanges {
+                }),
+                Finding::Breaks(BreakFinding::ClosedChanges {
                     change,
                     straight: false,
                     bend: Some(0.3),
                     loop_index: 2,
                     step: only,
-                },
-                Finding::NotExact {
+                }),
+                Finding::Changes(ChangeFinding::NotExact {
                     loop_index: 3,
                     wound: vec![0],
                     change,
                     step: half,
-                },
-                Finding::ContractionUnknown {
+                }),
+                Finding::Domain(DomainFinding::ContractionUnknown {
                     loop_index: 1,
                     change,
                     step: half,
                     bound: 2e-9,
-                },
-                Finding::ManifoldUnknown {
+                }),
+                Finding::Domain(DomainFinding::ManifoldUnknown {
                     loop_index: 1,
                     change,
                     step: third,
-                },
-                Finding::SampledBreaks {
+                }),
+                Finding::Samples(SampleFinding::SampledBreaks {
                     step: third,
                     cells: 5,
                     confirmed: 4,
                     open: change,
                     closed: change,
-                },
+                }),
             ],
         );
         for (points, area) in [(1, 3e-5), (3, 6e-4)] {
@@ -237,12 +246,12 @@ fn of_findings() {
             };
             write(
                 text,
-                [Finding::ChangesAtAPoint {
+                [Finding::Domain(DomainFinding::ChangesAtAPoint {
                     loop_index: 0,
                     change,
                     step: half,
                     contraction,
-                }],
+                })],
             );
         }
     }
@@ -254,14 +263,14 @@ fn of_findings() {
     ] {
         write(
             text,
-            [Finding::Conserved {
+            [Finding::Bounds(BoundFinding::Conserved {
                 bound: 3.3e-12,
                 range,
                 failed,
                 random,
                 given,
                 radii: None,
-            }],
+            })],
         );
     }
     for motion in [
@@ -271,11 +280,16 @@ fn of_findings() {
         motion(2.0, 0.7, false),
     ] {
         for group in [None, Some(1)] {
-            write(text, [Finding::LittleMotion { motion, group }]);
+            write(
+                text,
+                [Finding::Map(MapFinding::LittleMotion { motion, group })],
+            );
         }
-        let moves = |has_step_size| Finding::Moves {
-            motion,
-            has_step_size,
+        let moves = |has_step_size| {
+            Finding::Map(MapFinding::Moves {
+                motion,
+                has_step_size,
+            })
         };
         write(text, [moves(true), moves(false)]);
     }
@@ -283,119 +297,125 @@ fn of_findings() {
         write(
             text,
             [
-                Finding::WeakBound {
+                Finding::Bounds(BoundFinding::WeakBound {
                     bound: 3e-5,
                     step: half,
                     roundoff,
-                },
-                Finding::UnknownIntegral {
+                }),
+                Finding::Samples(SampleFinding::UnknownIntegral {
                     samples: 32,
                     step: third,
                     too_few,
-                },
-                Finding::Bound {
+                }),
+                Finding::Bounds(BoundFinding::Bound {
                     loop_index: 0,
                     samples: Some(64),
                     bound: sure,
                     measured: 2e-10,
                     uncertainty: sure,
                     step: half,
-                },
-                Finding::Bound {
+                }),
+                Finding::Bounds(BoundFinding::Bound {
                     loop_index: 2,
                     samples: None,
                     bound: sure,
                     measured: 2e-10,
                     uncertainty: sure,
                     step: half,
-                },
+                }),
             ],
         );
     }
     write(
         text,
         [
-            Finding::MissesGrid {
+            Finding::Bounds(BoundFinding::MissesGrid {
                 loop_index: 0,
                 cells_apart: 0.7,
                 step: half,
-            },
-            Finding::SmallJumps {
+            }),
+            Finding::Samples(SampleFinding::SmallJumps {
                 size: 3e-7,
                 step: half,
-            },
-            Finding::TooFewForJumps {
+            }),
+            Finding::Samples(SampleFinding::TooFewForJumps {
                 cells: 3,
                 step: half,
                 samples: 40,
-            },
-            Finding::Shuffled { ratio: 21.5 },
-            Finding::Unexplained {
+            }),
+            Finding::Samples(SampleFinding::Shuffled { ratio: 21.5 }),
+            Finding::Changes(ChangeFinding::Unexplained {
                 defect: 3e-9,
                 uncertainty: 1e-9,
                 step: half,
-            },
-            Finding::JumpingSamples {
+            }),
+            Finding::Samples(SampleFinding::JumpingSamples {
                 loops: 2,
                 of: 3,
                 jumps: 9,
                 step: third,
                 samples: 128,
-            },
-            Finding::LoopBesideManifold {
+            }),
+            Finding::Domain(DomainFinding::LoopBesideManifold {
                 smallest: 1e-17,
                 first: 0.2,
                 second: 3e-14,
-            },
-            Finding::BrokenCount { broken: 2, of: 5 },
-            Finding::ClosedConserved {
+            }),
+            Finding::Breaks(BreakFinding::BrokenCount { broken: 2, of: 5 }),
+            Finding::Breaks(BreakFinding::ClosedConserved {
                 bound: 1e-13,
                 straight: false,
                 loop_index: 0,
                 step: half,
-            },
-            Finding::ClosedConserved {
+            }),
+            Finding::Breaks(BreakFinding::ClosedConserved {
                 bound: 1e-13,
                 straight: true,
                 loop_index: 6,
                 step: third,
-            },
-            Finding::MovesRest { loop_index: 2 },
-            Finding::LoopFailed {
+            }),
+            Finding::Bounds(BoundFinding::MovesRest { loop_index: 2 }),
+            Finding::Bounds(BoundFinding::LoopFailed {
                 loop_index: 2,
                 reason: "no root".into(),
-            },
-            Finding::Exact {
+            }),
+            Finding::Changes(ChangeFinding::Exact {
                 loop_index: 3,
                 bound: 2e-14,
                 wound: vec![0, 1],
-            },
-            Finding::Resolution { samples: 4096 },
-            Finding::Scatter(Scatter {
+            }),
+            Finding::Bounds(BoundFinding::Resolution { samples: 4096 }),
+            Finding::Map(MapFinding::Scatter(Scatter {
                 coordinate: 'p',
                 dof: 2,
                 size: 3e-9,
                 kind: ScatterKind::Noise,
-            }),
-            Finding::Evaluations {
+            })),
+            Finding::Run(RunFinding::Evaluations {
                 made: 12,
                 budget: 200,
-            },
+            }),
         ],
     );
     let rank = Rank { rank: 2, of: 3 };
     for given in [None, Some(1e-14)] {
-        write(text, [Finding::DegenerateForm { rank, given }]);
+        write(
+            text,
+            [Finding::Domain(DomainFinding::DegenerateForm {
+                rank,
+                given,
+            })],
+        );
     }
-    write(text, [Finding::LosesRank { rank }]);
+    write(text, [Finding::Domain(DomainFinding::LosesRank { rank })]);
     for (given, beside) in [(None, None), (Some(1e-14), Some((3, 0.2)))] {
         write(
             text,
-            [Finding::Projects {
+            [Finding::Domain(DomainFinding::Projects {
                 smallest: 3e-17,
                 given,
                 beside,
-            }],
+            })],
         );
     }
     for (index, dofs, by_loops, by_jacobian) in [
@@ -405,7 +425,7 @@ fn of_findings() {
     ] {
         write(
             text,
-            [Finding::Group {
+            [Finding::Bounds(BoundFinding::Group {
                 index,
                 of: 3,
                 dofs,
@@ -413,16 +433,16 @@ fn of_findings() {
                 loops: 2,
                 by_loops,
                 by_jacobian,
-            }],
+            })],
         );
     }
     for exponent in [0.3, 0.99, 1.0, 1.9, 2.0, 4.4, 4.6] {
         write(
             text,
-            [Finding::Regularity {
+            [Finding::Map(MapFinding::Regularity {
                 exponent,
                 step: half,
-            }],
+            })],
         );
     }
     for format in [
@@ -435,12 +455,12 @@ fn of_findings() {
     ] {
         write(
             text,
-            [Finding::Precision(OutputPrecision {
+            [Finding::Map(MapFinding::Precision(OutputPrecision {
                 coordinate: 'q',
                 dof: 1,
                 format,
                 unit: 1e-3,
-            })],
+            }))],
         );
     }
     for growth in [
@@ -452,10 +472,10 @@ fn of_findings() {
         for steps in [99, 100] {
             write(
                 text,
-                [Finding::ManySteps {
+                [Finding::Run(RunFinding::ManySteps {
                     steps: many_steps(steps, 100),
                     growth,
-                }],
+                })],
             );
         }
     }
@@ -473,10 +493,10 @@ fn of_findings() {
     ] {
         write(
             text,
-            [Finding::Substeps {
+            [Finding::Localisation(LocalisationFinding::Substeps {
                 substeps,
                 step: half,
-            }],
+            })],
         );
     }
     for (changes, uncertainty) in [
@@ -487,10 +507,10 @@ fn of_findings() {
     ] {
         write(
             text,
-            [Finding::Sectors {
+            [Finding::Localisation(LocalisationFinding::Sectors {
                 sectors: sectors(changes, uncertainty),
                 step: half,
-            }],
+            })],
         );
     }
     check("sentences_of_findings", text);

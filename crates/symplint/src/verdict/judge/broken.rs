@@ -4,7 +4,8 @@ use super::{Case, Decision, change, moves_rest};
 use crate::breaks::Break;
 use crate::evidence::{LoopEvidence, StepEvidence, WEAKEST_BOUND};
 use crate::verdict::VerdictKind;
-use crate::verdict::finding::{Advice, Finding, Step};
+use crate::verdict::advice::Advice;
+use crate::verdict::findings::{BreakFinding, ChangeFinding, Finding, SampleFinding, Step};
 use crate::verdict::order::Fit;
 use crate::verdict::thresholds::{FLICKERING, LEAST_SAMPLED_JUMP, SHUFFLED, TREND};
 
@@ -19,7 +20,7 @@ impl Case<'_> {
     pub(super) fn no_closed_loop(&self) -> Option<Decision> {
         let given = self.loops.first()?;
         let wrapped = |dof, period, step| {
-            let because = Finding::Wrapped { dof, period, step };
+            let because = Finding::Samples(SampleFinding::Wrapped { dof, period, step });
             let mut decision = Decision::new(VerdictKind::Undecided, because);
             decision.findings = self.bounds();
             decision.advice.push(Advice::StatePeriod);
@@ -29,13 +30,19 @@ impl Case<'_> {
             return Some(wrapped(wrap.dof, wrap.period, None));
         }
         if let Some(ratio) = given.shuffled.filter(|&ratio| ratio > SHUFFLED) {
-            let mut decision = Decision::new(VerdictKind::Undecided, Finding::Shuffled { ratio });
+            let mut decision = Decision::new(
+                VerdictKind::Undecided,
+                Finding::Samples(SampleFinding::Shuffled { ratio }),
+            );
             decision.findings = self.bounds();
             decision.advice.push(Advice::OrderOfSamples);
             return Some(decision);
         }
         if let Some(jump) = given.broken_before {
-            let mut decision = Decision::new(VerdictKind::Undecided, Finding::NotClosed { jump });
+            let mut decision = Decision::new(
+                VerdictKind::Undecided,
+                Finding::Samples(SampleFinding::NotClosed { jump }),
+            );
             decision.findings = self.bounds();
             decision.advice = vec![Advice::OrderOfSamples, Advice::MoreSamplesOfFile];
             return Some(decision);
@@ -68,7 +75,7 @@ impl Case<'_> {
         }
         let closed = self.closed();
         let conserved = closed.as_ref().and_then(|closed| closed.conserved);
-        let because = Finding::Discontinuous { jump, conserved };
+        let because = Finding::Breaks(BreakFinding::Discontinuous { jump, conserved });
         let mut decision = Decision::new(VerdictKind::BrokenLoops, because);
         decision.conserved_once_closed = conserved;
         let [first, count] = self.findings_on_breaks()?;
@@ -77,9 +84,11 @@ impl Case<'_> {
         decision.findings.push(count);
         let fit = self.fits.iter().find(|fit| fit.loop_index == 0);
         decision.order = fit.filter(|fit| fit.slope > TREND).and_then(Fit::whole);
-        decision.findings.extend(fit.map(|fit| Finding::Law {
-            fit: fit.clone(),
-            between_breaks: true,
+        decision.findings.extend(fit.map(|fit| {
+            Finding::Changes(ChangeFinding::Law {
+                fit: fit.clone(),
+                between_breaks: true,
+            })
         }));
         decision
             .findings
@@ -98,18 +107,18 @@ impl Case<'_> {
     /// The first broken loop with its jump, and the number of broken loops.
     pub(super) fn findings_on_breaks(&self) -> Option<[Finding; 2]> {
         let (found, step, jump) = self.jumps().find(|(found, ..)| !found.winds)?;
-        let first = Finding::Jump {
+        let first = Finding::Breaks(BreakFinding::Jump {
             loop_index: found.index,
             step: self.name(found, step),
             breaks: step.closing.map(|closing| closing.breaks),
             at_least: step.flickering > 0,
             jump,
             sampled: false,
-        };
-        let count = Finding::BrokenCount {
+        });
+        let count = Finding::Breaks(BreakFinding::BrokenCount {
             broken: self.jumps().count(),
             of: self.steps().count(),
-        };
+        });
         Some([first, count])
     }
 
@@ -149,24 +158,24 @@ impl Case<'_> {
         let defect = closing.closed;
         if defect.magnitude() > crate::evidence::SIGNIFICANT * defect.uncertainty() {
             return Some(Closed {
-                finding: Finding::ClosedChanges {
+                finding: Finding::Breaks(BreakFinding::ClosedChanges {
                     change: change(&defect),
                     straight: closing.straight,
                     bend: (!closing.is_changed()).then_some(closing.bend),
                     loop_index,
                     step: name,
-                },
+                }),
                 conserved: closing.is_changed().then_some(false),
             });
         }
         let bound = defect.magnitude() + defect.uncertainty();
         (bound <= WEAKEST_BOUND).then_some(Closed {
-            finding: Finding::ClosedConserved {
+            finding: Finding::Breaks(BreakFinding::ClosedConserved {
                 bound,
                 straight: closing.straight,
                 loop_index,
                 step: name,
-            },
+            }),
             conserved: Some(true),
         })
     }
@@ -182,36 +191,38 @@ impl Case<'_> {
         let (found, step, jumps) = jumping().max_by_key(|(_, _, jumps)| jumps.confirmed)?;
         let name = self.name(found, step);
         let samples = found.samples;
-        let because = Finding::JumpingSamples {
+        let because = Finding::Samples(SampleFinding::JumpingSamples {
             loops: jumping().count(),
             of: self.steps().count(),
             jumps: jumps.confirmed,
             step: name,
             samples,
-        };
+        });
         let mut decision = Decision::new(VerdictKind::BrokenLoops, because);
-        decision
-            .findings
-            .extend(step.jump.map(|jump| Finding::Jump {
+        decision.findings.extend(step.jump.map(|jump| {
+            Finding::Breaks(BreakFinding::Jump {
                 loop_index: found.index,
                 step: name,
                 breaks: Some(jumps.confirmed),
                 at_least: true,
                 jump,
                 sampled: true,
-            }));
+            })
+        }));
         decision
             .findings
             .extend(jumping().filter_map(|(found, step, _)| self.sampled_breaks(found, step)));
-        decision
-            .findings
-            .extend(self.fits.first().map(|fit| Finding::Law {
+        decision.findings.extend(self.fits.first().map(|fit| {
+            Finding::Changes(ChangeFinding::Law {
                 fit: fit.clone(),
                 between_breaks: true,
-            }));
+            })
+        }));
         decision
             .findings
-            .push(Finding::SamplesAreNoProof { samples });
+            .push(Finding::Samples(SampleFinding::SamplesAreNoProof {
+                samples,
+            }));
         decision.advice = vec![
             Advice::PeriodIfPeriodic,
             Advice::MoreSamplesOfFile,
@@ -224,12 +235,12 @@ impl Case<'_> {
     fn sampled_breaks(&self, found: &LoopEvidence, step: &StepEvidence) -> Option<Finding> {
         let (jumps, closing) = (step.jumping?, step.closing?);
         let name: Step = self.name(found, step);
-        Some(Finding::SampledBreaks {
+        Some(Finding::Samples(SampleFinding::SampledBreaks {
             step: name,
             cells: jumps.cells,
             confirmed: jumps.confirmed,
             open: change(&step.defect),
             closed: change(&closing.closed),
-        })
+        }))
     }
 }

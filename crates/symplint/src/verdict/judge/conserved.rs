@@ -4,7 +4,8 @@ use super::{Case, Decision, change};
 use crate::evidence::{Check, LoopEvidence, Omission, StepEvidence, Why};
 use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
-use crate::verdict::finding::{Advice, Finding};
+use crate::verdict::advice::Advice;
+use crate::verdict::findings::{BoundFinding, BreakFinding, ChangeFinding, Finding, MapFinding};
 
 impl Case<'_> {
     pub(super) fn symplectic(&self) -> Decision {
@@ -12,14 +13,14 @@ impl Case<'_> {
         // A random loop that winds says whether the map is exact, no more.
         let random = (others.iter()).filter(|found| !found.winds && found.is_bounded());
         let bound = self.bound_of_loops();
-        let because = Finding::Conserved {
+        let because = Finding::Bounds(BoundFinding::Conserved {
             bound,
             range: self.range(&given[0]),
             failed: self.failed_steps(),
             random: random.count(),
             given: given[0].is_bounded(),
             radii: self.radii(),
-        };
+        });
         let mut decision = Decision::new(VerdictKind::Symplectic, because);
         decision.digits = Some((-bound.log10() * 10.0).floor() / 10.0);
         decision.findings = self.bounds();
@@ -59,15 +60,19 @@ impl Case<'_> {
         };
         findings.extend(self.groups());
         let samples = self.loops.first().map_or(0, |given| given.samples);
-        findings.push(Finding::Resolution { samples });
+        findings.push(Finding::Bounds(BoundFinding::Resolution { samples }));
         let motion = self.strongest_motion();
-        findings.extend(motion.map(|(motion, _)| Finding::Moves {
-            motion,
-            has_step_size: self.has_step_size(),
+        findings.extend(motion.map(|(motion, _)| {
+            Finding::Map(MapFinding::Moves {
+                motion,
+                has_step_size: self.has_step_size(),
+            })
         }));
-        findings.extend(self.evidence.reach.map(|reach| Finding::Beyond {
-            reach: Box::new(reach),
-            more: motion.is_none_or(|(motion, _)| reach.is_further(motion)),
+        findings.extend(self.evidence.reach.map(|reach| {
+            Finding::Map(MapFinding::Beyond {
+                reach: Box::new(reach),
+                more: motion.is_none_or(|(motion, _)| reach.is_further(motion)),
+            })
         }));
         findings
     }
@@ -80,14 +85,14 @@ impl Case<'_> {
 
     fn bound(&self, found: &LoopEvidence, step: &StepEvidence) -> Finding {
         let finite = |value: f64| Some(value).filter(|value| value.is_finite());
-        Finding::Bound {
+        Finding::Bounds(BoundFinding::Bound {
             loop_index: found.index,
             samples: (found.rule != RuleKind::Piecewise).then_some(found.samples),
             bound: finite(step.bound()),
             measured: step.defect.magnitude(),
             uncertainty: finite(step.defect.uncertainty()),
             step: self.name(found, step),
-        }
+        })
     }
 
     fn bounds_of_loops(&self) -> Vec<Finding> {
@@ -109,39 +114,45 @@ impl Case<'_> {
         let mut findings: Vec<Finding> =
             (given.iter().chain(worst)).filter_map(worst_step).collect();
         let failed = (self.loops.iter()).find_map(|found| {
-            Some(Finding::LoopFailed {
+            Some(Finding::Bounds(BoundFinding::LoopFailed {
                 loop_index: found.index,
                 reason: found.failure.clone()?,
-            })
+            }))
         });
         findings.extend(failed);
         // That a loop breaks which winds proves nothing: it may be its period.
         let cut = self.jumps().find(|(found, ..)| found.winds);
-        findings.extend(cut.map(|(found, step, jump)| Finding::Jump {
-            loop_index: found.index,
-            step: self.name(found, step),
-            breaks: step.closing.map(|closing| closing.breaks),
-            at_least: step.flickering > 0,
-            jump,
-            sampled: false,
+        findings.extend(cut.map(|(found, step, jump)| {
+            Finding::Breaks(BreakFinding::Jump {
+                loop_index: found.index,
+                step: self.name(found, step),
+                breaks: step.closing.map(|closing| closing.breaks),
+                at_least: step.flickering > 0,
+                jump,
+                sampled: false,
+            })
         }));
         let flux = (self.steps())
             .find(|(found, step)| found.winds && step.jump.is_none() && step.is_significant());
-        findings.extend(flux.map(|(found, step)| Finding::NotExact {
-            loop_index: found.index,
-            wound: found.wound.clone(),
-            change: change(&step.defect),
-            step: self.name(found, step),
+        findings.extend(flux.map(|(found, step)| {
+            Finding::Changes(ChangeFinding::NotExact {
+                loop_index: found.index,
+                wound: found.wound.clone(),
+                change: change(&step.defect),
+                step: self.name(found, step),
+            })
         }));
         let conserved =
             |found: &&LoopEvidence| !found.steps.iter().any(StepEvidence::is_unexplained);
         let exact = (random.iter())
             .filter(|found| found.winds && found.is_bounded())
             .find(conserved);
-        findings.extend(exact.map(|found| Finding::Exact {
-            loop_index: found.index,
-            bound: bound(found),
-            wound: found.wound.clone(),
+        findings.extend(exact.map(|found| {
+            Finding::Changes(ChangeFinding::Exact {
+                loop_index: found.index,
+                bound: bound(found),
+                wound: found.wound.clone(),
+            })
         }));
         findings
     }

@@ -2,7 +2,8 @@
 
 use super::{Case, Decision};
 use crate::evidence::{LoopEvidence, Motion, StepEvidence, WEAKEST_BOUND};
-use crate::verdict::finding::{Advice, Finding};
+use crate::verdict::advice::Advice;
+use crate::verdict::findings::{BoundFinding, Finding};
 
 impl Case<'_> {
     /// What no defect in each group exceeds, where there are several.
@@ -14,11 +15,11 @@ impl Case<'_> {
     /// The bounds of groups that no loop bounds.
     pub(super) fn bounds_by_jacobian_alone(&self) -> impl Iterator<Item = f64> {
         self.groups().into_iter().filter_map(|group| match group {
-            Finding::Group {
+            Finding::Bounds(BoundFinding::Group {
                 by_loops: None,
                 by_jacobian,
                 ..
-            } => by_jacobian.filter(|bound| *bound <= WEAKEST_BOUND),
+            }) => by_jacobian.filter(|bound| *bound <= WEAKEST_BOUND),
             _ => None,
         })
     }
@@ -32,7 +33,7 @@ impl Case<'_> {
         let steps = || loops.iter().flat_map(|found| &found.steps);
         let by_jacobian = (self.evidence.jacobian.as_ref())
             .and_then(|jacobian| *jacobian.bounds_of_groups.get(index)?);
-        Finding::Group {
+        Finding::Bounds(BoundFinding::Group {
             index,
             of: self.evidence.groups.len(),
             dofs: group.dofs.clone(),
@@ -40,7 +41,7 @@ impl Case<'_> {
             loops: loops.len(),
             by_loops: steps().map(StepEvidence::bound).reduce(f64::max),
             by_jacobian,
-        }
+        })
     }
 
     /// A group whose motions the largest step advances too little.
@@ -62,11 +63,11 @@ impl Case<'_> {
     /// A group of which neither its loops nor the Jacobian bound a defect.
     pub(super) fn unknown_group(&self) -> Option<Decision> {
         let unknown = self.groups().into_iter().find(|group| {
-            let Finding::Group {
+            let Finding::Bounds(BoundFinding::Group {
                 by_loops,
                 by_jacobian,
                 ..
-            } = group
+            }) = group
             else {
                 return false;
             };

@@ -7,7 +7,10 @@ use crate::evidence::{
 };
 use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
-use crate::verdict::finding::{Advice, Finding};
+use crate::verdict::advice::Advice;
+use crate::verdict::findings::{
+    BoundFinding, ChangeFinding, DomainFinding, Finding, MapFinding, RunFinding, SampleFinding,
+};
 use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
     CONTRADICTS, LOOSEST_TOLERANCE, MOST_DEFORMATION, MOST_LARGER, POINT_OF_DISC, SMALL, UNBALANCED,
@@ -33,11 +36,11 @@ impl Case<'_> {
         let beside = others
             .filter_map(|found| Some((found.index, largest_defect(found)?)))
             .max_by(|a, b| a.1.total_cmp(&b.1));
-        let because = Finding::Projects {
+        let because = Finding::Domain(DomainFinding::Projects {
             smallest: singular.smallest,
             given: bound(given),
             beside,
-        };
+        });
         Some(self.because(because, vec![Advice::Project]))
     }
 
@@ -48,12 +51,12 @@ impl Case<'_> {
             return None;
         }
         let (found, step) = self.worst(StepEvidence::is_significant)?;
-        let because = Finding::ChangesAtAPoint {
+        let because = Finding::Domain(DomainFinding::ChangesAtAPoint {
             loop_index: found.index,
             change: change(&step.defect),
             step: self.name(found, step),
             contraction,
-        };
+        });
         Some(self.because(because, vec![Advice::LoopBesidePoint]))
     }
 
@@ -65,22 +68,22 @@ impl Case<'_> {
         let change = change(&step.defect);
         let step = self.name(found, step);
         if omitted(Check::Constraint) && !of_given {
-            let because = Finding::ManifoldUnknown {
+            let because = Finding::Domain(DomainFinding::ManifoldUnknown {
                 loop_index: found.index,
                 change,
                 step,
-            };
+            });
             return Some(self.because(because, vec![Advice::Project]));
         }
         let bound = self.jacobian_bound()?;
         let contradicts = change.signed.abs() > CONTRADICTS * bound;
         if omitted(Check::Contraction) && contradicts {
-            let because = Finding::ContractionUnknown {
+            let because = Finding::Domain(DomainFinding::ContractionUnknown {
                 loop_index: found.index,
                 change,
                 step,
                 bound,
-            };
+            });
             return Some(self.because(because, vec![Advice::LoopBesidePoint]));
         }
         None
@@ -105,11 +108,11 @@ impl Case<'_> {
         let image = (self.evidence.loops.iter())
             .find(|found| found.kind == LoopKind::Image)
             .filter(|image| image.is_bounded() && !image.shows_defect())?;
-        let because = Finding::LoopBesideManifold {
+        let because = Finding::Domain(DomainFinding::LoopBesideManifold {
             smallest: singular.smallest,
             first: largest_defect(given)?,
             second: bound(image)?,
-        };
+        });
         Some(self.because(because, vec![Advice::LoopOnManifold]))
     }
 
@@ -119,18 +122,18 @@ impl Case<'_> {
         let rank = self.evidence.survey.degenerate_form?;
         let conserved = |found: &&LoopEvidence| !found.shows_defect() && !found.is_broken();
         let given = self.loops.first().filter(conserved).and_then(bound);
-        let because = Finding::DegenerateForm { rank, given };
+        let because = Finding::Domain(DomainFinding::DegenerateForm { rank, given });
         Some(self.because(because, vec![Advice::KeepToLeaf]))
     }
 
     /// The samples are further apart than the cells of the map's grid.
     pub(super) fn misses_grid(&self) -> Option<Decision> {
         let (found, step) = self.worst(StepEvidence::misses_the_grid)?;
-        let because = Finding::MissesGrid {
+        let because = Finding::Bounds(BoundFinding::MissesGrid {
             loop_index: found.index,
             cells_apart: step.cells_apart,
             step: self.name(found, step),
-        };
+        });
         Some(self.because(because, vec![Advice::SamplesInCells]))
     }
 
@@ -150,11 +153,11 @@ impl Case<'_> {
             step.is_unexplained() && (step.defect.magnitude() >= SMALL || step.is_significant())
         };
         let (found, step) = self.worst(counts)?;
-        let because = Finding::Unexplained {
+        let because = Finding::Changes(ChangeFinding::Unexplained {
             defect: step.defect.magnitude(),
             uncertainty: step.defect.uncertainty(),
             step: self.name(found, step),
-        };
+        });
         Some(self.because(because, vec![Advice::MoreSamplesAndLargerSteps]))
     }
 
@@ -162,8 +165,12 @@ impl Case<'_> {
     pub(super) fn all_wind(&self) -> Option<Decision> {
         let all_wind = self.loops.iter().all(|found| found.winds);
         let changes = |step: &StepEvidence| step.is_unexplained() || step.jump.is_some();
-        (all_wind && self.steps().any(|(_, step)| changes(step)))
-            .then(|| self.because(Finding::AllLoopsWind, vec![Advice::ContractibleLoops]))
+        (all_wind && self.steps().any(|(_, step)| changes(step))).then(|| {
+            self.because(
+                Finding::Changes(ChangeFinding::AllLoopsWind),
+                vec![Advice::ContractibleLoops],
+            )
+        })
     }
 
     /// What to do if little motion is a reason to stay undecided: an accurate method that is not symplectic would look the
@@ -195,7 +202,10 @@ impl Case<'_> {
         group: Option<usize>,
         mut advice: Advice,
     ) -> Decision {
-        let mut decision = self.because(Finding::LittleMotion { motion, group }, Vec::new());
+        let mut decision = self.because(
+            Finding::Map(MapFinding::LittleMotion { motion, group }),
+            Vec::new(),
+        );
         // More evaluations do not move them.
         let of_radii = self.balanced_radii(motion);
         // How much larger depends on the radii.
@@ -250,27 +260,27 @@ impl Case<'_> {
         if let Some((found, step, jumps)) = jumping {
             let name = self.name(found, step);
             return Some(if jumps.largest > 0.0 {
-                let because = Finding::SmallJumps {
+                let because = Finding::Samples(SampleFinding::SmallJumps {
                     size: jumps.largest,
                     step: name,
-                };
+                });
                 self.because(because, vec![Advice::MoreDigits, Advice::TightenSolver])
             } else {
-                let because = Finding::TooFewForJumps {
+                let because = Finding::Samples(SampleFinding::TooFewForJumps {
                     cells: jumps.cells,
                     step: name,
                     samples: found.samples,
-                };
+                });
                 self.because(because, vec![Advice::MoreSamplesOfFile])
             });
         }
         let unknown = |step: &StepEvidence| step.defect.quadrature_error.is_none();
         let (found, step) = self.steps().find(|(_, step)| unknown(step))?;
-        let because = Finding::UnknownIntegral {
+        let because = Finding::Samples(SampleFinding::UnknownIntegral {
             samples: found.samples,
             step: self.name(found, step),
             too_few: found.samples < crate::evidence::FEWEST_SAMPLES,
-        };
+        });
         Some(self.because(
             because,
             vec![Advice::MoreSamplesOfFile, Advice::PeriodIfPeriodic],
@@ -284,18 +294,18 @@ impl Case<'_> {
         let weak = |found: &LoopEvidence, step: &StepEvidence| {
             if self.evidence.survey.one_state {
                 let advice = vec![Advice::MoreDigits, Advice::ReturnStates];
-                return self.because(Finding::OneState, advice);
+                return self.because(Finding::Bounds(BoundFinding::OneState), advice);
             }
             let motion = found.steps.iter().find_map(|step| step.motion);
             let motion = motion.unwrap_or_default();
             let deformation = motion.deformation;
             let is_rounded = self.evidence.survey.is_rounded();
             let roundoff = step.defect.roundoff > 0.5 * step.defect.uncertainty();
-            let because = Finding::WeakBound {
+            let because = Finding::Bounds(BoundFinding::WeakBound {
                 bound: step.bound(),
                 step: self.name(found, step),
                 roundoff,
-            };
+            });
             if found.widest_gap.is_some() && !roundoff {
                 let advice = vec![Advice::MoreSamplesOfFile, Advice::OrderOfSamples];
                 return self.because(because, advice);
@@ -337,7 +347,10 @@ impl Case<'_> {
                 .max_by(|a, b| a.1.bound().total_cmp(&b.1.bound()));
             return Some(match step {
                 Some((found, step)) => weak(found, step),
-                None => self.because(Finding::RandomLoopsFail, vec![Advice::SmallerLoopInDomain]),
+                None => self.because(
+                    Finding::Bounds(BoundFinding::RandomLoopsFail),
+                    vec![Advice::SmallerLoopInDomain],
+                ),
             });
         }
         let judged = !given.winds || random.is_empty();
@@ -353,7 +366,7 @@ impl Case<'_> {
             .is_some_and(|bound| bound <= self.bound_of_loops());
         let spent = self.evidence.missing(Check::RandomLoops) > 0;
         let none = !self.has_random_loops() && !by_jacobian && spent;
-        none.then(|| self.because(Finding::NoRandomLoop, Vec::new()))
+        none.then(|| self.because(Finding::Bounds(BoundFinding::NoRandomLoop), Vec::new()))
     }
 
     /// The loops are conserved, and the Jacobian is not symplectic.
@@ -369,7 +382,7 @@ impl Case<'_> {
             if small {
                 advice.insert(0, Advice::TightenSolver);
             }
-            self.because(Finding::JacobianRefutes, advice)
+            self.because(Finding::Run(RunFinding::JacobianRefutes), advice)
         })
     }
 

@@ -1,68 +1,134 @@
-//! What was left out, and what to do next, in English.
+//! What to do next.
 
 use std::fmt::{Display, Formatter, Result};
 
-use super::plural;
-use crate::evidence::{Check, Omission, Why};
-use crate::verdict::finding::Advice;
-use crate::verdict::number::{loop_name, one_digit, short, size};
+use serde::Serialize;
 
-impl Display for Omission {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let missing = match (self.check, &self.why) {
-            (Check::GivenLoop, Why::Budget { missing }) => Some(("step size", "", missing)),
-            (Check::SampleSweep, Why::Budget { missing }) => {
-                Some(("number", " of samples", missing))
-            }
-            (Check::RandomLoops, Why::Budget { missing }) => Some(("random loop", "", missing)),
-            _ => None,
-        };
-        if let Some((what, of, missing)) = missing {
-            let plural = plural(*missing);
-            return write!(
-                f,
-                "The budget was spent before {missing} {what}{plural}{of} could be tried."
-            );
-        }
-        let left_out = match self.check {
-            Check::Radii => "Radii were not looked for",
-            Check::StepSizes => "Step sizes were not looked for",
-            Check::Memory => "Whether results depend on earlier calls was not tested",
-            Check::GivenLoop => "The given loop was left out",
-            Check::SampleSweep => "The sweep over numbers of samples was left out",
-            Check::RandomLoops => "Random loops were left out",
-            Check::Jacobian => "The Jacobian was left out",
-            Check::Constraint => {
-                "Whether the map projects onto a constraint manifold was not tested"
-            }
-            Check::Contraction => {
-                "Whether the loop can be contracted in the domain of the map was not found out"
-            }
-            Check::Localisation => "Where the defect comes from was not found",
-            Check::ManySteps => "Many steps were left out",
-        };
-        match &self.why {
-            Why::Budget { .. } => write!(f, "{left_out}: the budget was spent."),
-            Why::Unresolved => {
-                let name = loop_name(0);
-                write!(
-                    f,
-                    "The budget was spent before {name} was resolved to round-off."
-                )
-            }
-            Why::Memory { samples } => {
-                write!(
-                    f,
-                    "{left_out}: {samples} samples would not fit into memory."
-                )
-            }
-            Why::Failed {
-                step_size: Some(h),
-                reason,
-            } => write!(f, "The step size h = {} was left out: {reason}.", size(*h)),
-            Why::Failed { reason, .. } => write!(f, "{left_out}: {reason}."),
-        }
-    }
+use super::number::{one_digit, short, size};
+
+/// What to do next. Its sentence is its `Display`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+#[non_exhaustive]
+pub enum Advice {
+    /// Measure a loop.
+    MeasureLoop,
+    /// State the period of a position.
+    StatePeriod,
+    /// State the period of positions, if they live in a periodic box.
+    PeriodIfPeriodic,
+    /// Give the samples in their order.
+    OrderOfSamples,
+    /// Take more samples of a loop for another code.
+    MoreSamplesOfFile,
+    /// Use a smoother interpolation.
+    SmootherForce,
+    /// Tighten the tolerance of a solver inside the map.
+    TightenSolver,
+    /// A solver inside the map that stops at a tolerance is the likely cause of the breaks: tighten it.
+    SolverTolerance {
+        /// Breaks of all loops and steps at which rounding decides on which side of them a state is.
+        flickering: usize,
+        /// All breaks of all loops and steps.
+        breaks: usize,
+        /// The most that a coordinate jumps by.
+        largest: f64,
+    },
+    /// Let the radii of the loop follow the map: `radius = "auto"`, [`balanced_radii`](crate::map::balanced_radii).
+    BalancedRadii {
+        /// By how much the radii differ from the ratio that the motion suggests.
+        imbalance: f64,
+    },
+    /// Let an iteration inside the step converge, or take smaller step sizes.
+    LetStepConverge {
+        /// A step size at which it does.
+        converges: f64,
+    },
+    /// Take a larger loop or more samples: rounding of the states averages out.
+    LargerLoopOrMoreSamples,
+    /// Take smaller step sizes: one step deforms the loop by many times its size, and a smaller loop has fewer digits.
+    SmallerSteps {
+        /// The largest motion of a coordinate against the mean motion, over half its range on the loop.
+        deformation: f64,
+    },
+    /// Give more step sizes to learn the order.
+    MoreStepSizes {
+        /// Step sizes measured.
+        given: usize,
+    },
+    /// The step sizes that were given show no order.
+    NoOrder {
+        /// Step sizes measured.
+        given: usize,
+        /// Whether the defects of the smaller ones drown in their uncertainty.
+        drowned: bool,
+    },
+    /// Say the step sizes of the files.
+    StateStepSizes,
+    /// The defect does not fall with h.
+    DefectDoesNotFall,
+    /// Take larger steps.
+    LargerSteps {
+        /// So many times the largest one, where it can be told.
+        factor: Option<f64>,
+        /// The largest one, where it is known.
+        step_size: Option<f64>,
+    },
+    /// Take a larger loop: its integral changes.
+    LargerRadii {
+        /// This number of times as large.
+        factor: f64,
+    },
+    /// Take a loop on which forces act: the step is a free flight or a kick alone.
+    LoopWithForces,
+    /// Check that the files differ.
+    CheckCopies,
+    /// Check that the step returns what it advanced.
+    ReturnStates,
+    /// Two samples or more in each cell.
+    SamplesInCells,
+    /// More samples and larger steps.
+    MoreSamplesAndLargerSteps,
+    /// Add loops that can be contracted.
+    ContractibleLoops,
+    /// Take a loop that does not run round that point.
+    LoopBesidePoint,
+    /// Give larger radii to a group of degrees of freedom.
+    LargerRadiiOfGroup,
+    /// Give a loop on the constraint manifold.
+    LoopOnManifold,
+    /// Give a projection onto the constraint manifold.
+    Project,
+    /// Give Casimir functions, or a projection onto a leaf of the symplectic form.
+    KeepToLeaf,
+    /// Take a smaller loop that stays in the domain of the map.
+    SmallerLoopInDomain,
+    /// A loop that a step does not deform by so many times its size.
+    SmallerLoop {
+        /// The largest motion of a coordinate against the mean motion, over half its range on the loop.
+        deformation: f64,
+    },
+    /// Take more samples, or a smaller loop.
+    MoreSamplesOrSmallerLoop,
+    /// Take another rule than finite differences, which are of first order.
+    RuleAuto,
+    /// Take a larger loop: round-off makes the bound weak.
+    LargerLoop,
+    /// Return more digits.
+    MoreDigits,
+    /// Give every row and every call the same random numbers.
+    SameRandomNumbers,
+    /// Take other loops: the Jacobian shows a defect that these hide.
+    OtherLoops,
+    /// One loop is one probe.
+    MoreLoops,
+    /// The same, for loops of another code.
+    MoreLoopsOfFile,
+    /// Raise the budget.
+    MoreEvaluations {
+        /// By this many evaluations, about.
+        wanted: usize,
+    },
 }
 
 impl Display for Advice {

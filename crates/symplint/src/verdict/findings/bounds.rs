@@ -1,0 +1,271 @@
+//! What the change of loop integrals does not exceed.
+
+use std::fmt::{Display, Formatter, Result};
+
+use serde::Serialize;
+
+use super::{Step, StepRange, degrees_of_freedom, plural};
+use crate::verdict::number::{capitalised, loop_name, short, size};
+
+/// What the change of loop integrals does not exceed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+#[non_exhaustive]
+pub enum BoundFinding {
+    /// No defect was found, on loops that bound it to 1e-6 or better and that a step moves enough to show one.
+    Conserved {
+        /// No defect exceeds this.
+        bound: f64,
+        /// Step sizes of the given loop.
+        range: StepRange,
+        /// Step sizes at which the map failed.
+        failed: usize,
+        /// Random loops that bound the defect as well.
+        random: usize,
+        /// Whether the given loop counts: a loop that winds does not.
+        given: bool,
+        /// The largest radii of a position and of a momentum, if the verdict is about loops of this size: the map has no
+        /// step size, or moves them little.
+        radii: Option<[f64; 2]>,
+    },
+    /// How large the defects of a loop may be.
+    Bound {
+        /// Which loop.
+        loop_index: usize,
+        /// Samples; `None` by the piecewise rule.
+        samples: Option<usize>,
+        /// The bound; `None` where nothing is known.
+        bound: Option<f64>,
+        /// |E| as measured.
+        measured: f64,
+        /// Its uncertainty.
+        uncertainty: Option<f64>,
+        /// The step.
+        step: Step,
+    },
+    /// The given loop, or every random one, bounds the defect by no more than 1e-6.
+    WeakBound {
+        /// The bound.
+        bound: f64,
+        /// The step.
+        step: Step,
+        /// Whether round-off makes most of it.
+        roundoff: bool,
+    },
+    /// How large the defects in a group of degrees of freedom of similar action may be.
+    Group {
+        /// Which group, the one with the largest actions first.
+        index: usize,
+        /// All groups.
+        of: usize,
+        /// Its degrees of freedom.
+        dofs: Vec<usize>,
+        /// Its largest action, as a part of the largest of all.
+        action: f64,
+        /// Loops that move it.
+        loops: usize,
+        /// The bound of these loops.
+        by_loops: Option<f64>,
+        /// The bound of the Jacobian.
+        by_jacobian: Option<f64>,
+    },
+    /// Features narrower than the distance of samples are not resolved.
+    Resolution {
+        /// Samples of the given loop.
+        samples: usize,
+    },
+    /// The loop of the verdict moves degrees of freedom that the given loop leaves at rest.
+    MovesRest {
+        /// Which loop.
+        loop_index: usize,
+    },
+    /// Neighbouring samples are more than half a cell of the map's grid, or a quarter of a period, apart.
+    MissesGrid {
+        /// Which loop.
+        loop_index: usize,
+        /// Cells, or half periods, between neighbouring samples.
+        cells_apart: f64,
+        /// The step.
+        step: Step,
+    },
+    /// All samples came out at one state, which may be rounding: where its numbers are 0, or larger than the loop is wide.
+    OneState,
+    /// The map fails on every random loop.
+    RandomLoopsFail,
+    /// The budget left no random loop, and a symmetric given loop can hide a defect.
+    NoRandomLoop,
+    /// The map failed on a loop.
+    LoopFailed {
+        /// Which loop.
+        loop_index: usize,
+        /// Its error.
+        reason: String,
+    },
+}
+
+impl Display for BoundFinding {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            BoundFinding::Conserved {
+                bound,
+                range,
+                failed,
+                random,
+                given,
+                radii,
+            } => {
+                match given {
+                    true => write!(
+                        f,
+                        "No defect above {bound:.1e} on the given loop{range}{}{}",
+                        but_failed(*failed),
+                        random_loops(*random, range)
+                    )?,
+                    false => write!(
+                        f,
+                        "No defect above {bound:.1e} on {random} random loop{}{range}{}; the given one winds round a \
+                         period",
+                        plural(*random),
+                        but_failed(*failed)
+                    )?,
+                }
+                if let Some([q, p]) = radii {
+                    write!(
+                        f,
+                        ": on loops with radii up to {} in q and {} in p",
+                        short(*q),
+                        short(*p)
+                    )?;
+                }
+                f.write_str(".")
+            }
+            BoundFinding::Bound {
+                loop_index,
+                samples,
+                bound,
+                measured,
+                uncertainty,
+                step,
+            } => {
+                let by = samples.map_or("piecewise".into(), |samples| format!("{samples} samples"));
+                let name = capitalised(&loop_name(*loop_index));
+                match (bound, uncertainty) {
+                    (Some(bound), Some(uncertainty)) => write!(
+                        f,
+                        "{name} ({by}) {step}: |E| ≤ {bound:.1e}; measured {} ± {uncertainty:.1e}.",
+                        short(*measured)
+                    ),
+                    _ => write!(f, "{name} ({by}) {step}: E is not known."),
+                }
+            }
+            BoundFinding::WeakBound { bound, step, .. } => {
+                write!(f, "The defect {step} is only bounded by {bound:.1e}.")
+            }
+            BoundFinding::Group {
+                index,
+                of,
+                dofs,
+                action,
+                loops,
+                by_loops,
+                by_jacobian,
+            } => group(
+                f,
+                [*index, *of],
+                dofs,
+                *action,
+                (*loops, *by_loops),
+                *by_jacobian,
+            ),
+            BoundFinding::Resolution { samples } => write!(
+                f,
+                "Features narrower than 1/{samples} of the loop are not resolved."
+            ),
+            BoundFinding::MovesRest { loop_index } => write!(
+                f,
+                "{} also moves degrees of freedom that the given loop leaves at rest.",
+                capitalised(&loop_name(*loop_index))
+            ),
+            BoundFinding::MissesGrid {
+                loop_index,
+                cells_apart,
+                step,
+            } => write!(
+                f,
+                "Neighbouring samples of {} are {} cells of the map's grid, or half periods, apart {step}: they \
+                 do not resolve it.",
+                loop_name(*loop_index),
+                short(*cells_apart)
+            ),
+            BoundFinding::OneState => f.write_str(
+                "All samples of the loop came out at one state: the step returns no others, or rounds to more than the \
+                 loop's size.",
+            ),
+            BoundFinding::RandomLoopsFail => {
+                f.write_str("The map fails on every random loop of the given one's size.")
+            }
+            BoundFinding::NoRandomLoop => f.write_str(
+                "Only the given loop was tried, before the budget was spent, and a symmetric loop can hide a defect.",
+            ),
+            BoundFinding::LoopFailed { loop_index, reason } => write!(
+                f,
+                "{} was not measured, the map fails on it: {reason}.",
+                capitalised(&loop_name(*loop_index))
+            ),
+        }
+    }
+}
+
+/// `, and the bound of a range`, for random loops.
+fn random_loops(count: usize, range: &StepRange) -> String {
+    let high = match range {
+        StepRange::Unknown | StepRange::Map => String::new(),
+        StepRange::One(h) => format!(" at h = {}", size(*h)),
+        StepRange::Between(low, high) => {
+            let largest = if low.abs() > high.abs() { low } else { high };
+            format!(" at h = {}", size(*largest))
+        }
+    };
+    match count {
+        0 => String::new(),
+        1 => format!(", nor on a random one{high}"),
+        others => format!(", nor on {others} random ones{high}"),
+    }
+}
+
+/// ` (the map failed at 2 others)`, after a range of step sizes.
+fn but_failed(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        1 => " (the map failed at another one)".to_owned(),
+        others => format!(" (the map failed at {others} others)"),
+    }
+}
+
+fn group(
+    f: &mut Formatter<'_>,
+    [index, of]: [usize; 2],
+    dofs: &[usize],
+    action: f64,
+    (loops, by_loops): (usize, Option<f64>),
+    by_jacobian: Option<f64>,
+) -> Result {
+    write!(
+        f,
+        "Group {} of {of}, {}, ",
+        index + 1,
+        degrees_of_freedom(dofs)
+    )?;
+    match index {
+        0 => f.write_str("with the largest actions: ")?,
+        _ => write!(f, "whose actions are {action:.0e} of the largest or less: ")?,
+    }
+    match by_loops {
+        Some(bound) => write!(f, "|E| ≤ {bound:.1e} on {loops} loops")?,
+        None => f.write_str("no loop bounds its defect")?,
+    }
+    match by_jacobian {
+        Some(bound) => write!(f, ", and ≤ {bound:.1e} by the Jacobian."),
+        None => f.write_str("."),
+    }
+}

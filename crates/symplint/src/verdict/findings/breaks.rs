@@ -1,0 +1,195 @@
+//! Broken loops.
+
+use std::fmt::{Display, Formatter, Result};
+
+use serde::Serialize;
+
+use super::{Change, Step, plural};
+use crate::breaks::Break;
+use crate::verdict::number::{capitalised, jumping, loop_name};
+
+/// Broken loops.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+#[non_exhaustive]
+pub enum BreakFinding {
+    /// The map is discontinuous: an advanced loop jumps, by more than the rounding of the map, where no double lies
+    /// between the two sides, and the jump stands out of the noise beside it.
+    Discontinuous {
+        /// The largest jump of the loop that shows it.
+        jump: Break,
+        /// Whether the closed integrals are conserved, where that is known.
+        conserved: Option<bool>,
+    },
+    /// Where the largest jump is.
+    Jump {
+        /// Which loop.
+        loop_index: usize,
+        /// The step.
+        step: Step,
+        /// Breaks of that loop that were found, where they can be closed.
+        breaks: Option<usize>,
+        /// Whether there may be more: where a solver stops at a tolerance, two may be too close to each other to be seen.
+        at_least: bool,
+        /// The largest jump.
+        jump: Break,
+        /// Whether only samples are known.
+        sampled: bool,
+    },
+    /// How many loops are broken.
+    BrokenCount {
+        /// Broken ones.
+        broken: usize,
+        /// Advanced loops.
+        of: usize,
+    },
+    /// All loop integrals are conserved once breaks are closed.
+    ClosedConserved {
+        /// No closed defect exceeds this.
+        bound: f64,
+        /// Whether they are closed by straight chords, as substeps are not known.
+        #[serde(default)]
+        straight: bool,
+        /// The loop with the largest.
+        loop_index: usize,
+        /// The step.
+        step: Step,
+    },
+    /// A closed loop integral changes.
+    ClosedChanges {
+        /// By how much.
+        change: Change,
+        /// Whether it is closed by straight chords, as substeps are not known: that proves nothing.
+        #[serde(default)]
+        straight: bool,
+        /// Where the change proves nothing: what other curves that close the breaks could contribute.
+        #[serde(default)]
+        bend: Option<f64>,
+        /// Which loop.
+        loop_index: usize,
+        /// The step.
+        step: Step,
+    },
+}
+
+impl Display for BreakFinding {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            BreakFinding::Discontinuous { jump, conserved } => {
+                let closed = match conserved {
+                    Some(true) => " With the breaks closed its loop integrals are conserved.",
+                    Some(false) => " Its loop integrals change even with the breaks closed.",
+                    None => "",
+                };
+                write!(
+                    f,
+                    "The map is discontinuous, as far as double precision can tell: {} of degree of freedom {} \
+                     jumps at s = {:.12}.{closed}",
+                    jumping(jump.jump_q, jump.jump_p),
+                    jump.dof,
+                    jump.s
+                )
+            }
+            BreakFinding::Jump {
+                loop_index,
+                step,
+                breaks,
+                at_least,
+                jump,
+                sampled,
+            } => match sampled {
+                true => fmt_sampled_jump(f, step, jump),
+                false => fmt_jump(f, *loop_index, step, (*breaks, *at_least), jump),
+            },
+            BreakFinding::BrokenCount { broken, of } => {
+                write!(f, "{broken} of {of} advanced loops are broken.")
+            }
+            BreakFinding::ClosedConserved {
+                bound,
+                straight,
+                loop_index,
+                step,
+            } => write!(
+                f,
+                "With their breaks closed{} all loop integrals are conserved to {bound:.1e} (worst case: {}, {step}).",
+                by_chords(*straight),
+                loop_name(*loop_index)
+            ),
+            BreakFinding::ClosedChanges {
+                change,
+                straight,
+                bend,
+                loop_index,
+                step,
+            } => {
+                let (by_chords, name) = (by_chords(*straight), loop_name(*loop_index));
+                match (straight, bend) {
+                    (false, None) => write!(
+                        f,
+                        "With its breaks closed the integral of {name} still changes by {change} {step}."
+                    ),
+                    (false, Some(bend)) => write!(
+                        f,
+                        "With its breaks closed by straight segments the integral of {name} differs by {change} {step}. That \
+                         proves nothing: q and p of a degree of freedom jump together, and other curves across the \
+                         breaks contribute about as much as {bend:.1e}."
+                    ),
+                    (true, _) => write!(
+                        f,
+                        "With its breaks closed{by_chords} the integral of {name} differs by {change} {step}. That proves \
+                         nothing: a step may bend what closes a break."
+                    ),
+                }
+            }
+        }
+    }
+}
+
+fn fmt_jump(
+    f: &mut Formatter<'_>,
+    loop_index: usize,
+    step: &Step,
+    (breaks, at_least): (Option<usize>, bool),
+    jump: &Break,
+) -> Result {
+    let times = breaks.map_or(String::new(), |count| {
+        let at_least = if at_least { "at least " } else { "" };
+        format!(" in {at_least}{count} place{}", plural(count))
+    });
+    write!(
+        f,
+        "{} {} breaks{times}; the largest jump, {:.3e} in q and {:.3e} in p of degree of freedom {}, is at \
+         s = {:.15}",
+        capitalised(&step.to_string()),
+        loop_name(loop_index),
+        jump.jump_q,
+        jump.jump_p,
+        jump.dof,
+        jump.s
+    )?;
+    match jump.substep {
+        Some(substep) => write!(
+            f,
+            ", made by substep {} of the map.",
+            substep.saturating_add(1)
+        ),
+        None => f.write_str("."),
+    }
+}
+
+/// How breaks are closed, where it is not in the substeps that cause them.
+fn by_chords(straight: bool) -> &'static str {
+    match straight {
+        true => " by straight chords (substeps unknown)",
+        false => "",
+    }
+}
+
+fn fmt_sampled_jump(f: &mut Formatter<'_>, step: &Step, jump: &Break) -> Result {
+    write!(
+        f,
+        "The largest jump {step}, in degree of freedom {} near s = {:.6}, is {:.3e} in q and {:.3e} in p, \
+         with every sample as with every second and every fourth.",
+        jump.dof, jump.s, jump.jump_q, jump.jump_p
+    )
+}

@@ -1,0 +1,216 @@
+//! What the map does to states, apart from loop integrals.
+
+use std::fmt::{Display, Formatter, Result};
+
+use serde::Serialize;
+
+use super::Step;
+use crate::evidence::{
+    Motion, OutputFormat, OutputPrecision, Reach, Scatter, ScatterKind, WrongPeriod,
+};
+use crate::verdict::number::{capitalised, short, size};
+
+/// What the map does to states, apart from loop integrals.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+#[non_exhaustive]
+pub enum MapFinding {
+    /// The map rounds what it returns.
+    Precision(OutputPrecision),
+    /// The map works in single precision inside.
+    SingleInside,
+    /// Results of one state differ, by rounding or at random.
+    Scatter(Scatter),
+    /// A state has the same result at all step sizes.
+    IgnoresStepSize,
+    /// A stated period is not one of the map.
+    WrongPeriod(WrongPeriod),
+    /// The decay of the Fourier coefficients of the advanced loop.
+    Regularity {
+        /// Sobolev exponent.
+        exponent: f64,
+        /// The step.
+        step: Step,
+    },
+    /// The largest step advances the motions of no loop by 0.05 rad, or by too little for the bound on the defect: a method of
+    /// order 4 would not show one; and a larger step shows a defect, or was not tried. (In loops that another code advanced,
+    /// also a kick or a free flight alone that deforms none by 0.2 of its size.)
+    LittleMotion {
+        /// The strongest motion of a loop.
+        motion: Motion,
+        /// The group of degrees of freedom whose loops these are, where it is not all.
+        #[serde(default)]
+        group: Option<usize>,
+    },
+    /// How the largest step moves the loops.
+    Moves {
+        /// The strongest motion of a loop.
+        motion: Motion,
+        /// Whether the map has a step size.
+        has_step_size: bool,
+    },
+    /// What a larger step, or a larger loop of a map without a step size, shows of a map that moves loops little.
+    Beyond {
+        /// The loop.
+        reach: Box<Reach>,
+        /// Whether it moves more than the other loops.
+        more: bool,
+    },
+}
+
+impl Display for MapFinding {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            MapFinding::Precision(precision) => fmt_precision(f, precision),
+            MapFinding::SingleInside => f.write_str(
+                "States that are a few units of single precision apart scatter by as much after the step: the map \
+                 works in single precision inside, or rounds as coarsely.",
+            ),
+            MapFinding::Scatter(scatter) => fmt_scatter(f, scatter),
+            MapFinding::IgnoresStepSize => f.write_str(
+                "The step ignores h: a state has the same result at all step sizes, so that the defect has no order in h.",
+            ),
+            MapFinding::WrongPeriod(wrong) => write!(
+                f,
+                "{:?} is not a period of the map in {}[{}]: two states that differ by it differ after the step by {:.1e} \
+                 more. No random loop winds round it. Correct the period, or leave it out.",
+                wrong.period, wrong.coordinate, wrong.dof, wrong.difference
+            ),
+            MapFinding::Regularity { exponent, step } => write!(
+                f,
+                "{} the Fourier coefficients of the given loop decay as those of a function in H^{exponent:.1}: \
+                 {}, or on slopes that the samples do not resolve.",
+                capitalised(&step.to_string()),
+                roughness(*exponent).unwrap_or("as of a smooth function")
+            ),
+            MapFinding::LittleMotion { motion, group } => little_motion(f, motion, *group),
+            MapFinding::Moves {
+                motion,
+                has_step_size,
+            } => moves(f, motion, *has_step_size),
+            MapFinding::Beyond { reach, more } => beyond(f, reach, *more),
+        }
+    }
+}
+
+fn fmt_scatter(f: &mut Formatter<'_>, scatter: &Scatter) -> Result {
+    let Scatter {
+        coordinate,
+        dof,
+        size,
+        kind,
+    } = scatter;
+    match kind {
+        ScatterKind::Rounding => write!(
+            f,
+            "Results of one state differ from batch to batch, by up to {size:.0e} in {coordinate}[{dof}]. That is rounding, as \
+             in matrix products that add up in another order."
+        ),
+        ScatterKind::Noise => write!(
+            f,
+            "Results of one state differ at random, by {size:.0e} in {coordinate}[{dof}], as in parallel sums or after a \
+             solver that starts at random. Figures differ from run to run by this noise."
+        ),
+        ScatterKind::RandomNumbers => write!(
+            f,
+            "Results of one state differ at random, by {size:.0e} in {coordinate}[{dof}], and rounding is smaller: the step \
+             draws random numbers."
+        ),
+    }
+}
+
+fn fmt_precision(f: &mut Formatter<'_>, precision: &OutputPrecision) -> Result {
+    let format = match precision.format {
+        OutputFormat::Decimal { digits } => format!("has no more than {digits} decimal digits"),
+        OutputFormat::Multiples => "takes values at equal distances".into(),
+        OutputFormat::Single => "is a number of single precision".into(),
+        OutputFormat::Binary { digits: 11 } => "is a number of half precision".into(),
+        OutputFormat::Binary { digits: 8 } => "is a number of bfloat16".into(),
+        OutputFormat::Binary { digits } => format!("has no more than {digits} binary digits"),
+    };
+    write!(
+        f,
+        "After the step {} of degree of freedom {} {format}, at every sample: the map rounds what it returns, to \
+         about {:.0e}. Its states are no better than that; the loop integral averages over them.",
+        precision.coordinate, precision.dof, precision.unit
+    )
+}
+
+/// What a Sobolev exponent says of a loop that is not smooth.
+pub(in crate::verdict) fn roughness(exponent: f64) -> Option<&'static str> {
+    match exponent {
+        0.25..1.0 => Some("as at jumps"),
+        1.0..2.0 => Some("as at kinks"),
+        2.0..4.5 => Some("as where a higher derivative jumps"),
+        _ => None,
+    }
+}
+
+fn moves(f: &mut Formatter<'_>, motion: &Motion, has_step_size: bool) -> Result {
+    let subject = match has_step_size {
+        true => "The largest step",
+        false => "The map",
+    };
+    if motion.deformation == 0.0 && !motion.moves {
+        write!(f, "{subject} leaves every state of the loops where it is.")
+    } else if motion.shear {
+        write!(
+            f,
+            "{subject} is a kick or a free flight alone, and deforms a loop by {} of its size.",
+            short(motion.deformation)
+        )
+    } else {
+        write!(
+            f,
+            "{subject} advances the motions on a loop by {} rad.",
+            short(motion.phase_advance)
+        )
+    }
+}
+
+fn beyond(f: &mut Formatter<'_>, reach: &Reach, more: bool) -> Result {
+    let step = &reach.step;
+    match step.step_size {
+        Some(_) if !more => {
+            f.write_str("Larger step sizes move the loops no further: a random loop")?
+        }
+        Some(h) => write!(f, "At h = {} a random loop", size(h))?,
+        None => write!(f, "A random loop {} times as large", short(reach.factor))?,
+    }
+    let moved = step.motion.filter(|moved| more && !moved.shear);
+    if let Some(moved) = moved {
+        write!(f, " is advanced by {} rad, and", short(moved.phase_advance))?;
+    }
+    match reach.shows_defect() {
+        true => write!(
+            f,
+            " changes its integral by {:+.3e}, with an uncertainty of {:.1e}.",
+            step.defect.signed,
+            step.defect.uncertainty()
+        ),
+        false => write!(f, " is conserved to {:.1e}.", step.bound()),
+    }
+}
+
+fn little_motion(f: &mut Formatter<'_>, motion: &Motion, group: Option<usize>) -> Result {
+    if motion.deformation == 0.0 {
+        f.write_str("The step did not move the loop, or only as a whole.")
+    } else if motion.shear {
+        write!(
+            f,
+            "The largest step is a kick or a free flight alone, and deforms a loop by only {:.1e} of its size, too \
+             little to show a defect.",
+            motion.deformation
+        )
+    } else {
+        write!(
+            f,
+            "The largest step advances the motions on a loop{} by only {:.1e} rad, too little to show a defect.",
+            match group {
+                None => String::new(),
+                Some(index) => format!(" of group {}", index + 1),
+            },
+            motion.phase_advance
+        )
+    }
+}

@@ -1,0 +1,158 @@
+//! What a verdict rests on: findings with their numbers and sentences, in one file for each subject.
+
+mod bounds;
+mod breaks;
+mod changes;
+mod domain;
+mod jacobian;
+mod localisation;
+mod map;
+mod omission;
+mod run;
+mod samples;
+
+pub use bounds::BoundFinding;
+pub use breaks::BreakFinding;
+pub use changes::ChangeFinding;
+pub use domain::DomainFinding;
+pub use localisation::LocalisationFinding;
+pub use map::MapFinding;
+pub use run::RunFinding;
+pub use samples::SampleFinding;
+
+use std::fmt::{Display, Formatter, Result};
+
+use serde::Serialize;
+
+use super::number::size;
+pub(super) use localisation::largest_sector;
+pub(super) use map::roughness;
+
+/// One statement about the evidence. Its sentence is its `Display`, and each variant says under which condition it is made;
+/// [`crate::verdict`] has the numbers.
+///
+/// The first finding of a verdict decides it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+#[non_exhaustive]
+pub enum Finding {
+    /// Of loops of another code.
+    Samples(SampleFinding),
+    /// Of broken loops.
+    Breaks(BreakFinding),
+    /// Of loop integrals that change.
+    Changes(ChangeFinding),
+    /// Of what the change of loop integrals does not exceed.
+    Bounds(BoundFinding),
+    /// Of loops that do not lie in the domain of the map.
+    Domain(DomainFinding),
+    /// Of the map apart from loop integrals.
+    Map(MapFinding),
+    /// Of where a defect comes from.
+    Localisation(LocalisationFinding),
+    /// Of what else was measured, and what was not.
+    Run(RunFinding),
+}
+
+impl Display for Finding {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Finding::Samples(finding) => finding.fmt(f),
+            Finding::Breaks(finding) => finding.fmt(f),
+            Finding::Changes(finding) => finding.fmt(f),
+            Finding::Bounds(finding) => finding.fmt(f),
+            Finding::Domain(finding) => finding.fmt(f),
+            Finding::Map(finding) => finding.fmt(f),
+            Finding::Localisation(finding) => finding.fmt(f),
+            Finding::Run(finding) => finding.fmt(f),
+        }
+    }
+}
+
+/// Which advanced loop a finding speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Step {
+    /// The one after a step of this size.
+    Size(f64),
+    /// The image under a map without a step size.
+    Map,
+    /// The only one, after a step of unknown size.
+    Only,
+    /// One of several, counted from 1, after a step of unknown size.
+    Number(usize),
+}
+
+/// A change of a loop integral with its uncertainty, relative to the integral before the step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Change {
+    /// Signed.
+    pub signed: f64,
+    /// Quadrature error and round-off; `None` where the quadrature error is not known.
+    pub uncertainty: Option<f64>,
+}
+
+/// The range of step sizes of a sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepRange {
+    /// Nobody stated them.
+    Unknown,
+    /// The map has none.
+    Map,
+    /// One.
+    One(f64),
+    /// From the smallest to the largest.
+    Between(f64, f64),
+}
+
+impl Display for Step {
+    /// `at h = 2^-1`, `in one application`, `after the step`, `in loop 2 after the step`.
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Step::Size(h) => write!(f, "at h = {}", size(*h)),
+            Step::Map => f.write_str("in one application"),
+            Step::Only => f.write_str("after the step"),
+            Step::Number(number) => write!(f, "in loop {number} after the step"),
+        }
+    }
+}
+
+impl Display for Change {
+    /// `+1.2e-3 ± 4.5e-15`.
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self.uncertainty {
+            Some(uncertainty) => write!(f, "{:+.3e} ± {uncertainty:.1e}", self.signed),
+            None => write!(f, "{:+.3e}, with an unknown quadrature error", self.signed),
+        }
+    }
+}
+
+impl Display for StepRange {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            StepRange::Unknown => f.write_str("; the step size is not stated"),
+            StepRange::Map => Ok(()),
+            StepRange::One(h) => write!(f, " at h = {}", size(*h)),
+            StepRange::Between(low, high) => {
+                write!(f, " for h from {} to {}", size(*low), size(*high))
+            }
+        }
+    }
+}
+
+fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
+}
+
+/// Some of them by number.
+fn degrees_of_freedom(dofs: &[usize]) -> String {
+    const NAMED: usize = 4;
+    let named: Vec<String> = dofs.iter().take(NAMED).map(usize::to_string).collect();
+    let further = match dofs.len().checked_sub(NAMED + 1) {
+        Some(_) => format!(" and {} more", dofs.len() - NAMED),
+        None => String::new(),
+    };
+    let plural = if dofs.len() == 1 { "degree" } else { "degrees" };
+    format!("{plural} of freedom {}{further}", named.join(", "))
+}

@@ -1,0 +1,65 @@
+//! What was left out.
+
+use std::fmt::{Display, Formatter, Result};
+
+use super::plural;
+use crate::evidence::{Check, Omission, Why};
+use crate::verdict::number::{loop_name, size};
+
+impl Display for Omission {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let missing = match (self.check, &self.why) {
+            (Check::GivenLoop, Why::Budget { missing }) => Some(("step size", "", missing)),
+            (Check::SampleSweep, Why::Budget { missing }) => {
+                Some(("number", " of samples", missing))
+            }
+            (Check::RandomLoops, Why::Budget { missing }) => Some(("random loop", "", missing)),
+            _ => None,
+        };
+        if let Some((what, of, missing)) = missing {
+            let plural = plural(*missing);
+            return write!(
+                f,
+                "The budget was spent before {missing} {what}{plural}{of} could be tried."
+            );
+        }
+        let left_out = match self.check {
+            Check::Radii => "Radii were not looked for",
+            Check::StepSizes => "Step sizes were not looked for",
+            Check::Memory => "Whether results depend on earlier calls was not tested",
+            Check::GivenLoop => "The given loop was left out",
+            Check::SampleSweep => "The sweep over numbers of samples was left out",
+            Check::RandomLoops => "Random loops were left out",
+            Check::Jacobian => "The Jacobian was left out",
+            Check::Constraint => {
+                "Whether the map projects onto a constraint manifold was not tested"
+            }
+            Check::Contraction => {
+                "Whether the loop can be contracted in the domain of the map was not found out"
+            }
+            Check::Localisation => "Where the defect comes from was not found",
+            Check::ManySteps => "Many steps were left out",
+        };
+        match &self.why {
+            Why::Budget { .. } => write!(f, "{left_out}: the budget was spent."),
+            Why::Unresolved => {
+                let name = loop_name(0);
+                write!(
+                    f,
+                    "The budget was spent before {name} was resolved to round-off."
+                )
+            }
+            Why::Memory { samples } => {
+                write!(
+                    f,
+                    "{left_out}: {samples} samples would not fit into memory."
+                )
+            }
+            Why::Failed {
+                step_size: Some(h),
+                reason,
+            } => write!(f, "The step size h = {} was left out: {reason}.", size(*h)),
+            Why::Failed { reason, .. } => write!(f, "{left_out}: {reason}."),
+        }
+    }
+}

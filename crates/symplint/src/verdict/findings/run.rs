@@ -1,0 +1,98 @@
+//! What was measured beside the loops, and what was not.
+
+use std::fmt::{Display, Formatter, Result};
+
+use serde::Serialize;
+
+use crate::evidence::{LongTime, Omission};
+use crate::verdict::jacobian::JacobianFinding;
+use crate::verdict::long_time::Growth;
+
+/// What was measured beside the loops, and what was not.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+#[non_exhaustive]
+pub enum RunFinding {
+    /// There is no evidence: no loop was advanced, and none failed.
+    NothingMeasured,
+    /// What becomes of the defect in many steps.
+    ManySteps {
+        /// What was measured.
+        steps: LongTime,
+        /// What follows.
+        growth: Growth,
+    },
+    /// What the Jacobian of a step says beside the loops.
+    Jacobian {
+        /// What it says.
+        finding: JacobianFinding,
+    },
+    /// Loops are conserved, but the Jacobian has a defect of more than ten times its uncertainty.
+    JacobianRefutes,
+    /// Something was left out.
+    Omitted {
+        /// What.
+        omission: Omission,
+    },
+    /// What the verdict cost.
+    Evaluations {
+        /// Made.
+        made: usize,
+        /// Allowed.
+        budget: usize,
+    },
+}
+
+impl Display for RunFinding {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            RunFinding::NothingMeasured => f.write_str("No loop was measured."),
+            RunFinding::ManySteps { steps, growth } => fmt_long_time(f, steps, *growth),
+            RunFinding::Jacobian { finding } => finding.fmt(f),
+            RunFinding::JacobianRefutes => f.write_str(
+                "The loops are conserved, but the Jacobian of a step is not symplectic.",
+            ),
+            RunFinding::Omitted { omission } => omission.fmt(f),
+            RunFinding::Evaluations { made, budget } => {
+                write!(f, "Evaluations of the map: {made}, of at most {budget}.")
+            }
+        }
+    }
+}
+
+fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Result {
+    let LongTime {
+        asked,
+        steps,
+        samples,
+        early,
+        late,
+        least,
+        ..
+    } = found;
+    match growth {
+        Growth::None => write!(f, "No defect adds up in {steps} steps.")?,
+        Growth::Bounded => write!(
+            f,
+            "In {steps} steps the defect stays bounded, {early:.1e} in the first quarter and {late:.1e} in the \
+             last, and returns to {least:.1e}: as that of a method conjugate to a symplectic one."
+        )?,
+        Growth::Grows => write!(
+            f,
+            "In {steps} steps the defect adds up, from {early:.1e} in the first quarter to {late:.1e} in the \
+             last."
+        )?,
+        Growth::Undecided => write!(
+            f,
+            "In {steps} steps nothing can be said of whether the defect adds up."
+        )?,
+    }
+    if steps < asked {
+        write!(
+            f,
+            " Of the {asked} steps that were asked for, {samples} samples resolve no more: the loop is folded too \
+             finely from there on. Take a smaller loop or more samples."
+        )?;
+    }
+    Ok(())
+}
