@@ -1,7 +1,7 @@
 //! Samples that are doubled without making or advancing any of them twice.
 
+use super::checks::of_the_map;
 use super::limits::{COARSE, GRAINS_ROUND, MOST_ROUNDED};
-use super::measure::of_the_map;
 use crate::error::{Error, StateAt};
 use crate::map::Grain;
 use crate::rules::Subject;

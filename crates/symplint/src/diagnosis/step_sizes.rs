@@ -1,7 +1,7 @@
 //! Step sizes that test something, from a typical one.
 
+use super::checks::of_the_map;
 use super::limits::{HALVINGS, LOOKED_AT, PHASE_ADVANCE, SCALINGS};
-use super::measure::of_the_map;
 use crate::error::Error;
 use crate::evidence::Motion;
 use crate::rules::Subject;

@@ -1,11 +1,16 @@
 //! The loops beside the given one: random ones, and one that winds round a period.
 
+mod kinds;
+mod reach;
+
+pub(super) use kinds::loop_of_kind;
+use kinds::random_kind;
+
 use super::{Given, Run, if_possible, of_the_map};
 use crate::diagnosis::Event;
 use crate::diagnosis::initial_samples::InitialSamples;
 use crate::diagnosis::plan;
 use crate::diagnosis::probe::{Known, Probe};
-use crate::diagnosis::random_loops::{loop_of_kind, random_kind};
 use crate::diagnosis::resolve::Resolution;
 use crate::error::Error;
 use crate::evidence::{Check, DofGroup, LoopEvidence, LoopKind, Motion, StepEvidence, Sweep, Why};

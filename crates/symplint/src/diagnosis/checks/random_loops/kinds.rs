@@ -17,7 +17,7 @@ pub(super) fn random_kind(size: &LoopSize, index: usize) -> LoopKind {
 
 /// A random loop of this kind about as large as the given one round the same centre; `None` of a loop that should wind
 /// where no position has a period, and of kinds that are not random.
-pub(super) fn loop_of_kind(
+pub(in crate::diagnosis::checks) fn loop_of_kind(
     kind: LoopKind,
     group: Option<usize>,
     size: &LoopSize,

@@ -1,9 +1,9 @@
 //! Beyond the loops and step sizes of a diagnosis, if they move too little to test an accurate method.
 
-use super::{Given, Run, if_possible, of_the_map};
+use super::loop_of_kind;
+use crate::diagnosis::checks::{Given, Run, if_possible, of_the_map};
 use crate::diagnosis::initial_samples::InitialSamples;
 use crate::diagnosis::limits::{LARGER, MOST_HALVINGS, MOST_LARGER, SMALLEST_SHEAR};
-use crate::diagnosis::random_loops::loop_of_kind;
 use crate::diagnosis::step_sizes::step_sizes;
 use crate::error::Error;
 use crate::evidence::{LoopEvidence, LoopKind, Motion, Reach};
@@ -13,7 +13,11 @@ use crate::rules::Subject;
 impl Run<'_> {
     /// A random loop after a larger step, or a larger loop for a map without a step size, if no loop shows a defect or moves
     /// enough to show one: an accurate method that is not symplectic shows it there.
-    pub(super) fn reach(&mut self, subject: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
+    pub(in crate::diagnosis::checks) fn reach(
+        &mut self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+    ) -> Result<(), Error> {
         let diagnostic = self.diagnostic;
         let loops = &self.evidence.loops;
         let bound = LoopEvidence::bound_of(loops);

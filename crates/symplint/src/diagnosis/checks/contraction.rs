@@ -1,61 +1,13 @@
-//! Whether what has a defect lies in the domain of the map.
+//! Whether a loop whose integral changes can be contracted in the domain of the map.
 
-use super::{Given, Run, if_possible, of_the_map};
-use crate::diagnosis::localise::{FEWEST_OF_HALVING, MOST_OF_A_BOUNDARY, contraction};
+use super::localise::{FEWEST_OF_HALVING, MOST_OF_A_BOUNDARY, contraction};
+use super::{Given, Run, of_the_map};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, LoopKind, Why};
 use crate::jacobian::JacobianEvidence;
 use crate::rules::Subject;
-use crate::survey;
 
 impl Run<'_> {
-    /// Where something has a defect, looks whether it lies outside the domain of the map: whether the map projects onto a
-    /// manifold. If the given loop has one, its image, which lies on the manifold, is advanced, too.
-    pub(super) fn look_for_manifold(
-        &mut self,
-        subject: Subject<'_>,
-        given: &Given<'_>,
-    ) -> Result<(), Error> {
-        let suspect = |found: &LoopEvidence| {
-            !found.winds && (found.failure.is_some() || found.shows_defect())
-        };
-        let by_jacobian = self.evidence.jacobian.as_ref();
-        let shown = self.evidence.loops.iter().any(suspect)
-            || by_jacobian.is_some_and(JacobianEvidence::shows_defect);
-        let of_given = self.evidence.loops[0].shows_defect();
-        // With a projection all loops lie on the manifold.
-        let projected = subject.evaluator.constraint().is_some();
-        if !shown || projected || given.probe.is_beyond_memory() {
-            return Ok(());
-        }
-        if self.count.left() < survey::singular_cost(subject.dof()) {
-            self.omit(Check::Constraint, Why::BUDGET);
-            return Ok(());
-        }
-        let found = survey::singular_jacobian(subject, &given.size, self.largest);
-        self.evidence.survey.singular = if_possible(found)?;
-        if self.evidence.survey.singular.is_some() && of_given {
-            self.image_loop(subject)?;
-        }
-        Ok(())
-    }
-
-    /// If something shows a defect, tests whether the symplectic form of non-canonical coordinates is degenerate.
-    pub(super) fn look_for_leaf(
-        &mut self,
-        subject: Subject<'_>,
-        given: &Given<'_>,
-    ) -> Result<(), Error> {
-        let shows = |found: &LoopEvidence| found.shows_defect() || found.is_broken();
-        let by_jacobian = self.evidence.jacobian.as_ref();
-        if self.evidence.loops.iter().any(shows)
-            || by_jacobian.is_some_and(JacobianEvidence::shows_defect)
-        {
-            self.evidence.survey.degenerate_form = survey::degenerate_form(subject, &given.size)?;
-        }
-        Ok(())
-    }
-
     /// The loop without breaks whose integral changes most, and the step size at which it does.
     pub(super) fn changed_loop(&self) -> Option<(&LoopEvidence, f64)> {
         let smooth = |found: &&LoopEvidence| {

@@ -9,15 +9,57 @@ pub(super) use halving::{
     FEWEST_EVALUATIONS as FEWEST_OF_HALVING, MOST_EVALUATIONS as MOST_OF_A_BOUNDARY, contraction,
 };
 
-use super::Diagnostic;
-use super::memory::fits;
-use super::plan::Plan;
 use super::random_loops::loop_of_kind;
+use super::{Given, Run, failed};
+use crate::diagnosis::Diagnostic;
+use crate::diagnosis::memory::fits;
+use crate::diagnosis::plan::Plan;
 use crate::error::Error;
-use crate::evidence::{Localisation, LoopEvidence};
+use crate::evidence::{Check, Localisation, LoopEvidence, Why};
 use crate::loops::FourierLoop;
 use crate::map::{LoopSize, ProjectedLoop};
 use crate::rules::{Rule, RuleKind, Subject};
+
+impl Run<'_> {
+    /// Looks where a defect comes from, on the first loop that shows it.
+    pub(super) fn localise(
+        &mut self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+    ) -> Result<(), Error> {
+        let survey = &self.evidence.survey;
+        let off_manifold = survey.singular.is_some() || survey.degenerate_form.is_some();
+        if !self.diagnostic.localise || off_manifold || given.probe.is_beyond_memory() {
+            return Ok(());
+        }
+        // The integral of a loop that winds may change, and its period need not be one of the map.
+        let broken = (self.evidence.loops.iter()).any(|found| !found.winds && found.is_broken());
+        let Some(found) =
+            (self.evidence.loops.iter()).find(|found| found.shows_defect() && !found.winds)
+        else {
+            return Ok(());
+        };
+        let most = subject.evaluator.substeps().saturating_mul(given.cost);
+        if self.count.left() < most {
+            self.omit(Check::Localisation, Why::BUDGET);
+            return Ok(());
+        }
+        let found = self.diagnostic.locate(
+            subject,
+            &given.size,
+            found,
+            broken,
+            self.largest,
+            &self.plan,
+        );
+        match found {
+            Ok(found) => self.evidence.localisation = Some(found),
+            // Inside the loop, or between substeps, the map need not be defined.
+            Err(error) => self.omit(Check::Localisation, failed(&error)),
+        }
+        Ok(())
+    }
+}
 
 impl Diagnostic {
     /// Looks where the defect of one loop comes from; of broken loops the substep alone.

@@ -1,16 +1,32 @@
 //! The given loop in many steps.
 
-use super::limits::{FINE_DEFECT, FOLDED, RESOLVED_DEFECT};
-use super::memory::fits;
-use super::probe::Probe;
+use super::{Given, Run};
+use crate::diagnosis::limits::{FINE_DEFECT, FOLDED, RESOLVED_DEFECT};
+use crate::diagnosis::memory::fits;
+use crate::diagnosis::probe::Probe;
 use crate::error::Error;
-use crate::evidence::{LongTime, Why};
-use crate::rules::Rule;
+use crate::evidence::{Check, LongTime, Why};
+use crate::rules::{Rule, Subject};
 use crate::trace::{Trace, TracePoint};
+
+impl Run<'_> {
+    /// The given loop in many steps, if they are asked for.
+    pub(super) fn many_steps(&mut self, _: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
+        let steps = self.diagnostic.long_time;
+        if steps == 0 {
+            return Ok(());
+        }
+        match follow(&given.probe, self.largest, steps, self.left())? {
+            Ok(found) => self.evidence.long_time = Some(found),
+            Err(why) => self.omit(Check::ManySteps, why),
+        }
+        Ok(())
+    }
+}
 
 /// Follows the loop of a probe for `steps` steps of size `h`, or says what is left out if it does not fit into memory
 /// or into the evaluations that are `left`.
-pub(super) fn follow(
+fn follow(
     probe: &Probe<'_>,
     h: f64,
     steps: usize,

@@ -1,0 +1,134 @@
+//! The given loop at all step sizes.
+
+use super::{FailedStep, Given, Run, if_possible, of_the_map};
+use crate::diagnosis::initial_samples::InitialSamples;
+use crate::diagnosis::limits::KEPT_PART;
+use crate::diagnosis::resolve::Resolution;
+use crate::diagnosis::{Event, SampleCount};
+use crate::error::Error;
+use crate::evidence::{Check, LoopEvidence, LoopKind, Omission, Sweep, Why};
+use crate::map::LoopSize;
+use crate::rules::{RuleKind, Subject};
+use crate::state::Ensemble;
+use crate::survey;
+
+impl Run<'_> {
+    /// The given loop at all step sizes that the budget allows, the largest first of all.
+    pub(super) fn given_loop<'s>(&mut self, subject: Subject<'s>) -> Result<Given<'s>, Error> {
+        let diagnostic = self.diagnostic;
+        let left = self.left();
+        let (budget, tight) = (self.count.budget(), self.plan.is_tight());
+        let mut seen = None;
+        let mut look = |after: &Ensemble| seen = Some(survey::of_samples(subject, after));
+        let with = Resolution {
+            h: self.largest,
+            plan: &self.plan,
+            most_samples: self.plan.most_samples(diagnostic, budget, left),
+            allowance: left / KEPT_PART * (KEPT_PART - 1),
+        };
+        let probe = diagnostic.resolve(subject, &with, &mut look)?;
+        let samples = &mut InitialSamples::new(subject);
+        let judged = probe.measure(samples, self.largest, &mut look)?;
+        let cost = judged.evaluations.max(1);
+        let seen = match seen {
+            Some(seen) => seen,
+            None => survey::of_few_samples(subject, self.largest)?,
+        };
+        self.evidence.survey.one_state = seen.one_state;
+        let of_grain = || survey::of_grain(&*subject.evaluator.grain()?);
+        self.evidence.survey.output_precision = seen.output_precision.or_else(of_grain);
+
+        let mut given = LoopEvidence::new(0, LoopKind::Given);
+        given.rule = probe.rule.kind();
+        if given.rule == RuleKind::Auto {
+            given.rule = RuleKind::Pseudospectral;
+        }
+        given.samples = probe.samples;
+        given.wound = survey::wound(subject.phase_loop, subject.coordinates())?;
+        given.winds = !given.wound.is_empty();
+        self.evidence.loops.push(given);
+        let affordable = self.affordable_steps(cost);
+        (self.watch)(Event::Planned(affordable.len()));
+        if probe.keeps_samples() {
+            let further = affordable.iter().copied().filter(|&h| h != self.largest);
+            samples.prefetch(probe.samples, further.take(self.left() / cost));
+        }
+        let mut omitted = diagnostic.step_sizes.len() - self.failed.len() - affordable.len();
+        for h in affordable {
+            let known = match h == self.largest {
+                true => judged.clone(),
+                false if self.left() < probe.least_cost() => {
+                    omitted += 1;
+                    continue;
+                }
+                false => match probe.measure(samples, h, &mut |_| {}) {
+                    Err(Error::BudgetSpent { .. }) => {
+                        omitted += 1;
+                        continue;
+                    }
+                    Err(error) if of_the_map(&error) => {
+                        (self.watch)(Event::Failed(&error));
+                        self.failed.push(FailedStep { h, error });
+                        continue;
+                    }
+                    measured => measured?,
+                },
+            };
+            let with = Resolution {
+                h,
+                plan: &self.plan,
+                most_samples: probe.samples,
+                allowance: known.evaluations + self.left() / KEPT_PART,
+            };
+            let judged = (&probe, &judged.advanced);
+            let refined = || samples.last(h);
+            // The samples themselves were advanced, if the map fails between them.
+            match if_possible(diagnostic.reconsidered(judged, &known, refined, &with))? {
+                Some(again) => {
+                    let known = again.known(h).unwrap_or(&known);
+                    self.record(0, Sweep::StepSize, &again, known);
+                }
+                None => self.record(0, Sweep::StepSize, &probe, &known),
+            }
+        }
+        self.keep_features(0, subject);
+        for FailedStep { h, error } in &self.failed {
+            self.evidence.omissions.push(Omission {
+                check: Check::GivenLoop,
+                why: Why::Failed {
+                    step_size: Some(*h),
+                    reason: error.to_string(),
+                },
+            });
+        }
+        self.moved(seen.motion);
+        if omitted > 0 {
+            self.omit(Check::GivenLoop, Why::Budget { missing: omitted });
+        }
+        let unresolved = match diagnostic.samples {
+            SampleCount::Fixed(samples) => probe.samples < samples,
+            SampleCount::Auto => tight && self.evidence.loops[0].weak_step().is_some(),
+        };
+        if unresolved {
+            self.omit(Check::GivenLoop, Why::Unresolved);
+        }
+        let size = LoopSize::of(subject.evaluator, subject.phase_loop, self.largest)?;
+        Ok(Given { probe, cost, size })
+    }
+
+    /// The step sizes that the budget allows, in the order in which they were given: all, or the largest ones, so
+    /// that something is left for random loops.
+    fn affordable_steps(&self, cost: usize) -> Vec<f64> {
+        let sizes = &self.diagnostic.step_sizes;
+        let units = self.left() / cost;
+        let random = self.diagnostic.loops - 1;
+        let further = (units / 2).max(units.saturating_sub(random));
+        let mut order: Vec<usize> = (0..sizes.len())
+            .filter(|&k| !self.has_failed(sizes[k]))
+            .collect();
+        order.sort_by(|&a, &b| sizes[b].abs().total_cmp(&sizes[a].abs()));
+        order.truncate(1 + further);
+        order.sort_unstable();
+        order.into_iter().map(|k| sizes[k]).collect()
+    }
+}

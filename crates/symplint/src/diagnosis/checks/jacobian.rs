@@ -1,0 +1,100 @@
+//! The Jacobian of a step.
+
+use super::{Given, Run, failed};
+use crate::diagnosis::limits::{CLEAR_OF_METHOD, DECAY_PART, FEWEST_OF_AN_ORDER, SMALL};
+use crate::error::Error;
+use crate::evidence::{Check, LoopEvidence, Why};
+use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest};
+use crate::map::LoopSize;
+use crate::rules::Subject;
+
+impl Run<'_> {
+    /// The Jacobian of the largest step, on the given loop.
+    pub(super) fn jacobian(
+        &mut self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+    ) -> Result<(), Error> {
+        if !self.diagnostic.jacobian {
+            return Ok(());
+        }
+        if given.probe.is_beyond_memory() {
+            self.omit(Check::Jacobian, Why::Memory { samples: SMALL });
+            return Ok(());
+        }
+        let Subject {
+            evaluator,
+            phase_loop,
+        } = subject;
+        let left = self.count.left().saturating_sub(self.plan.domain);
+        let planned = self.plan.jacobian;
+        match JacobianTest::within(left.min(planned), evaluator.dof(), evaluator.has_tangent()) {
+            None => self.omit(Check::Jacobian, Why::BUDGET),
+            Some(test) => {
+                // Further groups of degrees of freedom, and tracing a defect, take as much again.
+                let further = planned.saturating_mul(1 + given.size.groups.len().max(1));
+                let test = JacobianTest {
+                    budget: left.min(further),
+                    ..test
+                };
+                match test.run_with(evaluator, phase_loop, &given.size, self.largest) {
+                    Ok(found) => {
+                        self.evidence.jacobian_decay =
+                            self.jacobian_decay(&test, subject, &given.size, &found);
+                        self.evidence.jacobian = Some(found);
+                    }
+                    // It displaces states off the loop, where the map need not be defined.
+                    Err(error) => self.omit(Check::Jacobian, failed(&error)),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The defect of the Jacobian at a second step size, if the loops may have an order: at the smallest step size at which
+    /// the defect is expected to be well above what its method resolves.
+    pub(super) fn jacobian_decay(
+        &self,
+        test: &JacobianTest,
+        subject: Subject<'_>,
+        size: &LoopSize,
+        found: &JacobianEvidence,
+    ) -> Option<JacobianDecay> {
+        let (_, worst) = found.worst_point().filter(|_| found.shows_defect())?;
+        let largest_step = found.step_size?;
+        let significant = |of: &LoopEvidence| -> Vec<(f64, f64)> {
+            (of.steps.iter().filter(|step| step.is_significant()))
+                .filter_map(|step| Some((step.step_size?, step.defect.magnitude())))
+                .collect()
+        };
+        let loops = self.evidence.loops.iter().filter(|of| !of.winds);
+        let of_loops = loops.map(significant);
+        let expected = of_loops
+            .filter(|steps| steps.len() >= FEWEST_OF_AN_ORDER)
+            .flat_map(|steps| {
+                let largest = steps.iter().find(|(h, _)| *h == largest_step);
+                let at_largest = largest.map_or(f64::INFINITY, |(_, defect)| *defect);
+                let fallen = move |(h, defect)| (h, worst.magnitude() * defect / at_largest);
+                steps.into_iter().map(fallen)
+            });
+        let least = CLEAR_OF_METHOD * found.method.least_defect();
+        let h = expected
+            .filter(|&(h, defect)| h.abs() < largest_step.abs() && defect >= least)
+            .map(|(h, _)| h)
+            .min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        let evaluator = subject.evaluator;
+        let one = JacobianTest { points: 1, ..*test };
+        let groups = if found.full {
+            1
+        } else {
+            size.groups.len().max(1)
+        };
+        let cost = groups * one.evaluations(evaluator.dof(), evaluator.has_tangent());
+        let left = self.count.left().saturating_sub(self.plan.domain);
+        if cost > left.min(self.count.made() / DECAY_PART) {
+            return None;
+        }
+        // A witness that fails is not missed: the loops are measured.
+        (one.decay(evaluator, subject.phase_loop, size, found, h)).ok()?
+    }
+}

@@ -1,0 +1,107 @@
+//! Whether results depend on earlier calls, on other rows or on random numbers, and how they are rounded.
+
+use super::{Given, Run, of_the_map};
+use crate::breaks::Break;
+use crate::error::Error;
+use crate::evidence::BreakAt;
+use crate::map::Evaluator;
+use crate::rules::Subject;
+use crate::survey;
+
+/// If a map wraps a coordinate, the other one of its degree of freedom jumps by at most this part of the jump: it is continuous, and
+/// the ends of a break are a rounding apart. Conventional.
+const OF_A_WRAP: f64 = 1e-6;
+
+impl Run<'_> {
+    /// Tests whether results depend on earlier calls, and how they are rounded. The error of the map beside the given loop, if it fails
+    /// there: where the given loop fails, too, its samples tell more of where that is.
+    pub(super) fn look_first(&mut self, subject: Subject<'_>) -> Result<Option<Error>, Error> {
+        let Subject {
+            evaluator,
+            phase_loop,
+        } = subject;
+        let (samples, witnesses) = (self.plan.purity_samples, self.plan.witnesses);
+        evaluator.keep_witnesses(witnesses);
+        self.count.reserve(survey::cost_again(witnesses));
+        match survey::rounding_inside(subject, self.largest) {
+            Ok(None) => {}
+            Ok(Some(grains)) => {
+                evaluator.note_rounding_inside(grains);
+                self.evidence.survey.single_inside = true;
+            }
+            // Samples of the loop will show it, or miss it.
+            Err(error) if of_the_map(&error) => {}
+            Err(error) => return Err(error),
+        }
+        match survey::check_purity(evaluator, phase_loop, self.largest, samples) {
+            Ok(noise) => {
+                self.note_noise(evaluator, noise);
+                Ok(None)
+            }
+            // One failure is described as well as possible, further ones at little cost.
+            Err(error) if of_the_map(&error) && self.failed.is_empty() => Ok(Some(error)),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Keeps by how much results of one state differ: the rules allow for it.
+    pub(super) fn note_noise(&mut self, evaluator: &Evaluator<'_>, noise: Option<survey::Noise>) {
+        if noise == self.noise {
+            return;
+        }
+        let scatter = noise.as_ref().and_then(survey::Noise::scatter);
+        self.evidence.survey.scatter = scatter;
+        // Random numbers look like single precision.
+        self.evidence.survey.single_inside &= !scatter.is_some_and(|of| of.is_random());
+        if let Some(noise) = &noise {
+            evaluator.note_rounding_inside(noise.units());
+            if let Some(deviations) = noise.deviations() {
+                evaluator.note_noise(deviations);
+            }
+        }
+        self.noise = noise;
+    }
+
+    /// Advances states of the batches before once more, and one of them by steps of other sizes.
+    pub(super) fn look_again(
+        &mut self,
+        evaluator: &Evaluator<'_>,
+        sizes: &[f64],
+    ) -> Result<(), Error> {
+        self.count.reserve(0);
+        let noise = survey::check_again(evaluator, false, self.noise.clone())?;
+        self.note_noise(evaluator, noise);
+        self.evidence.survey.ignores_step_size = survey::ignores_step_size(evaluator, sizes)?;
+        Ok(())
+    }
+
+    /// Checks that no loop needs a period that is not one of the map: a given loop that winds, or a loop that breaks in periodic
+    /// coordinates alone, because the map wraps them by another period. (A kick, a wall or a solver also changes the other
+    /// coordinate of the degree of freedom.)
+    pub(super) fn check_periods(
+        &mut self,
+        subject: Subject<'_>,
+        _: &Given<'_>,
+    ) -> Result<(), Error> {
+        let coordinates = subject.coordinates();
+        let Some(wrong) = self.evidence.survey.wrong_period else {
+            return Ok(());
+        };
+        let is_wrapped = |at: &BreakAt| {
+            let Break {
+                dof,
+                jump_q,
+                jump_p,
+                ..
+            } = at.found;
+            let alone = |jump: f64, other: f64| other.abs() <= OF_A_WRAP * jump.abs();
+            coordinates.period(dof) > 0.0 && alone(jump_q, jump_p)
+                || coordinates.momentum_period(dof) > 0.0 && alone(jump_p, jump_q)
+        };
+        let winds = self.evidence.loops.iter().any(|found| found.winds);
+        match winds || self.evidence.breaks.iter().any(is_wrapped) {
+            true => Err(wrong.into_error()),
+            false => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! The checks of a diagnosis, a file or a folder for each, and what runs them.
+
+mod constraint;
+mod contraction;
+mod features;
+mod given_loop;
+mod jacobian;
+mod localise;
+mod many_steps;
+mod memory;
+mod random_loops;
+mod sample_sweep;
+
+use super::plan::Plan;
+use super::probe::{Known, Probe};
+use super::{Diagnostic, Event};
+use crate::error::Error;
+use crate::evidence::{
+    BreakAt, Check, Evidence, Motion, Omission, Point, StepEvidence, Sweep, Why,
+};
+use crate::map::{EvaluationCount, Feature, LoopSize};
+use crate::rules::Subject;
+use crate::survey;
+
+/// A diagnosis under way.
+pub(super) struct Run<'a> {
+    pub(super) diagnostic: &'a Diagnostic,
+    pub(super) watch: &'a dyn Fn(Event<'_>),
+    pub(super) count: &'a EvaluationCount,
+    pub(super) plan: Plan,
+    /// The largest step size that the map can take.
+    pub(super) largest: f64,
+    /// Step sizes at which the map failed on the given loop; it is not asked for them again.
+    pub(super) failed: Vec<FailedStep>,
+    /// Evaluations that loops take which are still to come, and of which the map was told.
+    pub(super) reserved: usize,
+    /// By how much results of one state differ.
+    pub(super) noise: Option<survey::Noise>,
+    /// Features that the samples of loops do not resolve, with the number of the loop.
+    pub(super) features: Vec<(usize, Feature)>,
+    pub(super) evidence: Evidence,
+}
+
+/// A step size at which the map failed on the given loop.
+#[derive(Clone)]
+pub(super) struct FailedStep {
+    pub(super) h: f64,
+    pub(super) error: Error,
+}
+
+/// The given loop, ready to be advanced again, and what one of its steps costs.
+pub(super) struct Given<'a> {
+    pub(super) probe: Probe<'a>,
+    pub(super) cost: usize,
+    /// What it suggests for tests beside it.
+    pub(super) size: LoopSize,
+}
+
+/// What a check measures beside the given loop.
+type Measure<'a> = fn(&mut Run<'a>, Subject<'_>, &Given<'_>) -> Result<(), Error>;
+
+impl<'a> Run<'a> {
+    /// The checks that follow the given loop, in their order.
+    fn checks() -> [(Check, Measure<'a>); 11] {
+        [
+            (Check::RandomLoops, Self::random_loops),
+            (Check::RandomLoops, Self::check_periods),
+            (Check::RandomLoops, Self::reach),
+            (Check::ManySteps, Self::many_steps),
+            (Check::Jacobian, Self::jacobian),
+            (Check::Jacobian, Self::test_features),
+            (Check::Constraint, Self::look_for_manifold),
+            (Check::Constraint, Self::look_for_leaf),
+            (Check::Contraction, Self::contract),
+            (Check::Localisation, Self::localise),
+            (Check::SampleSweep, Self::sweep_samples),
+        ]
+    }
+
+    /// Checks the map at the largest step size, and measures the given loop.
+    pub(super) fn begin<'s>(mut self, subject: Subject<'s>) -> Result<(Self, Given<'s>), Error> {
+        // Step sizes that failed before were tried on the given loop, too.
+        let of_failed = self.count.made() - self.evidence.evaluations.of(Check::StepSizes);
+        self.evidence.evaluations.add(Check::GivenLoop, of_failed);
+        let beside = self.counted(Check::Memory, |run| run.look_first(subject))?;
+        let given = self.counted(Check::GivenLoop, |run| run.given_loop(subject))?;
+        self.counted(Check::Memory, |run| {
+            run.evidence.survey.wrong_period = survey::wrong_period(subject, run.largest)?;
+            if let Some(error) = beside {
+                return Err(error);
+            }
+            let noise = survey::check_again(subject.evaluator, true, run.noise.clone())?;
+            run.note_noise(subject.evaluator, noise);
+            Ok(())
+        })?;
+        Ok((self, given))
+    }
+
+    /// Makes the checks that follow the given loop, and looks once more at states from before.
+    pub(super) fn complete(
+        &mut self,
+        subject: Subject<'_>,
+        given: &Given<'_>,
+        sizes: &[f64],
+    ) -> Result<(), Error> {
+        for (check, measure) in Self::checks() {
+            self.check(check, |run| measure(run, subject, given))?;
+        }
+        // Jacobian and localisation note any error and go on.
+        subject.evaluator.check_not_stopped()?;
+        self.counted(Check::Memory, |run| {
+            run.look_again(subject.evaluator, sizes)
+        })
+    }
+
+    /// Counts the evaluations of a check, and notes why it was left out if the budget was spent or the map failed.
+    fn check(
+        &mut self,
+        check: Check,
+        measure: impl FnOnce(&mut Self) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        match self.counted(check, measure) {
+            Err(Error::BudgetSpent { .. }) => self.omit(check, Why::BUDGET),
+            Err(error) if of_the_map(&error) => self.omit(check, failed(&error)),
+            measured => return measured,
+        }
+        Ok(())
+    }
+
+    /// Counts the evaluations of a check.
+    fn counted<T>(&mut self, check: Check, measure: impl FnOnce(&mut Self) -> T) -> T {
+        let start = self.count.made();
+        let measured = measure(self);
+        let made = self.count.made() - start;
+        self.evidence.evaluations.add(check, made);
+        measured
+    }
+
+    /// Notes what is left out.
+    fn omit(&mut self, check: Check, why: Why) {
+        self.evidence.omissions.push(Omission { check, why });
+    }
+
+    /// Whether the map failed at this step size on the given loop.
+    fn has_failed(&self, h: f64) -> bool {
+        self.failed.iter().any(|failed| failed.h == h)
+    }
+
+    /// Evaluations left for loops: what the Jacobian, the domain of the map and loops to come will take is kept.
+    fn left(&self) -> usize {
+        let kept = self.plan.jacobian + self.plan.domain + self.reserved;
+        self.count.left().saturating_sub(kept)
+    }
+
+    /// Tells of what was measured, and keeps it.
+    fn record(&mut self, loop_index: usize, sweep: Sweep, probe: &Probe<'_>, known: &Known) {
+        let step: StepEvidence = probe.evidence(known);
+        (self.watch)(Event::Measured(&Point::new(sweep, loop_index, &step)));
+        let all = loop_index == 0 && known.h == self.largest && sweep == Sweep::StepSize;
+        let breaks = match all {
+            true => known.advanced.breaks.clone(),
+            false => step.jump.into_iter().collect(),
+        };
+        self.evidence
+            .breaks
+            .extend(breaks.into_iter().map(|found| BreakAt {
+                loop_index,
+                step_size: step.step_size,
+                found,
+            }));
+        match sweep {
+            Sweep::Samples => self.evidence.sample_sweep.push(step),
+            Sweep::StepSize => {
+                let found = self.evidence.loops.last_mut();
+                found.expect("the loop was recorded").steps.push(step);
+            }
+        }
+    }
+
+    /// Keeps how the largest step moves the last loop.
+    fn moved(&mut self, motion: Option<Motion>) {
+        let steps = self
+            .evidence
+            .loops
+            .iter_mut()
+            .last()
+            .map(|found| &mut found.steps);
+        let wanted = self.diagnostic.has_step_size.then_some(self.largest);
+        let largest = |step: &&mut StepEvidence| step.step_size == wanted;
+        if let Some(step) = steps.and_then(|steps| steps.iter_mut().find(largest)) {
+            step.motion = motion;
+        }
+    }
+}
+
+/// That the map failed beside the given loop.
+fn failed(error: &Error) -> Why {
+    Why::Failed {
+        step_size: None,
+        reason: error.to_string(),
+    }
+}
+
+/// What was found where the map need not be defined, or where it was not asked for: `None` if the map failed or the budget was spent.
+fn if_possible<T>(found: Result<Option<T>, Error>) -> Result<Option<T>, Error> {
+    match found {
+        Err(Error::BudgetSpent { .. }) => Ok(None),
+        Err(error) if of_the_map(&error) => Ok(None),
+        found => found,
+    }
+}
+
+/// Whether an error is one of the map on a loop, and not of what was asked for.
+pub(super) fn of_the_map(error: &Error) -> bool {
+    matches!(error, Error::NotFinite { .. } | Error::StepFailed { .. })
+}

@@ -1,0 +1,65 @@
+//! The given loop with other numbers of samples.
+
+use super::{Given, Run};
+use crate::diagnosis::Event;
+use crate::diagnosis::initial_samples::InitialSamples;
+use crate::diagnosis::measure::ONLY_STEP;
+use crate::diagnosis::probe::{Known, Probe};
+use crate::diagnosis::refined_samples::RefinedSamples;
+use crate::error::Error;
+use crate::evidence::{Check, Sweep, Why};
+use crate::rules::{Rule, Subject};
+
+impl Run<'_> {
+    /// The given loop with other numbers of samples, if they are asked for.
+    pub(super) fn sweep_samples(&mut self, _: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
+        let (diagnostic, probe) = (self.diagnostic, &given.probe);
+        let Some(sweep) = &diagnostic.sample_sweep else {
+            return Ok(());
+        };
+        (self.watch)(Event::Planned(sweep.counts.len()));
+        let h = match self.diagnostic.has_step_size {
+            true => sweep.step_size,
+            false => ONLY_STEP,
+        };
+        let subject = probe.subject;
+        subject.evaluator.begin_loop();
+        let mut refined: Option<RefinedSamples<'_>> = None;
+        for (k, &samples) in sweep.counts.iter().enumerate() {
+            let before = self.count.made();
+            if samples > self.count.left() {
+                let missing = sweep.counts[k..].len();
+                self.omit(Check::SampleSweep, Why::Budget { missing });
+                break;
+            }
+            let (of_samples, advanced) = if probe.keeps_samples() {
+                let refined = match &mut refined {
+                    None => refined.insert(RefinedSamples::new(subject, samples, h)?),
+                    Some(refined) => {
+                        refined.resize(samples)?;
+                        refined
+                    }
+                };
+                let rule = match probe.rule {
+                    Rule::Piecewise(_) => Rule::Pseudospectral,
+                    rule => rule,
+                };
+                let of_samples = Probe::of_samples(subject, rule, &refined.before)?;
+                let advanced = of_samples.measure_samples(&refined.after, h)?;
+                (of_samples, advanced)
+            } else {
+                let of_samples = Probe::new(subject, probe.rule, samples)?;
+                let known =
+                    of_samples.measure(&mut InitialSamples::new(subject), h, &mut |_| {})?;
+                (of_samples, known.advanced)
+            };
+            let known = Known {
+                h,
+                advanced,
+                evaluations: self.count.made() - before,
+            };
+            self.record(0, Sweep::Samples, &of_samples, &known);
+        }
+        Ok(())
+    }
+}
