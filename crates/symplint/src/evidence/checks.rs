@@ -91,6 +91,10 @@ pub struct Evaluations {
     pub made: usize,
     /// Allowed.
     pub budget: usize,
+    /// 0: what is measured does not depend on where evaluations come from. The provenance of a report says how many were taken
+    /// from a journal.
+    #[serde(default)]
+    pub replayed: usize,
     /// More that would resolve the loops, about and at most; 0 where they are resolved, and where no number is known
     /// to resolve them.
     pub wanted: usize,
@@ -126,6 +130,7 @@ impl Evaluations {
         Evaluations {
             made: times(self.made),
             budget: times(self.budget),
+            replayed: self.replayed,
             wanted: times(self.wanted),
             by_check: (by_check.map(|(check, count)| (check, times(count)))).collect(),
         }
