@@ -70,7 +70,7 @@ pub enum ReportError {
     },
     /// Its evidence cannot be read.
     #[error(
-        "its evidence cannot be read: {0}; the file may have been changed, run the diagnosis again"
+        "its evidence cannot be read: {0}; it may be of another version, or have been changed: run the diagnosis again"
     )]
     BadEvidence(String),
 }

@@ -23,7 +23,7 @@ pub enum Check {
     RandomLoops,
     /// The Jacobian of a step.
     Jacobian,
-    /// Whether the map projects onto a constraint manifold.
+    /// Whether the map projects onto a constraint manifold, or its form is degenerate.
     Constraint,
     /// Whether a loop whose integral changes can be contracted in the domain of the map.
     Contraction,
@@ -49,12 +49,12 @@ pub struct Omission {
 pub enum Why {
     /// The budget was spent.
     Budget {
-        /// What is missing: step sizes of the given loop, numbers of samples of a sweep, random loops; 1 of other checks.
+        /// What is missing, at least: step sizes of the given loop, numbers of samples of a sweep, random loops; 1 of other checks.
         missing: usize,
     },
     /// The budget was spent before the samples resolved the loop to round-off.
     Unresolved,
-    /// Ensembles of this many samples would not fit into memory.
+    /// Ensembles of this many samples would take more than 512 MiB.
     Memory {
         /// How many.
         samples: usize,
@@ -99,7 +99,6 @@ pub struct Evaluations {
     /// to resolve them.
     pub wanted: usize,
     /// Made by each check.
-    #[serde(default)]
     pub by_check: BTreeMap<Check, usize>,
 }
 

@@ -124,7 +124,6 @@ fn of_samples() {
             writeln!(text, "{}, {samples} samples", case.name).unwrap();
             for (what, rule) in [
                 ("pseudospectral", Rule::Pseudospectral),
-                ("all cells", Rule::FiniteDifference(Cutoffs::none())),
                 (
                     "cells below 10",
                     Rule::FiniteDifference(Cutoffs::relative(10.0)),

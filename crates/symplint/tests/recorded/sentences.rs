@@ -3,8 +3,8 @@
 use serde_json::json;
 use symplint::breaks::Break;
 use symplint::evidence::{
-    Contraction, LongTime, Motion, OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind,
-    Sector, SubstepDefect,
+    Check, Contraction, LongTime, Motion, Omission, OutputFormat, OutputPrecision, Rank, Scatter,
+    ScatterKind, Sector, SubstepDefect, Why,
 };
 use symplint::verdict::{
     Advice, BoundFinding, BreakFinding, Change, ChangeFinding, DomainFinding, Finding, Growth,
@@ -589,4 +589,45 @@ fn of_advice() {
         text += &format!("{advice}\n");
     }
     check("sentences_of_advice", &text);
+}
+
+#[test]
+fn of_omissions() {
+    let failed = |step_size| Why::Failed {
+        step_size,
+        reason: "the map failed".into(),
+    };
+    let (one, three) = (Why::Budget { missing: 1 }, Why::Budget { missing: 3 });
+    let memory = Why::Memory { samples: 64 };
+    let of_checks = [
+        (
+            Check::GivenLoop,
+            vec![
+                one.clone(),
+                three.clone(),
+                Why::Unresolved,
+                failed(Some(0.5)),
+            ],
+        ),
+        (
+            Check::SampleSweep,
+            vec![one.clone(), three.clone(), failed(None)],
+        ),
+        (Check::RandomLoops, vec![one.clone(), three]),
+        (
+            Check::Jacobian,
+            vec![one.clone(), memory.clone(), failed(None)],
+        ),
+        (Check::Constraint, vec![one.clone()]),
+        (Check::Contraction, vec![one.clone(), failed(None)]),
+        (Check::Localisation, vec![one.clone(), failed(None)]),
+        (Check::ManySteps, vec![one, memory, failed(None)]),
+    ];
+    let mut text = String::new();
+    for (check, whys) in of_checks {
+        for why in whys {
+            text += &format!("{}\n", Omission { check, why });
+        }
+    }
+    check("sentences_of_omissions", &text);
 }

@@ -212,5 +212,9 @@ fn if_possible<T>(found: Result<Option<T>, Error>) -> Result<Option<T>, Error> {
 
 /// Whether an error is one of the map on a loop, and not of what was asked for.
 pub(super) fn of_the_map(error: &Error) -> bool {
-    matches!(error, Error::NotFinite { .. } | Error::StepFailed { .. })
+    match error {
+        Error::NotFinite { .. } | Error::StepFailed { .. } => true,
+        Error::InStep { error, .. } => of_the_map(error),
+        _ => false,
+    }
 }

@@ -28,7 +28,7 @@ impl Display for Omission {
             Check::StepSizes => "Step sizes were not looked for",
             Check::Memory => "Whether results depend on earlier calls was not tested",
             Check::GivenLoop => "The given loop was left out",
-            Check::SampleSweep => "The sweep over numbers of samples was left out",
+            Check::SampleSweep => "The sweep over numbers of samples was cut short",
             Check::RandomLoops => "Random loops were left out",
             Check::Jacobian => "The Jacobian was left out",
             Check::Constraint => {
@@ -52,7 +52,7 @@ impl Display for Omission {
             Why::Memory { samples } => {
                 write!(
                     f,
-                    "{left_out}: {samples} samples would not fit into memory."
+                    "{left_out}: ensembles of {samples} samples would take more than 512 MiB."
                 )
             }
             Why::Failed {
