@@ -103,7 +103,7 @@ pub enum Advice {
     KeepToLeaf,
     /// Take a smaller loop that stays in the domain of the map.
     SmallerLoopInDomain,
-    /// A loop that a step does not deform by so many times its size.
+    /// A smaller loop, which a step deforms less.
     SmallerLoop {
         /// The largest motion of a coordinate against the mean motion, over half its range on the loop.
         deformation: f64,

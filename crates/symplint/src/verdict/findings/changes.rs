@@ -47,7 +47,7 @@ pub enum ChangeFinding {
     Law {
         /// The fit.
         fit: Fit,
-        /// Whether the loop is broken: the law is that of the absolutely continuous part.
+        /// Whether the loop is broken: then the law is the law of the absolutely continuous part.
         between_breaks: bool,
     },
     /// The defect of the Jacobian does not fall as the loop integrals do between two step sizes: no order is stated.

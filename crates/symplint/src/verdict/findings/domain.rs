@@ -161,8 +161,8 @@ fn contraction_unknown(
     write!(
         f,
         "The integral of {} changes by {change} {step}, but the Jacobian is symplectic to {bound:.1e} at all points that were \
-         tried. Both are right for a map that is singular at a point within the loop; whether the change comes from one was \
-         not found out.",
+         tried. Both are right for a map that is singular at a point within the loop; it is not known whether \
+         the change comes from one.",
         loop_name(loop_index)
     )
 }
@@ -175,8 +175,8 @@ fn manifold_unknown(
 ) -> Result {
     write!(
         f,
-        "The integral of {} changes by {change} {step}, and that of the given loop does not. If the map projects onto a \
-         constraint manifold, loops beside it prove nothing; whether it does was not found out.",
+        "The integral of {} changes by {change} {step}, and the integral of the given loop does not. If the map projects onto a \
+         constraint manifold, loops beside it prove nothing; it is not known whether it does.",
         loop_name(loop_index)
     )
 }

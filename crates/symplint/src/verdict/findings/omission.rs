@@ -35,7 +35,7 @@ impl Display for Omission {
                 "Whether the map projects onto a constraint manifold was not tested"
             }
             Check::Contraction => {
-                "Whether the loop can be contracted in the domain of the map was not found out"
+                "Whether the loop can be contracted in the domain of the map was not tested"
             }
             Check::Localisation => "Where the defect comes from was not found",
             Check::ManySteps => "Many steps were left out",

@@ -75,7 +75,7 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
         Growth::Bounded => write!(
             f,
             "In {steps} steps the defect stays bounded, {early:.1e} in the first quarter and {late:.1e} in the \
-             last, and returns to {least:.1e}: as that of a method conjugate to a symplectic one."
+             last, and returns to {least:.1e}: as for a method that is conjugate to a symplectic one."
         )?,
         Growth::Grows => write!(
             f,
