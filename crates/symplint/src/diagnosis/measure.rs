@@ -1,8 +1,8 @@
 //! Carrying out the plan: fills the evidence.
 
-use super::checks::{FailedStep, Run, of_the_map};
+use super::checks::Run;
 use super::limits::{LEAST_BUDGET, MOST_LOOPS};
-use super::plan::{self, Plan};
+use super::plan;
 use super::step_sizes::step_sizes;
 use super::{Diagnostic, Event};
 use crate::error::Error;
@@ -86,42 +86,9 @@ impl Diagnostic {
         let mut evidence = Evidence::default();
         evidence.evaluations.budget = budget;
         evidence.evaluations.add(Check::StepSizes, count.made());
-        let mut failed: Vec<FailedStep> = Vec::new();
-        let mut sizes = diagnostic.step_sizes.clone();
-        let (mut run, given) = loop {
-            let largest = largest_of(&sizes);
-            let start = Run {
-                diagnostic,
-                watch,
-                count: &count,
-                plan: Plan::new(diagnostic, budget, &evaluator),
-                largest,
-                failed: failed.clone(),
-                reserved: 0,
-                noise: None,
-                features: Vec::new(),
-                evidence: evidence.clone(),
-            };
-            match start.begin(subject) {
-                // The map need not be able to take every step.
-                Err(error) if of_the_map(&error) => {
-                    sizes.retain(|&h| h != largest);
-                    if sizes.is_empty() {
-                        // Of the largest step size.
-                        return Err(failed.into_iter().next().map_or(error, |first| first.error));
-                    }
-                    evaluator.begin_loop();
-                    watch(Event::Failed(&error));
-                    failed.push(FailedStep { h: largest, error });
-                }
-                // The failed steps spent the budget: their error is what the user needs.
-                Err(Error::BudgetSpent { .. }) if !failed.is_empty() => {
-                    return Err(failed.swap_remove(0).error);
-                }
-                begun => break begun?,
-            }
-        };
-        run.complete(subject, &given, &sizes)?;
+        let mut run = Run::new(diagnostic, watch, &evaluator, evidence);
+        let given = run.begin(subject)?;
+        run.complete(subject, &given)?;
         run.evidence.evaluations.made = count.made();
         run.evidence.evaluations.wanted = diagnostic.missing(subject, &run.evidence)?;
         Ok(run.evidence)
@@ -158,12 +125,6 @@ impl Diagnostic {
 
 /// What a map without a step size is called with.
 pub(super) const ONLY_STEP: f64 = 1.0;
-
-/// The step size of the largest size, of one or more.
-fn largest_of(sizes: &[f64]) -> f64 {
-    let largest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
-    sizes.iter().copied().fold(0.0, largest)
-}
 
 fn check_step_sizes(diagnostic: &Diagnostic) -> Result<(), Error> {
     let of_samples = (diagnostic.sample_sweep.as_ref()).map(|sweep| sweep.step_size);

@@ -119,16 +119,13 @@ impl Run<'_> {
     /// The step sizes that the budget allows, in the order in which they were given: all, or the largest ones, so
     /// that something is left for random loops.
     fn affordable_steps(&self, cost: usize) -> Vec<f64> {
-        let sizes = &self.diagnostic.step_sizes;
         let units = self.left() / cost;
         let random = self.diagnostic.loops - 1;
         let further = (units / 2).max(units.saturating_sub(random));
-        let mut order: Vec<usize> = (0..sizes.len())
-            .filter(|&k| !self.has_failed(sizes[k]))
-            .collect();
-        order.sort_by(|&a, &b| sizes[b].abs().total_cmp(&sizes[a].abs()));
+        let mut order: Vec<(usize, f64)> = self.sizes().enumerate().collect();
+        order.sort_by(|(_, a), (_, b)| b.abs().total_cmp(&a.abs()));
         order.truncate(1 + further);
-        order.sort_unstable();
-        order.into_iter().map(|k| sizes[k]).collect()
+        order.sort_unstable_by_key(|&(k, _)| k);
+        order.into_iter().map(|(_, h)| h).collect()
     }
 }

@@ -63,15 +63,12 @@ impl Run<'_> {
     }
 
     /// Advances states of the batches before once more, and one of them by steps of other sizes.
-    pub(super) fn look_again(
-        &mut self,
-        evaluator: &Evaluator<'_>,
-        sizes: &[f64],
-    ) -> Result<(), Error> {
+    pub(super) fn look_again(&mut self, evaluator: &Evaluator<'_>) -> Result<(), Error> {
         self.count.reserve(0);
         let noise = survey::check_again(evaluator, false, self.noise.clone())?;
         self.note_noise(evaluator, noise);
-        self.evidence.survey.ignores_step_size = survey::ignores_step_size(evaluator, sizes)?;
+        let sizes: Vec<f64> = self.sizes().collect();
+        self.evidence.survey.ignores_step_size = survey::ignores_step_size(evaluator, &sizes)?;
         Ok(())
     }
 

@@ -18,7 +18,7 @@ use crate::error::Error;
 use crate::evidence::{
     BreakAt, Check, Evidence, Motion, Omission, Point, StepEvidence, Sweep, Why,
 };
-use crate::map::{EvaluationCount, Feature, LoopSize};
+use crate::map::{EvaluationCount, Evaluator, Feature, LoopSize};
 use crate::rules::Subject;
 use crate::survey;
 
@@ -60,6 +60,27 @@ pub(super) struct Given<'a> {
 type Measure<'a> = fn(&mut Run<'a>, Subject<'_>, &Given<'_>) -> Result<(), Error>;
 
 impl<'a> Run<'a> {
+    /// A diagnosis that has measured nothing yet.
+    pub(super) fn new(
+        diagnostic: &'a Diagnostic,
+        watch: &'a dyn Fn(Event<'_>),
+        evaluator: &Evaluator<'a>,
+        evidence: Evidence,
+    ) -> Self {
+        Run {
+            diagnostic,
+            watch,
+            count: evaluator.count(),
+            plan: Plan::new(diagnostic, evidence.evaluations.budget, evaluator),
+            largest: largest_of(diagnostic.step_sizes.iter().copied()),
+            failed: Vec::new(),
+            reserved: 0,
+            noise: None,
+            features: Vec::new(),
+            evidence,
+        }
+    }
+
     /// The checks that follow the given loop, in their order.
     fn checks() -> [(Check, Measure<'a>); 11] {
         [
@@ -77,11 +98,41 @@ impl<'a> Run<'a> {
         ]
     }
 
-    /// Checks the map at the largest step size, and measures the given loop.
-    pub(super) fn begin<'s>(mut self, subject: Subject<'s>) -> Result<(Self, Given<'s>), Error> {
-        // Step sizes that failed before were tried on the given loop, too.
-        let of_failed = self.count.made() - self.evidence.evaluations.of(Check::StepSizes);
-        self.evidence.evaluations.add(Check::GivenLoop, of_failed);
+    /// Measures the given loop, and checks the map, at the largest step size that the map can take.
+    ///
+    /// # Errors
+    /// Any error but those of the map at some of the step sizes. If the map fails at all of them, the error of the largest.
+    pub(super) fn begin<'s>(&mut self, subject: Subject<'s>) -> Result<Given<'s>, Error> {
+        loop {
+            match self.try_largest(subject) {
+                // The map need not be able to take every step.
+                Err(error) if of_the_map(&error) => {
+                    (self.watch)(Event::Failed(&error));
+                    let h = self.largest;
+                    self.failed.push(FailedStep { h, error });
+                    self.largest = largest_of(self.sizes());
+                    if self.largest == 0.0 {
+                        return Err(self.failed.swap_remove(0).error);
+                    }
+                    subject.evaluator.begin_loop();
+                    self.noise = None;
+                    self.features.clear();
+                    self.evidence = Evidence {
+                        evaluations: std::mem::take(&mut self.evidence.evaluations),
+                        ..Evidence::default()
+                    };
+                }
+                // The failed steps spent the budget: their error is what the user needs.
+                Err(Error::BudgetSpent { .. }) if !self.failed.is_empty() => {
+                    return Err(self.failed.swap_remove(0).error);
+                }
+                begun => return begun,
+            }
+        }
+    }
+
+    /// Measures the given loop, and checks the map, at the largest step size.
+    fn try_largest<'s>(&mut self, subject: Subject<'s>) -> Result<Given<'s>, Error> {
         let beside = self.counted(Check::Memory, |run| run.look_first(subject))?;
         let given = self.counted(Check::GivenLoop, |run| run.given_loop(subject))?;
         self.counted(Check::Memory, |run| {
@@ -93,7 +144,7 @@ impl<'a> Run<'a> {
             run.note_noise(subject.evaluator, noise);
             Ok(())
         })?;
-        Ok((self, given))
+        Ok(given)
     }
 
     /// Makes the checks that follow the given loop, and looks once more at states from before.
@@ -101,16 +152,13 @@ impl<'a> Run<'a> {
         &mut self,
         subject: Subject<'_>,
         given: &Given<'_>,
-        sizes: &[f64],
     ) -> Result<(), Error> {
         for (check, measure) in Self::checks() {
             self.check(check, |run| measure(run, subject, given))?;
         }
         // Jacobian and localisation note any error and go on.
         subject.evaluator.check_not_stopped()?;
-        self.counted(Check::Memory, |run| {
-            run.look_again(subject.evaluator, sizes)
-        })
+        self.counted(Check::Memory, |run| run.look_again(subject.evaluator))
     }
 
     /// Counts the evaluations of a check, and notes why it was left out if the budget was spent or the map failed.
@@ -141,9 +189,10 @@ impl<'a> Run<'a> {
         self.evidence.omissions.push(Omission { check, why });
     }
 
-    /// Whether the map failed at this step size on the given loop.
-    fn has_failed(&self, h: f64) -> bool {
-        self.failed.iter().any(|failed| failed.h == h)
+    /// The step sizes at which the map did not fail on the given loop, in the order in which they were given.
+    fn sizes(&self) -> impl Iterator<Item = f64> {
+        let sizes = self.diagnostic.step_sizes.iter().copied();
+        sizes.filter(|&h| self.failed.iter().all(|failed| failed.h != h))
     }
 
     /// Evaluations left for loops: what the Jacobian, the domain of the map and loops to come will take is kept.
@@ -191,6 +240,11 @@ impl<'a> Run<'a> {
             step.motion = motion;
         }
     }
+}
+
+/// The step size of the largest size; 0 if there is none.
+fn largest_of(sizes: impl Iterator<Item = f64>) -> f64 {
+    sizes.fold(0.0, |a, b| if b.abs() > a.abs() { b } else { a })
 }
 
 /// That the map failed beside the given loop.

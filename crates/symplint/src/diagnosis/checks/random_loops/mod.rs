@@ -345,7 +345,7 @@ impl Run<'_> {
             return Ok(());
         }
         let others: Vec<f64> = (diagnostic.step_sizes.iter().copied())
-            .filter(|&h| h != self.largest && !self.has_failed(h))
+            .filter(|&h| h != self.largest && self.sizes().any(|size| size == h))
             .collect();
         (self.watch)(Event::Planned(others.len()));
         if probe.keeps_samples() {
