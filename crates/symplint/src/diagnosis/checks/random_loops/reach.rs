@@ -3,7 +3,7 @@
 use super::loop_of_kind;
 use crate::diagnosis::checks::{Given, Run, if_possible, of_the_map};
 use crate::diagnosis::initial_samples::InitialSamples;
-use crate::diagnosis::limits::{LARGER, MOST_HALVINGS, MOST_LARGER, SMALLEST_SHEAR};
+use crate::diagnosis::limits::{LARGER, LOOKED_AT, MOST_HALVINGS, MOST_LARGER, SMALLEST_SHEAR};
 use crate::diagnosis::step_sizes::step_sizes;
 use crate::error::Error;
 use crate::evidence::{LoopEvidence, LoopKind, Motion, Reach};
@@ -30,6 +30,10 @@ impl Run<'_> {
         let Some((motion, _)) = little.filter(|_| !shown) else {
             return Ok(());
         };
+        // Evaluations for the search alone would be lost to the Jacobian.
+        if self.left() < given.cost + LOOKED_AT {
+            return Ok(());
+        }
         let found = match diagnostic.has_step_size {
             true => self.larger_step(subject, given, motion),
             false => self.larger_loop(subject, given),
