@@ -1,6 +1,6 @@
 //! Carrying out the plan: fills the evidence.
 
-use super::checks::Run;
+use super::checks::Runner;
 use super::limits::{LEAST_BUDGET, MOST_LOOPS};
 use super::plan;
 use super::step_sizes::step_sizes;
@@ -86,7 +86,7 @@ impl Diagnostic {
         let mut evidence = Evidence::default();
         evidence.evaluations.budget = budget;
         evidence.evaluations.add(Check::StepSizes, count.made());
-        let mut run = Run::new(diagnostic, watch, &evaluator, evidence);
+        let mut run = Runner::new(diagnostic, watch, &evaluator, evidence);
         let given = run.begin(subject)?;
         run.complete(subject, &given)?;
         run.evidence.evaluations.made = count.made();

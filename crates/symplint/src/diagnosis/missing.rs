@@ -5,6 +5,8 @@
 //! and a break is often found with fewer. For a step that deforms the loop by several times its size it can be too
 //! small: the next budget then says more.
 
+use super::checks::constraint::singular_cost;
+use super::checks::memory::cost_again;
 use super::limits::{
     CONTRACTION, DOMAIN_PART, LARGEST_BUDGET, MOST_SAMPLES, OF_PIECES, STEEPER, STRETCHED,
     TWO_DOUBLINGS,
@@ -15,7 +17,6 @@ use crate::error::Error;
 use crate::evidence::{Check, Evidence, LoopEvidence, MOST_CELLS_APART, StepEvidence};
 use crate::rules::{Rule, Subject, cells_apart};
 use crate::state::Ensemble;
-use crate::survey;
 
 impl Diagnostic {
     /// Evaluations beyond the budget that would resolve the loops: see
@@ -66,7 +67,7 @@ impl Diagnostic {
         let enough = |budget: usize| {
             let plan = self.plan(subject, budget);
             // A larger budget keeps evaluations to advance more states again.
-            let looks = evidence.evaluations.of(Check::Memory) + survey::cost_again(plan.witnesses);
+            let looks = evidence.evaluations.of(Check::Memory) + cost_again(plan.witnesses);
             let left = budget.saturating_sub(looks + plan.jacobian + plan.domain);
             let most = match self.samples {
                 SampleCount::Fixed(_) => plan.first_samples,
@@ -105,7 +106,7 @@ fn random_loops(evidence: &Evidence) -> usize {
 /// The budget in which enough is kept to find out whether what shows a defect lies in the domain of the map; 0 where that
 /// is known.
 fn budget_for_domain(dof: usize, evidence: &Evidence) -> usize {
-    let manifold = survey::singular_cost(dof);
+    let manifold = singular_cost(dof);
     if evidence.missing(Check::Contraction) > 0 {
         let of_more = 2 * evidence.evaluations.budget;
         (DOMAIN_PART * (manifold + CONTRACTION)).max(of_more)

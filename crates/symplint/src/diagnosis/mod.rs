@@ -1,16 +1,10 @@
 //! Measuring: sweeps over the step size and the number of samples, random loops, the Jacobian, many steps.
 
 mod checks;
-mod convergence;
-mod features;
-mod initial_samples;
 mod limits;
 mod measure;
-mod memory;
 mod missing;
 mod plan;
-mod probe;
-mod refined_samples;
 mod resolve;
 mod step_sizes;
 

@@ -1,16 +1,15 @@
 //! How a budget of evaluations is spent.
 
+use super::checks::constraint::singular_cost;
 use super::limits::{
     BUDGET_OF_A_WITNESS, CONTRACTION, DEFAULT_BUDGET, DOMAIN_PART, FEWEST_JACOBIAN, FEWEST_SAMPLES,
     FEWEST_TIGHT_SAMPLES, FINE_SAMPLES, FINE_SAMPLES_OF_MANY, FIRST_PART, FIXED_PART, FOLDED,
-    JACOBIAN_PART, MOST_JACOBIAN, MOST_WITNESSES, PURITY_SAMPLES, SMALL, TIGHT, TIGHT_SAMPLES_PART,
-    TIGHT_TOLERANCE,
+    JACOBIAN_PART, MOST_BYTES, MOST_JACOBIAN, MOST_WITNESSES, PURITY_SAMPLES, SMALL, TIGHT,
+    TIGHT_SAMPLES_PART, TIGHT_TOLERANCE,
 };
-use super::memory::fits;
 use super::{Diagnostic, SampleCount};
 use crate::jacobian::JacobianTest;
 use crate::map::Evaluator;
-use crate::survey;
 
 /// The budget where none is given. It allows the many steps that are asked for and, where the number of samples is
 /// given, the sweeps.
@@ -77,7 +76,7 @@ impl Plan {
                 }
                 false => 0,
             },
-            domain: (survey::singular_cost(dof) + CONTRACTION).min(budget / DOMAIN_PART),
+            domain: (singular_cost(dof) + CONTRACTION).min(budget / DOMAIN_PART),
             tolerance: if tight { TIGHT_TOLERANCE } else { 0.0 },
         }
     }
@@ -113,4 +112,9 @@ pub(super) fn share(diagnostic: &Diagnostic, budget: usize) -> usize {
 /// The largest power of two that is not above `count`; 0 if that is 0.
 pub(super) fn power_below(count: usize) -> usize {
     count.checked_ilog2().map_or(0, |exponent| 1 << exponent)
+}
+
+/// Whether an ensemble of this number of samples may be made if the user did not ask for it.
+pub(super) fn fits(dof: usize, samples: usize) -> bool {
+    samples.saturating_mul(dof) <= MOST_BYTES / 16
 }

@@ -3,7 +3,7 @@
 //! The sixth difference of a smooth function over a short stretch is below round-off; what is left is
 //! noise (Moré & Wild, "Estimating computational noise", SIAM J. Sci. Comput. 33, 2011).
 
-use crate::signal::noise::{POINTS, SixthDifference};
+use crate::signal::noise::SixthDifferences;
 
 /// Where the other states of a row lie, in spacings from the centre. They are not equidistant: stairs whose
 /// height divides the spacing would look straight.
@@ -16,9 +16,6 @@ const SIDE: usize = NODES.len() / 2;
 
 /// States of a row, the centre among them.
 const ROW: usize = NODES.len() + 1;
-
-/// Sixth differences of a row, each of seven neighbours.
-const WINDOWS: usize = ROW + 1 - POINTS;
 
 /// Spacings, in units of the direction; the largest reaches as far as the differences.
 const SPACINGS: [f64; 4] = [1.434e-5, 2.371e-4, 3.883e-3, 2.0e-2];
@@ -40,44 +37,6 @@ pub(super) fn offsets(level: usize) -> impl Iterator<Item = f64> {
     NODES.into_iter().map(move |node| node * SPACINGS[level])
 }
 
-/// The sixth differences of a row, one for each seven neighbours.
-pub(super) struct SixthDifferences([SixthDifference; WINDOWS]);
-
-impl SixthDifferences {
-    pub fn new() -> Self {
-        let mut nodes = [0.0; ROW];
-        nodes[..SIDE].copy_from_slice(&NODES[..SIDE]);
-        nodes[SIDE + 1..].copy_from_slice(&NODES[SIDE..]);
-        SixthDifferences(std::array::from_fn(|first| {
-            SixthDifference::at(std::array::from_fn(|k| nodes[first + k]))
-        }))
-    }
-
-    /// Adds the differences of a coordinate to its value at the centre, in units of its size, at one spacing; the
-    /// smallest spacing first.
-    pub fn add(&self, noise: &mut Noise, differences: &[f64]) {
-        if noise.resolved {
-            return;
-        }
-        let mut row = [0.0; ROW];
-        row[..SIDE].copy_from_slice(&differences[..SIDE]);
-        row[SIDE + 1..].copy_from_slice(&differences[SIDE..]);
-        let shown = SAFETY * self.root_mean_square(&row);
-        let equal = row.windows(2).filter(|pair| pair[0] == pair[1]).count();
-        noise.resolved = equal <= MOST_EQUAL;
-        noise.value = match noise.resolved {
-            true => shown,
-            false => noise.value.max(shown),
-        };
-    }
-
-    fn root_mean_square(&self, row: &[f64; ROW]) -> f64 {
-        let windows = row.windows(POINTS).zip(&self.0);
-        let squares = windows.map(|(values, difference)| difference.of(values).powi(2));
-        (squares.sum::<f64>() / WINDOWS as f64).sqrt()
-    }
-}
-
 /// The noise of one coordinate at one point.
 ///
 /// The smallest spacing counts at which neighbours differ: it is least misled by a steep map, and a
@@ -90,7 +49,36 @@ pub(super) struct Noise {
     pub resolved: bool,
 }
 
+/// The values of a row from those at the other states and that at the centre.
+fn row(others: [f64; STATES], centre: f64) -> [f64; ROW] {
+    let mut row = [centre; ROW];
+    row[..SIDE].copy_from_slice(&others[..SIDE]);
+    row[SIDE + 1..].copy_from_slice(&others[SIDE..]);
+    row
+}
+
+/// The sixth differences of a row.
+pub(super) fn sixth_differences() -> SixthDifferences {
+    SixthDifferences::at(&row(NODES, 0.0))
+}
+
 impl Noise {
+    /// Adds the differences of a coordinate to its value at the centre, in units of its size, at one spacing; the
+    /// smallest spacing first.
+    pub fn add(&mut self, sixth_differences: &SixthDifferences, differences: [f64; STATES]) {
+        if self.resolved {
+            return;
+        }
+        let row = row(differences, 0.0);
+        let shown = SAFETY * sixth_differences.root_mean_square(&row);
+        let equal = row.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        self.resolved = equal <= MOST_EQUAL;
+        self.value = match self.resolved {
+            true => shown,
+            false => self.value.max(shown),
+        };
+    }
+
     /// In units of the coordinate's size. A coordinate that does not respond at all is noise as large
     /// as the loop: a symplectic map has none, so it must be coarser than the differences.
     pub fn value(self) -> f64 {
@@ -120,8 +108,9 @@ mod tests {
     fn shown(f: impl Fn(f64) -> f64) -> f64 {
         let mut noise = Noise::default();
         for level in 0..LEVELS {
-            let differences: Vec<f64> = offsets(level).map(|t| f(t) - f(0.0)).collect();
-            SixthDifferences::new().add(&mut noise, &differences);
+            let at: Vec<f64> = offsets(level).collect();
+            let differences = std::array::from_fn(|k| f(at[k]) - f(0.0));
+            noise.add(&sixth_differences(), differences);
         }
         noise.value()
     }

@@ -145,7 +145,7 @@ impl<'a> Sampler<'a> {
     /// The states of all points after the step, and the noise of every coordinate there, along a direction. Larger
     /// spacings are added at points where a coordinate needs them.
     fn measure_noise(&mut self, direction: &[f64]) -> Result<(), Error> {
-        let sixth_differences = noise::SixthDifferences::new();
+        let sixth_differences = noise::sixth_differences();
         let mut found = vec![vec![Noise::default(); self.coordinates()]; self.s.len()];
         let points: Vec<usize> = (0..self.s.len()).collect();
         for batch in points.chunks(self.in_a_batch(1 + noise::STATES)) {
@@ -165,10 +165,9 @@ impl<'a> Sampler<'a> {
                         self.after.push(centre.collect());
                     }
                     for (c, noise) in found[point].iter_mut().enumerate() {
-                        let difference = |&value: &f64| self.difference(point, c, value);
                         let around = &stencil(k, c)[offsets.len() - noise::STATES..];
-                        let differences: Vec<f64> = around.iter().map(difference).collect();
-                        sixth_differences.add(noise, &differences);
+                        let difference = |k: usize| self.difference(point, c, around[k]);
+                        noise.add(&sixth_differences, std::array::from_fn(difference));
                     }
                 }
                 unresolved.retain(|&point| {

@@ -58,7 +58,7 @@ pub(crate) enum Before {
 }
 
 /// What the samples of one coordinate show.
-struct Seen {
+struct CoordinateGrain {
     unit: f64,
     range: f64,
     /// How many different values they take, if these are few.
@@ -90,10 +90,10 @@ impl Grain {
         let every = samples.div_ceil(SAMPLES);
         let of_coordinate = |c: usize| {
             let values = (0..samples).step_by(every).map(|k| value(c, k));
-            Seen::of(values, period(coordinates, c))
+            CoordinateGrain::of(values, period(coordinates, c))
         };
-        let mut seen: Vec<Seen> = (0..2 * dof).map(of_coordinate).collect();
-        let looks_rounded = |seen: &Seen| seen.unit > 0.0 || seen.few.is_some();
+        let mut seen: Vec<CoordinateGrain> = (0..2 * dof).map(of_coordinate).collect();
+        let looks_rounded = |seen: &CoordinateGrain| seen.unit > 0.0 || seen.few.is_some();
         if seen.iter().any(looks_rounded) {
             correct(&mut seen, &before(samples.div_ceil(every)));
         }
@@ -210,7 +210,7 @@ impl Grain {
     }
 }
 
-impl Seen {
+impl CoordinateGrain {
     fn of(values: impl Iterator<Item = f64>, period: f64) -> Self {
         let (mut digits, mut extent, mut turns) =
             (Digits::default(), Extent::default(), Turns::default());
@@ -229,7 +229,7 @@ impl Seen {
         let is_line = increments.length() <= ROUNDINGS * f64::EPSILON * extent.magnitude();
         let spacing = levels.spacing().filter(|_| !is_line);
         let unit = of_digits.into_iter().chain(spacing);
-        Seen {
+        CoordinateGrain {
             unit: unit.fold(0.0, f64::max),
             range: extent.length(),
             few: Some(levels.count()).filter(|count| FEW * count <= values.len()),
@@ -259,7 +259,7 @@ impl Seen {
 }
 
 /// Corrects what all coordinates show by what is known of the loop before the step.
-fn correct(seen: &mut [Seen], before: &Before) {
+fn correct(seen: &mut [CoordinateGrain], before: &Before) {
     let (states, written) = match before {
         Before::Unknown => (None, true),
         Before::Exact(states) => (Some(states), false),
@@ -279,7 +279,7 @@ fn correct(seen: &mut [Seen], before: &Before) {
     }
     // Of one value alone nobody knows whether it is rounded, unless the other coordinate of its kind is.
     let dof = seen.len() / 2;
-    let is_rounded = |seen: &Seen| seen.unit > 0.0 || seen.few.is_some();
+    let is_rounded = |seen: &CoordinateGrain| seen.unit > 0.0 || seen.few.is_some();
     let rounded: Vec<bool> = seen.iter().map(is_rounded).collect();
     for (c, seen) in seen.iter_mut().enumerate() {
         if seen.few == Some(1) {

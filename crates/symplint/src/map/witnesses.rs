@@ -29,10 +29,10 @@ pub(crate) struct Witnesses {
 
 /// Keeps states of the first call of a map, and of the largest batch of each loop.
 #[derive(Debug, Default)]
-pub(super) struct Recorder(Mutex<Kept>);
+pub(super) struct Recorder(Mutex<WitnessStore>);
 
 #[derive(Debug, Default)]
-struct Kept {
+struct WitnessStore {
     /// States of each batch; 0 if none are wanted.
     states: usize,
     phase_loop: usize,
@@ -99,12 +99,12 @@ impl Recorder {
         });
     }
 
-    fn kept<R>(&self, work: impl FnOnce(&mut Kept) -> R) -> R {
+    fn kept<R>(&self, work: impl FnOnce(&mut WitnessStore) -> R) -> R {
         work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-impl Kept {
+impl WitnessStore {
     /// How many states of a block are to be kept, if any.
     fn wanted(&self, block: &Block<'_>) -> Option<usize> {
         let affordable = Grain::is_affordable(block.dof());

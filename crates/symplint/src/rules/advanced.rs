@@ -112,18 +112,18 @@ pub(crate) trait LoopIntegrator {
         h: f64,
         samples: Samples<'_>,
         initial: &LoopIntegral,
-    ) -> Result<Advanced, Error>;
+    ) -> Result<LoopAfterStep, Error>;
 }
 
 /// What one step did to a loop.
 #[derive(Clone)]
-pub(crate) struct Advanced {
+pub(crate) struct LoopAfterStep {
     pub integral: LoopIntegral,
     pub defect: Defect,
     /// All that the rule finds, or the one that samples led to.
     pub breaks: Vec<Break>,
     /// What closing all breaks gives, where all are known.
-    pub closed: Option<Closed>,
+    pub closed: Option<BreakClosure>,
     /// States that make up the integral.
     pub samples: usize,
     /// Sobolev exponent of the advanced loop, where samples tell.
@@ -134,7 +134,7 @@ pub(crate) struct Advanced {
 
 /// A loop whose breaks are closed.
 #[derive(Clone, Copy)]
-pub(crate) struct Closed {
+pub(crate) struct BreakClosure {
     pub breaks: usize,
     /// Those at which rounding decides on which side of them a state is.
     pub flickering: usize,
@@ -147,7 +147,7 @@ pub(crate) struct Closed {
     pub straight: bool,
 }
 
-impl Advanced {
+impl LoopAfterStep {
     /// The largest break, by the size of its jump.
     pub fn largest_break(&self) -> Option<Break> {
         let size = |found: &Break| found.jump_q.hypot(found.jump_p);

@@ -11,13 +11,13 @@ mod pseudospectral;
 mod sampled;
 mod streaming;
 
-pub(crate) use advanced::{Advanced, Closed, LoopIntegrator, Samples, Subject};
+pub(crate) use advanced::{BreakClosure, LoopAfterStep, LoopIntegrator, Samples, Subject};
 pub use defect::{Defect, logarithmic_defect};
 pub use finite_difference::{Cutoff, Cutoffs, OmittedCell};
 pub(crate) use piecewise::Identity;
 pub use piecewise::{Closure, Piecewise, PiecewiseIntegral};
 pub(crate) use pseudospectral::{misses, roughness};
-use sampled::Sampled;
+use sampled::SampledRule;
 pub(crate) use sampled::cells_apart;
 pub use streaming::{Streaming, StreamingIntegral};
 
@@ -105,8 +105,8 @@ impl Rule {
     /// What integrates loops by this rule; [`Rule::Auto`] stands for the pseudospectral rule.
     pub(crate) fn integrator(&self) -> Box<dyn LoopIntegrator> {
         match *self {
-            Rule::Auto => Box::new(Sampled(Rule::Pseudospectral)),
-            Rule::Pseudospectral | Rule::FiniteDifference(_) => Box::new(Sampled(*self)),
+            Rule::Auto => Box::new(SampledRule(Rule::Pseudospectral)),
+            Rule::Pseudospectral | Rule::FiniteDifference(_) => Box::new(SampledRule(*self)),
             Rule::Piecewise(piecewise) => Box::new(piecewise),
             Rule::Streaming(streaming) => Box::new(streaming),
         }

@@ -1,15 +1,17 @@
 //! The rules that integrate equispaced samples: pseudospectral and finite differences.
 
-use super::{Advanced, Defect, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject};
+use super::{
+    Defect, LoopAfterStep, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject,
+};
 use crate::breaks::{Break, Search, find_break_with, little_jumps};
 use crate::error::Error;
 use crate::signal::Extent;
 use crate::state::{Coordinates, Ensemble};
 
 /// A rule that [`LoopIntegral::in_coordinates`] serves.
-pub(super) struct Sampled(pub Rule);
+pub(super) struct SampledRule(pub Rule);
 
-impl LoopIntegrator for Sampled {
+impl LoopIntegrator for SampledRule {
     fn kind(&self) -> RuleKind {
         self.0.kind()
     }
@@ -24,7 +26,7 @@ impl LoopIntegrator for Sampled {
         h: f64,
         samples: Samples<'_>,
         initial: &LoopIntegral,
-    ) -> Result<Advanced, Error> {
+    ) -> Result<LoopAfterStep, Error> {
         let after = samples.kept();
         let Jumps { found, little } = jumps(subject, h, after)?;
         let mut integral = self.before(subject, samples)?;
@@ -50,8 +52,8 @@ fn advanced(
     initial: &LoopIntegral,
     integral: LoopIntegral,
     found: Search,
-) -> Result<Advanced, Error> {
-    Ok(Advanced {
+) -> Result<LoopAfterStep, Error> {
+    Ok(LoopAfterStep {
         defect: Defect::between(initial, &integral)?,
         regularity: integral.regularity,
         integral,
@@ -72,7 +74,7 @@ fn cross_checked(
     after: &Ensemble,
     integral: &LoopIntegral,
 ) -> Result<Option<f64>, Error> {
-    let other = Sampled(Rule::Pseudospectral).before(subject, Samples::Kept(after))?;
+    let other = SampledRule(Rule::Pseudospectral).before(subject, Samples::Kept(after))?;
     let distance = (other.value - integral.value).abs();
     let errors = integral.quadrature_error.zip(other.quadrature_error);
     Ok(errors.map(|(own, of_other)| own.max(distance + of_other)))
@@ -155,7 +157,7 @@ mod tests {
     });
 
     /// One step of size 0.5, from a circle of radius 1, on a budget that this many evaluations more are left of.
-    fn step(map: &dyn TimeAdvance, rule: Rule, samples: usize, left: usize) -> Advanced {
+    fn step(map: &dyn TimeAdvance, rule: Rule, samples: usize, left: usize) -> LoopAfterStep {
         let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
         let count = EvaluationCount::new(samples + left);
         let evaluator = Evaluator::new(map, &count).unwrap();
@@ -164,7 +166,7 @@ mod tests {
             phase_loop: &circle,
         };
         let mut states = Ensemble::sample(&circle, samples).unwrap();
-        let rule = Sampled(rule);
+        let rule = SampledRule(rule);
         let initial = rule.before(&subject, Samples::Kept(&states)).unwrap();
         evaluator.advance(&mut states, 0.5).unwrap();
         rule.after(&subject, 0.5, Samples::Kept(&states), &initial)

@@ -6,6 +6,9 @@
 /// Points of a sixth difference.
 pub(crate) const POINTS: usize = 7;
 
+/// Steps of a staircase per standard deviation of its rounding, which is uniform: √12.
+pub(crate) const STEPS_OF_NOISE: f64 = 3.5;
+
 /// The sixth divided difference at given points, scaled so that independent values of variance 1 give
 /// variance 1.
 ///
@@ -29,6 +32,26 @@ impl SixthDifference {
     /// Of the values at those points.
     pub fn of(&self, values: &[f64]) -> f64 {
         self.0.iter().zip(values).map(|(a, value)| a * value).sum()
+    }
+}
+
+/// The sixth differences of a row of points, each of seven neighbours. In one of them alone a lattice may look straight.
+#[derive(Clone, Debug)]
+pub(crate) struct SixthDifferences(Vec<SixthDifference>);
+
+impl SixthDifferences {
+    /// At seven or more different points, in any unit.
+    pub fn at(points: &[f64]) -> Self {
+        let neighbours = points.windows(POINTS);
+        let at = |x: &[f64]| SixthDifference::at(std::array::from_fn(|k| x[k]));
+        SixthDifferences(neighbours.map(at).collect())
+    }
+
+    /// The root mean square of those of the values at those points.
+    pub fn root_mean_square(&self, values: &[f64]) -> f64 {
+        let differences = values.windows(POINTS).zip(&self.0);
+        let squares: f64 = differences.map(|(x, of)| of.of(x).powi(2)).sum();
+        (squares / self.0.len() as f64).sqrt()
     }
 }
 

@@ -67,7 +67,7 @@ pub(super) struct Broken {
 }
 
 /// An advanced loop.
-pub(super) struct Compared {
+pub(super) struct LoopComparison {
     pub step_size: Option<f64>,
     pub rule: RuleKind,
     /// The integral before the step, by the same rule.
@@ -353,7 +353,7 @@ impl<'a> Initial<'a> {
     }
 
     /// Integrates an advanced loop and takes its defect.
-    pub fn compare(&self, after: &Snapshot) -> Result<Compared, Error> {
+    pub fn compare(&self, after: &Snapshot) -> Result<LoopComparison, Error> {
         let mut rows = rows(after, self.coordinates, Some(&self.snapshot.states));
         if let Some((arcs, _)) = &self.arcs {
             self.confirm_jumps(arcs, &mut rows);
@@ -401,8 +401,8 @@ impl<'a> Initial<'a> {
         rule: RuleKind,
         initial: &LoopIntegral,
         integral: LoopIntegral,
-    ) -> Result<Compared, Error> {
-        Ok(Compared {
+    ) -> Result<LoopComparison, Error> {
+        Ok(LoopComparison {
             step_size: after.step_size,
             rule,
             initial: initial.value,
@@ -416,7 +416,7 @@ impl<'a> Initial<'a> {
         })
     }
 
-    fn across_jumps(&self, after: &Snapshot, rows: &[Row]) -> Result<Compared, Error> {
+    fn across_jumps(&self, after: &Snapshot, rows: &[Row]) -> Result<LoopComparison, Error> {
         let (states, _) = after.states.unwrap_momenta(self.coordinates);
         let samples = states.samples();
         let parts: Vec<Pieces> = (rows.par_iter().enumerate())
@@ -489,7 +489,7 @@ impl<'a> Initial<'a> {
             quadrature_error: known.then_some(closed_error),
             ..integral.clone()
         };
-        Ok(Compared {
+        Ok(LoopComparison {
             step_size: after.step_size,
             rule: RuleKind::JumpDetecting,
             initial: self.integral.value,

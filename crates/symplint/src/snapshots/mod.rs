@@ -24,7 +24,7 @@ use crate::evidence::{
 use crate::rules::RuleKind;
 use crate::signal::{Extent, nearest};
 use crate::state::{Coordinates, Ensemble, coordinate, period};
-use compare::{Compared, Initial};
+use compare::{Initial, LoopComparison};
 
 /// All samples of a loop at one time, as another code stored them.
 #[derive(Clone, Debug)]
@@ -109,10 +109,10 @@ pub fn measure_snapshots(
     };
     let initial = Initial::new(before, coordinates)?;
     // All of them, so that the error is that of the first snapshot on any number of threads.
-    let compared: Vec<Result<Compared, Error>> = (after.par_iter())
+    let compared: Vec<Result<LoopComparison, Error>> = (after.par_iter())
         .map(|snapshot| initial.compare(snapshot))
         .collect();
-    let compared: Vec<Compared> = compared.into_iter().collect::<Result<_, Error>>()?;
+    let compared: Vec<LoopComparison> = compared.into_iter().collect::<Result<_, Error>>()?;
     let samples = before.states.samples();
     let mut given = LoopEvidence::new(0, LoopKind::Given);
     given.rule = RuleKind::Pseudospectral;
@@ -163,7 +163,7 @@ fn closes(snapshot: &Snapshot, coordinates: &Coordinates) -> bool {
     last >= 3 && !differ(0, last, 1.0) && differ(0, 1, APART) && differ(last - 1, last, APART)
 }
 
-fn breaks_at(step: &Compared) -> impl Iterator<Item = BreakAt> + '_ {
+fn breaks_at(step: &LoopComparison) -> impl Iterator<Item = BreakAt> + '_ {
     step.breaks.iter().map(|&found| BreakAt {
         loop_index: 0,
         step_size: step.step_size,
@@ -171,7 +171,7 @@ fn breaks_at(step: &Compared) -> impl Iterator<Item = BreakAt> + '_ {
     })
 }
 
-fn evidence(step: &Compared, samples: usize) -> StepEvidence {
+fn evidence(step: &LoopComparison, samples: usize) -> StepEvidence {
     let size = |found: &Break| found.jump_q.abs() + found.jump_p.abs();
     StepEvidence {
         reach_of_jumps: 0.0,

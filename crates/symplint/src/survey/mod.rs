@@ -1,23 +1,10 @@
 //! What a few samples show of a map, apart from loop integrals.
 
-mod ignored_step_size;
-mod inner_precision;
 mod motion;
-mod periods;
 mod precision;
-mod purity;
-mod repeats;
-mod rounding;
-mod scatter;
-mod singular;
 mod windings;
 
-pub(crate) use ignored_step_size::ignores_step_size;
-pub(crate) use inner_precision::rounding_inside;
-pub(crate) use periods::wrong_period;
 pub(crate) use precision::of_grain;
-pub(crate) use purity::{Noise, check_again, check_purity, cost_again};
-pub(crate) use singular::{cost as singular_cost, degenerate_form, singular_jacobian};
 pub(crate) use windings::wound;
 
 use crate::error::Error;
@@ -34,7 +21,7 @@ const SAMPLES: usize = 64;
 const FEW_SAMPLES: usize = 32;
 
 /// Surveys the map by samples of a loop that were advanced.
-pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> Seen {
+pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> SampleSurvey {
     let after_step = some_of(after);
     let samples = after_step.samples();
     let every = after.samples().div_ceil(SAMPLES);
@@ -43,7 +30,7 @@ pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> Seen {
         .collect();
     let mut before = Ensemble::zeros(after.dof(), samples);
     subject.phase_loop.sample(&s, &mut before.block());
-    let mut look = Look::new(after.dof());
+    let mut look = SurveySums::new(after.dof());
     look.add(subject, &before, &after_step);
     look.seen(subject)
 }
@@ -53,8 +40,8 @@ pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> Seen {
 ///
 /// # Errors
 /// Those of the map.
-pub(crate) fn of_few_samples(subject: Subject<'_>, h: f64) -> Result<Seen, Error> {
-    let mut look = Look::new(subject.dof());
+pub(crate) fn of_few_samples(subject: Subject<'_>, h: f64) -> Result<SampleSurvey, Error> {
+    let mut look = SurveySums::new(subject.dof());
     Ensemble::in_parts(subject.phase_loop, FEW_SAMPLES, |before| {
         let mut after = before.clone();
         subject.evaluator.advance(&mut after, h)?;
@@ -93,21 +80,21 @@ pub(crate) fn motion(
 
 /// What samples before and after one step show.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Seen {
+pub(crate) struct SampleSurvey {
     pub motion: Option<Motion>,
     pub output_precision: Option<OutputPrecision>,
     /// Whether all samples came out at one state.
     pub one_state: bool,
 }
 
-struct Look {
+struct SurveySums {
     motions: Motions,
     precision: Precision,
 }
 
-impl Look {
+impl SurveySums {
     fn new(dof: usize) -> Self {
-        Look {
+        SurveySums {
             motions: Motions::new(dof),
             precision: Precision::new(dof),
         }
@@ -118,8 +105,8 @@ impl Look {
         self.precision.add(before, after);
     }
 
-    fn seen(&self, subject: Subject<'_>) -> Seen {
-        Seen {
+    fn seen(&self, subject: Subject<'_>) -> SampleSurvey {
+        SampleSurvey {
             motion: self.motions.value(subject.coordinates()),
             output_precision: self.precision.value(),
             one_state: self.precision.is_one_state(),

@@ -123,7 +123,7 @@ impl std::fmt::Display for Verdict {
 
 /// A finding with its sentence, as reports carry it.
 #[derive(Serialize)]
-struct Told<'a> {
+struct FindingWithText<'a> {
     #[serde(flatten)]
     finding: &'a Finding,
     text: String,
@@ -132,8 +132,8 @@ struct Told<'a> {
 impl Serialize for Verdict {
     /// Findings with their numbers and sentences; `summary`, `evidence` and `advice` as sentences alone.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let findings: Vec<Told<'_>> = (self.findings.iter())
-            .map(|finding| Told {
+        let findings: Vec<FindingWithText<'_>> = (self.findings.iter())
+            .map(|finding| FindingWithText {
                 finding,
                 text: finding.to_string(),
             })

@@ -1,13 +1,13 @@
 //! Whether a loop whose integral changes can be contracted in the domain of the map.
 
 use super::localise::{FEWEST_OF_HALVING, MOST_OF_A_BOUNDARY, contraction};
-use super::{Given, Run, of_the_map};
+use super::{GivenLoop, Runner, of_the_map};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, LoopKind, Why};
 use crate::jacobian::JacobianEvidence;
 use crate::rules::Subject;
 
-impl Run<'_> {
+impl Runner<'_> {
     /// The loop without breaks whose integral changes most, and the step size at which it does.
     pub(super) fn changed_loop(&self) -> Option<(&LoopEvidence, f64)> {
         let smooth = |found: &&LoopEvidence| {
@@ -32,7 +32,7 @@ impl Run<'_> {
     pub(super) fn contract(
         &mut self,
         subject: Subject<'_>,
-        given: &Given<'_>,
+        given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         let of_jacobian = self.evidence.jacobian.as_ref();
         let Some((found, _)) = self.changed_loop().filter(|(found, _)| {

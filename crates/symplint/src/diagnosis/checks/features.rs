@@ -1,19 +1,19 @@
 //! What features that the samples of a loop do not resolve may change.
 
-use super::{Given, Run, if_possible};
-use crate::diagnosis::features::roughest_sample;
+use super::constraint::singular_cost;
+use super::{GivenLoop, Runner, if_possible};
 use crate::diagnosis::limits::{FEWEST_OF_ROUGHNESS, MOST_FEATURES, OF_A_FEATURE, PART_OF_SAMPLES};
-use crate::diagnosis::memory::fits;
-use crate::diagnosis::refined_samples::RefinedSamples;
+use crate::diagnosis::plan::fits;
+use crate::diagnosis::resolve::features::roughest_sample;
+use crate::diagnosis::resolve::refined_samples::RefinedSamples;
 use crate::error::Error;
 use crate::evidence::{LoopKind, StepEvidence};
 use crate::jacobian::{JacobianEvidence, JacobianTest};
 use crate::map::Feature;
 use crate::rules::Subject;
-use crate::survey;
 
 /// Where the Jacobian is tested once more.
-enum Place {
+enum JacobianPlace {
     Feature(Feature),
     /// Where samples of the loop are roughest after a step of this size.
     Roughest {
@@ -21,7 +21,7 @@ enum Place {
     },
 }
 
-impl Run<'_> {
+impl Runner<'_> {
     /// Keeps the features that were noted of a loop.
     pub(super) fn keep_features(&mut self, loop_index: usize, subject: Subject<'_>) {
         let noted = subject.evaluator.features().into_iter();
@@ -35,7 +35,7 @@ impl Run<'_> {
     pub(super) fn test_features(
         &mut self,
         subject: Subject<'_>,
-        given: &Given<'_>,
+        given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         let jacobian = self.evidence.jacobian.as_ref();
         // A defect that the Jacobian shows needs no bound.
@@ -58,7 +58,7 @@ impl Run<'_> {
     }
 
     /// The first feature of each loop, then others, and the roughest place of the loop that changes most, each with the number of its loop.
-    fn places(&self) -> Vec<(usize, Place)> {
+    fn places(&self) -> Vec<(usize, JacobianPlace)> {
         let is_first = |k: usize, is_alike: &dyn Fn(&(usize, Feature)) -> bool| {
             !self.features[..k].iter().any(is_alike)
         };
@@ -70,9 +70,9 @@ impl Run<'_> {
             .collect();
         order.sort_by_key(|&k| !is_first(k, &|(of, _)| *of == self.features[k].0));
         let features = order.into_iter().map(|k| self.features[k]);
-        let features = features.map(|(index, feature)| (index, Place::Feature(feature)));
+        let features = features.map(|(index, feature)| (index, JacobianPlace::Feature(feature)));
         let changed = self.changed_loop();
-        let roughest = changed.map(|(found, h)| (found.index, Place::Roughest { h }));
+        let roughest = changed.map(|(found, h)| (found.index, JacobianPlace::Roughest { h }));
         features.take(MOST_FEATURES).chain(roughest).collect()
     }
 
@@ -80,9 +80,9 @@ impl Run<'_> {
     fn jacobian_at(
         &mut self,
         subject: Subject<'_>,
-        given: &Given<'_>,
+        given: &GivenLoop<'_>,
         index: usize,
-        place: Place,
+        place: JacobianPlace,
     ) -> Result<Option<JacobianEvidence>, Error> {
         let found = self.evidence.loops.iter().find(|of| of.index == index);
         let Some(found) = found.filter(|found| found.kind != LoopKind::Image) else {
@@ -97,8 +97,8 @@ impl Run<'_> {
         let one = JacobianTest { points: 1, ..one };
         let cost = one.evaluations(dof, has_tangent);
         let is_affordable = match place {
-            Place::Feature(_) => cost <= left,
-            Place::Roughest { .. } => cost + samples <= left && fits(dof, samples),
+            JacobianPlace::Feature(_) => cost <= left,
+            JacobianPlace::Roughest { .. } => cost + samples <= left && fits(dof, samples),
         };
         if !is_affordable {
             return Ok(None);
@@ -109,8 +109,8 @@ impl Run<'_> {
         let subject = subject.on(random.as_ref());
         subject.evaluator.begin_loop();
         let Feature { s, h } = match place {
-            Place::Feature(feature) => feature,
-            Place::Roughest { h } => {
+            JacobianPlace::Feature(feature) => feature,
+            JacobianPlace::Roughest { h } => {
                 let refined = RefinedSamples::new(subject, samples, h)?;
                 let s = roughest_sample(subject, &refined);
                 Feature { s, h }
@@ -139,7 +139,7 @@ impl Run<'_> {
     /// Evaluations left but for those that show whether the map projects onto a manifold. A loop need not be contracted if the Jacobian
     /// shows the defect.
     fn left_for_features(&self, dof: usize) -> usize {
-        self.count.left().saturating_sub(survey::singular_cost(dof))
+        self.count.left().saturating_sub(singular_cost(dof))
     }
 
     /// A feature that a sample has met at one step size is on the given loop at larger ones as well, whether a sample has met it or not:

@@ -1,9 +1,9 @@
 //! The given loop at all step sizes.
 
-use super::{FailedStep, Given, Run, if_possible, of_the_map};
-use crate::diagnosis::initial_samples::InitialSamples;
+use super::{FailedStep, GivenLoop, Runner, if_possible, of_the_map};
 use crate::diagnosis::limits::KEPT_PART;
 use crate::diagnosis::resolve::Resolution;
+use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::{Event, SampleCount};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, LoopKind, Omission, Sweep, Why};
@@ -12,9 +12,9 @@ use crate::rules::{RuleKind, Subject};
 use crate::state::Ensemble;
 use crate::survey;
 
-impl Run<'_> {
+impl Runner<'_> {
     /// The given loop at all step sizes that the budget allows, the largest first of all.
-    pub(super) fn given_loop<'s>(&mut self, subject: Subject<'s>) -> Result<Given<'s>, Error> {
+    pub(super) fn given_loop<'s>(&mut self, subject: Subject<'s>) -> Result<GivenLoop<'s>, Error> {
         let diagnostic = self.diagnostic;
         let left = self.left();
         let (budget, tight) = (self.count.budget(), self.plan.is_tight());
@@ -113,7 +113,7 @@ impl Run<'_> {
             self.omit(Check::GivenLoop, Why::Unresolved);
         }
         let size = LoopSize::of(subject.evaluator, subject.phase_loop, self.largest)?;
-        Ok(Given { probe, cost, size })
+        Ok(GivenLoop { probe, cost, size })
     }
 
     /// The step sizes that the budget allows, in the order in which they were given: all, or the largest ones, so

@@ -1,6 +1,6 @@
 //! The Jacobian of a step.
 
-use super::{Given, Run, failed};
+use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::limits::{CLEAR_OF_METHOD, DECAY_PART, FEWEST_OF_AN_ORDER, SMALL};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, Why};
@@ -8,12 +8,12 @@ use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest};
 use crate::map::LoopSize;
 use crate::rules::Subject;
 
-impl Run<'_> {
+impl Runner<'_> {
     /// The Jacobian of the largest step, on the given loop.
     pub(super) fn jacobian(
         &mut self,
         subject: Subject<'_>,
-        given: &Given<'_>,
+        given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         if !self.diagnostic.jacobian {
             return Ok(());

@@ -1,17 +1,21 @@
 //! The given loop in many steps.
 
-use super::{Given, Run};
+use super::{GivenLoop, Runner};
 use crate::diagnosis::limits::{FINE_DEFECT, FOLDED, RESOLVED_DEFECT};
-use crate::diagnosis::memory::fits;
-use crate::diagnosis::probe::Probe;
+use crate::diagnosis::plan::fits;
+use crate::diagnosis::resolve::probe::Probe;
 use crate::error::Error;
 use crate::evidence::{Check, LongTime, Why};
 use crate::rules::{Rule, Subject};
 use crate::trace::{Trace, TracePoint};
 
-impl Run<'_> {
+impl Runner<'_> {
     /// The given loop in many steps, if they are asked for.
-    pub(super) fn many_steps(&mut self, _: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
+    pub(super) fn many_steps(
+        &mut self,
+        _: Subject<'_>,
+        given: &GivenLoop<'_>,
+    ) -> Result<(), Error> {
         let steps = self.diagnostic.long_time;
         if steps == 0 {
             return Ok(());

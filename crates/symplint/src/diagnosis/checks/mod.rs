@@ -1,18 +1,20 @@
 //! The checks of a diagnosis, a file or a folder for each, and what runs them.
 
-mod constraint;
+pub(super) mod constraint;
 mod contraction;
 mod features;
 mod given_loop;
 mod jacobian;
 mod localise;
 mod many_steps;
-mod memory;
+pub(super) mod memory;
 mod random_loops;
 mod sample_sweep;
 
+use memory::{Noise, check_again, wrong_period};
+
 use super::plan::Plan;
-use super::probe::{Known, Probe};
+use super::resolve::probe::{Probe, StepMeasurement};
 use super::{Diagnostic, Event};
 use crate::error::Error;
 use crate::evidence::{
@@ -20,10 +22,9 @@ use crate::evidence::{
 };
 use crate::map::{EvaluationCount, Evaluator, Feature, LoopSize};
 use crate::rules::Subject;
-use crate::survey;
 
 /// A diagnosis under way.
-pub(super) struct Run<'a> {
+pub(super) struct Runner<'a> {
     pub(super) diagnostic: &'a Diagnostic,
     pub(super) watch: &'a dyn Fn(Event<'_>),
     pub(super) count: &'a EvaluationCount,
@@ -35,7 +36,7 @@ pub(super) struct Run<'a> {
     /// Evaluations that loops take which are still to come, and of which the map was told.
     pub(super) reserved: usize,
     /// By how much results of one state differ.
-    pub(super) noise: Option<survey::Noise>,
+    pub(super) noise: Option<Noise>,
     /// Features that the samples of loops do not resolve, with the number of the loop.
     pub(super) features: Vec<(usize, Feature)>,
     pub(super) evidence: Evidence,
@@ -49,7 +50,7 @@ pub(super) struct FailedStep {
 }
 
 /// The given loop, ready to be advanced again, and what one of its steps costs.
-pub(super) struct Given<'a> {
+pub(super) struct GivenLoop<'a> {
     pub(super) probe: Probe<'a>,
     pub(super) cost: usize,
     /// What it suggests for tests beside it.
@@ -57,9 +58,9 @@ pub(super) struct Given<'a> {
 }
 
 /// What a check measures beside the given loop.
-type Measure<'a> = fn(&mut Run<'a>, Subject<'_>, &Given<'_>) -> Result<(), Error>;
+type Measure<'a> = fn(&mut Runner<'a>, Subject<'_>, &GivenLoop<'_>) -> Result<(), Error>;
 
-impl<'a> Run<'a> {
+impl<'a> Runner<'a> {
     /// A diagnosis that has measured nothing yet.
     pub(super) fn new(
         diagnostic: &'a Diagnostic,
@@ -67,7 +68,7 @@ impl<'a> Run<'a> {
         evaluator: &Evaluator<'a>,
         evidence: Evidence,
     ) -> Self {
-        Run {
+        Runner {
             diagnostic,
             watch,
             count: evaluator.count(),
@@ -102,7 +103,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// Any error but those of the map at some of the step sizes. If the map fails at all of them, the error of the largest.
-    pub(super) fn begin<'s>(&mut self, subject: Subject<'s>) -> Result<Given<'s>, Error> {
+    pub(super) fn begin<'s>(&mut self, subject: Subject<'s>) -> Result<GivenLoop<'s>, Error> {
         loop {
             match self.try_largest(subject) {
                 // The map need not be able to take every step.
@@ -132,15 +133,15 @@ impl<'a> Run<'a> {
     }
 
     /// Measures the given loop, and checks the map, at the largest step size.
-    fn try_largest<'s>(&mut self, subject: Subject<'s>) -> Result<Given<'s>, Error> {
+    fn try_largest<'s>(&mut self, subject: Subject<'s>) -> Result<GivenLoop<'s>, Error> {
         let beside = self.counted(Check::Memory, |run| run.look_first(subject))?;
         let given = self.counted(Check::GivenLoop, |run| run.given_loop(subject))?;
         self.counted(Check::Memory, |run| {
-            run.evidence.survey.wrong_period = survey::wrong_period(subject, run.largest)?;
+            run.evidence.survey.wrong_period = wrong_period(subject, run.largest)?;
             if let Some(error) = beside {
                 return Err(error);
             }
-            let noise = survey::check_again(subject.evaluator, true, run.noise.clone())?;
+            let noise = check_again(subject.evaluator, true, run.noise.clone())?;
             run.note_noise(subject.evaluator, noise);
             Ok(())
         })?;
@@ -151,7 +152,7 @@ impl<'a> Run<'a> {
     pub(super) fn complete(
         &mut self,
         subject: Subject<'_>,
-        given: &Given<'_>,
+        given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         for (check, measure) in Self::checks() {
             self.check(check, |run| measure(run, subject, given))?;
@@ -202,7 +203,13 @@ impl<'a> Run<'a> {
     }
 
     /// Tells of what was measured, and keeps it.
-    fn record(&mut self, loop_index: usize, sweep: Sweep, probe: &Probe<'_>, known: &Known) {
+    fn record(
+        &mut self,
+        loop_index: usize,
+        sweep: Sweep,
+        probe: &Probe<'_>,
+        known: &StepMeasurement,
+    ) {
         let step: StepEvidence = probe.evidence(known);
         (self.watch)(Event::Measured(&Point::new(sweep, loop_index, &step)));
         let all = loop_index == 0 && known.h == self.largest && sweep == Sweep::StepSize;

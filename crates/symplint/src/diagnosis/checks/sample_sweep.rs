@@ -1,18 +1,22 @@
 //! The given loop with other numbers of samples.
 
-use super::{Given, Run};
+use super::{GivenLoop, Runner};
 use crate::diagnosis::Event;
-use crate::diagnosis::initial_samples::InitialSamples;
 use crate::diagnosis::measure::ONLY_STEP;
-use crate::diagnosis::probe::{Known, Probe};
-use crate::diagnosis::refined_samples::RefinedSamples;
+use crate::diagnosis::resolve::initial_samples::InitialSamples;
+use crate::diagnosis::resolve::probe::{Probe, StepMeasurement};
+use crate::diagnosis::resolve::refined_samples::RefinedSamples;
 use crate::error::Error;
 use crate::evidence::{Check, Sweep, Why};
 use crate::rules::{Rule, Subject};
 
-impl Run<'_> {
+impl Runner<'_> {
     /// The given loop with other numbers of samples, if they are asked for.
-    pub(super) fn sweep_samples(&mut self, _: Subject<'_>, given: &Given<'_>) -> Result<(), Error> {
+    pub(super) fn sweep_samples(
+        &mut self,
+        _: Subject<'_>,
+        given: &GivenLoop<'_>,
+    ) -> Result<(), Error> {
         let (diagnostic, probe) = (self.diagnostic, &given.probe);
         let Some(sweep) = &diagnostic.sample_sweep else {
             return Ok(());
@@ -53,7 +57,7 @@ impl Run<'_> {
                     of_samples.measure(&mut InitialSamples::new(subject), h, &mut |_| {})?;
                 (of_samples, known.advanced)
             };
-            let known = Known {
+            let known = StepMeasurement {
                 h,
                 advanced,
                 evaluations: self.count.made() - before,

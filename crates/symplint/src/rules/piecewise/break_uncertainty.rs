@@ -7,9 +7,9 @@
 
 use std::f64::consts::PI;
 
-use super::curves::At;
+use super::curves::CurvePoint;
 use super::limits::{FAR, NEIGHBOURS, REACH};
-use super::refinement::{Found, Refinement};
+use super::refinement::{CurveBreak, Refinement};
 use crate::error::Error;
 use crate::signal::nearest;
 
@@ -26,12 +26,12 @@ struct Uncertain {
 /// What the absolutely continuous integral may be off because breaks are not where they were found.
 pub(super) fn break_uncertainty(refinement: &mut Refinement<'_>) -> Result<f64, Error> {
     let uncertain = uncertain(refinement);
-    let points: Vec<At> = (uncertain.iter())
+    let points: Vec<CurvePoint> = (uncertain.iter())
         .flat_map(|at| {
             let [low, high] = refinement.breaks[at.index].sides;
             [low - at.free, high + at.free]
         })
-        .map(|s| At::on(0, s.rem_euclid(1.0)))
+        .map(|s| CurvePoint::on(0, s.rem_euclid(1.0)))
         .collect();
     for at in &uncertain {
         let found = &mut refinement.breaks[at.index];
@@ -109,7 +109,7 @@ fn uncertain(refinement: &Refinement<'_>) -> Vec<Uncertain> {
 }
 
 /// From the end of a break to the beginning of the next one, once round the loop if need be.
-fn distance(from: &Found, to: &Found) -> f64 {
+fn distance(from: &CurveBreak, to: &CurveBreak) -> f64 {
     let direct = to.sides[0] - from.sides[1];
     if to.sides[0] < from.sides[0] {
         direct + 1.0

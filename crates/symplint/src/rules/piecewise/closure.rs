@@ -1,10 +1,10 @@
 //! Closing the breaks.
 
 use super::Closure;
-use super::curves::{Image, Segment};
+use super::curves::{PointImage, Segment};
 use super::limits::BORN;
 use super::piece::Piece;
-use super::refinement::{Found, Refinement};
+use super::refinement::{CurveBreak, Refinement};
 use super::scales::Scales;
 use crate::error::Error;
 use crate::signal::nearest;
@@ -76,7 +76,7 @@ pub(super) fn close(refinement: &mut Refinement<'_>, closure: Closure) -> Result
 }
 
 /// The first stage at which the two sides of a break are apart.
-fn birth(found: &Found, scales: &Scales, coordinates: &Coordinates) -> usize {
+fn birth(found: &CurveBreak, scales: &Scales, coordinates: &Coordinates) -> usize {
     let [low, high] = &found.images;
     // How far two states are apart, in the sizes of the coordinates.
     let size = |stage: usize| {
@@ -91,7 +91,7 @@ fn birth(found: &Found, scales: &Scales, coordinates: &Coordinates) -> usize {
     (sizes.iter().position(|&size| size > BORN * most)).unwrap_or(sizes.len() - 1)
 }
 
-impl Found {
+impl CurveBreak {
     /// The area of the rectangles that the segment between its sides at this stage is a diagonal of, in the planes of the
     /// degrees of freedom: other monotone curves between them stay within.
     fn bend(&self, stage: usize, coordinates: &Coordinates) -> f64 {
@@ -106,7 +106,7 @@ impl Found {
     /// The straight segment between its sides after the step.
     pub fn chord(&self, scales: &Scales, coordinates: &Coordinates) -> Chord {
         let dof = coordinates.dof();
-        let [low, high] = self.images.each_ref().map(Image::after);
+        let [low, high] = self.images.each_ref().map(PointImage::after);
         let gains: Vec<f64> = (0..dof).map(|i| self.jump(i, coordinates)).collect();
         let areas = gains.iter().enumerate().map(|(i, gain)| {
             let mean = 0.5 * (low[dof + i] + high[dof + i]) - scales.p_reference[i];

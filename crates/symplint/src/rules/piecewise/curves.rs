@@ -28,14 +28,14 @@ pub(super) struct Curves<'a> {
 /// there, one that is put onto it.
 pub(super) struct Segment {
     /// Both ends, from where the segment begins on.
-    pub ends: [Image; 2],
+    pub ends: [PointImage; 2],
     /// The substep that it meets first.
     pub substep: usize,
 }
 
 /// A point of a curve.
 #[derive(Clone, Copy)]
-pub(super) struct At {
+pub(super) struct CurvePoint {
     pub curve: usize,
     /// s of the loop, t of a segment.
     pub s: f64,
@@ -43,10 +43,10 @@ pub(super) struct At {
     pub pattern: usize,
 }
 
-impl At {
+impl CurvePoint {
     /// A point that is not displaced.
     pub fn on(curve: usize, s: f64) -> Self {
-        At {
+        CurvePoint {
             curve,
             s,
             pattern: 0,
@@ -56,7 +56,7 @@ impl At {
 
 /// What a step makes of a point of a curve: the states before each substep that it meets, and after the last.
 #[derive(Clone)]
-pub(super) struct Image {
+pub(super) struct PointImage {
     /// One state after the other: positions, then momenta.
     states: Arc<[f64]>,
     /// Coordinates of a state.
@@ -65,7 +65,7 @@ pub(super) struct Image {
     start: usize,
 }
 
-impl Image {
+impl PointImage {
     /// Number of states.
     pub fn stages(&self) -> usize {
         (self.states.len() - self.start) / self.width.max(1)
@@ -84,7 +84,7 @@ impl Image {
 
     /// The same without the states before stage `k`.
     pub fn starting_at(&self, k: usize) -> Self {
-        Image {
+        PointImage {
             start: self.start + k * self.width,
             ..self.clone()
         }
@@ -97,7 +97,7 @@ impl Curves<'_> {
     }
 
     /// The states at `points` of curves that meet `substep` first, before it.
-    fn before(&self, points: &[At], substep: usize) -> Ensemble {
+    fn before(&self, points: &[CurvePoint], substep: usize) -> Ensemble {
         let mut states = Ensemble::zeros(self.dof(), points.len());
         let width = Ensemble::block_width(self.dof());
         let blocks = states
@@ -135,8 +135,12 @@ impl Curves<'_> {
 
     /// Sends `points` of curves that meet `substep` first through the rest of the step, each once; returns their
     /// images, and how many points there are.
-    pub fn images(&self, points: &[At], substep: usize) -> Result<(Vec<Image>, usize), Error> {
-        let mut different: Vec<At> = Vec::with_capacity(points.len());
+    pub fn images(
+        &self,
+        points: &[CurvePoint],
+        substep: usize,
+    ) -> Result<(Vec<PointImage>, usize), Error> {
+        let mut different: Vec<CurvePoint> = Vec::with_capacity(points.len());
         let mut index_of = HashMap::with_capacity(points.len());
         let indices: Vec<usize> = (points.iter())
             .map(|&at| {
@@ -158,7 +162,11 @@ impl Curves<'_> {
         ))
     }
 
-    fn images_of_each(&self, points: &[At], substep: usize) -> Result<Vec<Image>, Error> {
+    fn images_of_each(
+        &self,
+        points: &[CurvePoint],
+        substep: usize,
+    ) -> Result<Vec<PointImage>, Error> {
         let mut states = self.before(points, substep);
         for (k, point) in points.iter().enumerate() {
             if point.pattern > 0 {
@@ -167,8 +175,8 @@ impl Curves<'_> {
         }
         let mut stages = Vec::new();
         let position = |sample: usize| match points[sample] {
-            At { curve: 0, s, .. } => StateAt::Loop(s),
-            At { s, .. } => StateAt::Segment(s),
+            CurvePoint { curve: 0, s, .. } => StateAt::Loop(s),
+            CurvePoint { s, .. } => StateAt::Segment(s),
         };
         let at = |error: Error| error.at(position);
         states.check_finite(None).map_err(at)?;
@@ -176,7 +184,12 @@ impl Curves<'_> {
             stages.push(states.clone());
             (self.evaluator.advance_substep(&mut states, k, self.h)).map_err(at)?;
         }
-        let ends = |curve: usize| self.segments[curve - 1].ends.each_ref().map(Image::after);
+        let ends = |curve: usize| {
+            self.segments[curve - 1]
+                .ends
+                .each_ref()
+                .map(PointImage::after)
+        };
         for (sample, point) in points.iter().enumerate() {
             (self.lift).unwrap(
                 &mut states,
@@ -190,7 +203,7 @@ impl Curves<'_> {
         }
         stages.push(states);
         let width = 2 * self.dof();
-        let image = |sample: usize| Image {
+        let image = |sample: usize| PointImage {
             states: (stages.iter())
                 .flat_map(|states| (0..width).map(move |c| coordinate(states, c)[sample]))
                 .collect(),

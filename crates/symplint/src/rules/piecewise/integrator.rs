@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::map::{EvaluationCount, Evaluator, StepFailure, TimeAdvance};
 use crate::rules::sampled::{cells_apart, jumps, ranges_of};
 use crate::rules::{
-    Advanced, Closed, Defect, LoopIntegral, LoopIntegrator, RuleKind, Samples, Subject,
+    BreakClosure, Defect, LoopAfterStep, LoopIntegral, LoopIntegrator, RuleKind, Samples, Subject,
 };
 use crate::state::{Block, Coordinates};
 
@@ -33,7 +33,7 @@ impl LoopIntegrator for Piecewise {
         h: f64,
         samples: Samples<'_>,
         initial: &LoopIntegral,
-    ) -> Result<Advanced, Error> {
+    ) -> Result<LoopAfterStep, Error> {
         let after = samples.kept();
         let pieces =
             self.integrate_beside(subject.evaluator, subject.phase_loop, h, Some(after))?;
@@ -74,10 +74,10 @@ impl LoopIntegrator for Piecewise {
             }
         }
         integral.quadrature_error = integral.quadrature_error.map(|error| error + little);
-        Ok(Advanced {
+        Ok(LoopAfterStep {
             defect: Defect::between(initial, &integral)?,
             regularity: integral.regularity,
-            closed: Some(Closed {
+            closed: Some(BreakClosure {
                 breaks: breaks.len(),
                 flickering,
                 chord: closing.iter().sum(),

@@ -1,6 +1,6 @@
 //! A jump between two nodes of a piece.
 
-use super::curves::{At, Image};
+use super::curves::{CurvePoint, PointImage};
 use super::limits::{LARGE, SMOOTH, TERMS};
 use super::lobatto::{evaluate, polynomial};
 use super::piece::{Piece, Smooth};
@@ -23,11 +23,11 @@ pub(super) struct Jump {
     pub gap: [f64; 2],
     pub bracket: Bracket,
     /// Images of the states beside it, from each end of the bracket outwards.
-    beside: [Vec<Image>; 2],
+    beside: [Vec<PointImage>; 2],
     /// How often these were looked at.
     pub looks: usize,
     /// Images of the states round the zone in which the map may flicker, from each end outwards.
-    around: [Vec<Image>; 2],
+    around: [Vec<PointImage>; 2],
     /// Which of [`DISTANCES_AROUND`] they have, if the map flickers beside it.
     zone: Option<usize>,
     confirmation: Confirmation,
@@ -67,7 +67,7 @@ impl Jump {
     pub fn new(
         piece: Piece,
         gap: [f64; 2],
-        ends: [Image; 2],
+        ends: [PointImage; 2],
         (direction, reference): (Vec<f64>, Vec<f64>),
         (left, step): ([f64; SMOOTH], [f64; TERMS]),
         expected: f64,
@@ -100,7 +100,7 @@ impl Jump {
     }
 
     /// The images of both ends.
-    pub fn ends(&self) -> [&Image; 2] {
+    pub fn ends(&self) -> [&PointImage; 2] {
         [&self.beside[0][0], &self.beside[1][0]]
     }
 
@@ -111,12 +111,12 @@ impl Jump {
 
     /// From one end to the other, in that direction.
     fn jump(&self, coordinates: &Coordinates) -> f64 {
-        let [low, high] = self.ends().map(Image::after);
+        let [low, high] = self.ends().map(PointImage::after);
         self.project(high, low, coordinates)
     }
 
     /// Halves the bracket, with the image of its middle.
-    pub fn halve(&mut self, image: Image, coordinates: &Coordinates) -> Progress {
+    pub fn halve(&mut self, image: PointImage, coordinates: &Coordinates) -> Progress {
         let smooth = |s: f64| evaluate(&self.left, self.piece.x(s));
         let middle = self.bracket.middle();
         let value = self.project(image.after(), &self.reference, coordinates) - smooth(middle);
@@ -136,7 +136,7 @@ impl Jump {
 
     /// The states beside it, or around its zone, that the next look needs and that are not known yet. The last of each side that
     /// confirm a jump without a zone is its end, displaced.
-    pub fn surroundings(&self) -> impl Iterator<Item = At> {
+    pub fn surroundings(&self) -> impl Iterator<Item = CurvePoint> {
         let curve = self.piece.curve;
         let within = move |s: f64| match curve {
             0 if (0.0..=1.0).contains(&s) => s,
@@ -158,7 +158,7 @@ impl Jump {
             let own = self.bracket.beside(end).take(usize::from(is_displaced));
             let displaced = own.map(move |s| (s, 1 + end as usize));
             let states = states.into_iter().map(|s| (s, 0)).chain(displaced);
-            states.map(move |(s, pattern)| At {
+            states.map(move |(s, pattern)| CurvePoint {
                 curve,
                 s: within(s),
                 pattern,
@@ -181,7 +181,7 @@ impl Jump {
 
     /// How many of them are not known.
     pub fn missing(&self) -> usize {
-        let beside = |side: &Vec<Image>| self.beside_wanted() - side.len();
+        let beside = |side: &Vec<PointImage>| self.beside_wanted() - side.len();
         let is_wanted = self.is_wanted();
         match self.zone {
             None => self.beside.iter().map(beside).sum::<usize>() + 2 * usize::from(is_wanted),
@@ -218,7 +218,7 @@ impl Jump {
     }
 
     /// Takes in more states on both sides, and the ends displaced.
-    fn confirm(&mut self, sides: [&[Image]; 2], coordinates: &Coordinates) {
+    fn confirm(&mut self, sides: [&[PointImage]; 2], coordinates: &Coordinates) {
         let jump = self.jump(coordinates);
         let [low, high] = self.projected(&self.beside, coordinates);
         let did_stand_out = stands_out(jump, [&low, &high]);
@@ -251,7 +251,7 @@ impl Jump {
     }
 
     /// Takes in the states between those around the zone. If they do not confirm it, nearer states may.
-    fn confirm_zone(&mut self, sides: [&[Image]; 2], coordinates: &Coordinates) {
+    fn confirm_zone(&mut self, sides: [&[PointImage]; 2], coordinates: &Coordinates) {
         for (side, between) in self.around.iter_mut().zip(sides) {
             *side = interleaved(side, between);
         }
@@ -264,7 +264,7 @@ impl Jump {
     }
 
     /// Takes their images in.
-    pub fn look(&mut self, images: &[Image], coordinates: &Coordinates) {
+    pub fn look(&mut self, images: &[PointImage], coordinates: &Coordinates) {
         let (left, right) = images.split_at(images.len() / 2);
         match (self.zone, self.is_wanted()) {
             (None, true) => self.confirm([left, right], coordinates),
@@ -300,7 +300,7 @@ impl Jump {
 
     /// The states of each side in the direction of the jump, from its own end, so that a wrap in between is none
     /// of it.
-    fn projected(&self, sides: &[Vec<Image>; 2], coordinates: &Coordinates) -> [Vec<f64>; 2] {
+    fn projected(&self, sides: &[Vec<PointImage>; 2], coordinates: &Coordinates) -> [Vec<f64>; 2] {
         sides.each_ref().map(|side| {
             let origin = side[0].after();
             let each = side.iter();
@@ -360,7 +360,7 @@ impl Jump {
 
     /// How far each coordinate jumps.
     pub fn sizes(&self, coordinates: &Coordinates) -> Vec<f64> {
-        let [low, high] = self.ends().map(Image::after);
+        let [low, high] = self.ends().map(PointImage::after);
         let jump = |c: usize| nearest(high[c] - low[c], period(coordinates, c)).abs();
         (0..2 * coordinates.dof()).map(jump).collect()
     }

@@ -43,7 +43,7 @@ use crate::signal::CompensatedSum;
 use crate::state::Ensemble;
 use break_uncertainty::break_uncertainty;
 use closure::close;
-use curves::{At, Curves, Image};
+use curves::{CurvePoint, Curves, PointImage};
 pub(crate) use integrator::Identity;
 use lift::Lift;
 use limits::{AROUND, FULL, SAMPLES_TO_UNWRAP};
@@ -223,7 +223,7 @@ impl Piecewise {
         };
         let known = evaluator.known_breaks(phase_loop, h);
         let mut pieces = self.first_pieces(&known, most_evaluations);
-        let points: Vec<Vec<At>> = pieces
+        let points: Vec<Vec<CurvePoint>> = pieces
             .iter()
             .map(|x| x.missing_points().collect())
             .collect();
@@ -236,7 +236,7 @@ impl Piecewise {
         let at_nodes = pieces
             .iter()
             .flat_map(|piece| (0..lobatto::NODES).map(|k| piece.image(k)));
-        let at_nodes: Vec<&Image> = at_nodes.collect();
+        let at_nodes: Vec<&PointImage> = at_nodes.collect();
         evaluator.learn_grain(phase_loop, at_nodes.len(), |c, k| at_nodes[k].after()[c]);
         let scales = Scales::new(
             &at_nodes,

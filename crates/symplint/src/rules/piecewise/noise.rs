@@ -1,6 +1,6 @@
 //! The noise of a map on a stretch of a curve.
 
-use super::curves::{At, Image};
+use super::curves::{CurvePoint, PointImage};
 use super::limits::{NOISE_POINTS, NOISE_SITES, NOISE_SPACING, NOISE_SPACING_OF_PIECE, SAFETY};
 use crate::signal::nearest;
 use crate::signal::noise::SixthDifference;
@@ -10,7 +10,7 @@ use crate::state::{Coordinates, period};
 pub(super) const STATES: usize = NOISE_SITES.len() * NOISE_POINTS.len();
 
 /// Where they are on the stretch [a, b] of a curve.
-pub(super) fn points(curve: usize, [a, b]: [f64; 2]) -> impl Iterator<Item = At> {
+pub(super) fn points(curve: usize, [a, b]: [f64; 2]) -> impl Iterator<Item = CurvePoint> {
     let length = b - a;
     let spacing = if length < 1.0 {
         NOISE_SPACING_OF_PIECE * length
@@ -21,17 +21,17 @@ pub(super) fn points(curve: usize, [a, b]: [f64; 2]) -> impl Iterator<Item = At>
         let first = a + site * length;
         NOISE_POINTS
             .into_iter()
-            .map(move |x| At::on(curve, first + spacing * x))
+            .map(move |x| CurvePoint::on(curve, first + spacing * x))
     })
 }
 
 /// What each coordinate may be off because of noise, from the images at those points.
-pub(super) fn allowance(images: &[Image], coordinates: &Coordinates) -> Vec<f64> {
+pub(super) fn allowance(images: &[PointImage], coordinates: &Coordinates) -> Vec<f64> {
     let difference = SixthDifference::at(NOISE_POINTS);
     (0..2 * coordinates.dof())
         .map(|c| {
             let period = period(coordinates, c);
-            let of_site = |site: &[Image]| {
+            let of_site = |site: &[PointImage]| {
                 let first = site[0].after()[c];
                 let values = site
                     .iter()

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::curves::{At, Image};
+use super::curves::{CurvePoint, PointImage};
 use super::fit::POINTS;
 use super::limits::{BELOW_FULL, CHECKS, DEGREES, ESTIMATES, FULL, SHORTEST};
 use super::lobatto::{DEGREE, LOBATTO, NODES};
@@ -17,14 +17,19 @@ pub(super) struct Piece {
     /// Which of [`DEGREES`] is tried.
     pub level: usize,
     /// Images of its nodes, then of the checks, as far as they are known.
-    pub images: [Option<Image>; POINTS],
+    pub images: [Option<PointImage>; POINTS],
     /// What each coordinate may be off because of the noise that the map has here, and not everywhere.
     pub noise: Option<Arc<[f64]>>,
 }
 
 impl Piece {
     /// A part of a curve, of which the images of the ends may be known.
-    pub fn new(curve: usize, [a, b]: [f64; 2], level: usize, ends: [Option<Image>; 2]) -> Self {
+    pub fn new(
+        curve: usize,
+        [a, b]: [f64; 2],
+        level: usize,
+        ends: [Option<PointImage>; 2],
+    ) -> Self {
         let mut images = [const { None }; POINTS];
         let [first, last] = ends;
         (images[0], images[DEGREE]) = (first, last);
@@ -40,7 +45,7 @@ impl Piece {
     }
 
     /// A part of it: what is known of its noise holds there, too.
-    pub fn part(&self, ends: [f64; 2], images: [Option<Image>; 2]) -> Self {
+    pub fn part(&self, ends: [f64; 2], images: [Option<PointImage>; 2]) -> Self {
         Piece {
             noise: self.noise.clone(),
             ..Piece::new(self.curve, ends, 0, images)
@@ -67,7 +72,7 @@ impl Piece {
     }
 
     /// The image at a parameter, if it is known.
-    fn image_at(&self, s: f64) -> Option<Image> {
+    fn image_at(&self, s: f64) -> Option<PointImage> {
         let mut points = (0..POINTS).filter(|&k| self.point(k) == s);
         points.find_map(|k| self.images[k].clone())
     }
@@ -126,12 +131,13 @@ impl Piece {
     }
 
     /// Where they are.
-    pub fn missing_points(&self) -> impl Iterator<Item = At> {
-        self.missing().map(|k| At::on(self.curve, self.point(k)))
+    pub fn missing_points(&self) -> impl Iterator<Item = CurvePoint> {
+        self.missing()
+            .map(|k| CurvePoint::on(self.curve, self.point(k)))
     }
 
     /// Takes their images in.
-    pub fn fill(&mut self, images: &[Image]) {
+    pub fn fill(&mut self, images: &[PointImage]) {
         let missing: Vec<usize> = self.missing().collect();
         for (k, image) in missing.into_iter().zip(images) {
             self.images[k] = Some(image.clone());
@@ -139,7 +145,7 @@ impl Piece {
     }
 
     /// The image of a point that was evaluated.
-    pub fn image(&self, k: usize) -> &Image {
+    pub fn image(&self, k: usize) -> &PointImage {
         self.images[k].as_ref().expect("the point was evaluated")
     }
 }
@@ -159,7 +165,7 @@ pub(super) struct Smooth {
     /// Bound on the error by interpolation.
     pub error: f64,
     /// The error by interpolation as the samples on the piece have it, if there are as many as estimates.
-    pub missed: Option<Missed>,
+    pub missed: Option<InterpolationMiss>,
     /// That bound if the piece hides a jump.
     pub error_of_jump: f64,
     /// What the noise that was allowed for here and not everywhere may hide: a jump as large as states scatter.
@@ -170,7 +176,7 @@ pub(super) struct Smooth {
 
 /// What interpolants miss samples by.
 #[derive(Clone)]
-pub(super) struct Missed {
+pub(super) struct InterpolationMiss {
     /// Estimates of what the integral of the interpolants is off.
     pub estimates: [f64; ESTIMATES],
     /// What the piece may hide if a jump is all that they miss.

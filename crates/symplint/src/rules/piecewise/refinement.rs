@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::curves::{At, Curves, Image};
+use super::curves::{CurvePoint, Curves, PointImage};
 use super::examine::{Finding, TurningPoints, View, Why};
 use super::jump::{Judgement, Jump};
 use super::limits::{BATCH_BYTES, ELSEWHERE, LARGE, NOISE_LENGTH, SAFETY, SMALL};
@@ -26,7 +26,7 @@ pub(super) struct Refinement<'a> {
     /// Pieces that are done.
     pub smooth: Vec<Smooth>,
     /// Breaks of all curves.
-    pub breaks: Vec<Found>,
+    pub breaks: Vec<CurveBreak>,
     pub budget: Budget,
     /// What has to wait until others give back what was granted to them.
     waiting: Vec<Outcome>,
@@ -66,12 +66,12 @@ impl Budget {
 }
 
 /// A break of a curve.
-pub(super) struct Found {
+pub(super) struct CurveBreak {
     pub curve: usize,
     /// The last parameter before it and the first after it.
     pub sides: [f64; 2],
     /// Their images.
-    pub images: [Image; 2],
+    pub images: [PointImage; 2],
     /// Whether rounding decides on which side of it the states beside it are, and not that of the states themselves.
     pub flickers: bool,
     /// How far from there it may be along the curve, if that is more than a jump of its size may.
@@ -80,10 +80,10 @@ pub(super) struct Found {
     pub substep: Option<usize>,
 }
 
-impl Found {
+impl CurveBreak {
     /// How far a coordinate jumps.
     pub fn jump(&self, c: usize, coordinates: &Coordinates) -> f64 {
-        let [low, high] = self.images.each_ref().map(Image::after);
+        let [low, high] = self.images.each_ref().map(PointImage::after);
         nearest(high[c] - low[c], period(coordinates, c))
     }
 
@@ -139,7 +139,11 @@ impl<'a> Refinement<'a> {
     }
 
     /// Images of points of curves that meet `substep` first; they were granted.
-    pub fn images(&mut self, points: &[At], substep: usize) -> Result<Vec<Image>, Error> {
+    pub fn images(
+        &mut self,
+        points: &[CurvePoint],
+        substep: usize,
+    ) -> Result<Vec<PointImage>, Error> {
         if points.is_empty() {
             return Ok(Vec::new());
         }
@@ -187,7 +191,7 @@ impl<'a> Refinement<'a> {
         if batch.iter().any(small) {
             self.learn_noise()?;
         }
-        let points: Vec<Vec<At>> = batch.iter().map(Task::points).collect();
+        let points: Vec<Vec<CurvePoint>> = batch.iter().map(Task::points).collect();
         let images = self.images(&points.concat(), substep)?;
         let mut rest = &images[..];
         let mut work = Vec::with_capacity(batch.len());
@@ -253,7 +257,7 @@ impl<'a> Refinement<'a> {
     fn learn_noise(&mut self) -> Result<(), Error> {
         if !self.noise_known && self.budget.grant(noise::STATES) {
             self.noise_known = true;
-            let points: Vec<At> = noise::points(0, [0.0, 1.0]).collect();
+            let points: Vec<CurvePoint> = noise::points(0, [0.0, 1.0]).collect();
             let images = self.images(&points, 0)?;
             let found = noise::allowance(&images, self.coordinates);
             for (noise, found) in self.scales.noise.iter_mut().zip(found) {
@@ -263,7 +267,7 @@ impl<'a> Refinement<'a> {
         Ok(())
     }
 
-    fn proceed(&self, task: Task, images: &[Image]) -> Outcome {
+    fn proceed(&self, task: Task, images: &[PointImage]) -> Outcome {
         match task {
             Task::Look(mut piece) => {
                 piece.fill(images);
@@ -323,11 +327,11 @@ impl<'a> Refinement<'a> {
         let parts = match judgement {
             Judgement::Break => {
                 let sides = [jump.bracket.low, jump.bracket.high];
-                let images = jump.ends().map(Image::clone);
+                let images = jump.ends().map(PointImage::clone);
                 let [low, high] = images.clone().map(Some);
                 let left = piece.part([piece.a, sides[0]], [piece.images[0].clone(), low]);
                 let right = piece.part([sides[1], piece.b], [high, piece.images[DEGREE].clone()]);
-                outcome.found = Some(Found {
+                outcome.found = Some(CurveBreak {
                     curve: piece.curve,
                     sides,
                     images,
@@ -397,7 +401,7 @@ impl<'a> Refinement<'a> {
     }
 
     /// Looks at a piece once more if the noise that it has explains it; else cuts it.
-    fn explain_by_noise(&self, mut piece: Piece, images: &[Image]) -> Outcome {
+    fn explain_by_noise(&self, mut piece: Piece, images: &[PointImage]) -> Outcome {
         let view = self.view(&piece);
         let unresolved = view.integrate(false);
         let allowance = noise::allowance(images, self.coordinates);
@@ -416,7 +420,7 @@ impl<'a> Refinement<'a> {
         piece: Piece,
         smooth: Smooth,
         turning: &TurningPoints,
-        images: &[Image],
+        images: &[PointImage],
     ) -> Outcome {
         for ((s, expected), image) in turning.expected.iter().zip(images) {
             let misses = expected.iter().enumerate().any(|(c, expected)| {

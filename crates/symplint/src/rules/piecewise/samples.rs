@@ -6,7 +6,7 @@ use super::examine::View;
 use super::fit::Fit;
 use super::limits::{ELSEWHERE, ESTIMATES, OF_A_MISS};
 use super::lobatto::{Values, derivative, evaluate_each};
-use super::piece::Missed;
+use super::piece::InterpolationMiss;
 use crate::signal::{Extent, nearest};
 use crate::state::{Ensemble, coordinate, period};
 
@@ -80,7 +80,7 @@ pub(super) fn missed_sample(view: &View<'_>) -> Option<f64> {
 /// ∫ (δp dq − δq dp) over the piece, where δq and δp are what the interpolants miss the loop by, by the trapezoidal rule on
 /// every so many-th sample: the error of the interpolated integral to first order, as δq vanishes at both ends. A jump
 /// of q is no part of the integral, but of that of the interpolant.
-pub(super) fn missed(view: &View<'_>) -> Option<Missed> {
+pub(super) fn missed(view: &View<'_>) -> Option<InterpolationMiss> {
     let inside = Inside::of(view)?;
     let all = inside.x.len();
     if all < ESTIMATES {
@@ -107,7 +107,7 @@ pub(super) fn missed(view: &View<'_>) -> Option<Missed> {
     // From the derivative by x to that by s, and from sums to means.
     let spacing = ESTIMATES as f64 / inside.advanced.samples() as f64;
     let of_spacing = spacing * 2.0 / view.piece.length();
-    Some(Missed {
+    Some(InterpolationMiss {
         estimates: estimates.map(|sum| sum * of_spacing),
         jump,
     })

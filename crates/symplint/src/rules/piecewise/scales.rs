@@ -1,6 +1,6 @@
 //! How large and how exact each coordinate is.
 
-use super::curves::Image;
+use super::curves::PointImage;
 use super::limits::{GRAINS, ROUNDING, SMALLEST, SMALLEST_PART};
 use crate::map::Grain;
 use crate::signal::{Extent, unwrap_row};
@@ -27,7 +27,7 @@ pub(super) struct Scales {
 impl Scales {
     /// From a few points of the advanced loop, in their order.
     pub fn new(
-        images: &[&Image],
+        images: &[&PointImage],
         coordinates: &Coordinates,
         tolerance: f64,
         grain: Option<&Grain>,

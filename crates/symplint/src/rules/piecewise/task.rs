@@ -1,11 +1,11 @@
 //! What is to be done about a stretch of a curve, and what it costs.
 
-use super::curves::At;
+use super::curves::CurvePoint;
 use super::examine::TurningPoints;
 use super::jump::Jump;
 use super::noise;
 use super::piece::{Piece, Smooth};
-use super::refinement::Found;
+use super::refinement::CurveBreak;
 
 /// States of a closing segment whose ends are known, where it is straight: inner nodes and checks.
 const OF_A_SEGMENT: usize = 4;
@@ -35,7 +35,7 @@ pub(super) enum Task {
 pub(super) struct Outcome {
     /// What to do next.
     pub next: Vec<Task>,
-    pub found: Option<Found>,
+    pub found: Option<CurveBreak>,
     /// Whether the map may have noise.
     pub noisy: bool,
     /// The size of each coordinate of a jump that was noise.
@@ -48,15 +48,15 @@ pub(super) struct Outcome {
 
 impl Task {
     /// The states it asks for.
-    pub fn points(&self) -> Vec<At> {
+    pub fn points(&self) -> Vec<CurvePoint> {
         match self {
             Task::Look(piece) => piece.missing_points().collect(),
-            Task::Halve(jump) => vec![At::on(jump.piece.curve, jump.bracket.middle())],
+            Task::Halve(jump) => vec![CurvePoint::on(jump.piece.curve, jump.bracket.middle())],
             Task::Confirm(jump) => jump.surroundings().collect(),
             Task::CheckTurningPoints(piece, _, turning) => {
                 let curve = piece.curve;
                 let points = turning.expected.iter();
-                points.map(|&(s, _)| At::on(curve, s)).collect()
+                points.map(|&(s, _)| CurvePoint::on(curve, s)).collect()
             }
             Task::EstimateNoise(piece) => noise::points(piece.curve, [piece.a, piece.b]).collect(),
         }

@@ -13,7 +13,9 @@ use crate::breaks::{Break, REACH, Search, Suspect, follow_up, most_outstanding};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
-use crate::rules::{Advanced, Defect, LoopIntegral, LoopIntegrator, RuleKind, Samples, Subject};
+use crate::rules::{
+    Defect, LoopAfterStep, LoopIntegral, LoopIntegrator, RuleKind, Samples, Subject,
+};
 use crate::signal::CompensatedSum;
 use crate::state::Coordinates;
 use row::{Row, WIDEST};
@@ -242,13 +244,13 @@ impl LoopIntegrator for Streaming {
         h: f64,
         samples: Samples<'_>,
         initial: &LoopIntegral,
-    ) -> Result<Advanced, Error> {
+    ) -> Result<LoopAfterStep, Error> {
         let Subject {
             evaluator,
             phase_loop,
         } = *subject;
         let found = self.integrate_with(evaluator, phase_loop, h, samples.count())?;
-        Ok(Advanced {
+        Ok(LoopAfterStep {
             defect: Defect::between(initial, &found.integral)?,
             regularity: None,
             integral: found.integral,

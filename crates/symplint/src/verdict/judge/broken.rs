@@ -10,7 +10,7 @@ use crate::verdict::order::Fit;
 use crate::verdict::thresholds::{FLICKERING, LEAST_SAMPLED_JUMP, SHUFFLED, TREND};
 
 /// The worst of the loops whose breaks are closed.
-struct Closed {
+struct WorstClosure {
     finding: Finding,
     conserved: Option<bool>,
 }
@@ -144,7 +144,7 @@ impl Case<'_> {
     }
 
     /// What the loops do whose breaks are closed; `None` where that is not known.
-    fn closed(&self) -> Option<Closed> {
+    fn closed(&self) -> Option<WorstClosure> {
         let closed = self.steps().filter_map(|(found, step)| {
             let closing = step.closing.filter(|_| !found.winds)?;
             Some((found, step, closing))
@@ -157,7 +157,7 @@ impl Case<'_> {
         let (loop_index, name) = (found.index, self.name(found, step));
         let defect = closing.closed;
         if defect.magnitude() > crate::evidence::SIGNIFICANT * defect.uncertainty() {
-            return Some(Closed {
+            return Some(WorstClosure {
                 finding: Finding::Breaks(BreakFinding::ClosedChanges {
                     change: change(&defect),
                     straight: closing.straight,
@@ -169,7 +169,7 @@ impl Case<'_> {
             });
         }
         let bound = defect.magnitude() + defect.uncertainty();
-        (bound <= WEAKEST_BOUND).then_some(Closed {
+        (bound <= WEAKEST_BOUND).then_some(WorstClosure {
             finding: Finding::Breaks(BreakFinding::ClosedConserved {
                 bound,
                 straight: closing.straight,

@@ -10,22 +10,22 @@ pub(super) use halving::{
 };
 
 use super::random_loops::loop_of_kind;
-use super::{Given, Run, failed};
+use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::Diagnostic;
-use crate::diagnosis::memory::fits;
 use crate::diagnosis::plan::Plan;
+use crate::diagnosis::plan::fits;
 use crate::error::Error;
 use crate::evidence::{Check, Localisation, LoopEvidence, Why};
 use crate::loops::FourierLoop;
 use crate::map::{LoopSize, ProjectedLoop};
 use crate::rules::{Rule, RuleKind, Subject};
 
-impl Run<'_> {
+impl Runner<'_> {
     /// Looks where a defect comes from, on the first loop that shows it.
     pub(super) fn localise(
         &mut self,
         subject: Subject<'_>,
-        given: &Given<'_>,
+        given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         let survey = &self.evidence.survey;
         let off_manifold = survey.singular.is_some() || survey.degenerate_form.is_some();

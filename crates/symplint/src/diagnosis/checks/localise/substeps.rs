@@ -1,7 +1,7 @@
 //! Which substep of a composition changes or breaks a loop.
 
-use crate::diagnosis::initial_samples::InitialSamples;
-use crate::diagnosis::probe::Probe;
+use crate::diagnosis::resolve::initial_samples::InitialSamples;
+use crate::diagnosis::resolve::probe::Probe;
 use crate::error::Error;
 use crate::evidence::SubstepDefect;
 use crate::rules::{Defect, Rule, Subject};

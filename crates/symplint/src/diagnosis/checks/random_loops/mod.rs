@@ -6,12 +6,12 @@ mod reach;
 pub(super) use kinds::loop_of_kind;
 use kinds::random_kind;
 
-use super::{Given, Run, if_possible, of_the_map};
+use super::{GivenLoop, Runner, if_possible, of_the_map};
 use crate::diagnosis::Event;
-use crate::diagnosis::initial_samples::InitialSamples;
 use crate::diagnosis::plan;
-use crate::diagnosis::probe::{Known, Probe};
 use crate::diagnosis::resolve::Resolution;
+use crate::diagnosis::resolve::initial_samples::InitialSamples;
+use crate::diagnosis::resolve::probe::{Probe, StepMeasurement};
 use crate::error::Error;
 use crate::evidence::{Check, DofGroup, LoopEvidence, LoopKind, Motion, StepEvidence, Sweep, Why};
 use crate::loops::FourierLoop;
@@ -31,13 +31,13 @@ const LOOPS_BESIDE_BREAKS: usize = 2;
 const SURE_PART: usize = 2;
 
 /// A loop beside the given one.
-pub(super) struct Other {
+pub(super) struct LoopToTry {
     index: usize,
     kind: LoopKind,
     group: Option<usize>,
 }
 
-impl Other {
+impl LoopToTry {
     fn evidence(&self) -> LoopEvidence {
         LoopEvidence {
             group: self.group,
@@ -46,18 +46,18 @@ impl Other {
     }
 }
 
-impl Run<'_> {
+impl Runner<'_> {
     /// Random loops at the largest step size, and a loop that winds round a period; the first that shows a defect
     /// at all step sizes.
     pub(super) fn random_loops(
         &mut self,
         subject: Subject<'_>,
-        given: &Given<'_>,
+        given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         let diagnostic = self.diagnostic;
         let count = diagnostic.loops - 1;
-        let mut others: Vec<Other> = (1..=count)
-            .map(|index| Other {
+        let mut others: Vec<LoopToTry> = (1..=count)
+            .map(|index| LoopToTry {
                 index,
                 kind: random_kind(&given.size, index),
                 group: None,
@@ -73,7 +73,7 @@ impl Run<'_> {
                 .collect();
             // In loops that move all, the group of the largest actions is what shows.
             let of_groups = (1..groups.len()).flat_map(|group| [group; LOOPS_OF_GROUP]);
-            others.extend(of_groups.enumerate().map(|(k, group)| Other {
+            others.extend(of_groups.enumerate().map(|(k, group)| LoopToTry {
                 index: diagnostic.loops + 1 + k,
                 kind: LoopKind::Group,
                 group: Some(group),
@@ -113,8 +113,8 @@ impl Run<'_> {
     fn prefetch_loops(
         &self,
         subject: Subject<'_>,
-        given: &Given<'_>,
-        others: &[Other],
+        given: &GivenLoop<'_>,
+        others: &[LoopToTry],
     ) -> Result<(), Error> {
         let first = (self.diagnostic).first_of_loop(subject.dof(), &self.plan);
         let Some(samples) = first.filter(|_| subject.evaluator.has_prefetch()) else {
@@ -151,8 +151,8 @@ impl Run<'_> {
     fn random(
         &self,
         subject: Subject<'_>,
-        given: &Given<'_>,
-        other: &Other,
+        given: &GivenLoop<'_>,
+        other: &LoopToTry,
     ) -> Result<Option<FourierLoop>, Error> {
         let seed = self.diagnostic.seed.wrapping_add(other.index as u64);
         let coordinates = subject.coordinates();
@@ -163,8 +163,8 @@ impl Run<'_> {
     fn try_loop(
         &mut self,
         subject: Subject<'_>,
-        given: &Given<'_>,
-        other: &Other,
+        given: &GivenLoop<'_>,
+        other: &LoopToTry,
     ) -> Result<bool, Error> {
         // A loop that cannot be resolved as the given one was is no evidence.
         let least = if self.plan.is_tight() { given.cost } else { 0 };
@@ -238,7 +238,7 @@ impl Run<'_> {
                 .seed
                 .wrapping_add(self.diagnostic.loops as u64),
         );
-        let winding = Other {
+        let winding = LoopToTry {
             index,
             kind: LoopKind::Winding,
             group: None,
@@ -265,7 +265,7 @@ impl Run<'_> {
             evaluator: subject.evaluator,
             h: self.largest,
         };
-        let of_image = Other {
+        let of_image = LoopToTry {
             index: self
                 .evidence
                 .loops
@@ -295,7 +295,7 @@ impl Run<'_> {
         subject: Subject<'s>,
         samples: &mut InitialSamples<'s>,
         h: f64,
-    ) -> Result<(Probe<'s>, Known, Option<Motion>), Error> {
+    ) -> Result<(Probe<'s>, StepMeasurement, Option<Motion>), Error> {
         subject.evaluator.begin_loop();
         let left = self.left();
         let with = Resolution {
@@ -320,7 +320,7 @@ impl Run<'_> {
     /// A random loop at the largest step size; at all if it shows a defect and none did before.
     fn random_loop(
         &mut self,
-        other: &Other,
+        other: &LoopToTry,
         subject: Subject<'_>,
         known: bool,
     ) -> Result<(), Error> {
@@ -365,7 +365,7 @@ impl Run<'_> {
     }
 
     /// A loop on which the map failed.
-    fn failed(&mut self, other: &Other, error: &Error) {
+    fn failed(&mut self, other: &LoopToTry, error: &Error) {
         // It may have been recorded at some step sizes before the map failed at another.
         (self.evidence.loops).retain(|found| found.index != other.index);
         let mut found = other.evidence();

@@ -1,22 +1,22 @@
 //! Beyond the loops and step sizes of a diagnosis, if they move too little to test an accurate method.
 
 use super::loop_of_kind;
-use crate::diagnosis::checks::{Given, Run, if_possible, of_the_map};
-use crate::diagnosis::initial_samples::InitialSamples;
+use crate::diagnosis::checks::{GivenLoop, Runner, if_possible, of_the_map};
 use crate::diagnosis::limits::{LARGER, LOOKED_AT, MOST_HALVINGS, MOST_LARGER, SMALLEST_SHEAR};
+use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::step_sizes::step_sizes;
 use crate::error::Error;
 use crate::evidence::{LoopEvidence, LoopKind, Motion, Reach};
 use crate::map::LoopSize;
 use crate::rules::Subject;
 
-impl Run<'_> {
+impl Runner<'_> {
     /// A random loop after a larger step, or a larger loop for a map without a step size, if no loop shows a defect or moves
     /// enough to show one: an accurate method that is not symplectic shows it there.
     pub(in crate::diagnosis::checks) fn reach(
         &mut self,
         subject: Subject<'_>,
-        given: &Given<'_>,
+        given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         let diagnostic = self.diagnostic;
         let loops = &self.evidence.loops;
@@ -47,7 +47,7 @@ impl Run<'_> {
     fn larger_step(
         &self,
         subject: Subject<'_>,
-        given: &Given<'_>,
+        given: &GivenLoop<'_>,
         motion: Motion,
     ) -> Result<Option<Reach>, Error> {
         let octaves = match motion.shear {
@@ -72,7 +72,11 @@ impl Run<'_> {
     }
 
     /// Larger and larger loops, up to one that moves enough or shows a defect, or the last one on which the map works.
-    fn larger_loop(&self, subject: Subject<'_>, given: &Given<'_>) -> Result<Option<Reach>, Error> {
+    fn larger_loop(
+        &self,
+        subject: Subject<'_>,
+        given: &GivenLoop<'_>,
+    ) -> Result<Option<Reach>, Error> {
         let mut last = None;
         for k in 1..=MOST_LARGER {
             let factor = LARGER.powi(k as i32);

@@ -1,19 +1,23 @@
 //! Whether the map projects onto a manifold, or its form is degenerate: what leaves the manifold, or the leaf, proves nothing.
 
-use super::{Given, Run, of_the_map};
+mod singular;
+
+pub(in crate::diagnosis) use singular::cost as singular_cost;
+
+use super::{GivenLoop, Runner, of_the_map};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, Why};
 use crate::jacobian::JacobianEvidence;
 use crate::rules::Subject;
-use crate::survey;
+use singular::{degenerate_form, singular_jacobian};
 
-impl Run<'_> {
+impl Runner<'_> {
     /// Where something has a defect, looks whether it lies outside the domain of the map: whether the map projects onto a
     /// manifold. If the given loop has one, its image, which lies on the manifold, is advanced, too.
     pub(super) fn look_for_manifold(
         &mut self,
         subject: Subject<'_>,
-        given: &Given<'_>,
+        given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         let suspect = |found: &LoopEvidence| {
             !found.winds && (found.failure.is_some() || found.shows_defect())
@@ -27,11 +31,11 @@ impl Run<'_> {
         if !shown || projected || given.probe.is_beyond_memory() {
             return Ok(());
         }
-        if self.count.left() < survey::singular_cost(subject.dof()) {
+        if self.count.left() < singular_cost(subject.dof()) {
             self.omit(Check::Constraint, Why::BUDGET);
             return Ok(());
         }
-        let found = survey::singular_jacobian(subject, &given.size, self.largest);
+        let found = singular_jacobian(subject, &given.size, self.largest);
         // Beside the loop the map need not be defined.
         self.evidence.survey.singular = match found {
             Err(error) if of_the_map(&error) => None,
@@ -47,14 +51,14 @@ impl Run<'_> {
     pub(super) fn look_for_leaf(
         &mut self,
         subject: Subject<'_>,
-        given: &Given<'_>,
+        given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         let shows = |found: &LoopEvidence| found.shows_defect() || found.is_broken();
         let by_jacobian = self.evidence.jacobian.as_ref();
         if self.evidence.loops.iter().any(shows)
             || by_jacobian.is_some_and(JacobianEvidence::shows_defect)
         {
-            self.evidence.survey.degenerate_form = survey::degenerate_form(subject, &given.size)?;
+            self.evidence.survey.degenerate_form = degenerate_form(subject, &given.size)?;
         }
         Ok(())
     }

@@ -12,6 +12,7 @@ use crate::error::{Dependence, Error};
 use crate::evidence::{Scatter, ScatterKind};
 use crate::loops::Loop;
 use crate::map::{Evaluator, Witnesses};
+use crate::signal::noise::STEPS_OF_NOISE;
 use crate::signal::{Extent, SINGLE};
 use crate::state::{Ensemble, coordinate};
 
@@ -34,12 +35,9 @@ const ROUNDINGS_OF_FEW_DIGITS: f64 = 64.0;
 /// Rows that differ twice in another order, at least.
 const ROWS_IN_ORDER: usize = 3;
 
-/// A uniform distribution of width 1 has a standard deviation of 1/√12.
-const UNITS_OF_NOISE: f64 = 3.5;
-
 /// Results that depend on chance, or on the batch by rounding.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Noise {
+pub(in crate::diagnosis) struct Noise {
     kind: ScatterKind,
     /// The standard deviation of each coordinate, or the largest difference.
     sizes: Vec<f64>,
@@ -69,7 +67,7 @@ impl Noise {
         let units = match self.kind {
             // Results differ by one unit, or some.
             ScatterKind::Rounding => 1.0,
-            ScatterKind::Noise | ScatterKind::RandomNumbers => UNITS_OF_NOISE,
+            ScatterKind::Noise | ScatterKind::RandomNumbers => STEPS_OF_NOISE,
         };
         self.sizes.iter().map(|size| units * size).collect()
     }
@@ -95,7 +93,7 @@ impl Noise {
 }
 
 /// Evaluations that [`check_again`] takes of all states that were kept, and a step of another size takes, if nothing differs.
-pub(crate) fn cost_again(witnesses: usize) -> usize {
+pub(in crate::diagnosis) fn cost_again(witnesses: usize) -> usize {
     Witnesses::most(witnesses) + 1
 }
 
@@ -104,7 +102,7 @@ pub(crate) fn cost_again(witnesses: usize) -> usize {
 /// # Errors
 /// [`Error::Memory`] if the same state has different results, and that is neither rounding nor noise; those of a map that
 /// fails.
-pub(crate) fn check_purity(
+pub(super) fn check_purity(
     evaluator: &Evaluator<'_>,
     phase_loop: &dyn Loop,
     h: f64,
@@ -141,7 +139,7 @@ pub(crate) fn check_purity(
 ///
 /// # Errors
 /// Those of [`check_purity`].
-pub(crate) fn check_again(
+pub(in crate::diagnosis::checks) fn check_again(
     evaluator: &Evaluator<'_>,
     given_loop_only: bool,
     known: Option<Noise>,

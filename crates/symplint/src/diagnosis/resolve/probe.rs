@@ -1,16 +1,16 @@
 //! One loop with a rule and a number of samples, ready to be advanced by any step size.
 
 use super::initial_samples::InitialSamples;
-use super::limits::{FEWEST_TRIED, RANGE_SAMPLES, SMALL};
-use super::memory::fits;
+use crate::diagnosis::limits::{FEWEST_TRIED, RANGE_SAMPLES, SMALL};
+use crate::diagnosis::plan::fits;
 use crate::error::Error;
 use crate::evidence::{Closing, StepEvidence};
-use crate::rules::{Advanced, LoopIntegral, LoopIntegrator, Rule, Samples, Subject};
+use crate::rules::{LoopAfterStep, LoopIntegral, LoopIntegrator, Rule, Samples, Subject};
 use crate::signal::Extent;
 use crate::state::Ensemble;
 
 /// A subject with its initial loop integral.
-pub(super) struct Probe<'a> {
+pub(in crate::diagnosis) struct Probe<'a> {
     pub subject: Subject<'a>,
     pub rule: Rule,
     /// Equispaced samples of the loop.
@@ -18,14 +18,14 @@ pub(super) struct Probe<'a> {
     integrator: Box<dyn LoopIntegrator>,
     initial: LoopIntegral,
     /// What is known of a step already.
-    known: Option<Known>,
+    known: Option<StepMeasurement>,
 }
 
 /// One step that was measured.
 #[derive(Clone)]
-pub(super) struct Known {
+pub(in crate::diagnosis) struct StepMeasurement {
     pub h: f64,
-    pub advanced: Advanced,
+    pub advanced: LoopAfterStep,
     /// States that the map advanced for it.
     pub evaluations: usize,
 }
@@ -60,8 +60,8 @@ impl<'a> Probe<'a> {
     }
 
     /// Keeps what a step was found to do, so that it is not measured again.
-    pub fn knowing(mut self, h: f64, advanced: Advanced, evaluations: usize) -> Self {
-        self.known = Some(Known {
+    pub fn knowing(mut self, h: f64, advanced: LoopAfterStep, evaluations: usize) -> Self {
+        self.known = Some(StepMeasurement {
             h,
             advanced,
             evaluations,
@@ -76,7 +76,7 @@ impl<'a> Probe<'a> {
             let at_least = |known: Option<f64>, error: Option<f64>| {
                 known.zip(error).map(|(known, error)| known.max(error))
             };
-            let Advanced {
+            let LoopAfterStep {
                 integral, defect, ..
             } = &mut known.advanced;
             defect.quadrature_error = at_least(defect.quadrature_error, error);
@@ -87,7 +87,7 @@ impl<'a> Probe<'a> {
     }
 
     /// What is known of the step of size `h`.
-    pub fn known(&self, h: f64) -> Option<&Known> {
+    pub fn known(&self, h: f64) -> Option<&StepMeasurement> {
         self.known.as_ref().filter(|known| known.h == h)
     }
 
@@ -111,7 +111,7 @@ impl<'a> Probe<'a> {
     }
 
     /// What a step of size `h` did to these samples, which are as many as those before it.
-    pub fn measure_samples(&self, after: &Ensemble, h: f64) -> Result<Advanced, Error> {
+    pub fn measure_samples(&self, after: &Ensemble, h: f64) -> Result<LoopAfterStep, Error> {
         let samples = Samples::Kept(after);
         (self
             .integrator
@@ -127,7 +127,7 @@ impl<'a> Probe<'a> {
     }
 
     /// With what the grain of the map leaves of the integral.
-    fn rounded(&self, mut advanced: Advanced) -> Advanced {
+    fn rounded(&self, mut advanced: LoopAfterStep) -> LoopAfterStep {
         if let Some(grain) = self.subject.evaluator.grain() {
             let coordinates = self.subject.coordinates();
             let noise = self.subject.evaluator.noise();
@@ -149,7 +149,7 @@ impl<'a> Probe<'a> {
         samples: &mut InitialSamples<'_>,
         h: f64,
         look: &mut dyn FnMut(&Ensemble),
-    ) -> Result<Known, Error> {
+    ) -> Result<StepMeasurement, Error> {
         if let Some(known) = self.known(h) {
             return Ok(known.clone());
         }
@@ -170,7 +170,7 @@ impl<'a> Probe<'a> {
                 self.rounded(advanced)
             }
         };
-        Ok(Known {
+        Ok(StepMeasurement {
             h,
             advanced,
             evaluations: count.made() - before,
@@ -178,7 +178,7 @@ impl<'a> Probe<'a> {
     }
 
     /// See [`StepEvidence::reach_of_jumps`].
-    fn reach_of_jumps(&self, advanced: &Advanced) -> f64 {
+    fn reach_of_jumps(&self, advanced: &LoopAfterStep) -> f64 {
         let Some(jump) = advanced.largest_break() else {
             return 0.0;
         };
@@ -196,7 +196,7 @@ impl<'a> Probe<'a> {
     }
 
     /// A measured step as evidence.
-    pub fn evidence(&self, known: &Known) -> StepEvidence {
+    pub fn evidence(&self, known: &StepMeasurement) -> StepEvidence {
         let advanced = &known.advanced;
         StepEvidence {
             step_size: self.subject.evaluator.stated(known.h),

@@ -8,7 +8,7 @@ use crate::state::{Ensemble, coordinate};
 ///
 /// # Errors
 /// If the map wants no more evaluations.
-pub(crate) fn ignores_step_size(evaluator: &Evaluator<'_>, sizes: &[f64]) -> Result<bool, Error> {
+pub(super) fn ignores_step_size(evaluator: &Evaluator<'_>, sizes: &[f64]) -> Result<bool, Error> {
     let kept = evaluator.witnesses();
     let Some(kept) = kept.iter().find(|kept| kept.is_of_given_loop()) else {
         return Ok(false);

@@ -1,7 +1,7 @@
 //! Samples that are doubled without making or advancing any of them twice.
 
-use super::checks::of_the_map;
-use super::limits::{COARSE, GRAINS_ROUND, MOST_ROUNDED};
+use crate::diagnosis::checks::of_the_map;
+use crate::diagnosis::limits::{COARSE, GRAINS_ROUND, MOST_ROUNDED};
 use crate::error::{Error, StateAt};
 use crate::map::Grain;
 use crate::rules::Subject;
@@ -10,7 +10,7 @@ use crate::state::{Ensemble, coordinate};
 /// The samples of a loop before and after one step of size h.
 ///
 /// Sample k of N is sample 2k of 2N: doubling takes the samples in between alone.
-pub(super) struct RefinedSamples<'a> {
+pub(in crate::diagnosis) struct RefinedSamples<'a> {
     subject: Subject<'a>,
     h: f64,
     pub before: Ensemble,
@@ -102,13 +102,13 @@ impl<'a> RefinedSamples<'a> {
 }
 
 /// The samples with which [`RefinedSamples::down_to_the_grain`] begins to double them to so many.
-pub(super) fn coarse(samples: usize) -> usize {
+pub(in crate::diagnosis) fn coarse(samples: usize) -> usize {
     let doublings = (samples / COARSE).max(1).ilog2();
     samples >> doublings.min(samples.trailing_zeros())
 }
 
 /// The most samples from which doubling begins where the map has this grain; infinite where it does not round.
-pub(super) fn most_rounded(grain: &Grain) -> f64 {
+pub(in crate::diagnosis) fn most_rounded(grain: &Grain) -> f64 {
     match grain.widths() {
         widths if widths.is_finite() => (GRAINS_ROUND * widths).min(MOST_ROUNDED),
         _ => f64::INFINITY,

@@ -1,7 +1,7 @@
 //! The samples of a loop before the step, kept from one step size to the next.
 
-use super::limits::KEPT_BYTES;
 use super::refined_samples::RefinedSamples;
+use crate::diagnosis::limits::KEPT_BYTES;
 use crate::error::{Error, StateAt};
 use crate::loops::sample_block;
 use crate::rules::Subject;
@@ -11,7 +11,7 @@ use crate::state::{Ensemble, coordinate, copy_samples};
 ///
 /// Samples are made once where they are kept. Larger ones would double the memory of a sweep: each block of
 /// them is made again just before it is advanced.
-pub(super) struct InitialSamples<'a> {
+pub(in crate::diagnosis) struct InitialSamples<'a> {
     subject: Subject<'a>,
     ensembles: Option<Ensembles>,
 }

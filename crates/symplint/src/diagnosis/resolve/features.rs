@@ -4,23 +4,23 @@
 //! But noise is everywhere along the loop, and a feature is at one place and continuous there. A feature that no sample has met is
 //! found, with luck, by states at irregular parameters that are not where the interpolant of the samples has them.
 
-use super::limits::{
+use super::refined_samples::RefinedSamples;
+use crate::diagnosis::limits::{
     BESIDE_FEATURE, BESIDE_SAMPLES, FEATURE_OF_ERROR, FEATURE_OF_MEDIAN, FEATURE_OF_ROUNDING,
     IRREGULAR_PART, MOST_INTERPOLATED, MOST_IRREGULAR, OF_A_MISS,
 };
-use super::refined_samples::RefinedSamples;
 use crate::error::Error;
 use crate::rules::{Subject, misses, roughness};
 use crate::signal::{Extent, nearest};
 use crate::state::{Ensemble, coordinate, period};
 
 /// The largest number of evaluations that a search for features between samples takes for this number of samples.
-pub(super) fn cost(samples: usize, dof: usize) -> usize {
+pub(in crate::diagnosis) fn cost(samples: usize, dof: usize) -> usize {
     irregular(samples, dof) + AROUND
 }
 
 /// States that show whether a feature is continuous.
-pub(super) const AROUND: usize = 3;
+pub(in crate::diagnosis) const AROUND: usize = 3;
 
 fn irregular(samples: usize, dof: usize) -> usize {
     let affordable = MOST_INTERPOLATED / (2 * dof * samples).max(1);
@@ -33,7 +33,7 @@ fn irregular(samples: usize, dof: usize) -> usize {
 ///
 /// # Errors
 /// Those of the map.
-pub(super) fn feature_at_sample(
+pub(in crate::diagnosis) fn feature_at_sample(
     subject: Subject<'_>,
     refined: &RefinedSamples<'_>,
     h: f64,
@@ -48,7 +48,10 @@ pub(super) fn feature_at_sample(
 }
 
 /// The parameter of the sample that is roughest after the step; 0 if none is.
-pub(super) fn roughest_sample(subject: Subject<'_>, refined: &RefinedSamples<'_>) -> f64 {
+pub(in crate::diagnosis) fn roughest_sample(
+    subject: Subject<'_>,
+    refined: &RefinedSamples<'_>,
+) -> f64 {
     let sizes = roughness(&refined.after, subject.coordinates());
     let largest = (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]));
     largest.map_or(0.0, |k| k as f64 / sizes.len() as f64)
@@ -59,7 +62,7 @@ pub(super) fn roughest_sample(subject: Subject<'_>, refined: &RefinedSamples<'_>
 ///
 /// # Errors
 /// Those of the map.
-pub(super) fn feature_between_samples(
+pub(in crate::diagnosis) fn feature_between_samples(
     subject: Subject<'_>,
     refined: &RefinedSamples<'_>,
     h: f64,

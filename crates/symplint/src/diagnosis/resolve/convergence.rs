@@ -1,17 +1,17 @@
 //! When twice the samples are not worth it.
 
-use super::limits::{ENOUGH, LARGEST_NOISE, OF_ROUNDING, OF_SPIKES, STALLED};
+use crate::diagnosis::limits::{ENOUGH, LARGEST_NOISE, OF_ROUNDING, OF_SPIKES, STALLED};
 use crate::evidence::MOST_CELLS_APART;
-use crate::rules::Advanced;
+use crate::rules::LoopAfterStep;
 
 /// Quadrature errors as the samples are doubled.
-pub(super) struct Convergence {
+pub(in crate::diagnosis) struct Convergence {
     last_error: f64,
     stalls: usize,
 }
 
 /// How far the quadrature has converged.
-pub(super) struct Standing {
+pub(in crate::diagnosis) struct ConvergenceState {
     /// The quadrature error, relative to the initial integral; infinite where it is not known.
     pub error: f64,
     /// The error that is wanted.
@@ -36,7 +36,11 @@ impl Convergence {
 
     /// Takes in what the samples, twice as many as the last ones, show. Where the map rounds, independent errors of so
     /// many samples leave `of_rounding` of the integral, relative to it: twice the samples gain √2.
-    pub fn proceed(&mut self, advanced: &Advanced, of_rounding: Option<f64>) -> Standing {
+    pub fn proceed(
+        &mut self,
+        advanced: &LoopAfterStep,
+        of_rounding: Option<f64>,
+    ) -> ConvergenceState {
         let error = advanced.defect.quadrature_error.unwrap_or(f64::INFINITY);
         // Where the map rounds, any error that does not fall is noise.
         let (noise, most_stalls) = match of_rounding {
@@ -51,7 +55,7 @@ impl Convergence {
         self.last_error = error;
         let floor = OF_ROUNDING * of_rounding.unwrap_or(0.0);
         let wanted = wanted(advanced).max(floor);
-        Standing {
+        ConvergenceState {
             error,
             wanted,
             enough: error <= wanted,
@@ -63,11 +67,11 @@ impl Convergence {
 }
 
 /// The quadrature error that is as good as round-off.
-pub(super) fn wanted(advanced: &Advanced) -> f64 {
+pub(in crate::diagnosis) fn wanted(advanced: &LoopAfterStep) -> f64 {
     ENOUGH.max(4.0 * advanced.defect.roundoff)
 }
 
-impl Standing {
+impl ConvergenceState {
     /// Whether no more samples are needed, or none help.
     pub fn is_done(&self) -> bool {
         self.resolves_grid && (self.enough || self.stalled)

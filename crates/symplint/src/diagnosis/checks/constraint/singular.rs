@@ -51,7 +51,7 @@ const MOST_ERROR_OF_TRACE: f64 = 0.1;
 const SCALINGS: usize = 40;
 
 /// Evaluations that it takes at most in so many degrees of freedom.
-pub(crate) fn cost(dof: usize) -> usize {
+pub(in crate::diagnosis) fn cost(dof: usize) -> usize {
     let columns: usize = stretches(dof).iter().map(|dofs| 2 * dofs.len()).sum();
     SITES.len() * STATES * columns + Subject::SAMPLES_OF_GRAIN
 }
@@ -61,7 +61,7 @@ pub(crate) fn cost(dof: usize) -> usize {
 ///
 /// # Errors
 /// Those of the map beside the loop.
-pub(crate) fn singular_jacobian(
+pub(super) fn singular_jacobian(
     subject: Subject<'_>,
     size: &LoopSize,
     h: f64,
@@ -99,7 +99,7 @@ pub(crate) fn singular_jacobian(
 ///
 /// # Errors
 /// If the states do not fit into memory.
-pub(crate) fn degenerate_form(
+pub(super) fn degenerate_form(
     subject: Subject<'_>,
     size: &LoopSize,
 ) -> Result<Option<Rank>, Error> {

@@ -31,7 +31,10 @@ const STATES: usize = 2 * SITES.len() * NUDGES.len();
 ///
 /// # Errors
 /// Those of the evaluator, but for failures of the map.
-pub(crate) fn wrong_period(subject: Subject<'_>, h: f64) -> Result<Option<WrongPeriod>, Error> {
+pub(in crate::diagnosis::checks) fn wrong_period(
+    subject: Subject<'_>,
+    h: f64,
+) -> Result<Option<WrongPeriod>, Error> {
     let coordinates = subject.coordinates();
     let periodic: Vec<usize> = (0..2 * subject.dof())
         .filter(|&c| period(coordinates, c) > 0.0)

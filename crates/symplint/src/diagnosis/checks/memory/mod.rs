@@ -1,18 +1,32 @@
 //! Whether results depend on earlier calls, on other rows or on random numbers, and how they are rounded.
 
-use super::{Given, Run, of_the_map};
+mod ignored_step_size;
+mod inner_precision;
+mod periods;
+mod purity;
+mod repeats;
+mod rounding;
+mod scatter;
+
+pub(super) use periods::wrong_period;
+pub(in crate::diagnosis) use purity::cost_again;
+pub(super) use purity::{Noise, check_again};
+
+use super::{GivenLoop, Runner, of_the_map};
 use crate::breaks::Break;
 use crate::error::Error;
 use crate::evidence::BreakAt;
 use crate::map::Evaluator;
 use crate::rules::Subject;
-use crate::survey;
+use ignored_step_size::ignores_step_size;
+use inner_precision::rounding_inside;
+use purity::check_purity;
 
 /// If a map wraps a coordinate, the other one of its degree of freedom jumps by at most this part of the jump: it is continuous, and
 /// the ends of a break are a rounding apart. Conventional.
 const OF_A_WRAP: f64 = 1e-6;
 
-impl Run<'_> {
+impl Runner<'_> {
     /// Tests whether results depend on earlier calls, and how they are rounded. The error of the map beside the given loop, if it fails
     /// there: where the given loop fails, too, its samples tell more of where that is.
     pub(super) fn look_first(&mut self, subject: Subject<'_>) -> Result<Option<Error>, Error> {
@@ -22,8 +36,8 @@ impl Run<'_> {
         } = subject;
         let (samples, witnesses) = (self.plan.purity_samples, self.plan.witnesses);
         evaluator.keep_witnesses(witnesses);
-        self.count.reserve(survey::cost_again(witnesses));
-        match survey::rounding_inside(subject, self.largest) {
+        self.count.reserve(cost_again(witnesses));
+        match rounding_inside(subject, self.largest) {
             Ok(None) => {}
             Ok(Some(grains)) => {
                 evaluator.note_rounding_inside(grains);
@@ -33,7 +47,7 @@ impl Run<'_> {
             Err(error) if of_the_map(&error) => {}
             Err(error) => return Err(error),
         }
-        match survey::check_purity(evaluator, phase_loop, self.largest, samples) {
+        match check_purity(evaluator, phase_loop, self.largest, samples) {
             Ok(noise) => {
                 self.note_noise(evaluator, noise);
                 Ok(None)
@@ -45,11 +59,11 @@ impl Run<'_> {
     }
 
     /// Keeps by how much results of one state differ: the rules allow for it.
-    pub(super) fn note_noise(&mut self, evaluator: &Evaluator<'_>, noise: Option<survey::Noise>) {
+    pub(super) fn note_noise(&mut self, evaluator: &Evaluator<'_>, noise: Option<Noise>) {
         if noise == self.noise {
             return;
         }
-        let scatter = noise.as_ref().and_then(survey::Noise::scatter);
+        let scatter = noise.as_ref().and_then(Noise::scatter);
         self.evidence.survey.scatter = scatter;
         // Random numbers look like single precision.
         self.evidence.survey.single_inside &= !scatter.is_some_and(|of| of.is_random());
@@ -65,10 +79,10 @@ impl Run<'_> {
     /// Advances states of the batches before once more, and one of them by steps of other sizes.
     pub(super) fn look_again(&mut self, evaluator: &Evaluator<'_>) -> Result<(), Error> {
         self.count.reserve(0);
-        let noise = survey::check_again(evaluator, false, self.noise.clone())?;
+        let noise = check_again(evaluator, false, self.noise.clone())?;
         self.note_noise(evaluator, noise);
         let sizes: Vec<f64> = self.sizes().collect();
-        self.evidence.survey.ignores_step_size = survey::ignores_step_size(evaluator, &sizes)?;
+        self.evidence.survey.ignores_step_size = ignores_step_size(evaluator, &sizes)?;
         Ok(())
     }
 
@@ -78,7 +92,7 @@ impl Run<'_> {
     pub(super) fn check_periods(
         &mut self,
         subject: Subject<'_>,
-        _: &Given<'_>,
+        _: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         let coordinates = subject.coordinates();
         let Some(wrong) = self.evidence.survey.wrong_period else {

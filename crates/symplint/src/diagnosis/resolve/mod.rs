@@ -1,25 +1,31 @@
 //! Choosing the rule and the number of samples of a loop.
 
-use super::convergence::{Convergence, wanted};
-use super::features::{self, feature_at_sample, feature_between_samples};
-use super::initial_samples::InitialSamples;
-use super::limits::{
+mod convergence;
+pub(in crate::diagnosis) mod features;
+pub(in crate::diagnosis) mod initial_samples;
+pub(in crate::diagnosis) mod probe;
+pub(in crate::diagnosis) mod refined_samples;
+
+use crate::diagnosis::limits::{
     AGREEMENT, COARSE, CUTOFF, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES,
     MOST_KINKED, MOST_SAMPLES, MOST_STREAMED, MOST_TRIED, SMALL,
 };
-use super::memory::fits;
-use super::plan::{Plan, power_below};
-use super::probe::{Known, Probe};
-use super::refined_samples::{RefinedSamples, coarse, most_rounded};
-use super::{Diagnostic, SampleCount};
+use crate::diagnosis::plan::fits;
+use crate::diagnosis::plan::{Plan, power_below};
+use crate::diagnosis::{Diagnostic, SampleCount};
 use crate::error::Error;
 use crate::evidence::{SIGNIFICANT, WEAKEST_BOUND};
-use crate::rules::{Advanced, Cutoffs, Piecewise, Rule, Streaming, Subject};
+use crate::rules::{Cutoffs, LoopAfterStep, Piecewise, Rule, Streaming, Subject};
 use crate::state::Ensemble;
+use convergence::{Convergence, wanted};
+use features::{feature_at_sample, feature_between_samples};
+use initial_samples::InitialSamples;
+use probe::{Probe, StepMeasurement};
+use refined_samples::{RefinedSamples, coarse, most_rounded};
 
 /// What one loop is resolved with: the step, the plan, the most samples, and how many evaluations it may take in
 /// all.
-pub(super) struct Resolution<'p> {
+pub(in crate::diagnosis) struct Resolution<'p> {
     pub h: f64,
     pub plan: &'p Plan,
     pub most_samples: usize,
@@ -30,7 +36,7 @@ impl Diagnostic {
     /// The probe of a loop by the wanted rule and samples, judged at the step size of `with`, and what that step did.
     ///
     /// `look` is shown the samples after the step.
-    pub(super) fn resolve<'a>(
+    pub(in crate::diagnosis) fn resolve<'a>(
         &self,
         subject: Subject<'a>,
         with: &Resolution<'_>,
@@ -86,7 +92,7 @@ impl Diagnostic {
     }
 
     /// The equispaced samples that [`resolve`](Self::resolve) is sure to advance first, if it is known.
-    pub(super) fn first_of_loop(&self, dof: usize, plan: &Plan) -> Option<usize> {
+    pub(in crate::diagnosis) fn first_of_loop(&self, dof: usize, plan: &Plan) -> Option<usize> {
         let first = plan.first_samples;
         match (self.rule, self.samples) {
             (Rule::Streaming(_), _) => None,
@@ -223,14 +229,14 @@ impl Diagnostic {
 
     /// Looks again at a step that was measured with samples chosen for another step size, if its error is above the error of that step:
     /// a sample may have met a feature. `None` if no sample has.
-    pub(super) fn reconsidered<'a>(
+    pub(in crate::diagnosis) fn reconsidered<'a>(
         &self,
-        (probe, judged): (&Probe<'a>, &Advanced),
-        known: &Known,
+        (probe, judged): (&Probe<'a>, &LoopAfterStep),
+        known: &StepMeasurement,
         refined: impl FnOnce() -> Option<RefinedSamples<'a>>,
         with: &Resolution<'_>,
     ) -> Result<Option<Probe<'a>>, Error> {
-        let error = |of: &Advanced| of.defect.quadrature_error.unwrap_or(0.0);
+        let error = |of: &LoopAfterStep| of.defect.quadrature_error.unwrap_or(0.0);
         let (advanced, subject) = (&known.advanced, probe.subject);
         let most = error(judged).max(wanted(advanced));
         let is_suspect = self.rule == Rule::Auto
@@ -288,7 +294,12 @@ impl Diagnostic {
     }
 
     /// The piecewise rule within the means of automatic choices.
-    pub(super) fn affordable(&self, dof: usize, plan: &Plan, allowance: usize) -> Piecewise {
+    pub(in crate::diagnosis) fn affordable(
+        &self,
+        dof: usize,
+        plan: &Plan,
+        allowance: usize,
+    ) -> Piecewise {
         let most = (MOST_TRIED / dof.max(1)).min(allowance);
         let piecewise = match self.rule {
             Rule::Piecewise(piecewise) => piecewise,
@@ -331,7 +342,7 @@ impl Diagnostic {
     fn broken<'a>(
         &self,
         probe: Probe<'a>,
-        advanced: Advanced,
+        advanced: LoopAfterStep,
         refined: &RefinedSamples<'_>,
         with: &Resolution<'_>,
         spent: usize,
@@ -357,7 +368,7 @@ impl Diagnostic {
     }
 
     /// Whether the ensembles that are wanted are too large for the rules that keep samples.
-    pub(super) fn must_stream(&self, dof: usize) -> bool {
+    pub(in crate::diagnosis) fn must_stream(&self, dof: usize) -> bool {
         match self.samples {
             SampleCount::Fixed(samples) => !fits(dof, samples),
             SampleCount::Auto => !fits(dof, SMALL),

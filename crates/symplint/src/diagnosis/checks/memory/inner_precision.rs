@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::map::{Before, Grain};
 use crate::rules::Subject;
-use crate::signal::noise::{POINTS, SixthDifference};
+use crate::signal::noise::{STEPS_OF_NOISE, SixthDifferences};
 use crate::signal::{Extent, nearest};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 
@@ -29,16 +29,13 @@ const PARTS: [f64; 2] = [0.02, 4.0];
 /// order: few sums of a matrix product add up otherwise. Independent noise differs by √2 of itself.
 const OF_OTHER_ORDER: f64 = 0.5;
 
-/// Stairs of a unit have a standard deviation of 1/√12 of it.
-const UNITS_OF_NOISE: f64 = 3.5;
-
 /// Looks at a few states that are units of single precision apart. Sixth differences of smooth coordinates vanish
 /// there; where most sites of one coordinate show noise as large as single precision makes it, the map works in it.
 /// What it rounds each coordinate to, then.
 ///
 /// # Errors
 /// Those of the map.
-pub(crate) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec<f64>>, Error> {
+pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec<f64>>, Error> {
     let dof = subject.dof();
     if !Grain::is_affordable(dof) {
         return Ok(None);
@@ -83,7 +80,7 @@ pub(crate) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
     if single.iter().any(is_other) {
         return Ok(None);
     }
-    let inside = |c: usize| units[c].max(UNITS_OF_NOISE * largest(c));
+    let inside = |c: usize| units[c].max(STEPS_OF_NOISE * largest(c));
     Ok(Some((0..2 * dof).map(inside).collect()))
 }
 
@@ -142,18 +139,13 @@ fn stairs(
 /// The root mean square of the sixth differences of each coordinate, at some sites.
 fn noise(subject: Subject<'_>, states: &Ensemble) -> Vec<Vec<f64>> {
     let dof = subject.dof();
-    // At one window of points a lattice may look straight.
-    let windows: Vec<SixthDifference> = (STAIRS.windows(POINTS))
-        .map(|at| SixthDifference::at(std::array::from_fn(|k| at[k])))
-        .collect();
+    let differences = SixthDifferences::at(&STAIRS);
     let of_site = |site: usize| {
         let of_coordinate = |c: usize| {
             let period = period(subject.coordinates(), c);
             let row = &coordinate(states, c)[site * STAIRS.len()..(site + 1) * STAIRS.len()];
             let values: Vec<f64> = row.iter().map(|x| nearest(x - row[0], period)).collect();
-            let differences = values.windows(POINTS).zip(&windows);
-            let squares: f64 = differences.map(|(x, of)| of.of(x).powi(2)).sum();
-            (squares / windows.len() as f64).sqrt()
+            differences.root_mean_square(&values)
         };
         (0..2 * dof).map(of_coordinate).collect()
     };
