@@ -70,6 +70,9 @@ pub struct Settings {
     samples: Option<usize>,
     budget: Option<usize>,
     jacobian: bool,
+    properties: bool,
+    reversal: Option<Vec<f64>>,
+    symmetric: bool,
 }
 
 impl Settings {
@@ -90,6 +93,9 @@ impl Settings {
             loops: self.loops,
             seed: self.seed,
             jacobian: self.jacobian,
+            properties: self.properties,
+            reversal: self.reversal.clone(),
+            symmetric: self.symmetric,
             budget: self.budget,
             ..default
         })

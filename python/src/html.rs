@@ -1,6 +1,7 @@
 //! Reports as HTML.
 
 use symplint::{Verdict, VerdictKind};
+use symplint_report::table::properties;
 
 const STYLE: &str = "body { font-family: sans-serif; max-width: 50em; margin: 2em auto; padding: 0 1em; } \
     pre { overflow-x: auto; }";
@@ -28,6 +29,7 @@ pub fn fragment(verdict: &Verdict, table: &str, figure: Option<&str>) -> String 
     );
     for (name, sentences) in [
         ("Evidence", verdict.evidence()),
+        ("Properties", properties(verdict)),
         ("Advice", verdict.advice()),
     ] {
         if !sentences.is_empty() {

@@ -6,12 +6,12 @@ systems" (2025), arXiv:2512.13951.
 """
 
 from . import integrators, systems
-from ._check import assert_symplectic, check
-from ._errors import InputError, NotSymplecticError, StepError, SymplintError
+from ._check import assert_structure, assert_symplectic, check
+from ._errors import InputError, NotSymplecticError, StepError, StructureError, SymplintError, UndecidedError
 from ._loops import Circle, FourierLoop, Loop, SampledLoop, circle
 from ._measure import LoopIntegral, loop_integral, measure
 from ._native import __version__
-from ._report import Report
+from ._report import Property, Report
 
 __all__ = [
     "Circle",
@@ -20,11 +20,15 @@ __all__ = [
     "Loop",
     "LoopIntegral",
     "NotSymplecticError",
+    "Property",
     "Report",
     "SampledLoop",
     "StepError",
+    "StructureError",
     "SymplintError",
+    "UndecidedError",
     "__version__",
+    "assert_structure",
     "assert_symplectic",
     "check",
     "circle",
@@ -34,6 +38,6 @@ __all__ = [
     "systems",
 ]
 
-for _exception in (InputError, NotSymplecticError, StepError, SymplintError):
+for _exception in (InputError, NotSymplecticError, StepError, StructureError, SymplintError, UndecidedError):
     # Tracebacks name them as users import them.
     _exception.__module__ = __name__

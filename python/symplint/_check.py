@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._arrays import coordinates, cutoffs, vector, whole
-from ._errors import InputError, NotSymplecticError
+from ._errors import InputError, NotSymplecticError, StructureError, UndecidedError
 from ._fingerprint import fingerprint
 from ._form import CircleOfForm, FormOfRows, Leaf, LoopOfForm, MapOfForm, Projection, one_form
 from ._loops import Loop, centre, phases_and_seed, radii
@@ -26,7 +26,7 @@ from ._workers import Workers
 from .integrators import Integrator, of_system
 from .systems import System
 
-__all__ = ["assert_symplectic", "check"]
+__all__ = ["assert_structure", "assert_symplectic", "check"]
 
 #: Evaluations of a map that is called through Python.
 BUDGET = 20_000
@@ -64,6 +64,9 @@ def check(
     casimir: Callable[..., Any] | list[Callable[..., Any]] | None = None,
     dtype: npt.DTypeLike | None = None,
     jacobian: bool = True,
+    properties: bool = True,
+    reversal: npt.ArrayLike | None = None,
+    symmetric: bool = False,
     executor: Any = None,
     threads: int | None = None,
     out: str | os.PathLike[str] | None = None,
@@ -146,6 +149,12 @@ def check(
         Where the map computes in single precision: `step` then gets arrays of it.
     jacobian : bool
         Whether the Jacobian of one step is also checked.
+    properties : bool
+        Whether other properties of the map are tested, at the price of some ten evaluations: see `Report.properties`.
+    reversal : array_like, optional
+        Signs 1 or -1 of all positions, then of all momenta, that reverse time. By default, the signs of all momenta change.
+    symmetric : bool
+        Whether a step of size -h is tested to undo a step of size h. `step` is called with negative h then.
     executor : executor, optional
         Who takes the steps: anything with a method `submit` or `map` as those of `concurrent.futures`, such as a pool of
         processes, a client of Dask, or an ``MPIPoolExecutor``. States are cut into at most 64 arcs, or into single states where
@@ -248,6 +257,9 @@ def check(
         "samples": _whole_or_auto(samples, "samples", 3),
         "budget": _whole_or_auto(budget, "budget", 200),
         "jacobian": bool(jacobian),
+        "properties": bool(properties),
+        "reversal": None if reversal is None else vector(reversal, "reversal").tolist(),
+        "symmetric": bool(symmetric),
     }
     if settings["budget"] is None and not compiled:
         settings["budget"] = BUDGET
@@ -296,8 +308,9 @@ def assert_symplectic(
     Raises
     ------
     NotSymplecticError
-        If the map is not symplectic, breaks loops, conserves fewer digits, or the numbers do not decide. It is an
-        AssertionError and has the report.
+        If the map is not symplectic, breaks loops, or conserves fewer digits.
+    UndecidedError
+        If the evidence is not enough for a verdict. Both errors are AssertionErrors and have the report.
 
     Examples
     --------
@@ -327,10 +340,66 @@ def assert_symplectic(
         case "symplectic":
             text = f"{name} is symplectic to {report.digits} digits only, not to {digits}: "
         case "undecided":
-            text = f"whether {name} is symplectic could not be decided: "
+            raise UndecidedError(f"the evidence on {name} is not enough for a verdict: {report.reasons()}", report)
         case _:
             text = f"{name} is not symplectic: "
     raise NotSymplecticError(text + report.reasons(), report)
+
+
+def assert_structure(
+    step: Callable[..., Any] | Integrator | System,
+    q0: npt.ArrayLike | None = None,
+    p0: npt.ArrayLike | None = None,
+    *,
+    conformal: bool | None = None,
+    volume: bool | None = None,
+    reversible: bool | None = None,
+    symmetric: bool | None = None,
+    **arguments: Any,
+) -> Report:
+    """Fail unless a map has the stated properties.
+
+    Parameters
+    ----------
+    step, q0, p0, **arguments
+        As those of `check`.
+    conformal, volume, reversible, symmetric : bool, optional
+        Whether the map should have this property: see `Report.properties`. None does not test it.
+
+    Returns
+    -------
+    Report
+
+    Raises
+    ------
+    StructureError
+        If a property is not as stated, or could not be tested. It is an AssertionError and has the report.
+
+    Examples
+    --------
+    >>> import numpy as np, symplint
+    >>> def damped(q, p, h):
+    ...     p -= h * np.sin(q)
+    ...     p *= np.exp(-0.1 * h)
+    ...     q += h * p
+    >>> report = symplint.assert_structure(damped, [1.0, 0.3], [0.5, 0.2], conformal=True, volume=False)
+    >>> round(report.properties["conformal"].rate, 9)
+    0.1
+    """
+    __tracebackhide__ = True
+    wanted = {"conformal": conformal, "volume": volume, "reversible": reversible, "symmetric": symmetric}
+    report = check(step, q0, p0, symmetric=symmetric is not None, **arguments)
+    found = report.properties
+    name = _name(step)
+    for prop, holds in wanted.items():
+        if holds is None:
+            continue
+        if prop not in found or found[prop].holds is None:
+            reason = found[prop].text if prop in found else f"{prop}: not tested"
+            raise StructureError(f"the evidence on {name} is not enough: {reason}\n{report.reasons()}", report)
+        if found[prop].holds != bool(holds):
+            raise StructureError(f"{name} is not as stated: {found[prop].text}\n{report.reasons()}", report)
+    return report
 
 
 def _subject(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ._report import Report
 
-__all__ = ["InputError", "NotSymplecticError", "StepError", "SymplintError"]
+__all__ = ["InputError", "NotSymplecticError", "StepError", "StructureError", "SymplintError", "UndecidedError"]
 
 
 class SymplintError(Exception):
@@ -50,14 +50,8 @@ class StepError(SymplintError, RuntimeError):
         self.report = None
 
 
-class NotSymplecticError(SymplintError, AssertionError):
-    """A map that should be symplectic is not, or it was not decided.
-
-    Attributes
-    ----------
-    report : Report
-        The report of the check.
-    """
+class _ReportError(SymplintError, AssertionError):
+    """A map that does not have the structure that it should have."""
 
     report: Report
 
@@ -67,3 +61,33 @@ class NotSymplecticError(SymplintError, AssertionError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (str(self), self.report)
+
+
+class NotSymplecticError(_ReportError):
+    """A map that should be symplectic is not, or conserves fewer digits than asked for.
+
+    Attributes
+    ----------
+    report : Report
+        The report of the check.
+    """
+
+
+class UndecidedError(_ReportError):
+    """The evidence is not enough to show that a map is symplectic, or that it is not.
+
+    Attributes
+    ----------
+    report : Report
+        The report of the check. Its `advice` says what to change.
+    """
+
+
+class StructureError(_ReportError):
+    """A map does not have a property that it should have, or the property could not be tested.
+
+    Attributes
+    ----------
+    report : Report
+        The report of the check.
+    """

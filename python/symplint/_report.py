@@ -6,7 +6,7 @@ import copy
 import json
 import os
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +18,7 @@ from ._errors import SymplintError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Report"]
+__all__ = ["Property", "Report"]
 
 #: Columns of `Report.points`, as in the report's JSON.
 POINTS = [
@@ -35,6 +35,34 @@ BREAKS = [
 ]  # fmt: skip
 
 States = tuple[Array, Array]
+
+
+class Property(NamedTuple):
+    """A property of a map.
+
+    Attributes
+    ----------
+    holds : bool or None
+        Whether the map has it; None if it was not tested, or the test is not precise enough.
+    defect, uncertainty : float or None
+        The largest deviation from the property with its uncertainty: of det DΦ from 1, of a state from where it began in half
+        ranges of the loop.
+    factor, factor_uncertainty : float or None
+        The factor by which a step multiplies all areas, of a conformally symplectic map.
+    rate, rate_uncertainty : float or None
+        The rate γ of uniform damping e^(−γh).
+    text : str
+        The property as a sentence.
+    """
+
+    holds: bool | None
+    defect: float | None
+    uncertainty: float | None
+    factor: float | None
+    factor_uncertainty: float | None
+    rate: float | None
+    rate_uncertainty: float | None
+    text: str
 
 
 class Report:
@@ -88,6 +116,22 @@ class Report:
     def advice(self) -> list[str]:
         """What to do next, as sentences."""
         return self._native.advice
+
+    @property
+    def properties(self) -> dict[str, Property]:
+        """The properties of the map by name: those that were tested, and those that follow from the verdict.
+
+        "symplectic"; "volume" (det DΦ = 1) and "conformal" (all areas change by one factor), if the map is not symplectic and
+        has at most eight degrees of freedom; "reversible" (a step, reversed momenta, and a step again return a state); and
+        "symmetric" (a step of size -h undoes one of size h), if asked for by ``symmetric=True``.
+        """
+        return {found["name"]: _property(found) for found in self.to_dict()["properties"]}
+
+    def __bool__(self) -> NoReturn:
+        """Raise: a report is neither true nor false."""
+        raise TypeError(
+            "a report has no truth value: test report.is_symplectic, which is True, False or None, or call symplint.assert_symplectic"
+        )
 
     @property
     def evaluations(self) -> int:
@@ -218,3 +262,19 @@ def _table(records: list[dict[str, Any]], columns: list[tuple[str, str]]) -> npt
     """Records as a structured array; what is not given is NaN."""
     rows = [tuple(np.nan if record[name] is None else record[name] for name, _ in columns) for record in records]
     return np.array(rows, dtype=columns)
+
+
+def _property(found: dict[str, Any]) -> Property:
+    """A property from the JSON of a report."""
+    factor, factor_uncertainty = found["factor"] or (None, None)
+    rate, rate_uncertainty = found["rate"] or (None, None)
+    return Property(
+        holds={"yes": True, "no": False}.get(found["holds"]),
+        defect=found["defect"],
+        uncertainty=found["uncertainty"],
+        factor=factor,
+        factor_uncertainty=factor_uncertainty,
+        rate=rate,
+        rate_uncertainty=rate_uncertainty,
+        text=found["text"],
+    )

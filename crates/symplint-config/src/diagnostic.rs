@@ -95,6 +95,21 @@ pub const KEYS: &[Key] = &[
         "whether the Jacobian of one step is also checked",
     ),
     Key::new(
+        "properties",
+        "true",
+        "whether volume, time reversal and other properties are also tested",
+    ),
+    Key::optional(
+        "reversal",
+        "[1.0, -1.0]",
+        "signs of q, then of p, that reverse time; without them, those of all p change",
+    ),
+    Key::new(
+        "symmetric",
+        "false",
+        "whether a step of size -h is tested to undo one of size h; the map must take negative step sizes",
+    ),
+    Key::new(
         "localise",
         "true",
         "whether a defect is traced to a substep of the map and to a part of the loop",
@@ -166,6 +181,9 @@ pub fn read(node: Option<&Node>) -> Result<(Diagnostic, Section), ConfigError> {
         seed: section.whole("seed", 0)?,
         project: section.flag("project")?,
         jacobian: section.flag("jacobian")?,
+        properties: section.flag("properties")?,
+        reversal: section.optional_numbers("reversal", Accept::Finite)?,
+        symmetric: section.flag("symmetric")?,
         localise: section.flag("localise")?,
         budget: budget.map(|budget| budget as usize),
         long_time: section.whole_between("steps", 0, MOST_STEPS)? as usize,

@@ -222,6 +222,12 @@ fn diagnostic(u: &mut Unstructured<'_>) -> Result<Diagnostic> {
         },
         localise: u.arbitrary()?,
         jacobian: u.arbitrary()?,
+        properties: u.arbitrary()?,
+        reversal: match u.ratio(1, 8)? {
+            true => Some(numbers::several(u, 6)?),
+            false => None,
+        },
+        symmetric: u.arbitrary()?,
         budget: Some(u.int_in_range(0..=MOST_EVALUATIONS)?),
         has_step_size: !u.ratio(1, 8)?,
         repeat: match u.ratio(1, 8)? {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use symplint::evidence::{Evaluations, Point};
 use symplint::trace::TracePoint;
-use symplint::verdict::Fit;
+use symplint::verdict::{Fit, Property};
 use symplint::{Diagnosis, Evidence, Verdict};
 
 use crate::provenance::Provenance;
@@ -19,6 +19,7 @@ pub struct Report<'a, C> {
     config: &'a C,
     evaluations: &'a Evaluations,
     verdict: &'a Verdict,
+    properties: &'a [Property],
     points: Vec<Point>,
     fits: &'a [Fit],
     evidence: &'a Evidence,
@@ -35,6 +36,7 @@ impl<'a, C: Serialize> Report<'a, C> {
             config,
             evaluations: &diagnosis.evidence.evaluations,
             verdict: &diagnosis.verdict,
+            properties: &diagnosis.verdict.properties,
             points: diagnosis.points(),
             fits: diagnosis.fits(),
             evidence: &diagnosis.evidence,

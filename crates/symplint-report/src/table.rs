@@ -4,6 +4,7 @@ use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use symplint::evidence::{Origin, Point, Sweep};
 use symplint::rules::RuleKind;
 use symplint::trace::TracePoint;
+use symplint::verdict::Property;
 use symplint::{Diagnosis, Verdict};
 
 use crate::number::power_of_two;
@@ -173,8 +174,23 @@ pub fn reasons(verdict: &Verdict, width: Option<usize>) -> String {
         );
     };
     list("  · ", &verdict.evidence());
+    list("  · ", &properties(verdict));
     list("  → ", &verdict.advice());
     paragraphs.join("\n")
+}
+
+/// Properties of the map that do not follow from the verdict, as sentences.
+pub fn properties(verdict: &Verdict) -> Vec<String> {
+    let properties = verdict
+        .properties
+        .iter()
+        .filter(|property| !property.implied);
+    let sentence = |property: &Property| {
+        let text = property.to_string();
+        let (first, rest) = text.split_at(1);
+        format!("{}{rest}.", first.to_uppercase())
+    };
+    properties.map(sentence).collect()
 }
 
 /// Some moments of a trace and its worst.

@@ -487,6 +487,7 @@ fn symplectic_jacobian(bound: f64) -> JacobianEvidence {
         bound: Some(bound),
     };
     JacobianEvidence {
+        volume: None,
         step_size: Some(0.5),
         loop_index: 0,
         method: JacobianMethod::CentralDifferences { rejected: None },

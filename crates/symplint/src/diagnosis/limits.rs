@@ -246,6 +246,14 @@ pub(super) const SMALL: usize = 64;
 /// Samples before the step are kept where they take no more than this.
 pub(super) const KEPT_BYTES: usize = 64 << 20;
 
+// Steps back.
+
+/// States that a step and a step back should return, in a tight budget and in others. Conventional.
+pub(super) const STATES_OF_A_RETURN: [usize; 2] = [2, 4];
+
+/// Rounding of a step and a step back is this many times the largest one that a few states show. Conventional: half a decade.
+pub(super) const ROUNDINGS_OF_A_RETURN: f64 = 4.0;
+
 // Step sizes that are looked for.
 
 /// What the largest should advance the motions on the loop by, in radians, to a factor of two: the defects of

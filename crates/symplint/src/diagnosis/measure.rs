@@ -69,6 +69,7 @@ impl Diagnostic {
             evaluator = evaluator.without_step_size();
         }
         evaluator.check_dof(phase_loop.dof())?;
+        check_reversal(self.reversal.as_deref(), evaluator.dof())?;
         check_closed(phase_loop, evaluator.coordinates())?;
         survey::wound(phase_loop, evaluator.coordinates())?;
         let given = evaluator.on_manifold(phase_loop);
@@ -125,6 +126,27 @@ impl Diagnostic {
 
 /// What a map without a step size is called with.
 pub(super) const ONLY_STEP: f64 = 1.0;
+
+fn check_reversal(signs: Option<&[f64]>, dof: usize) -> Result<(), Error> {
+    let Some(signs) = signs else {
+        return Ok(());
+    };
+    if signs.len() != 2 * dof {
+        return Err(Error::OutOfRange {
+            what: "number of signs of the reversal",
+            value: signs.len() as f64,
+            remedy: "give 1 or -1 for each position, then for each momentum",
+        });
+    }
+    match signs.iter().find(|sign| sign.abs() != 1.0) {
+        Some(&value) => Err(Error::OutOfRange {
+            what: "a sign of the reversal",
+            value,
+            remedy: "give 1 or -1",
+        }),
+        None => Ok(()),
+    }
+}
 
 fn check_step_sizes(diagnostic: &Diagnostic) -> Result<(), Error> {
     let of_samples = (diagnostic.sample_sweep.as_ref()).map(|sweep| sweep.step_size);

@@ -88,6 +88,13 @@ pub struct Diagnostic {
     pub localise: bool,
     /// Whether the Jacobian of the largest step is measured, too.
     pub jacobian: bool,
+    /// Whether other properties of the map are tested: see [`Verdict::properties`](crate::Verdict::properties).
+    pub properties: bool,
+    /// Signs ±1 of all coordinates, positions first, that reverse time: a map is time-reversible if it returns states whose
+    /// signs are changed after one step to themselves by a second one. `None` changes the signs of all momenta.
+    pub reversal: Option<Vec<f64>>,
+    /// Whether Φ_−h Φ_h is compared with the identity. The map is called with negative step sizes then, which not every code takes.
+    pub symmetric: bool,
     /// Evaluations of the map in all, 200 or more; `None` for a million. A tight budget tries fewer step sizes,
     /// fewer random loops and fewer samples, and the verdict says what was left out.
     pub budget: Option<usize>,
@@ -112,6 +119,9 @@ impl Default for Diagnostic {
             long_time: 0,
             localise: true,
             jacobian: true,
+            properties: true,
+            reversal: None,
+            symmetric: false,
             budget: None,
         }
     }

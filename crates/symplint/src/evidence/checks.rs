@@ -31,6 +31,8 @@ pub enum Check {
     Localisation,
     /// The given loop in many steps.
     ManySteps,
+    /// Whether steps back undo a step.
+    Structure,
 }
 
 /// A check that was left out, or a part of one.

@@ -9,6 +9,7 @@ mod long_time;
 mod motion;
 mod point;
 mod step;
+mod structure;
 mod survey;
 
 pub use checks::{Check, Evaluations, Omission, Why};
@@ -19,6 +20,7 @@ pub use motion::{Motion, Reach};
 pub use point::{BreakAt, Point, Sweep};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
+pub use structure::{ReturnDefect, StructureEvidence};
 pub use survey::{
     OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind, SingularJacobian, Survey,
     WrongPeriod,
@@ -71,6 +73,9 @@ pub struct Evidence {
     /// as a witness for the order of the defect.
     #[serde(default)]
     pub jacobian_decay: Option<JacobianDecay>,
+    /// Whether steps back undo a step.
+    #[serde(default)]
+    pub structure: Option<StructureEvidence>,
     /// What was asked for and not measured.
     pub omissions: Vec<Omission>,
     /// Evaluations of the map.

@@ -7,6 +7,7 @@ use super::directions::{self, Directions};
 use super::evidence::{JacobianPoint, TangentDefect};
 use super::frame::Estimate;
 use super::sampler::Sampler;
+use super::volume::PointVolume;
 
 /// Tangent vectors at a point, in units of the frame, and the derivatives along them once they are measured.
 pub(super) struct Columns {
@@ -28,6 +29,8 @@ pub(super) struct Outcome {
     pub pair: (usize, usize),
     /// What no pair of each group exceeds, its uncertainty included; `None` where there is none.
     pub bounds: Vec<Option<f64>>,
+    /// What all unit vectors together show.
+    pub volume: Option<PointVolume>,
     /// Largest change of a component; 0 where the derivatives did not converge.
     pub deformation: f64,
 }
@@ -100,10 +103,15 @@ impl Columns {
                 point: JacobianPoint { s, worst, bound },
                 pair: (0, 0),
                 bounds: Vec::new(),
+                volume: None,
                 deformation: 0.0,
             };
         }
-        let worst = TangentDefect::worst(sampler.method(), defects.iter().copied());
+        let method = sampler.method();
+        let worst = TangentDefect::worst(method, defects.iter().copied());
+        let changes = pairs.iter().copied().zip(defects.iter().copied());
+        let sign = |dof: usize| frame.sign(dof);
+        let volume = full.then(|| PointVolume::new(method, &self.derivatives, changes, sign));
         let groups = self.groups.iter().max().map_or(0, |last| last + 1);
         let mut bounds: Vec<Option<f64>> = vec![None; groups];
         for (pair, defect) in pairs.iter().zip(&defects) {
@@ -129,6 +137,7 @@ impl Columns {
                 bound: bounds.first().copied().flatten(),
             },
             bounds,
+            volume: volume.flatten(),
             pair: pairs[of_worst.unwrap_or(0)],
             deformation: changes.fold(0.0, f64::max),
         }

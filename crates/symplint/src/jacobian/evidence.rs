@@ -144,6 +144,20 @@ impl JacobianEvidence {
     }
 }
 
+/// How a map changes volumes and areas, from all columns of its Jacobian at the points of a test.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VolumeEvidence {
+    /// det DΦ − 1 at the point where its magnitude is largest, of the significant ones if there is one.
+    pub determinant: TangentDefect,
+    /// The factor c of ω(DΦ u, DΦ v) = c ω(u, v): its mean over all points and degrees of freedom.
+    pub factor: f64,
+    /// Half the width of the interval in which the factor lies.
+    pub factor_uncertainty: f64,
+    /// The largest (ω(DΦ u, DΦ v) − c ω(u, v)) / (‖u‖ ‖v‖) of any point and pair of unit vectors, as of a [`TangentDefect`]: zero
+    /// if the map is conformally symplectic.
+    pub from_conformal: TangentDefect,
+}
+
 /// What a [`JacobianTest`](crate::JacobianTest) measured. All numbers are finite.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JacobianEvidence {
@@ -174,6 +188,9 @@ pub struct JacobianEvidence {
     /// that of the first.
     #[serde(default)]
     pub bounds_of_groups: Vec<Option<f64>>,
+    /// Volumes and areas, if the test is full and the map acts on no manifold.
+    #[serde(default)]
+    pub volume: Option<VolumeEvidence>,
     /// Largest change of a component of a tangent vector whose components are at most 1, where the map is
     /// differentiable.
     pub deformation: f64,

@@ -47,6 +47,11 @@ impl Frame {
         Ok(Frame { size, period, area })
     }
 
+    /// The sign of ω of the two unit vectors of a degree of freedom.
+    pub fn sign(&self, dof: usize) -> f64 {
+        self.area[dof].signum()
+    }
+
     /// Degrees of freedom.
     pub fn dof(&self) -> usize {
         self.area.len()

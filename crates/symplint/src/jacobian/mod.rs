@@ -26,10 +26,12 @@ mod richardson;
 mod sampler;
 mod tangent_check;
 mod tangents;
+mod volume;
 
 pub(crate) use evidence::is_given;
 pub use evidence::{
-    JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect, TangentRejection,
+    JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect,
+    TangentRejection, VolumeEvidence,
 };
 
 use crate::error::Error;
@@ -39,6 +41,7 @@ use bisection::locate;
 use columns::Outcome;
 use directions::Directions;
 use sampler::Sampler;
+use volume::PointVolume;
 
 /// Tests at points of a loop whether the derivative of a map keeps the symplectic form.
 ///
@@ -153,6 +156,9 @@ impl JacobianTest {
         let (method, full) = (sampler.method(), self.is_full(dof));
         let projected = evaluator.constraint().is_some();
         let points: Vec<JacobianPoint> = outcomes.iter().map(|outcome| outcome.point).collect();
+        let volumes: Vec<PointVolume> = (outcomes.iter_mut())
+            .filter_map(|outcome| outcome.volume.take())
+            .collect();
         let mut worst = TangentDefect::worst(method, points.iter().filter_map(|p| p.worst));
         let mut bound = points.iter().filter_map(|p| p.bound).reduce(f64::max);
         let significant = worst.filter(|worst| !full && !projected && worst.is_significant(method));
@@ -185,6 +191,7 @@ impl JacobianTest {
             worst,
             bound,
             bounds_of_groups: bounds_of_groups(&outcomes, groups.len().max(1)),
+            volume: PointVolume::together(&volumes, method),
             deformation: (outcomes.iter().map(|o| o.deformation)).fold(0.0, f64::max),
             noise: sampler.largest_noise(),
             evaluations: sampler.made(),
@@ -338,7 +345,7 @@ fn bounds_of_groups(outcomes: &[Outcome], groups: usize) -> Vec<Option<f64>> {
 }
 
 /// Loop parameters that the golden ratio spreads: no two of them, nor their mirror images, coincide.
-fn parameters(count: usize) -> Vec<f64> {
+pub(crate) fn parameters(count: usize) -> Vec<f64> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     const START: f64 = 0.137;
     (0..count)

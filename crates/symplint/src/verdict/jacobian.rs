@@ -238,6 +238,7 @@ mod tests {
             bound: Some(2e-13),
         };
         JacobianEvidence {
+            volume: None,
             step_size: Some(0.5),
             loop_index: 0,
             method: JacobianMethod::TangentMap,
@@ -265,6 +266,7 @@ mod tests {
 
     fn of_defect(method: JacobianMethod, signed: f64, uncertainty: f64) -> JacobianEvidence {
         JacobianEvidence {
+            volume: None,
             method,
             worst: Some(defect(signed, uncertainty)),
             bound: Some(signed.abs() + uncertainty),

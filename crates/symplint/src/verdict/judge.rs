@@ -12,6 +12,7 @@ use super::findings::{
 };
 use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, fit_order, leaves, smallest_steps_slope};
+use super::properties::properties;
 use super::thresholds::{
     CONTRADICTS, FAR, FEWEST_POINTS, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND,
 };
@@ -55,6 +56,7 @@ pub fn judge(evidence: &Evidence) -> Verdict {
         findings,
         advice: decision.advice,
         fits,
+        properties: properties(evidence, decision.kind, decision.digits),
     }
 }
 

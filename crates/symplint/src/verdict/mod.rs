@@ -10,6 +10,7 @@ mod judge;
 mod long_time;
 mod number;
 mod order;
+mod properties;
 mod thresholds;
 
 pub use advice::Advice;
@@ -20,6 +21,7 @@ pub use judge::judge;
 pub use long_time::Growth;
 pub use number::size as step_size_text;
 pub use order::Fit;
+pub use properties::{Property, PropertyName};
 
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
@@ -68,6 +70,8 @@ pub struct Verdict {
     pub advice: Vec<Advice>,
     /// Power laws of the defects, loop by loop.
     pub fits: Vec<Fit>,
+    /// What the map preserves besides: those that were tested, or follow from the answer.
+    pub properties: Vec<Property>,
 }
 
 impl Verdict {

@@ -31,6 +31,17 @@ pub(super) fn one_digit(value: f64) -> String {
     }
 }
 
+/// A number with the digits that its uncertainty leaves, and one more.
+pub(super) fn within(value: f64, uncertainty: f64) -> String {
+    let decimals = 1.0 - uncertainty.abs().log10().floor();
+    let decimals = if decimals > 0.0 {
+        decimals.min(17.0) as usize
+    } else {
+        0
+    };
+    format!("{value:.decimals$}")
+}
+
 /// What a loop is called.
 pub(super) fn loop_name(index: usize) -> String {
     match index {
@@ -84,6 +95,13 @@ mod tests {
         assert_eq!(texts, ["0", "0.01", "999.00", "9.0e-3", "1.2e3"]);
         let texts = [0.00123, 23456.0, 0.0009, 234567.0].map(one_digit);
         assert_eq!(texts, ["0.001", "20000", "9e-4", "2e5"]);
+    }
+
+    #[test]
+    fn numbers_have_the_digits_that_their_uncertainty_leaves() {
+        assert_eq!(within(0.941_764_533_6, 3e-6), "0.9417645");
+        assert_eq!(within(12.34, 5.0), "12.3");
+        assert_eq!(within(1234.5, 200.0), "1234");
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod many_steps;
 pub(super) mod memory;
 mod random_loops;
 mod sample_sweep;
+mod structure;
 
 use memory::{Noise, check_again, wrong_period};
 
@@ -83,7 +84,7 @@ impl<'a> Runner<'a> {
     }
 
     /// The checks that follow the given loop, in their order.
-    fn checks() -> [(Check, Measure<'a>); 11] {
+    fn checks() -> [(Check, Measure<'a>); 12] {
         [
             (Check::RandomLoops, Self::random_loops),
             (Check::RandomLoops, Self::check_periods),
@@ -96,6 +97,7 @@ impl<'a> Runner<'a> {
             (Check::Contraction, Self::contract),
             (Check::Localisation, Self::localise),
             (Check::SampleSweep, Self::sweep_samples),
+            (Check::Structure, Self::structure),
         ]
     }
 

@@ -1,0 +1,221 @@
+//! Properties of maps whose properties are known: in closed form, from papers, or by construction.
+
+use symplint::verdict::{Property, PropertyName};
+use symplint::{Circle, Diagnostic, PerSample, TimeAdvance, Verdict, VerdictKind};
+
+fn verdict(map: &dyn TimeAdvance, symmetric: bool) -> Verdict {
+    let dof = map.dof();
+    let centre = |a: f64| (0..dof).map(|i| a + 0.17 * i as f64).collect::<Vec<f64>>();
+    let circle = Circle::new(centre(0.3), centre(0.5), 0.8).unwrap();
+    let diagnostic = Diagnostic {
+        symmetric,
+        ..Diagnostic::halving(-2, -7)
+    };
+    diagnostic.run(map, &circle).unwrap().verdict
+}
+
+fn property(verdict: &Verdict, name: PropertyName) -> &Property {
+    let mut properties = verdict.properties.iter();
+    properties.find(|found| found.name == name).unwrap()
+}
+
+fn holds(verdict: &Verdict, name: PropertyName) -> Option<bool> {
+    property(verdict, name).holds
+}
+
+/// The Boris push of Hénon and Heiles' potential in two dimensions, in a magnetic field B(x): positions at half steps.
+fn boris(field: fn(&[f64]) -> f64) -> impl TimeAdvance {
+    PerSample::new(2, move |h, x: &mut [f64], v: &mut [f64]| {
+        (0..2).for_each(|i| x[i] += 0.5 * h * v[i]);
+        let kick = [-x[0] - 2.0 * x[0] * x[1], -x[1] - x[0] * x[0] + x[1] * x[1]];
+        (0..2).for_each(|i| v[i] += 0.5 * h * kick[i]);
+        let t = 0.5 * h * field(x);
+        let s = 2.0 * t / (1.0 + t * t);
+        let turned = [v[0] + t * v[1], v[1] - t * v[0]];
+        (v[0], v[1]) = (v[0] + s * turned[1], v[1] - s * turned[0]);
+        (0..2).for_each(|i| v[i] += 0.5 * h * kick[i]);
+        (0..2).for_each(|i| x[i] += 0.5 * h * v[i]);
+    })
+}
+
+#[test]
+fn the_boris_push_preserves_volume_and_is_symmetric_but_not_symplectic_in_velocities() {
+    // Qin, Zhang, Xiao, Liu, Sun & Tang, Phys. Plasmas 20, 084503 (2013).
+    for field in [|_: &[f64]| 0.7, |x: &[f64]| 0.7 + 0.3 * x[0] - 0.2 * x[1]] {
+        let found = verdict(&boris(field), true);
+        assert_eq!(found.kind, VerdictKind::NotSymplectic);
+        assert_eq!(holds(&found, PropertyName::Symplectic), Some(false));
+        assert_eq!(holds(&found, PropertyName::Volume), Some(true));
+        assert_eq!(holds(&found, PropertyName::Symmetric), Some(true));
+        // Time reversal changes the sign of B, too.
+        assert_eq!(holds(&found, PropertyName::Reversible), Some(false));
+        assert!(
+            found
+                .properties
+                .iter()
+                .all(|of| of.name != PropertyName::Conformal || of.holds == Some(false))
+        );
+    }
+}
+
+/// Leapfrog in Hénon and Heiles' potential, with factors that multiply the momenta.
+fn damped(rates: [f64; 2]) -> impl TimeAdvance {
+    PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+        let damp = |p: &mut [f64]| (0..2).for_each(|i| p[i] *= (-0.5 * h * rates[i]).exp());
+        damp(p);
+        let kick = |q: &[f64], p: &mut [f64]| {
+            p[0] -= 0.5 * h * (q[0] + 2.0 * q[0] * q[1]);
+            p[1] -= 0.5 * h * (q[1] + q[0] * q[0] - q[1] * q[1]);
+        };
+        kick(q, p);
+        (0..2).for_each(|i| q[i] += h * p[i]);
+        kick(q, p);
+        damp(p);
+    })
+}
+
+#[test]
+fn uniform_damping_is_conformal_with_its_rate() {
+    let found = verdict(&damped([0.2, 0.2]), false);
+    assert_eq!(found.kind, VerdictKind::NotSymplectic);
+    assert_eq!(holds(&found, PropertyName::Volume), Some(false));
+    let conformal = property(&found, PropertyName::Conformal);
+    assert_eq!(conformal.holds, Some(true));
+    let [rate, uncertainty] = conformal.rate.unwrap();
+    assert!(
+        (rate - 0.2).abs() <= uncertainty && uncertainty < 1e-8,
+        "{rate} {uncertainty}"
+    );
+    let [factor, uncertainty] = conformal.factor.unwrap();
+    assert!((factor - (-0.05f64).exp()).abs() <= uncertainty);
+    assert_eq!(holds(&found, PropertyName::Reversible), Some(false));
+}
+
+#[test]
+fn one_damped_momentum_of_two_is_neither_conformal_nor_volume_preserving() {
+    let found = verdict(&damped([0.2, 0.0]), false);
+    for name in [
+        PropertyName::Conformal,
+        PropertyName::Volume,
+        PropertyName::Reversible,
+    ] {
+        assert_eq!(holds(&found, name), Some(false), "{name}");
+    }
+    // What one loses the other gains: volume is preserved, and areas are not.
+    let found = verdict(&damped([0.2, -0.2]), false);
+    assert_eq!(found.kind, VerdictKind::NotSymplectic);
+    assert_eq!(holds(&found, PropertyName::Volume), Some(true));
+    assert_eq!(holds(&found, PropertyName::Conformal), Some(false));
+}
+
+#[test]
+fn the_henon_map_multiplies_all_areas_by_its_determinant() {
+    // M. Hénon, Commun. Math. Phys. 50, 69 (1976): (x, y) → (1 − a x² + y, b x), det −b.
+    let map = PerSample::new(1, |_, x: &mut [f64], y: &mut [f64]| {
+        (x[0], y[0]) = (1.0 - 0.4 * x[0] * x[0] + y[0], -0.3 * x[0]);
+    });
+    let circle = Circle::new(vec![0.1], vec![0.1], 0.3).unwrap();
+    let found = Diagnostic::without_step_size()
+        .run(&map, &circle)
+        .unwrap()
+        .verdict;
+    let conformal = property(&found, PropertyName::Conformal);
+    assert_eq!(conformal.holds, Some(true), "{found}");
+    let [factor, uncertainty] = conformal.factor.unwrap();
+    assert!((factor - 0.3).abs() <= uncertainty && uncertainty < 1e-9);
+    assert_eq!(conformal.rate, None);
+}
+
+#[test]
+fn symplectic_maps_preserve_volume_and_need_not_be_reversible() {
+    let leapfrog = verdict(&damped([0.0, 0.0]), true);
+    assert_eq!(leapfrog.kind, VerdictKind::Symplectic);
+    for name in [
+        PropertyName::Symplectic,
+        PropertyName::Volume,
+        PropertyName::Conformal,
+        PropertyName::Reversible,
+        PropertyName::Symmetric,
+    ] {
+        assert_eq!(holds(&leapfrog, name), Some(true), "{name}");
+    }
+    let euler = PerSample::new(1, |h, q: &mut [f64], p: &mut [f64]| {
+        p[0] -= h * q[0].sin();
+        q[0] += h * p[0];
+    });
+    let found = verdict(&euler, true);
+    assert_eq!(found.kind, VerdictKind::Symplectic);
+    assert_eq!(holds(&found, PropertyName::Reversible), Some(false));
+    assert_eq!(holds(&found, PropertyName::Symmetric), Some(false));
+}
+
+#[test]
+fn steps_that_round_are_reversible_to_their_rounding() {
+    let single = PerSample::new(1, |h, q: &mut [f64], p: &mut [f64]| {
+        let (mut x, mut v, h) = (q[0] as f32, p[0] as f32, h as f32);
+        v -= 0.5 * h * x.sin();
+        x += h * v;
+        v -= 0.5 * h * x.sin();
+        (q[0], p[0]) = (f64::from(x), f64::from(v));
+    });
+    let found = verdict(&single, true);
+    let reversible = property(&found, PropertyName::Reversible);
+    assert_ne!(reversible.holds, Some(false), "{reversible}");
+    assert!(reversible.defect.unwrap() > 1e-9);
+}
+
+#[test]
+fn signs_of_a_reversal_are_checked_and_used() {
+    // A rotation in q and p that the flip of all momenta reverses, and the flip of all positions does, too.
+    let map = damped([0.0, 0.0]);
+    let circle = Circle::new(vec![0.1, 0.2], vec![0.3, 0.1], 0.5).unwrap();
+    let with = |signs: Vec<f64>| Diagnostic {
+        reversal: Some(signs),
+        ..Diagnostic::halving(-2, -5)
+    };
+    let error = with(vec![1.0, -1.0]).run(&map, &circle).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "number of signs of the reversal is 2.0; give 1 or -1 for each position, then for each momentum"
+    );
+    let error = with(vec![1.0, -1.0, 0.0, 1.0])
+        .run(&map, &circle)
+        .unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "a sign of the reversal is 0.0; give 1 or -1"
+    );
+    let none = with(vec![1.0; 4]).run(&map, &circle).unwrap().verdict;
+    assert_eq!(holds(&none, PropertyName::Reversible), Some(false));
+    // The potential is even in x.
+    let other = with(vec![-1.0, 1.0, 1.0, -1.0])
+        .run(&map, &circle)
+        .unwrap()
+        .verdict;
+    assert_eq!(holds(&other, PropertyName::Reversible), Some(true));
+}
+
+#[test]
+fn properties_are_said_in_one_line_each() {
+    let texts: Vec<String> = (verdict(&damped([0.2, 0.2]), true).properties.iter())
+        .map(Property::to_string)
+        .collect();
+    assert_eq!(texts[0], "symplectic: no");
+    assert!(
+        texts[1].starts_with("volume preserving: no, |det DΦ − 1| = 0.10 ± "),
+        "{texts:?}"
+    );
+    assert!(
+        texts[2]
+            .starts_with("conformally symplectic: yes, a step multiplies all areas by 0.951229"),
+        "{texts:?}"
+    );
+    assert!(
+        texts[2].contains("(uniform damping e^(−γh), γ = "),
+        "{texts:?}"
+    );
+    assert!(
+        texts[3].starts_with("time-reversible: no, states return to a distance of 0.1"),
+        "{texts:?}"
+    );
+}
