@@ -10,7 +10,7 @@ use symplint::TimeAdvance;
 use symplint_config::document::{Table, parse};
 use symplint_config::{SYSTEMS, read_integrator, read_system};
 use symplint_models::integrators::aliases::ALIASES;
-use symplint_models::integrators::catalogue::CATALOGUE;
+use symplint_plasma::CATALOGUE;
 
 use crate::arrays;
 use crate::error::{config_error, diagnostic_error, input_error};

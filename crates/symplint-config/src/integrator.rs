@@ -4,12 +4,11 @@ use std::sync::Arc;
 
 use symplint::TimeAdvance;
 use symplint_models::integrators::aliases::{self, ALIASES};
-use symplint_models::integrators::catalogue::{
-    CATALOGUE, IntegratorInfo, build_solved_by, resolve,
-};
+use symplint_models::integrators::catalogue::IntegratorInfo;
 use symplint_models::integrators::{Solver, StageSolver, Stop};
 use symplint_models::maps::{Damped, SinglePrecision};
 use symplint_models::{Model, ModelError};
+use symplint_plasma::CATALOGUE;
 
 use super::document::Node;
 use super::error::ConfigError;
@@ -115,14 +114,15 @@ fn integrated(
         section.optional_text("variant")?
     };
     let refused = |error| refusal(section, name, &error);
-    let (info, variant) = resolve(name, variant.as_deref()).map_err(refused)?;
+    let (info, variant) = (CATALOGUE.resolve(name, variant.as_deref())).map_err(refused)?;
     // The resolved configuration has the name in the catalogue, not an alias.
     section.record("name", info.name);
     if let Some(variant) = variant {
         section.record("variant", variant);
     }
     let solver = solver(section, info)?;
-    let map = build_solved_by(solver, info.name, variant, model.clone()).map_err(refused)?;
+    let map = CATALOGUE.build(solver, info.name, variant, model.clone());
+    let map = map.map_err(refused)?;
     let full_name = match variant {
         Some(variant) => format!("{}, {variant}", info.name),
         None => info.name.to_owned(),
@@ -259,7 +259,7 @@ fn with_faults(
 fn variant_of_another(section: &Section, name: &str) -> bool {
     let written = section.written_text("variant");
     section.is_overruled("variant", "name")
-        && written.is_some_and(|variant| resolve(name, Some(variant)).is_err())
+        && written.is_some_and(|variant| CATALOGUE.resolve(name, Some(variant)).is_err())
 }
 
 #[cfg(test)]
@@ -270,7 +270,7 @@ mod tests {
     fn the_help_names_every_variant() {
         let keys = keys("\"strang\"");
         let help = keys.iter().find(|key| key.name == "variant").unwrap().help;
-        for info in CATALOGUE {
+        for info in CATALOGUE.iter() {
             for variant in info.variants {
                 let named = help.contains(&format!("\"{variant}\""));
                 assert!(named, "{variant} of {} is not in: {help}", info.name);

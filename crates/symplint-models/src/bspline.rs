@@ -92,7 +92,7 @@ pub fn derivative_weights(degree: usize, order: usize, x: f64) -> CellWeights {
 ///
 /// # Panics
 /// If `degree` exceeds [`MAX_DEGREE`].
-pub(crate) fn powers(degree: usize) -> [CellWeights; MAX_DEGREE + 1] {
+pub fn powers(degree: usize) -> [CellWeights; MAX_DEGREE + 1] {
     let mut factorial = 1.0;
     std::array::from_fn(|n| {
         factorial *= n.max(1) as f64;

@@ -231,7 +231,10 @@ pub enum ModelError {
 
 impl ModelError {
     /// Refuses a parameter that is not finite.
-    pub(crate) fn check_finite(what: &'static str, value: f64) -> Result<(), ModelError> {
+    ///
+    /// # Errors
+    /// If it is not finite.
+    pub fn check_finite(what: &'static str, value: f64) -> Result<(), ModelError> {
         if value.is_finite() {
             Ok(())
         } else {
@@ -244,7 +247,10 @@ impl ModelError {
     }
 
     /// Refuses a parameter that is not finite and positive.
-    pub(crate) fn check_positive(what: &'static str, value: f64) -> Result<(), ModelError> {
+    ///
+    /// # Errors
+    /// If it is not finite, or not above 0.
+    pub fn check_positive(what: &'static str, value: f64) -> Result<(), ModelError> {
         if value.is_finite() && value > 0.0 {
             Ok(())
         } else {

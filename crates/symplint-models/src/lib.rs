@@ -4,8 +4,6 @@
 //!   field, a force without a potential.
 //! * [`discrete`]: maps that are given, not integrated: the Hénon map and the standard map.
 //! * [`non_canonical`]: Lotka–Volterra, a massless charge, a guiding centre, a charge by its velocity.
-//! * [`pic`]: electrostatic particle-in-cell plasmas in one and two dimensions.
-//! * [`gempic`]: electromagnetic particle-in-cell plasmas in one dimension of space and two of velocity.
 //! * [`integrators`]: splitting and Runge–Kutta methods, explicit and implicit, as data, and a
 //!   [catalogue](integrators::catalogue) of them by name.
 //! * [`maps`]: maps made from maps: sequences, repetitions, inverses, adjoints, and maps with a fault.
@@ -14,6 +12,9 @@
 //! * [`DriftKickTangent`] and [`HamiltonianTangent`]: what gives its steps exact Jacobians.
 //! * [`elementary`]: sines and cosines of rows of states, fast and the same in every system.
 //! * [`bspline`], [`PeriodicGrid`] and [`PeriodicSpline`]: interpolation on a grid.
+//! * [`random`]: random numbers that are the same on every machine.
+//!
+//! Particle-in-cell plasmas are in the crate `symplint-plasma`.
 //!
 //! A system acts on blocks of samples, one row for each degree of freedom. An integrator makes a
 //! [`TimeAdvance`](symplint::TimeAdvance) map of it, which needs no more than the block, the step
@@ -49,7 +50,6 @@ pub mod bspline;
 pub mod discrete;
 pub mod elementary;
 mod error;
-pub mod gempic;
 mod hamiltonian;
 pub mod integrators;
 pub mod maps;
@@ -57,8 +57,7 @@ mod model;
 pub mod non_canonical;
 mod periodic_grid;
 mod periodic_spline;
-pub mod pic;
-mod random;
+pub mod random;
 mod split_hamiltonian;
 pub mod systems;
 mod tangent;
@@ -66,7 +65,7 @@ mod tangent;
 pub use error::ModelError;
 pub use hamiltonian::{DriftKick, Hamiltonian, Separable};
 pub use model::Model;
-pub use periodic_grid::PeriodicGrid;
+pub use periodic_grid::{PeriodicGrid, Place};
 pub use periodic_spline::PeriodicSpline;
 pub use split_hamiltonian::{PartFlow, SplitHamiltonian};
 pub use tangent::{DriftKickTangent, HamiltonianTangent, PhasePoints, SlopeTangent};

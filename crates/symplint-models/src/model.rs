@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use symplint::TimeAdvance;
 
-use crate::gempic::Gempic;
 use crate::hamiltonian::{DriftKick, Hamiltonian, Separable};
 use crate::split_hamiltonian::SplitHamiltonian;
 use crate::systems::ChargedParticle;
@@ -18,8 +17,6 @@ pub enum Model {
     General(Arc<dyn Hamiltonian>),
     /// H = H_0 + … + H_n−1, each part with an exact flow: splitting methods, and what `General` has.
     Split(Arc<dyn SplitHamiltonian>),
-    /// An electromagnetic plasma: what `Split` has, and the schemes of particle-in-cell codes.
-    Plasma(Arc<Gempic>),
     /// A force without a potential: splitting methods.
     Forced(Arc<dyn DriftKick>),
     /// A charge in a magnetic field: what `General` has, and Boris.
@@ -35,7 +32,6 @@ impl Model {
             Model::Separable(system) => Separable::dof(system),
             Model::General(system) => Hamiltonian::dof(system),
             Model::Split(system) => Hamiltonian::dof(system),
-            Model::Plasma(system) => Hamiltonian::dof(&**system),
             Model::Forced(system) => DriftKick::dof(system),
             Model::Charged(system) => Hamiltonian::dof(system),
             Model::Map(map) => map.dof(),
@@ -48,7 +44,6 @@ impl Model {
             Model::Separable(system) => Some(system),
             Model::General(system) => Some(system),
             Model::Split(system) => Some(system),
-            Model::Plasma(system) => Some(&**system),
             Model::Charged(system) => Some(system),
             Model::Forced(_) | Model::Map(_) => None,
         }
@@ -59,8 +54,7 @@ impl Model {
         match self {
             Model::Separable(_) => "a separable Hamiltonian",
             Model::General(_) => "a Hamiltonian that is not separable",
-            Model::Plasma(_) => "an electromagnetic plasma",
-            Model::Split(_) => "a sum of Hamiltonians with exact flows",
+            Model::Split(system) => system.kind(),
             Model::Forced(_) => "a force without a potential",
             Model::Charged(_) => "a charge in a magnetic field",
             Model::Map(_) => "a map, with nothing to integrate",
@@ -71,12 +65,6 @@ impl Model {
 impl From<Arc<dyn Separable>> for Model {
     fn from(system: Arc<dyn Separable>) -> Self {
         Model::Separable(system)
-    }
-}
-
-impl From<Gempic> for Model {
-    fn from(plasma: Gempic) -> Self {
-        Model::Plasma(Arc::new(plasma))
     }
 }
 

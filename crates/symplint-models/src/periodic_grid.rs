@@ -123,7 +123,7 @@ impl PeriodicGrid {
     /// whether this is none of them. Without branches, conversions or calls, so that compilers make
     /// vectors of it.
     #[inline]
-    pub(crate) fn locate_quickly(&self, q: f64) -> Place {
+    pub fn locate_quickly(&self, q: f64) -> Place {
         let position = self.offset(q) * self.cells_per_length;
         // Rounds down, unless the position is next to a node.
         let (cell, number) = round(position - 0.5);
@@ -137,7 +137,7 @@ impl PeriodicGrid {
 
     /// [`locate`](Self::locate) where [`locate_quickly`](Self::locate_quickly) is uncertain.
     #[cold]
-    pub(crate) fn locate_surely(&self, q: f64) -> (u32, f64) {
+    fn locate_surely(&self, q: f64) -> (u32, f64) {
         if !q.is_finite() {
             return (0, f64::NAN);
         }
@@ -186,11 +186,13 @@ impl PeriodicGrid {
 
 /// What [`PeriodicGrid::locate_quickly`] finds.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
-    pub(crate) cell: u32,
-    pub(crate) fraction: f64,
-    /// If not, it is not the place of the position.
-    pub(crate) is_certain: bool,
+pub struct Place {
+    /// The cell.
+    pub cell: u32,
+    /// Where in the cell, from 0 to 1.
+    pub fraction: f64,
+    /// If not, it is not the place of the position: [`PeriodicGrid::locate`] finds that.
+    pub is_certain: bool,
 }
 
 /// The nearest integer, for |x| < 2^31.

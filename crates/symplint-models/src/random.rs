@@ -7,12 +7,13 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 ///
 /// ChaCha with 8 rounds, the seed as the first eight bytes (little-endian) of an otherwise
 /// zero key; the upper 53 bits of each 64-bit output, times 2^-53, exactly.
-pub(crate) struct Uniform {
+pub struct Uniform {
     generator: ChaCha8Rng,
 }
 
 impl Uniform {
-    pub(crate) fn from_seed(seed: u64) -> Self {
+    /// The numbers of this seed.
+    pub fn from_seed(seed: u64) -> Self {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
         Uniform {

@@ -1,5 +1,6 @@
 //! Hamiltonians that are sums of any number of parts, each with an exact flow.
 
+use std::any::Any;
 use std::sync::Arc;
 
 use symplint::state::{Rows, RowsMut};
@@ -20,8 +21,14 @@ pub struct PartFlow {
 /// A Hamiltonian H = H_0 + … + H_n−1 whose parts have exact flows.
 ///
 /// [`PartSplitting`](crate::integrators::PartSplitting) makes steps of them, in canonical variables as those of any
-/// [`Hamiltonian`].
-pub trait SplitHamiltonian: Hamiltonian {
+/// [`Hamiltonian`]. It is `Any`, so that an integrator for one type of system recognises it: see
+/// [`Maker::For`](crate::integrators::catalogue::Maker::For).
+pub trait SplitHamiltonian: Hamiltonian + Any {
+    /// What kind of system it is, in words that complete "this is …".
+    fn kind(&self) -> &'static str {
+        "a sum of Hamiltonians with exact flows"
+    }
+
     /// Number of parts n.
     fn parts(&self) -> usize;
 
@@ -67,6 +74,10 @@ impl Hamiltonian for Arc<dyn SplitHamiltonian> {
 }
 
 impl SplitHamiltonian for Arc<dyn SplitHamiltonian> {
+    fn kind(&self) -> &'static str {
+        (**self).kind()
+    }
+
     fn parts(&self) -> usize {
         (**self).parts()
     }

@@ -7,16 +7,16 @@ use std::sync::Arc;
 use common::{State, distance, stepped};
 use symplint::state::{Rows, RowsMut};
 use symplint::{Block, Circle, Coordinates, Diagnostic, Ensemble, TimeAdvance, VerdictKind};
-use symplint_models::integrators::catalogue::{self, build_solved_by};
+use symplint_models::integrators::catalogue::{self, CATALOGUE};
 use symplint_models::integrators::{
     DiscreteGradient, ImplicitRungeKutta, Solver, StageSolver, Stop, tableaus,
 };
-use symplint_models::pic::{Landau, ParticleWeights, Pic1d, PicConfig};
 use symplint_models::systems::{
     Chain, ChargedParticle, DoublePendulum, Ends, HarmonicOscillator, HenonHeiles, Kepler,
     Pendulum, PendulumArray, TodaBond,
 };
 use symplint_models::{Hamiltonian, Model, ModelError};
+use symplint_plasma::pic::{Landau, ParticleWeights, Pic1d, PicConfig};
 
 const WEIGHTS: [f64; 2] = [0.3, 2.0];
 
@@ -330,7 +330,9 @@ fn energies_whose_terms_cancel_fail_near_equilibria() {
         },
         ..StageSolver::default()
     };
-    let map = build_solved_by(loose, "discrete-gradient", None, model).unwrap();
+    let map = CATALOGUE
+        .build(loose, "discrete-gradient", None, model)
+        .unwrap();
     let start = (vec![1e-7; 8], vec![-1e-7; 8]);
     assert!(stepped(&*map, 0.3, &start).0.iter().all(|q| q.is_finite()));
 }
@@ -451,7 +453,7 @@ fn energy_errors_follow_the_tolerance() {
 #[test]
 fn what_cannot_be_solved_is_refused_or_fails() {
     let refused = |solver: StageSolver| {
-        let map = build_solved_by(solver, "discrete-gradient", None, Arc::new(HenonHeiles));
+        let map = CATALOGUE.build(solver, "discrete-gradient", None, Arc::new(HenonHeiles));
         map.map(|_| ()).unwrap_err()
     };
     let newton = StageSolver {

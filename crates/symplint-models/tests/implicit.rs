@@ -9,7 +9,7 @@ use std::sync::Arc;
 use common::{State, distance, stepped};
 use symplint::state::{Rows, RowsMut};
 use symplint::{Block, Circle, Diagnostic, Ensemble, LoopIntegral, Rule, TimeAdvance, VerdictKind};
-use symplint_models::integrators::catalogue::build_solved_by;
+use symplint_models::integrators::catalogue::CATALOGUE;
 use symplint_models::integrators::{
     ImplicitRungeKutta, RungeKutta, Solver, StageSolver, Stop, Tableau, TableauPair, tableaus,
 };
@@ -360,7 +360,8 @@ fn implicit_steps_are_symplectic_where_nothing_separates() {
 #[test]
 fn solvers_without_meaning_are_refused() {
     let refusal = |solver: StageSolver, system: Arc<dyn symplint_models::Separable>| {
-        build_solved_by(solver, "gauss4", None, system)
+        CATALOGUE
+            .build(solver, "gauss4", None, system)
             .map(|_| ())
             .unwrap_err()
     };

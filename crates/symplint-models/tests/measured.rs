@@ -9,8 +9,8 @@ use symplint::{
 };
 use symplint_models::Separable;
 use symplint_models::integrators::catalogue::{self, CATALOGUE};
-use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, ShapeFamily};
 use symplint_models::systems::{HenonHeiles, Pendulum, PendulumArray};
+use symplint_plasma::pic::{ParticleWeights, Pic1d, PicConfig, ShapeFamily};
 
 /// Two particles of linear splines: the case of many jumps, by the midpoint rule.
 fn two_particles(degree: usize) -> (Box<dyn TimeAdvance>, Circle) {

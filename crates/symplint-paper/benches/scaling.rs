@@ -15,8 +15,8 @@ use symplint::state::{Rows, RowsMut};
 use symplint::{Circle, Ensemble, FourierLoop, LoopIntegral, Rule};
 use symplint_models::Separable;
 use symplint_models::integrators::{Splitting, Variant, splitting_methods};
-use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, TwoStream};
 use symplint_models::systems::PendulumArray;
+use symplint_plasma::pic::{ParticleWeights, Pic1d, PicConfig, TwoStream};
 use symplint_report::figure::{Axis, Figure, Panel, Scale, Series, Style};
 
 /// What grows, and what one run does.

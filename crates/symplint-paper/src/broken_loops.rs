@@ -9,7 +9,7 @@ use serde::Serialize;
 use symplint::rules::{Cutoffs, Piecewise};
 use symplint::{Circle, Defect, Ensemble, LoopIntegral, Phases, Rule, TimeAdvance};
 use symplint_models::Separable;
-use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
+use symplint_plasma::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_report::figure::{Figure, Panel, Series, Style};
 use symplint_report::plot::{error_axis, series, step_axis, uncertainty};
 use symplint_report::run_folder::RunFolder;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use symplint::{Diagnostic, VerdictKind};
-use symplint_models::pic::ShapeFamily;
+use symplint_plasma::pic::ShapeFamily;
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use symplint::{Ensemble, TimeAdvance};
 use symplint_models::Separable;
-use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig, ShapeFamily, TwoStream};
+use symplint_plasma::pic::{ParticleWeights, Pic1d, PicConfig, ShapeFamily, TwoStream};
 use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, series};
 use symplint_report::run_folder::RunFolder;

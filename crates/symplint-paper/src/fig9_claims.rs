@@ -1,6 +1,6 @@
 //! What section 5.3 says of filtering and of figure 9.
 
-use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
+use symplint_plasma::pic::{ParticleWeights, Pic1d, PicConfig};
 
 use super::PaperError;
 use super::claim::{Claim, Judgement};

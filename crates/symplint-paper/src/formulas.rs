@@ -7,8 +7,8 @@ use symplint::state::{Rows, RowsMut};
 use symplint_models::Separable;
 use symplint_models::bspline;
 use symplint_models::integrators::{Tableau, TableauPair, tableaus};
-use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_models::systems::TwoCell;
+use symplint_plasma::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use symplint::Ensemble;
 use symplint_models::Separable;
-use symplint_models::pic::{ParticleWeights, Pic1d, PicConfig};
+use symplint_plasma::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, series};
 use symplint_report::run_folder::RunFolder;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use symplint::rules::Cutoffs;
 use symplint::{Circle, Phases, Rule};
 use symplint_models::Separable;
-use symplint_models::pic::{Landau, ParticleWeights, Pic1d, PicConfig, ShapeFamily, TwoStream};
+use symplint_plasma::pic::{Landau, ParticleWeights, Pic1d, PicConfig, ShapeFamily, TwoStream};
 
 use super::PaperError;
 use super::settings::{Key, Settings};

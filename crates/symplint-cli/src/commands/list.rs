@@ -4,8 +4,9 @@ use std::process::ExitCode;
 
 use symplint_config::{RULES, SYSTEMS};
 use symplint_models::integrators::aliases::ALIASES;
-use symplint_models::integrators::catalogue::{CATALOGUE, IntegratorInfo};
+use symplint_models::integrators::catalogue::IntegratorInfo;
 use symplint_paper::ITEMS;
+use symplint_plasma::CATALOGUE;
 use symplint_report::table::definitions;
 
 use super::Failure;

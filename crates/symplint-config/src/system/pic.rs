@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use symplint_models::pic::{
+use symplint_models::{Model, ModelError};
+use symplint_plasma::pic::{
     Landau, MomentumConservingConfig, MomentumConservingPic, ParticleWeights, Pic, PicConfig,
     ShapeFamily, TwoStream, VelocityConvention,
 };
-use symplint_models::{Model, ModelError};
 
 use super::initial::{Initial, initial, refuse_unused};
 use super::{MOST_DOF, STRANG, System, SystemInfo, refused};

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use symplint_models::gempic::{Fields, Gempic, GempicConfig, InitialPlasma};
-use symplint_models::pic::ParticleWeights;
 use symplint_models::{Hamiltonian, Model, ModelError};
+use symplint_plasma::gempic::{Fields, Gempic, GempicConfig, InitialPlasma};
+use symplint_plasma::pic::ParticleWeights;
 
 use super::initial::{Initial, initial};
 use super::{MOST_DOF, STRANG, System, SystemInfo, refused};

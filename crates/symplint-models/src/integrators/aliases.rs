@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn aliases_stand_for_what_is_in_the_catalogue() {
         for alias in ALIASES {
-            let known = catalogue::find(alias.integrator).unwrap();
+            let known = catalogue::CATALOGUE.find(alias.integrator).unwrap();
             assert_eq!(known.name, alias.integrator, "an alias of an alias");
             assert!(CATALOGUE.iter().all(|info| info.name != alias.name));
             assert!(alias.variants.len() <= 1);

@@ -1,16 +1,12 @@
 //! Every integrator by name.
 
-use std::num::NonZeroUsize;
-
-use symplint::TimeAdvance;
-
 use super::implicit::StageSolver;
-use super::maker::Maker;
 use super::splitting::Variant;
 use super::{aliases, splitting_methods, tableaus};
 use crate::error::ModelError;
-use crate::gempic::{Boris1d2v, Orbit};
 use crate::model::Model;
+
+pub use super::maker::{Made, Maker};
 
 /// What there is to know of an integrator before it is built.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +26,7 @@ pub struct IntegratorInfo {
     /// Where it is from.
     pub reference: &'static str,
     /// One maker, or one for each variant.
-    makers: &'static [Maker],
+    pub makers: &'static [Maker],
 }
 
 impl IntegratorInfo {
@@ -47,13 +43,6 @@ impl IntegratorInfo {
     }
 }
 
-/// The push of Boris in its default form.
-const BORIS: Boris1d2v = Boris1d2v {
-    is_staggered: false,
-    gathers_at_nodes: false,
-    deposits_directly: false,
-};
-
 const FIRST: &[&str] = &["position-first", "momentum-first"];
 
 /// A splitting method in the variants of [`FIRST`].
@@ -66,9 +55,9 @@ macro_rules! both_variants {
     };
 }
 
-/// Every integrator, splitting methods first, mistakes last. HNW is E. Hairer, S. P. Nørsett & G.
+/// The integrators of this crate, splitting methods first, mistakes last. HNW is E. Hairer, S. P. Nørsett & G.
 /// Wanner, Solving Ordinary Differential Equations I, 2nd edition.
-pub const CATALOGUE: &[IntegratorInfo] = &[
+const METHODS: &[IntegratorInfo] = &[
     IntegratorInfo {
         name: "lie-trotter",
         variants: FIRST,
@@ -249,54 +238,6 @@ pub const CATALOGUE: &[IntegratorInfo] = &[
         makers: &[Maker::Boris],
     },
     IntegratorInfo {
-        name: "boris-pic",
-        variants: &["synchronised", "staggered", "nodal", "direct"],
-        order: 2,
-        symplectic: false,
-        summary: "The push of Boris with leapfrog fields and charge-conserving currents, for pic-1d2v only: velocities \
-                  at whole steps or staggered, fields gathered at nodes, or currents deposited directly",
-        reference: "Birdsall & Langdon 1985; Esirkepov 2001",
-        makers: &[
-            Maker::BorisPic(BORIS),
-            Maker::BorisPic(Boris1d2v {
-                is_staggered: true,
-                ..BORIS
-            }),
-            Maker::BorisPic(Boris1d2v {
-                gathers_at_nodes: true,
-                ..BORIS
-            }),
-            Maker::BorisPic(Boris1d2v {
-                deposits_directly: true,
-                ..BORIS
-            }),
-        ],
-    },
-    IntegratorInfo {
-        name: "crank-nicolson",
-        variants: &["midpoint", "sub-stepped", "orbit-averaged"],
-        order: 2,
-        symplectic: false,
-        summary: "Crank–Nicolson for particles and fields, conserves the energy, for pic-1d2v only: fields in the middle \
-                  of each orbit, of four sub-steps of it, or averaged along it, which conserves the charge as well",
-        reference: "Chen, Chacón & Barnes 2011; Kormann & Sonnendrücker 2021",
-        makers: &[
-            Maker::CrankNicolson(Orbit::Midpoint),
-            Maker::CrankNicolson(Orbit::SubStepped(NonZeroUsize::new(4).unwrap())),
-            Maker::CrankNicolson(Orbit::Averaged),
-        ],
-    },
-    IntegratorInfo {
-        name: "ecsim",
-        variants: &[],
-        // 2 where there is no magnetic field.
-        order: 1,
-        symplectic: false,
-        summary: "Drifts, and velocities and fields implicitly in between, conserves the energy, for pic-1d2v only",
-        reference: "Lapenta 2017",
-        makers: &[Maker::Ecsim],
-    },
-    IntegratorInfo {
         name: "adaptive-strang",
         variants: FIRST,
         order: 0,
@@ -319,56 +260,109 @@ pub const CATALOGUE: &[IntegratorInfo] = &[
     },
 ];
 
-/// The entry of an integrator, by its name or by an alias.
-///
-/// # Errors
-/// If there is none of this name; the error lists the names in the [`CATALOGUE`].
-pub fn find(name: &str) -> Result<&'static IntegratorInfo, ModelError> {
-    let name = aliases::find(name).map_or(name, |alias| alias.integrator);
-    let entry = CATALOGUE.iter().find(|info| info.name == name);
-    entry.ok_or_else(|| ModelError::UnknownIntegrator {
-        name: name.to_owned(),
-        known: CATALOGUE.iter().map(|info| info.name).collect(),
-    })
-}
-
-/// The entry of the integrator `name`, and the variant if one is given or implied by an alias.
+/// Integrators by name: those of this crate, and those that another one has for its own systems.
 ///
 /// ```
-/// use symplint_models::integrators::catalogue::resolve;
+/// use symplint_models::integrators::catalogue::CATALOGUE;
 ///
-/// let (info, variant) = resolve("leapfrog", None)?;
+/// let (info, variant) = CATALOGUE.resolve("leapfrog", None)?;
 /// assert_eq!((info.name, variant), ("strang", Some("momentum-first")));
 /// # Ok::<(), symplint_models::ModelError>(())
 /// ```
-///
-/// # Errors
-/// If there is no integrator of this name, it has no such variant, or the alias stands for another one.
-pub fn resolve(
-    name: &str,
-    variant: Option<&str>,
-) -> Result<(&'static IntegratorInfo, Option<&'static str>), ModelError> {
-    let info = find(name)?;
-    let (name, known) = match aliases::find(name) {
-        Some(alias) if !alias.variants.is_empty() => (alias.name, alias.variants),
-        _ => (info.name, info.variants),
-    };
-    match variant {
-        None if known.len() == 1 => Ok((info, Some(known[0]))),
-        None => Ok((info, None)),
-        Some(variant) => match known.iter().find(|one| **one == variant) {
-            Some(&found) => Ok((info, Some(found))),
-            None => Err(ModelError::UnknownVariant {
-                integrator: name,
-                variant: variant.to_owned(),
-                known,
-            }),
-        },
+#[derive(Clone, Copy, Debug)]
+pub struct Catalogue {
+    others: &'static [IntegratorInfo],
+}
+
+/// The integrators of this crate.
+pub const CATALOGUE: Catalogue = Catalogue::with(&[]);
+
+impl Catalogue {
+    /// The integrators of this crate and `others`.
+    pub const fn with(others: &'static [IntegratorInfo]) -> Self {
+        Catalogue { others }
+    }
+
+    /// All entries.
+    pub fn iter(self) -> impl Iterator<Item = &'static IntegratorInfo> + Clone {
+        METHODS.iter().chain(self.others)
+    }
+
+    /// The entry of an integrator, by its name or by one of the [`aliases`].
+    ///
+    /// # Errors
+    /// If there is none of this name; the error lists the names in the catalogue.
+    pub fn find(self, name: &str) -> Result<&'static IntegratorInfo, ModelError> {
+        let name = aliases::find(name).map_or(name, |alias| alias.integrator);
+        let entry = self.iter().find(|info| info.name == name);
+        entry.ok_or_else(|| ModelError::UnknownIntegrator {
+            name: name.to_owned(),
+            known: self.iter().map(|info| info.name).collect(),
+        })
+    }
+
+    /// The entry of the integrator `name`, and the variant if one is given or implied by an alias.
+    ///
+    /// # Errors
+    /// If there is no integrator of this name, it has no such variant, or the alias stands for another one.
+    pub fn resolve(
+        self,
+        name: &str,
+        variant: Option<&str>,
+    ) -> Result<(&'static IntegratorInfo, Option<&'static str>), ModelError> {
+        let info = self.find(name)?;
+        let (name, known) = match aliases::find(name) {
+            Some(alias) if !alias.variants.is_empty() => (alias.name, alias.variants),
+            _ => (info.name, info.variants),
+        };
+        match variant {
+            None if known.len() == 1 => Ok((info, Some(known[0]))),
+            None => Ok((info, None)),
+            Some(variant) => match known.iter().find(|one| **one == variant) {
+                Some(&found) => Ok((info, Some(found))),
+                None => Err(ModelError::UnknownVariant {
+                    integrator: name,
+                    variant: variant.to_owned(),
+                    known,
+                }),
+            },
+        }
+    }
+
+    /// The map of the integrator `name`, in its default form unless a `variant` is given, for `system`. The name may
+    /// be one of the [`aliases`]. Stages of implicit methods are solved by `solver`.
+    ///
+    /// # Errors
+    /// If there is no integrator of this name, it has no such variant, or it cannot advance such a system (the error
+    /// lists those that can); or as [`ImplicitRungeKutta::new`](super::ImplicitRungeKutta::new).
+    pub fn build(
+        self,
+        solver: StageSolver,
+        name: &str,
+        variant: Option<&str>,
+        system: impl Into<Model>,
+    ) -> Made {
+        let ((info, variant), model) = (self.resolve(name, variant)?, system.into());
+        let index = info
+            .variants
+            .iter()
+            .position(|known| Some(*known) == variant);
+        // Without a variant the first, or only, form.
+        let maker = info.makers[index.unwrap_or(0)];
+        let made = maker.make(model.clone(), solver);
+        made.unwrap_or_else(|| {
+            let known = self.iter().filter(|info| info.is_for(&model));
+            Err(ModelError::NotForThis {
+                integrator: info.name,
+                needs: maker.needs(),
+                kind: model.kind(),
+                known: known.map(|info| info.name).collect(),
+            })
+        })
     }
 }
 
-/// The map of the integrator `name`, in its default form unless a `variant` is given, for
-/// `system`. The name may be one of the [`aliases`]. Stages are solved as
+/// The map of an integrator of this crate, as [`Catalogue::build`] makes it, with stages solved as
 /// [`StageSolver::default`] says.
 ///
 /// ```
@@ -382,43 +376,9 @@ pub fn resolve(
 /// ```
 ///
 /// # Errors
-/// If there is no integrator of this name, it has no such variant, or it cannot advance such a
-/// system; the error lists those there are.
-pub fn build(
-    name: &str,
-    variant: Option<&str>,
-    system: impl Into<Model>,
-) -> Result<Box<dyn TimeAdvance>, ModelError> {
-    build_solved_by(StageSolver::default(), name, variant, system)
-}
-
-/// As [`build`], with the stages of implicit methods solved by `solver`.
-///
-/// # Errors
-/// As [`build`], or as [`ImplicitRungeKutta::new`](super::ImplicitRungeKutta::new).
-pub fn build_solved_by(
-    solver: StageSolver,
-    name: &str,
-    variant: Option<&str>,
-    system: impl Into<Model>,
-) -> Result<Box<dyn TimeAdvance>, ModelError> {
-    let ((info, variant), model) = (resolve(name, variant)?, system.into());
-    let index = info
-        .variants
-        .iter()
-        .position(|known| Some(*known) == variant);
-    // Without a variant the first, or only, form.
-    let maker = info.makers[index.unwrap_or(0)];
-    let made = maker.make(model.clone(), solver);
-    made.unwrap_or_else(|| {
-        let known = CATALOGUE.iter().filter(|info| info.is_for(&model));
-        Err(ModelError::NotForThis {
-            integrator: info.name,
-            needs: maker.needs(),
-            kind: model.kind(),
-            known: known.map(|info| info.name).collect(),
-        })
-    })
+/// As [`Catalogue::build`].
+pub fn build(name: &str, variant: Option<&str>, system: impl Into<Model>) -> Made {
+    CATALOGUE.build(StageSolver::default(), name, variant, system)
 }
 
 #[cfg(test)]
@@ -431,7 +391,7 @@ mod tests {
 
     #[test]
     fn every_variant_has_its_maker() {
-        for info in CATALOGUE {
+        for info in METHODS {
             assert_eq!(
                 info.makers.len(),
                 info.variants.len().max(1),
@@ -443,7 +403,7 @@ mod tests {
 
     #[test]
     fn the_catalogue_repeats_what_the_methods_say() {
-        for info in CATALOGUE {
+        for info in METHODS {
             for maker in info.makers {
                 let (order, symplectic) = match maker {
                     Maker::Splitting(method, variant) => (method(*variant).order(), true),
@@ -454,9 +414,7 @@ mod tests {
                     Maker::AdaptiveStrang(_)
                     | Maker::DiscreteGradient
                     | Maker::Boris
-                    | Maker::BorisPic(_)
-                    | Maker::CrankNicolson(_)
-                    | Maker::Ecsim => continue,
+                    | Maker::For { .. } => continue,
                     Maker::Partitioned(pair) => (
                         pair().position().order(),
                         pair().is_symplectic_if_separable(),
@@ -500,8 +458,8 @@ mod tests {
             known.map(|info| info.name).collect()
         };
         let separable = names(Model::Separable(Arc::new(HenonHeiles)));
-        // All but those for charges and plasmas.
-        assert_eq!(separable.len(), CATALOGUE.len() - 4);
+        // All but the one for charges.
+        assert_eq!(separable.len(), METHODS.len() - 1);
         let general = names(Model::General(Arc::new(DoublePendulum::default())));
         assert!(general.contains(&"rk4") && general.contains(&"gauss6"));
         assert!(!general.contains(&"strang") && !general.contains(&"partitioned-rk"));

@@ -7,42 +7,53 @@ use super::splitting::{Splitting, SplittingMethod, Variant};
 use super::tableau::{Tableau, TableauPair};
 use super::{AdaptiveStrang, Boris, PartSplitting, RungeKutta};
 use crate::error::ModelError;
-use crate::gempic::{Boris1d2v, Orbit, PlasmaStep};
 use crate::model::Model;
+
+/// A map, or why there is none.
+pub type Made = Result<Box<dyn TimeAdvance>, ModelError>;
 
 /// How an integrator of the catalogue is made.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Maker {
+#[non_exhaustive]
+pub enum Maker {
+    /// A splitting method in one of its variants: [`Splitting`] or [`PartSplitting`].
     Splitting(fn(Variant) -> SplittingMethod, Variant),
+    /// [`AdaptiveStrang`] in one of its variants.
     AdaptiveStrang(Variant),
+    /// An explicit method: [`RungeKutta`].
     RungeKutta(fn() -> Tableau),
+    /// A partitioned method: [`RungeKutta`] for separable Hamiltonians.
     Partitioned(fn() -> TableauPair),
+    /// An implicit method: [`ImplicitRungeKutta`].
     Implicit(fn() -> Tableau),
+    /// [`DiscreteGradient`].
     DiscreteGradient,
+    /// [`Boris`].
     Boris,
-    BorisPic(Boris1d2v),
-    CrankNicolson(Orbit),
-    Ecsim,
+    /// A scheme for one type of system, from the crate of that system.
+    For {
+        /// The systems, in words that complete "this is for …".
+        needs: &'static str,
+        /// Whether its steps have equations to be solved, by a [`StageSolver`].
+        is_implicit: bool,
+        /// The map, or nothing if it is not for this system.
+        make: fn(&Model, StageSolver) -> Option<Made>,
+    },
 }
 
 impl Maker {
     /// Whether its steps have equations to be solved, by a [`StageSolver`].
     pub(super) fn is_implicit(self) -> bool {
-        matches!(
-            self,
-            Maker::Implicit(_) | Maker::DiscreteGradient | Maker::CrankNicolson(_) | Maker::Ecsim
-        )
+        match self {
+            Maker::Implicit(_) | Maker::DiscreteGradient => true,
+            Maker::For { is_implicit, .. } => is_implicit,
+            _ => false,
+        }
     }
 
-    /// The map, or nothing where it is not for this kind of system.
-    pub(super) fn make(
-        self,
-        model: Model,
-        solver: StageSolver,
-    ) -> Option<Result<Box<dyn TimeAdvance>, ModelError>> {
-        fn boxed<M: TimeAdvance + 'static>(
-            map: Result<M, ModelError>,
-        ) -> Option<Result<Box<dyn TimeAdvance>, ModelError>> {
+    /// The map, or nothing if it is not for this kind of system.
+    pub(super) fn make(self, model: Model, solver: StageSolver) -> Option<Made> {
+        fn boxed<M: TimeAdvance + 'static>(map: Result<M, ModelError>) -> Option<Made> {
             Some(map.map(|map| Box::new(map) as Box<dyn TimeAdvance>))
         }
         match (self, model) {
@@ -101,16 +112,7 @@ impl Maker {
                 boxed(DiscreteGradient::new(system, solver))
             }
             (Maker::Boris, Model::Charged(particle)) => boxed(Ok(Boris::new(particle))),
-            (Maker::BorisPic(scheme), Model::Plasma(plasma)) => {
-                boxed(Ok(PlasmaStep::boris((*plasma).clone(), scheme)))
-            }
-            (Maker::CrankNicolson(orbit), Model::Plasma(plasma)) => {
-                boxed(PlasmaStep::crank_nicolson((*plasma).clone(), orbit, solver))
-            }
-            (Maker::Ecsim, Model::Plasma(plasma)) => {
-                boxed(PlasmaStep::ecsim((*plasma).clone(), solver))
-            }
-            (maker, Model::Plasma(plasma)) => maker.make(Model::Split(plasma), solver),
+            (Maker::For { make, .. }, model) => make(&model, solver),
             _ => None,
         }
     }
@@ -127,9 +129,7 @@ impl Maker {
             Maker::RungeKutta(_) | Maker::Implicit(_) | Maker::DiscreteGradient => "Hamiltonians",
             Maker::Partitioned(_) => "separable Hamiltonians",
             Maker::Boris => "a charge in a magnetic field",
-            Maker::BorisPic(_) | Maker::CrankNicolson(_) | Maker::Ecsim => {
-                "electromagnetic plasmas"
-            }
+            Maker::For { needs, .. } => needs,
         }
     }
 }

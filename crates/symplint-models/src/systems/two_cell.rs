@@ -12,7 +12,7 @@ use crate::tangent::DriftKickTangent;
 /// identified (Barham & Burby, appendix F).
 ///
 /// The force (½ − |x/L|) sign(x) / 2L jumps at 0 and at L. It is what
-/// [`Pic1d`](crate::pic::Pic1d) has with 2 cells on a length 2L, degree 1 and one particle of weight
+/// `Pic1d` of the crate `symplint-plasma` has with 2 cells on a length 2L, degree 1 and one particle of weight
 /// 1/L, whose energy is H/L + 1/(16 L). Positions are not wrapped; where the force jumps it is
 /// that of the cell above.
 #[derive(Clone, Copy, Debug, PartialEq)]

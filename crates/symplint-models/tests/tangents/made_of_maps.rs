@@ -5,7 +5,7 @@ use std::sync::Arc;
 use symplint::TimeAdvance;
 use symplint::map::Repeat;
 use symplint_models::discrete::{HenonMap, StandardMap};
-use symplint_models::integrators::catalogue::{build, build_solved_by};
+use symplint_models::integrators::catalogue::{CATALOGUE, build};
 use symplint_models::integrators::{
     Solver, Splitting, StageSolver, Stop, Variant, splitting_methods,
 };
@@ -119,7 +119,7 @@ fn stages_that_are_not_solved_to_round_off_leave_no_tangent_map() {
     for solver in [Solver::FixedPoint, Solver::Newton] {
         let has = |stop| {
             let pendulum = Arc::new(Pendulum::default());
-            let map = build_solved_by(StageSolver { solver, stop }, "gauss4", None, pendulum);
+            let map = CATALOGUE.build(StageSolver { solver, stop }, "gauss4", None, pendulum);
             map.unwrap().tangent().is_some()
         };
         assert!(has(to(0.0)) && has(to(1e-15)));
@@ -141,7 +141,7 @@ fn newton_and_fixed_point_iteration_give_the_same_tangents() {
                 solver,
                 ..StageSolver::default()
             };
-            let map = build_solved_by(settings, name, None, pendulum()).unwrap();
+            let map = CATALOGUE.build(settings, name, None, pendulum()).unwrap();
             with_tangent(&map, 0.6, &(vec![0.7], vec![0.9]), &direction(1, 0)).1
         };
         let off = distance(&solved_by(Solver::FixedPoint), &solved_by(Solver::Newton));

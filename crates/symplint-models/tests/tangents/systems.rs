@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use symplint_models::integrators::catalogue::{self, CATALOGUE};
-use symplint_models::pic::{ParticleWeights, Pic1d, Pic2d, PicConfig, ShapeFamily};
 use symplint_models::systems::{
     AbsoluteValue, Chain, ChargedParticle, DoublePendulum, Ends, FputBond, HarmonicOscillator,
     HenonHeiles, InterpolatedPendulum, Kepler, Pendulum, PendulumArray, PendulumPotential,
     RotationalForce, TodaBond, TwoCell,
 };
 use symplint_models::{DriftKick, Hamiltonian, Model};
+use symplint_plasma::pic::{ParticleWeights, Pic1d, Pic2d, PicConfig, ShapeFamily};
 
 use crate::common::State;
 

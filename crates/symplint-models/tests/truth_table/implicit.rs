@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use symplint_models::integrators::catalogue::build_solved_by;
+use symplint_models::integrators::catalogue::CATALOGUE;
 use symplint_models::integrators::{
     ImplicitRungeKutta, RungeKutta, Solver, StageSolver, Stop, tableaus,
 };
@@ -40,7 +40,9 @@ fn case(
     truth: Truth,
     because: &'static str,
 ) -> Case {
-    let map = build_solved_by(StageSolver { solver, stop }, name, None, model.clone()).unwrap();
+    let map = CATALOGUE
+        .build(StageSolver { solver, stop }, name, None, model.clone())
+        .unwrap();
     let how = match stop {
         Stop::Converged { tolerance, .. } => format!("{name} to {tolerance:e}, {solver:?}"),
         Stop::Iterations(count) => format!("{name}, {count} iterations, {solver:?}"),

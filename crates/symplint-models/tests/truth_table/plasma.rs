@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use symplint_models::Model;
-use symplint_models::pic::{Landau, ParticleWeights, Pic, PicConfig, ShapeFamily, TwoStream};
+use symplint_plasma::pic::{Landau, ParticleWeights, Pic, PicConfig, ShapeFamily, TwoStream};
 
 use crate::case::{
     BROKEN, BROKEN_AND_CLOSED, Case, NOT_SYMPLECTIC, Named, Truth, circle, circle_on, symplectic_to,

@@ -42,7 +42,7 @@ fn a_translation_is_no_test() {
 
 #[test]
 fn samples_that_jump_over_the_grid_do_not_decide() {
-    use symplint_models::pic::{Pic1d, PicConfig, TwoStream};
+    use symplint_plasma::pic::{Pic1d, PicConfig, TwoStream};
     // 2.6 × 10^5 cells of a field too weak to be felt, from one sample to the next.
     let pic = Pic1d::new(PicConfig {
         degree: 1,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use symplint::state::Rows;
 use symplint_models::Hamiltonian;
-use symplint_models::gempic::Gempic;
-use symplint_models::pic::{MomentumConservingPic, Pic1d};
+use symplint_plasma::gempic::Gempic;
+use symplint_plasma::pic::{MomentumConservingPic, Pic1d};
 
 /// A discretised plasma.
 pub enum Plasma {

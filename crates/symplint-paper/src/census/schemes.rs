@@ -6,10 +6,11 @@ use std::sync::Arc;
 use symplint::TimeAdvance;
 use symplint::loops::FourierLoop;
 use symplint_models::Model;
-use symplint_models::gempic::{Fields, Gempic, GempicConfig, InitialPlasma};
-use symplint_models::integrators::catalogue::{build, build_solved_by, find};
+use symplint_models::integrators::catalogue::build;
 use symplint_models::integrators::{StageSolver, Stop};
-use symplint_models::pic::{
+use symplint_plasma::CATALOGUE;
+use symplint_plasma::gempic::{Fields, Gempic, GempicConfig, InitialPlasma};
+use symplint_plasma::pic::{
     Landau, MomentumConservingConfig, MomentumConservingPic, ParticleWeights, Pic1d, PicConfig,
 };
 
@@ -186,7 +187,7 @@ fn one(family: &Family, degree: usize, seed: u64) -> Result<Scheme, PaperError> 
     let is_implicit = match family.kind {
         Textbook | Lewis => false,
         Electromagnetic(_, integrator, _) | Tolerance(_, integrator, _) => {
-            find(integrator)?.is_implicit()
+            CATALOGUE.find(integrator)?.is_implicit()
         }
     };
     let made = scheme((family.name, degree), plasma, map, centre, seed)?;
@@ -259,7 +260,7 @@ fn electromagnetic(
     })?;
     let centre = InitialPlasma::Random.sample(&gempic, AMPLITUDE, seed)?;
     let model = Model::from(gempic.clone());
-    let map = build_solved_by(solver, integrator, variant, model)?;
+    let map = CATALOGUE.build(solver, integrator, variant, model)?;
     Ok((Plasma::Electromagnetic(Box::new(gempic)), map, centre))
 }
 

@@ -67,8 +67,11 @@ impl StageSolver {
     /// Equations for each sample, 2 d s, that Newton's method takes on at most.
     pub const MOST_UNKNOWNS: usize = 96;
 
-    /// Checks the settings for a method with so many unknowns for each sample.
-    pub(crate) fn check(&self, unknowns: usize) -> Result<(), ModelError> {
+    /// Checks the settings for a method with this number of unknowns for each sample.
+    ///
+    /// # Errors
+    /// If the tolerance is negative or not finite, there are no iterations, or too many unknowns for Newton's method.
+    pub fn check(&self, unknowns: usize) -> Result<(), ModelError> {
         let iterations = match self.stop {
             Stop::Converged { tolerance, .. } if !(tolerance.is_finite() && tolerance >= 0.0) => {
                 return Err(ModelError::OutOfRange {

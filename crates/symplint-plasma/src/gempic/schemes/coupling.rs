@@ -1,0 +1,177 @@
+//! Splines at a particle: what gathers fields and deposits charge, for any degree.
+
+use std::fmt;
+
+use symplint_models::PeriodicGrid;
+use symplint_models::bspline::{self, CellWeights};
+
+/// The splines of V0 and V1 on a grid.
+#[derive(Clone, Debug)]
+pub(super) struct Coupling {
+    degree: usize,
+    grid: PeriodicGrid,
+}
+
+/// The splines that do not vanish at one place.
+pub(super) struct SplinesAt {
+    cells: usize,
+    zero: Span,
+    one: Span,
+}
+
+/// Functions in sequence round the circle, and their values.
+struct Span {
+    first: usize,
+    count: usize,
+    values: CellWeights,
+}
+
+/// Why the cells on a way cannot be gone through one by one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Impassable {
+    /// There are too many of them.
+    TooLong { way: f64, cells: f64 },
+    /// A place on it is rounded to more than a cell.
+    Unresolved { place: f64, rounding_in_cells: f64 },
+}
+
+impl fmt::Display for Impassable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Impassable::TooLong { way, cells } => write!(
+                f,
+                "moves by {way:.1e} in one step, {cells:.1e} cells; take a smaller step size"
+            ),
+            Impassable::Unresolved {
+                place,
+                rounding_in_cells,
+            } => write!(
+                f,
+                "comes to x = {place:.1e}, where rounding is {rounding_in_cells:.1e} cells; give initial positions \
+                 inside the box"
+            ),
+        }
+    }
+}
+
+impl Coupling {
+    pub(super) fn new(degree: usize, grid: PeriodicGrid) -> Self {
+        Coupling { degree, grid }
+    }
+
+    /// The degree of the splines of V0.
+    pub(super) fn degree(&self) -> usize {
+        self.degree
+    }
+
+    pub(super) fn cells(&self) -> usize {
+        self.grid.cells()
+    }
+
+    /// Cells per unit of length.
+    pub(super) fn per_length(&self) -> f64 {
+        self.grid.cells_per_length()
+    }
+
+    pub(super) fn at(&self, x: f64) -> SplinesAt {
+        let (cell, fraction) = self.grid.locate(x);
+        let cells = self.cells();
+        let span = |degree: usize, scale: f64| Span {
+            // The spline that starts in this cell is the last of those that do not vanish.
+            first: (cell + cells * degree - degree) % cells,
+            count: degree + 1,
+            values: bspline::weights(degree, fraction).map(|value| scale * value),
+        };
+        SplinesAt {
+            cells,
+            zero: span(self.degree, 1.0),
+            one: span(self.degree - 1, self.per_length()),
+        }
+    }
+
+    /// Whether the cells on the way from x to x + `way` can be gone through one by one.
+    pub(super) fn check_way(&self, x: f64, way: f64) -> Result<(), Impassable> {
+        /// A step that resolves anything passes a few.
+        const MOST_CELLS: f64 = 1e5;
+        let cells = (way * self.per_length()).abs();
+        if cells > MOST_CELLS || way.is_nan() {
+            return Err(Impassable::TooLong { way, cells });
+        }
+        let end = x + way;
+        let place = if end.abs() > x.abs() { end } else { x };
+        let rounding_in_cells = f64::EPSILON * place.abs() * self.per_length();
+        // From here on numbers of cells are not told from their neighbours.
+        if rounding_in_cells >= 1.0 || place.is_nan() {
+            return Err(Impassable::Unresolved {
+                place,
+                rounding_in_cells,
+            });
+        }
+        Ok(())
+    }
+
+    /// The parts of the way from x to x + `way` on which splines are polynomials, in the order of the way: where they begin
+    /// and end, from 0 to 1. The way has passed [`check_way`](Self::check_way): for others this might not end.
+    pub(super) fn pieces(&self, x: f64, way: f64, mut each: impl FnMut(f64, f64)) {
+        let per_length = self.per_length();
+        let (from, length) = (x * per_length, way * per_length);
+        let (mut node, next) = match way > 0.0 {
+            true => (from.floor() + 1.0, 1.0),
+            false => (from.ceil() - 1.0, -1.0),
+        };
+        let mut here = 0.0;
+        loop {
+            // Not by differences of places, which are rounded more than a short way is long.
+            let there = (node - from) / length;
+            if there >= 1.0 || there.is_nan() {
+                break;
+            }
+            each(here, there);
+            here = there;
+            node += next;
+        }
+        each(here, 1.0);
+    }
+}
+
+impl Span {
+    fn sum(&self, cells: usize, coefficients: &[f64]) -> f64 {
+        let mut j = self.first;
+        let mut sum = 0.0;
+        for value in &self.values[..self.count] {
+            sum += value * coefficients[j];
+            j = if j + 1 == cells { 0 } else { j + 1 };
+        }
+        sum
+    }
+
+    fn add(&self, cells: usize, charge: f64, sums: &mut [f64]) {
+        let mut j = self.first;
+        for value in &self.values[..self.count] {
+            sums[j] += charge * value;
+            j = if j + 1 == cells { 0 } else { j + 1 };
+        }
+    }
+}
+
+impl SplinesAt {
+    /// The function of V0 with these coefficients.
+    pub(super) fn of_zero(&self, coefficients: &[f64]) -> f64 {
+        self.zero.sum(self.cells, coefficients)
+    }
+
+    /// The function of V1 with these coefficients.
+    pub(super) fn of_one(&self, coefficients: &[f64]) -> f64 {
+        self.one.sum(self.cells, coefficients)
+    }
+
+    /// Adds `charge` Λ⁰_j to every sum.
+    pub(super) fn deposit_zero(&self, charge: f64, sums: &mut [f64]) {
+        self.zero.add(self.cells, charge, sums);
+    }
+
+    /// Adds `charge` Λ¹_j to every sum.
+    pub(super) fn deposit_one(&self, charge: f64, sums: &mut [f64]) {
+        self.one.add(self.cells, charge, sums);
+    }
+}
