@@ -1,16 +1,13 @@
 //! Canonical scalings (q, p) → (a q, p/a) of the examples: verdicts do not depend on units. `SYMPLINT_SCALINGS=20` tries more of
 //! them.
 
-#[path = "../../symplint-models/tests/common/scaled.rs"]
-mod scaled;
-
 use std::path::{Path, PathBuf};
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use scaled::Scaled;
 use symplint::{Verdict, VerdictKind};
 use symplint_config::Config;
+use symplint_truth::scaled::Scaled;
 
 /// From 1e-9 to 1e9 with equal chance in the logarithm.
 fn factor(random: &mut ChaCha8Rng) -> f64 {

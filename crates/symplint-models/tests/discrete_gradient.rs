@@ -16,7 +16,6 @@ use symplint_models::systems::{
     Pendulum, PendulumArray, TodaBond,
 };
 use symplint_models::{Hamiltonian, Model, ModelError};
-use symplint_plasma::pic::{Landau, ParticleWeights, Pic1d, PicConfig};
 
 const WEIGHTS: [f64; 2] = [0.3, 2.0];
 
@@ -135,15 +134,6 @@ fn energy(system: &dyn Hamiltonian, (q, p): &State) -> f64 {
 
 /// Systems of every kind but plasmas, with a state and a step size.
 fn cases() -> Vec<(&'static str, Model, State, f64)> {
-    let pic = Pic1d::new(PicConfig {
-        weights: ParticleWeights::Each(vec![0.5, 1.5, 0.8, 1.2]),
-        cells: 8,
-        length: 6.0,
-        degree: 3,
-        ..PicConfig::default()
-    });
-    let pic = pic.unwrap();
-    let of_pic = Landau::default().sample_box::<1>(4, 6.0, 3).unwrap();
     let toda = Chain::new(TodaBond, 3, Ends::Periodic).unwrap();
     let charge = ChargedParticle::new(1.0, 0.5, 0.2).unwrap();
     vec![
@@ -165,7 +155,6 @@ fn cases() -> Vec<(&'static str, Model, State, f64)> {
             (vec![0.4, -0.1, 0.2], vec![0.5, -0.7, 0.3]),
             0.4,
         ),
-        ("pic-1d", Model::Separable(Arc::new(pic)), of_pic, 0.2),
         (
             "double pendulum",
             Model::General(Arc::new(DoublePendulum::default())),

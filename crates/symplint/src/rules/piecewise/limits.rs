@@ -1,6 +1,6 @@
 //! The numbers that decide how a loop is cut into pieces, and when a piece is good enough.
 //!
-//! Those said to be calibrated were chosen on the truth table of `symplint-models` and on the tests `piecewise` and
+//! Those said to be calibrated were chosen on the truth table of `symplint-truth` and on the tests `piecewise` and
 //! `traps` of this crate.
 
 /// Degrees of the interpolants of a piece, one after the other until one is good enough. Each has the nodes of the

@@ -1,11 +1,8 @@
 //! Maps and loops with features that a few pieces, or a few samples, step over: numbers must come with an
 //! error that covers them, and verdicts must not be wrong.
 
-#[path = "traps/steep.rs"]
 mod steep;
-#[path = "traps/strips.rs"]
 mod strips;
-#[path = "traps/under_resolved.rs"]
 mod under_resolved;
 
 use std::f64::consts::{PI, TAU};

@@ -3,14 +3,14 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
-use crate::kept;
-use crate::scaled::Scaled;
 use symplint::{
     Circle, Diagnosis, Diagnostic, Evidence, FourierLoop, Loop, TimeAdvance, Verdict, VerdictKind,
     judge,
 };
 use symplint_models::Model;
 use symplint_models::integrators::catalogue::build;
+use symplint_truth::kept;
+use symplint_truth::scaled::Scaled;
 
 /// The right answer.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,9 @@
 //! Tangent maps: every system with every integrator, and maps made of maps.
 
-#[path = "../common/mod.rs"]
+#[path = "../../../symplint-models/tests/common/mod.rs"]
 mod common;
 mod made_of_maps;
-#[path = "../common/rotor.rs"]
+#[path = "../../../symplint-models/tests/common/rotor.rs"]
 mod rotor;
 mod second_derivatives;
 mod systems;

@@ -1,7 +1,7 @@
 //! The truth set: families of random maps whose right answer is known, and what the diagnosis says of them.
 //!
 //! A member is made from its family and its number alone. The normal tests run every 20th;
-//! `cargo test --release -p symplint-models --test truth_set -- --ignored --nocapture` runs all of them and prints the
+//! `cargo test --release -p symplint-truth --test truth_set -- --ignored --nocapture` runs all of them and prints the
 //! tables of docs/truth.md; the variable `TRUTH_SET_FAMILIES=units,sizes` chooses some of them. `TRUTH_SET_MEMBER=steep:23` and the test
 //! `one_member` print what is said of one.
 
@@ -15,8 +15,6 @@ mod constraint;
 mod control;
 mod follow;
 mod hidden;
-#[path = "../common/kept.rs"]
-mod kept;
 mod kept_evidence;
 mod laws;
 mod leaves;
@@ -55,6 +53,7 @@ use follow::{follow, follow_error};
 use member::{Expected, Member};
 use outcome::{Outcome, diagnose, order, outcome, outcome_of_error};
 use symplint::Error;
+use symplint_truth::kept;
 use tables::Line;
 
 /// Members of one kind.

@@ -10,6 +10,7 @@ pub struct Scaled<T> {
 }
 
 impl<T> Scaled<T> {
+    /// In units that are larger by these factors for positions, and smaller for momenta.
     pub fn new(inner: T, factors: Vec<f64>) -> Self {
         Scaled { inner, factors }
     }

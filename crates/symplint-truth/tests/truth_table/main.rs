@@ -4,11 +4,6 @@
 //! No verdict may be wrong. A case may be undecided only if the table says so and why, and few may.
 //! `cargo test --release --test truth_table -- --nocapture` prints the table.
 
-#[path = "../common/kept.rs"]
-mod kept;
-#[path = "../common/scaled.rs"]
-mod scaled;
-
 mod case;
 mod given;
 mod implicit;

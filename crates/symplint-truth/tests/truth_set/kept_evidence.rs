@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::Value;
 use symplint::{Evidence, judge};
 
-use crate::kept::{folder, words};
+use symplint_truth::kept::{folder, words};
 
 /// Digits that differ by less are the same.
 const DIGITS: f64 = 0.3;
