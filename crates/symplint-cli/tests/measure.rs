@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use assert_cmd::Command;
 use serde_json::Value;
+use symplint_files::LoopFile;
 use symplint_models::discrete::StandardMap;
-use symplint_report::loop_file::LoopFile;
 use tempfile::TempDir;
 
 fn symplint(folder: &Path, arguments: &[&str]) -> Output {

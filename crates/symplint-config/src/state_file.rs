@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use symplint_report::loop_file::{Accept, Array, is_header};
+use symplint_files::loop_file::{Accept, Array, is_header};
 
 /// Why a state file cannot be used, and the remedy.
 #[derive(Debug)]

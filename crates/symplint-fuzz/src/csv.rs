@@ -1,6 +1,6 @@
 //! Tables: `.csv`.
 
-use symplint_report::loop_file::LoopFile;
+use symplint_files::LoopFile;
 
 use crate::files::with_file;
 use crate::loops::compare_with_itself;

@@ -1,7 +1,7 @@
 //! Loops that were read from files.
 
 use symplint::{Coordinates, Snapshot, measure};
-use symplint_report::loop_file::LoopFile;
+use symplint_files::LoopFile;
 
 /// Compares a loop with itself, in the coordinates that the file names.
 pub fn compare_with_itself(file: &LoopFile) {

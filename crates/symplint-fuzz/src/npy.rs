@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use symplint_report::loop_file::{Accept, Array, LoopFile};
+use symplint_files::loop_file::{Accept, Array, LoopFile};
 
 use crate::files::with_file;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use symplint::diagnosis::SampleSweep;
 use symplint::{Circle, Coordinates, Diagnostic, Ensemble, Evidence, PerSample, Snapshot, measure};
-use symplint_report::loop_file::{Array, LoopFile};
+use symplint_files::loop_file::{Array, LoopFile};
 
 use crate::files::with_file;
 use crate::verdicts::report_of;

@@ -1,4 +1,4 @@
-//! What [`symplint`] found, as tables, JSON, figures and run folders, and loops in files.
+//! What [`symplint`] found, as tables, JSON, figures and run folders.
 //!
 //! Programs and bindings share this crate. It knows nothing of terminals: a table takes its width as an
 //! argument, and texts are not coloured. It knows nothing of configuration files: a report takes whatever
@@ -13,18 +13,18 @@
 //! | [`report`] | reports as JSON |
 //! | [`provenance`] | where a report comes from: program, processor, date, seeds, files |
 //! | [`run_folder`] | the folder of a run: reports, points and samples as files |
-//! | [`loop_file`] | loops in files, for and from other codes |
 //! | [`number`] | step sizes as people write them |
 //! | [`wrap`] | paragraphs wrapped to a width |
 
 pub mod figure;
 pub mod figures;
-pub mod loop_file;
 pub mod number;
 pub mod plot;
 pub mod provenance;
 pub mod report;
 pub mod run_folder;
 pub mod table;
-mod whole_file;
 pub mod wrap;
+
+/// For `symplint-command`, until it names `symplint-files` itself.
+pub use symplint_files::loop_file;

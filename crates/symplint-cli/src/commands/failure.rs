@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use symplint_command::{CallsError, CommandError};
 use symplint_config::{ConfigError, Place};
+use symplint_files::LoopFileError;
 use symplint_journal::JournalError;
 use symplint_paper::PaperError;
 use symplint_report::figure::FigureError;
-use symplint_report::loop_file::LoopFileError;
 use symplint_report::report::ReportError;
 use symplint_report::run_folder::WriteError;
 

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use symplint::{Coordinates, Snapshot, measure as compare};
+use symplint_files::loop_file::{LoopFile, is_partner};
 use symplint_report::figures::measure_figures;
-use symplint_report::loop_file::{LoopFile, is_partner};
 use symplint_report::provenance::Provenance;
 use symplint_report::report::Report;
 use symplint_report::table::{degrees_of_freedom, points_table};

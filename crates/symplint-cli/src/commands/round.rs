@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use symplint::StepFailure;
+use symplint_files::write_whole;
 use symplint_journal::{Call, Journal, JournalError, Request, calls_in, read_round, write_round};
-use symplint_report::run_folder::write_whole;
 
 use super::Failure;
 use super::earlier_run::JOURNAL;

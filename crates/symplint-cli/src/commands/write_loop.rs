@@ -8,7 +8,7 @@ use serde::Serialize;
 use symplint::diagnosis::SampleCount;
 use symplint::{Coordinates, Ensemble, Loop, Snapshot};
 use symplint_config::Config;
-use symplint_report::loop_file::LoopFile;
+use symplint_files::LoopFile;
 use symplint_report::report::to_json;
 use symplint_report::table::degrees_of_freedom;
 

@@ -9,7 +9,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use symplint_report::loop_file::LoopFile;
+use symplint_files::LoopFile;
 use tempfile::TempDir;
 
 mod changed_files;

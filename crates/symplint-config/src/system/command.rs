@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use symplint::{Coordinates, TimeAdvance};
 use symplint_command::{CommandMap, Limits};
+use symplint_files::LoopFile;
 use symplint_models::Model;
-use symplint_report::loop_file::LoopFile;
 
 use super::given_map::NONE;
 use super::{System, SystemInfo};

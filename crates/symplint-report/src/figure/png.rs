@@ -15,7 +15,7 @@ use super::font::Typeface;
 use super::geometry::Point;
 use super::palette::Color;
 use super::scene::{Align, Mark, Scene, Text};
-use crate::whole_file::write_whole;
+use symplint_files::write_whole;
 
 /// Pixels of the file for each page unit.
 const PIXELS: usize = 2;

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::font::Typeface;
 use super::scene::Scene;
 use super::{Figure, FigureError, draw, png, svg};
-use crate::whole_file::write_whole;
+use symplint_files::write_whole;
 
 impl Figure {
     /// The figure as the text of an SVG file.

@@ -13,9 +13,8 @@ use symplint::Ensemble;
 pub use point_log::PointLog;
 pub use record_table::RecordTable;
 
-pub use crate::whole_file::write_whole;
-
 use crate::report::to_json;
+use symplint_files::write_whole;
 
 /// A file or folder of a run that cannot be written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

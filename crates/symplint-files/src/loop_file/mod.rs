@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use symplint::{Ensemble, Snapshot};
 
-use crate::provenance::HashedFile;
+use crate::hashed_file::HashedFile;
 
 pub use array::{Accept, Array};
 pub use error::LoopFileError;
