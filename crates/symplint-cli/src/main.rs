@@ -2,6 +2,7 @@
 
 mod cli;
 mod commands;
+mod failure;
 mod output;
 mod provenance;
 mod signals;
@@ -11,7 +12,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use cli::{Cli, Command};
-use commands::Failure;
+use failure::Failure;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();

@@ -10,8 +10,8 @@ use symplint::trace::TracePoint;
 use symplint::{Circle, Diagnostic, Rule, TimeAdvance, Trace};
 use symplint_report::run_folder::RunFolder;
 
-use super::PaperError;
 use super::claim::{Claim, Judgement};
+use super::error::PaperError;
 use super::sweep::{halvings, power_law, trend_text};
 
 /// A splitting with its name.

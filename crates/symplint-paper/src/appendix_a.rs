@@ -9,9 +9,10 @@ use symplint_report::plot::{axis, reference_slope, series};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};
+use super::error::PaperError;
+use super::item::Item;
 use super::settings::{Key, Settings};
 use super::sweep::{doublings, power_law, trend_text};
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "appendix-a",

@@ -15,9 +15,10 @@ use symplint_report::plot::{error_axis, series, step_axis, uncertainty};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};
+use super::error::PaperError;
+use super::item::Item;
 use super::settings::{Key, Settings};
 use super::sweep::{halvings, step_of};
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "broken-loops",

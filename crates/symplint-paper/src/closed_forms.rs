@@ -14,9 +14,10 @@ use symplint_report::run_folder::RunFolder;
 
 use super::accumulation::{Named, accumulated, break_line};
 use super::claim::{Claim, Judgement, Origin};
+use super::error::PaperError;
+use super::item::Item;
 use super::settings::{Key, Settings};
 use super::sweep::{Sweep, step_of, worst};
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "closed-forms",

@@ -10,9 +10,10 @@ use symplint_report::run_folder::RunFolder;
 use super::appendix_a::{self, Curve, OFFSET, START, bernoulli};
 use super::appendix_b;
 use super::claim::{Claim, Judgement};
+use super::error::PaperError;
+use super::item::Item;
 use super::settings::{Key, Settings};
 use super::sweep::{doublings, power_law, trend_text};
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "convergence",

@@ -6,10 +6,11 @@ use symplint_plasma::pic::ShapeFamily;
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};
+use super::error::PaperError;
+use super::item::Item;
 use super::pic::{MOST_PARTICLES, SEED, plasma};
 use super::settings::{Key, Settings};
 use super::sweep::step_of;
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "families",

@@ -13,9 +13,10 @@ use symplint_report::plot::{axis, portrait, series};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};
+use super::error::PaperError;
+use super::item::Item;
 use super::settings::{Key, Settings};
 use super::sweep::{power_law, step_of, trend_text};
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig1",

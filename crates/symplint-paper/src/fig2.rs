@@ -11,9 +11,10 @@ use symplint_report::plot::{axis, error_axis, series, uncertainty_in_time};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};
+use super::error::PaperError;
+use super::item::Item;
 use super::settings::{Key, Settings};
 use super::sweep::step_of;
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig2",

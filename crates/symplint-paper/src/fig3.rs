@@ -6,10 +6,11 @@ use symplint_report::plot::{axis, error_axis, reference_slope};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};
+use super::error::PaperError;
 use super::interpolated::{CASES, circle_round, sweep_case};
+use super::item::Item;
 use super::settings::{Key, Settings};
 use super::sweep::{Record, doublings, power_law, trend_text};
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig3",

@@ -8,12 +8,13 @@ use symplint_report::plot::{error_axis, reference_slope, step_axis};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};
+use super::error::PaperError;
 use super::interpolated::{CASES, Case, circle_round, pendulum, sweep_case};
+use super::item::Item;
 use super::settings::{Key, Settings};
 use super::sweep::{
     Record, Sweep, chosen_halvings, fitted_order, halvings, halvings_to, order_text, step_of, worst,
 };
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig4",

@@ -13,12 +13,13 @@ use symplint_report::plot::{
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};
+use super::error::PaperError;
+use super::item::Item;
 use super::settings::{Key, Settings};
 use super::sweep::{
     Record, Sweep, chosen_halvings, fitted_order, halvings_to, order_text, step_of, worst,
 };
 use super::uncertainty::uncertainty;
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig5",

@@ -3,11 +3,12 @@
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::Claim;
+use super::error::PaperError;
+use super::item::Item;
 use super::pic::{DEGREES, LAMBDA, MOST_PARTICLES, Over, RK2, SEED, STRANG, Setup};
 use super::pic_panels::{measure_panels, plain_panels};
 use super::settings::{Key, Settings};
 use super::sweep::doublings;
-use super::{Item, PaperError};
 use super::{fig6_claims, particle_scaling};
 
 pub const ITEM: Item = Item {

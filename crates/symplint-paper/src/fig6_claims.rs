@@ -51,7 +51,7 @@ fn rate(curves: &Curves, degree: usize) -> Claim {
     };
     // Single errors scatter with the places of the kinks; the estimate, which bounds them, does not.
     let bounds = of(Record::uncertainty);
-    let errors = of(|r| r.known_error().map_or(f64::NAN, |known| known.size));
+    let errors = of(|r| r.rule_error().map_or(f64::NAN, |error| error.size));
     let expected = -(degree as f64);
     let window = (expected - 0.5, expected + 0.5);
     let judgement = match (bounds, errors) {
@@ -153,7 +153,7 @@ fn cubic_is_cheaper(curves: &Curves) -> Claim {
         PLASMAS.map(|plasma| {
             // From where on it stays there: a single error may be small by accident.
             (strang(curves, plasma, degree).iter().rev())
-                .take_while(|r| r.known_error().is_some_and(|known| known.size < DIGITS))
+                .take_while(|r| r.rule_error().is_some_and(|error| error.size < DIGITS))
                 .last()
                 .map(|r| r.samples)
         })

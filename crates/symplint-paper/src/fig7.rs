@@ -3,12 +3,13 @@
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::Claim;
+use super::error::PaperError;
 use super::fig7_claims;
+use super::item::Item;
 use super::pic::{DEGREES, LAMBDA, MOST_PARTICLES, Over, RK2, SEED, STRANG, Setup};
 use super::pic_panels::{measure_panels, plain_panels};
 use super::settings::{Key, Settings};
 use super::sweep::{chosen_halvings, halvings_to};
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig7",

@@ -3,9 +3,10 @@
 use symplint_report::number::short_power;
 
 use super::claim::{Claim, Judgement};
+use super::estimate::Estimate;
 use super::pic::{Case, Curves, PLASMAS, Setup};
 use super::sweep::{Record, fitted_order, order_text, worst};
-use super::true_defect::{self, Known};
+use super::true_defect;
 
 /// What the paper says it says of so many samples of so many particles.
 const SAMPLES: usize = 1 << 15;
@@ -63,8 +64,8 @@ fn covers(records: &[Record]) -> bool {
 }
 
 /// The larger |E| of both plasmas at each step size, the largest step first, known to its round-off.
-fn of_both(strang: [&[Record]; 2]) -> Vec<(f64, Known)> {
-    let of = |r: &Record| Known {
+fn of_both(strang: [&[Record]; 2]) -> Vec<(f64, Estimate)> {
+    let of = |r: &Record| Estimate {
         size: r.defect(),
         error: r.roundoff,
     };
@@ -77,10 +78,7 @@ fn of_both(strang: [&[Record]; 2]) -> Vec<(f64, Known)> {
 fn cause(strang: [&[Record]; 2]) -> String {
     let truth = true_defect::largest(strang.into_iter().flatten());
     let of_rule = strang.into_iter().flatten();
-    let of_rule = of_rule.filter(|r| {
-        r.known_error()
-            .is_some_and(|known| known.size > known.error)
-    });
+    let of_rule = of_rule.filter(|r| r.rule_error().is_some_and(|error| error.size > error.error));
     format!(
         "by the piecewise rule the true defects are below {truth:.1e}, so that {} of {} are known quadrature errors",
         of_rule.count(),
@@ -110,7 +108,7 @@ fn above_precision(name: &str, strang: [&[Record]; 2]) -> Claim {
     let most = (both.iter().map(|p| orders(p.1.size))).fold(0.0, f64::max);
     // From the small steps up, as far as the claim holds.
     let within = (both.iter().rev()).take_while(|p| orders(p.1.size) <= ORDERS);
-    let within: Vec<&(f64, Known)> = within.collect();
+    let within: Vec<&(f64, Estimate)> = within.collect();
     let from = within.last().map_or("no step size".into(), |p| {
         format!("h = {} down", short_power(p.0))
     });

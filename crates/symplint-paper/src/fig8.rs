@@ -14,10 +14,11 @@ use symplint_report::run_folder::RunFolder;
 
 use super::claim::Claim;
 use super::drift::{BLOCKS, DRIFT, Drift};
+use super::error::PaperError;
+use super::item::Item;
 use super::pic::{DEGREES, MOST_PARTICLES, SEED, STRANG};
 use super::settings::{Key, SettingError, Settings};
 use super::sweep::step_of;
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig8",

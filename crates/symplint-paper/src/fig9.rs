@@ -3,14 +3,15 @@
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::Claim;
-use super::fig9_claims;
+use super::error::PaperError;
+use super::fig9_claims::{self, PASSES, filtered};
+use super::item::Item;
 use super::pic::{
-    Case, Curves, DEGREES, INTEGRATORS, LAMBDA, MOST_PARTICLES, Over, RK2, SEED, STRANG, Setup,
+    Curves, DEGREES, INTEGRATORS, LAMBDA, MOST_PARTICLES, Over, RK2, SEED, STRANG, Setup,
 };
 use super::pic_panels::{PanelOf, measure_panels};
 use super::settings::{Key, Settings};
 use super::sweep::{chosen_halvings, doublings, halvings_to};
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "fig9",
@@ -33,18 +34,6 @@ pub const ITEM: Item = Item {
     check: None,
     run,
 };
-
-/// Filter passes.
-pub const PASSES: [u32; 3] = [0, 2, 4];
-
-/// One of the figure's cases.
-pub fn filtered(degree: usize, passes: u32) -> Case {
-    Case {
-        plasma: "two-stream",
-        degree,
-        passes,
-    }
-}
 
 fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError> {
     let setup = Setup::read(settings);

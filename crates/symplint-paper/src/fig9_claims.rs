@@ -2,16 +2,28 @@
 
 use symplint_plasma::pic::{ParticleWeights, Pic1d, PicConfig};
 
-use super::PaperError;
 use super::claim::{Claim, Judgement};
-use super::fig9::{PASSES, filtered};
-use super::pic::{Curves, Setup};
+use super::error::PaperError;
+use super::estimate::Estimate;
+use super::pic::{Case, Curves, Setup};
 use super::sweep::{Record, power_law, trend_text, worst};
-use super::true_defect::{self, Known};
+use super::true_defect;
 
 /// The samples and particles of the paper's figure.
 const SAMPLES: usize = 1 << 15;
 const PARTICLES: usize = 2;
+
+/// Filter passes.
+pub const PASSES: [u32; 3] = [0, 2, 4];
+
+/// One of the figure's cases.
+pub fn filtered(degree: usize, passes: u32) -> Case {
+    Case {
+        plasma: "two-stream",
+        degree,
+        passes,
+    }
+}
 
 /// A reduction by up to this factor is slight.
 const SLIGHT: f64 = 10.0;
@@ -58,7 +70,7 @@ fn largest(steps: &Curves, degree: usize) -> [f64; 3] {
 
 /// The largest error of the rule on Strang's loops for each number of passes, which is their defect but for what
 /// the piecewise rule finds; none where it does not tell.
-fn errors(steps: &Curves, degree: usize) -> Option<[Known; 3]> {
+fn errors(steps: &Curves, degree: usize) -> Option<[Estimate; 3]> {
     let of = |passes| true_defect::largest_error(strang(steps, degree, passes));
     match PASSES.map(of) {
         [Some(plain), Some(some), Some(most)] => Some([plain, some, most]),
@@ -67,19 +79,22 @@ fn errors(steps: &Curves, degree: usize) -> Option<[Known; 3]> {
 }
 
 /// By what factor the most passes make the errors smaller, at least and at most.
-fn factor(errors: Option<[Known; 3]>) -> (f64, f64) {
+fn factor(errors: Option<[Estimate; 3]>) -> (f64, f64) {
     errors.map_or((f64::NAN, f64::NAN), |[plain, _, filtered]| {
         plain.factor_over(filtered)
     })
 }
 
 /// The errors in words.
-fn errors_text(errors: Option<[Known; 3]>) -> String {
+fn errors_text(errors: Option<[Estimate; 3]>) -> String {
     let Some(errors) = errors else {
         return "not known".into();
     };
-    let [none, two, four] = errors.map(|known| known.size);
-    let within = errors.iter().map(|known| known.error).fold(0.0, f64::max);
+    let [none, two, four] = errors.map(|estimate| estimate.size);
+    let within = errors
+        .iter()
+        .map(|estimate| estimate.error)
+        .fold(0.0, f64::max);
     let (low, high) = factor(Some(errors));
     format!(
         "{none:.1e}, {two:.1e}, {four:.1e} for s = 0, 2, 4, each known to {within:.0e}, so smaller by a factor of \
@@ -126,7 +141,7 @@ fn linear(steps: &Curves) -> Claim {
     )
 }
 
-fn reduced(name: &str, errors: Option<[Known; 3]>) -> Claim {
+fn reduced(name: &str, errors: Option<[Estimate; 3]>) -> Claim {
     claim(
         format!("{name}: filtering reduces the defect slightly"),
         format!(
@@ -138,7 +153,7 @@ fn reduced(name: &str, errors: Option<[Known; 3]>) -> Claim {
     )
 }
 
-fn analogous(quadratic: Option<[Known; 3]>, cubic: Option<[Known; 3]>) -> Claim {
+fn analogous(quadratic: Option<[Estimate; 3]>, cubic: Option<[Estimate; 3]>) -> Claim {
     let (of_quadratic, of_cubic) = (factor(quadratic), factor(cubic));
     let more = (1.0, f64::INFINITY);
     let ratio = (of_quadratic.0 / of_cubic.1, of_quadratic.1 / of_cubic.0);

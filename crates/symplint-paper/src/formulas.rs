@@ -12,8 +12,9 @@ use symplint_plasma::pic::{ParticleWeights, Pic1d, PicConfig};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};
+use super::error::PaperError;
+use super::item::Item;
 use super::settings::Settings;
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "formulas",

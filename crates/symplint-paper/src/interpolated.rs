@@ -10,7 +10,7 @@ use symplint_models::systems::InterpolatedPendulum;
 use symplint_report::figure::{Series, Style};
 use symplint_report::plot::series;
 
-use super::PaperError;
+use super::error::PaperError;
 use super::sweep::{Record, Sweep, step_of};
 use super::uncertainty::uncertainty;
 

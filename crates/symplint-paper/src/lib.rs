@@ -14,6 +14,7 @@ mod closed_forms;
 mod convergence;
 mod drift;
 mod error;
+mod estimate;
 mod families;
 mod fig1;
 mod fig2;
@@ -29,6 +30,7 @@ mod fig9;
 mod fig9_claims;
 mod formulas;
 mod interpolated;
+mod item;
 mod near_symplectic;
 mod particle_scaling;
 mod physics;
@@ -42,29 +44,9 @@ mod uncertainty;
 
 pub use claim::{Claim, Judgement, Origin, claims_markdown, claims_summary};
 pub use error::PaperError;
+pub use item::{Item, SettingsCheck};
 pub use reproduce::{Progress, reproduce};
 pub use settings::{Key, Kind, SettingError, Settings, Value};
-
-use symplint_report::run_folder::RunFolder;
-
-/// Refuses settings that are right by themselves and do not go together.
-pub type Check = fn(&Settings) -> Result<(), SettingError>;
-
-/// One figure, table or set of formulas of the paper.
-pub struct Item {
-    /// Its name.
-    pub id: &'static str,
-    /// What it shows.
-    pub title: &'static str,
-    /// About how much processor time it takes, as `time` counts it.
-    pub cost: &'static str,
-    /// What can be set.
-    pub keys: &'static [Key],
-    /// What is to be checked of all settings together, if anything.
-    pub check: Option<Check>,
-    /// Measures, draws and judges.
-    pub run: fn(&Settings, &RunFolder) -> Result<Vec<Claim>, PaperError>,
-}
 
 /// Every item.
 pub const ITEMS: &[Item] = &[

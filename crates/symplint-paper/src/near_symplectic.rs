@@ -13,9 +13,10 @@ use symplint_report::plot::{axis, series};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement};
+use super::error::PaperError;
+use super::item::Item;
 use super::settings::{Key, SettingError, Settings, check_steps};
 use super::sweep::{Line, halvings, line_text, power_law_line};
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "near-symplectic",

@@ -3,8 +3,8 @@
 use serde::Serialize;
 use symplint_report::run_folder::RunFolder;
 
-use super::PaperError;
 use super::claim::{Claim, Judgement};
+use super::error::PaperError;
 use super::pic::{Case, Over, PLASMAS, Setup};
 use super::sweep::{doublings, line_text, power_law_line};
 

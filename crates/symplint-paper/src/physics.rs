@@ -14,10 +14,11 @@ use symplint_report::plot::{axis, series};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement, Origin};
+use super::error::PaperError;
+use super::item::Item;
 use super::pic::MOST_PARTICLES;
 use super::settings::{Key, Settings};
 use super::sweep::{least_squares, step_of};
-use super::{Item, PaperError};
 
 pub const ITEM: Item = Item {
     id: "physics",

@@ -7,7 +7,7 @@ use symplint::{Circle, Phases, Rule};
 use symplint_models::Separable;
 use symplint_plasma::pic::{Landau, ParticleWeights, Pic1d, PicConfig, ShapeFamily, TwoStream};
 
-use super::PaperError;
+use super::error::PaperError;
 use super::settings::{Key, Settings};
 use super::sweep::{Record, Sweep, step_of};
 use super::true_defect;

@@ -3,7 +3,7 @@
 use symplint_report::figure::{Axis, Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, error_axis, reference_slope, series, step_axis};
 
-use super::PaperError;
+use super::error::PaperError;
 use super::pic::{Case, Curves, INTEGRATORS, Over, PLASMAS, Setup};
 use super::sweep::Record;
 use super::uncertainty::uncertainty;

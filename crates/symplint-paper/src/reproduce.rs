@@ -4,7 +4,10 @@ use rayon::prelude::*;
 use symplint_report::provenance::Run;
 use symplint_report::run_folder::RunFolder;
 
-use crate::{Claim, Item, PaperError, Settings, claims_markdown};
+use super::claim::{Claim, claims_markdown};
+use super::error::PaperError;
+use super::item::Item;
+use super::settings::Settings;
 
 /// What happens while items are reproduced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

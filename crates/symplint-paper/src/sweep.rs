@@ -11,9 +11,9 @@ use symplint_models::integrators::catalogue::build;
 use symplint_models::{ModelError, Separable};
 use symplint_report::number::short_power;
 
-use super::PaperError;
+use super::error::PaperError;
+use super::estimate::Estimate;
 use super::settings::{Key, Settings};
-use super::true_defect::Known;
 
 /// A point with what distinguishes its curve.
 #[derive(Clone, Debug, Serialize)]
@@ -59,8 +59,8 @@ impl Record {
     }
 
     /// The error of the rule: its defect against the true one.
-    pub fn known_error(&self) -> Option<Known> {
-        Some(Known {
+    pub fn rule_error(&self) -> Option<Estimate> {
+        Some(Estimate {
             size: (self.signed_defect - self.true_defect?).abs(),
             error: self.true_defect_error? + self.roundoff,
         })

@@ -9,7 +9,8 @@ use std::collections::HashMap;
 use symplint::rules::Piecewise;
 use symplint::{Loop, TimeAdvance};
 
-use super::PaperError;
+use super::error::PaperError;
+use super::estimate::Estimate;
 use super::sweep::Record;
 
 /// Relative change of the true loop integral in one step.
@@ -19,32 +20,6 @@ pub struct TrueDefect {
     pub signed: f64,
     /// How far off it may be.
     pub error: f64,
-}
-
-/// A size, known to within an error.
-#[derive(Clone, Copy, Debug)]
-pub struct Known {
-    pub size: f64,
-    pub error: f64,
-}
-
-impl Known {
-    /// Between what and what `self` is larger than `other` by a factor.
-    pub fn factor_over(self, other: Known) -> (f64, f64) {
-        let least = |known: Known| (known.size - known.error).max(0.0);
-        (
-            least(self) / (other.size + other.error),
-            (self.size + self.error) / least(other),
-        )
-    }
-
-    /// The larger one.
-    pub fn max(self, other: Known) -> Known {
-        Known {
-            size: self.size.max(other.size),
-            error: self.error.max(other.error),
-        }
-    }
 }
 
 /// With so many degrees of freedom a loop is cheap enough to be cut up twice.
@@ -112,23 +87,9 @@ pub fn largest<'a>(records: impl IntoIterator<Item = &'a Record>) -> f64 {
 }
 
 /// The largest error of the rule itself over `records`; none where one is not known.
-pub fn largest_error<'a>(records: impl IntoIterator<Item = &'a Record>) -> Option<Known> {
+pub fn largest_error<'a>(records: impl IntoIterator<Item = &'a Record>) -> Option<Estimate> {
     (records.into_iter())
-        .map(Record::known_error)
+        .map(Record::rule_error)
         .reduce(|a, b| Some(a?.max(b?)))
         .flatten()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn factors_are_as_uncertain_as_what_they_compare() {
-        let known = |size, error| Known { size, error };
-        let (low, high) = known(100.0, 1.0).factor_over(known(10.0, 1.0));
-        assert!((low - 9.0).abs() < 1e-12 && (high - 101.0 / 9.0).abs() < 1e-12);
-        let (low, high) = known(1.0, 2.0).factor_over(known(1.0, 2.0));
-        assert_eq!((low, high), (0.0, f64::INFINITY));
-    }
 }

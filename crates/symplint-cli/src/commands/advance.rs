@@ -7,11 +7,11 @@ use symplint::StepFailure;
 use symplint_config::Config;
 use symplint_journal::Request;
 
-use super::Failure;
 use super::resume::config_of_run;
 use super::round::Round;
 use super::run_output::run_of_config;
 use crate::cli::AdvanceArgs;
+use crate::failure::Failure;
 use crate::output::{Progress, say, tell};
 use crate::signals;
 

@@ -10,11 +10,11 @@ use symplint_report::report::Report;
 use symplint_report::run_folder::PointLog;
 use symplint_report::table::{degrees_of_freedom, points_table};
 
-use super::Failure;
 use super::plan::say_round;
 use super::round::Round;
 use super::run_output::RunOutput;
 use crate::cli::{CheckArgs, Run};
+use crate::failure::Failure;
 use crate::output::{Progress, go_on, say, tell, verdict_text};
 use crate::{provenance, signals};
 

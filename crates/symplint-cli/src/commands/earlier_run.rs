@@ -4,73 +4,17 @@
 
 use std::fs;
 use std::io::{Error, ErrorKind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::Value as Json;
 use symplint_config::parse_number;
 use symplint_report::report::to_json;
 use symplint_report::run_folder::LOCK;
 
+use crate::failure::OccupiedError;
+
 /// The beginning of a `config.toml` in a run folder; the command follows.
 const MARKER: &str = "# symplint run folder: ";
-
-/// Why a folder is not written to.
-#[derive(Debug, thiserror::Error)]
-pub enum OccupiedError {
-    /// A file of the same name.
-    #[error("{} is a file, not a folder", path.display())]
-    NotAFolder {
-        /// The path.
-        path: PathBuf,
-    },
-    /// The folder or a file in it cannot be read.
-    #[error("cannot read {}: {reason}", path.display())]
-    Unreadable {
-        /// The path.
-        path: PathBuf,
-        /// The error of the operating system.
-        reason: String,
-    },
-    /// Files that symplint did not write.
-    #[error("{} is not empty and not a run folder: symplint did not write {file}", folder.display())]
-    Foreign {
-        /// The folder.
-        folder: PathBuf,
-        /// One of the files.
-        file: String,
-    },
-    /// A run folder that was changed by hand.
-    #[error("config.toml in {} was changed after the run", folder.display())]
-    Edited {
-        /// The folder.
-        folder: PathBuf,
-    },
-    /// The run of another command or configuration.
-    #[error("{} holds another run: {difference}", folder.display())]
-    OtherRun {
-        /// The folder.
-        folder: PathBuf,
-        /// The first difference.
-        difference: String,
-    },
-}
-
-impl OccupiedError {
-    /// What to do about it.
-    pub fn remedy(&self) -> &'static str {
-        match self {
-            OccupiedError::NotAFolder { .. } | OccupiedError::Unreadable { .. } => {
-                "give --out a folder that is new or empty"
-            }
-            OccupiedError::Foreign { .. } | OccupiedError::Edited { .. } => {
-                "give --out a folder that is new or empty; --force does not replace such files"
-            }
-            OccupiedError::OtherRun { .. } => {
-                "give --out another folder, or add --force to replace that run"
-            }
-        }
-    }
-}
 
 /// The files of `check`, `trace` and `measure` beside the configuration and the figures.
 pub const RECORDS: &[&str] = &["report.json", "points.csv"];

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use symplint_config::{SYSTEMS, suggestion, template};
 
-use super::Failure;
+use crate::failure::Failure;
 use crate::output::say;
 
 /// Prints a starter configuration.

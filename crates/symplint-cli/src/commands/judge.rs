@@ -7,9 +7,9 @@ use std::process::ExitCode;
 use symplint::judge as judge_evidence;
 use symplint_report::report::{read_evidence, to_json};
 
-use super::Failure;
 use super::check::exit_status;
 use crate::cli::JudgeArgs;
+use crate::failure::Failure;
 use crate::output::{say, verdict_text};
 
 /// Reaches the verdict again, from the evidence in a report.

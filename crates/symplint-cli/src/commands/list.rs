@@ -9,8 +9,8 @@ use symplint_paper::ITEMS;
 use symplint_plasma::CATALOGUE;
 use symplint_report::table::definitions;
 
-use super::Failure;
 use crate::cli::What;
+use crate::failure::Failure;
 use crate::output::{say, width};
 
 /// Prints the systems, integrators, rules or items of the paper.

@@ -2,9 +2,9 @@
 
 use symplint::{Circle, Coordinates, FourierLoop, Loop, Phases};
 
-use super::Failure;
 use super::per_dof::per_dof;
 use crate::cli::{self, LoopShape, Shape};
+use crate::failure::Failure;
 
 /// Degrees of freedom at most.
 const MOST_DOF: usize = 1 << 24;

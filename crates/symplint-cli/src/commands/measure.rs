@@ -10,11 +10,11 @@ use symplint_report::provenance::Provenance;
 use symplint_report::report::Report;
 use symplint_report::table::{degrees_of_freedom, points_table};
 
-use super::Failure;
 use super::check::exit_status;
 use super::per_dof::{per_dof, spread};
 use super::run_output::RunOutput;
 use crate::cli::MeasureArgs;
+use crate::failure::Failure;
 use crate::output::{say, verdict_text};
 use crate::provenance;
 

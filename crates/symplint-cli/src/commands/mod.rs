@@ -3,7 +3,6 @@
 mod advance;
 mod check;
 mod earlier_run;
-mod failure;
 mod init;
 mod item_settings;
 mod judge;
@@ -21,7 +20,6 @@ mod write_loop;
 
 pub use advance::advance;
 pub use check::check;
-pub use failure::Failure;
 pub use init::init;
 pub use judge::judge;
 pub use list::list;

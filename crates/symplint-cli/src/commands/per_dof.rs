@@ -1,6 +1,6 @@
 //! Options that take one number for all degrees of freedom, or one for each.
 
-use super::Failure;
+use crate::failure::Failure;
 
 /// The values of an option for each of `dof` degrees of freedom; none where the option was not given.
 ///

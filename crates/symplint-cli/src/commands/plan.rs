@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use symplint_journal::Request;
 
-use super::Failure;
 use super::check::{Calls, diagnose};
 use super::resume::config_of_run;
 use crate::cli::{PlanArgs, ResumeArgs, Run, Shown};
+use crate::failure::Failure;
 use crate::output::{go_on, say, tell};
 use crate::provenance;
 

@@ -6,11 +6,11 @@ use symplint_config::suggestion;
 use symplint_paper::{ITEMS, Item, Settings, Value, claims_summary};
 use symplint_report::report::to_json;
 
-use super::Failure;
 use super::item_settings::item_settings;
 use super::list::list;
 use super::run_output::RunOutput;
 use crate::cli::{ReproduceArgs, What};
+use crate::failure::Failure;
 use crate::output::{Progress, say};
 use crate::provenance;
 

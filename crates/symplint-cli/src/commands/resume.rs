@@ -4,10 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use super::Failure;
 use super::check::{Calls, diagnose};
 use super::earlier_run::command_of;
 use crate::cli::{ResumeArgs, Run};
+use crate::failure::Failure;
 use crate::provenance;
 
 /// Goes on with a run of `check` that was stopped. Evaluations that its journal has are not made again.

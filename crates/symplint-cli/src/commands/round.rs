@@ -12,8 +12,8 @@ use symplint::StepFailure;
 use symplint_files::write_whole;
 use symplint_journal::{Call, Journal, JournalError, Request, calls_in, read_round, write_round};
 
-use super::Failure;
 use super::earlier_run::JOURNAL;
+use crate::failure::Failure;
 
 /// So often a call is made before its failure counts as that of the map.
 const MOST_FAILURES: usize = 2;

@@ -12,12 +12,12 @@ use symplint_journal::Journal;
 use symplint_report::figure::Figure;
 use symplint_report::run_folder::RunFolder;
 
-use super::Failure;
 use super::earlier_run::{
     EarlierRun, JOURNAL, RECORDS, config_text, figure_files, identity, loop_file,
 };
 use super::round::{Round, check_idle, remove};
 use crate::cli::Run;
+use crate::failure::Failure;
 
 /// The folder of a run, and the text of its `config.toml`.
 pub struct RunOutput {

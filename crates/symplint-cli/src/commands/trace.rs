@@ -10,10 +10,10 @@ use symplint_report::figures::trace_figures;
 use symplint_report::report::TraceReport;
 use symplint_report::table::trace_table;
 
-use super::Failure;
 use super::earlier_run::loop_file;
 use super::run_output::RunOutput;
 use crate::cli::TraceArgs;
+use crate::failure::Failure;
 use crate::output::{Progress, say};
 use crate::provenance;
 

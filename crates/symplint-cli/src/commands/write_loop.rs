@@ -12,8 +12,9 @@ use symplint_files::LoopFile;
 use symplint_report::report::to_json;
 use symplint_report::table::degrees_of_freedom;
 
-use super::{Failure, loop_shape};
+use super::loop_shape;
 use crate::cli::LoopArgs;
+use crate::failure::Failure;
 use crate::output::say;
 
 /// The default number of samples. Smooth loops need no more.

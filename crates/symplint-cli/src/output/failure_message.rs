@@ -5,7 +5,7 @@ use std::error::Error;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use symplint_report::wrap::wrapped;
 
-use crate::commands::Failure;
+use crate::failure::Failure;
 
 /// Columns of a message. Words longer than a line, such as paths, stay whole.
 const WIDTH: usize = 80;

@@ -3,7 +3,7 @@
 use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 
-use crate::commands::Failure;
+use crate::failure::Failure;
 
 /// Prints a text and a line break. A closed pipe is not an error.
 pub fn say(text: impl std::fmt::Display) -> Result<(), Failure> {

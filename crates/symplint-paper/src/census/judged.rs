@@ -7,7 +7,7 @@ use symplint::{Diagnosis, Diagnostic, VerdictKind};
 use super::schemes::Scheme;
 use super::small_loops::{STEP_SIZES, SmallLoops};
 use super::watched::watch;
-use crate::PaperError;
+use crate::error::PaperError;
 use crate::settings::Settings;
 
 /// One scheme, judged.

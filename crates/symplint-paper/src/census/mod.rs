@@ -13,8 +13,9 @@ use rayon::prelude::*;
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::Claim;
+use super::error::PaperError;
+use super::item::Item;
 use super::settings::{Key, SettingError, Settings, check_steps};
-use super::{Item, PaperError};
 use judged::Judged;
 
 pub const ITEM: Item = Item {

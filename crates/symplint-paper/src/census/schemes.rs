@@ -15,7 +15,7 @@ use symplint_plasma::pic::{
 };
 
 use super::plasma::Plasma;
-use crate::PaperError;
+use crate::error::PaperError;
 
 const PARTICLES: usize = 4;
 const CELLS: usize = 8;

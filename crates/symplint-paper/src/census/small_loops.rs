@@ -3,7 +3,7 @@
 use symplint::{Defect, Ensemble, LoopIntegral, Rule};
 
 use super::schemes::Scheme;
-use crate::PaperError;
+use crate::error::PaperError;
 
 /// The largest advances plasma oscillations by 0.4 rad.
 pub const STEP_SIZES: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.025];

@@ -4,7 +4,7 @@ use symplint::state::Rows;
 use symplint::{Ensemble, TimeAdvance};
 
 use super::plasma::Plasma;
-use crate::PaperError;
+use crate::error::PaperError;
 
 /// The largest changes of a run.
 #[derive(Clone, Copy, Debug)]

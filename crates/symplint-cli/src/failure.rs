@@ -11,8 +11,6 @@ use symplint_report::figure::FigureError;
 use symplint_report::report::ReportError;
 use symplint_report::run_folder::WriteError;
 
-use super::earlier_run::OccupiedError;
-
 /// Errors of commands.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
@@ -198,5 +196,63 @@ impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
         let WriteError { path, reason } = error;
         Failure::Write { path, reason }
+    }
+}
+
+/// Why a folder is not written to.
+#[derive(Debug, thiserror::Error)]
+pub enum OccupiedError {
+    /// A file of the same name.
+    #[error("{} is a file, not a folder", path.display())]
+    NotAFolder {
+        /// The path.
+        path: PathBuf,
+    },
+    /// The folder or a file in it cannot be read.
+    #[error("cannot read {}: {reason}", path.display())]
+    Unreadable {
+        /// The path.
+        path: PathBuf,
+        /// The error of the operating system.
+        reason: String,
+    },
+    /// Files that symplint did not write.
+    #[error("{} is not empty and not a run folder: symplint did not write {file}", folder.display())]
+    Foreign {
+        /// The folder.
+        folder: PathBuf,
+        /// One of the files.
+        file: String,
+    },
+    /// A run folder that was changed by hand.
+    #[error("config.toml in {} was changed after the run", folder.display())]
+    Edited {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The run of another command or configuration.
+    #[error("{} holds another run: {difference}", folder.display())]
+    OtherRun {
+        /// The folder.
+        folder: PathBuf,
+        /// The first difference.
+        difference: String,
+    },
+}
+
+impl OccupiedError {
+    /// What to do about it.
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            OccupiedError::NotAFolder { .. } | OccupiedError::Unreadable { .. } => {
+                "give --out a folder that is new or empty"
+            }
+            OccupiedError::Foreign { .. } | OccupiedError::Edited { .. } => {
+                "give --out a folder that is new or empty; --force does not replace such files"
+            }
+            OccupiedError::OtherRun { .. } => {
+                "give --out another folder, or add --force to replace that run"
+            }
+        }
     }
 }
