@@ -2,7 +2,9 @@
 //!
 //! Its licence is `assets/DejaVuSans-LICENSE.txt`. DejaVu Sans has the Greek letters, raised and lowered figures and signs of the labels.
 
-use ab_glyph::{Font, FontRef, ScaleFont};
+use tiny_skia::{Path, PathBuilder};
+
+use super::truetype::TrueType;
 
 /// Families for the reader's browser; Verdana is as wide as DejaVu Sans, the rest is narrower,
 /// so text never outgrows the room measured for it.
@@ -13,19 +15,15 @@ pub(super) const CAPITAL: f64 = 0.73;
 
 /// A loaded font.
 pub(super) struct Typeface {
-    font: FontRef<'static>,
-    /// Factor from em size to the scale that `ab_glyph` counts in (ascent to descent).
-    per_em: f32,
+    font: TrueType,
 }
 
 impl Typeface {
-    /// Reads the built-in font; the error is the font library's reason.
+    /// Reads the built-in font; the error is the reason.
     pub fn load() -> Result<Self, String> {
-        let font =
-            FontRef::try_from_slice(dejavu::sans::regular()).map_err(|error| error.to_string())?;
-        let units = font.units_per_em().ok_or("it does not state its em size")?;
-        let per_em = font.height_unscaled() / units;
-        Ok(Self { font, per_em })
+        let font = TrueType::read(dejavu::sans::regular());
+        let font = font.ok_or("a table is missing or of another kind")?;
+        Ok(Self { font })
     }
 
     /// Width of a text of em size `size`.
@@ -52,34 +50,31 @@ impl Typeface {
         (fitted, size)
     }
 
-    /// Calls `pixel(x, y, coverage)` for the text with its baseline starting at (0, 0), y down.
-    pub fn rasterise(&self, text: &str, size: f64, mut pixel: impl FnMut(i32, i32, f32)) {
-        let scale = size as f32 * self.per_em;
+    /// The outline of a text with its baseline starting at (0, 0), y down; `None` if it has no visible glyph.
+    pub fn outline(&self, text: &str, size: f64) -> Option<Path> {
+        let mut path = PathBuilder::new();
+        let scale = self.scale(size);
         self.walk(text, size, |glyph, start, _| {
-            let placed = glyph.with_scale_and_position(scale, ab_glyph::point(start, 0.0));
-            if let Some(outline) = self.font.outline_glyph(placed) {
-                let corner = outline.px_bounds().min;
-                outline.draw(|x, y, coverage| {
-                    pixel(
-                        x as i32 + corner.x as i32,
-                        y as i32 + corner.y as i32,
-                        coverage,
-                    );
-                });
-            }
+            self.font.outline(glyph, scale, start, &mut path);
         });
+        path.finish()
+    }
+
+    /// Page units of a font unit.
+    fn scale(&self, size: f64) -> f32 {
+        size as f32 / self.font.units_per_em
     }
 
     /// Visits the glyphs with the places where they start and end.
-    fn walk(&self, text: &str, size: f64, mut visit: impl FnMut(ab_glyph::GlyphId, f32, f32)) {
-        let scaled = self.font.as_scaled(size as f32 * self.per_em);
+    fn walk(&self, text: &str, size: f64, mut visit: impl FnMut(u16, f32, f32)) {
+        let scale = self.scale(size);
         let mut start = 0.0;
         let mut previous = None;
-        for glyph in text.chars().map(|c| self.font.glyph_id(c)) {
+        for glyph in text.chars().map(|c| self.font.glyph(c)) {
             if let Some(previous) = previous {
-                start += scaled.kern(previous, glyph);
+                start += scale * f32::from(self.font.kerning(previous, glyph));
             }
-            let end = start + scaled.h_advance(glyph);
+            let end = start + scale * f32::from(self.font.advance(glyph));
             visit(glyph, start, end);
             start = end;
             previous = Some(glyph);
@@ -96,7 +91,7 @@ mod tests {
         let face = Typeface::load().expect("the built-in font is readable");
         for c in "hNₛₕₚ₀₁₂|E|×−⁻⁰¹²³⁴⁵⁶⁷⁸⁹π∮∫≤≥·≈∝γΦωεθΔ∂∞°±→…".chars()
         {
-            assert_ne!(face.font.glyph_id(c).0, 0, "no glyph for {c}");
+            assert_ne!(face.font.glyph(c), 0, "no glyph for {c}");
         }
     }
 

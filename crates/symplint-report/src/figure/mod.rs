@@ -31,6 +31,7 @@ mod scale;
 mod scene;
 mod svg;
 mod ticks;
+mod truetype;
 
 #[cfg(test)]
 mod tests;

@@ -4,7 +4,6 @@ use std::fs;
 use std::path::Path;
 
 use super::font::Typeface;
-use super::scene::Scene;
 use super::{Figure, FigureError, draw, png, svg};
 use symplint_files::write_whole;
 
@@ -13,7 +12,7 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// [`FigureError`] if the figure has no panels or cannot be drawn.
+    /// [`FigureError`] if the figure has no panels.
     pub fn to_svg(&self) -> Result<String, FigureError> {
         let path = Path::new("figure.svg");
         if self.panels.is_empty() {
@@ -23,7 +22,7 @@ impl Figure {
             path: path.into(),
             cause,
         })?;
-        svg_text(&draw::scene(self, &face), path)
+        Ok(svg::paint(&draw::scene(self, &face)))
     }
 
     /// Writes `name.svg` and `name.png` into `folder`, making the folder if need be and
@@ -50,18 +49,10 @@ impl Figure {
         let scene = draw::scene(self, &face);
 
         let path = folder.join(format!("{name}.svg"));
-        let text = svg_text(&scene, &path)?;
-        write_whole(&path, text.as_bytes())
+        write_whole(&path, svg::paint(&scene).as_bytes())
             .map_err(|reason| FigureError::Write { path, reason })?;
 
         let path = folder.join(format!("{name}.png"));
         png::write(&scene, &face, &path, self.panels.len())
     }
-}
-
-fn svg_text(scene: &Scene, path: &Path) -> Result<String, FigureError> {
-    svg::paint(scene).map_err(|error| FigureError::Draw {
-        path: path.into(),
-        cause: error.to_string(),
-    })
 }

@@ -1,132 +1,114 @@
 //! The SVG painter.
 
-use plotters::backend::SVGBackend;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{FontTransform, IntoFont, RGBColor, TextStyle};
-use plotters_backend::{BackendStyle, DrawingBackend, DrawingErrorKind};
+use std::fmt::Write;
 
 use super::font::FAMILIES;
 use super::geometry::Point;
 use super::palette::Color;
 use super::scene::{Align, Mark, Scene, Text};
 
-/// The library counts in whole numbers: a tenth of a page unit each.
-const FINE: f64 = 10.0;
-/// The library divides type sizes by this on their way into the file.
-const LIBRARY_TYPE_SIZE: f64 = 1.24;
-/// How far above its baseline the library takes a text to hang, in em.
+/// Units of the file in one page unit: whole numbers are short and fine enough.
+const UNITS: f64 = 10.0;
+/// How far above its baseline a text hangs, in em.
 const HANGING: f64 = 0.76;
 
-type Failure = DrawingErrorKind<std::io::Error>;
-
-/// A line's colour and width.
-struct Pen {
-    color: Color,
-    width: u32,
-}
-
-impl BackendStyle for Pen {
-    fn color(&self) -> plotters_backend::BackendColor {
-        plotters_backend::BackendColor {
-            alpha: 1.0,
-            rgb: self.color,
-        }
-    }
-
-    fn stroke_width(&self) -> u32 {
-        self.width
-    }
-}
-
 /// The picture as the text of an SVG file.
-pub(super) fn paint(scene: &Scene) -> Result<String, Failure> {
-    let mut text = String::new();
-    let size = (
-        (scene.width * FINE).ceil() as u32,
-        (scene.height * FINE).ceil() as u32,
+pub(super) fn paint(scene: &Scene) -> String {
+    let (width, height) = (scene.width, scene.height);
+    let mut file = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" \
+         stroke-linejoin=\"round\">\n",
+        width * UNITS,
+        height * UNITS,
     );
-    let mut backend = SVGBackend::with_string(&mut text, size);
     for mark in &scene.marks {
-        match mark {
+        file += &match mark {
             Mark::Line {
                 points,
                 width,
                 color,
-            } => backend.draw_path(points.iter().map(fine), &pen(*color, *width))?,
-            Mark::Area { points, color } => {
-                backend.fill_polygon(points.iter().map(fine), &pen(*color, 0.0))?;
-            }
+            } => format!(
+                "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" points=\"{}\"/>\n",
+                hexadecimal(*color),
+                units(*width),
+                places(points)
+            ),
+            Mark::Area { points, color } => format!(
+                "<polygon fill=\"{}\" points=\"{}\"/>\n",
+                hexadecimal(*color),
+                places(points)
+            ),
             Mark::Disc {
                 centre,
                 radius,
                 color,
-            } => backend.draw_circle(
-                fine(centre),
-                (radius * FINE).round() as u32,
-                &pen(*color, 0.0),
-                true,
-            )?,
-            Mark::Text(text) => draw_text(&mut backend, text)?,
-        }
+            } => format!(
+                "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{}\"/>\n",
+                units(centre.0),
+                units(centre.1),
+                units(*radius),
+                hexadecimal(*color)
+            ),
+            Mark::Text(text) => text_element(text),
+        };
     }
-    backend.present()?;
-    drop(backend);
-    Ok(tidy(&text, scene))
+    file + "</svg>\n"
 }
 
-fn fine(point: &Point) -> (i32, i32) {
-    (
-        (point.0 * FINE).round() as i32,
-        (point.1 * FINE).round() as i32,
+fn units(length: f64) -> i32 {
+    (length * UNITS).round() as i32
+}
+
+fn places(points: &[Point]) -> String {
+    let mut places = String::new();
+    for (k, point) in points.iter().enumerate() {
+        let space = if k == 0 { "" } else { " " };
+        let _ = write!(places, "{space}{},{}", units(point.0), units(point.1));
+    }
+    places
+}
+
+fn hexadecimal((r, g, b): Color) -> String {
+    format!("#{r:02X}{g:02X}{b:02X}")
+}
+
+fn text_element(text: &Text) -> String {
+    let anchor = match text.align {
+        Align::Start => "start",
+        Align::Middle => "middle",
+        Align::End => "end",
+    };
+    let hanging = HANGING * text.size;
+    let (x, y) = if text.upwards {
+        (text.at.0 - hanging, text.at.1)
+    } else {
+        (text.at.0, text.at.1 - hanging)
+    };
+    let (x, y) = (units(x), units(y));
+    let turn = match text.upwards {
+        true => format!(" transform=\"rotate(270, {x}, {y})\""),
+        false => String::new(),
+    };
+    format!(
+        "<text x=\"{x}\" y=\"{y}\" dy=\"{HANGING}em\" text-anchor=\"{anchor}\" font-family=\"{FAMILIES}\" \
+         font-size=\"{}\" fill=\"{}\"{turn}>{}</text>\n",
+        text.size * UNITS,
+        hexadecimal(text.color),
+        escaped(&text.text)
     )
 }
 
-fn pen(color: Color, width: f64) -> Pen {
-    Pen {
-        color,
-        width: (width * FINE).round() as u32,
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '<' => escaped += "&lt;",
+            '>' => escaped += "&gt;",
+            '&' => escaped += "&amp;",
+            '"' => escaped += "&quot;",
+            '\'' => escaped += "&apos;",
+            other => escaped.push(other),
+        }
     }
-}
-
-fn draw_text(backend: &mut SVGBackend, text: &Text) -> Result<(), Failure> {
-    let (r, g, b) = text.color;
-    let horizontal = match text.align {
-        Align::Start => HPos::Left,
-        Align::Middle => HPos::Center,
-        Align::End => HPos::Right,
-    };
-    let hanging = HANGING * text.size;
-    let (turn, at) = if text.upwards {
-        (FontTransform::Rotate270, (text.at.0 - hanging, text.at.1))
-    } else {
-        (FontTransform::None, (text.at.0, text.at.1 - hanging))
-    };
-    let font = (FAMILIES, text.size * FINE * LIBRARY_TYPE_SIZE).into_font();
-    let color = RGBColor(r, g, b);
-    let style = TextStyle::from(font.transform(turn))
-        .color(&color)
-        .pos(Pos::new(horizontal, VPos::Top));
-    backend.draw_text(&text.text, &style, fine(&at))
-}
-
-/// Gives the file its natural size and round joins, and takes out what every mark repeats.
-fn tidy(text: &str, scene: &Scene) -> String {
-    let header = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" \
-         viewBox=\"0 0 {} {}\" stroke-linejoin=\"round\">",
-        scene.width,
-        scene.height,
-        scene.width * FINE,
-        scene.height * FINE,
-    );
-    let body = text.split_once('>').map_or(text, |(_, body)| body);
-    // Quotes inside texts are escaped, so these strings are attributes wherever they occur.
-    let body = body
-        .replace(" opacity=\"1\"", "")
-        .replace(" stroke=\"none\"", "")
-        .replace(" stroke-width=\"0\"", "")
-        .replace(" \"/>", "\"/>")
-        .replace("\">\n", "\">")
-        .replace("\n</text>", "</text>");
-    header + &body
+    escaped
 }
