@@ -102,16 +102,8 @@ fn straightened(piece: &[Point]) -> Vec<Point> {
     kept
 }
 
-/// The dashes of a line; a line too long to be a reference slope comes back whole.
+/// The dashes of a line.
 pub(super) fn dashes(piece: &[Point], (dash, gap): (f64, f64)) -> Vec<Vec<Point>> {
-    const LONGEST: f64 = 5000.0;
-    let length: f64 = piece
-        .windows(2)
-        .map(|p| (p[1].0 - p[0].0).hypot(p[1].1 - p[0].1))
-        .sum();
-    if length > LONGEST {
-        return vec![piece.to_vec()];
-    }
     let mut dashes = Vec::new();
     let mut current: Vec<Point> = piece.first().copied().into_iter().collect();
     let (mut drawing, mut left) = (true, dash);

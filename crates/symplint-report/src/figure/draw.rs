@@ -2,28 +2,26 @@
 
 use super::font::Typeface;
 use super::geometry::Rect;
-use super::layout::{EDGE, FIGURE_TITLE, LINE, Margins, PANEL_WIDTH, Sizes, sizes};
+use super::layout::{Margins, Sizes, sizes};
 use super::legend::{Legend, Strip};
 use super::palette::{INK, WHITE};
-use super::panel::{Placed, shapes};
+use super::panel::PanelDrawing;
 use super::scale::Ruler;
 use super::scene::{Align, Scene, Text};
+use super::shapes::shapes;
+use super::style::STYLE;
 use super::{Figure, Panel};
-
-/// Between panels.
-const COLUMN_GAP: f64 = 18.0;
-const ROW_GAP: f64 = 14.0;
 
 /// Lays the whole figure out and draws it.
 pub(super) fn scene(figure: &Figure, face: &Typeface) -> Scene {
     let columns = figure.columns.clamp(1, figure.panels.len().max(1));
     let count = columns as f64;
-    let width = count * PANEL_WIDTH + (count - 1.0) * COLUMN_GAP;
+    let width = count * STYLE.panel_width + (count - 1.0) * STYLE.column_gap;
     let title = figure.title.as_deref().unwrap_or_default();
     let mut top = if title.is_empty() {
         0.0
     } else {
-        EDGE + LINE * FIGURE_TITLE
+        STYLE.edge + STYLE.line_height * STYLE.figure_title
     };
     let titles = titles(figure);
     let mut rows = Rows {
@@ -35,15 +33,16 @@ pub(super) fn scene(figure: &Figure, face: &Typeface) -> Scene {
     let mut panels = Vec::new();
     for row in aligned(figure, &titles, columns, face).chunks(columns) {
         let (placed, height) = rows.place(panels.len(), row, top);
-        top += height + ROW_GAP;
+        top += height + STYLE.row_gap;
         panels.extend(placed);
     }
     let shared = figure.shared_legend.then(|| {
-        let strip = Strip::of(&panels, width - 2.0 * EDGE, face);
+        let drawn = panels.iter().map(|drawn| (drawn.panel, &*drawn.shapes));
+        let strip = Strip::of(drawn, width - 2.0 * STYLE.edge, face);
         (top, strip)
     });
-    top += (shared.as_ref()).map_or(0.0, |(_, strip)| strip.height() + ROW_GAP);
-    let height = (top - ROW_GAP).max(1.0).ceil();
+    top += (shared.as_ref()).map_or(0.0, |(_, strip)| strip.height() + STYLE.row_gap);
+    let height = (top - STYLE.row_gap).max(1.0).ceil();
 
     let mut scene = Scene {
         width,
@@ -57,10 +56,10 @@ pub(super) fn scene(figure: &Figure, face: &Typeface) -> Scene {
         bottom: height,
     };
     scene.rect(page, WHITE);
-    let (text, size) = face.fit(title, FIGURE_TITLE, width - 2.0 * EDGE);
+    let (text, size) = face.fit(title, STYLE.figure_title, width - 2.0 * STYLE.edge);
     scene.text(Text {
         text,
-        at: (0.5 * width, EDGE + 0.8 * FIGURE_TITLE),
+        at: (0.5 * width, STYLE.edge + 0.8 * STYLE.figure_title),
         align: Align::Middle,
         size,
         upwards: false,
@@ -128,14 +127,14 @@ struct Rows<'a> {
 
 impl<'a> Rows<'a> {
     /// Places the next row, from panel `first` on, at `top`; also its height.
-    fn place(&mut self, first: usize, row: &[Sizes], top: f64) -> (Vec<Placed<'a>>, f64) {
+    fn place(&mut self, first: usize, row: &[Sizes], top: f64) -> (Vec<PanelDrawing<'a>>, f64) {
         let figure = self.figure;
         let above = row.iter().map(|sizes| sizes.top).fold(0.0, f64::max);
         let mut height = 0.0_f64;
         let mut placed = Vec::new();
         let panels = figure.panels.iter().zip(self.titles).skip(first);
         for (column, (sizes, (panel, title))) in row.iter().zip(panels).enumerate() {
-            let left = column as f64 * (PANEL_WIDTH + COLUMN_GAP);
+            let left = column as f64 * (STYLE.panel_width + STYLE.column_gap);
             // Whole units make the frame and its ticks sharp.
             let (frame_left, frame_top) = ((left + sizes.left).round(), (top + above).round());
             let frame = Rect {
@@ -167,7 +166,7 @@ impl<'a> Rows<'a> {
             };
             let below = frame.bottom + sizes.bottom;
             height = height.max(below + legend.height_below() - top);
-            placed.push(Placed {
+            placed.push(PanelDrawing {
                 panel,
                 title,
                 left,

@@ -3,32 +3,9 @@
 use super::font::Typeface;
 use super::range;
 use super::scale::Span;
+use super::style::STYLE;
 use super::ticks::{Room, Ticks, choose};
 use super::{Axis, Panel};
-
-/// Type sizes in page units.
-pub(super) const FIGURE_TITLE: f64 = 23.0;
-pub(super) const PANEL_TITLE: f64 = 20.0;
-pub(super) const AXIS_LABEL: f64 = 20.0;
-pub(super) const TICK_LABEL: f64 = 17.5;
-pub(super) const LEGEND: f64 = 17.0;
-
-/// Width of a panel with its labels.
-pub(super) const PANEL_WIDTH: f64 = 650.0;
-/// Height of the area inside the frame, unless equal aspect asks for another.
-const PLOT_HEIGHT: f64 = 400.0;
-/// Bounds of that height under equal aspect.
-const PLOT_HEIGHTS: (f64, f64) = (150.0, 560.0);
-/// From the frame to the tick labels.
-pub(super) const TICK_GAP: f64 = 8.0;
-/// From the tick labels to the axis label.
-pub(super) const LABEL_GAP: f64 = 9.0;
-/// From the frame to the title, clear of a tick label at the upper corner.
-pub(super) const TITLE_GAP: f64 = 9.0;
-/// Free border of a panel.
-pub(super) const EDGE: f64 = 8.0;
-/// Height of a line of text in em.
-pub(super) const LINE: f64 = 1.2;
 
 /// Sizes and ticks of a panel, before it has a place on the page.
 #[derive(Debug)]
@@ -55,19 +32,19 @@ pub(super) type Margins = (f64, f64);
 /// The sizes of a panel whose margins are at least as wide as `least`.
 pub(super) fn sizes(panel: &Panel, title: &str, face: &Typeface, least: Margins) -> Sizes {
     let spans = range::spans(panel);
-    let (mut left, mut right) = (least.0, least.1.max(EDGE));
+    let (mut left, mut right) = (least.0, least.1.max(STYLE.edge));
     // Labels decide the margins, margins the room for labels: the second round settles it, and
     // margins only grow, so a label of the last round always fits.
     let mut rounds = 0;
     loop {
-        let room = PANEL_WIDTH - left - right;
+        let room = STYLE.panel_width - left - right;
         let (width, height, x, y) = frame(panel, spans, room);
         let y_ticks = choose(
             panel.y.scale,
             y,
             &Room {
                 length: height,
-                extent: |_: &str| 1.7 * TICK_LABEL,
+                extent: |_: &str| 1.7 * STYLE.tick_label,
             },
         );
         let x_ticks = choose(
@@ -75,32 +52,36 @@ pub(super) fn sizes(panel: &Panel, title: &str, face: &Typeface, least: Margins)
             x,
             &Room {
                 length: width,
-                extent: |label: &str| face.width(label, TICK_LABEL) + 0.9 * TICK_LABEL,
+                extent: |label: &str| face.width(label, STYLE.tick_label) + 0.9 * STYLE.tick_label,
             },
         );
         let widest = y_ticks
             .major
             .iter()
-            .map(|tick| face.width(&tick.label, TICK_LABEL))
+            .map(|tick| face.width(&tick.label, STYLE.tick_label))
             .fold(0.0, f64::max);
-        let needed_left = (EDGE + label_height(&panel.y) + widest + TICK_GAP).ceil();
+        let needed_left =
+            (STYLE.edge + label_height(&panel.y) + widest + STYLE.tick_label_gap).ceil();
         let needed_right = x_ticks
             .major
             .iter()
             .map(|tick| {
                 let beyond = (tick.at - x.high) / x.length() * width;
-                beyond + 0.5 * face.width(&tick.label, TICK_LABEL)
+                beyond + 0.5 * face.width(&tick.label, STYLE.tick_label)
             })
             .fold(0.0, f64::max)
             .ceil()
-            + EDGE;
+            + STYLE.edge;
         rounds += 1;
         if rounds == 4 || (needed_left <= left && needed_right <= right) {
             return Sizes {
                 left: left + 0.5 * (room - width),
                 right,
                 top: top(title),
-                bottom: TICK_GAP + LINE * TICK_LABEL + label_height(&panel.x) + EDGE,
+                bottom: STYLE.tick_label_gap
+                    + STYLE.line_height * STYLE.tick_label
+                    + label_height(&panel.x)
+                    + STYLE.edge,
                 width,
                 height,
                 x,
@@ -117,9 +98,9 @@ pub(super) fn sizes(panel: &Panel, title: &str, face: &Typeface, least: Margins)
 /// Inner size of the frame and the spans it shows.
 fn frame(panel: &Panel, (x, y): (Span, Span), room: f64) -> (f64, f64, Span, Span) {
     if !panel.equal_aspect {
-        return (room, PLOT_HEIGHT, x, y);
+        return (room, STYLE.plot_height, x, y);
     }
-    let (lowest, highest) = PLOT_HEIGHTS;
+    let (lowest, highest) = STYLE.equal_aspect_heights;
     let slope = y.length() / x.length();
     let height = (room * slope).clamp(lowest, highest).round();
     let width = (height / slope).clamp(lowest, room).round();
@@ -135,9 +116,9 @@ fn frame(panel: &Panel, (x, y): (Span, Span), room: f64) -> (f64, f64, Span, Spa
 
 fn top(title: &str) -> f64 {
     if title.is_empty() {
-        EDGE + 0.5 * TICK_LABEL
+        STYLE.edge + 0.5 * STYLE.tick_label
     } else {
-        EDGE + LINE * PANEL_TITLE + TITLE_GAP
+        STYLE.edge + STYLE.line_height * STYLE.title + STYLE.title_gap
     }
 }
 
@@ -145,7 +126,7 @@ fn label_height(axis: &Axis) -> f64 {
     if axis.label.is_empty() {
         0.0
     } else {
-        LABEL_GAP + LINE * AXIS_LABEL
+        STYLE.title_gap + STYLE.line_height * STYLE.title
     }
 }
 
@@ -170,7 +151,7 @@ mod tests {
             let x_unit = sizes.width / sizes.x.length();
             let y_unit = sizes.height / sizes.y.length();
             assert!((x_unit / y_unit - 1.0).abs() < 1e-2, "{a} {b}");
-            assert!(sizes.left + sizes.width <= PANEL_WIDTH);
+            assert!(sizes.left + sizes.width <= STYLE.panel_width);
             assert!(sizes.x.low <= -a && sizes.y.high >= b);
         }
     }

@@ -5,33 +5,19 @@
 
 use super::font::{CAPITAL, Typeface};
 use super::geometry::{Point, Rect};
-use super::layout::{EDGE, LEGEND, PANEL_WIDTH};
 use super::marker;
 use super::palette::{BAND, BAND_SHADE, CONTOUR, GRID, INK, WHITE, color};
-use super::panel::{DASHES, DOT, Placed, Shapes, THICK, THIN};
 use super::scene::{Align, Scene, Text};
+use super::shapes::Shapes;
+use super::style::STYLE;
 use super::{Panel, Style, curve};
 
-/// Height of an entry.
-const ROW: f64 = 24.0;
-/// Width of the drawn sample, and from there to the text.
-const SAMPLE: f64 = 36.0;
-const SAMPLE_GAP: f64 = 8.0;
-/// Inside of the box.
-const PADDING: f64 = 7.0;
-/// From the box to the frame.
-const INSET: f64 = 9.0;
-/// Between entries beside each other in a strip.
-const BETWEEN: f64 = 24.0;
-/// Free room between the box and data.
-const CLEARANCE: f64 = 6.0;
-
 /// Width of a strip below a panel.
-const ROOM: f64 = PANEL_WIDTH - 2.0 * EDGE;
+const ROOM: f64 = STYLE.panel_width - 2.0 * STYLE.edge;
 
-/// What an entry's sample shows.
+/// What an entry's swatch shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Sample {
+enum Swatch {
     Series {
         style: Style,
         color: usize,
@@ -44,7 +30,7 @@ enum Sample {
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Entry {
-    sample: Sample,
+    swatch: Swatch,
     text: String,
     size: f64,
     width: f64,
@@ -73,8 +59,9 @@ impl Legend {
         if entries.is_empty() {
             return Legend::Nothing;
         }
-        let width = entries.iter().map(|entry| entry.width).fold(0.0, f64::max) + 2.0 * PADDING;
-        let height = ROW * entries.len() as f64 + 2.0 * PADDING;
+        let width = entries.iter().map(|entry| entry.width).fold(0.0, f64::max)
+            + 2.0 * STYLE.legend_padding;
+        let height = STYLE.legend_row * entries.len() as f64 + 2.0 * STYLE.legend_padding;
         let free = places(frame, width, height)
             .into_iter()
             .find(|place| covered(*place, shapes) == 0);
@@ -104,28 +91,33 @@ impl Legend {
                 outline.push((place.left, place.top));
                 scene.line(outline, 1.0, GRID);
                 for (k, entry) in entries.iter().enumerate() {
-                    let middle = place.top + PADDING + ROW * (k as f64 + 0.5);
-                    draw_entry(scene, entry, (place.left + PADDING, middle));
+                    let middle =
+                        place.top + STYLE.legend_padding + STYLE.legend_row * (k as f64 + 0.5);
+                    draw_entry(scene, entry, (place.left + STYLE.legend_padding, middle));
                 }
             }
-            Legend::Below { strip } => strip.draw(scene, (left, left + PANEL_WIDTH), below),
+            Legend::Below { strip } => strip.draw(scene, (left, left + STYLE.panel_width), below),
         }
     }
 }
 
 impl Strip {
     /// The entries of all panels, each once, in rows at most `room` wide.
-    pub fn of(panels: &[Placed<'_>], room: f64, face: &Typeface) -> Strip {
+    pub fn of<'a>(
+        panels: impl Iterator<Item = (&'a Panel, &'a [Shapes])>,
+        room: f64,
+        face: &Typeface,
+    ) -> Strip {
         let mut all: Vec<Entry> = Vec::new();
-        for panel in panels {
-            for entry in entries(panel.panel, &panel.shapes, room, face) {
+        for (panel, shapes) in panels {
+            for entry in entries(panel, shapes, room, face) {
                 if !all.contains(&entry) {
                     all.push(entry);
                 }
             }
         }
         // What marks zeros comes last, wherever the first of them are.
-        all.sort_by_key(|entry| entry.sample == Sample::Zero);
+        all.sort_by_key(|entry| entry.swatch == Swatch::Zero);
         Strip::in_columns(all, room)
     }
 
@@ -156,7 +148,7 @@ impl Strip {
 
     /// Height on the page.
     pub fn height(&self) -> f64 {
-        ROW * self.rows().len() as f64 + PADDING
+        STYLE.legend_row * self.rows().len() as f64 + STYLE.legend_padding
     }
 
     /// Draws the strip from `top` on, in the middle between left and right.
@@ -165,8 +157,12 @@ impl Strip {
         for (k, row) in self.rows().enumerate() {
             let mut left = start;
             for (entry, width) in row.iter().zip(&self.widths) {
-                draw_entry(scene, entry, (left, top + ROW * (k as f64 + 0.5)));
-                left += width + BETWEEN;
+                draw_entry(
+                    scene,
+                    entry,
+                    (left, top + STYLE.legend_row * (k as f64 + 0.5)),
+                );
+                left += width + STYLE.legend_column_gap;
             }
         }
     }
@@ -174,17 +170,17 @@ impl Strip {
 
 /// The width of columns beside each other.
 fn total(widths: &[f64]) -> f64 {
-    widths.iter().sum::<f64>() + BETWEEN * widths.len().saturating_sub(1) as f64
+    widths.iter().sum::<f64>() + STYLE.legend_column_gap * widths.len().saturating_sub(1) as f64
 }
 
 /// The entries of a panel, each at most `room` wide.
 fn entries(panel: &Panel, shapes: &[Shapes], room: f64, face: &Typeface) -> Vec<Entry> {
-    let room = room - SAMPLE - SAMPLE_GAP;
-    let entry = |sample, label: &str| {
-        let (text, size) = face.fit(label, LEGEND, room);
-        let width = SAMPLE + SAMPLE_GAP + face.width(&text, size);
+    let room = room - STYLE.swatch_width - STYLE.swatch_gap;
+    let entry = |swatch, label: &str| {
+        let (text, size) = face.fit(label, STYLE.legend, room);
+        let width = STYLE.swatch_width + STYLE.swatch_gap + face.width(&text, size);
         Entry {
-            sample,
+            swatch,
             text,
             size,
             width,
@@ -196,28 +192,34 @@ fn entries(panel: &Panel, shapes: &[Shapes], room: f64, face: &Typeface) -> Vec<
         .zip(shapes)
         .filter(|(series, _)| !series.label.is_empty() && series.style != Style::Thin)
         .map(|(series, shapes)| {
-            let sample = if series.style == Style::Points && !shapes.dots.is_empty() {
-                Sample::Dots(series.color)
+            let swatch = if series.style == Style::Points && !shapes.dots.is_empty() {
+                Swatch::Dots(series.color)
             } else {
-                Sample::Series {
+                Swatch::Series {
                     style: series.style,
                     color: series.color,
                     dash: shapes.dash,
                 }
             };
-            entry(sample, &series.label)
+            entry(swatch, &series.label)
         })
         .collect();
     if shapes.iter().any(|shapes| !shapes.zeros.is_empty()) {
-        entries.push(entry(Sample::Zero, "exactly 0"));
+        entries.push(entry(Swatch::Zero, "exactly 0"));
     }
     entries
 }
 
 /// The places inside the frame, best first; none if the box is too large.
 fn places(frame: Rect, width: f64, height: f64) -> Vec<Rect> {
-    let (left, right) = (frame.left + INSET, frame.right - INSET - width);
-    let (top, bottom) = (frame.top + INSET, frame.bottom - INSET - height);
+    let (left, right) = (
+        frame.left + STYLE.legend_inset,
+        frame.right - STYLE.legend_inset - width,
+    );
+    let (top, bottom) = (
+        frame.top + STYLE.legend_inset,
+        frame.bottom - STYLE.legend_inset - height,
+    );
     if left > right || top > bottom {
         return Vec::new();
     }
@@ -243,8 +245,8 @@ fn places(frame: Rect, width: f64, height: f64) -> Vec<Rect> {
 
 /// How many segments, markers and zeros the box would hide.
 fn covered(place: Rect, shapes: &[Shapes]) -> usize {
-    let place = place.grown(CLEARANCE);
-    let marked = place.grown(marker::RADIUS);
+    let place = place.grown(STYLE.legend_clearance);
+    let marked = place.grown(STYLE.marker_radius);
     shapes
         .iter()
         .map(|shapes| {
@@ -265,11 +267,11 @@ fn covered(place: Rect, shapes: &[Shapes]) -> usize {
 }
 
 fn draw_entry(scene: &mut Scene, entry: &Entry, (left, middle): Point) {
-    draw_sample(scene, entry.sample, (left, middle));
+    draw_swatch(scene, entry.swatch, (left, middle));
     scene.text(Text {
         text: entry.text.clone(),
         at: (
-            left + SAMPLE + SAMPLE_GAP,
+            left + STYLE.swatch_width + STYLE.swatch_gap,
             middle + 0.5 * CAPITAL * entry.size,
         ),
         align: Align::Start,
@@ -279,41 +281,45 @@ fn draw_entry(scene: &mut Scene, entry: &Entry, (left, middle): Point) {
     });
 }
 
-fn draw_sample(scene: &mut Scene, sample: Sample, (left, middle): Point) {
-    let centre = (left + 0.5 * SAMPLE, middle);
-    let line = vec![(left, middle), (left + SAMPLE, middle)];
-    match sample {
-        Sample::Dots(index) => {
+fn draw_swatch(scene: &mut Scene, swatch: Swatch, (left, middle): Point) {
+    let centre = (left + 0.5 * STYLE.swatch_width, middle);
+    let line = vec![(left, middle), (left + STYLE.swatch_width, middle)];
+    match swatch {
+        Swatch::Dots(index) => {
             for (dx, dy) in [(-12.0, 2.0), (-4.0, -3.0), (3.0, 3.0), (11.0, -1.0)] {
-                scene.disc((centre.0 + dx, centre.1 + dy), 1.4 * DOT, color(index));
+                scene.disc(
+                    (centre.0 + dx, centre.1 + dy),
+                    1.4 * STYLE.dot_radius,
+                    color(index),
+                );
             }
         }
-        Sample::Zero => marker::draw_zero(scene, (centre.0, centre.1 + marker::RADIUS), INK),
-        Sample::Series {
+        Swatch::Zero => marker::draw_zero(scene, (centre.0, centre.1 + STYLE.marker_radius), INK),
+        Swatch::Series {
             style,
             color: index,
             dash,
         } => match style {
-            Style::Line | Style::Closed => scene.line(line, THICK, color(index)),
+            Style::Line | Style::Closed => scene.line(line, STYLE.thick_line, color(index)),
             Style::Points => marker::draw(scene, centre, index, color(index)),
             Style::LineAndPoints => {
-                scene.line(line, THICK, color(index));
+                scene.line(line, STYLE.thick_line, color(index));
                 marker::draw(scene, centre, index, color(index));
             }
             Style::Dashed => {
-                for dash in curve::dashes(&line, DASHES[dash]) {
-                    scene.line(dash, THIN, color(index));
+                for dash in curve::dashes(&line, STYLE.dashes[dash]) {
+                    scene.line(dash, STYLE.thin_line, color(index));
                 }
             }
             Style::Uncertainty => {
                 let shade = Rect {
                     left,
                     top: middle,
-                    right: left + SAMPLE,
-                    bottom: middle + 0.3 * ROW,
+                    right: left + STYLE.swatch_width,
+                    bottom: middle + 0.3 * STYLE.legend_row,
                 };
                 scene.rect(shade, BAND_SHADE);
-                scene.line(line, THIN, BAND);
+                scene.line(line, STYLE.thin_line, BAND);
             }
             Style::Thin => scene.line(line, 1.0, CONTOUR),
         },
@@ -374,9 +380,9 @@ mod tests {
     #[test]
     fn a_strip_has_even_columns_in_as_few_rows_as_fit() {
         let entry = |width| Entry {
-            sample: Sample::Zero,
+            swatch: Swatch::Zero,
             text: String::new(),
-            size: LEGEND,
+            size: STYLE.legend,
             width,
         };
         let strip = |widths: &[f64], room| {

@@ -3,27 +3,26 @@
 use super::geometry::Point;
 use super::palette::{Color, WHITE};
 use super::scene::Scene;
-
-/// Half the size of a marker.
-pub(super) const RADIUS: f64 = 5.0;
-/// White rim that lifts a marker off lines below it.
-const RIM: f64 = 1.2;
-/// Width of the strokes of crosses and hollow shapes.
-const STROKE: f64 = 2.2;
+use super::style::STYLE;
 
 /// Draws the marker of a series index.
 pub(super) fn draw(scene: &mut Scene, centre: Point, index: usize, color: Color) {
     match index % 5 {
         0 => {
-            scene.disc(centre, RADIUS + RIM, WHITE);
-            scene.disc(centre, RADIUS, color);
+            scene.disc(centre, STYLE.marker_radius + STYLE.marker_rim, WHITE);
+            scene.disc(centre, STYLE.marker_radius, color);
         }
         1 => polygon(scene, centre, color, 1.25, &[45.0, 135.0, 225.0, 315.0]),
         2 => polygon(scene, centre, color, 1.4, &[-90.0, 30.0, 150.0]),
         3 => polygon(scene, centre, color, 1.4, &[0.0, 90.0, 180.0, 270.0]),
         _ => {
-            cross(scene, centre, STROKE + 2.0 * RIM, WHITE);
-            cross(scene, centre, STROKE, color);
+            cross(
+                scene,
+                centre,
+                STYLE.thick_line + 2.0 * STYLE.marker_rim,
+                WHITE,
+            );
+            cross(scene, centre, STYLE.thick_line, color);
         }
     }
 }
@@ -34,8 +33,8 @@ pub(super) fn draw_zero(scene: &mut Scene, tip: Point, color: Color) {
     let corner = |dx: f64, dy: f64| (tip.0 + dx, tip.1 + dy);
     let outline = vec![
         corner(0.0, -1.5),
-        corner(-RADIUS, -2.0 * RADIUS),
-        corner(RADIUS, -2.0 * RADIUS),
+        corner(-STYLE.marker_radius, -2.0 * STYLE.marker_radius),
+        corner(STYLE.marker_radius, -2.0 * STYLE.marker_radius),
         corner(0.0, -1.5),
     ];
     scene.area(outline.clone(), WHITE);
@@ -57,12 +56,15 @@ fn polygon(scene: &mut Scene, centre: Point, color: Color, reach: f64, degrees: 
     };
     // A rim of constant width needs more reach the sharper the corners are.
     let sharpness = if degrees.len() == 3 { 2.0 } else { 1.42 };
-    scene.area(corners(RADIUS * reach + RIM * sharpness), WHITE);
-    scene.area(corners(RADIUS * reach), color);
+    scene.area(
+        corners(STYLE.marker_radius * reach + STYLE.marker_rim * sharpness),
+        WHITE,
+    );
+    scene.area(corners(STYLE.marker_radius * reach), color);
 }
 
 fn cross(scene: &mut Scene, centre: Point, width: f64, color: Color) {
-    let reach = 0.9 * RADIUS;
+    let reach = 0.9 * STYLE.marker_radius;
     for side in [-1.0, 1.0] {
         scene.line(
             vec![

@@ -29,6 +29,8 @@ mod range;
 mod save;
 mod scale;
 mod scene;
+mod shapes;
+mod style;
 mod svg;
 mod ticks;
 mod truetype;

@@ -54,11 +54,11 @@ fn x_span(panel: &Panel) -> Span {
             }
         }
     }
-    given(&panel.x).unwrap_or_else(|| automatic(panel.x.scale, all, roomy))
+    explicit(&panel.x).unwrap_or_else(|| automatic(panel.x.scale, all, roomy))
 }
 
 fn y_span(panel: &Panel) -> Span {
-    if let Some(span) = given(&panel.y) {
+    if let Some(span) = explicit(&panel.y) {
         return span;
     }
     let scale = panel.y.scale;
@@ -106,7 +106,7 @@ impl Extent {
 }
 
 /// The range the caller asked for, if the scale can show it.
-fn given(axis: &Axis) -> Option<Span> {
+fn explicit(axis: &Axis) -> Option<Span> {
     let (a, b) = axis.range?;
     let (a, b) = (axis.scale.map(a)?, axis.scale.map(b)?);
     let span = Span {

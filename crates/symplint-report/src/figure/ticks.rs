@@ -5,11 +5,7 @@
 use super::Scale;
 use super::number::{decade, power, tick_label};
 use super::scale::Span;
-
-/// More labels than this tire the reader.
-const MOST_LABELS: usize = 10;
-/// A finer tick is drawn only where it has this much room on the page.
-const MINOR_ROOM: f64 = 5.0;
+use super::style::STYLE;
 
 /// A labelled tick at a mapped value.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,7 +126,7 @@ fn even<F: Fn(&str) -> f64>(scale: Scale, span: Span, room: &Room<F>) -> Ticks {
                 continue;
             }
             let major = multiples(scale, low, high, step);
-            if major.len() < MOST_LABELS && fits(&major, span, room) {
+            if major.len() < STYLE.max_tick_labels && fits(&major, span, room) {
                 let part = step / f64::from(parts);
                 let minor = multiples(scale, low, high, part);
                 return Ticks {
@@ -166,7 +162,7 @@ fn inside(at: f64, span: Span) -> bool {
 fn fits<F: Fn(&str) -> f64>(ticks: &[Tick], span: Span, room: &Room<F>) -> bool {
     let per_unit = room.length / span.length();
     !ticks.is_empty()
-        && ticks.len() <= MOST_LABELS
+        && ticks.len() <= STYLE.max_tick_labels
         && ticks.windows(2).all(|pair| {
             let distance = (pair[1].at - pair[0].at) * per_unit;
             let needed = 0.5 * ((room.extent)(&pair[0].label) + (room.extent)(&pair[1].label));
@@ -181,7 +177,11 @@ fn without_crowded_minors(mut ticks: Ticks, span: Span, length: f64) -> Ticks {
     ticks
         .minor
         .retain(|at| ticks.major.iter().all(|tick| !near(*at, tick.at, 0.5)));
-    if ticks.minor.windows(2).any(|p| near(p[0], p[1], MINOR_ROOM)) {
+    if ticks
+        .minor
+        .windows(2)
+        .any(|p| near(p[0], p[1], STYLE.min_tick_distance))
+    {
         ticks.minor.clear();
     }
     ticks
@@ -275,7 +275,7 @@ mod tests {
                     let span = Span { low, high };
                     let room = room(length);
                     let ticks = choose(scale, span, &room);
-                    assert!(ticks.major.len() <= MOST_LABELS);
+                    assert!(ticks.major.len() <= STYLE.max_tick_labels);
                     assert!(!ticks.major.is_empty(), "{scale:?} {low} {high} {length}");
                     assert!(fits(&ticks.major, span, &room), "{scale:?} {low} {high}");
                     assert!(ticks.major.iter().all(|tick| inside(tick.at, span)));
