@@ -15,7 +15,7 @@ use super::error::PaperError;
 use super::sweep::{halvings, power_law, trend_text};
 
 /// A splitting with its name.
-pub type Named = (String, Box<dyn TimeAdvance>);
+pub type NamedMap = (String, Box<dyn TimeAdvance>);
 
 /// The time T of the runs, and the finest step size, 2^-6, whose jumps of h² still stand out of the samples.
 const TIME: f64 = 1.0;
@@ -32,7 +32,7 @@ struct Row {
 
 /// Judges that defects of O(h²) in one step add up to O(nh²).
 pub fn accumulated(
-    maps: &[Named],
+    maps: &[NamedMap],
     circle: &Circle,
     cutoffs: Cutoffs,
     samples: usize,
@@ -111,7 +111,7 @@ fn steps(
 
 /// Judges where the first step breaks the loop: on the line q + c h p = 0.
 pub fn break_line(
-    (name, map): &Named,
+    (name, map): &NamedMap,
     circle: &Circle,
     line: &'static str,
     c: f64,

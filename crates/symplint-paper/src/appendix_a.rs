@@ -109,7 +109,7 @@ impl Curve {
                 let mut place = k;
                 for j in 0.. {
                     let size = 2f64.powf(-alpha * f64::from(j));
-                    if size < LEAST_TERM {
+                    if size < MIN_TERM {
                         break;
                     }
                     // Phases that no two terms share.
@@ -141,8 +141,8 @@ impl Curve {
     }
 }
 
-/// Terms of a lacunary series that are left out are smaller.
-const LEAST_TERM: f64 = 1e-17;
+/// Least term of a lacunary series that is kept.
+const MIN_TERM: f64 = 1e-17;
 
 const CURVES: [Curve; 6] = [
     Curve::Lacunary(0.6),

@@ -139,7 +139,7 @@ fn integral(samples: usize, rule: &Rule) -> Result<LoopIntegral, PaperError> {
 /// Judges the number of samples from which jumps are found, and what jumps do that are not.
 fn detection(lambda: f64) -> Result<[Claim; 3], PaperError> {
     const JUMPS: usize = 3;
-    const MOST: usize = 4001;
+    const MAX_SAMPLES: usize = 4001;
     let claim = |says: &str, measured, judgement| {
         Claim::of_paper("appendix-b", "appendix B", says, measured, judgement)
     };
@@ -153,7 +153,7 @@ fn detection(lambda: f64) -> Result<[Claim; 3], PaperError> {
     let enough = (tau_q + TAU + 1.0).max((tau_p + 1.0) / 0.5);
     let rule = Rule::FiniteDifference(Cutoffs::relative(lambda));
     let mut last_miss = 0;
-    for samples in (11..MOST).step_by(2) {
+    for samples in (11..MAX_SAMPLES).step_by(2) {
         let omitted = integral(samples, &rule)?
             .omitted
             .map_or(0, |cells| cells.len());
@@ -164,10 +164,10 @@ fn detection(lambda: f64) -> Result<[Claim; 3], PaperError> {
     let detected = claim(
         "jump detection is reliable once N > (τ + M)/δ",
         format!(
-            "that is N > {enough:.0} here; of the odd numbers up to {MOST} the last to miss a jump is {last_miss}"
+            "that is N > {enough:.0} here; of the odd numbers up to {MAX_SAMPLES} the last to miss a jump is {last_miss}"
         ),
         Judgement::of((last_miss as f64) <= enough)
-            .if_resolved(tau_q > TAU + 1.0 && tau_p > 1.0 && 2.0 * enough < MOST as f64),
+            .if_resolved(tau_q > TAU + 1.0 && tau_p > 1.0 && 2.0 * enough < MAX_SAMPLES as f64),
     );
     let kept = |q: Cutoff, p: Cutoff| -> Result<Vec<(f64, f64)>, PaperError> {
         let rule = Rule::FiniteDifference(Cutoffs { q, p });

@@ -27,15 +27,15 @@ pub const ITEM: Item = Item {
     keys: &[Key::whole_between(
         "particles",
         2,
-        (1, MOST_PARTICLES),
+        (1, MAX_PARTICLES),
         "number of particles in the figure",
     )],
     check: None,
     run,
 };
 
-/// Particles of the figure at most: a loop of N_p particles has some 10 N_p breaks.
-const MOST_PARTICLES: u64 = 1000;
+/// Most particles of the figure: a loop of N_p particles has some 10 N_p breaks.
+const MAX_PARTICLES: u64 = 1000;
 
 /// Samples of the paper's rule.
 const SAMPLES: usize = 1 << 15;

@@ -5,19 +5,19 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use symplint::rules::{Cutoff, Cutoffs};
-use symplint::{Circle, Rule};
+use symplint::{Circle, Rule, TimeAdvance};
 use symplint_models::Separable;
 use symplint_models::systems::AbsoluteValue;
-use symplint_report::figure::{Figure, Panel, Scale, Style};
+use symplint_report::figure::{Figure, Panel, Scale, Series, Style};
 use symplint_report::plot::{axis, series};
 use symplint_report::run_folder::RunFolder;
 
-use super::accumulation::{Named, accumulated, break_line};
+use super::accumulation::{NamedMap, accumulated, break_line};
 use super::claim::{Claim, Judgement, Origin};
 use super::error::PaperError;
 use super::item::Item;
 use super::settings::{Key, Settings};
-use super::sweep::{Sweep, step_of, worst};
+use super::sweep::{Record, Sweep, step_of, worst};
 
 pub const ITEM: Item = Item {
     id: "closed-forms",
@@ -101,7 +101,6 @@ struct Row {
 
 fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError> {
     let samples = settings.count("samples");
-    let accumulated_samples = settings.count("accumulated_samples");
     let epsilon = settings.number("epsilon");
     let mollified_samples = settings.count("mollified_samples");
     let circle = Circle::new(vec![0.0], vec![0.0], 1.0)?;
@@ -111,54 +110,13 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     let mut claims = Vec::new();
     let mut curves = Vec::new();
     let mut mollified = Vec::new();
-    let mut maps: Vec<Named> = Vec::new();
+    let mut maps: Vec<NamedMap> = Vec::new();
     for (index, form) in FORMS.iter().enumerate() {
-        let map = step_of(form.integrator, form.variant, &sharp)?;
-        let sweep = Sweep {
-            case: "|q|",
-            integrator: form.integrator,
-            map: &*map,
-            phase_loop: &circle,
-            rule: Rule::FiniteDifference(CUTOFFS),
-        };
-        let of_form: Vec<Row> = (sweep.over_steps(samples, &STEPS)?.iter())
-            .map(|record| {
-                let closed_form = (form.value)(record.step_size);
-                Row {
-                    integrator: form.integrator,
-                    variant: form.variant,
-                    step_size: record.step_size,
-                    closed_form,
-                    measured: record.advanced,
-                    difference: record.advanced - closed_form,
-                    omitted_cells: record.omitted_cells,
-                }
-            })
-            .collect();
-        let off = (of_form.iter())
-            .map(|row| (row.difference / row.closed_form).abs())
-            .fold(0.0, f64::max);
         let name = format!("{} {}", form.variant, form.integrator);
-        claims.push(Claim {
-            item: "closed-forms",
-            origin: Origin::Paper,
-            place: "section 4.2",
-            says: format!("{name} on |q| gives {}", form.formula),
-            measured: format!(
-                "within {off:.1e} of it for h = 0.01 … 1.9 (finite differences, {samples} samples)"
-            ),
-            judgement: Judgement::of(off < 1e-5),
-        });
-        let exact = (1..=95)
-            .map(|k| 0.02 * f64::from(k))
-            .map(|h| (h, (form.value)(h)))
-            .collect();
-        curves.push(series("", exact, Style::Line, index));
-        let points = of_form
-            .iter()
-            .map(|row| (row.step_size, row.measured))
-            .collect();
-        curves.push(series(&name, points, Style::Points, index));
+        let map = step_of(form.integrator, form.variant, &sharp)?;
+        let of_form = form.rows(&*map, &circle, samples)?;
+        claims.push(form.claim(&name, &of_form, samples));
+        curves.extend(form.curves(&name, &of_form, index));
         rows.extend(of_form);
         maps.push((name, map));
 
@@ -178,7 +136,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         &maps,
         &circle,
         CUTOFFS,
-        accumulated_samples,
+        settings.count("accumulated_samples"),
         folder,
     )?);
     let largest = worst(mollified.iter());
@@ -206,4 +164,69 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     )
     .save(&folder.figures(), "closed_forms")?;
     Ok(claims)
+}
+
+impl Form {
+    /// The closed form and the measured integral at each of [`STEPS`].
+    fn rows(
+        &self,
+        map: &dyn TimeAdvance,
+        circle: &Circle,
+        samples: usize,
+    ) -> Result<Vec<Row>, PaperError> {
+        let sweep = Sweep {
+            case: "|q|",
+            integrator: self.integrator,
+            map,
+            phase_loop: circle,
+            rule: Rule::FiniteDifference(CUTOFFS),
+        };
+        let row = |record: &Record| {
+            let closed_form = (self.value)(record.step_size);
+            Row {
+                integrator: self.integrator,
+                variant: self.variant,
+                step_size: record.step_size,
+                closed_form,
+                measured: record.advanced,
+                difference: record.advanced - closed_form,
+                omitted_cells: record.omitted_cells,
+            }
+        };
+        Ok((sweep.over_steps(samples, &STEPS)?.iter())
+            .map(row)
+            .collect())
+    }
+
+    fn claim(&self, name: &str, rows: &[Row], samples: usize) -> Claim {
+        let off = (rows.iter())
+            .map(|row| (row.difference / row.closed_form).abs())
+            .fold(0.0, f64::max);
+        Claim {
+            item: "closed-forms",
+            origin: Origin::Paper,
+            place: "section 4.2",
+            says: format!("{name} on |q| gives {}", self.formula),
+            measured: format!(
+                "within {off:.1e} of it for h = 0.01 … 1.9 (finite differences, {samples} samples)"
+            ),
+            judgement: Judgement::of(off < 1e-5),
+        }
+    }
+
+    /// The closed form as a line, the measured integrals as points.
+    fn curves(&self, name: &str, rows: &[Row], color: usize) -> [Series; 2] {
+        let exact = (1..=95)
+            .map(|k| 0.02 * f64::from(k))
+            .map(|h| (h, (self.value)(h)))
+            .collect();
+        let points = rows
+            .iter()
+            .map(|row| (row.step_size, row.measured))
+            .collect();
+        [
+            series("", exact, Style::Line, color),
+            series(name, points, Style::Points, color),
+        ]
+    }
 }

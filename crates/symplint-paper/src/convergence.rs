@@ -184,7 +184,7 @@ fn grows(case: &Case, rows: &[Row], most: usize) -> Claim {
         .fold(0.0, f64::max);
     let below = (rows.iter()).all(|row| row.bound.is_none_or(|bound| row.error <= bound));
     /// Rounding of sums.
-    const ADDED: f64 = 1e-9;
+    const MAX_ROUNDING_ERROR: f64 = 1e-9;
     /// β(r) of kinks.
     const ORDER: f64 = 1.5;
     let says = match case.bound {
@@ -207,8 +207,10 @@ fn grows(case: &Case, rows: &[Row], most: usize) -> Claim {
         ),
         // A bound holds or not, however fast the error falls.
         match (case.bound, rate) {
-            (Some(_), _) => Judgement::of(share < 1.0 + ADDED && below),
-            (None, Some(rate)) => Judgement::of(share < 1.0 + ADDED && -rate > ORDER - 0.1),
+            (Some(_), _) => Judgement::of(share < 1.0 + MAX_ROUNDING_ERROR && below),
+            (None, Some(rate)) => {
+                Judgement::of(share < 1.0 + MAX_ROUNDING_ERROR && -rate > ORDER - 0.1)
+            }
             (None, None) => Judgement::Unresolved,
         },
     )

@@ -7,21 +7,21 @@
 use super::claim::Judgement;
 use super::sweep::Line;
 
-/// Plasma oscillations, of period 2π/ω_p = 2π, that a run must last to say anything about drift.
-const FEWEST_PERIODS: f64 = 20.0;
+/// Least length of a run that shows a drift, in plasma oscillations of period 2π/ω_p = 2π.
+const MIN_PERIODS: f64 = 20.0;
 
-/// A smaller rise than this, relative to the energy, is no drift: a hundredth of what a two-stream instability
+/// Largest rise, relative to the energy, that is not a drift: a hundredth of what a two-stream instability
 /// moves between particles and field, and several times what the error wanders with linear splines.
-pub const DRIFT: f64 = 1e-3;
+pub const MAX_STEADY_RISE: f64 = 1e-3;
 
-/// An energy that is ever farther off than this is not conserved well.
-const WELL: f64 = 1e-2;
+/// Largest error of an energy that is conserved well.
+const MAX_GOOD_ERROR: f64 = 1e-2;
 
 /// Blocks, longer than the oscillations, whose means are about independent.
 pub const BLOCKS: usize = 10;
 
-/// A rise by so many standard errors stands out.
-const STANDS_OUT: f64 = 4.0;
+/// Least standard errors of a rise that stands out.
+const MIN_STANDARD_ERRORS: f64 = 4.0;
 
 /// Where the error of an energy tends.
 pub struct Drift {
@@ -60,15 +60,15 @@ impl Drift {
     /// Well on average: close throughout, and without drift.
     pub fn judgement(&self, until: f64) -> Judgement {
         let periods = until / std::f64::consts::TAU;
-        let judgement = if self.worst >= WELL {
+        let judgement = if self.worst >= MAX_GOOD_ERROR {
             Judgement::DoesNotHold
-        } else if self.rise.abs() <= DRIFT {
+        } else if self.rise.abs() <= MAX_STEADY_RISE {
             Judgement::Holds
         } else {
             // So large a rise that may be chance is neither drift nor none.
-            Judgement::DoesNotHold.if_resolved(self.rise.abs() > STANDS_OUT * self.error)
+            Judgement::DoesNotHold.if_resolved(self.rise.abs() > MIN_STANDARD_ERRORS * self.error)
         };
-        judgement.if_resolved(periods >= FEWEST_PERIODS && self.rise.is_finite())
+        judgement.if_resolved(periods >= MIN_PERIODS && self.rise.is_finite())
     }
 }
 
@@ -144,7 +144,7 @@ mod tests {
         let drift = Drift::of(&errors);
         let expected = 16_000.0 * h.powi(4) / 4.0;
         assert!((drift.rise / expected - 1.0).abs() < 0.01, "{}", drift.rise);
-        assert!(drift.worst < WELL);
+        assert!(drift.worst < MAX_GOOD_ERROR);
         assert_eq!(drift.judgement(480.0), Judgement::DoesNotHold);
     }
 }

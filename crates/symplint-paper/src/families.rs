@@ -8,7 +8,7 @@ use symplint_report::run_folder::RunFolder;
 use super::claim::{Claim, Judgement, Origin};
 use super::error::PaperError;
 use super::item::Item;
-use super::pic::{MOST_PARTICLES, SEED, plasma};
+use super::pic::{MAX_PARTICLES, SEED, plasma};
 use super::settings::{Key, Settings};
 use super::sweep::step_of;
 
@@ -17,7 +17,7 @@ pub const ITEM: Item = Item {
     title: "particle-in-cell: B-splines against C⁰ Lagrange shapes (conclusion)",
     cost: "1 s",
     keys: &[
-        Key::whole_between("particles", 2, (1, MOST_PARTICLES), "number of particles"),
+        Key::whole_between("particles", 2, (1, MAX_PARTICLES), "number of particles"),
         SEED,
     ],
     check: None,

@@ -34,8 +34,8 @@ pub const ITEM: Item = Item {
 /// Times, in steps, at which the loop is drawn.
 const SNAPSHOTS: [usize; 4] = [0, 20, 60, 120];
 
-/// A step below this is small: the pendulum's period is above 2π.
-const SMALL_STEP: f64 = 0.2;
+/// Largest small step: the pendulum's period is above 2π.
+const MAX_SMALL_STEP: f64 = 0.2;
 
 fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError> {
     let h = settings.number("step_size");
@@ -132,7 +132,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
                 .map_or(Judgement::Unresolved, |width| {
                     Judgement::of((width - 2.0).abs() < 0.1)
                 })
-                .if_resolved(h <= SMALL_STEP),
+                .if_resolved(h <= MAX_SMALL_STEP),
         ),
     ])
 }

@@ -29,8 +29,8 @@ pub const ITEM: Item = Item {
     run,
 };
 
-/// A defect above this can no longer be round-off.
-const LOST: f64 = 1e-12;
+/// Largest defect that can be rounding error.
+const MAX_ROUNDING_ERROR: f64 = 1e-12;
 
 fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError> {
     let trace = Trace {
@@ -51,7 +51,10 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         let circle = Circle::new(vec![centre.0], vec![centre.1], 1.0)?;
         let record = trace.run(&*map, &circle, None)?;
         folder.write_csv(&format!("fig2_{name}.csv"), &record.points)?;
-        let lost = record.points.iter().find(|point| point.defect > LOST);
+        let lost = record
+            .points
+            .iter()
+            .find(|point| point.defect > MAX_ROUNDING_ERROR);
         onset.push(lost.map(|point| point.time));
         let defects = record
             .points

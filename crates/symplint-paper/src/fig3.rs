@@ -63,8 +63,8 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     Ok(claims(&records))
 }
 
-/// So many samples, at least, show where a curve ends.
-const MANY: usize = 1 << 16;
+/// Least number of samples that shows where a curve ends.
+const MIN_SAMPLES_OF_AN_END: usize = 1 << 16;
 
 /// Records of one curve.
 fn curve<'a>(records: &'a [Record], case: &str, integrator: &str, rule: &str) -> Vec<&'a Record> {
@@ -112,7 +112,7 @@ fn claims(records: &[Record]) -> Vec<Claim> {
         "for degree 1 the loop integral saturates about 1e-6",
         format!("Strang {linear:.1e} by finite differences at the most samples"),
         Judgement::of((1e-7..1e-5).contains(&linear))
-            .if_resolved(records.iter().any(|r| r.samples >= MANY)),
+            .if_resolved(records.iter().any(|r| r.samples >= MIN_SAMPLES_OF_AN_END)),
     ));
     claims.push(samples_needed(records));
     for case in CASES.iter().filter(|case| case.degree >= 2) {
@@ -140,11 +140,11 @@ fn claims(records: &[Record]) -> Vec<Claim> {
 
 /// Judges how many samples smooth and rough loops need for round-off.
 fn samples_needed(records: &[Record]) -> Claim {
-    const ROUND_OFF: f64 = 1e-13;
+    const MAX_ROUNDING_ERROR: f64 = 1e-13;
     let needed: Vec<Option<usize>> = (CASES.iter())
         .map(|case| {
             (curve(records, case.title, "Strang", case.rule_name()).iter())
-                .find(|r| r.uncertainty() < ROUND_OFF)
+                .find(|r| r.uncertainty() < MAX_ROUNDING_ERROR)
                 .map(|r| r.samples)
         })
         .collect();
@@ -167,6 +167,6 @@ fn samples_needed(records: &[Record]) -> Claim {
         Judgement::of(needed[0].is_some_and(|smooth| {
             smooth <= 1024 && rough.iter().all(|n| n.is_none_or(|n| n >= 8 * smooth))
         }))
-        .if_resolved(needed[0].is_some() && most >= MANY),
+        .if_resolved(needed[0].is_some() && most >= MIN_SAMPLES_OF_AN_END),
     )
 }

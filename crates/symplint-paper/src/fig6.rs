@@ -5,7 +5,7 @@ use symplint_report::run_folder::RunFolder;
 use super::claim::Claim;
 use super::error::PaperError;
 use super::item::Item;
-use super::pic::{DEGREES, LAMBDA, MOST_PARTICLES, Over, RK2, SEED, STRANG, Setup};
+use super::pic::{DEGREES, LAMBDA, MAX_PARTICLES, RK2, SEED, STRANG, Setup, SweepRange};
 use super::pic_panels::{measure_panels, plain_panels};
 use super::settings::{Key, Settings};
 use super::sweep::doublings;
@@ -16,7 +16,7 @@ pub const ITEM: Item = Item {
     title: "particle-in-cell: defect against the number of samples",
     cost: "9 s",
     keys: &[
-        Key::whole_between("particles", 128, (1, MOST_PARTICLES), "number of particles"),
+        Key::whole_between("particles", 128, (1, MAX_PARTICLES), "number of particles"),
         Key::positive("step_size", 0.1, "h"),
         Key::whole("from", 1 << 6, 3, "fewest samples"),
         Key::whole("to", 1 << 15, 3, "most samples"),
@@ -40,7 +40,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     let step_size = settings.number("step_size");
     let (from, to) = (settings.whole("from"), settings.whole("to"));
     let scaling_to = settings.whole("scaling_to");
-    let over = Over::Samples {
+    let over = SweepRange::Samples {
         counts: doublings(from, to),
         step_size,
     };

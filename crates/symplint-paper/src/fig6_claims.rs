@@ -148,12 +148,12 @@ fn onset(curves: &Curves) -> Claim {
 }
 
 fn cubic_is_cheaper(curves: &Curves) -> Claim {
-    const DIGITS: f64 = 1e-8;
+    const MAX_DEFECT: f64 = 1e-8;
     let needed = |degree: usize| {
         PLASMAS.map(|plasma| {
             // From where on it stays there: a single error may be small by accident.
             (strang(curves, plasma, degree).iter().rev())
-                .take_while(|r| r.rule_error().is_some_and(|error| error.size < DIGITS))
+                .take_while(|r| r.rule_error().is_some_and(|error| error.size < MAX_DEFECT))
                 .last()
                 .map(|r| r.samples)
         })

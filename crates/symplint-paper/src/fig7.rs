@@ -6,7 +6,7 @@ use super::claim::Claim;
 use super::error::PaperError;
 use super::fig7_claims;
 use super::item::Item;
-use super::pic::{DEGREES, LAMBDA, MOST_PARTICLES, Over, RK2, SEED, STRANG, Setup};
+use super::pic::{DEGREES, LAMBDA, MAX_PARTICLES, RK2, SEED, STRANG, Setup, SweepRange};
 use super::pic_panels::{measure_panels, plain_panels};
 use super::settings::{Key, Settings};
 use super::sweep::{chosen_halvings, halvings_to};
@@ -16,7 +16,7 @@ pub const ITEM: Item = Item {
     title: "particle-in-cell: defect against the step size",
     cost: "1 s",
     keys: &[
-        Key::whole_between("particles", 2, (1, MOST_PARTICLES), "number of particles"),
+        Key::whole_between("particles", 2, (1, MAX_PARTICLES), "number of particles"),
         Key::whole("samples", 1 << 15, 3, "samples of the loop"),
         halvings_to(10),
         LAMBDA,
@@ -31,7 +31,7 @@ pub const ITEM: Item = Item {
 fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError> {
     let setup = Setup::read(settings);
     let samples = settings.count("samples");
-    let over = Over::Steps {
+    let over = SweepRange::Steps {
         samples,
         step_sizes: chosen_halvings(settings),
     };

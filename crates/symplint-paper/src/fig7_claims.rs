@@ -12,14 +12,14 @@ use super::true_defect;
 const SAMPLES: usize = 1 << 15;
 const PARTICLES: usize = 2;
 
-/// The paper's step sizes reach from 1/2 down by this factor or more.
-const RANGE: f64 = 100.0;
+/// Least ratio of the largest and the smallest step size of the paper.
+const MIN_STEP_RANGE: f64 = 100.0;
 
 /// Two or three orders of magnitude above machine precision, rounded up to half an order.
-const ORDERS: f64 = 3.5;
+const MAX_ORDERS: f64 = 3.5;
 
-/// A reduction by more than this is not modest.
-const MODEST: f64 = 10.0;
+/// Largest factor of a modest reduction.
+const MAX_MODEST_FACTOR: f64 = 10.0;
 
 /// Judges figure 7.
 pub fn claims(curves: &Curves, setup: &Setup, samples: usize) -> Vec<Claim> {
@@ -60,7 +60,7 @@ fn covers(records: &[Record]) -> bool {
         sizes().fold(0.0, f64::max),
         sizes().fold(f64::INFINITY, f64::min),
     );
-    high >= 0.5 && high >= RANGE * low
+    high >= 0.5 && high >= MIN_STEP_RANGE * low
 }
 
 /// The larger |E| of both plasmas at each step size, the largest step first, known to its round-off.
@@ -107,7 +107,7 @@ fn above_precision(name: &str, strang: [&[Record]; 2]) -> Claim {
     let orders = |defect: f64| (defect / f64::EPSILON).max(1.0).log10();
     let most = (both.iter().map(|p| orders(p.1.size))).fold(0.0, f64::max);
     // From the small steps up, as far as the claim holds.
-    let within = (both.iter().rev()).take_while(|p| orders(p.1.size) <= ORDERS);
+    let within = (both.iter().rev()).take_while(|p| orders(p.1.size) <= MAX_ORDERS);
     let within: Vec<&(f64, Estimate)> = within.collect();
     let from = within.last().map_or("no step size".into(), |p| {
         format!("h = {} down", short_power(p.0))
@@ -119,11 +119,11 @@ fn above_precision(name: &str, strang: [&[Record]; 2]) -> Claim {
              precision"
         ),
         format!(
-            "up to {most:.1} orders above 2.2e-16 at the largest steps; within {ORDERS} from {from}; the true defects \
+            "up to {most:.1} orders above 2.2e-16 at the largest steps; within {MAX_ORDERS} from {from}; the true defects \
              are below {truth:.1e}"
         ),
         Judgement::with_correction(within.len() == both.len(), 2 * within.len() >= both.len())
-            .if_resolved(orders(truth) <= ORDERS),
+            .if_resolved(orders(truth) <= MAX_ORDERS),
     )
 }
 
@@ -147,7 +147,7 @@ fn reduction(name: &str, strang: [&[Record]; 2]) -> Claim {
             factor.1,
             cause(strang)
         ),
-        Judgement::of_interval(factor, (0.0, MODEST)),
+        Judgement::of_interval(factor, (0.0, MAX_MODEST_FACTOR)),
     )
 }
 
@@ -184,8 +184,8 @@ fn clear_pairs(curves: &Curves) -> Vec<(&Record, &Record)> {
         .collect()
 }
 
-/// Fewest step sizes, over both plasmas, that can carry a claim on linear splines.
-const FEWEST: usize = 4;
+/// Least number of step sizes, over both plasmas, for a claim on linear splines.
+const MIN_STEP_SIZES: usize = 4;
 
 fn breaks(curves: &Curves) -> Claim {
     let pairs = clear_pairs(curves);
@@ -204,7 +204,7 @@ fn breaks(curves: &Curves) -> Claim {
     claim(
         "linear: Strang fails to be symplectic".into(),
         text,
-        Judgement::of(largest > 1e-3).if_resolved(pairs.len() >= FEWEST),
+        Judgement::of(largest > 1e-3).if_resolved(pairs.len() >= MIN_STEP_SIZES),
     )
 }
 
@@ -224,6 +224,6 @@ fn indistinguishable(curves: &Curves) -> Claim {
                  and step size where both exceed three times their uncertainty"
             ),
         },
-        Judgement::of(low > 0.5 && high < 2.0).if_resolved(pairs.len() >= FEWEST),
+        Judgement::of(low > 0.5 && high < 2.0).if_resolved(pairs.len() >= MIN_STEP_SIZES),
     )
 }

@@ -13,10 +13,10 @@ use symplint_report::plot::{axis, series};
 use symplint_report::run_folder::RunFolder;
 
 use super::claim::Claim;
-use super::drift::{BLOCKS, DRIFT, Drift};
+use super::drift::{BLOCKS, Drift, MAX_STEADY_RISE};
 use super::error::PaperError;
 use super::item::Item;
-use super::pic::{DEGREES, MOST_PARTICLES, SEED, STRANG};
+use super::pic::{DEGREES, MAX_PARTICLES, SEED, STRANG};
 use super::settings::{Key, SettingError, Settings};
 use super::sweep::step_of;
 
@@ -28,10 +28,10 @@ pub const ITEM: Item = Item {
         Key::whole_between(
             "particles",
             10000,
-            (1, MOST_PARTICLES),
+            (1, MAX_PARTICLES),
             "number of particles",
         ),
-        Key::whole_between("cells", 200, (1, MOST_PARTICLES), "cells"),
+        Key::whole_between("cells", 200, (1, MAX_PARTICLES), "cells"),
         Key::positive("step_size", 0.01, "h of Strang splitting"),
         Key::positive("until", 500.0, "time"),
         STRANG,
@@ -56,7 +56,7 @@ struct Moment {
 const PARTICLES: usize = 10_000;
 const CELLS: usize = 200;
 const STEP_SIZE: f64 = 0.01;
-const UNTIL: f64 = 500.0;
+const END_TIME: f64 = 500.0;
 
 /// Moments recorded of one run.
 const MOMENTS: usize = 2000;
@@ -102,7 +102,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             format!("{name} interpolation: energy is conserved well on average"),
             format!(
                 "relative error {:+.1e} on average and at most {:.1e} until t = {}; its straight line rises by \
-                 {:+.1e} (± {:.1e}, from {BLOCKS} block means) in that time, a drift being more than {DRIFT:.0e} of the \
+                 {:+.1e} (± {:.1e}, from {BLOCKS} block means) in that time, a drift being more than {MAX_STEADY_RISE:.0e} of the \
                  energy; field and particles exchange {:.0}% of it",
                 drift.mean,
                 drift.worst,
@@ -128,8 +128,8 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     Ok(claims)
 }
 
-/// Updates of a particle or a cell at most: some two hundred times the paper's run, hours.
-const MOST_UPDATES: f64 = 1e11;
+/// Most updates of a particle or a cell: some two hundred times the paper's run, hours.
+const MAX_UPDATES: f64 = 1e11;
 
 fn check(settings: &Settings) -> Result<(), SettingError> {
     chosen_steps(settings).map(|_| ())
@@ -144,7 +144,7 @@ fn chosen_steps(settings: &Settings) -> Result<usize, SettingError> {
 /// The number of steps, if it is one that ends.
 fn steps_until(until: f64, h: f64, updates_per_step: usize) -> Result<usize, SettingError> {
     let steps = (until / h).round().max(1.0);
-    let most = (MOST_UPDATES / updates_per_step as f64).floor();
+    let most = (MAX_UPDATES / updates_per_step as f64).floor();
     // Not `steps > most`: a quotient that overflows is none either.
     if !matches!(
         steps.partial_cmp(&most),
@@ -154,7 +154,7 @@ fn steps_until(until: f64, h: f64, updates_per_step: usize) -> Result<usize, Set
         let remedies = [
             (
                 "until",
-                until / UNTIL,
+                until / END_TIME,
                 format!("give until = {:.4e} or less", most * h),
             ),
             (

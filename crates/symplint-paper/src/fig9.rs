@@ -7,9 +7,9 @@ use super::error::PaperError;
 use super::fig9_claims::{self, PASSES, filtered};
 use super::item::Item;
 use super::pic::{
-    Curves, DEGREES, INTEGRATORS, LAMBDA, MOST_PARTICLES, Over, RK2, SEED, STRANG, Setup,
+    Curves, DEGREES, INTEGRATORS, LAMBDA, MAX_PARTICLES, RK2, SEED, STRANG, Setup, SweepRange,
 };
-use super::pic_panels::{PanelOf, measure_panels};
+use super::pic_panels::{PanelCases, measure_panels};
 use super::settings::{Key, Settings};
 use super::sweep::{chosen_halvings, doublings, halvings_to};
 
@@ -18,7 +18,7 @@ pub const ITEM: Item = Item {
     title: "particle-in-cell with binary filtering",
     cost: "1 s",
     keys: &[
-        Key::whole_between("particles", 2, (1, MOST_PARTICLES), "number of particles"),
+        Key::whole_between("particles", 2, (1, MAX_PARTICLES), "number of particles"),
         Key::whole("samples", 1 << 15, 3, "samples of the loop"),
         halvings_to(10),
         Key::positive(
@@ -38,16 +38,16 @@ pub const ITEM: Item = Item {
 fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError> {
     let setup = Setup::read(settings);
     let samples = settings.count("samples");
-    let over_steps = Over::Steps {
+    let over_steps = SweepRange::Steps {
         samples,
         step_sizes: chosen_halvings(settings),
     };
-    let over_samples = Over::Samples {
+    let over_samples = SweepRange::Samples {
         counts: doublings(64, samples as u64),
         step_size: settings.number("step_size"),
     };
-    let panels: Vec<PanelOf> = (DEGREES[..2].iter())
-        .map(|&(degree, name)| PanelOf {
+    let panels: Vec<PanelCases> = (DEGREES[..2].iter())
+        .map(|&(degree, name)| PanelCases {
             title: format!("two-stream, {name} interpolation"),
             cases: PASSES.map(|passes| filtered(degree, passes)).to_vec(),
             reference: None,

@@ -25,14 +25,14 @@ pub fn filtered(degree: usize, passes: u32) -> Case {
     }
 }
 
-/// A reduction by up to this factor is slight.
-const SLIGHT: f64 = 10.0;
+/// Largest factor of a slight reduction.
+const MAX_SLIGHT_FACTOR: f64 = 10.0;
 
-/// A change of a defect by less than this part is almost none.
-const ALMOST_NONE: f64 = 0.5;
+/// Largest relative change of a defect that is almost none.
+const MAX_SLIGHT_CHANGE: f64 = 0.5;
 
-/// Rates that differ by less than this are the same.
-const SAME_RATE: f64 = 0.25;
+/// Largest difference of rates that are the same.
+const MAX_RATE_DIFFERENCE: f64 = 0.25;
 
 /// Judges figure 9: `steps` over the step size, `counts` over the number of samples.
 pub fn claims(
@@ -124,7 +124,7 @@ fn linear(steps: &Curves) -> Claim {
                 "; {low:.2} to {high:.2} of it is left after four passes at every step size where both exceed \
                  three times their uncertainty"
             ),
-            Judgement::with_correction(low > 1.0 - ALMOST_NONE, low > 0.1),
+            Judgement::with_correction(low > 1.0 - MAX_SLIGHT_CHANGE, low > 0.1),
         ),
         None => (
             "; too few of them exceed three times their uncertainty".into(),
@@ -148,7 +148,7 @@ fn reduced(name: &str, errors: Option<[Estimate; 3]>) -> Claim {
             "largest defect of Strang, all of it quadrature error by the piecewise rule: {}",
             errors_text(errors)
         ),
-        Judgement::of_interval(factor(errors), (1.0, SLIGHT))
+        Judgement::of_interval(factor(errors), (1.0, MAX_SLIGHT_FACTOR))
             .or_corrected(Judgement::of_interval(factor(errors), (1.0, f64::INFINITY))),
     )
 }
@@ -159,7 +159,8 @@ fn analogous(quadratic: Option<[Estimate; 3]>, cubic: Option<[Estimate; 3]>) -> 
     let ratio = (of_quadratic.0 / of_cubic.1, of_quadratic.1 / of_cubic.0);
     let both_smaller = [of_quadratic, of_cubic].map(|f| Judgement::of_interval(f, more));
     let judgement = if both_smaller == [Judgement::Holds; 2] {
-        Judgement::of_interval(ratio, (1.0 / SLIGHT, SLIGHT)).or_corrected(Judgement::Holds)
+        Judgement::of_interval(ratio, (1.0 / MAX_SLIGHT_FACTOR, MAX_SLIGHT_FACTOR))
+            .or_corrected(Judgement::Holds)
     } else if both_smaller.contains(&Judgement::DoesNotHold) {
         Judgement::DoesNotHold
     } else {
@@ -193,7 +194,7 @@ fn faster(counts: &Curves, degree: usize, name: &str) -> Claim {
     let most = gains.iter().copied().fold(0.0, f64::max);
     let judgement = match rates {
         [Some(plain), _, Some(filtered)] => {
-            Judgement::with_correction(filtered < plain - SAME_RATE, least > 1.0)
+            Judgement::with_correction(filtered < plain - MAX_RATE_DIFFERENCE, least > 1.0)
         }
         _ => Judgement::Unresolved,
     };

@@ -81,8 +81,8 @@ pub fn circle_round(p0: f64) -> Result<Circle, PaperError> {
     Ok(Circle::new(vec![PI], vec![p0], 1.0)?)
 }
 
-/// What one panel shows, and what was measured for it.
-pub struct Swept {
+/// The curves of one panel and their points.
+pub struct PanelCurves {
     /// One curve for each of [`INTEGRATORS`], by the paper's rule.
     pub curves: Vec<Series>,
     /// The uncertainty of both.
@@ -98,7 +98,7 @@ pub fn sweep_case(
     cutoffs: Cutoffs,
     sweep: impl Fn(&Sweep<'_>) -> Result<Vec<Record>, PaperError>,
     at: fn(&Record) -> (f64, f64),
-) -> Result<Swept, PaperError> {
+) -> Result<PanelCurves, PaperError> {
     let system = pendulum(case.degree)?;
     let (mut curves, mut drawn, mut records) = (Vec::new(), Vec::new(), Vec::new());
     for (index, (label, name, variant)) in INTEGRATORS.into_iter().enumerate() {
@@ -119,7 +119,7 @@ pub fn sweep_case(
             records.extend(points);
         }
     }
-    Ok(Swept {
+    Ok(PanelCurves {
         curves,
         uncertainty: uncertainty(&drawn, at),
         records,

@@ -35,8 +35,8 @@ pub const ITEM: Item = Item {
 const COARSEST: i32 = 2;
 const FINEST: i32 = 5;
 
-/// Rounding errors of some thousand steps, relative to the integral.
-const ROUNDOFF: f64 = 1e-11;
+/// Largest rounding error of some thousand steps, relative to the integral.
+const MAX_ROUNDING_ERROR: f64 = 1e-11;
 
 /// Steps of one loop, at the largest step size and at the smallest one.
 const STEPS: [f64; 2] = [10.0, 1e6];
@@ -67,7 +67,7 @@ struct Row {
 }
 
 /// The loop of one method at one step size: its defect after one step, and at about 200 times.
-struct Followed {
+struct LoopHistory {
     h: f64,
     first: f64,
     /// The largest of how far off a defect may be.
@@ -75,7 +75,7 @@ struct Followed {
     over_time: Vec<(f64, f64)>,
 }
 
-impl Followed {
+impl LoopHistory {
     fn largest(&self) -> f64 {
         self.over_time
             .iter()
@@ -85,7 +85,7 @@ impl Followed {
 
     /// Whether samples resolve the loop all the time: to a part of what one step changes, or to round-off.
     fn is_resolved(&self) -> bool {
-        self.uncertainty < 0.1 * self.first.max(ROUNDOFF)
+        self.uncertainty < 0.1 * self.first.max(MAX_ROUNDING_ERROR)
     }
 
     /// The defect at the end by the straight line through all times, over the largest: 1 where it grows steadily.
@@ -125,7 +125,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     let [trapezoidal, averaged, strang, staggered, runge_kutta] = &found[..] else {
         unreachable!("five methods");
     };
-    let resolved = found.iter().flatten().all(Followed::is_resolved);
+    let resolved = found.iter().flatten().all(LoopHistory::is_resolved);
     let claims = [
         one_step(trapezoidal),
         bounded(
@@ -144,7 +144,7 @@ fn follow(
     phase_loop: &Circle,
     samples: usize,
     (h, time): (f64, f64),
-) -> Result<Followed, PaperError> {
+) -> Result<LoopHistory, PaperError> {
     /// Times at which the loop is integrated.
     const TIMES: usize = 200;
     let steps = (time / h).round().max(1.0) as usize;
@@ -166,7 +166,7 @@ fn follow(
             }
         }
     }
-    Ok(Followed {
+    Ok(LoopHistory {
         h,
         first,
         uncertainty,
@@ -175,12 +175,12 @@ fn follow(
 }
 
 /// Order of what `of` takes of each step size.
-fn order(found: &[Followed], of: impl Fn(&Followed) -> f64) -> Option<Line> {
+fn order(found: &[LoopHistory], of: impl Fn(&LoopHistory) -> f64) -> Option<Line> {
     let points: Vec<(f64, f64)> = found.iter().map(|one| (one.h, of(one))).collect();
     power_law_line(&points)
 }
 
-fn one_step(found: &[Followed]) -> Claim {
+fn one_step(found: &[LoopHistory]) -> Claim {
     let line = order(found, |one| one.first);
     Claim::of_paper(
         ITEM.id,
@@ -197,8 +197,8 @@ fn one_step(found: &[Followed]) -> Claim {
 }
 
 /// Bounded by h² over the whole time, where Runge–Kutta grows.
-fn bounded(who: &str, found: &[Followed], growing: &[Followed]) -> Claim {
-    let line = order(found, Followed::largest);
+fn bounded(who: &str, found: &[LoopHistory], growing: &[LoopHistory]) -> Claim {
+    let line = order(found, LoopHistory::largest);
     let (last, last_growing) = (&found[found.len() - 1], &growing[growing.len() - 1]);
     let told_apart = last_growing.growth() > 0.8;
     Claim::of_paper(
@@ -228,8 +228,8 @@ fn bounded(who: &str, found: &[Followed], growing: &[Followed]) -> Claim {
 }
 
 /// Staggered leapfrog is Strang splitting between two half kicks. Kicks are symplectic, and so it is itself.
-fn leapfrog(strang: &[Followed], staggered: &[Followed]) -> Claim {
-    let worst = |found: &[Followed]| {
+fn leapfrog(strang: &[LoopHistory], staggered: &[LoopHistory]) -> Claim {
+    let worst = |found: &[LoopHistory]| {
         (found.iter().map(|one| one.largest().max(one.first))).fold(0.0, f64::max)
     };
     let (strang, staggered) = (worst(strang), worst(staggered));
@@ -242,11 +242,11 @@ fn leapfrog(strang: &[Followed], staggered: &[Followed]) -> Claim {
              the loop integral of staggered states changes by at most {staggered:.0e} up to the end, that of Strang \
              splitting by {strang:.0e}"
         ),
-        Judgement::with_correction(staggered > ROUNDOFF, strang < ROUNDOFF),
+        Judgement::with_correction(staggered > MAX_ROUNDING_ERROR, strang < MAX_ROUNDING_ERROR),
     )
 }
 
-fn panel(name: &str, found: &[Followed]) -> Panel {
+fn panel(name: &str, found: &[LoopHistory]) -> Panel {
     let drawn = (found.iter().enumerate()).map(|(k, followed)| {
         let curve = (followed.over_time.iter()).map(|&(time, defect)| (time, defect.abs()));
         let label = format!("h = {}", short_power(followed.h));

@@ -5,14 +5,14 @@ use symplint_report::run_folder::RunFolder;
 
 use super::claim::{Claim, Judgement};
 use super::error::PaperError;
-use super::pic::{Case, Over, PLASMAS, Setup};
+use super::pic::{Case, PLASMAS, Setup, SweepRange};
 use super::sweep::{doublings, line_text, power_law_line};
 
 /// Numbers of particles; so few that λ = 1000 finds all their jumps with the samples below.
 const PARTICLES: [usize; 4] = [2, 4, 8, 16];
 
-/// Fewest samples.
-const FROM: u64 = 1 << 13;
+/// Least number of samples.
+const MIN_SAMPLES: u64 = 1 << 13;
 
 /// The paper's choice, for which it expects four to five digits.
 const PAPER_SAMPLES: usize = 1 << 15;
@@ -26,8 +26,8 @@ struct Row {
     omitted_cells: Option<usize>,
 }
 
-/// What was found for one plasma and number of particles.
-struct Found {
+/// How the error of one plasma and number of particles scales with samples.
+struct ErrorScaling {
     /// The factor of 1/N_s in the error; none where the jumps are not all left out.
     factor: Option<f64>,
     /// The error of the paper's number of samples, against the most samples.
@@ -41,8 +41,8 @@ pub fn claims(
     to: u64,
     folder: &RunFolder,
 ) -> Result<Vec<Claim>, PaperError> {
-    let over = Over::Samples {
-        counts: doublings(FROM, to.max(FROM)),
+    let over = SweepRange::Samples {
+        counts: doublings(MIN_SAMPLES, to.max(MIN_SAMPLES)),
         step_size: h,
     };
     let mut rows = Vec::new();
@@ -74,9 +74,9 @@ pub fn claims(
     Ok(vec![growth(&found), digits(&found)])
 }
 
-fn error_of(rows: &[Row]) -> Found {
+fn error_of(rows: &[Row]) -> ErrorScaling {
     let Some(last) = rows.last() else {
-        return Found {
+        return ErrorScaling {
             factor: None,
             error: None,
         };
@@ -93,7 +93,7 @@ fn error_of(rows: &[Row]) -> Found {
         .collect();
     let mean = factors.iter().sum::<f64>() / factors.len() as f64;
     let chosen = (settled.iter()).find(|row| row.samples == PAPER_SAMPLES);
-    Found {
+    ErrorScaling {
         factor: (factors.len() >= 2).then_some(mean),
         error: chosen
             .filter(|row| last.samples >= 4 * row.samples)
@@ -101,7 +101,7 @@ fn error_of(rows: &[Row]) -> Found {
     }
 }
 
-fn growth(found: &[(&'static str, usize, Found)]) -> Claim {
+fn growth(found: &[(&'static str, usize, ErrorScaling)]) -> Claim {
     let mut texts = Vec::new();
     let mut rates = Vec::new();
     for plasma in PLASMAS {
@@ -135,8 +135,8 @@ fn growth(found: &[(&'static str, usize, Found)]) -> Claim {
     )
 }
 
-/// How far the exponent of what grows as N_p may be from 1.
-const EXPONENT: f64 = 0.25;
+/// Largest distance from 1 of the exponent of an error that grows as N_p.
+const MAX_EXPONENT_ERROR: f64 = 0.25;
 
 /// Whether both exponents, each somewhere in an interval, are about 1.
 fn linear_growth([a, b]: [(f64, f64); 2]) -> Judgement {
@@ -149,10 +149,11 @@ fn linear_growth([a, b]: [(f64, f64); 2]) -> Judgement {
         }
     };
     // Slower growth keeps to the bound O(N_p/N_s), but is no scaling like it.
-    both((1.0 - EXPONENT, 1.0 + EXPONENT)).or_corrected(both((f64::NEG_INFINITY, 1.0)))
+    both((1.0 - MAX_EXPONENT_ERROR, 1.0 + MAX_EXPONENT_ERROR))
+        .or_corrected(both((f64::NEG_INFINITY, 1.0)))
 }
 
-fn digits(found: &[(&'static str, usize, Found)]) -> Claim {
+fn digits(found: &[(&'static str, usize, ErrorScaling)]) -> Claim {
     let errors: Vec<Option<f64>> = (found.iter())
         .filter(|(_, particles, _)| *particles == 2)
         .map(|(.., found)| found.error)

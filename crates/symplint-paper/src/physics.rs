@@ -16,7 +16,7 @@ use symplint_report::run_folder::RunFolder;
 use super::claim::{Claim, Judgement, Origin};
 use super::error::PaperError;
 use super::item::Item;
-use super::pic::MOST_PARTICLES;
+use super::pic::MAX_PARTICLES;
 use super::settings::{Key, Settings};
 use super::sweep::{least_squares, step_of};
 
@@ -28,19 +28,19 @@ pub const ITEM: Item = Item {
         Key::whole_between(
             "cold_particles",
             1024,
-            (100, MOST_PARTICLES),
+            (100, MAX_PARTICLES),
             "number of particles of the cold plasma",
         ),
         Key::whole_between(
             "landau_particles",
             40000,
-            (100, MOST_PARTICLES),
+            (100, MAX_PARTICLES),
             "number of particles of the Landau-damped plasma",
         ),
         Key::whole_between(
             "beam_particles",
             4096,
-            (100, MOST_PARTICLES),
+            (100, MAX_PARTICLES),
             "number of particles of both beams together",
         ),
     ],
@@ -59,7 +59,7 @@ pub struct Wave {
 /// Spline degree, cells and step size of all runs.
 const DEGREE: usize = 3;
 const CELLS: usize = 64;
-const STEP: f64 = 0.05;
+const STEP_SIZE: f64 = 0.05;
 
 /// Advances a quiet start and records the wave.
 fn run_wave(length: f64, x: Vec<f64>, v: Vec<f64>, until: f64) -> Result<Wave, PaperError> {
@@ -86,13 +86,13 @@ fn run_wave(length: f64, x: Vec<f64>, v: Vec<f64>, until: f64) -> Result<Wave, P
         times: Vec::new(),
         amplitudes: Vec::new(),
     };
-    for step in 0..=(until / STEP).round() as usize {
+    for step in 0..=(until / STEP_SIZE).round() as usize {
         if step > 0 {
-            state.advance(&*map, STEP)?;
+            state.advance(&*map, STEP_SIZE)?;
         }
         let q = state.q();
         let sum: f64 = (0..x.len()).map(|i| (k * q.row(i)[0]).cos()).sum();
-        wave.times.push(step as f64 * STEP);
+        wave.times.push(step as f64 * STEP_SIZE);
         wave.amplitudes.push(2.0 * sum / x.len() as f64);
     }
     Ok(wave)
@@ -186,8 +186,8 @@ const OMEGA_P: f64 = 1.0;
 const LANDAU_RATE: f64 = -0.153_359_466_909;
 const TWO_STREAM_RATE: f64 = 0.353_553_390_593;
 
-/// Of so many moments one carries a marker.
-const MARKED: usize = 16;
+/// Moments for each marker.
+const MOMENTS_PER_MARKER: usize = 16;
 
 #[derive(Serialize)]
 struct Row {
@@ -246,7 +246,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             series("measured", sizes, Style::Line, 0)
         } else {
             // A line would hide the theory, which it meets everywhere.
-            let some = points.iter().copied().step_by(MARKED).collect();
+            let some = points.iter().copied().step_by(MOMENTS_PER_MARKER).collect();
             series("measured", some, Style::Points, 0)
         };
         let mut drawn = vec![measured];

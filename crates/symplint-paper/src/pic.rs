@@ -26,8 +26,8 @@ pub const RK2: Key = Key::choice(
     "as in the published code; \"midpoint\" is the other one",
 );
 
-/// Particles at most.
-pub const MOST_PARTICLES: u64 = 1 << 24;
+/// Most particles.
+pub const MAX_PARTICLES: u64 = 1 << 24;
 
 /// The paper's two plasmas.
 pub const PLASMAS: [&str; 2] = ["Landau", "two-stream"];
@@ -97,8 +97,8 @@ pub struct Case {
     pub passes: u32,
 }
 
-/// What is varied.
-pub enum Over {
+/// The step sizes or numbers of samples of a sweep.
+pub enum SweepRange {
     /// The step size.
     Steps {
         /// N_s.
@@ -180,7 +180,7 @@ impl Setup {
         &self,
         case: Case,
         integrator: &'static str,
-        over: &Over,
+        over: &SweepRange,
     ) -> Result<Curve, PaperError> {
         let plasma = plasma(
             case.plasma,
@@ -206,11 +206,11 @@ impl Setup {
             },
         };
         let mut records = match over {
-            Over::Steps {
+            SweepRange::Steps {
                 samples,
                 step_sizes,
             } => sweep.over_steps(*samples, step_sizes)?,
-            Over::Samples { counts, step_size } => sweep.over_samples(counts, *step_size)?,
+            SweepRange::Samples { counts, step_size } => sweep.over_samples(counts, *step_size)?,
         };
         if case.degree > 1 && integrator == "Strang" {
             true_defect::measure(&*map, &plasma.circle, &mut records)?;

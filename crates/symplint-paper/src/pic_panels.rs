@@ -4,12 +4,12 @@ use symplint_report::figure::{Axis, Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, error_axis, reference_slope, series, step_axis};
 
 use super::error::PaperError;
-use super::pic::{Case, Curves, INTEGRATORS, Over, PLASMAS, Setup};
+use super::pic::{Case, Curves, INTEGRATORS, PLASMAS, Setup, SweepRange};
 use super::sweep::Record;
 use super::uncertainty::uncertainty;
 
 /// A panel: curves of both integrators for each case in it.
-pub struct PanelOf {
+pub struct PanelCases {
     /// Title.
     pub title: String,
     /// The cases, which differ in the passes of the filter.
@@ -22,14 +22,14 @@ pub struct PanelOf {
 pub fn plain_panels(
     degrees: impl IntoIterator<Item = usize>,
     reference: impl Fn(usize) -> Option<(f64, &'static str)>,
-) -> Vec<PanelOf> {
+) -> Vec<PanelCases> {
     let panel = |plasma, degree| {
         let case = Case {
             plasma,
             degree,
             passes: 0,
         };
-        PanelOf {
+        PanelCases {
             title: case.name(),
             cases: vec![case],
             reference: reference(degree),
@@ -43,8 +43,8 @@ pub fn plain_panels(
 /// Measures all panels and draws them, two in a row, with one legend.
 pub fn measure_panels(
     setup: &Setup,
-    panels: &[PanelOf],
-    over: &Over,
+    panels: &[PanelCases],
+    over: &SweepRange,
 ) -> Result<(Curves, Figure), PaperError> {
     let mut curves = Curves(Vec::new());
     let mut drawn = Vec::new();
@@ -62,7 +62,7 @@ pub fn measure_panels(
 
 /// The points of linear splines at which jumps stay in the sum, so that nobody knows how far off it is: where
 /// curves bend there, it is the rule that does.
-fn unknown(panel: &PanelOf, curves: &Curves, at: PointOf) -> Vec<(f64, f64)> {
+fn unknown(panel: &PanelCases, curves: &Curves, at: Place) -> Vec<(f64, f64)> {
     let records = (panel.cases.iter())
         .flat_map(|&case| INTEGRATORS.map(|integrator| curves.of(case, integrator)));
     (records.flatten())
@@ -75,12 +75,12 @@ fn unknown(panel: &PanelOf, curves: &Curves, at: PointOf) -> Vec<(f64, f64)> {
 const BLACK_CROSS: usize = 34;
 
 /// Where a record lies in a panel.
-type PointOf = fn(&Record) -> (f64, f64);
+type Place = fn(&Record) -> (f64, f64);
 
-fn draw(panel: &PanelOf, curves: &Curves, over: &Over) -> Panel {
-    let (x, variable, at): (Axis, &str, PointOf) = match over {
-        Over::Steps { .. } => (step_axis(), "h", Record::over_step),
-        Over::Samples { .. } => (axis("samples Nₛ", Scale::Log2), "Nₛ", Record::over_samples),
+fn draw(panel: &PanelCases, curves: &Curves, over: &SweepRange) -> Panel {
+    let (x, variable, at): (Axis, &str, Place) = match over {
+        SweepRange::Steps { .. } => (step_axis(), "h", Record::over_step),
+        SweepRange::Samples { .. } => (axis("samples Nₛ", Scale::Log2), "Nₛ", Record::over_samples),
     };
     let points = |case: Case, integrator: &str| -> Vec<(f64, f64)> {
         curves.of(case, integrator).iter().map(at).collect()

@@ -41,7 +41,7 @@ pub enum Kind {
 }
 
 /// Doubles represent every whole number up to 2^53, and round some beyond.
-const MOST_WHOLE: u64 = 9_000_000_000_000_000;
+const MAX_WHOLE: u64 = 9_000_000_000_000_000;
 
 impl Key {
     /// A setting that takes a finite number.
@@ -58,7 +58,7 @@ impl Key {
 
     /// A setting that takes a whole number of at least `least`.
     pub const fn whole(name: &'static str, default: u64, least: u64, help: &'static str) -> Self {
-        Key::whole_between(name, default, (least, MOST_WHOLE), help)
+        Key::whole_between(name, default, (least, MAX_WHOLE), help)
     }
 
     /// A setting that takes a whole number from `least` to `most`.
@@ -152,7 +152,7 @@ impl std::fmt::Display for Value {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             // Not hundreds of zeros.
-            Value::Number(number) if number.abs() > MOST_WHOLE as f64 => write!(f, "{number:e}"),
+            Value::Number(number) if number.abs() > MAX_WHOLE as f64 => write!(f, "{number:e}"),
             Value::Number(number) => write!(f, "{number}"),
             Value::Word(word) => write!(f, "\"{word}\""),
         }

@@ -101,7 +101,7 @@ pub struct Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    /// Over step sizes at a fixed number of samples.
+    /// SweepRange step sizes at a fixed number of samples.
     pub fn over_steps(
         &self,
         samples: usize,
@@ -110,7 +110,7 @@ impl Sweep<'_> {
         self.run(samples, step_sizes, None)
     }
 
-    /// Over the number of samples at a fixed step size.
+    /// SweepRange the number of samples at a fixed step size.
     pub fn over_samples(
         &self,
         counts: &[usize],
@@ -188,9 +188,9 @@ pub fn halvings(from: i32, to: i32) -> Vec<f64> {
 /// The setting of the smallest step size, 2^-`default` unless it is set.
 pub const fn halvings_to(default: u64) -> Key {
     /// A step of 2^-40 changes no state by more than its round-off.
-    const MOST: u64 = 40;
+    const MAX_HALVINGS: u64 = 40;
     let help = "step sizes 2^-1 … 2^-halvings";
-    Key::whole_between("halvings", default, (2, MOST), help)
+    Key::whole_between("halvings", default, (2, MAX_HALVINGS), help)
 }
 
 /// 2^-1, 2^-2, …, down to what [`halvings_to`] says.
@@ -236,11 +236,11 @@ pub fn order_text(fit: Option<&Fit>) -> String {
     }
 }
 
-/// Fewest points of a trend.
-const FEWEST_POINTS: usize = 4;
+/// Least number of points of a trend.
+const MIN_TREND_POINTS: usize = 4;
 
-/// The range of a trend, last abscissa over first, at least.
-const NARROWEST: f64 = 8.0;
+/// Least ratio of the last and the first abscissa of a trend.
+const MIN_TREND_RANGE: f64 = 8.0;
 
 /// Least-squares line, in log–log, through what lies above round-off: single doublings are noisy. `None`
 /// with fewer than four points or less than a factor of eight between them, which make no trend.
@@ -252,7 +252,7 @@ pub fn power_law_line(curve: &[(f64, f64)]) -> Option<Line> {
     let (low, high) = (points.iter()).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| {
         (l.min(p.0), h.max(p.0))
     });
-    (points.len() >= FEWEST_POINTS && high - low > 0.99 * NARROWEST.ln())
+    (points.len() >= MIN_TREND_POINTS && high - low > 0.99 * MIN_TREND_RANGE.ln())
         .then(|| Line::through(&points))
 }
 

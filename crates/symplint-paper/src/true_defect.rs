@@ -22,8 +22,8 @@ pub struct TrueDefect {
     pub error: f64,
 }
 
-/// With so many degrees of freedom a loop is cheap enough to be cut up twice.
-const FEW: usize = 16;
+/// Most degrees of freedom of a loop that is cheap enough to be cut twice.
+const MAX_DOF_OF_TWO_CUTS: usize = 16;
 
 /// Measures the true defect of every record, once for each step size.
 pub fn measure(
@@ -51,7 +51,7 @@ fn of_step(
     phase_loop: &dyn Loop,
     record: &Record,
 ) -> Result<TrueDefect, PaperError> {
-    let few = phase_loop.dof() <= FEW;
+    let few = phase_loop.dof() <= MAX_DOF_OF_TWO_CUTS;
     // Among the kinks of hundreds of particles, finer differences drown in the round-off of the forces.
     let tolerance = if few { 1e-13 } else { 1e-9 };
     let integral = |pieces| {

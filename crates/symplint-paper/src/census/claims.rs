@@ -3,26 +3,42 @@
 use symplint::VerdictKind;
 
 use super::ITEM;
-use super::judged::Judged;
+use super::scheme_result::SchemeResult;
 use super::schemes::{
     AVERAGED, BORIS_YEE, CRANK_NICOLSON, DIRECT, ECSIM, GEMPIC, LEWIS, LOOSE, NODAL, STAGGERED,
     SUB_STEPPED, TEXTBOOK, YEE_SPLITTING,
 };
 use crate::claim::{Claim, Judgement, Origin};
 
-/// Rounding errors of a run, relative.
-const ROUNDOFF: f64 = 1e-12;
+/// Largest relative change of a conserved quantity that is rounding error.
+const MAX_ROUNDING_ERROR: f64 = 1e-12;
 
-/// An order is told by a slope within so much of it: steps are not small.
-const SLOPE: f64 = 0.4;
+/// Largest distance of a slope from the order of a defect: the steps are not small.
+const MAX_SLOPE_ERROR: f64 = 0.4;
 
-/// Of smaller degrees second derivatives of fields jump, which an order takes for granted.
-const SMOOTH: usize = 4;
+/// Least degree of splines whose fields have the second derivatives that an order needs.
+const MIN_SMOOTH_DEGREE: usize = 4;
 
-/// All of them.
-pub fn claims(rows: &[Judged]) -> Vec<Claim> {
+/// All claims of the census.
+pub fn claims(rows: &[SchemeResult]) -> Vec<Claim> {
     let census = Census(rows);
-    let claims = vec![
+    let groups = [
+        electrostatic,
+        geometric,
+        boris,
+        energy_conserving,
+        charge_conserving,
+    ];
+    let decided = is_decided(rows);
+    (groups.iter().flat_map(|claims| claims(&census)))
+        .chain([headline(&census)])
+        .map(|claim| claim.resolved_if(decided))
+        .collect()
+}
+
+/// Of the textbook scheme and of Lewis' scheme.
+fn electrostatic(census: &Census) -> Vec<Claim> {
+    vec![
         claim(
             "the textbook momentum-conserving scheme is not symplectic, whatever the shape: its force is no gradient. \
              The defect of a step is of order h",
@@ -39,8 +55,9 @@ pub fn claims(rows: &[Judged]) -> Vec<Claim> {
                 census.worst(TEXTBOOK, |row| row.record.momentum_change),
                 census.worst(LEWIS, |row| row.record.momentum_change)
             ),
-            census.all(TEXTBOOK, |row| row.record.momentum_change < ROUNDOFF)
-                && census.all(LEWIS, |row| row.record.momentum_change > 1e-3),
+            census.all(TEXTBOOK, |row| {
+                row.record.momentum_change < MAX_ROUNDING_ERROR
+            }) && census.all(LEWIS, |row| row.record.momentum_change > 1e-3),
         ),
         claim(
             "Lewis' scheme breaks loops with linear charges, whose force is that of the nearest grid point, and is \
@@ -51,6 +68,12 @@ pub fn claims(rows: &[Judged]) -> Vec<Claim> {
                 _ => row.kind == VerdictKind::Symplectic,
             }),
         ),
+    ]
+}
+
+/// Of geometric splittings.
+fn geometric(census: &Census) -> Vec<Claim> {
+    vec![
         claim(
             "the geometric splitting, of finite elements and on the grid of Yee, breaks loops at p = 1 and is symplectic \
              above",
@@ -78,21 +101,31 @@ pub fn claims(rows: &[Judged]) -> Vec<Claim> {
                 .into_iter()
                 .all(|family| census.all(family, |row| row.record.closed_conserved != Some(false))),
         ),
-        claim(
-            "Boris–Yee codes are not symplectic: for smooth fields of order h^3 with Galerkin weighting, h^2 where velocities are staggered, h \
+    ]
+}
+
+/// Of Boris–Yee codes.
+fn boris(census: &Census) -> Vec<Claim> {
+    vec![claim(
+        "Boris–Yee codes are not symplectic: for smooth fields of order h^3 with Galerkin weighting, h^2 where velocities are staggered, h \
              where fields are gathered at nodes",
-            [BORIS_YEE, DIRECT, STAGGERED, NODAL]
-                .map(|family| format!("{family}: {}", census.verdicts(family)))
-                .join("; "),
-            [
-                (BORIS_YEE, 3.0),
-                (DIRECT, 3.0),
-                (STAGGERED, 2.0),
-                (NODAL, 1.0),
-            ]
-            .into_iter()
-            .all(|(family, order)| census.all(family, |row| row.is_of_order_if_smooth(order))),
-        ),
+        [BORIS_YEE, DIRECT, STAGGERED, NODAL]
+            .map(|family| format!("{family}: {}", census.verdicts(family)))
+            .join("; "),
+        [
+            (BORIS_YEE, 3.0),
+            (DIRECT, 3.0),
+            (STAGGERED, 2.0),
+            (NODAL, 1.0),
+        ]
+        .into_iter()
+        .all(|(family, order)| census.all(family, |row| row.is_of_order_if_smooth(order))),
+    )]
+}
+
+/// Of schemes that conserve the energy exactly.
+fn energy_conserving(census: &Census) -> Vec<Claim> {
+    vec![
         claim(
             "schemes that are made to conserve the energy exactly do so to round-off and are not symplectic, for smooth fields of \
              order h^3; ECSIM of order h^2 in a magnetic field",
@@ -111,7 +144,7 @@ pub fn claims(rows: &[Judged]) -> Vec<Claim> {
             .into_iter()
             .all(|(family, order)| {
                 census.all(family, |row| {
-                    row.record.energy_error < ROUNDOFF && row.is_of_order_if_smooth(order)
+                    row.record.energy_error < MAX_ROUNDING_ERROR && row.is_of_order_if_smooth(order)
                 })
             }),
         ),
@@ -126,45 +159,49 @@ pub fn claims(rows: &[Judged]) -> Vec<Claim> {
                 row.kind == VerdictKind::BrokenLoops && row.record.energy_error > 1e-9
             }),
         ),
-        claim(
-            "Gauss' law is conserved by the splittings, by charge-conserving currents and by orbit means, and by no other of these schemes",
-            format!(
-                "to {:.0e}; others {:.0e} and more",
-                CONSERVING
-                    .iter()
-                    .map(|family| census.worst(family, gauss))
-                    .fold(0.0, f64::max),
-                OTHERS
-                    .iter()
-                    .flat_map(|family| census.of(family))
-                    .map(gauss)
-                    .fold(f64::INFINITY, f64::min)
-            ),
+    ]
+}
+
+/// Of Gauss' law.
+fn charge_conserving(census: &Census) -> Vec<Claim> {
+    vec![claim(
+        "Gauss' law is conserved by the splittings, by charge-conserving currents and by orbit means, and by no other of these schemes",
+        format!(
+            "to {:.0e}; others {:.0e} and more",
             CONSERVING
                 .iter()
-                .all(|family| census.all(family, |row| gauss(row) < ROUNDOFF))
-                && OTHERS
-                    .iter()
-                    .all(|family| census.all(family, |row| gauss(row) > 1e-6)),
+                .map(|family| census.worst(family, gauss))
+                .fold(0.0, f64::max),
+            OTHERS
+                .iter()
+                .flat_map(|family| census.of(family))
+                .map(gauss)
+                .fold(f64::INFINITY, f64::min)
         ),
-        headline(&census),
-    ];
-    let decided = is_decided(rows);
-    let claims = claims.into_iter();
-    claims.map(|claim| claim.resolved_if(decided)).collect()
+        CONSERVING
+            .iter()
+            .all(|family| census.all(family, |row| gauss(row) < MAX_ROUNDING_ERROR))
+            && OTHERS
+                .iter()
+                .all(|family| census.all(family, |row| gauss(row) > 1e-6)),
+    )]
 }
 
 const CONSERVING: [&str; 6] = [GEMPIC, YEE_SPLITTING, BORIS_YEE, STAGGERED, NODAL, AVERAGED];
 const OTHERS: [&str; 4] = [DIRECT, CRANK_NICOLSON, SUB_STEPPED, ECSIM];
 
-fn gauss(row: &Judged) -> f64 {
+fn gauss(row: &SchemeResult) -> f64 {
     row.record.gauss_residual.unwrap_or(f64::NAN)
 }
 
 /// Exact energy with a defect, beside exact loops with an energy error that does not grow.
 fn headline(census: &Census<'_>) -> Claim {
-    const SMOOTHEST: usize = 4;
-    let smooth = |family| census.of(family).find(|row| row.record.degree == SMOOTHEST);
+    const SMOOTH_DEGREE: usize = 4;
+    let smooth = |family| {
+        census
+            .of(family)
+            .find(|row| row.record.degree == SMOOTH_DEGREE)
+    };
     let (Some(energy), Some(loops)) = (smooth(CRANK_NICOLSON), smooth(GEMPIC)) else {
         unreachable!("both are in the census");
     };
@@ -180,9 +217,9 @@ fn headline(census: &Census<'_>) -> Claim {
             loops.record.energy_error,
             loops.record.energy_growth
         ),
-        energy.record.energy_error < ROUNDOFF
+        energy.record.energy_error < MAX_ROUNDING_ERROR
             && energy.record.defect > 1e-5
-            && loops.record.defect < ROUNDOFF
+            && loops.record.defect < MAX_ROUNDING_ERROR
             && loops.record.digits.is_some_and(|digits| digits > 11.0)
             && (1e-5..1.0).contains(&loops.record.energy_error)
             && loops.record.energy_growth < 2.0,
@@ -190,19 +227,19 @@ fn headline(census: &Census<'_>) -> Claim {
 }
 
 /// The rows, by family.
-struct Census<'a>(&'a [Judged]);
+struct Census<'a>(&'a [SchemeResult]);
 
 impl<'a> Census<'a> {
-    fn of(&self, family: &'static str) -> impl Iterator<Item = &'a Judged> {
+    fn of(&self, family: &'static str) -> impl Iterator<Item = &'a SchemeResult> {
         self.0.iter().filter(move |row| row.family == family)
     }
 
-    fn all(&self, family: &'static str, holds: impl Fn(&Judged) -> bool) -> bool {
+    fn all(&self, family: &'static str, holds: impl Fn(&SchemeResult) -> bool) -> bool {
         // Nothing holds of no schemes.
         self.of(family).next().is_some() && self.of(family).all(holds)
     }
 
-    fn worst(&self, family: &'static str, of: impl Fn(&Judged) -> f64) -> f64 {
+    fn worst(&self, family: &'static str, of: impl Fn(&SchemeResult) -> f64) -> f64 {
         self.of(family).map(of).fold(0.0, f64::max)
     }
 
@@ -231,25 +268,25 @@ impl<'a> Census<'a> {
     }
 }
 
-impl Judged {
+impl SchemeResult {
     /// Whether loops break at degree 1, and it is not symplectic above, with a defect of this order for smooth fields.
     fn is_of_order_if_smooth(&self, order: f64) -> bool {
         match self.record.degree {
             1 => self.kind == VerdictKind::BrokenLoops,
-            degree if degree < SMOOTH => self.kind == VerdictKind::NotSymplectic,
+            degree if degree < MIN_SMOOTH_DEGREE => self.kind == VerdictKind::NotSymplectic,
             _ => self.is_of_order(order),
         }
     }
 
     /// Whether it is not symplectic, with a defect of this order.
     fn is_of_order(&self, order: f64) -> bool {
-        let near = |slope: f64| (slope - order).abs() < SLOPE;
+        let near = |slope: f64| (slope - order).abs() < MAX_SLOPE_ERROR;
         self.kind == VerdictKind::NotSymplectic && self.record.slope.is_some_and(near)
     }
 }
 
 /// Whether integrals are conserved once breaks are closed.
-fn closed(row: &Judged) -> bool {
+fn closed(row: &SchemeResult) -> bool {
     row.record.closed_conserved == Some(true)
 }
 
@@ -265,6 +302,6 @@ fn claim(says: &str, measured: String, holds: bool) -> Claim {
 }
 
 /// Whether every scheme has a verdict.
-fn is_decided(rows: &[Judged]) -> bool {
+fn is_decided(rows: &[SchemeResult]) -> bool {
     (rows.iter()).all(|row| row.kind != VerdictKind::Undecided)
 }

@@ -3,14 +3,14 @@
 use symplint_report::figure::{Figure, Panel, Scale, Style};
 use symplint_report::plot::{axis, error_axis, reference_slope, series, step_axis, uncertainty};
 
-use super::judged::Judged;
+use super::scheme_result::SchemeResult;
 use super::schemes::{CRANK_NICOLSON, FAMILIES};
 
 /// The shape by which schemes are compared over step sizes: its forces are smooth for all of them.
 const DEGREE: usize = 3;
 
 /// The figure.
-pub fn draw(rows: &[Judged]) -> Figure {
+pub fn draw(rows: &[SchemeResult]) -> Figure {
     let of = |family: &'static str| rows.iter().filter(move |row| row.family == family);
     let clouds = (FAMILIES.iter().enumerate()).map(|(k, family)| {
         let points = of(family.name).map(|row| (row.record.energy_error, row.record.defect));

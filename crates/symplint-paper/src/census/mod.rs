@@ -1,13 +1,13 @@
 //! Which particle-in-cell schemes are symplectic: the schemes that people use, one by one.
 
 mod claims;
+mod conservation;
 mod figure;
-mod judged;
 mod plasma;
+mod scheme_result;
 mod schemes;
 mod small_loops;
 mod table;
-mod watched;
 
 use rayon::prelude::*;
 use symplint_report::run_folder::RunFolder;
@@ -16,7 +16,7 @@ use super::claim::Claim;
 use super::error::PaperError;
 use super::item::Item;
 use super::settings::{Key, SettingError, Settings, check_steps};
-use judged::Judged;
+use scheme_result::SchemeResult;
 
 pub const ITEM: Item = Item {
     id: "census",
@@ -51,8 +51,8 @@ fn check(settings: &Settings) -> Result<(), SettingError> {
 
 fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError> {
     let schemes = schemes::all(settings.whole("seed"))?;
-    let rows: Vec<Judged> = (schemes.par_iter())
-        .map(|scheme| Judged::of(scheme, settings))
+    let rows: Vec<SchemeResult> = (schemes.par_iter())
+        .map(|scheme| SchemeResult::of(scheme, settings))
         .collect::<Result<_, PaperError>>()?;
     let records: Vec<_> = rows.iter().map(|row| &row.record).collect();
     folder.write_csv("census.csv", &records)?;

@@ -1,4 +1,4 @@
-//! The plasmas of the census, by what can be watched of them.
+//! The plasmas of the census and their invariants.
 
 use std::sync::Arc;
 
@@ -17,9 +17,9 @@ pub enum Plasma {
     Electromagnetic(Box<Gempic>),
 }
 
-/// What is watched of a state.
+/// The invariants of a state.
 #[derive(Clone, Copy, Debug)]
-pub struct Observed {
+pub struct Invariants {
     /// The energy.
     pub energy: f64,
     /// How far Gauss' law is from being satisfied, where the field is not computed from it in every step.
@@ -29,8 +29,8 @@ pub struct Observed {
 }
 
 impl Plasma {
-    /// What there is to watch of one state.
-    pub fn observe(&self, q: &[f64], p: &[f64]) -> Observed {
+    /// The invariants of one state.
+    pub fn invariants(&self, q: &[f64], p: &[f64]) -> Invariants {
         let energy_of = |system: &dyn Hamiltonian| {
             let mut energy = [0.0];
             let rows = |values| Rows::new(values, q.len(), 1, 1);
@@ -38,17 +38,17 @@ impl Plasma {
             energy[0]
         };
         match self {
-            Plasma::MomentumConserving(pic) => Observed {
+            Plasma::MomentumConserving(pic) => Invariants {
                 energy: pic.energy(q, p),
                 gauss: None,
                 momentum: pic.momentum(p),
             },
-            Plasma::Variational(pic) => Observed {
+            Plasma::Variational(pic) => Invariants {
                 energy: energy_of(&**pic),
                 gauss: None,
                 momentum: pic.momentum(p)[0],
             },
-            Plasma::Electromagnetic(gempic) => Observed {
+            Plasma::Electromagnetic(gempic) => Invariants {
                 energy: energy_of(&**gempic),
                 gauss: Some(gempic.gauss_residual(q, p)),
                 momentum: gempic.momentum(q, p)[0],

@@ -27,14 +27,14 @@ pub struct Family {
     /// Its name in tables and figures.
     pub name: &'static str,
     /// How it is made.
-    kind: Kind,
+    kind: SchemeKind,
     /// Degrees of the shape of the charge, from the first to the last.
     degrees: (usize, usize),
 }
 
 /// How a scheme is made.
 #[derive(Debug)]
-enum Kind {
+enum SchemeKind {
     /// Birdsall & Langdon's ES1.
     Textbook,
     /// Lewis.
@@ -46,9 +46,9 @@ enum Kind {
 }
 
 use Fields::{FiniteElement, Yee};
-use Kind::{Electromagnetic, Lewis, Textbook, Tolerance};
+use SchemeKind::{Electromagnetic, Lewis, Textbook, Tolerance};
 
-const fn family(name: &'static str, degrees: (usize, usize), kind: Kind) -> Family {
+const fn family(name: &'static str, degrees: (usize, usize), kind: SchemeKind) -> Family {
     Family {
         name,
         kind,
@@ -143,7 +143,7 @@ pub struct Scheme {
     pub family: &'static str,
     /// Degree of the shape of the charge.
     pub degree: usize,
-    /// What can be watched.
+    /// The plasma, which has the invariants.
     pub plasma: Plasma,
     /// One step.
     pub map: Box<dyn TimeAdvance>,
@@ -192,13 +192,17 @@ fn one(family: &Family, degree: usize, seed: u64) -> Result<Scheme, PaperError> 
     };
     let made = scheme((family.name, degree), plasma, map, centre, seed)?;
     Ok(Scheme {
-        cost: if is_implicit { OF_ITERATIONS } else { 1 },
+        cost: if is_implicit {
+            COST_OF_IMPLICIT_STEP
+        } else {
+            1
+        },
         ..made
     })
 }
 
 /// About what an implicit step costs, in explicit ones.
-const OF_ITERATIONS: usize = 5;
+const COST_OF_IMPLICIT_STEP: usize = 5;
 
 /// A plasma, a step of it, and positions and momenta to begin with.
 type Made = (Plasma, Box<dyn TimeAdvance>, (Vec<f64>, Vec<f64>));

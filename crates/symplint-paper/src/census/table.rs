@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use symplint::VerdictKind;
 
-use super::judged::{Judged, Record};
+use super::scheme_result::{SchemeResult, TableRow};
 
 /// All schemes as a Markdown table; runs have steps of this size.
-pub fn markdown(rows: &[Judged], step_size: f64) -> String {
+pub fn markdown(rows: &[SchemeResult], step_size: f64) -> String {
     let mut text = String::from(
         "| scheme | degree | verdict | order | breaks (crossings) | closed integrals | defect | energy | Gauss' law | momentum | which substep |\n\
          |---|---|---|---|---|---|---|---|---|---|---|\n",
@@ -39,7 +39,7 @@ pub fn markdown(rows: &[Judged], step_size: f64) -> String {
 }
 
 /// The verdict, with its digits.
-fn verdict(row: &Judged) -> String {
+fn verdict(row: &SchemeResult) -> String {
     match row.record.digits {
         Some(digits) => format!("{} to {digits} digits", row.kind),
         None => row.kind.to_string(),
@@ -47,12 +47,12 @@ fn verdict(row: &Judged) -> String {
 }
 
 /// k of defect ~ h^k, of small loops and small steps.
-fn order(record: &Record) -> String {
+fn order(record: &TableRow) -> String {
     (record.slope).map_or_else(String::new, |slope| format!("{slope:.1}"))
 }
 
 /// With its step size where it is another one.
-fn defect(record: &Record, step_size: f64) -> String {
+fn defect(record: &TableRow, step_size: f64) -> String {
     match record.defect_step_size == step_size {
         true => format!("{:.0e}", record.defect),
         false => format!("{:.0e} (h = {})", record.defect, record.defect_step_size),
@@ -60,7 +60,7 @@ fn defect(record: &Record, step_size: f64) -> String {
 }
 
 /// Breaks, and how many cell boundaries particles pass on the loop.
-fn breaks(row: &Judged) -> String {
+fn breaks(row: &SchemeResult) -> String {
     match (row.kind, row.record.breaks) {
         (VerdictKind::BrokenLoops, 0) => "not counted".into(),
         (_, 0) => "none".into(),

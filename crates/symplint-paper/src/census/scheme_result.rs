@@ -1,17 +1,17 @@
-//! What is found of one scheme.
+//! The results for one scheme.
 
 use serde::Serialize;
 use symplint::evidence::Localisation;
 use symplint::{Diagnosis, Diagnostic, VerdictKind};
 
+use super::conservation::follow;
 use super::schemes::Scheme;
 use super::small_loops::{STEP_SIZES, SmallLoops};
-use super::watched::watch;
 use crate::error::PaperError;
 use crate::settings::Settings;
 
-/// One scheme, judged.
-pub struct Judged {
+/// The verdict on one scheme and what it conserves.
+pub struct SchemeResult {
     /// The scheme.
     pub family: &'static str,
     /// Defects against step sizes.
@@ -19,12 +19,12 @@ pub struct Judged {
     /// The verdict.
     pub kind: VerdictKind,
     /// The line of the table.
-    pub record: Record,
+    pub record: TableRow,
 }
 
-/// What tables and data hold of a scheme.
+/// A row of the table and of the data.
 #[derive(Serialize)]
-pub struct Record {
+pub struct TableRow {
     /// Its name.
     pub scheme: &'static str,
     /// Degree of the shape of the charge.
@@ -61,7 +61,7 @@ pub struct Record {
     pub evaluations: usize,
 }
 
-impl Judged {
+impl SchemeResult {
     /// Judges a scheme and watches a run.
     pub fn of(scheme: &Scheme, settings: &Settings) -> Result<Self, PaperError> {
         let (h, time) = (settings.number("step_size"), settings.number("time"));
@@ -78,7 +78,7 @@ impl Judged {
         };
         let diagnosis = diagnostic.run(&*scheme.map, &scheme.phase_loop)?;
         let (q, p) = &scheme.centre;
-        let watched = watch(&scheme.plasma, &*scheme.map, (q, p), (h, time))?;
+        let changes = follow(&scheme.plasma, &*scheme.map, (q, p), (h, time))?;
         let given: Vec<_> = (diagnosis.points().into_iter())
             .filter(|point| point.loop_index == 0)
             .collect();
@@ -88,7 +88,7 @@ impl Judged {
         let verdict = &diagnosis.verdict;
         let small_loops = SmallLoops::of(scheme)?;
         let (defect_step_size, defect) = defect_near(&diagnosis, h);
-        let record = Record {
+        let record = TableRow {
             scheme: scheme.family,
             degree: scheme.degree,
             verdict: verdict.headline(),
@@ -100,15 +100,15 @@ impl Judged {
             closed_conserved: verdict.conserved_once_closed,
             defect,
             defect_step_size,
-            energy_error: watched.energy[0].max(watched.energy[1]),
-            energy_growth: watched.energy[1] / watched.energy[0],
-            gauss_residual: watched.gauss,
-            momentum_change: watched.momentum,
+            energy_error: changes.energy[0].max(changes.energy[1]),
+            energy_growth: changes.energy[1] / changes.energy[0],
+            gauss_residual: changes.gauss,
+            momentum_change: changes.momentum,
             substeps: (diagnosis.evidence.localisation.as_ref())
                 .map_or_else(String::new, faulty_substeps),
             evaluations: diagnosis.evidence.evaluations.made,
         };
-        Ok(Judged {
+        Ok(SchemeResult {
             family: scheme.family,
             small_loops,
             kind: verdict.kind,
