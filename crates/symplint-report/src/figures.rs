@@ -31,7 +31,7 @@ pub fn check_figures(
         figures.push(("samples", samples(title, diagnosis)));
     }
     let drawn = match is_costly {
-        true => Err(format!("it would take {SAMPLES} more evaluations")),
+        true => Err(format!("it would take {DRAWN_SAMPLES} more evaluations")),
         false => advanced_loop(title, map, phase_loop, h),
     };
     let note = match drawn {
@@ -51,14 +51,13 @@ pub fn sizes(title: &str, diagnosis: &Diagnosis) -> Vec<(&'static str, Figure)> 
     stated.then(figure).into_iter().collect()
 }
 
-/// Samples of the loop that is drawn.
-const SAMPLES: usize = 720;
+/// Samples of the drawn loop.
+const DRAWN_SAMPLES: usize = 720;
 
-/// Series indices: what is closed has a colour of its own.
-const GIVEN: usize = 0;
-const RANDOM: usize = 1;
-const GIVEN_CLOSED: usize = 2;
-const RANDOM_CLOSED: usize = 3;
+/// Colours of the given loop: of its defect, and of its defect with breaks closed.
+const GIVEN_COLORS: [usize; 2] = [0, 2];
+/// The same for random loops.
+const RANDOM_COLORS: [usize; 2] = [1, 3];
 
 fn single(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Figure {
     Figure::new(
@@ -112,12 +111,12 @@ pub fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
     };
     let (given, random) = (of_loop(|index| index == 0), of_loop(|index| index > 0));
     let mut all = Vec::new();
-    let colors = [GIVEN, GIVEN_CLOSED];
-    all.extend(defects("given loop", &given, Style::LineAndPoints, colors));
+    let (style, colors) = (Style::LineAndPoints, GIVEN_COLORS);
+    all.extend(defects("given loop", &given, style, colors));
     if !random.is_empty() {
         // Above the others, whose lines still show.
-        let colors = [RANDOM, RANDOM_CLOSED];
-        all.extend(defects("random loops", &random, Style::Points, colors));
+        let (style, colors) = (Style::Points, RANDOM_COLORS);
+        all.extend(defects("random loops", &random, style, colors));
     }
     if let Some(order) = diagnosis.verdict.order {
         let points: Vec<(f64, f64)> = (given.iter())
@@ -142,7 +141,7 @@ fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
         .map(|point| (count(point), point.defect))
         .collect();
     let all = vec![
-        series("given loop", defects, Style::LineAndPoints, GIVEN),
+        series("given loop", defects, Style::LineAndPoints, GIVEN_COLORS[0]),
         uncertainty_of(&points, count),
     ];
     single(title, x, error_axis(), all)
@@ -150,10 +149,10 @@ fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
 
 /// Positions and momenta of one degree of freedom.
 fn plane(ensemble: &Ensemble, dof: usize) -> Vec<(f64, f64)> {
-    /// More points than a figure can show only make files large.
-    const MOST: usize = 4096;
+    /// Most points that a figure shows: more only make files large.
+    const MAX_POINTS: usize = 4096;
     let (q, p) = (ensemble.q().row(dof), ensemble.p().row(dof));
-    let every = q.len().div_ceil(MOST).max(1);
+    let every = q.len().div_ceil(MAX_POINTS).max(1);
     q.iter()
         .copied()
         .zip(p.iter().copied())
@@ -175,21 +174,21 @@ fn advanced_loop(
 ) -> Result<Figure, String> {
     /// Of the states before the step. A run that streams its samples must not need more memory for a
     /// figure than for the verdict.
-    const MOST_BYTES: usize = 512 << 20;
+    const MAX_BYTES: usize = 512 << 20;
     let dof = map.dof();
-    if dof > MOST_BYTES / (16 * SAMPLES) {
+    if dof > MAX_BYTES / (16 * DRAWN_SAMPLES) {
         return Err(format!(
-            "{SAMPLES} states of {dof} degrees of freedom take more than 512 MiB"
+            "{DRAWN_SAMPLES} states of {dof} degrees of freedom take more than 512 MiB"
         ));
     }
     let advanced = || -> Result<(Ensemble, Ensemble), symplint::Error> {
-        let before = Ensemble::sample(phase_loop, SAMPLES)?;
+        let before = Ensemble::sample(phase_loop, DRAWN_SAMPLES)?;
         let mut after = before.clone();
         after.advance(map, h)?;
         Ok((before, after))
     };
     let (before, after) =
-        advanced().map_err(|error| format!("of its {SAMPLES} samples one fails; {error}"))?;
+        advanced().map_err(|error| format!("of its {DRAWN_SAMPLES} samples one fails; {error}"))?;
     Ok(two_loops(title, &before, &after, 0, Some(h)))
 }
 

@@ -10,11 +10,11 @@ use symplint::{Diagnosis, Verdict};
 use crate::number::power_of_two;
 use crate::wrap::wrapped;
 
-/// Rows of one sweep at most, so that a screen holds the table.
-const MOST_ROWS: usize = 16;
+/// Most rows of one sweep: the table fits on a screen.
+const MAX_ROWS: usize = 16;
 
-/// A relative quadrature error above this says nothing of the loop integral.
-const UNRESOLVED: f64 = 1e-6;
+/// Largest relative quadrature error of a loop integral that is known.
+const MAX_RESOLVED_ERROR: f64 = 1e-6;
 
 /// Names and what they mean, one entry for each row: the name, and the text beside it in lines of `width`
 /// characters. Without a width each entry stays on one line.
@@ -102,7 +102,7 @@ fn sweep_table(points: &[&Point], has_step_size: bool) -> String {
     }
     let without = usize::from(!has_step_size);
     header.drain(..without);
-    let every = points.len().div_ceil(MOST_ROWS);
+    let every = points.len().div_ceil(MAX_ROWS);
     let row = |point: &&Point| {
         let mut row = vec![
             step_size(point.step_size),
@@ -204,7 +204,7 @@ pub fn trace_table(points: &[TracePoint], short: bool) -> String {
     let lost = points.iter().position(|point| {
         point
             .quadrature_error
-            .is_none_or(|error| error > UNRESOLVED)
+            .is_none_or(|error| error > MAX_RESOLVED_ERROR)
     });
     let resolved = &points[..lost.unwrap_or(points.len())];
     let defect = resolved
@@ -224,7 +224,7 @@ pub fn trace_table(points: &[TracePoint], short: bool) -> String {
         return summary;
     }
     let header = vec!["t", "∮p·dq", "defect", "quad.\nerror", "energy\nerror"];
-    let every = points.len().div_ceil(MOST_ROWS).max(1);
+    let every = points.len().div_ceil(MAX_ROWS).max(1);
     let row = |point: &TracePoint| {
         vec![
             format!("{:.4}", point.time),

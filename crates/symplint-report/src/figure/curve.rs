@@ -7,11 +7,11 @@ use super::geometry::{Point, Rect, distance_to_segment};
 use super::scale::Ruler;
 
 /// Width of the columns in which a line keeps only its first, lowest, highest and last point.
-const COLUMN: f64 = 0.5;
-/// How far a line may move when points are left out.
-const TOLERANCE: f64 = 0.12;
-/// Most points left out in a row; bounds the work per point.
-const LOOK_AHEAD: usize = 64;
+const COLUMN_WIDTH: f64 = 0.5;
+/// Largest distance between a line and the points that it omits.
+const MAX_SHIFT: f64 = 0.12;
+/// Most points omitted in a row, which bounds the work per point.
+const MAX_OMITTED: usize = 64;
 
 /// The page places of the points, split where one cannot be shown.
 pub(super) fn runs(points: &[Point], x: &Ruler, y: &Ruler) -> Vec<Vec<Point>> {
@@ -40,7 +40,7 @@ pub(super) fn visible(run: &[Point], frame: Rect) -> Vec<Vec<Point>> {
 
 /// First, lowest, highest and last point of every column, where x does not turn back.
 fn thinned(run: &[Point]) -> Vec<Point> {
-    let column = |point: &Point| (point.0 / COLUMN).floor();
+    let column = |point: &Point| (point.0 / COLUMN_WIDTH).floor();
     if run.windows(2).any(|pair| pair[1].0 < pair[0].0) {
         return run.to_vec();
     }
@@ -88,12 +88,12 @@ fn straightened(piece: &[Point]) -> Vec<Point> {
     let mut anchor = 0;
     while anchor < piece.len() {
         kept.push(piece[anchor]);
-        let furthest = (anchor + LOOK_AHEAD).min(piece.len() - 1);
+        let furthest = (anchor + MAX_OMITTED).min(piece.len() - 1);
         let mut next = anchor + 1;
         while next < furthest
             && piece[anchor + 1..=next]
                 .iter()
-                .all(|p| distance_to_segment(*p, piece[anchor], piece[next + 1]) < TOLERANCE)
+                .all(|p| distance_to_segment(*p, piece[anchor], piece[next + 1]) < MAX_SHIFT)
         {
             next += 1;
         }

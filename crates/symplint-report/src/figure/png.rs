@@ -142,3 +142,94 @@ fn polygon(points: &[Point]) -> PathBuilder {
     }
     path
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::palette::WHITE;
+    use super::*;
+
+    const BLACK: Color = (0, 0, 0);
+
+    /// A white page of 40 × 30 units with one mark.
+    fn page(mark: Mark) -> Pixmap {
+        let face = Typeface::load().expect("the built-in font is readable");
+        let mut picture = Pixmap::new(80, 60).unwrap();
+        let corners = vec![(0.0, 0.0), (40.0, 0.0), (40.0, 30.0), (0.0, 30.0)];
+        let paper = Mark::Area {
+            points: corners,
+            color: WHITE,
+        };
+        draw(&mut picture, &paper, &face);
+        draw(&mut picture, &mark, &face);
+        picture
+    }
+
+    /// The black area in square units, and its centre.
+    fn ink(picture: &Pixmap) -> (f64, Point) {
+        let (mut area, mut x, mut y) = (0.0, 0.0, 0.0);
+        for (k, pixel) in picture.pixels().iter().enumerate() {
+            assert_eq!(pixel.alpha(), 255);
+            let part = (255.0 - f64::from(pixel.red())) / 255.0 / (PIXELS * PIXELS);
+            area += part;
+            x += part * ((k % 80) as f64 + 0.5) / PIXELS;
+            y += part * ((k / 80) as f64 + 0.5) / PIXELS;
+        }
+        (area, (x / area, y / area))
+    }
+
+    #[track_caller]
+    fn assert_ink(mark: Mark, area: f64, (x, y): Point) {
+        let (found, centre) = ink(&page(mark));
+        // Edges are sampled four times a pixel.
+        assert!((found / area - 1.0).abs() < 0.03, "{found} for {area}");
+        let off = (centre.0 - x).hypot(centre.1 - y);
+        assert!(off < 0.1, "{centre:?}");
+    }
+
+    #[test]
+    fn marks_have_their_areas_and_places() {
+        let (points, color) = (vec![(5.2, 10.0), (30.7, 10.0)], BLACK);
+        let width = 2.2;
+        assert_ink(
+            Mark::Line {
+                points,
+                width,
+                color,
+            },
+            25.5 * 2.2,
+            (17.95, 10.0),
+        );
+        let (centre, radius) = ((20.3, 15.1), 5.0);
+        let area = std::f64::consts::PI * 25.0;
+        assert_ink(
+            Mark::Disc {
+                centre,
+                radius,
+                color,
+            },
+            area,
+            centre,
+        );
+        let points = vec![(5.0, 5.0), (20.0, 5.0), (5.0, 20.0)];
+        assert_ink(Mark::Area { points, color }, 112.5, (10.0, 10.0));
+    }
+
+    #[test]
+    fn texts_stand_at_their_places_and_are_turned() {
+        // The letter I is a box of 202 × 1493 units of 2048 in an em, in the middle of its width.
+        let text = |align, upwards| {
+            Mark::Text(Text {
+                text: "I".into(),
+                at: (20.0, 25.0),
+                align,
+                size: 20.48,
+                upwards,
+                color: BLACK,
+            })
+        };
+        let area = 2.02 * 14.93;
+        assert_ink(text(Align::Middle, false), area, (20.0, 25.0 - 0.5 * 14.93));
+        assert_ink(text(Align::Start, false), area, (23.02, 25.0 - 0.5 * 14.93));
+        assert_ink(text(Align::End, true), area, (20.0 - 0.5 * 14.93, 28.02));
+    }
+}

@@ -5,13 +5,13 @@ use super::{Axis, Panel, Scale, Series, Style};
 
 /// Free room beside markers and lines, as a part of the range.
 const PADDING: f64 = 0.04;
-/// From this many decades on, a range ends at whole decades.
-const WHOLE_DECADES: f64 = 6.0;
-/// Values this close to each other, relative to their size, count as one.
-const SAME: f64 = 1e-12;
+/// Least number of decades of a range that ends at whole decades.
+const MIN_WHOLE_DECADES: f64 = 6.0;
+/// Least length of a range, relative to its values; shorter ranges are one value.
+const MIN_RELATIVE_LENGTH: f64 = 1e-12;
 /// Bottom of a panel whose zeros belong to round-off, as a power of ten: just below the
 /// smallest relative difference of two numbers near 1.
-const BELOW_ROUND_OFF: f64 = -17.0;
+const ROUND_OFF_FLOOR: f64 = -17.0;
 
 /// The ranges of both axes.
 pub(super) fn spans(panel: &Panel) -> (Span, Span) {
@@ -113,7 +113,7 @@ fn explicit(axis: &Axis) -> Option<Span> {
         low: a.min(b),
         high: a.max(b),
     };
-    (span.length() > SAME * a.abs().max(b.abs()).max(1e-290)).then_some(span)
+    (span.length() > MIN_RELATIVE_LENGTH * a.abs().max(b.abs()).max(1e-290)).then_some(span)
 }
 
 /// A range around `all`, with free room around those of its values that need it.
@@ -131,7 +131,7 @@ fn automatic(scale: Scale, all: Extent, roomy: Extent) -> Span {
         };
     };
     let size = low.abs().max(high.abs());
-    if high - low <= SAME * size.max(1e-280) {
+    if high - low <= MIN_RELATIVE_LENGTH * size.max(1e-280) {
         let half = match scale {
             Scale::Linear if size < 1e-280 => 1.0,
             Scale::Linear => 0.1 * size,
@@ -162,7 +162,7 @@ fn with_zeros(scale: Scale, all: Extent, many: bool) -> Span {
     };
     let (low, high) = all.0.unwrap_or((-16.0 * unit, -16.0 * unit));
     let floor = if many || low < -9.0 * unit {
-        BELOW_ROUND_OFF * unit
+        ROUND_OFF_FLOOR * unit
     } else {
         f64::INFINITY
     };
@@ -172,7 +172,7 @@ fn with_zeros(scale: Scale, all: Extent, many: bool) -> Span {
 }
 
 fn rounded(scale: Scale, span: Span) -> Span {
-    if scale == Scale::Log10 && span.length() >= WHOLE_DECADES {
+    if scale == Scale::Log10 && span.length() >= MIN_WHOLE_DECADES {
         Span {
             low: span.low.floor(),
             high: span.high.ceil(),

@@ -5,8 +5,8 @@
 
 use super::Scale;
 
-/// Beyond this, differences of two values overflow.
-const LARGEST: f64 = 1e300;
+/// Largest value of a linear axis: differences of larger ones overflow.
+const MAX_VALUE: f64 = 1e300;
 
 impl Scale {
     /// The mapped value, if this scale can show it.
@@ -15,7 +15,7 @@ impl Scale {
             return None;
         }
         match self {
-            Scale::Linear => (value.abs() <= LARGEST).then_some(value),
+            Scale::Linear => (value.abs() <= MAX_VALUE).then_some(value),
             Scale::Log10 => (value > 0.0).then(|| value.log10()),
             Scale::Log2 => (value > 0.0).then(|| value.log2()),
         }
