@@ -38,38 +38,7 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
     let hashes = (files.iter().map(LoopFile::hashes)).collect::<Result<Vec<_>, _>>()?;
     set_step_sizes(&mut files[1..], &arguments.step_sizes)?;
     check_step_sizes(&files[1..])?;
-    let dof = files[0].states.dof();
-    let (period, weight) = (&arguments.period, &arguments.weight);
-    let period = setting("period", period, &files, dof, |file| file.period.as_ref())?;
-    let momentum_period = setting(
-        "momentum-period",
-        &arguments.momentum_period,
-        &files,
-        dof,
-        |file| file.momentum_period.as_ref(),
-    )?;
-    let weight = setting("weight", weight, &files, dof, |file| file.weight.as_ref())?;
-    let mut coordinates = Coordinates::plain(dof);
-    if let Some(period) = &period {
-        coordinates = coordinates
-            .with_periods(period.clone())
-            .map_err(Failure::from_input)?;
-    }
-    if let Some(period) = &momentum_period {
-        coordinates = coordinates
-            .with_momentum_periods(period.clone())
-            .map_err(Failure::from_input)?;
-    }
-    if let Some(weight) = &weight {
-        coordinates = coordinates
-            .with_weights(weight.clone())
-            .map_err(Failure::from_input)?;
-    }
-    let settings = [
-        ("period", period),
-        ("momentum_period", momentum_period),
-        ("weight", weight),
-    ];
+    let (coordinates, settings) = coordinates(arguments, &files)?;
     let resolved = resolved(&files, settings);
     let output = RunOutput::of_run("measure", &resolved, run)?;
 
@@ -113,7 +82,7 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
         say(report.to_json())?;
     } else {
         if !run.shown.quiet {
-            let heading = format!("{title} · {}", degrees_of_freedom(dof));
+            let heading = format!("{title} · {}", degrees_of_freedom(before.states.dof()));
             say(points_table(&heading, &diagnosis))?;
         }
         say(verdict_text(&diagnosis.verdict, run.shown.quiet))?;
@@ -122,6 +91,51 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
         }
     }
     Ok(exit_status(diagnosis.verdict.kind))
+}
+
+/// Settings of the coordinates, by their keys.
+type CoordinateSettings = [(&'static str, Option<Vec<f64>>); 3];
+
+/// Periods and weights from the command line, or else from the files.
+fn coordinates(
+    arguments: &MeasureArgs,
+    files: &[LoopFile],
+) -> Result<(Coordinates, CoordinateSettings), Failure> {
+    let dof = files[0].states.dof();
+    let (period, weight) = (&arguments.period, &arguments.weight);
+    let period = setting("period", period, files, dof, |file| file.period.as_ref())?;
+    let momentum_period = setting(
+        "momentum-period",
+        &arguments.momentum_period,
+        files,
+        dof,
+        |file| file.momentum_period.as_ref(),
+    )?;
+    let weight = setting("weight", weight, files, dof, |file| file.weight.as_ref())?;
+    let mut coordinates = Coordinates::plain(dof);
+    if let Some(period) = &period {
+        coordinates = coordinates
+            .with_periods(period.clone())
+            .map_err(Failure::from_input)?;
+    }
+    if let Some(period) = &momentum_period {
+        coordinates = coordinates
+            .with_momentum_periods(period.clone())
+            .map_err(Failure::from_input)?;
+    }
+    if let Some(weight) = &weight {
+        coordinates = coordinates
+            .with_weights(weight.clone())
+            .map_err(Failure::from_input)?;
+    }
+    Ok((
+        coordinates,
+        [
+            ("period", period),
+            ("momentum_period", momentum_period),
+            ("weight", weight),
+        ],
+    ))
 }
 
 fn usage(message: impl Into<String>, remedy: impl Into<String>) -> Failure {
@@ -218,7 +232,7 @@ fn setting<'a>(
 }
 
 /// The files and their coordinates, as the configuration of the report.
-fn resolved(files: &[LoopFile], settings: [(&str, Option<Vec<f64>>); 3]) -> toml::Table {
+fn resolved(files: &[LoopFile], settings: CoordinateSettings) -> toml::Table {
     let name = |file: &LoopFile| toml::Value::from(file.path.display().to_string());
     let mut section = toml::Table::new();
     section.insert("before".into(), name(&files[0]));
