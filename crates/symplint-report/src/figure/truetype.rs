@@ -18,7 +18,7 @@ pub(super) struct TrueType {
     loca: usize,
     /// Font units in one em.
     pub units_per_em: f32,
-    /// The number of glyphs with a width of their own.
+    /// The number of widths; all later glyphs have the last one.
     widths: u16,
 }
 
@@ -151,14 +151,14 @@ impl TrueType {
         }
     }
 
-    /// Where the description of a glyph lies.
+    /// The position of the description of a glyph.
     fn data_of(&self, glyph: u16) -> Option<Range<usize>> {
         let at = self.loca + 4 * usize::from(glyph);
         let place = |at| Some(self.glyf + offset_at(self.data, at)?);
         Some(place(at)?..place(at + 4)?)
     }
 
-    /// The contours of a glyph of so many contours.
+    /// The `count` contours of a glyph.
     fn simple(&self, at: usize, count: usize) -> Option<Vec<Vec<Node>>> {
         const ON_CURVE: u8 = 1;
         const REPEATED: u8 = 8;
