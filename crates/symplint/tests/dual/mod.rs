@@ -1,88 +1,17 @@
-//! Exact derivatives of a few steps by dual numbers, a + b ε with ε² = 0.
+//! Exact derivatives of a few steps by dual numbers.
 //!
-//! Steps are written once for any scalar: with `f64` they are the map under test, with [`Dual`] they
+//! Steps are written once for any scalar: with `f64` they are the map under test, with [`Dual64`] they
 //! carry one tangent vector along, as the tangent map of that map.
 
-use std::ops::{Add, Mul, Sub};
-
+use num_dual::{Dual64, DualNum};
 use symplint::map::TangentMap;
+use symplint::state::RowsMut;
 use symplint::{Block, StepFailure, TimeAdvance};
 
-pub trait Scalar:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self>
-{
-    fn sin(self) -> Self;
-    /// x / √(x² + ε²).
-    fn over_hypot(self, epsilon: f64) -> Self;
-}
+/// A double or a dual number.
+pub trait Scalar: DualNum<Primitive = f64> + Copy {}
 
-impl Scalar for f64 {
-    fn sin(self) -> Self {
-        f64::sin(self)
-    }
-    fn over_hypot(self, epsilon: f64) -> Self {
-        self / self.hypot(epsilon)
-    }
-}
-
-#[derive(Clone, Copy)]
-pub struct Dual {
-    value: f64,
-    slope: f64,
-}
-
-impl Add for Dual {
-    type Output = Dual;
-    fn add(self, other: Dual) -> Dual {
-        Dual {
-            value: self.value + other.value,
-            slope: self.slope + other.slope,
-        }
-    }
-}
-
-impl Sub for Dual {
-    type Output = Dual;
-    fn sub(self, other: Dual) -> Dual {
-        self + other * -1.0
-    }
-}
-
-impl Mul for Dual {
-    type Output = Dual;
-    fn mul(self, other: Dual) -> Dual {
-        Dual {
-            value: self.value * other.value,
-            slope: self.value * other.slope + self.slope * other.value,
-        }
-    }
-}
-
-impl Mul<f64> for Dual {
-    type Output = Dual;
-    fn mul(self, factor: f64) -> Dual {
-        Dual {
-            value: self.value * factor,
-            slope: self.slope * factor,
-        }
-    }
-}
-
-impl Scalar for Dual {
-    fn sin(self) -> Dual {
-        Dual {
-            value: self.value.sin(),
-            slope: self.slope * self.value.cos(),
-        }
-    }
-    fn over_hypot(self, epsilon: f64) -> Dual {
-        let root = self.value.hypot(epsilon);
-        Dual {
-            value: self.value / root,
-            slope: self.slope * epsilon * epsilon / root.powi(3),
-        }
-    }
-}
+impl<S: DualNum<Primitive = f64> + Copy> Scalar for S {}
 
 #[derive(Clone, Copy, Debug)]
 pub enum System {
@@ -109,11 +38,14 @@ impl System {
 
     fn force<S: Scalar>(self, q: &[S]) -> Vec<S> {
         match self {
-            System::Pendulum => vec![q[0].sin() * -1.0],
-            System::Rounded(epsilon) => vec![q[0].over_hypot(epsilon) * -1.0],
+            System::Pendulum => vec![-q[0].sin()],
+            // By the reciprocal, so that doubles and dual numbers round alike.
+            System::Rounded(epsilon) => {
+                vec![-q[0] * (q[0] * q[0] + epsilon * epsilon).sqrt().recip()]
+            }
             System::HenonHeiles => {
                 let (x, y) = (q[0], q[1]);
-                vec![(x + x * y * 2.0) * -1.0, y * y - x * x - y]
+                vec![-(x + x * y * 2.0), y * y - x * x - y]
             }
         }
     }
@@ -144,7 +76,7 @@ impl Method {
 
 fn add<S: Scalar>(x: &mut [S], tau: f64, y: &[S]) {
     for (x, y) in x.iter_mut().zip(y) {
-        *x = *x + *y * tau;
+        *x += *y * tau;
     }
 }
 
@@ -196,7 +128,7 @@ impl TimeAdvance for Step {
 
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         for k in 0..block.len() {
-            let column = |rows: &symplint::state::RowsMut<'_>| -> Vec<f64> {
+            let column = |rows: &RowsMut<'_>| -> Vec<f64> {
                 (0..rows.count()).map(|i| rows.row(i)[k]).collect()
             };
             let (mut q, mut p) = (column(&block.q), column(&block.p));
@@ -222,21 +154,17 @@ impl TangentMap for Step {
         tangents: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
         for k in 0..states.len() {
-            let lift = |values: &symplint::state::RowsMut<'_>,
-                        slopes: &symplint::state::RowsMut<'_>| {
-                let dual = |i: usize| Dual {
-                    value: values.row(i)[k],
-                    slope: slopes.row(i)[k],
-                };
-                (0..values.count()).map(dual).collect::<Vec<Dual>>()
+            let lift = |values: &RowsMut<'_>, slopes: &RowsMut<'_>| {
+                let dual = |i: usize| Dual64::new(values.row(i)[k], slopes.row(i)[k]);
+                (0..values.count()).map(dual).collect::<Vec<Dual64>>()
             };
             let (mut q, mut p) = (lift(&states.q, &tangents.q), lift(&states.p, &tangents.p));
             step(self.0, self.1, h, &mut q, &mut p);
             for i in 0..q.len() {
-                states.q.row_mut(i)[k] = q[i].value;
-                states.p.row_mut(i)[k] = p[i].value;
-                tangents.q.row_mut(i)[k] = q[i].slope;
-                tangents.p.row_mut(i)[k] = p[i].slope;
+                states.q.row_mut(i)[k] = q[i].re;
+                states.p.row_mut(i)[k] = p[i].re;
+                tangents.q.row_mut(i)[k] = q[i].eps;
+                tangents.p.row_mut(i)[k] = p[i].eps;
             }
         }
         Ok(())
