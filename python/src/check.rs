@@ -327,7 +327,7 @@ pub fn check(
         }
     }
     let report = (Report::new(diagnosis, title, config, &run, threads))
-        .replaying(replayed - found.recalled.min(replayed))
+        .replaying(replayed)
         .by_workers(found.count);
     Ok((report, failed))
 }

@@ -107,8 +107,6 @@ pub struct Found {
     pub count: usize,
     /// The largest difference between their results for the same states, if they differ.
     pub difference: Option<Scatter>,
-    /// States that were taken from the journal to be compared with alone: no evaluations of the run.
-    pub recalled: usize,
 }
 
 /// The workers of a check: the object of Python that hands states to them.
@@ -139,10 +137,9 @@ impl Workers {
     pub fn found(&self, py: Python<'_>) -> PyResult<Found> {
         let found = self.0.bind(py).call_method0("found")?;
         type Difference = Option<(char, usize, f64)>;
-        let (count, difference, recalled): (usize, Difference, usize) = found.extract()?;
+        let (count, difference): (usize, Difference) = found.extract()?;
         Ok(Found {
             count,
-            recalled,
             difference: difference.map(|(coordinate, dof, size)| Scatter {
                 coordinate,
                 dof,

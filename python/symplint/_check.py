@@ -7,7 +7,6 @@ import hashlib
 import json
 import math
 import os
-import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -17,8 +16,8 @@ import numpy.typing as npt
 from . import _native
 from ._arrays import coordinates, cutoffs, vector, whole
 from ._errors import InputError, NotSymplecticError, StructureError, UndecidedError
-from ._fingerprint import fingerprint
 from ._form import CircleOfForm, FormOfRows, Leaf, LoopOfForm, MapOfForm, Projection, one_form
+from ._identity import identity
 from ._loops import Loop, centre, phases_and_seed, radii
 from ._progress import bar
 from ._report import Report, States
@@ -70,6 +69,7 @@ def check(
     executor: Any = None,
     threads: int | None = None,
     out: str | os.PathLike[str] | None = None,
+    key: str | None = None,
     progress: bool | Callable[[int, int, float | None], object] | None = None,
 ) -> Report:
     """Tell whether a time-advance map is symplectic.
@@ -158,17 +158,21 @@ def check(
     executor : executor, optional
         Who takes the steps: anything with a method `submit` or `map` as those of `concurrent.futures`, such as a pool of
         processes, a client of Dask, or an ``MPIPoolExecutor``. States are cut into at most 64 arcs, or into single states where
-        `step` takes one, and `step` is called for each. Results do not depend on the number of workers. Where a worker
-        dies, another one takes its arcs.
+        `step` takes one, and `step` is called for each. Results do not depend on the number of workers. A worker that dies
+        ends the check with an error; with `out` the check resumes.
     threads : int, optional
         Threads for the work of the library: by default, for a function, the calling thread alone, which is faster unless
         there are very many degrees of freedom, and for an integrator of the library, one for each core. `step` is called
         from the calling thread alone. Results do not depend on the number. More than there are processors are not started,
         with a warning.
     out : path, optional
-        A folder to write the report to, as `Report.save` does. Every call of `step` is noted there as soon as it returns: a
-        check that was stopped at any moment goes on from there when it is run again, and gives the report that it would
-        have given. Another step, recognised by its code and by what it refers to, is refused.
+        A folder to write the report to, as `Report.save` does. Every result of `step` is stored there as soon as it returns: a
+        check that was stopped at any moment resumes when it is run again, and gives the report of a check that was never stopped.
+        The folder of another run is refused: of other arguments, of another version of symplint, or of a step whose module has
+        another source text.
+    key : str, optional
+        With `out`, identifies what the source text of the step does not show: parameters that are read from a file, the state of an
+        object, compiled code. Another key is another run.
     progress : bool or callable, optional
         True shows a bar on standard error if that is a terminal; a function gets how many points were measured, how many
         are planned, and the step size of the last one.
@@ -223,7 +227,7 @@ def check(
     folder = None if out is None else _absolute(out)
     if isinstance(step, System):
         step = of_system(step)
-    name = _name(step)
+    name, functions = _name(step), {"step": step, "form": form, "project": project, "reset": reset}
     if form is not None:
         step, q0, p0, radius, loop, project = _of_form(
             form, step, q0, p0, radius=radius, phases=phases, loop=loop, project=project, casimir=casimir,
@@ -267,11 +271,14 @@ def check(
     dof = subject["dof"]
     of_states = "coordinates" if form is not None else f"degree{'' if dof == 1 else 's'} of freedom"
     title = f"{name} · {dof} {of_states}"
-    journal = None if folder is None or compiled else _journal(folder, step, project, config, subject)
+    journal = None if folder is None or compiled else _journal(folder, identity(functions, key), config, subject)
     workers = contextlib.nullcontext() if subject["workers"] is None else contextlib.closing(subject["workers"])
-    with bar(progress) as watch, _resumable(journal), workers:
+    with bar(progress) as watch, _resumable(folder if journal else None), workers:
         native, failed = _native.check(subject, settings, title, json.dumps(_finite(config)), watch, journal)
+    if subject["workers"] is not None:
+        subject["workers"].warn()
     subject["workers"] = None
+
     def image(size: float, samples: int) -> States:
         return _native.image(subject, size if has_step_size else 1.0, samples, settings["repeat"])
 
@@ -570,63 +577,31 @@ def _absolute(out: str | os.PathLike[str]) -> str:
         raise InputError(f"{message}: {error.strerror}; give an absolute path") from None
 
 
-def _journal(folder: str, step: Any, project: Any, config: dict[str, Any], subject: dict[str, Any]) -> tuple[str, str]:
-    """Where evaluations are noted, and of which run."""
+def _journal(folder: str, known: dict[str, Any], config: dict[str, Any], subject: dict[str, Any]) -> tuple[str, str]:
+    """The file of results, and the run that they are of."""
     try:
         os.makedirs(folder, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot make the folder {folder!r}: {error.strerror}; give out another one") from None
-    run: dict[str, Any] = {"symplint": _native.__version__, **config, "step": fingerprint(step)}
-    # Code is compiled in another way by every version of Python.
-    run["python"] = sys.implementation.cache_tag
-    for name, function in (("project", project), ("reset", subject["reset"])):
-        if function is not None:
-            run[name] = fingerprint(function)
+    run: dict[str, Any] = {"symplint": _native.__version__, **config, **known}
     if subject["workers"] is not None and not subject["per_sample"]:
         # Calls of arcs are not those of whole sets of states.
         run["arcs"] = True
-    # Long arrays are left out of the configuration.
-    run["centre"] = {key: np.asarray(subject[key]) for key in ("q0", "p0")}
-    run["centre"] = {key: hashlib.sha256(row.tobytes()).hexdigest() for key, row in run["centre"].items()}
+    # The configuration leaves out long arrays.
+    centre = {name: np.asarray(subject[name]).tobytes() for name in ("q0", "p0")}
+    run["centre"] = {name: hashlib.sha256(row).hexdigest() for name, row in centre.items()}
     return os.path.join(folder, "journal"), json.dumps(_finite(run))
 
 
-#: Journals of the checks that go on, by their paths.
-_journals: list[str] = []
-
-
 @contextlib.contextmanager
-def _resumable(journal: tuple[str, str] | None) -> Iterator[None]:
-    """Says how to go on where Ctrl-C stops a run that can."""
-    if journal is None:
-        yield
-        return
-    _journals.append(journal[0])
+def _resumable(folder: str | None) -> Iterator[None]:
+    """Adds to Ctrl-C how the check resumes."""
     try:
         yield
     except KeyboardInterrupt as stopped:
-        stopped.add_note(f"the same check with out={os.path.dirname(journal[0])!r} goes on from here")
+        if folder is not None:
+            stopped.add_note(f"the same check with out={folder!r} resumes from here")
         raise
-    finally:
-        _journals.remove(journal[0])
-
-
-def _let_go() -> None:
-    """Lets a process that was forked go of journals: it may outlive this one, and would keep them locked."""
-    for journal in _journals:
-        with contextlib.suppress(OSError):
-            of_journal = os.stat(journal)
-            for name in os.listdir("/dev/fd"):
-                with contextlib.suppress(OSError):
-                    if os.path.samestat(os.fstat(int(name)), of_journal):
-                        # Its number is not free: what opened it closes it.
-                        nothing = os.open(os.devnull, os.O_RDWR)
-                        os.dup2(nothing, int(name), inheritable=False)
-                        os.close(nothing)
-
-
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_let_go)
 
 
 def _config(name: str, subject: dict[str, Any], settings: dict[str, Any], loop: Any) -> dict[str, Any]:

@@ -1,12 +1,17 @@
 """Checks that were stopped, and go on. `tools/kill_and_resume.py` kills them in earnest."""
 
+import functools
+import importlib
 import json
+import linecache
 import os
 import re
+import sys
 
 import numpy as np
 import pytest
 import symplint
+from symplint._identity import identity
 
 SETTINGS = {"step_sizes": [0.5, 0.25], "budget": 400, "loops": 3}
 
@@ -62,56 +67,82 @@ def test_a_check_that_was_stopped_goes_on(tmp_path, per_sample):
     assert report(stopped)[1] == of_whole["evaluations"]["made"]
 
 
-STRENGTH = 1.0
-
-
-def _kick(p, q, h):
-    return p - h * STRENGTH * np.sin(q)
-
-
 def _step(q, p, h):
-    p = _kick(p, q, h)
+    p = p - h * np.sin(q)
     return q + h * p, p
 
 
-class _Simulation:
-    def __init__(self, strength):
-        self.strength = strength
-        self.calls = 0
-
+MODULE = """
+class Simulation:
     def step(self, q, p, h):
-        self.calls += 1
-        p = p - h * self.strength * np.sin(q)
+        p = p - 1.0 * h * q
         return q + h * p, p
 
+    def __call__(self, q, p, h):
+        return self.step(q, p, h)
 
-def test_another_step_is_refused_with_the_difference(tmp_path, monkeypatch):
-    def check(step, name, **arguments):
-        return symplint.check(step, 1.0, 0.5, out=tmp_path / name, **(SETTINGS | arguments))
+def step(q, p, h, k=1.0):
+    return Simulation().step(q, p, h)
+"""
 
-    def refuses(step, name, difference, **arguments):
+
+@pytest.fixture
+def module(tmp_path, monkeypatch):
+    """A module of the user, and a function that edits it."""
+    monkeypatch.syspath_prepend(tmp_path)
+    path = tmp_path / "of_user.py"
+
+    def edit(old, new):
+        path.write_text(MODULE.replace(old, new))
+        linecache.clearcache()
+
+    edit("", "")
+    yield importlib.import_module("of_user"), edit
+    del sys.modules["of_user"]
+
+
+def test_the_source_text_of_its_module_identifies_a_step(module):
+    of_user, edit = module
+    steps = [of_user.step, of_user.Simulation().step, of_user.Simulation(), functools.partial(of_user.step, k=2.0)]
+    steps.append(functools.lru_cache(of_user.step))
+    before = identity({"step": steps[0], "reset": None}, None)["source"]
+    assert list(before) == ["of_user"]
+    assert all(identity({"step": step}, None)["source"] == before for step in steps)
+    edit("1.0 * h", "2.0 * h")
+    assert all(identity({"step": step}, None)["source"].keys() == before.keys() for step in steps)
+    assert all(identity({"step": step}, None)["source"] != before for step in steps)
+
+
+def test_another_run_is_refused_with_the_difference(tmp_path, module):
+    of_user, edit = module
+
+    def check(**arguments):
+        return symplint.check(of_user.step, 1.0, 0.5, out=tmp_path / "run", **(SETTINGS | arguments))
+
+    def refuses(difference, **arguments):
         with pytest.raises(symplint.InputError, match=re.escape(difference)):
-            check(step, name, **arguments)
+            check(**arguments)
 
-    check(_step, "function")
-    check(_step, "function")
-    refuses(_step, "function", "check.budget is 400 there and 300 here", budget=300)
-    refuses(lambda q, p, h: _step(q, p, h), "function", "step is")
-    monkeypatch.setitem(globals(), "STRENGTH", 2.0)
-    refuses(_step, "function", 'step.values."_kick.STRENGTH" is "1.0" there and "2.0" here')
-    # What the code itself counts is no difference.
-    simulation = _Simulation(1.0)
-    check(simulation.step, "method")
-    check(simulation.step, "method")
-    assert simulation.calls > 0
-    refuses(_Simulation(3.0).step, "method", 'step.values.strength is "1.0" there and "3.0" here')
-    # A global variable of the name of an attribute is no part of it.
-    monkeypatch.setitem(globals(), "strength", 5.0)
-    check(simulation.step, "method")
-    masses = np.array([1.0, 2.0])
-    check(lambda q, p, h: (q + h * p / masses[0], p), "array")
-    masses[0] = 3.0
-    refuses(lambda q, p, h: (q + h * p / masses[0], p), "array", "step.")
+    check()
+    assert check().to_dict()["provenance"]["replayed"] > 0
+    refuses("check.budget is 400 there and 300 here", budget=300)
+    refuses('key is null there and "k = 2" here', key="k = 2")
+    edit("1.0 * h", "2.0 * h")
+    refuses("source.of_user is ")
+
+
+def test_a_step_without_source_text_needs_a_key(tmp_path):
+    names = {"__name__": __name__}
+    exec(MODULE, names)
+    with pytest.raises(symplint.InputError, match='the source text of step cannot be read; identify it .* key='):
+        symplint.check(names["step"], 1.0, 0.5, out=tmp_path / "run", **SETTINGS)
+    assert not (tmp_path / "run").exists()
+    report = symplint.check(names["step"], 1.0, 0.5, out=tmp_path / "run", key="1", **SETTINGS)
+    assert report.kind == "symplectic"
+    with pytest.raises(symplint.InputError, match='key is "1" there and "2" here'):
+        symplint.check(names["step"], 1.0, 0.5, out=tmp_path / "run", key="2", **SETTINGS)
+    with pytest.raises(symplint.InputError, match="key is an object of type int; give a string"):
+        symplint.check(_step, 1.0, 0.5, out=tmp_path / "run", key=2, **SETTINGS)
 
 
 def test_a_folder_that_cannot_be_used_is_an_input_error(tmp_path):
