@@ -6,7 +6,7 @@ use numpy::ndarray::{Ix1, Ix2};
 use pyo3::prelude::*;
 use symplint::Block;
 use symplint::state::RowsMut;
-use symplint_journal::JournalError;
+use symplint_run::JournalError;
 
 use crate::arrays::{copy, pair, read_column, read_rows};
 use crate::calls::ends_programs;

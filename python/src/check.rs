@@ -11,7 +11,7 @@ use symplint::rules::{Cutoff, Cutoffs, Piecewise, Streaming};
 use symplint::{
     Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Phases, Rule, TimeAdvance, judge,
 };
-use symplint_journal::Journal;
+use symplint_run::Journal;
 
 use crate::arrays::{self, Arrays};
 use crate::calls::{self, Call, Caller};

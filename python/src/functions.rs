@@ -6,7 +6,7 @@ use std::sync::Arc;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use symplint::{Block, Error, StepFailure};
-use symplint_journal::Journal;
+use symplint_run::Journal;
 
 use crate::arrays::{pair, read_rows};
 use crate::block_call::{BlockCall, Failed, for_each_batch};

@@ -7,7 +7,7 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use symplint::Ensemble;
 use symplint::evidence::{Scatter, ScatterKind};
-use symplint_journal::{Call, Journal, JournalError};
+use symplint_run::{Call, Journal, JournalError};
 
 use crate::arrays::{self, Arrays};
 use crate::block_call::BlockCall;

@@ -45,6 +45,7 @@ CONFIGURATION = """
 [system]
 name = "command"
 command = ["{python}", "program.py", "{{before}}", "{{after}}", "{{h}}", "{counts}"]
+files = ["program.py"]
 q0 = [1.0]
 p0 = [0.5]
 workers = 1

@@ -2,14 +2,13 @@
 
 use std::path::PathBuf;
 
-use symplint_command::{CallsError, CommandError};
 use symplint_config::{ConfigError, Place};
 use symplint_files::LoopFileError;
-use symplint_journal::JournalError;
 use symplint_paper::PaperError;
 use symplint_report::figure::FigureError;
 use symplint_report::report::ReportError;
 use symplint_report::run_folder::WriteError;
+use symplint_run::RunError;
 
 /// Errors of commands.
 #[derive(Debug, thiserror::Error)]
@@ -17,9 +16,9 @@ pub enum Failure {
     /// The configuration.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// The folder of `--out` holds something else.
+    /// The folder of `--out`, or the calls of a program.
     #[error(transparent)]
-    Occupied(#[from] OccupiedError),
+    Folder(#[from] RunError),
     /// The run itself.
     #[error("the run failed")]
     Run(#[from] symplint::Error),
@@ -76,9 +75,6 @@ pub enum Failure {
         /// What is wrong with it.
         error: ReportError,
     },
-    /// The journal of a run.
-    #[error(transparent)]
-    Journal(#[from] JournalError),
     /// What a run whose calls are noted could not write at its end.
     #[error("{failure}")]
     AfterCalls {
@@ -87,9 +83,6 @@ pub enum Failure {
         /// The command that goes on.
         goes_on: String,
     },
-    /// The calls of a program.
-    #[error(transparent)]
-    Calls(#[from] CallsError),
     /// A folder that holds no run to go on with.
     #[error("{} holds no run of `symplint check`: {reason}", folder.display())]
     NoRun {
@@ -111,7 +104,7 @@ impl Failure {
     pub fn remedy(&self) -> Option<String> {
         Some(match self {
             Failure::Config(error) => error.remedy.clone(),
-            Failure::Occupied(error) => error.remedy().into(),
+            Failure::Folder(error) => return error.remedy().map(str::to_owned),
             Failure::LoopFile(error) => error.remedy(),
             Failure::Write { .. } => "give a path that can be written".into(),
             Failure::Figure(FigureError::Write { .. } | FigureError::Folder { .. }) => {
@@ -125,12 +118,7 @@ impl Failure {
             Failure::Read { remedy, .. } => (*remedy).into(),
             Failure::NoRun { .. } => "give the folder of --out".into(),
             Failure::Threads { .. } => "try --threads 1".into(),
-            Failure::Run(_)
-            | Failure::Journal(_)
-            | Failure::Calls(_)
-            | Failure::Model(_)
-            | Failure::Figure(_)
-            | Failure::Report { .. } => {
+            Failure::Run(_) | Failure::Model(_) | Failure::Figure(_) | Failure::Report { .. } => {
                 return None;
             }
         })
@@ -143,18 +131,6 @@ impl Failure {
                 .as_ref()
                 .map(|(place, label)| (place, label.as_str())),
             _ => None,
-        }
-    }
-
-    /// A command that cannot be used as it is set. Its text ends with the remedy.
-    pub fn of_command(error: CommandError) -> Self {
-        let text = format!("system.keep: {error}");
-        let (message, remedy) = text
-            .split_once("; ")
-            .unwrap_or((&text, "name another folder"));
-        Failure::Usage {
-            message: message.to_owned(),
-            remedy: remedy.to_owned(),
         }
     }
 
@@ -196,63 +172,5 @@ impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
         let WriteError { path, reason } = error;
         Failure::Write { path, reason }
-    }
-}
-
-/// Why a folder is not written to.
-#[derive(Debug, thiserror::Error)]
-pub enum OccupiedError {
-    /// A file of the same name.
-    #[error("{} is a file, not a folder", path.display())]
-    NotAFolder {
-        /// The path.
-        path: PathBuf,
-    },
-    /// The folder or a file in it cannot be read.
-    #[error("cannot read {}: {reason}", path.display())]
-    Unreadable {
-        /// The path.
-        path: PathBuf,
-        /// The error of the operating system.
-        reason: String,
-    },
-    /// Files that symplint did not write.
-    #[error("{} is not empty and not a run folder: symplint did not write {file}", folder.display())]
-    Foreign {
-        /// The folder.
-        folder: PathBuf,
-        /// One of the files.
-        file: String,
-    },
-    /// A run folder that was changed by hand.
-    #[error("config.toml in {} was changed after the run", folder.display())]
-    Edited {
-        /// The folder.
-        folder: PathBuf,
-    },
-    /// The run of another command or configuration.
-    #[error("{} holds another run: {difference}", folder.display())]
-    OtherRun {
-        /// The folder.
-        folder: PathBuf,
-        /// The first difference.
-        difference: String,
-    },
-}
-
-impl OccupiedError {
-    /// What to do about it.
-    pub fn remedy(&self) -> &'static str {
-        match self {
-            OccupiedError::NotAFolder { .. } | OccupiedError::Unreadable { .. } => {
-                "give --out a folder that is new or empty"
-            }
-            OccupiedError::Foreign { .. } | OccupiedError::Edited { .. } => {
-                "give --out a folder that is new or empty; --force does not replace such files"
-            }
-            OccupiedError::OtherRun { .. } => {
-                "give --out another folder, or add --force to replace that run"
-            }
-        }
     }
 }

@@ -32,7 +32,7 @@ pub fn note_part(path: &Path, (k, n): (usize, usize)) {
 
 /// Ends the programs that are called as maps and removes their files, then ends this program.
 fn end() {
-    symplint_command::stop_all();
+    symplint_run::stop_all();
     if let Some(goes_on) = GOES_ON.get() {
         let (said, heard) = mpsc::channel();
         let say = move || {

@@ -9,7 +9,7 @@ use std::path::Path;
 use arbitrary::{Result, Unstructured};
 use serde_json::{Value, json};
 use symplint::Ensemble;
-use symplint_journal::{Journal, JournalError, Request, read_round, write_round};
+use symplint_run::{Journal, JournalError, Request, read_round, write_round};
 
 use crate::files::with_file;
 use crate::numbers;

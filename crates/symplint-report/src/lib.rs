@@ -25,6 +25,3 @@ pub mod report;
 pub mod run_folder;
 pub mod table;
 pub mod wrap;
-
-/// For `symplint-command`, until it names `symplint-files` itself.
-pub use symplint_files::loop_file;

@@ -1,15 +1,11 @@
 //! `symplint advance DIR --part K/N`: one job's part of a round of calls.
 
 use std::process::ExitCode;
-use std::sync::{Mutex, PoisonError};
 
-use symplint::StepFailure;
-use symplint_config::Config;
-use symplint_journal::Request;
+use symplint_config::{Config, parse_number};
+use symplint_run::{Request, Round, RunError};
 
 use super::resume::config_of_run;
-use super::round::Round;
-use super::run_output::run_of_config;
 use crate::cli::AdvanceArgs;
 use crate::failure::Failure;
 use crate::output::{Progress, say, tell};
@@ -19,19 +15,23 @@ use crate::signals;
 pub fn advance(arguments: &AdvanceArgs) -> Result<ExitCode, Failure> {
     let (k, n) = arguments.part;
     let path = config_of_run(&arguments.folder)?;
-    // A run whose configuration makes calls of its own has no round.
-    let config = Config::load_with(&path, &[], |_, _| Round::check_there(&arguments.folder))?;
+    // Until this job ends, no other run has the folder. A configuration that makes calls itself has no round.
+    let mut _shared = None;
+    let config = Config::load_with(&path, &[], |_, _| {
+        _shared = Some(Round::share(&arguments.folder)?);
+        Ok::<(), Failure>(())
+    })?;
     let Some(map) = &config.system.command else {
         return Err(Failure::Usage {
             message: format!("{} is not the run of a command", arguments.folder.display()),
             remedy: "only calls of programs (system.name = \"command\") are made by jobs".into(),
         });
     };
-    let round = Round::of_run(&arguments.folder, &run_of_config(map, &config.resolved)?);
+    let round = Round::of_config(&arguments.folder, map, &config.resolved, parse_number)?;
     let requests = round.read()?;
     // Calls of one step size, which take about as long, go to different parts.
     let part: Vec<&Request> = requests.iter().skip(k - 1).step_by(n).collect();
-    let journal = round.part(k, n)?;
+    let journal = round.part((k, n))?;
     signals::note_part(&arguments.folder, arguments.part);
     // Also those of an earlier job for a part that was cut in another way.
     let made = round.made()?;
@@ -40,26 +40,12 @@ pub fn advance(arguments: &AdvanceArgs) -> Result<ExitCode, Failure> {
         .collect();
     let progress = Progress::new("calls", arguments.quiet);
     progress.plan(needed.len());
-    let failed: Mutex<Vec<(usize, StepFailure)>> = Mutex::default();
-    let place = |request: &Request| part.iter().position(|other| other.call == request.call);
-    let made = map.make(&needed, &journal, &|request, result| {
-        progress.step();
-        if let (Err(failure), Some(place)) = (result, place(request)) {
-            let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
-            failed.push((place, failure));
-        }
-    });
+    let (failed, made) = map.make(&needed, &journal, &|| progress.step());
     progress.finish();
-    let mut failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
-    failed.sort_by_key(|(place, _)| *place);
-    let failed: Vec<(&Request, StepFailure)> = (failed.into_iter())
-        .map(|(place, failure)| (part[place], failure))
-        .collect();
-    // Those that failed also where what came then ends the job.
-    let noted = round.note_failed((k, n), &journal, &failed);
-    made?;
-    noted?;
-    journal.finish()?;
+    // Also if another call ends the job.
+    round.store_failed(arguments.part, &journal, &failed)?;
+    made.map_err(RunError::from)?;
+    journal.finish().map_err(RunError::from)?;
     for (request, failure) in &failed {
         tell(format!(
             "error: a call with {} states and h = {:?} failed: {}",

@@ -9,10 +9,10 @@ use symplint_report::figures::check_figures;
 use symplint_report::report::Report;
 use symplint_report::run_folder::PointLog;
 use symplint_report::table::{degrees_of_freedom, points_table};
+use symplint_run::{Round, RunError, RunOutput};
 
 use super::plan::say_round;
-use super::round::Round;
-use super::run_output::RunOutput;
+use super::run_output;
 use crate::cli::{CheckArgs, Run};
 use crate::failure::Failure;
 use crate::output::{Progress, go_on, say, tell, verdict_text};
@@ -59,7 +59,7 @@ pub(super) fn diagnose(
     // Before the run, which may take hours, and before its first call.
     let loaded = Config::load_with(path, settings, |system, resolved| {
         command = system.command.clone();
-        output = RunOutput::of_run("check", resolved, run)?;
+        output = run_output("check", resolved, run)?;
         round = prepare(&mut output, system, resolved, calls)?;
         Ok::<(), Failure>(())
     });
@@ -70,7 +70,7 @@ pub(super) fn diagnose(
             .and_then(|command| command.failure().cloned())
     };
     if let (Err(_), Some(failure)) = (&loaded, failure()) {
-        return Err(failure.into());
+        return Err(RunError::from(failure).into());
     }
     let config = loaded?;
     let journal = output.as_ref().and_then(|output| output.journal.clone());
@@ -86,10 +86,10 @@ pub(super) fn diagnose(
         });
     progress.finish();
     if let Some(failure) = failure() {
-        return Err(failure.into());
+        return Err(RunError::from(failure).into());
     }
     if let Some(journal) = &journal {
-        journal.finish()?;
+        journal.finish().map_err(RunError::from)?;
     }
     if let (Some(round), Some(output)) = (&round, &output) {
         let missing = (config.system.command.as_ref()).map_or(Vec::new(), |map| map.missing());
@@ -148,7 +148,7 @@ pub(super) fn diagnose(
             largest,
             config.system.command.is_some(),
         );
-        written(output.write_figures(figures, &[]))?;
+        written(output.write_figures(figures, &[]).map_err(Failure::from))?;
         // On standard error: standard output may be JSON.
         if let Some(note) = note {
             tell(format!("note: {note}"));
@@ -206,7 +206,7 @@ fn prepare(
             Ok(None)
         }
         (Calls::Here, None, Some(command)) => {
-            (command.check_keeps_no_earlier_calls()).map_err(Failure::of_command)?;
+            (command.check_keeps_no_earlier_calls()).map_err(RunError::from)?;
             Ok(None)
         }
         (Calls::Here, _, None) => Ok(None),
@@ -217,7 +217,7 @@ fn prepare(
                     "give radii as numbers",
                 );
             }
-            output.plan_calls(command).map(Some)
+            Ok(Some(output.plan_calls(command)?))
         }
         (Calls::ByJobs, ..) => refused(
             "only calls of programs are made by jobs",

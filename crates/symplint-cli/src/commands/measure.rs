@@ -12,7 +12,7 @@ use symplint_report::table::{degrees_of_freedom, points_table};
 
 use super::check::exit_status;
 use super::per_dof::{per_dof, spread};
-use super::run_output::RunOutput;
+use super::run_output;
 use crate::cli::MeasureArgs;
 use crate::failure::Failure;
 use crate::output::{say, verdict_text};
@@ -40,7 +40,7 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
     check_step_sizes(&files[1..])?;
     let (coordinates, settings) = coordinates(arguments, &files)?;
     let resolved = resolved(&files, settings);
-    let output = RunOutput::of_run("measure", &resolved, run)?;
+    let output = run_output("measure", &resolved, run)?;
 
     let mut snapshots: Vec<Snapshot> = files
         .into_iter()

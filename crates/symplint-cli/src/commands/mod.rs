@@ -2,7 +2,6 @@
 
 mod advance;
 mod check;
-mod earlier_run;
 mod init;
 mod item_settings;
 mod judge;
@@ -13,10 +12,14 @@ mod per_dof;
 mod plan;
 mod reproduce;
 mod resume;
-mod round;
-mod run_output;
 mod trace;
 mod write_loop;
+
+use symplint_config::parse_number;
+use symplint_run::RunOutput;
+
+use crate::cli::Run;
+use crate::failure::Failure;
 
 pub use advance::advance;
 pub use check::check;
@@ -29,3 +32,19 @@ pub use reproduce::reproduce;
 pub use resume::resume;
 pub use trace::trace;
 pub use write_loop::write_loop;
+
+/// The folder of `--out` for a run of `command`, if it is given.
+///
+/// # Errors
+/// If it must not or cannot be written to.
+fn run_output(
+    command: &str,
+    config: &toml::Table,
+    run: &Run,
+) -> Result<Option<RunOutput>, Failure> {
+    (run.out.as_deref())
+        .map(|path| {
+            RunOutput::open(path, command, config, run.force, parse_number).map_err(Failure::from)
+        })
+        .transpose()
+}

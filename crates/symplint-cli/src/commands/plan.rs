@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use symplint_journal::Request;
+use symplint_run::Request;
 
 use super::check::{Calls, diagnose};
 use super::resume::config_of_run;

@@ -2,13 +2,13 @@
 
 use std::process::ExitCode;
 
-use symplint_config::suggestion;
+use symplint_config::{parse_number, suggestion};
 use symplint_paper::{ITEMS, Item, Settings, Value, claims_summary};
 use symplint_report::report::to_json;
+use symplint_run::RunOutput;
 
 use super::item_settings::item_settings;
 use super::list::list;
-use super::run_output::RunOutput;
 use crate::cli::{ReproduceArgs, What};
 use crate::failure::Failure;
 use crate::output::{Progress, say};
@@ -34,7 +34,8 @@ pub fn reproduce(arguments: &ReproduceArgs) -> Result<ExitCode, Failure> {
     let config = (runs.iter())
         .map(|(item, settings)| (item.id.to_owned(), table(settings).into()))
         .collect();
-    let output = RunOutput::open(&arguments.out, "reproduce", &config, arguments.force)?;
+    let (out, force) = (&arguments.out, arguments.force);
+    let output = RunOutput::open(out, "reproduce", &config, force, parse_number)?;
     let folder = &output.folder;
     output.remove_earlier(&[])?;
     folder.write_config(&output.config)?;

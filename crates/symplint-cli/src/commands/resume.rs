@@ -4,8 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use symplint_run::command_of;
+
 use super::check::{Calls, diagnose};
-use super::earlier_run::command_of;
 use crate::cli::{ResumeArgs, Run};
 use crate::failure::Failure;
 use crate::provenance;

@@ -9,9 +9,9 @@ use symplint_config::{Config, ConfigError};
 use symplint_report::figures::trace_figures;
 use symplint_report::report::TraceReport;
 use symplint_report::table::trace_table;
+use symplint_run::{RunError, loop_file};
 
-use super::earlier_run::loop_file;
-use super::run_output::RunOutput;
+use super::run_output;
 use crate::cli::TraceArgs;
 use crate::failure::Failure;
 use crate::output::{Progress, say};
@@ -25,10 +25,10 @@ pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
     let config = Config::load_with(&arguments.config, set, |system, _| {
         let command = system.command.as_ref();
         let checked = command.map_or(Ok(()), |command| command.check_keeps_no_earlier_calls());
-        checked.map_err(Failure::of_command)
+        checked.map_err(|error| Failure::from(RunError::from(error)))
     })?;
     let trace = settings(&config)?;
-    let output = RunOutput::of_run("trace", &config.resolved, run)?;
+    let output = run_output("trace", &config.resolved, run)?;
     let progress = Progress::new("steps", run.shown.quiet || run.shown.json);
     let record = follow(&trace, &config, &progress)?;
     progress.finish();

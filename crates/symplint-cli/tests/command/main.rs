@@ -83,19 +83,15 @@ fn program() {
         }
         "nothing" => {}
         "fifo" => drop(Command::new("mkfifo").arg(&after).status().unwrap()),
-        "grow" | "killed" => {
-            // As the system does where a file may not grow, or where memory runs out.
-            let signal = match behaviour {
-                "grow" => "-XFSZ",
-                _ => "-KILL",
-            };
+        "killed" => {
+            // As the system does if memory runs out.
             if let Ok(path) = std::env::var("SYMPLINT_TEST_ONCE")
                 && fs::File::create_new(path).is_err()
             {
                 return write(&file);
             }
             let pid = std::process::id().to_string();
-            let _ = Command::new("kill").args([signal, &pid]).status();
+            let _ = Command::new("kill").args(["-KILL", &pid]).status();
             std::thread::sleep(Duration::from_secs(60));
         }
         "remove" => {
@@ -145,14 +141,17 @@ impl Bench {
         bench
     }
 
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
     fn config(&self) -> PathBuf {
-        self.folder.path().join("run.toml")
+        self.path("run.toml")
     }
 
     fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
-        let config = self.config();
-        command.arg("check").arg(config).args(arguments);
+        let mut command = symplint(&["check"]);
+        command.arg(self.config()).args(arguments);
         command.env("TMPDIR", self.temporary.path());
         command
     }
@@ -172,6 +171,25 @@ impl Bench {
             .map(|entry| entry.unwrap().path())
             .collect()
     }
+}
+
+/// The program with these arguments.
+fn symplint(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
+    command.args(arguments);
+    command
+}
+
+/// Demands an exit status.
+fn ends(status: i32, output: &Output) {
+    assert_eq!(output.status.code(), Some(status), "{}", said(output));
+}
+
+/// Demands an error with these words.
+fn refused(output: &Output, words: &str) {
+    ends(2, output);
+    let text = in_one_line(output);
+    assert!(text.contains(words), "{words}: {text}");
 }
 
 /// What it said, without line breaks, which fit it to the terminal.
@@ -259,10 +277,8 @@ fn a_small_budget_hides_no_failure_of_a_program() {
     let bench = Bench::new("fails", "batch = 1000");
     for budget in [200, 500] {
         let output = bench.check(&["--set", &format!("diagnostic.budget={budget}")]);
-        let text = in_one_line(&output);
-        assert_eq!(output.status.code(), Some(2), "{text}");
-        assert!(text.contains("cannot open restart.dat"), "{text}");
-        assert!(!text.contains("raise the budget"), "{text}");
+        refused(&output, "cannot open restart.dat");
+        assert!(!in_one_line(&output).contains("raise the budget"));
     }
 }
 
@@ -272,7 +288,7 @@ fn a_program_that_something_killed_is_started_once_more() {
     let mut check = bench.command(&["--set", "diagnostic.budget=1000"]);
     let once = bench.folder.path().join("once");
     let output = check.env("SYMPLINT_TEST_ONCE", &once).output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &output);
     assert!(once.exists());
     assert!(!said(&output).contains("left out"), "{}", said(&output));
 }
@@ -282,7 +298,7 @@ fn a_program_that_never_works_is_an_error_with_its_words() {
     for (command, words) in [
         (
             "[\"no-such-program\", \"{before}\", \"{after}\"]",
-            "could not be started",
+            "cannot run `no-such-program`",
         ),
         (
             "[\"sh\", \"-c\", \"echo sorry; exit 7\", \"{before}\", \"{after}\"]",
@@ -294,9 +310,7 @@ fn a_program_that_never_works_is_an_error_with_its_words() {
     ] {
         let bench = Bench::new("verlet", "");
         let output = bench.check(&["--set", &format!("system.command={command}")]);
-        let text = said(&output);
-        assert_eq!(output.status.code(), Some(2), "{text}");
-        assert!(text.contains(words), "{command}: {text}");
+        refused(&output, words);
         assert!(bench.left_behind().is_empty());
     }
 }
@@ -319,9 +333,14 @@ fn states_come_from_files() {
     let set = "system.q0={ file = \"state.npz\" }";
     let loop_file = bench.folder.path().join("loop.csv");
     let run = |arguments: &[&str]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
-        let output = (command.arg("loop").arg(bench.config()).args(arguments)).output();
-        said(&output.unwrap())
+        let mut command = symplint(&["loop"]);
+        said(
+            &command
+                .arg(bench.config())
+                .args(arguments)
+                .output()
+                .unwrap(),
+        )
     };
     let text = run(&[
         "--set",
@@ -369,11 +388,8 @@ fn files_advanced_by_a_program_measure_as_check_does() {
     ];
     let checked = bench.report(&[&fixed[..], &["--set", "diagnostic.loops=1"]].concat());
     let checked = &checked["points"][0];
-    let path = |name: &str| bench.folder.path().join(name);
-    let symplint = |arguments: &[&str]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
-        command.args(arguments).output().unwrap()
-    };
+    let path = |name: &str| bench.path(name);
+    let symplint = |arguments: &[&str]| symplint(arguments).output().unwrap();
     let (before, after) = (path("before.npz"), path("after.npz"));
     let [before, after] = [&before, &after].map(|path| path.to_str().unwrap());
     let config = bench.config();
@@ -415,5 +431,5 @@ fn a_verdict_is_given_where_standard_error_cannot_be_written() {
     let full = fs::File::options().write(true).open("/dev/full").unwrap();
     let mut command = bench.command(&["--set", "diagnostic.budget=300", "--out"]);
     let output = command.arg(out).stderr(full).output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &output);
 }

@@ -3,12 +3,12 @@
 use std::fs::{self, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use std::time::Duration;
 
 use serde_json::Value;
 
-use super::{Bench, in_one_line, said};
+use super::{Bench, ends, in_one_line, refused, said, symplint};
 
 /// One more call of the program.
 pub fn count(path: &str) {
@@ -32,13 +32,8 @@ pub fn report(folder: &Path) -> Value {
 }
 
 fn resume(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
-    command
-        .arg("resume")
-        .arg(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
+    let mut command = symplint(&["resume"]);
+    command.arg(folder).args(arguments).output().unwrap()
 }
 
 pub const KEYS: &str = "workers = 2\nbatch = 32\n";
@@ -46,15 +41,14 @@ pub const KEYS: &str = "workers = 2\nbatch = 32\n";
 #[test]
 fn a_run_that_is_killed_again_and_again_ends_with_the_same_report() {
     let bench = Bench::new("leapfrog", KEYS);
-    let path = |name: &str| bench.folder.path().join(name);
+    let path = |name: &str| bench.path(name);
     let (whole, killed) = (path("whole"), path("killed"));
     let check = |out: &Path, counts: &Path| {
         let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=1500", "--out"]);
         command.arg(out).env("SYMPLINT_TEST_COUNT", counts);
         command
     };
-    let output = check(&whole, &path("calls")).output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &check(&whole, &path("calls")).output().unwrap());
     let needed = calls(&path("calls"));
 
     // After so many calls in all.
@@ -67,8 +61,7 @@ fn a_run_that_is_killed_again_and_again_ends_with_the_same_report() {
         run.kill().unwrap();
         run.wait().unwrap();
     }
-    let output = resume(&killed, &["--quiet"]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &resume(&killed, &["--quiet"]));
     assert_eq!(report(&killed), report(&whole));
     for file in ["points.csv", "config.toml", "figures/step_sizes.svg"] {
         let of = |folder: &Path| fs::read(folder.join(file)).unwrap();
@@ -82,8 +75,7 @@ fn a_run_that_is_killed_again_and_again_ends_with_the_same_report() {
     );
 
     // All is known now: the program need not even be there.
-    let output = check(&killed, &path("no_calls")).output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &check(&killed, &path("no_calls")).output().unwrap());
     assert_eq!(calls(&path("no_calls")), 0);
     let text = fs::read_to_string(killed.join("report.json")).unwrap();
     let again: Value = serde_json::from_str(&text).unwrap();
@@ -100,16 +92,13 @@ fn a_run_of_a_file_in_the_current_folder_goes_on() {
         &["check", "run.toml", "--out", "run"][..],
         &["resume", "run"],
     ] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
-        command
-            .current_dir(bench.folder.path())
-            .args(words)
-            .arg("--quiet");
+        let mut command = symplint(words);
+        command.current_dir(bench.folder.path()).arg("--quiet");
         if words[0] == "check" {
             command.args(["--set", "diagnostic.budget=300"]);
         }
         let output = command.output().unwrap();
-        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        ends(0, &output);
     }
 }
 
@@ -125,29 +114,21 @@ fn what_is_no_stopped_run_is_refused() {
         folder.to_str().unwrap(),
     ];
     assert_eq!(bench.check(&arguments).status.code(), Some(0));
-    let refused = |output: Output, words: &str| {
-        let text = said(&output);
-        assert_eq!(output.status.code(), Some(2), "{text}");
-        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(text.contains(words), "{words}: {text}");
-    };
-    refused(
-        resume(bench.folder.path(), &[]),
-        "config.toml cannot be read",
-    );
+    let no_run = resume(bench.folder.path(), &[]);
+    refused(&no_run, "config.toml cannot be read");
     let other = [&arguments[..], &["--set", "system.batch=16"]].concat();
-    refused(bench.check(&other), "system.batch is 32 there and 16 here");
+    refused(&bench.check(&other), "system.batch is 32 there and 16 here");
     let journal = folder.join("journal");
     let whole = fs::read(&journal).unwrap();
     fs::write(&journal, "notes of mine").unwrap();
-    refused(resume(&folder, &[]), "is not a journal of symplint");
+    refused(&resume(&folder, &[]), "is not a journal of symplint");
     fs::write(&journal, whole).unwrap();
     let config = folder.join("config.toml");
     let text = fs::read_to_string(&config).unwrap();
     fs::write(&config, text.replace("batch = 32", "batch = 33")).unwrap();
-    refused(resume(&folder, &[]), "was changed after the run");
+    refused(&resume(&folder, &[]), "was changed after the run");
     fs::write(&config, "name = 1\n").unwrap();
-    refused(resume(&folder, &[]), "is not that of a run");
+    refused(&resume(&folder, &[]), "is not that of a run");
 }
 
 /// All files of a folder.
@@ -175,8 +156,8 @@ fn a_command_that_is_refused_changes_nothing() {
              q0 = [{q0}]\np0 = [0.5]\n[diagnostic]\nstep_sizes = [0.5]\nbudget = 200\n"
         );
         fs::write(path("run.toml"), text).unwrap();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
-        command.arg("check").arg(path("run.toml")).args(more);
+        let mut command = symplint(&["check"]);
+        command.arg(path("run.toml")).args(more);
         command.arg("--out").arg(path("run")).output().unwrap()
     };
     // It moves nothing.
@@ -199,15 +180,12 @@ fn a_command_that_is_refused_changes_nothing() {
     let whole = fs::read(&journal).unwrap();
     fs::write(&journal, "notes of mine").unwrap();
     let damaged = contents(&path("run"));
-    let output = check("1", "0", &["--set", "system.workers=1"]);
-    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    ends(2, &check("1", "0", &["--set", "system.workers=1"]));
     assert!(contents(&path("run")) == damaged);
     fs::write(&journal, whole).unwrap();
-    let output = resume(&path("run"), &[]);
-    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    ends(3, &resume(&path("run"), &[]));
     // The same number in other digits.
-    let output = check("1", "0", &[]);
-    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    ends(3, &check("1", "0", &[]));
 }
 
 #[test]
@@ -220,82 +198,68 @@ fn a_run_that_goes_on_is_not_replaced_by_force() {
     };
     let few = ["--set", "diagnostic.budget=300"];
     assert_eq!(check(&few).status.code(), Some(0));
+    let lock = fs::File::options().write(true).open(folder.join(".lock"));
+    let lock = lock.unwrap();
+    lock.lock().unwrap();
     let before = contents(&folder);
-    let journal = fs::File::open(folder.join("journal")).unwrap();
-    journal.lock().unwrap();
-    let output = check(&["--force", "--set", "diagnostic.budget=400"]);
-    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
-    assert!(in_one_line(&output).contains("another run writes to it"));
-    assert!(contents(&folder) == before);
     // Nor by a run that has no journal itself.
     let pendulum = bench.folder.path().join("pendulum.toml");
     let text = "[system]\nname = \"pendulum\"\n[diagnostic]\nbudget = 300\n";
     fs::write(&pendulum, text).unwrap();
     let of_pendulum = || {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_symplint"));
-        command.arg("check").arg(&pendulum);
-        command.args(["--quiet", "--force", "--out"]);
-        command.arg(&folder).output().unwrap()
+        let mut command = symplint(&["check", "--quiet", "--force"]);
+        command
+            .arg(&pendulum)
+            .arg("--out")
+            .arg(&folder)
+            .output()
+            .unwrap()
     };
-    let refused = of_pendulum();
-    assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
-    assert!(in_one_line(&refused).contains("another run writes to it"));
-    drop(journal);
-    let output = check(&["--force", "--set", "diagnostic.budget=400"]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
-
-    // A run without a journal has the folder itself.
-    let lock = fs::File::options().write(true).open(folder.join(".lock"));
-    let lock = lock.unwrap();
-    lock.lock().unwrap();
-    let before = contents(&folder);
-    for output in [check(&["--force"]), of_pendulum()] {
-        assert_eq!(output.status.code(), Some(2), "{}", said(&output));
-        assert!(in_one_line(&output).contains("another run writes to it"));
+    let of_other = || check(&["--force", "--set", "diagnostic.budget=400"]);
+    for output in [check(&["--force"]), of_other(), of_pendulum()] {
+        refused(&output, "another run writes to it");
     }
     assert!(contents(&folder) == before);
     drop(lock);
+    assert_eq!(of_other().status.code(), Some(0));
     // It leaves nothing of a run that had one.
     fs::create_dir(folder.join("round")).unwrap();
     for file in ["round/calls", "round/part-1-of-1", "failed.json"] {
         fs::write(folder.join(file), "").unwrap();
     }
-    let output = of_pendulum();
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &of_pendulum());
     for file in ["round", "failed.json", "journal"] {
         assert!(!folder.join(file).exists(), "{file}");
     }
     // Beside no journal it is another file.
     fs::write(folder.join("failed.json"), "mine").unwrap();
-    let output = of_pendulum();
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &of_pendulum());
     assert!(folder.join("failed.json").exists());
 }
 
 #[test]
 fn how_a_run_goes_is_no_other_run() {
     let bench = Bench::new("leapfrog", KEYS);
-    let path = |name: &str| bench.folder.path().join(name);
+    let path = |name: &str| bench.path(name);
     let check = |settings: &[&str], counts: &str| {
         let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=300", "--out"]);
         command.arg(path("run")).args(settings);
         let output = command.env("SYMPLINT_TEST_COUNT", path(counts)).output();
         let output = output.unwrap();
-        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        ends(0, &output);
     };
     check(&[], "calls");
     let keep = format!("system.keep={:?}", path("kept"));
     let others = ["system.workers=1", "system.timeout=50", &keep];
     check(&others.map(|other| ["--set", other]).concat(), "more_calls");
     assert_eq!(calls(&path("more_calls")), 0);
-    let output = resume(&path("run"), &["--quiet"]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &resume(&path("run"), &["--quiet"]));
 }
 
 #[test]
 fn a_run_that_keeps_its_files_goes_on() {
     let bench = Bench::new("leapfrog", KEYS);
-    let path = |name: &str| bench.folder.path().join(name);
+    let path = |name: &str| bench.path(name);
     let keep = path("kept");
     let check = |out: &str| {
         let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=300"]);
@@ -304,29 +268,24 @@ fn a_run_that_keeps_its_files_goes_on() {
         command.arg("--out").arg(path(out)).output().unwrap()
     };
     let kept = || fs::read_dir(&keep).unwrap().count();
-    let output = check("run");
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &check("run"));
     let (needed, whole) = (kept(), report(&path("run")));
     // Half of the journal is lost.
     let journal = path("run").join("journal");
     let bytes = fs::read(&journal).unwrap();
     fs::write(&journal, &bytes[..bytes.len() / 2]).unwrap();
-    let output = resume(&path("run"), &["--quiet"]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &resume(&path("run"), &["--quiet"]));
     assert!(kept() > needed);
     assert_eq!(report(&path("run")), whole);
-    let output = check("run");
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &check("run"));
     // Another run.
-    let output = check("other");
-    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
-    assert!(in_one_line(&output).contains("is not empty"));
+    refused(&check("other"), "is not empty");
 }
 
 #[test]
 fn radii_that_the_map_suggests_are_looked_for_once() {
     let bench = Bench::new("leapfrog", KEYS);
-    let path = |name: &str| bench.folder.path().join(name);
+    let path = |name: &str| bench.path(name);
     let check = |counts: &str, more: &[&str]| {
         let mut command = bench.command(&["--quiet", "--set", "diagnostic.budget=300"]);
         command
@@ -335,18 +294,14 @@ fn radii_that_the_map_suggests_are_looked_for_once() {
         command.args(more).env("SYMPLINT_TEST_COUNT", path(counts));
         command.output().unwrap()
     };
-    let output = check("calls", &[]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &check("calls", &[]));
     let whole = report(&path("run"));
     assert!(whole["evaluations"]["by_check"]["radii"].as_u64().unwrap() > 0);
-    let output = check("no_calls", &[]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &check("no_calls", &[]));
     // Another run is refused before its first call.
-    let output = check("no_calls", &["--set", "system.q0=[0.25]"]);
-    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    ends(2, &check("no_calls", &["--set", "system.q0=[0.25]"]));
     assert_eq!(calls(&path("no_calls")), 0);
-    let output = resume(&path("run"), &["--quiet"]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    ends(0, &resume(&path("run"), &["--quiet"]));
     assert_eq!(report(&path("run")), whole);
 }
 

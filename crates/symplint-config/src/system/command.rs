@@ -6,9 +6,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use symplint::{Coordinates, TimeAdvance};
-use symplint_command::{CommandMap, Limits};
 use symplint_files::LoopFile;
 use symplint_models::Model;
+use symplint_run::{CommandMap, Limits};
 
 use super::given_map::NONE;
 use super::{System, SystemInfo};
@@ -44,6 +44,11 @@ pub const COMMAND: SystemInfo = SystemInfo {
             "p0",
             "[0.5]",
             "centre of the loop, momenta: a list, or a file with an array p",
+        ),
+        Key::new(
+            "files",
+            "[]",
+            "files that identify the program besides its own, as scripts and tables: a change of one is another run",
         ),
         Key::optional(
             "period",
@@ -90,13 +95,14 @@ pub const COMMAND: SystemInfo = SystemInfo {
             section.record("folder", path);
         }
         let command = section.texts("command")?;
-        let refused = |key: &'static str, error: symplint_command::CommandError| {
+        let refused = |key: &'static str, error: symplint_run::CommandError| {
             let text = error.to_string();
             let (message, remedy) = text.split_once("; ").unwrap_or((&text, "change it"));
             section.error(key, message, remedy)
         };
         let mut map = CommandMap::new(command, &runs_in, coordinates, limits(section)?)
             .map_err(|error| refused("command", error))?;
+        map = map.identified_by(section.texts("files")?);
         if let Some(keep) = section.optional_text("keep")? {
             let keep = folder.join(keep);
             let keep = std::path::absolute(&keep).unwrap_or(keep);

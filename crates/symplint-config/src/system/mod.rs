@@ -13,8 +13,8 @@ mod pic_1d2v;
 use std::path::Path;
 use std::sync::Arc;
 
-use symplint_command::CommandMap;
 use symplint_models::{Model, ModelError};
+use symplint_run::CommandMap;
 
 pub use given_map::NOTHING;
 

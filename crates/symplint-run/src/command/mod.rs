@@ -1,27 +1,36 @@
-//! The map: blocks of samples cut into calls, some of them at a time.
+//! Programs as maps: blocks of samples are cut into calls, some of them at a time. For each call the map writes `before.npz` (arrays `q`
+//! and `p` of shape (samples, dof), `h`, `period`, `weight`), runs the program, and reads `after.npz`.
+
+mod call;
+mod error;
+mod planned;
+mod process;
+mod program_file;
+mod stop;
+mod workspace;
 
 use std::collections::HashMap;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use symplint::map::Prefetch;
 use symplint::{Block, Coordinates, Ensemble, StepFailure, TimeAdvance};
-use symplint_journal::{Call as JournalCall, Journal, Request};
 
-use crate::call::{Call, Program};
-use crate::known_files::KnownFile;
-use crate::lack::CallFailure;
-use crate::names::names;
-use crate::planned::Planned;
-use crate::running::wait_if_stopped;
-use crate::search::found_in_path;
-use crate::workspace::{Workspace, kept_before};
-use crate::{CallsError, CommandError};
+pub use error::{CallsError, CommandError};
+pub use stop::stop_all;
 
-/// What calls may take.
+use crate::journal::{Call as JournalCall, Journal, Request};
+use call::{Call, CallFailure, Program};
+use planned::Planned;
+use program_file::ProgramFile;
+use stop::{UnderWay, is_stopped};
+use workspace::{Workspace, kept_before};
+
+/// Limits of calls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// The longest time of one call.
@@ -44,7 +53,9 @@ pub struct CommandMap {
     slots: Slots,
     journal: OnceLock<Arc<Journal>>,
     planned: OnceLock<Planned>,
-    known: OnceLock<Vec<KnownFile>>,
+    /// Names of files that identify the program besides its own.
+    files: Vec<String>,
+    hashed: OnceLock<Vec<ProgramFile>>,
     failure: OnceLock<CallsError>,
 }
 
@@ -78,13 +89,20 @@ impl CommandMap {
             workspace: Workspace::temporary(),
             journal: OnceLock::new(),
             planned: OnceLock::new(),
-            known: OnceLock::new(),
+            files: Vec::new(),
+            hashed: OnceLock::new(),
             failure: OnceLock::new(),
         })
     }
 
-    /// The same, with the files of all calls kept in a folder, which is new or empty, or holds those of earlier calls: then the
-    /// numbers of calls go on.
+    /// The same program, identified also by the contents of these files, in the folder in which it runs.
+    pub fn identified_by(mut self, files: Vec<String>) -> Self {
+        self.files = files;
+        self
+    }
+
+    /// The same, with the files of all calls kept in a folder, which is new or empty, or holds the files of earlier calls, whose numbers
+    /// continue.
     ///
     /// # Errors
     /// If the folder holds anything else.
@@ -96,7 +114,7 @@ impl CommandMap {
         Ok(self)
     }
 
-    /// Refuses a folder that keeps the files of earlier calls: where it is not their run that goes on.
+    /// Refuses a folder that keeps the files of earlier calls, for a run that is not resumed.
     ///
     /// # Errors
     /// If there are any.
@@ -127,115 +145,72 @@ impl CommandMap {
         self.planned.get().map_or(Vec::new(), Planned::missing)
     }
 
-    /// Makes calls, some at a time, and notes them in a journal; none that it has already. `made` is told of each.
-    ///
-    /// # Errors
-    /// If the journal cannot be read or written, a call could not be made, or the program is not what it
-    /// [was](Self::know_program). Calls that fail are no error.
-    pub fn make(
+    /// Makes calls, some at a time, and notes their results in a journal; `made` is called after each. Returns the calls that
+    /// failed, and why the others were not made, if they were not: the journal cannot be written, a call could not be made, or the
+    /// program is not the one that was [identified](Self::identity).
+    pub fn make<'a>(
         &self,
-        requests: &[&Request],
+        requests: &[&'a Request],
         journal: &Journal,
-        made: &(dyn Fn(&Request, Result<(), StepFailure>) + Sync),
-    ) -> Result<(), CallsError> {
+        made: &(dyn Fn() + Sync),
+    ) -> (Vec<(&'a Request, StepFailure)>, Result<(), CallsError>) {
         let each = |k: usize| {
-            let request = requests[k];
-            let mut states = request.states.clone();
-            if journal.has(request.call) {
-                made(request, Ok(()));
-                return Ok(());
-            }
-            match self.run(request.h, states) {
+            let request: &Request = requests[k];
+            let failed = match self.run(request.h, request.states.clone()) {
+                Ok(mut after) => {
+                    journal.note(request.call, &after.block())?;
+                    None
+                }
                 Err(failure) => match self.failure() {
                     Some(error) => return Err(error.clone()),
-                    None => made(request, Err(failure)),
+                    None => Some(failure),
                 },
-                Ok(after) => {
-                    states = after;
-                    journal.note(request.call, &states.block())?;
-                    made(request, Ok(()));
-                }
-            }
-            Ok(())
+            };
+            made();
+            Ok(failed)
         };
-        self.in_order(requests.len(), each)
-            .into_iter()
-            .flatten()
-            .collect()
+        let (mut failed, mut ended) = (Vec::new(), Ok(()));
+        let results = self.in_order(requests.len(), each).into_iter();
+        for (request, result) in requests.iter().zip(results.flatten()) {
+            match result {
+                Ok(failure) => failed.extend(failure.map(|failure| (*request, failure))),
+                Err(error) => ended = ended.and(Err(error)),
+            }
+        }
+        (failed, ended)
     }
 
-    /// What the program is known by: the files that the command names before its first `{before}`, with the SHA-256 of their
-    /// contents. Where one of them changes or comes to be from now on, no call is made or noted any more, and
-    /// [`failure`](Self::failure) names it.
+    /// The identity of the program: the names of its file, which is searched in `PATH`, and of the files that
+    /// [identify it](Self::identified_by), with the SHA-256 of their contents. If one of them changes from now on, no call is made or
+    /// noted any more, and [`failure`](Self::failure) names it.
     ///
     /// # Errors
     /// If one cannot be read.
-    pub fn know_program(&self) -> Result<Vec<(&str, &str)>, CallsError> {
-        let files = self.program_files().into_iter();
-        let files = files.map(|(word, path)| KnownFile::read(word, path));
+    pub fn identity(&self) -> Result<Vec<(&str, &str)>, CallsError> {
+        let Program { command, folder } = &self.program;
+        let paths = std::env::var_os("PATH");
+        // A program that is not there is reported by its first call.
+        let program = which::which_in(&command[0], paths, folder).ok();
+        let program = program.map(|path| (&*command[0], path));
+        let others = self.files.iter().map(|name| (&**name, folder.join(name)));
+        let files = program.into_iter().chain(others);
+        let files = files.map(|(name, path)| ProgramFile::read(name, path));
         let files = files.collect::<Result<Vec<_>, _>>()?;
-        let known = self.known.get_or_init(|| files);
-        Ok((known.iter())
-            .map(|file| (&*file.word, &*file.sha256))
-            .collect())
+        let hashed = self.hashed.get_or_init(|| files).iter();
+        Ok(hashed.map(|file| (&*file.name, &*file.sha256)).collect())
     }
 
-    /// Why calls are not made, or are not those of the run any more, if that is so: no failure of the map.
+    /// Why the calls of the run end, if they do: no failure of the map.
     pub fn failure(&self) -> Option<&CallsError> {
         self.failure.get()
     }
 
-    /// Checks that the program is what it was when it was hashed, if it was.
-    fn check_program(&self) -> Result<(), StepFailure> {
-        self.find_changes().map_err(|error| self.stopped(error))
-    }
-
-    fn find_changes(&self) -> Result<(), CallsError> {
-        let Some(known) = self.known.get() else {
-            return Ok(());
-        };
-        let changed = |path: &Path| CallsError::Changed {
-            path: path.to_owned(),
-        };
-        for file in known {
-            if file.changed()? {
-                return Err(changed(&file.path));
-            }
-        }
-        // Looked for again: another program may have come before it in `PATH`.
-        let now = self.program_files();
-        let then = known.iter().map(|file| (&*file.word, file.path.clone()));
-        let then: Vec<(&str, PathBuf)> = then.collect();
-        let gone = then.iter().find(|file| !now.contains(file));
-        // A file that came to be would be missed when the run goes on: calls make it.
-        let new = || now.iter().find(|file| !then.contains(file));
-        match gone.or_else(new) {
-            Some((_, path)) => Err(changed(path)),
-            None => Ok(()),
-        }
-    }
-
-    /// Takes note of why the run ends, which is no failure of the map.
+    /// Stores why the calls of the run end.
     fn stopped(&self, error: CallsError) -> StepFailure {
         StepFailure {
             sample: 0,
             reason: self.failure.get_or_init(|| error).to_string(),
         }
-    }
-
-    /// The files that the command [names](crate::names) before its first `{before}`, with their paths: the program, which is looked
-    /// for in `PATH` as the system does, the script that an interpreter runs, and what these are given to read. Files named later may
-    /// be data that calls write.
-    fn program_files(&self) -> Vec<(&str, PathBuf)> {
-        let Program { command, folder } = &self.program;
-        let program = found_in_path(&command[0], folder).map(|path| (&*command[0], path));
-        let others = names(command).into_iter();
-        let others = others.map(|name| (name, folder.join(name)));
-        let files = program.into_iter().chain(others);
-        // What these folders hold is of this process or of the system.
-        let is_of_system = |path: &Path| path.starts_with("/dev") || path.starts_with("/proc");
-        let files = files.filter(|(_, path)| !is_of_system(path) && path.is_file());
-        files.collect()
     }
 
     /// Advances the samples of one call.
@@ -261,8 +236,8 @@ impl CommandMap {
         firsts.map(move |first| (first, block.copy_of(first..samples.min(first + batch))))
     }
 
-    /// Does some things at a time. They are begun in their order, and none after a failure: the first failure is the same however
-    /// many are done at a time, and a program that hangs is not waited for once more for each. Nothing stands for what was not begun.
+    /// Does some things at a time. They begin in their order, and none after a failure: the first failure is the same for any number of
+    /// workers, and a program that hangs is waited for once. Skipped things are `None`.
     fn in_order<T: Send, E: Send>(
         &self,
         count: usize,
@@ -305,14 +280,18 @@ impl CommandMap {
             h,
         };
         let _slot = self.slots.take();
-        self.check_program()?;
-        // Where a signal ended the program, or removed its files, it did not fail.
-        let after = (call.advance(&self.workspace, states)).inspect_err(|_| wait_if_stopped());
-        // It may have changed since, and a call may have failed for that.
-        self.check_program()?;
+        let under_way = UnderWay::begin();
+        let after = call.advance(&self.workspace, states);
+        if after.is_err() && is_stopped() {
+            // The signal ended the program, or removed its files: it did not fail.
+            under_way.wait_for_ever();
+        }
+        // The result, or the failure, may be that of a changed program.
+        let mut hashed = self.hashed.get().into_iter().flatten();
+        (hashed.try_for_each(ProgramFile::check_same)).map_err(|error| self.stopped(error))?;
         after.map_err(|failure| match failure {
             CallFailure::Program(failure) => failure,
-            CallFailure::Lack(lack) => self.stopped(lack.into()),
+            CallFailure::Calls(error) => self.stopped(error),
         })
     }
 }
@@ -326,7 +305,7 @@ impl TimeAdvance for CommandMap {
         let parts: Vec<(usize, Ensemble)> = self.parts(block).collect();
         let each = |k: usize| self.call(h, parts[k].1.clone());
         let results = match self.planned.get() {
-            // All that are missing are to be known.
+            // Jobs make all that are missing.
             Some(_) => (0..parts.len()).map(|k| Some(each(k))).collect(),
             None => self.in_order(parts.len(), each),
         };
@@ -377,10 +356,10 @@ fn put_back(block: &mut Block<'_>, first: usize, states: &Ensemble) {
     }
 }
 
-/// So many calls at a time, whatever the number of threads that ask for one.
+/// The calls at a time, whatever the number of threads that ask for one.
 struct Slots {
-    free: Mutex<usize>,
-    freed: Condvar,
+    taken: SyncSender<()>,
+    free: Mutex<Receiver<()>>,
 }
 
 /// The right to make a call.
@@ -388,25 +367,21 @@ struct Slot<'a>(&'a Slots);
 
 impl Slots {
     fn new(count: usize) -> Self {
-        Slots {
-            free: Mutex::new(count),
-            freed: Condvar::new(),
-        }
+        let (taken, free) = sync_channel(count);
+        let free = Mutex::new(free);
+        Slots { taken, free }
     }
 
     /// Waits until fewer calls are under way.
     fn take(&self) -> Slot<'_> {
-        let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut free = (self.freed.wait_while(free, |free| *free == 0))
-            .unwrap_or_else(PoisonError::into_inner);
-        *free -= 1;
+        self.taken.send(()).expect("the slots have the receiver");
         Slot(self)
     }
 }
 
 impl Drop for Slot<'_> {
     fn drop(&mut self) {
-        *(self.0.free.lock()).unwrap_or_else(PoisonError::into_inner) += 1;
-        self.0.freed.notify_one();
+        let free = self.0.free.lock().unwrap_or_else(PoisonError::into_inner);
+        let _ = free.recv();
     }
 }

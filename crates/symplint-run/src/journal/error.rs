@@ -10,13 +10,13 @@ use symplint::StepFailure;
 #[non_exhaustive]
 pub enum JournalError {
     /// Another run writes to it.
-    #[error("{} is in use: another run writes to it; wait for its end, or use another folder", path.display())]
+    #[error("{} is in use: another run writes to it; wait for its end, end the processes that it left behind, or use another folder", path.display())]
     InUse {
         /// The journal.
         path: PathBuf,
     },
-    /// A file that is no journal.
-    #[error("{} is not a journal of symplint; use another folder", path.display())]
+    /// A file that is not a journal.
+    #[error("{} is not a journal of symplint, or its beginning is damaged; use another folder, or remove the file", path.display())]
     NotAJournal {
         /// The file.
         path: PathBuf,
@@ -28,38 +28,6 @@ pub enum JournalError {
         path: PathBuf,
         /// The first difference.
         difference: String,
-    },
-    /// What it holds cannot be told from damage.
-    #[error(
-        "{} is damaged at byte {at}, and what follows cannot be read; nothing in it was changed: put back a copy of the \
-         file, use another folder, or remove the file to make its evaluations again",
-        path.display()
-    )]
-    Damaged {
-        /// The journal.
-        path: PathBuf,
-        /// How many bytes before are as they were written.
-        at: u64,
-    },
-    /// Another file is in its place.
-    #[error(
-        "{} was replaced by another file while the run went on: what it had noted stays in the file that was moved away, if \
-         there is one; start the run again, in another folder if another run uses this one",
-        path.display()
-    )]
-    Replaced {
-        /// The journal.
-        path: PathBuf,
-    },
-    /// It is there no more.
-    #[error(
-        "{} was removed or moved away while the run went on, and the evaluations in it with it; put it back if you can, and \
-         start the run again",
-        path.display()
-    )]
-    Removed {
-        /// The journal.
-        path: PathBuf,
     },
     /// The operating system refuses to read or write it.
     #[error(

@@ -3,8 +3,8 @@
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use crate::journal::{Call, Journal, Key, Request, key};
 use symplint::{Block, Ensemble, StepFailure};
-use symplint_journal::{Call, Journal, Key, Request, key};
 
 /// The calls of a run that its journal does not have yet.
 pub struct Planned {

@@ -10,10 +10,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use tempfile::TempDir;
-
-use crate::lack::Lack;
-use crate::running::{register_folder, remove_folder};
+use super::CallsError;
+use super::stop::{register_folder, remove_folder};
 
 /// How the names of temporary folders begin.
 const PREFIX: &str = "symplint-command-";
@@ -72,19 +70,17 @@ impl Workspace {
     ///
     /// # Errors
     /// If it cannot be made.
-    pub fn folder_of_call(&self) -> Result<CallFolder, Lack> {
-        let lack = |folder: &Path, error: io::Error| Lack::of_file(folder, &error);
+    pub fn folder_of_call(&self) -> Result<CallFolder, CallsError> {
+        let refused = |folder: &Path, error: io::Error| CallsError::of_file(folder, &error);
         let (root, kept) = match &self.kept {
             Some((path, _)) => {
-                fs::create_dir_all(path).map_err(|error| lack(path, error))?;
+                fs::create_dir_all(path).map_err(|error| refused(path, error))?;
                 (path.clone(), true)
             }
             None => {
                 let root = self.temporary_root();
-                (
-                    root.map_err(|error| lack(&std::env::temp_dir(), error))?,
-                    false,
-                )
+                let root = root.map_err(|error| refused(&std::env::temp_dir(), error))?;
+                (root, false)
             }
         };
         loop {
@@ -94,7 +90,7 @@ impl Workspace {
                 Ok(()) => return Ok(CallFolder { path, kept }),
                 // Jobs of the same run keep their calls in one folder.
                 Err(error) if kept && error.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(lack(&path, error)),
+                Err(error) => return Err(refused(&path, error)),
             }
         }
     }
@@ -128,9 +124,8 @@ impl Drop for Workspace {
 }
 
 fn make_temporary() -> io::Result<Temporary> {
-    let make = || tempfile::Builder::new().prefix(PREFIX).tempdir();
-    let made: TempDir = register_folder(make, TempDir::path)?;
-    let folder = made.keep();
+    let folder = tempfile::Builder::new().prefix(PREFIX).tempdir()?.keep();
+    register_folder(&folder);
     let lock = || {
         // Locked before it has its name: a `lock` that is not locked belongs to a program that has ended.
         let unnamed = folder.join("unnamed");

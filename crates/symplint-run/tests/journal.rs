@@ -2,11 +2,10 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use serde_json::{Value, json};
 use symplint::{Circle, Ensemble, StepFailure};
-use symplint_journal::{Journal, JournalError, Request, calls_in, read_round, write_round};
+use symplint_run::{Journal, JournalError, Request, read_round, records, write_round};
 
 fn run() -> Value {
     json!({ "map": "pendulum", "version": "1", "config": { "seed": 1 } })
@@ -104,7 +103,7 @@ fn a_journal_that_was_cut_off_anywhere_goes_on() {
 }
 
 #[test]
-fn a_damaged_record_alone_is_made_again() {
+fn a_damaged_record_and_those_after_it_are_made_again() {
     let (_folder, path) = folder();
     let expected = write(&path);
     let whole = fs::read(&path).unwrap();
@@ -114,40 +113,9 @@ fn a_damaged_record_alone_is_made_again() {
         let mut damaged = whole.clone();
         damaged[at] ^= 0x40;
         fs::write(&path, &damaged).unwrap();
-        let (number, within) = ((at - header) / record, (at - header) % record);
-        assert_eq!(
-            replayed(&path, &expected),
-            3,
-            "byte {within} of record {number}"
-        );
-        assert_eq!(replayed(&path, &expected), 4);
-        // The last one is cut off; what follows another one stays.
-        assert_eq!(fs::read(&path).unwrap() == whole, number == 3);
-    }
-}
-
-#[test]
-fn what_follows_damaged_records_is_kept() {
-    let (_folder, path) = folder();
-    let expected = write(&path);
-    let whole = fs::read(&path).unwrap();
-    let record = 16 + 4 + 8 + 8 * 12 + 8;
-    let header = whole.len() - 4 * record;
-    let of_record = |number: usize| header + number * record..header + (number + 1) * record;
-    // A byte of the first two, and both as zeros, as a disk leaves them that was not written.
-    for fill in [None, Some(0), Some(0xFF)] {
-        let mut damaged = whole.clone();
-        match fill {
-            None => {
-                damaged[of_record(0).start + 20] ^= 0x40;
-                damaged[of_record(1).start + 40] ^= 0x40;
-            }
-            Some(byte) => damaged[of_record(0).start..of_record(1).end].fill(byte),
-        }
-        fs::write(&path, &damaged).unwrap();
-        assert_eq!(replayed(&path, &expected), 2, "{fill:?}");
-        assert_eq!(replayed(&path, &expected), 4, "{fill:?}");
-        assert!(fs::read(&path).unwrap().starts_with(&damaged));
+        let number = (at - header) / record;
+        assert_eq!(replayed(&path, &expected), number, "byte {at}");
+        assert_eq!(fs::read(&path).unwrap(), whole, "byte {at}");
     }
 }
 
@@ -158,42 +126,18 @@ fn a_damaged_header_is_refused_and_nothing_is_changed() {
     let whole = fs::read(&path).unwrap();
     let header = whole.len() - 4 * (16 + 4 + 8 + 8 * 12 + 8);
     for at in 0..header {
-        for bit in [0x01, 0x40] {
-            let mut damaged = whole.clone();
-            damaged[at] ^= bit;
-            fs::write(&path, &damaged).unwrap();
-            let error = Journal::open(&path, &run()).map(|_| ()).unwrap_err();
-            assert!(
-                matches!(
-                    error,
-                    JournalError::Damaged { .. } | JournalError::NotAJournal { .. }
-                ),
-                "byte {at}: {error}"
-            );
-            assert!(fs::read(&path).unwrap() == damaged, "byte {at}");
-        }
+        let mut damaged = whole.clone();
+        damaged[at] ^= 0x40;
+        fs::write(&path, &damaged).unwrap();
+        let error = Journal::open(&path, &run()).map(|_| ()).unwrap_err();
+        assert!(
+            matches!(error, JournalError::NotAJournal { .. }),
+            "byte {at}: {error}"
+        );
+        assert!(fs::read(&path).unwrap() == damaged, "byte {at}");
     }
     fs::write(&path, &whole).unwrap();
     assert_eq!(replayed(&path, &expected), 4);
-}
-
-/// Every fourth byte begins a record by its own account, which reaches over half of the file.
-#[test]
-fn a_file_that_was_made_to_be_read_for_ever_is_refused_soon() {
-    const LENGTH: usize = 4 << 20;
-    let (_folder, path) = folder();
-    write(&path);
-    let mut bytes = fs::read(&path).unwrap();
-    let count = (LENGTH / 16) as u32;
-    for _ in 0..LENGTH / 12 {
-        bytes.extend([count, 0, 0].map(u32::to_le_bytes).concat());
-    }
-    fs::write(&path, &bytes).unwrap();
-    let began = std::time::Instant::now();
-    let error = Journal::open(&path, &run()).map(|_| ()).unwrap_err();
-    assert!(matches!(error, JournalError::Damaged { .. }), "{error}");
-    assert!(began.elapsed() < Duration::from_secs(30));
-    assert!(fs::read(&path).unwrap() == bytes);
 }
 
 #[test]
@@ -202,29 +146,13 @@ fn a_journal_is_begun_anew_only_where_nobody_writes_to_it() {
     let expected = write(&path);
     let other = json!({ "map": "another" });
     let journal = Journal::open(&path, &run()).unwrap();
-    let refused = Journal::anew(&path, &other).map(|_| ());
+    let refused = Journal::replace(&path, &other).map(|_| ());
     assert!(matches!(refused, Err(JournalError::InUse { .. })));
     drop(journal);
     assert_eq!(replayed(&path, &expected), 4);
-    assert!(Journal::anew(&path, &other).unwrap().is_empty());
-    assert!(Journal::open(&path, &other).unwrap().is_empty());
-}
-
-#[cfg(unix)]
-#[test]
-fn a_journal_that_is_replaced_is_missed_within_a_second() {
-    let (folder, path) = folder();
-    let journal = Journal::open(&path, &run()).unwrap();
-    assert!(advance(&journal, &mut states(1.0), 0.5, 1.0));
-    let other = folder.path().join("other");
-    let expected = write(&other);
-    fs::rename(&other, &path).unwrap();
-    std::thread::sleep(Duration::from_millis(1010));
-    let mut states = states(2.0);
-    let found = journal.advance(0.5, &mut states.block(), |_| Ok::<(), JournalError>(()));
-    assert_eq!(found, Err(JournalError::Replaced { path: path.clone() }));
-    drop(journal);
-    assert_eq!(replayed(&path, &expected), 4);
+    drop(Journal::replace(&path, &other).unwrap());
+    drop(Journal::open(&path, &other).unwrap());
+    assert_eq!(records(&path, &other).unwrap().len(), 0);
 }
 
 #[test]
@@ -284,31 +212,6 @@ fn other_runs_and_other_files_are_refused() {
 }
 
 #[test]
-fn a_journal_that_is_removed_is_missed_within_a_second() {
-    let (_folder, path) = folder();
-    let journal = Journal::open(&path, &run()).unwrap();
-    assert!(advance(&journal, &mut states(1.0), 0.5, 1.0));
-    fs::remove_file(&path).unwrap();
-    std::thread::sleep(Duration::from_millis(1010));
-    let mut states = states(2.0);
-    let found = journal.advance(0.5, &mut states.block(), |_| Ok::<(), JournalError>(()));
-    assert_eq!(found, Err(JournalError::Removed { path: path.clone() }));
-    assert!(journal.failure().is_some());
-    assert_eq!(journal.finish(), found);
-}
-
-#[test]
-fn a_journal_that_is_removed_in_the_last_second_is_missed_at_the_end() {
-    let (folder, path) = folder();
-    let journal = Journal::open(&path, &run()).unwrap();
-    assert!(advance(&journal, &mut states(1.0), 0.5, 1.0));
-    journal.finish().unwrap();
-    fs::rename(&path, folder.path().join("moved")).unwrap();
-    assert!(advance(&journal, &mut states(2.0), 0.5, 1.0));
-    assert_eq!(journal.finish(), Err(JournalError::Removed { path }));
-}
-
-#[test]
 fn a_journal_without_calls_is_of_no_run() {
     let (_folder, path) = folder();
     drop(Journal::open(&path, &json!({ "map": "other" })).unwrap());
@@ -329,7 +232,7 @@ fn a_journal_takes_in_the_calls_of_others() {
         let journal = Journal::open(&path, &run()).unwrap();
         // One that both have.
         assert!(advance(&journal, &mut states(1.0), 0.5, 1.0));
-        let part = Journal::open(&other, &run()).unwrap();
+        let part = records(&other, &run()).unwrap();
         assert_eq!(journal.merge(&part), Ok(3));
         assert_eq!(journal.merge(&part), Ok(0));
     }
@@ -337,51 +240,23 @@ fn a_journal_takes_in_the_calls_of_others() {
 }
 
 #[test]
-fn a_file_is_claimed_by_one_run() {
+fn records_are_seen_while_a_run_writes_them() {
     let (_folder, path) = folder();
-    let claimed = Journal::claim(&path).unwrap();
-    let again = || Journal::claim(&path).map(|_| ());
-    let in_use = Err(JournalError::InUse { path: path.clone() });
-    assert_eq!(again(), in_use);
-    let journal = claimed.begin(&run()).unwrap();
-    assert_eq!(again(), in_use);
-    assert!(advance(&journal, &mut states(1.0), 0.5, 1.0));
-    drop(journal);
-    // Another run was faster.
-    assert_eq!(again(), in_use);
-    assert!(!Journal::open(&path, &run()).unwrap().is_empty());
-    // Nothing was noted.
-    fs::write(&path, "").unwrap();
-    assert_eq!(again(), Ok(()));
-}
-
-#[test]
-fn calls_are_seen_while_a_run_writes_them() {
-    let (_folder, path) = folder();
-    assert!(calls_in(&path, &run()).is_err());
+    assert!(records(&path, &run()).is_err());
     let journal = Journal::open(&path, &run()).unwrap();
-    let mut calls = Vec::new();
-    for h in [0.5, 0.25] {
-        assert_eq!(calls_in(&path, &run()).unwrap().len(), calls.len());
-        let states = states(1.0);
-        calls.push(journal.call(h, &states.clone().block()));
-        journal
-            .note(calls[calls.len() - 1], &states.clone().block())
-            .unwrap();
+    for count in 0..2 {
+        assert_eq!(records(&path, &run()).unwrap().len(), count);
+        advance(&journal, &mut states(1.0), 0.5 + count as f64, 1.0);
     }
-    let mut found = calls_in(&path, &run()).unwrap();
-    found.sort_unstable();
-    calls.sort_unstable();
-    assert_eq!(found, calls);
     // The end of a record that is being written is not there yet.
     let bytes = fs::read(&path).unwrap();
     fs::write(&path, &bytes[..bytes.len() - 3]).unwrap();
-    assert_eq!(calls_in(&path, &run()).unwrap().len(), 1);
+    assert_eq!(records(&path, &run()).unwrap().len(), 1);
     assert_eq!(fs::read(&path).unwrap().len(), bytes.len() - 3);
-    let refused = calls_in(&path, &json!({ "map": "another" }));
+    let refused = records(&path, &json!({ "map": "another" })).map(|_| ());
     assert!(matches!(refused, Err(JournalError::OtherRun { .. })));
     fs::write(&path, "notes of mine").unwrap();
-    assert!(calls_in(&path, &run()).is_err());
+    assert!(records(&path, &run()).is_err());
 }
 
 #[test]
@@ -409,7 +284,7 @@ fn a_round_is_read_as_it_was_written() {
         matches!(refused, Err(JournalError::OtherRun { .. })),
         "{refused:?}"
     );
-    // Cut off anywhere it is none; only without a record does the file not show it.
+    // A file that was cut off has the calls before.
     let whole = fs::read(&path).unwrap();
     for length in 0..whole.len() {
         fs::write(&path, &whole[..length]).unwrap();
