@@ -393,6 +393,15 @@ impl Error {
         self
     }
 
+    /// Whether the map failed or returned a state that is not finite, and nothing is wrong with the request.
+    pub(crate) fn is_of_map(&self) -> bool {
+        match self {
+            Error::NotFinite { .. } | Error::StepFailed { .. } => true,
+            Error::InStep { error, .. } => error.is_of_map(),
+            _ => false,
+        }
+    }
+
     /// The same about the state that a sample of a batch stands for.
     pub(crate) fn at(mut self, state: impl Fn(usize) -> StateAt) -> Error {
         if let Error::NotFinite { at, .. } | Error::StepFailed { at, .. } = &mut self

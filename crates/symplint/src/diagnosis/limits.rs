@@ -254,7 +254,10 @@ pub(super) const STATES_OF_A_RETURN: [usize; 2] = [2, 4];
 /// Rounding of a step and a step back is this many times the largest one that a few states show. Conventional: half a decade.
 pub(super) const ROUNDINGS_OF_A_RETURN: f64 = 4.0;
 
-// Step sizes that are looked for.
+// Step sizes.
+
+/// The step size with which a map is called that has none.
+pub(super) const ONLY_STEP: f64 = 1.0;
 
 /// What the largest should advance the motions on the loop by, in radians, to a factor of two: the defects of
 /// methods that are not symplectic are large there, and methods still work.

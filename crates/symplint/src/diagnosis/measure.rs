@@ -1,7 +1,7 @@
 //! Carrying out the plan: fills the evidence.
 
 use super::checks::Runner;
-use super::limits::{LEAST_BUDGET, MOST_LOOPS};
+use super::limits::{LEAST_BUDGET, MOST_LOOPS, ONLY_STEP};
 use super::plan;
 use super::step_sizes::step_sizes;
 use super::{Diagnostic, Event};
@@ -123,9 +123,6 @@ impl Diagnostic {
         Ok(evidence)
     }
 }
-
-/// What a map without a step size is called with.
-pub(super) const ONLY_STEP: f64 = 1.0;
 
 fn check_reversal(signs: Option<&[f64]>, dof: usize) -> Result<(), Error> {
     let Some(signs) = signs else {

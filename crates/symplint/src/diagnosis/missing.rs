@@ -54,7 +54,8 @@ impl Diagnostic {
     }
 
     fn plan(&self, subject: Subject<'_>, budget: usize) -> Plan {
-        Plan::new(self, budget, subject.evaluator)
+        let of_manifold = singular_cost(subject.dof());
+        Plan::new(self, budget, subject.evaluator, of_manifold)
     }
 
     /// The smallest budget in which the given loop gets so many samples.

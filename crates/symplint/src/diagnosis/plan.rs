@@ -1,6 +1,5 @@
 //! How a budget of evaluations is spent.
 
-use super::checks::constraint::singular_cost;
 use super::limits::{
     BUDGET_OF_A_WITNESS, CONTRACTION, DEFAULT_BUDGET, DOMAIN_PART, FEWEST_JACOBIAN, FEWEST_SAMPLES,
     FEWEST_TIGHT_SAMPLES, FINE_SAMPLES, FINE_SAMPLES_OF_MANY, FIRST_PART, FIXED_PART, FOLDED,
@@ -49,8 +48,13 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// The plan for a diagnosis in so many degrees of freedom.
-    pub fn new(diagnostic: &Diagnostic, budget: usize, evaluator: &Evaluator<'_>) -> Self {
+    /// The plan for a diagnosis, in which the test for a constraint manifold takes `of_manifold` evaluations.
+    pub fn new(
+        diagnostic: &Diagnostic,
+        budget: usize,
+        evaluator: &Evaluator<'_>,
+        of_manifold: usize,
+    ) -> Self {
         let dof = evaluator.dof();
         let measurements = diagnostic.step_sizes.len() + diagnostic.loops;
         let share = power_below(budget / (FIRST_PART * measurements.max(1)));
@@ -76,7 +80,7 @@ impl Plan {
                 }
                 false => 0,
             },
-            domain: (singular_cost(dof) + CONTRACTION).min(budget / DOMAIN_PART),
+            domain: (of_manifold + CONTRACTION).min(budget / DOMAIN_PART),
             tolerance: if tight { TIGHT_TOLERANCE } else { 0.0 },
         }
     }

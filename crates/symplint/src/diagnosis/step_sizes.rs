@@ -1,6 +1,5 @@
 //! Step sizes that test something, from a typical one.
 
-use super::checks::of_the_map;
 use super::limits::{HALVINGS, LOOKED_AT, PHASE_ADVANCE, SCALINGS};
 use crate::error::Error;
 use crate::evidence::Motion;
@@ -33,7 +32,7 @@ pub(super) fn step_sizes(subject: Subject<'_>, typical: f64) -> Result<Vec<f64>,
                 let by = (PHASE_ADVANCE / theta).log2().floor().clamp(-8.0, 8.0);
                 exponent + by as i32
             }
-            Err(error) if of_the_map(&error) => {
+            Err(error) if error.is_of_map() => {
                 failure.get_or_insert(error);
                 fails = fails.min(exponent);
                 let works = tried

@@ -1,7 +1,7 @@
 //! Whether a loop whose integral changes can be contracted in the domain of the map.
 
 use super::localise::{FEWEST_OF_HALVING, MOST_OF_A_BOUNDARY, contraction};
-use super::{GivenLoop, Runner, of_the_map};
+use super::{GivenLoop, Runner};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, LoopKind, Why};
 use crate::jacobian::JacobianEvidence;
@@ -60,7 +60,7 @@ impl Runner<'_> {
             }
             Ok(found) => self.evidence.contraction = found,
             // Within the loop the map need not be defined.
-            Err(error) if of_the_map(&error) => {}
+            Err(error) if error.is_of_map() => {}
             Err(error) => return Err(error),
         }
         Ok(())

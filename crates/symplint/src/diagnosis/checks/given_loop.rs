@@ -1,6 +1,6 @@
 //! The given loop at all step sizes.
 
-use super::{FailedStep, GivenLoop, Runner, if_possible, of_the_map};
+use super::{FailedStep, GivenLoop, Runner, if_possible};
 use crate::diagnosis::limits::KEPT_PART;
 use crate::diagnosis::resolve::Resolution;
 use crate::diagnosis::resolve::initial_samples::InitialSamples;
@@ -66,7 +66,7 @@ impl Runner<'_> {
                         omitted += 1;
                         continue;
                     }
-                    Err(error) if of_the_map(&error) => {
+                    Err(error) if error.is_of_map() => {
                         (self.watch)(Event::Failed(&error));
                         self.failed.push(FailedStep { h, error });
                         continue;

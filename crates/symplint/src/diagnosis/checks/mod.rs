@@ -12,6 +12,7 @@ mod random_loops;
 mod sample_sweep;
 mod structure;
 
+use constraint::singular_cost;
 use memory::{Noise, check_again, wrong_period};
 
 use super::plan::Plan;
@@ -73,7 +74,12 @@ impl<'a> Runner<'a> {
             diagnostic,
             watch,
             count: evaluator.count(),
-            plan: Plan::new(diagnostic, evidence.evaluations.budget, evaluator),
+            plan: Plan::new(
+                diagnostic,
+                evidence.evaluations.budget,
+                evaluator,
+                singular_cost(evaluator.dof()),
+            ),
             largest: largest_of(diagnostic.step_sizes.iter().copied()),
             failed: Vec::new(),
             reserved: 0,
@@ -109,7 +115,7 @@ impl<'a> Runner<'a> {
         loop {
             match self.try_largest(subject) {
                 // The map need not be able to take every step.
-                Err(error) if of_the_map(&error) => {
+                Err(error) if error.is_of_map() => {
                     (self.watch)(Event::Failed(&error));
                     let h = self.largest;
                     self.failed.push(FailedStep { h, error });
@@ -172,7 +178,7 @@ impl<'a> Runner<'a> {
     ) -> Result<(), Error> {
         match self.counted(check, measure) {
             Err(Error::BudgetSpent { .. }) => self.omit(check, Why::BUDGET),
-            Err(error) if of_the_map(&error) => self.omit(check, failed(&error)),
+            Err(error) if error.is_of_map() => self.omit(check, failed(&error)),
             measured => return measured,
         }
         Ok(())
@@ -268,16 +274,7 @@ fn failed(error: &Error) -> Why {
 fn if_possible<T>(found: Result<Option<T>, Error>) -> Result<Option<T>, Error> {
     match found {
         Err(Error::BudgetSpent { .. }) => Ok(None),
-        Err(error) if of_the_map(&error) => Ok(None),
+        Err(error) if error.is_of_map() => Ok(None),
         found => found,
-    }
-}
-
-/// Whether an error is one of the map on a loop, and not of what was asked for.
-pub(super) fn of_the_map(error: &Error) -> bool {
-    match error {
-        Error::NotFinite { .. } | Error::StepFailed { .. } => true,
-        Error::InStep { error, .. } => of_the_map(error),
-        _ => false,
     }
 }

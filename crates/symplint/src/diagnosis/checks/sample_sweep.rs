@@ -2,7 +2,7 @@
 
 use super::{GivenLoop, Runner};
 use crate::diagnosis::Event;
-use crate::diagnosis::measure::ONLY_STEP;
+use crate::diagnosis::limits::ONLY_STEP;
 use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::resolve::probe::{Probe, StepMeasurement};
 use crate::diagnosis::resolve::refined_samples::RefinedSamples;

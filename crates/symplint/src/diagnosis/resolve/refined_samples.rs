@@ -1,6 +1,5 @@
 //! Samples that are doubled without making or advancing any of them twice.
 
-use crate::diagnosis::checks::of_the_map;
 use crate::diagnosis::limits::{COARSE, GRAINS_ROUND, MOST_ROUNDED};
 use crate::error::{Error, StateAt};
 use crate::map::Grain;
@@ -48,7 +47,7 @@ impl<'a> RefinedSamples<'a> {
     /// the loop.
     pub fn down_to_the_grain(subject: Subject<'a>, samples: usize, h: f64) -> Result<Self, Error> {
         // An error is that of the first of all samples.
-        Self::coarse_first(subject, samples, h).or_else(|error| match of_the_map(&error) {
+        Self::coarse_first(subject, samples, h).or_else(|error| match error.is_of_map() {
             true => RefinedSamples::new(subject, samples, h),
             false => Err(error),
         })

@@ -4,7 +4,7 @@ mod singular;
 
 pub(in crate::diagnosis) use singular::cost as singular_cost;
 
-use super::{GivenLoop, Runner, of_the_map};
+use super::{GivenLoop, Runner};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, Why};
 use crate::jacobian::JacobianEvidence;
@@ -38,7 +38,7 @@ impl Runner<'_> {
         let found = singular_jacobian(subject, &given.size, self.largest);
         // Beside the loop the map need not be defined.
         self.evidence.survey.singular = match found {
-            Err(error) if of_the_map(&error) => None,
+            Err(error) if error.is_of_map() => None,
             found => found?,
         };
         if self.evidence.survey.singular.is_some() && of_given {

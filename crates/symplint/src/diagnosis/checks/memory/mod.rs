@@ -12,7 +12,7 @@ pub(super) use periods::wrong_period;
 pub(in crate::diagnosis) use purity::cost_again;
 pub(super) use purity::{Noise, check_again};
 
-use super::{GivenLoop, Runner, of_the_map};
+use super::{GivenLoop, Runner};
 use crate::breaks::Break;
 use crate::error::Error;
 use crate::evidence::BreakAt;
@@ -44,7 +44,7 @@ impl Runner<'_> {
                 self.evidence.survey.single_inside = true;
             }
             // Samples of the loop will show it, or miss it.
-            Err(error) if of_the_map(&error) => {}
+            Err(error) if error.is_of_map() => {}
             Err(error) => return Err(error),
         }
         match check_purity(evaluator, phase_loop, self.largest, samples) {
@@ -53,7 +53,7 @@ impl Runner<'_> {
                 Ok(None)
             }
             // One failure is described as well as possible, further ones at little cost.
-            Err(error) if of_the_map(&error) && self.failed.is_empty() => Ok(Some(error)),
+            Err(error) if error.is_of_map() && self.failed.is_empty() => Ok(Some(error)),
             Err(error) => Err(error),
         }
     }

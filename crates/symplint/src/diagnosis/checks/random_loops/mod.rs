@@ -6,7 +6,7 @@ mod reach;
 pub(super) use kinds::loop_of_kind;
 use kinds::random_kind;
 
-use super::{GivenLoop, Runner, if_possible, of_the_map};
+use super::{GivenLoop, Runner, if_possible};
 use crate::diagnosis::Event;
 use crate::diagnosis::plan;
 use crate::diagnosis::resolve::Resolution;
@@ -190,7 +190,7 @@ impl Runner<'_> {
             Ok(()) => {}
             Err(Error::BudgetSpent { .. }) => return Ok(false),
             // A loop that nobody asked for may leave the map's domain.
-            Err(error) if of_the_map(&error) => self.failed(other, &error),
+            Err(error) if error.is_of_map() => self.failed(other, &error),
             // What nobody asked to move apart may be lost in rounding where it lies.
             Err(error @ (Error::NoArea { .. } | Error::LostInRounding { .. }))
                 if matches!(other.kind, LoopKind::Extended | LoopKind::Group) =>

@@ -1,7 +1,7 @@
 //! Beyond the loops and step sizes of a diagnosis, if they move too little to test an accurate method.
 
 use super::loop_of_kind;
-use crate::diagnosis::checks::{GivenLoop, Runner, if_possible, of_the_map};
+use crate::diagnosis::checks::{GivenLoop, Runner, if_possible};
 use crate::diagnosis::limits::{LARGER, LOOKED_AT, MOST_HALVINGS, MOST_LARGER, SMALLEST_SHEAR};
 use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::step_sizes::step_sizes;
@@ -121,7 +121,7 @@ impl Runner<'_> {
                 Ok(Reach::of(factor, step))
             }
             Err(Error::NoArea { .. } | Error::LostInRounding { .. }) => Ok(None),
-            Err(error) if of_the_map(&error) => Ok(None),
+            Err(error) if error.is_of_map() => Ok(None),
             Err(error) => Err(error),
         }
     }
