@@ -29,7 +29,7 @@ pub fn fragment(verdict: &Verdict, table: &str, figure: Option<&str>) -> String 
     );
     for (name, sentences) in [
         ("Evidence", verdict.evidence()),
-        ("Properties", properties(verdict)),
+        ("Properties", properties(verdict).into_iter().collect()),
         ("Advice", verdict.advice()),
     ] {
         if !sentences.is_empty() {

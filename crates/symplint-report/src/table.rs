@@ -174,23 +174,19 @@ pub fn reasons(verdict: &Verdict, width: Option<usize>) -> String {
         );
     };
     list("  · ", &verdict.evidence());
-    list("  · ", &properties(verdict));
+    list("  · ", properties(verdict).as_slice());
     list("  → ", &verdict.advice());
     paragraphs.join("\n")
 }
 
-/// Properties of the map that do not follow from the verdict, as sentences.
-pub fn properties(verdict: &Verdict) -> Vec<String> {
+/// The properties of the map that do not follow from the verdict, as one sentence, if there are any.
+pub fn properties(verdict: &Verdict) -> Option<String> {
     let properties = verdict
         .properties
         .iter()
         .filter(|property| !property.implied);
-    let sentence = |property: &Property| {
-        let text = property.to_string();
-        let (first, rest) = text.split_at(1);
-        format!("{}{rest}.", first.to_uppercase())
-    };
-    properties.map(sentence).collect()
+    let texts: Vec<String> = properties.map(Property::to_string).collect();
+    (!texts.is_empty()).then(|| format!("Also {}.", texts.join(", ")))
 }
 
 /// Some moments of a trace and its worst.

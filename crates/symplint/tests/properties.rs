@@ -200,22 +200,18 @@ fn properties_are_said_in_one_line_each() {
     let texts: Vec<String> = (verdict(&damped([0.2, 0.2]), true).properties.iter())
         .map(Property::to_string)
         .collect();
-    assert_eq!(texts[0], "symplectic: no");
+    let begins = [
+        "not symplectic",
+        "not volume preserving (|det DΦ − 1| = 0.10 ± ",
+        "conformally symplectic (a step multiplies all areas by 0.951229",
+        "not time-reversible (states return to a distance of 0.15 ± ",
+        "symmetric (to ",
+    ];
+    for (text, begin) in texts.iter().zip(begins) {
+        assert!(text.starts_with(begin), "{text}");
+    }
     assert!(
-        texts[1].starts_with("volume preserving: no, |det DΦ − 1| = 0.10 ± "),
-        "{texts:?}"
-    );
-    assert!(
-        texts[2]
-            .starts_with("conformally symplectic: yes, a step multiplies all areas by 0.951229"),
-        "{texts:?}"
-    );
-    assert!(
-        texts[2].contains("(uniform damping e^(−γh), γ = "),
-        "{texts:?}"
-    );
-    assert!(
-        texts[3].starts_with("time-reversible: no, states return to a distance of 0.1"),
+        texts[2].contains(": uniform damping e^(−γh), γ = "),
         "{texts:?}"
     );
 }

@@ -206,54 +206,41 @@ impl Display for PropertyName {
 }
 
 impl Display for Property {
-    /// `volume preserving: no, |det DΦ − 1| = 5.8e-2 ± 3e-12`.
+    /// `not volume preserving (|det DΦ − 1| = 5.8e-2 ± 3e-12)`.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let answer = match self.holds {
-            Some(true) => "yes",
-            Some(false) => "no",
-            None => "not known",
-        };
-        write!(f, "{}: {answer}", self.name)?;
-        if let (Some([factor, of_factor]), rate) = (self.factor, self.rate) {
-            write!(
-                f,
-                ", a step multiplies all areas by {} ± {}",
-                within(factor, of_factor),
-                one_digit(of_factor)
-            )?;
-            if let Some([rate, of_rate]) = rate {
+        match self.holds {
+            Some(true) => write!(f, "{}", self.name)?,
+            Some(false) => write!(f, "not {}", self.name)?,
+            None => write!(f, "unknown whether {}", self.name)?,
+        }
+        if let Some([factor, of_factor]) = self.factor {
+            let (value, error) = (within(factor, of_factor), one_digit(of_factor));
+            write!(f, " (a step multiplies all areas by {value} ± {error}")?;
+            if let Some([rate, of_rate]) = self.rate {
                 let motion = if rate > 0.0 { "damping" } else { "growth" };
-                write!(
-                    f,
-                    " (uniform {motion} e^(−γh), γ = {} ± {})",
-                    within(rate, of_rate),
-                    one_digit(of_rate)
-                )?;
+                let (value, error) = (within(rate, of_rate), one_digit(of_rate));
+                write!(f, ": uniform {motion} e^(−γh), γ = {value} ± {error}")?;
             }
-            return Ok(());
+            return f.write_str(")");
         }
         let (Some(defect), Some(uncertainty)) = (self.defect, self.uncertainty) else {
             return Ok(());
         };
-        let yes = self.holds == Some(true);
-        let (before, after) = match (self.name, yes) {
-            (PropertyName::Symplectic, _) => ("|E|", ""),
-            (PropertyName::Volume, _) => ("|det DΦ − 1|", ""),
-            (PropertyName::Conformal, _) => ("the factors of areas differ by", ""),
-            (PropertyName::Reversible | PropertyName::Symmetric, true) => ("to", " of the loop"),
-            (PropertyName::Reversible | PropertyName::Symmetric, false) => {
-                ("states return to a distance of", " of the loop")
+        let bound = one_digit(defect + uncertainty);
+        let value = format!("{} ± {}", short(defect), one_digit(uncertainty));
+        match (self.name, self.holds == Some(true)) {
+            (PropertyName::Symplectic, _) => write!(f, " (|E| = {value})"),
+            (PropertyName::Volume, true) => write!(f, " (|det DΦ − 1| ≤ {bound})"),
+            (PropertyName::Volume, false) => write!(f, " (|det DΦ − 1| = {value})"),
+            (PropertyName::Conformal, _) => {
+                write!(f, " (the factors of areas differ by {value})")
             }
-        };
-        let sign = match (before.starts_with('|'), yes) {
-            (true, true) => " ≤",
-            (true, false) => " =",
-            (false, _) => "",
-        };
-        write!(f, ", {before}{sign} ")?;
-        match yes {
-            true => write!(f, "{}{after}", one_digit(defect + uncertainty)),
-            false => write!(f, "{} ± {}{after}", short(defect), one_digit(uncertainty)),
+            (PropertyName::Reversible | PropertyName::Symmetric, true) => {
+                write!(f, " (to {bound} of the loop)")
+            }
+            (PropertyName::Reversible | PropertyName::Symmetric, false) => {
+                write!(f, " (states return to a distance of {value} of the loop)")
+            }
         }
     }
 }
