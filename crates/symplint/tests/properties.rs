@@ -202,9 +202,9 @@ fn properties_are_said_in_one_line_each() {
         .collect();
     let begins = [
         "not symplectic",
-        "not volume preserving (|det DΦ − 1| = 0.10 ± ",
+        "not volume preserving (|det DΦ − 1| = 0.095)",
         "conformally symplectic (a step multiplies all areas by 0.951229",
-        "not time-reversible (states return to a distance of 0.15 ± ",
+        "not time-reversible (states return to a distance of 0.15 of the loop)",
         "symmetric (to ",
     ];
     for (text, begin) in texts.iter().zip(begins) {

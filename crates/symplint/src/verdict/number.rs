@@ -24,7 +24,16 @@ pub(super) fn short(value: f64) -> String {
 
 /// One digit, and no exponent where few zeros are needed.
 pub(super) fn one_digit(value: f64) -> String {
-    let rounded: f64 = format!("{value:.0e}").parse().unwrap_or(value);
+    plain(value, &format!("{value:.0e}"))
+}
+
+/// The same with two digits.
+pub(super) fn two_digits(value: f64) -> String {
+    plain(value, &format!("{value:.1e}"))
+}
+
+fn plain(value: f64, rounded: &str) -> String {
+    let rounded: f64 = rounded.parse().unwrap_or(value);
     match value.abs() {
         1e-3..1e5 => format!("{rounded}"),
         _ => format!("{rounded:e}"),
@@ -95,6 +104,7 @@ mod tests {
         assert_eq!(texts, ["0", "0.01", "999.00", "9.0e-3", "1.2e3"]);
         let texts = [0.00123, 23456.0, 0.0009, 234567.0].map(one_digit);
         assert_eq!(texts, ["0.001", "20000", "9e-4", "2e5"]);
+        assert_eq!([0.0433, 1.26e-7].map(two_digits), ["0.043", "1.3e-7"]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
 use super::VerdictKind;
-use super::number::{one_digit, short, within};
+use super::number::{one_digit, two_digits, within};
 use crate::evidence::{
     Evidence, LoopEvidence, ReturnDefect, SIGNIFICANT, StepEvidence, UNEXPLAINED, WEAKEST_BOUND,
 };
@@ -206,7 +206,7 @@ impl Display for PropertyName {
 }
 
 impl Display for Property {
-    /// `not volume preserving (|det DΦ − 1| = 5.8e-2 ± 3e-12)`.
+    /// `not volume preserving (|det DΦ − 1| = 0.058)`.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self.holds {
             Some(true) => write!(f, "{}", self.name)?,
@@ -227,7 +227,10 @@ impl Display for Property {
             return Ok(());
         };
         let bound = one_digit(defect + uncertainty);
-        let value = format!("{} ± {}", short(defect), one_digit(uncertainty));
+        let value = match self.holds {
+            Some(_) => two_digits(defect),
+            None => format!("{} ± {}", two_digits(defect), one_digit(uncertainty)),
+        };
         match (self.name, self.holds == Some(true)) {
             (PropertyName::Symplectic, _) => write!(f, " (|E| = {value})"),
             (PropertyName::Volume, true) => write!(f, " (|det DΦ − 1| ≤ {bound})"),
