@@ -16,7 +16,7 @@ fn with(step_size: Option<f64>) -> String {
 pub enum StateAt {
     /// A sample of the loop, counted from 0.
     Sample(usize),
-    /// A sample of the loop, counted from 0, of so many equispaced ones: it lies at s = `sample`/`samples`.
+    /// A sample of the loop, counted from 0, of this number of equispaced ones: it lies at s = `sample`/`samples`.
     SampleOf {
         /// Which.
         sample: usize,
@@ -31,7 +31,7 @@ pub enum StateAt {
     Sector(f64),
     /// A state of a segment that closes a break of the loop, by its own parameter from 0 to 1.
     Segment(f64),
-    /// The state of an orbit beside the loop.
+    /// The state of an orbit near the loop.
     Orbit,
 }
 
@@ -65,7 +65,7 @@ impl fmt::Display for StateAt {
     }
 }
 
-/// What the result of a step depends on, apart from h and the state.
+/// A dependence of the result of a step, apart from h and the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Dependence {
@@ -238,7 +238,7 @@ pub enum Error {
     Memory {
         /// How it was advanced the second time.
         circumstance: &'static str,
-        /// What the result depends on.
+        /// The dependence.
         dependence: Dependence,
         /// The loop parameter, if the state is one of the given loop that was advanced to test this.
         s: Option<f64>,

@@ -86,7 +86,7 @@ fn too_small_a_budget_is_undecided_and_says_how_many_evaluations_more_would_tell
     let verdict = &report["verdict"];
     assert_eq!(verdict["kind"], "undecided", "{verdict}");
     let advice = verdict["advice"][0].as_str().unwrap();
-    assert!(advice.contains("evaluations more would tell"), "{advice}");
+    assert!(advice.contains("further evaluations would be enough"), "{advice}");
     assert!(made(&report) <= 400, "{}", made(&report));
 }
 
@@ -119,7 +119,7 @@ fn following_the_advice_decides() {
             let case = format!("{system} {integrator} {settings:?}, {budget}");
             let more = report["evaluations"]["wanted"].as_u64().unwrap() as usize;
             let advice = report["verdict"]["advice"][0].as_str().unwrap();
-            let said = format!("{more} evaluations more would tell");
+            let said = format!("{more} further evaluations would be enough");
             assert!(advice.contains(&said), "{case}: {advice}");
             assert!(!is_undecided(&run(budget + more)), "{case}: {more}");
             let fourth = (budget + more) / 4;

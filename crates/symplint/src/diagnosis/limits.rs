@@ -107,7 +107,7 @@ pub(super) const TIGHT_TOLERANCE: f64 = 1e-9;
 /// The most samples of automatic doubling.
 pub(super) const MOST_SAMPLES: usize = 1 << 16;
 
-/// Sobolev exponents of loops with kinks: more than the ½ of a jump, which is looked for in its own way, and so few
+/// Sobolev exponents of loops with kinks: more than the ½ of a jump, for which there is a separate search, and so few
 /// that no analytic loop has them. Derived: a kink has 3/2, and estimates are
 /// good to 0.2 (tests in `pseudospectral/regularity.rs`).
 pub(super) const LEAST_KINKED: f64 = 1.0;
@@ -121,15 +121,15 @@ pub(super) const AGREEMENT: f64 = 0.1;
 /// An expected error this many times the wanted one is reason to leave equispaced samples early: one digit.
 pub(super) const FAR_FROM_WANTED: f64 = 10.0;
 
-/// Coordinates that the piecewise rule may have the map advance for one loop integral, where nobody asked for that
+/// Coordinates that the piecewise rule may have the map advance for one loop integral, if the user did not choose that
 /// rule.
 pub(super) const MOST_TRIED: usize = 1 << 25;
 
 /// Fewer evaluations than this are not worth beginning pieces with: a first look and one break.
 pub(super) const FEWEST_TRIED: usize = 150;
 
-/// Coordinates that the map may be made to advance for one loop integral of the streaming rule, where nobody asked
-/// for the number of samples: a thousand samples in a million degrees of freedom.
+/// Coordinates that the map may be made to advance for one loop integral of the streaming rule, if the user did not give
+/// the number of samples: a thousand samples in a million degrees of freedom.
 pub(super) const MOST_STREAMED: usize = 1 << 30;
 
 /// The λ of the paper's figures.
@@ -148,7 +148,7 @@ pub(super) const STALLED: f64 = 1.7;
 /// and the 4 of kinks.
 pub(super) const OF_SPIKES: f64 = 3.0;
 
-/// An estimate of the quadrature error that is no more than so many times what rounding of the samples makes of an
+/// An estimate of the quadrature error that is at most this multiple of what rounding of the samples makes of an
 /// integral is of rounding alone. Calibrated: pendula in single precision and with three to nine decimals have 0.3 to 3.
 pub(super) const OF_ROUNDING: f64 = 8.0;
 
@@ -191,7 +191,7 @@ pub(super) const MOST_FEATURES: usize = 3;
 /// width of the narrowest strips that samples meet now and then. Rounding leaves 10 digits of the differences there.
 pub(super) const OF_A_FEATURE: f64 = 1e-3;
 
-/// Where a loop that changes is roughest, a part of the samples that resolve it shows, as its upper modes are not yet lost in rounding then.
+/// A part of the samples that resolve a loop shows where it is roughest after a step, as its upper modes are not yet lost in rounding then.
 pub(super) const PART_OF_SAMPLES: usize = 4;
 
 /// The fewest of them.
@@ -204,7 +204,7 @@ pub(super) const BESIDE_FEATURE: f64 = 1e-7;
 // Evaluations that are missing.
 
 /// Samples that miss the grid may miss the steepest slopes: neighbours are taken to be this many times as far apart as
-/// they are, with samples up to the number beside it. Calibrated: cubic and quadratic particle-in-cell plasmas and
+/// they are, with samples up to the number in the same row. Calibrated: cubic and quadratic particle-in-cell plasmas and
 /// interpolated pendula, as the test `following_the_advice_decides` has them.
 pub(super) const STEEPER: [(usize, f64); 3] = [(32, 4.0), (64, 2.0), (usize::MAX, 1.25)];
 
@@ -259,7 +259,7 @@ pub(super) const ROUNDINGS_OF_A_RETURN: f64 = 4.0;
 /// The step size with which a map is called that has none.
 pub(super) const ONLY_STEP: f64 = 1.0;
 
-/// What the largest should advance the motions on the loop by, in radians, to a factor of two: the defects of
+/// The phase advance of the motions on the loop by the largest step size, in radians, to a factor of two: the defects of
 /// methods that are not symplectic are large there, and methods still work.
 pub(super) const PHASE_ADVANCE: f64 = 1.0;
 

@@ -15,7 +15,7 @@ use crate::survey;
 impl Diagnostic {
     /// Measures, and concludes nothing.
     ///
-    /// `watch` is told of each point as it is measured. Where the number of samples is looked for, or
+    /// `watch` gets each point when it is measured. If the number of samples is automatic, or
     /// swept over, samples before and after a step are kept and doubled: no evaluation is made twice, but for a few
     /// that show whether results depend on earlier calls or on the batch. In a sweep over step sizes one ensemble is in memory, and the
     /// samples before the step too where they take 64 MiB at most; larger ones are made anew for each step size,

@@ -58,7 +58,7 @@ impl Diagnostic {
         Plan::new(self, budget, subject.evaluator, of_manifold)
     }
 
-    /// The smallest budget in which the given loop gets so many samples.
+    /// The smallest budget in which the given loop gets this number of samples.
     fn least_budget(
         &self,
         subject: Subject<'_>,

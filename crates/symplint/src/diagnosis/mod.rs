@@ -17,7 +17,7 @@ use crate::rules::{Piecewise, Rule, Streaming};
 /// How many samples a loop gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleCount {
-    /// Doubled from 4096/d, 64 at least, until the quadrature error of the largest step reaches round-off, stops
+    /// Doubled from 4096/d, at least 64, until the quadrature error of the largest step reaches round-off, stops
     /// falling, or the ensemble reaches its limit (65,536 samples or 512 MiB, before and after the step; by
     /// the streaming rule 2^30 coordinates to be advanced).
     Auto,
@@ -140,7 +140,7 @@ pub enum Event<'a> {
 }
 
 impl Diagnostic {
-    /// Step sizes that are looked for, from a typical one; everything else as by default.
+    /// A search for step sizes, from a typical one; everything else as by default.
     ///
     /// ```
     /// use symplint::{Circle, Diagnostic, PerSample};

@@ -31,7 +31,7 @@ pub(super) fn default_budget(diagnostic: &Diagnostic) -> usize {
         .saturating_add(DEFAULT_BUDGET)
 }
 
-/// What is planned before anything is measured.
+/// The plan, made before the first measurement.
 pub(super) struct Plan {
     /// Samples from which doubling begins.
     pub first_samples: usize,
@@ -101,12 +101,12 @@ impl Plan {
     }
 }
 
-/// The most samples of a loop in a tight budget, of which so many evaluations are left.
+/// The most samples of a loop in a tight budget of which this number of evaluations is left.
 pub(super) fn tight_samples(left: usize) -> usize {
     (left / TIGHT_SAMPLES_PART).max(FEWEST_TIGHT_SAMPLES)
 }
 
-/// Samples of one loop in an ample budget: so many that the given loop at all step sizes, the random loops at the
+/// Samples of one loop in an ample budget: as many as the given loop at all step sizes, the random loops at the
 /// largest, and one that winds, can have as many.
 pub(super) fn share(diagnostic: &Diagnostic, budget: usize) -> usize {
     let measurements = diagnostic.step_sizes.len() + diagnostic.loops + 1;

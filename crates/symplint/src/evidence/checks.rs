@@ -51,7 +51,7 @@ pub struct Omission {
 pub enum Why {
     /// The budget was spent.
     Budget {
-        /// What is missing, at least: step sizes of the given loop, numbers of samples of a sweep, random loops; 1 of other checks.
+        /// The least number that is missing: step sizes of the given loop, numbers of samples of a sweep, random loops; 1 of other checks.
         missing: usize,
     },
     /// The budget was spent before the samples resolved the loop to round-off.
@@ -117,7 +117,7 @@ impl Evaluations {
         }
     }
 
-    /// Counts those that were made to find radii, before the diagnosis and beside its budget.
+    /// Counts those that were made to find radii, before the diagnosis and in addition to its budget.
     pub fn add_radii(&mut self, evaluations: usize) {
         self.add(Check::Radii, evaluations);
         self.made += evaluations;

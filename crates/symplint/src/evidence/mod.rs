@@ -39,7 +39,7 @@ pub(crate) const FEWEST_SAMPLES: usize = 32;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Evidence {
-    /// Where the advanced states come from.
+    /// The origin of the advanced states.
     pub origin: Origin,
     /// The loops, the given one first.
     pub loops: Vec<LoopEvidence>,
@@ -51,11 +51,11 @@ pub struct Evidence {
     /// Degrees of freedom in groups of similar action, the largest first, where there are several.
     #[serde(default)]
     pub groups: Vec<DofGroup>,
-    /// What is known of the map apart from loop integrals.
+    /// Results about the map apart from loop integrals.
     pub survey: Survey,
     /// Defects of the substeps of the map and of parts of a loop.
     pub localisation: Option<Localisation>,
-    /// Where the change of the integral of the loop with the largest defect sits, where the Jacobian does not show it.
+    /// The place of the change of the integral of the loop with the largest defect, if the Jacobian does not show it.
     #[serde(default)]
     pub contraction: Option<Contraction>,
     /// A random loop after a larger step, or a larger one for a map without a step size, if the others move little.
@@ -76,7 +76,7 @@ pub struct Evidence {
     /// Whether steps back undo a step.
     #[serde(default)]
     pub structure: Option<StructureEvidence>,
-    /// What was asked for and not measured.
+    /// Measurements that were asked for and not made.
     pub omissions: Vec<Omission>,
     /// Evaluations of the map.
     pub evaluations: Evaluations,
@@ -112,8 +112,8 @@ pub enum LoopKind {
     Image,
 }
 
-/// Degrees of freedom of similar action: those of light bodies beside those of heavy ones, say. A loop integral is a sum
-/// of actions, in which small ones are lost: each group has loops and tangent vectors of its own.
+/// Degrees of freedom of similar action: light bodies and heavy bodies, for example. A loop integral is a sum
+/// of actions, in which small ones are lost: each group has its own loops and tangent vectors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DofGroup {
     /// Which, in ascending order.
@@ -143,7 +143,7 @@ pub struct LoopEvidence {
     /// The degrees of freedom whose positions do.
     #[serde(default)]
     pub wound: Vec<usize>,
-    /// A break of the loop before any step: it is no closed loop, or not unwrapped.
+    /// A break of the loop before any step: it is not closed, or not unwrapped.
     pub broken_before: Option<Break>,
     /// A position that jumps by its whole range before any step.
     pub wrap_before: Option<Wrap>,
@@ -159,7 +159,7 @@ pub struct LoopEvidence {
     pub widest_gap: Option<f64>,
     /// Step by step.
     pub steps: Vec<StepEvidence>,
-    /// Why there are none: the error of the map.
+    /// The error of the map, if there are no steps.
     pub failure: Option<String>,
 }
 

@@ -97,14 +97,14 @@ impl Motion {
     }
 }
 
-/// A random loop after a larger step, or a larger one for a map without a step size: it is looked at where no other loop
+/// A random loop after a larger step, or a larger one for a map without a step size: it is measured if no other loop
 /// moves enough to show the defect of an accurate method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Reach {
     /// The step size, or the radii of the loop, are this number of times the largest ones of the other loops.
     pub factor: f64,
-    /// What the step shows: it is resolved, and has no breaks.
+    /// The result of the step: it is resolved, and has no breaks.
     pub step: StepEvidence,
 }
 

@@ -19,7 +19,7 @@ pub enum Sweep {
 /// The loop integral before and after one step of size h.
 ///
 /// `initial` and `advanced` are loop integrals; defects and errors are relative to |`initial`|.
-/// What a rule does not give is `None`.
+/// A quantity that a rule does not give is `None`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Point {
@@ -28,7 +28,7 @@ pub struct Point {
     /// Which loop: 0 is the given one, the others are random.
     #[serde(rename = "loop")]
     pub loop_index: usize,
-    /// Step size h; NaN (in reports `null`) where nobody stated it.
+    /// Step size h; NaN (in reports `null`) if it was not stated.
     pub step_size: f64,
     /// Samples N_s; by the piecewise rule, the states that make up the integral.
     pub samples: usize,
@@ -96,7 +96,7 @@ pub struct BreakAt {
     /// Which loop: 0 is the given one, the others are random.
     #[serde(rename = "loop")]
     pub loop_index: usize,
-    /// Step size h; `None` where nobody stated it.
+    /// Step size h; `None` if it was not stated.
     pub step_size: Option<f64>,
     /// Where it is and how far the coordinates jump.
     #[serde(flatten)]

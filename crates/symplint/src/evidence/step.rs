@@ -10,7 +10,7 @@ use crate::rules::{Defect, RuleKind};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct StepEvidence {
-    /// Step size h; `None` where nobody stated it.
+    /// Step size h; `None` if it was not stated.
     pub step_size: Option<f64>,
     /// Samples N_s; by the piecewise rule, the states that make up the integral.
     pub samples: usize,
@@ -58,12 +58,12 @@ pub struct StepEvidence {
 pub struct Closing {
     /// Breaks.
     pub breaks: usize,
-    /// What the closing segments contribute to the loop integral.
+    /// The contribution of the closing segments to the loop integral.
     pub chord: f64,
     /// Change of the closed loop integral.
     pub closed: Defect,
     /// What curves other than straight segments could contribute where the breaks begin, relative as the defect is: the
-    /// products of the jumps in q and in p. A closed integral that changes by not much more proves nothing.
+    /// products of the jumps in q and in p. A closed integral that changes by not much more does not count as evidence.
     #[serde(default)]
     pub bend: f64,
     /// Whether the closing segments are straight after the whole step, as its substeps are not known: a step may bend

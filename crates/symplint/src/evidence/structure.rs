@@ -1,4 +1,4 @@
-//! What a map preserves besides loop integrals.
+//! Structure of a map besides its loop integrals.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,10 +1,10 @@
-//! What is known of the map apart from loop integrals.
+//! Results about the map apart from loop integrals.
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 
-/// What was learnt of the map.
+/// Results about the map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Survey {
@@ -25,7 +25,7 @@ pub struct Survey {
     /// Whether a state has the same result at all step sizes.
     #[serde(default)]
     pub ignores_step_size: bool,
-    /// Whether the Jacobian of a step is singular at points of the given loop. It is looked at where random loops or the
+    /// Whether the Jacobian of a step is singular at points of the given loop. It is tested if random loops or the
     /// Jacobian show a defect that the given loop does not have.
     #[serde(default)]
     pub singular: Option<SingularJacobian>,
@@ -147,7 +147,7 @@ pub struct OutputPrecision {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutputFormat {
-    /// Decimal numbers of so many significant digits.
+    /// Decimal numbers of this number of significant digits.
     Decimal {
         /// Digits.
         digits: usize,
@@ -156,7 +156,7 @@ pub enum OutputFormat {
     Multiples,
     /// Single precision.
     Single,
-    /// Binary numbers of so many significant digits: 11 of half precision, 8 of bfloat16.
+    /// Binary numbers of this number of significant digits: 11 of half precision, 8 of bfloat16.
     Binary {
         /// Digits.
         digits: usize,

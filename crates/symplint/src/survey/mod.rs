@@ -1,4 +1,4 @@
-//! What a few samples show of a map, apart from loop integrals.
+//! Properties of a map that a few samples show, apart from loop integrals.
 
 mod motion;
 mod precision;
@@ -35,7 +35,7 @@ pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> SampleSurvey
     look.seen(subject)
 }
 
-/// Surveys the map by a few samples, advanced for that alone: in so many degrees of freedom that none stay in
+/// Surveys the map by a few samples, advanced for that alone: if there are too many degrees of freedom for samples to stay in
 /// memory.
 ///
 /// # Errors

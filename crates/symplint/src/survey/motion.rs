@@ -46,7 +46,7 @@ impl Motions {
         }
     }
 
-    /// What they show, if it is a number.
+    /// The motion, if it is a number.
     pub fn value(&self, coordinates: &Coordinates) -> Option<Motion> {
         let count = self.root.powi(2);
         let deformation =
@@ -292,7 +292,7 @@ mod tests {
         }
         assert!((flight.deformation - 0.5).abs() < 1e-12);
         assert!(shifted.deformation < 1e-15);
-        // A weak force beside a free flight makes no shear of it.
+        // A weak force added to a free flight is not a shear.
         let weak = motion([1.0, 1.0], |q, p| (q + 0.5 * p, p - 1e-6 * q));
         assert!(!weak.shear, "{weak:?}");
         assert!((weak.phase_advance - (0.5e-6f64).sqrt()).abs() < 1e-6);

@@ -8,7 +8,7 @@ use crate::state::{Coordinates, Ensemble, coordinate, period};
 /// The degrees of freedom whose position gains whole periods round the loop.
 ///
 /// # Errors
-/// Where a momentum is periodic, and it or its position gains whole periods.
+/// If a momentum is periodic, and it or its position gains whole periods.
 pub(crate) fn wound(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<Vec<usize>, Error> {
     const SAMPLES: usize = 64;
     let dof = coordinates.dof();

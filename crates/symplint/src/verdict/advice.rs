@@ -290,14 +290,14 @@ impl Display for Advice {
                 "Take other loops: one that is off the symmetries of the system, and a larger one.",
             ),
             Advice::MoreLoops => {
-                f.write_str("One loop is one probe: set loops to 8 to be surer.")
+                f.write_str("One loop tests one region of phase space: set loops to 8 for more certainty.")
             }
             Advice::MoreLoopsOfFile => f.write_str(
-                "One loop is one probe: measure others, too (loop.shape = \"fourier\", another loop.seed).",
+                "One loop tests one region of phase space: also measure others (loop.shape = \"fourier\", another loop.seed).",
             ),
             Advice::MoreEvaluations { wanted } => write!(
                 f,
-                "Raise the budget: at most about {wanted} evaluations more would tell."
+                "Raise the budget: at most about {wanted} further evaluations would be enough for a verdict."
             ),
         }
     }

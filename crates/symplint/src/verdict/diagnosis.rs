@@ -49,7 +49,7 @@ impl Diagnostic {
         self.run_watched(map, phase_loop, &|_| {})
     }
 
-    /// The same; `watch` is told of each point as it is measured.
+    /// The same; `watch` gets each point when it is measured.
     ///
     /// # Errors
     /// Those of [`Diagnostic::measure`].

@@ -1,4 +1,4 @@
-//! What a Jacobian test says of the map, alone and beside the verdict of the loops.
+//! The verdict of a Jacobian test, alone and compared with the verdict of the loops.
 
 use serde::{Deserialize, Serialize};
 
@@ -48,7 +48,7 @@ pub enum Inconclusive {
     },
     /// Truncation, or noise of the map (single precision for example), leaves only a weak bound.
     WeakBound {
-        /// What the defect does not exceed.
+        /// The bound on the defect.
         bound: f64,
         /// Noise of one coordinate relative to its size on the loop.
         noise: f64,
@@ -83,7 +83,7 @@ pub enum Agreement {
     HiddenFromJacobian {
         /// Whether all pairs of unit vectors were tried.
         full: bool,
-        /// What the Jacobian would not show.
+        /// Defects that the Jacobian would not show.
         bound: Option<f64>,
     },
     /// The loops do not decide, and the Jacobian has a significant defect.
@@ -94,7 +94,7 @@ pub enum Agreement {
     JacobianUndecided,
 }
 
-/// A Jacobian test beside the verdict of the loops; its text is one paragraph.
+/// A Jacobian test compared with the verdict of the loops; its text is one paragraph.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JacobianFinding {
     /// Step size of the test; `None` for a map without one.

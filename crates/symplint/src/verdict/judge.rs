@@ -23,7 +23,7 @@ use crate::evidence::{
 use crate::jacobian::JacobianDecay;
 use crate::rules::Defect;
 
-/// Reaches the verdict. Pure: the same evidence gives the same verdict, whoever measured it.
+/// Reaches the verdict. Pure: the same evidence gives the same verdict, from any source.
 ///
 /// A symplectic map conserves the loop integral of every closed loop exactly, at every step size. So one
 /// significant defect proves that a map is not symplectic, and so does one break; the absence of both bounds the
@@ -60,7 +60,7 @@ pub fn judge(evidence: &Evidence) -> Verdict {
     }
 }
 
-/// What a case comes to, before the findings that stand beside every verdict.
+/// The decision on a case, before the findings that every verdict has.
 struct Decision {
     kind: VerdictKind,
     digits: Option<f64>,
@@ -126,7 +126,7 @@ impl<'a> Case<'a> {
         Self::nothing_measured,
         Self::no_closed_loop,
         Self::random_numbers,
-        // Loops outside the domain of the map prove nothing.
+        // Loops outside the domain of the map do not count as evidence.
         Self::beside_leaf,
         Self::beside_manifold,
         Self::broken,
@@ -180,7 +180,7 @@ impl<'a> Case<'a> {
         (self.loops.iter()).flat_map(|found| found.steps.iter().map(move |step| (found, step)))
     }
 
-    /// The step with the largest defect among those that `wanted` picks. Loops that wind prove nothing: a
+    /// The step with the largest defect among those that `wanted` picks. Loops that wind do not count as evidence: a
     /// symplectic map need not be exact.
     fn worst(
         &self,
@@ -473,7 +473,7 @@ impl<'a> Case<'a> {
         Some(Advice::NoOrder { given, drowned })
     }
 
-    /// What stands beside every verdict: the survey, many steps, where a defect comes from, the Jacobian.
+    /// The findings that every verdict has: the survey, many steps, where a defect comes from, the Jacobian.
     fn further_findings(&self, kind: VerdictKind, digits: Option<f64>) -> Vec<Finding> {
         let evidence = self.evidence;
         let mut findings = Vec::new();

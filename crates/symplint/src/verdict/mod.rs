@@ -70,7 +70,7 @@ pub struct Verdict {
     pub advice: Vec<Advice>,
     /// Power laws of the defects, loop by loop.
     pub fits: Vec<Fit>,
-    /// What the map preserves besides: those that were tested, or follow from the answer.
+    /// Other properties of the map: those that were tested, or follow from the answer.
     pub properties: Vec<Property>,
 }
 

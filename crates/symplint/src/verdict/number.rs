@@ -51,7 +51,7 @@ pub(super) fn within(value: f64, uncertainty: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// What a loop is called.
+/// The name of a loop.
 pub(super) fn loop_name(index: usize) -> String {
     match index {
         0 => "the given loop".into(),

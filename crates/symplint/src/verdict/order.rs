@@ -11,7 +11,7 @@ use crate::evidence::{LoopEvidence, StepEvidence};
 /// A power law |quantity − constant| ~ against^slope over a range.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fit {
-    /// What was fitted.
+    /// The fit.
     pub quantity: &'static str,
     /// Against what.
     pub against: &'static str,

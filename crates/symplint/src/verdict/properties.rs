@@ -1,4 +1,4 @@
-//! What a map preserves, besides the verdict on its loop integrals.
+//! Properties of a map besides the verdict on its loop integrals.
 
 use std::fmt::{self, Display, Formatter};
 

@@ -53,7 +53,7 @@ pub(super) const NARROWEST_RANGE: f64 = 3.9;
 /// A mean slope less certain than this says nothing: slopes that differ by more change from one order to the next.
 pub(super) const MOST_UNCERTAIN: f64 = 0.4;
 
-/// A step that deforms a loop by so many times its size takes it where the map is another one: where the bound is weak, a smaller
+/// A step that deforms a loop by this multiple of its size takes it where the map is another one: where the bound is weak, a smaller
 /// loop tells more than a better known one.
 pub(super) const MOST_DEFORMATION: f64 = 100.0;
 

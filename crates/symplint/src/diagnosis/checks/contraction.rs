@@ -27,7 +27,7 @@ impl Runner<'_> {
             .map(|(found, (_, h))| (found, h.unwrap_or(self.largest)))
     }
 
-    /// Where a loop integral changes and the Jacobian does not show why, looks whether the loop can be contracted in the
+    /// If a loop integral changes and the Jacobian does not show why, tests whether the loop can be contracted in the
     /// domain of the map.
     pub(super) fn contract(
         &mut self,

@@ -12,7 +12,7 @@ use crate::jacobian::{JacobianEvidence, JacobianTest};
 use crate::map::Feature;
 use crate::rules::Subject;
 
-/// Where the Jacobian is tested once more.
+/// A place at which the Jacobian is tested once more.
 enum JacobianPlace {
     Feature(Feature),
     /// Where samples of the loop are roughest after a step of this size.

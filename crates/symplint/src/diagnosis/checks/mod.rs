@@ -55,11 +55,11 @@ pub(super) struct FailedStep {
 pub(super) struct GivenLoop<'a> {
     pub(super) probe: Probe<'a>,
     pub(super) cost: usize,
-    /// What it suggests for tests beside it.
+    /// Its size, for tests near it.
     pub(super) size: LoopSize,
 }
 
-/// What a check measures beside the given loop.
+/// Measures a check that follows the given loop.
 type Measure<'a> = fn(&mut Runner<'a>, Subject<'_>, &GivenLoop<'_>) -> Result<(), Error>;
 
 impl<'a> Runner<'a> {
@@ -165,7 +165,7 @@ impl<'a> Runner<'a> {
         for (check, measure) in Self::checks() {
             self.check(check, |run| measure(run, subject, given))?;
         }
-        // Jacobian and localisation note any error and go on.
+        // Jacobian and localisation note any error and continue.
         subject.evaluator.check_not_stopped()?;
         self.counted(Check::Memory, |run| run.look_again(subject.evaluator))
     }
@@ -262,7 +262,7 @@ fn largest_of(sizes: impl Iterator<Item = f64>) -> f64 {
     sizes.fold(0.0, |a, b| if b.abs() > a.abs() { b } else { a })
 }
 
-/// That the map failed beside the given loop.
+/// The map failed at states near the given loop.
 fn failed(error: &Error) -> Why {
     Why::Failed {
         step_size: None,
@@ -270,7 +270,7 @@ fn failed(error: &Error) -> Why {
     }
 }
 
-/// What was found where the map need not be defined, or where it was not asked for: `None` if the map failed or the budget was spent.
+/// The result of a test at states at which the map need not be defined, or that is optional: `None` if the map failed or the budget was spent.
 fn if_possible<T>(found: Result<Option<T>, Error>) -> Result<Option<T>, Error> {
     match found {
         Err(Error::BudgetSpent { .. }) => Ok(None),

@@ -71,7 +71,7 @@ fn with_signs(states: &Ensemble, signs: &[f64]) -> Ensemble {
     states
 }
 
-/// States of the loop, each followed by one that lies a rounding beside it.
+/// States of the loop, each followed by one that is moved by a rounding.
 struct Returns {
     s: Vec<f64>,
     before: Ensemble,

@@ -45,7 +45,7 @@ impl<'a> InitialSamples<'a> {
         }
     }
 
-    /// The ensembles of so many samples.
+    /// The ensembles of this number of samples.
     fn of(&mut self, samples: usize) -> Result<&mut Ensembles, Error> {
         let held = (self.ensembles.take()).filter(|held| held.after.samples() == samples);
         let held = match held {
@@ -55,7 +55,7 @@ impl<'a> InitialSamples<'a> {
         Ok(self.ensembles.insert(held))
     }
 
-    /// What a step of size `h` makes of `samples` samples.
+    /// The images of `samples` samples after a step of size `h`.
     ///
     /// # Errors
     /// Those of making and of advancing them.

@@ -312,7 +312,7 @@ impl Diagnostic {
         }
     }
 
-    /// What the piecewise rule makes of a step within these means, and the uncertainty that it leaves; `None` where
+    /// The result of the piecewise rule for a step within these means, and the uncertainty that it leaves; `None` where
     /// too few evaluations are left.
     fn tried<'a>(
         &self,
@@ -461,12 +461,12 @@ fn settled(before: Option<f64>, now: Option<f64>) -> Option<f64> {
     (agree && (LEAST_KINKED..=MOST_KINKED).contains(&now)).then_some(now)
 }
 
-/// The most samples in memory, a power of two, for so many degrees of freedom.
+/// The most samples in memory, a power of two, for this number of degrees of freedom.
 fn range_of_samples(dof: usize) -> usize {
     power_below(MOST_BYTES / (16 * dof.max(1))).clamp(SMALL, MOST_SAMPLES)
 }
 
-/// The most samples of the streaming rule, a power of two, for so many degrees of freedom.
+/// The most samples of the streaming rule, a power of two, for this number of degrees of freedom.
 fn most_streamed(dof: usize, fewest: usize) -> usize {
     power_below(MOST_STREAMED / dof.max(1)).clamp(fewest.min(MOST_SAMPLES), MOST_SAMPLES)
 }

@@ -17,7 +17,7 @@ pub(in crate::diagnosis) struct Probe<'a> {
     pub samples: usize,
     integrator: Box<dyn LoopIntegrator>,
     initial: LoopIntegral,
-    /// What is known of a step already.
+    /// The measurement of a step that was made already.
     known: Option<StepMeasurement>,
 }
 
@@ -31,7 +31,7 @@ pub(in crate::diagnosis) struct StepMeasurement {
 }
 
 impl<'a> Probe<'a> {
-    /// By this rule, from so many samples.
+    /// By this rule, from this number of samples.
     pub fn new(subject: Subject<'a>, rule: Rule, samples: usize) -> Result<Self, Error> {
         match rule.integrator().keeps_samples() {
             true => {
@@ -86,7 +86,7 @@ impl<'a> Probe<'a> {
         self
     }
 
-    /// What is known of the step of size `h`.
+    /// The measurement of the step of size `h`.
     pub fn known(&self, h: f64) -> Option<&StepMeasurement> {
         self.known.as_ref().filter(|known| known.h == h)
     }
@@ -110,7 +110,7 @@ impl<'a> Probe<'a> {
         !self.keeps_samples() && !fits(self.subject.dof(), SMALL)
     }
 
-    /// What a step of size `h` did to these samples, which are as many as those before it.
+    /// Measures a step of size `h` from the samples after it, as many as before it.
     pub fn measure_samples(&self, after: &Ensemble, h: f64) -> Result<LoopAfterStep, Error> {
         let samples = Samples::Kept(after);
         (self

@@ -100,7 +100,7 @@ impl<'a> RefinedSamples<'a> {
     }
 }
 
-/// The samples with which [`RefinedSamples::down_to_the_grain`] begins to double them to so many.
+/// The samples with which [`RefinedSamples::down_to_the_grain`] begins to double them to this number.
 pub(in crate::diagnosis) fn coarse(samples: usize) -> usize {
     let doublings = (samples / COARSE).max(1).ilog2();
     samples >> doublings.min(samples.trailing_zeros())

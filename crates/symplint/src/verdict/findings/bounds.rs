@@ -1,4 +1,4 @@
-//! What the change of loop integrals does not exceed.
+//! Bounds on the change of loop integrals.
 
 use std::fmt::{Display, Formatter, Result};
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::{Step, StepRange, degrees_of_freedom, plural};
 use crate::verdict::number::{capitalised, loop_name, short, size};
 
-/// What the change of loop integrals does not exceed.
+/// Bounds on the change of loop integrals.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 #[non_exhaustive]

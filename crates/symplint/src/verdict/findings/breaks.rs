@@ -21,7 +21,7 @@ pub enum BreakFinding {
         /// Whether the closed integrals are conserved, where that is known.
         conserved: Option<bool>,
     },
-    /// Where the largest jump is.
+    /// The place of the largest jump.
     Jump {
         /// Which loop.
         loop_index: usize,
@@ -59,10 +59,10 @@ pub enum BreakFinding {
     ClosedChanges {
         /// By how much.
         change: Change,
-        /// Whether it is closed by straight chords, as substeps are not known: that proves nothing.
+        /// Whether it is closed by straight chords, as substeps are not known: this does not count as evidence.
         #[serde(default)]
         straight: bool,
-        /// Where the change proves nothing: what other curves that close the breaks could contribute.
+        /// If the change does not count as evidence: what other curves that close the breaks could contribute.
         #[serde(default)]
         bend: Option<f64>,
         /// Which loop.

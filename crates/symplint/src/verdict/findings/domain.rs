@@ -22,7 +22,7 @@ pub enum DomainFinding {
         change: Change,
         /// The step.
         step: Step,
-        /// Where it sits.
+        /// Its place.
         contraction: Contraction,
     },
     /// A loop integral changes by much more than the Jacobian of the step allows, and whether the loop can be contracted in
@@ -62,7 +62,7 @@ pub enum DomainFinding {
     Projects {
         /// The smallest singular value of the Jacobian.
         smallest: f64,
-        /// What the defect of the given loop does not exceed.
+        /// The bound on the defect of the given loop.
         given: Option<f64>,
         /// The random loop with the largest defect, and this defect.
         beside: Option<(usize, f64)>,
@@ -72,7 +72,7 @@ pub enum DomainFinding {
     DegenerateForm {
         /// The rank of the form, of the dimension of the manifold.
         rank: Rank,
-        /// What the defect of the given loop does not exceed.
+        /// The bound on the defect of the given loop.
         given: Option<f64>,
     },
     /// The Jacobian of the step is singular at the loop, and the symplectic form is degenerate on its image.
@@ -207,10 +207,10 @@ fn projects(
     match beside {
         Some((loop_index, defect)) => write!(
             f,
-            "; {}, which leaves the manifold, changes by {defect:.1e}, which proves nothing.",
+            "; {}, which leaves the manifold, changes by {defect:.1e}, which does not count as evidence.",
             loop_name(loop_index)
         ),
-        None => f.write_str("; what leaves the manifold proves nothing."),
+        None => f.write_str("; loops that leave the manifold do not count as evidence."),
     }
 }
 

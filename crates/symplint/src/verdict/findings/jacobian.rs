@@ -1,4 +1,4 @@
-//! What a Jacobian test says, in English.
+//! The sentences about a Jacobian test.
 
 use std::fmt::{Display, Formatter, Result};
 
@@ -137,7 +137,7 @@ impl Display for Agreement {
                 "The loops do not decide, and derivatives do not see jumps: follow the advice of the \
                  loops' verdict."
             }
-            Agreement::JacobianUndecided => "The verdict of the loops stands alone.",
+            Agreement::JacobianUndecided => "The verdict rests on the loops only.",
         })
     }
 }

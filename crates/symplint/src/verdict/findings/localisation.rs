@@ -1,4 +1,4 @@
-//! Where a defect comes from.
+//! The origin of a defect.
 
 use std::fmt::{Display, Formatter, Result};
 
@@ -7,12 +7,12 @@ use serde::Serialize;
 use super::Step;
 use crate::evidence::{SIGNIFICANT, Sector, SubstepDefect};
 
-/// Where a defect comes from.
+/// The origin of a defect.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 #[non_exhaustive]
 pub enum LocalisationFinding {
-    /// What the substeps of the map do to the loop.
+    /// The effect of the substeps of the map on the loop.
     Substeps {
         /// All of them.
         substeps: Vec<SubstepDefect>,

@@ -1,4 +1,4 @@
-//! What the map does to states, apart from loop integrals.
+//! The action of the map on states, apart from loop integrals.
 
 use std::fmt::{Display, Formatter, Result};
 
@@ -10,7 +10,7 @@ use crate::evidence::{
 };
 use crate::verdict::number::{capitalised, short, size};
 
-/// What the map does to states, apart from loop integrals.
+/// The action of the map on states, apart from loop integrals.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 #[non_exhaustive]
@@ -136,7 +136,7 @@ fn fmt_precision(f: &mut Formatter<'_>, precision: &OutputPrecision) -> Result {
     )
 }
 
-/// What a Sobolev exponent says of a loop that is not smooth.
+/// The meaning of a Sobolev exponent for a loop that is not smooth.
 pub(in crate::verdict) fn roughness(exponent: f64) -> Option<&'static str> {
     match exponent {
         0.25..1.0 => Some("as at jumps"),

@@ -1,4 +1,4 @@
-//! What a verdict rests on: findings with their numbers and sentences, in one file for each subject.
+//! The findings that a verdict rests on, with their numbers and sentences, in one file for each subject.
 
 mod bounds;
 mod breaks;

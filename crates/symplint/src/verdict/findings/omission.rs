@@ -1,4 +1,4 @@
-//! What was left out.
+//! Omitted checks.
 
 use std::fmt::{Display, Formatter, Result};
 

@@ -1,4 +1,4 @@
-//! What was measured beside the loops, and what was not.
+//! Measurements besides the loops, and omissions.
 
 use std::fmt::{Display, Formatter, Result};
 
@@ -8,7 +8,7 @@ use crate::evidence::{LongTime, Omission};
 use crate::verdict::jacobian::JacobianFinding;
 use crate::verdict::long_time::Growth;
 
-/// What was measured beside the loops, and what was not.
+/// Measurements besides the loops, and omissions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 #[non_exhaustive]
@@ -17,14 +17,14 @@ pub enum RunFinding {
     NothingMeasured,
     /// What becomes of the defect in many steps.
     ManySteps {
-        /// What was measured.
+        /// The measurement.
         steps: LongTime,
         /// What follows.
         growth: Growth,
     },
-    /// What the Jacobian of a step says beside the loops.
+    /// The Jacobian of a step, compared with the loops.
     Jacobian {
-        /// What it says.
+        /// Its verdict.
         finding: JacobianFinding,
     },
     /// Loops are conserved, but the Jacobian has a defect of more than ten times its uncertainty.
@@ -34,7 +34,7 @@ pub enum RunFinding {
         /// What.
         omission: Omission,
     },
-    /// What the verdict cost.
+    /// The cost of the verdict.
     Evaluations {
         /// Made.
         made: usize,

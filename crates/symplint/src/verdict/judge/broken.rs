@@ -143,7 +143,7 @@ impl Case<'_> {
         })
     }
 
-    /// What the loops do whose breaks are closed; `None` where that is not known.
+    /// Whether the loops whose breaks are closed conserve their integrals; `None` where that is not known.
     fn closed(&self) -> Option<WorstClosure> {
         let closed = self.steps().filter_map(|(found, step)| {
             let closing = step.closing.filter(|_| !found.winds)?;

@@ -120,7 +120,7 @@ impl Case<'_> {
             }))
         });
         findings.extend(failed);
-        // That a loop breaks which winds proves nothing: it may be its period.
+        // A break of a loop that winds does not count as evidence: it may be its period.
         let cut = self.jumps().find(|(found, ..)| found.winds);
         findings.extend(cut.map(|(found, step, jump)| {
             Finding::Breaks(BreakFinding::Jump {

@@ -21,7 +21,7 @@ impl Case<'_> {
         let mut decision = Decision::new(VerdictKind::Undecided, because);
         decision.findings = self.bounds();
         decision.advice = advice;
-        // Where the budget is what is missing, the rest of the advice comes after it.
+        // If the budget is missing, the rest of the advice follows it.
         if let Some(more) = self.wants_evaluations() {
             decision.advice.insert(0, more);
         }

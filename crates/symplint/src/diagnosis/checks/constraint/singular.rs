@@ -9,7 +9,7 @@ use crate::rules::Subject;
 use crate::signal::nearest;
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 
-/// Loop parameters at which the Jacobian is looked at: a map that projects does so at both.
+/// Loop parameters at which the Jacobian is measured: a map that projects does so at both.
 const SITES: [f64; 2] = [0.137, 0.755];
 
 /// Distances of the central differences, in sizes of the loop: small, as a map may not work far from its manifold,
@@ -50,7 +50,7 @@ const MOST_ERROR_OF_TRACE: f64 = 0.1;
 /// Repetitions of a scaling by the largest entries of rows, of which each halves the logarithms of their ratios.
 const SCALINGS: usize = 40;
 
-/// Evaluations that it takes at most in so many degrees of freedom.
+/// Evaluations that it takes at most in this number of degrees of freedom.
 pub(in crate::diagnosis) fn cost(dof: usize) -> usize {
     let columns: usize = stretches(dof).iter().map(|dofs| 2 * dofs.len()).sum();
     SITES.len() * STATES * columns + Subject::SAMPLES_OF_GRAIN
@@ -60,7 +60,7 @@ pub(in crate::diagnosis) fn cost(dof: usize) -> usize {
 /// more than 64 degrees of freedom it looks at columns of some of them.
 ///
 /// # Errors
-/// Those of the map beside the loop.
+/// Errors of the map at states near the loop.
 pub(super) fn singular_jacobian(
     subject: Subject<'_>,
     size: &LoopSize,

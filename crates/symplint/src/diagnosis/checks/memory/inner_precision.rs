@@ -10,10 +10,10 @@ use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 /// Samples of the loop whose ranges and largest values say how large single precision's rounding is.
 const SAMPLES: usize = 64;
 
-/// Loop parameters at which the map is looked at: no two of them, nor their mirror images, coincide.
+/// Loop parameters of the test: no two of them, nor their mirror images, coincide.
 const SITES: [f64; 4] = [0.137, 0.291, 0.604, 0.833];
 
-/// Sites that are looked at first: where none of them shows noise, no more are.
+/// Sites of the first test: if none of them shows noise, there is no second one.
 const FIRST: usize = 2;
 
 /// The points of a site, in units of single precision, by which all coordinates are displaced at once: stairs of any
@@ -22,7 +22,7 @@ const FIRST: usize = 2;
 const STAIRS: [f64; 10] = [0.0, 1.13, 2.77, 3.83, 5.43, 6.55, 7.8, 9.21, 10.37, 11.86];
 
 /// Noise of single precision is this part of what rounding makes of a coordinate at least, far above that of
-/// double precision; and no more than so many times.
+/// double precision; and at most this multiple of it.
 const PARTS: [f64; 2] = [0.02, 4.0];
 
 /// Results of single precision differ by less than this part of their rounding, if the same states are advanced in another
@@ -31,7 +31,7 @@ const OF_OTHER_ORDER: f64 = 0.5;
 
 /// Looks at a few states that are units of single precision apart. Sixth differences of smooth coordinates vanish
 /// there; where most sites of one coordinate show noise as large as single precision makes it, the map works in it.
-/// What it rounds each coordinate to, then.
+/// Returns the rounding of each coordinate if it does.
 ///
 /// # Errors
 /// Those of the map.
@@ -109,7 +109,7 @@ fn in_other_order(
     Ok(sums)
 }
 
-/// What the map makes of the points of some sites, in an order of the points.
+/// The images of the points of some sites, in an order of the points.
 fn stairs(
     subject: Subject<'_>,
     h: f64,

@@ -1,4 +1,4 @@
-//! The loops beside the given one: random ones, and one that winds round a period.
+//! The loops besides the given one: random ones, and one that winds round a period.
 
 mod kinds;
 mod reach;
@@ -26,11 +26,11 @@ const LOOPS_OF_GROUP: usize = 2;
 /// Random loops of an ample budget where the given loop breaks.
 const LOOPS_BESIDE_BREAKS: usize = 2;
 
-/// Loops are sure to be measured if all of them take no more than one part in so many of what is left: the first one
+/// Loops are sure to be measured if all of them take no more than this part of the remaining budget: the first one
 /// may need more than the given one did.
 const SURE_PART: usize = 2;
 
-/// A loop beside the given one.
+/// A loop besides the given one.
 pub(super) struct LoopToTry {
     index: usize,
     kind: LoopKind,
@@ -132,11 +132,11 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// So many loops beside the given one are measured whatever they show, where each takes so many evaluations: those
+    /// The number of further loops that are measured whatever they show, if each takes `of_loop` evaluations: those
     /// before which [`is_settled`](Self::is_settled) is false.
     fn sure_loops(&self, of_loop: usize) -> usize {
         let given = &self.evidence.loops[0];
-        // One that winds proves nothing.
+        // A loop that winds does not count as evidence.
         let proves = !given.winds;
         let needed = match (proves && given.is_broken(), self.plan.is_tight()) {
             (true, true) => 0,
@@ -147,7 +147,7 @@ impl Runner<'_> {
         needed.min(self.left() / SURE_PART / of_loop)
     }
 
-    /// The curve of a loop beside the given one, if there is one of its kind.
+    /// The curve of such a loop, if there is one of its kind.
     fn random(
         &self,
         subject: Subject<'_>,
@@ -166,7 +166,7 @@ impl Runner<'_> {
         given: &GivenLoop<'_>,
         other: &LoopToTry,
     ) -> Result<bool, Error> {
-        // A loop that cannot be resolved as the given one was is no evidence.
+        // A loop that cannot be resolved as the given one was does not count as evidence.
         let least = if self.plan.is_tight() { given.cost } else { 0 };
         if self.left() < least.max(self.plan.first_samples) {
             return Ok(false);
@@ -189,9 +189,9 @@ impl Runner<'_> {
             }
             Ok(()) => {}
             Err(Error::BudgetSpent { .. }) => return Ok(false),
-            // A loop that nobody asked for may leave the map's domain.
+            // A random loop may leave the map's domain.
             Err(error) if error.is_of_map() => self.failed(other, &error),
-            // What nobody asked to move apart may be lost in rounding where it lies.
+            // A degree of freedom that the given loop leaves at rest may be lost in rounding.
             Err(error @ (Error::NoArea { .. } | Error::LostInRounding { .. }))
                 if matches!(other.kind, LoopKind::Extended | LoopKind::Group) =>
             {
@@ -202,7 +202,7 @@ impl Runner<'_> {
         Ok(true)
     }
 
-    /// Whether a tight budget was spent before the last loop was resolved as the given one was: it is no evidence.
+    /// Whether a tight budget was spent before the last loop was resolved as the given one was: it does not count as evidence.
     fn is_unresolved(&self) -> bool {
         let (given, random) = (&self.evidence.loops[0], self.evidence.loops.last());
         let says_more = |step: &StepEvidence| {
@@ -288,7 +288,7 @@ impl Runner<'_> {
         }
     }
 
-    /// A loop beside the given one, with as many samples as it needs, after a step of size `h`: how that was measured, what
+    /// A loop besides the given one, with as many samples as it needs, after a step of size `h`: how that was measured, what
     /// it shows, and how the loop moves.
     pub(super) fn resolved<'s>(
         &self,
