@@ -121,9 +121,11 @@ class Report:
     def properties(self) -> dict[str, Property]:
         """The properties of the map by name: those that were tested, and those that follow from the verdict.
 
-        "symplectic"; "volume" (det DΦ = 1) and "conformal" (all areas change by one factor), if the map is not symplectic and
-        has at most eight degrees of freedom; "reversible" (a step, reversed momenta, and a step again return a state); and
-        "symmetric" (a step of size -h undoes one of size h), if asked for by ``symmetric=True``.
+        "symplectic"; "conformal" (all areas change by one factor) and "volume" (det DΦ = 1), from the Jacobian in at most eight
+        degrees of freedom; "reversible" (a step, reversed momenta, and a step again return states of the loop and inside it); and
+        "symmetric" (a step of size -h undoes one of size h), if asked for by ``symmetric=True``. `holds` is None if a property
+        was not tested, or the test is not precise enough. Maps on a manifold or in non-canonical coordinates have no "volume", and
+        "reversible" only with ``reversal=``. With ``properties=False`` there is "symplectic" alone.
         """
         return {found["name"]: _property(found) for found in self.to_dict()["properties"]}
 

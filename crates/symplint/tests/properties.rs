@@ -202,16 +202,115 @@ fn properties_are_said_in_one_line_each() {
         .collect();
     let begins = [
         "not symplectic",
-        "not volume preserving (|det DΦ − 1| = 0.095)",
         "conformally symplectic (a step multiplies all areas by 0.951229",
-        "not time-reversible (states return to a distance of 0.15 of the loop)",
-        "symmetric (to ",
+        "not volume preserving (|det DΦ − 1| = 0.095)",
+        "not time-reversible (a step, p → −p, and a step miss ",
+        "symmetric (a step of h and one of −h return to ",
     ];
     for (text, begin) in texts.iter().zip(begins) {
         assert!(text.starts_with(begin), "{text}");
     }
+    assert_eq!(texts.len(), begins.len());
     assert!(
-        texts[2].contains(": uniform damping e^(−γh), γ = "),
+        texts[1].contains(": uniform damping e^(−γh), γ = "),
         "{texts:?}"
+    );
+}
+
+#[test]
+fn a_degree_of_freedom_at_rest_hides_no_other_one() {
+    let map = PerSample::new(2, |h, q: &mut [f64], p: &mut [f64]| {
+        for i in 0..2 {
+            p[i] = (p[i] - h * q[i].sin()) * (-h).exp();
+            q[i] += h * p[i];
+        }
+    });
+    let circle = Circle::new(vec![0.0, 1.0], vec![0.0, 0.0], 0.5).unwrap();
+    let one = Circle::with_radii(
+        vec![0.0, 1.0],
+        vec![0.0, 0.0],
+        vec![0.0, 0.5],
+        vec![0.0, 0.5],
+    );
+    for circle in [circle, one.unwrap()] {
+        let found = Diagnostic::halving(-1, -5)
+            .run(&map, &circle)
+            .unwrap()
+            .verdict;
+        assert_eq!(holds(&found, PropertyName::Reversible), Some(false));
+    }
+}
+
+#[test]
+fn rounding_of_large_kicks_and_of_stages_is_no_defect() {
+    for force in [1e3, 1e5] {
+        let map = PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+            p[0] -= 0.5 * h * (force + q[0].sin());
+            q[0] += h * p[0];
+            p[0] -= 0.5 * h * (force + q[0].sin());
+        });
+        let found = verdict(&map, true);
+        assert_eq!(
+            holds(&found, PropertyName::Reversible),
+            Some(true),
+            "{force}: {found:?}"
+        );
+        assert_eq!(
+            holds(&found, PropertyName::Symmetric),
+            Some(true),
+            "{force}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn the_rate_of_damping_is_one_of_time_if_the_map_is_repeated() {
+    let circle = Circle::new(vec![0.3, 0.2], vec![0.5, 0.4], 0.8).unwrap();
+    let diagnostic = Diagnostic {
+        repeat: 5,
+        ..Diagnostic::halving(-3, -6)
+    };
+    let found = diagnostic
+        .run(&damped([0.2, 0.2]), &circle)
+        .unwrap()
+        .verdict;
+    let [rate, uncertainty] = property(&found, PropertyName::Conformal).rate.unwrap();
+    assert!((rate - 0.2).abs() <= uncertainty, "{rate} ± {uncertainty}");
+}
+
+#[test]
+fn a_map_without_a_step_size_is_not_asked_for_a_step_back() {
+    let kick = PerSample::new(1, |_, q: &mut [f64], p: &mut [f64]| p[0] -= q[0].sin());
+    let circle = Circle::new(vec![0.3], vec![0.5], 0.8).unwrap();
+    let diagnostic = Diagnostic {
+        symmetric: true,
+        ..Diagnostic::without_step_size()
+    };
+    let found = diagnostic.run(&kick, &circle).unwrap().verdict;
+    let names: Vec<PropertyName> = found.properties.iter().map(|of| of.name).collect();
+    assert!(!names.contains(&PropertyName::Symmetric));
+    let none = Diagnostic {
+        properties: false,
+        ..Diagnostic::without_step_size()
+    };
+    let found = none.run(&kick, &circle).unwrap().verdict;
+    assert_eq!(found.properties.len(), 1);
+}
+
+#[test]
+fn a_step_back_that_fails_leaves_its_property_unknown() {
+    let forward = PerSample::new(1, |h: f64, q: &mut [f64], p: &mut [f64]| {
+        p[0] -= 0.5 * h * q[0].sin();
+        q[0] += h * p[0] + h.min(0.0).sqrt();
+        p[0] -= 0.5 * h * q[0].sin();
+    });
+    let found = verdict(&forward, true);
+    assert_eq!(found.kind, VerdictKind::Symplectic);
+    assert_eq!(holds(&found, PropertyName::Reversible), Some(true));
+    assert_eq!(holds(&found, PropertyName::Symmetric), None);
+    let said = found.evidence().join("\n");
+    assert!(
+        said.contains("Whether steps back undo a step was not tested: "),
+        "{said}"
     );
 }

@@ -249,7 +249,10 @@ pub(super) const KEPT_BYTES: usize = 64 << 20;
 // Steps back.
 
 /// States that a step and a step back should return, in a tight budget and in others. Conventional.
-pub(super) const STATES_OF_A_RETURN: [usize; 2] = [2, 4];
+pub(super) const STATES_OF_A_RETURN: [usize; 2] = [2, 16];
+
+/// Those of them that are moved by a rounding and tested once more.
+pub(super) const STATES_OF_ROUNDING: [usize; 2] = [2, 4];
 
 /// Rounding of a step and a step back is this many times the largest one that a few states show. Conventional: half a decade.
 pub(super) const ROUNDINGS_OF_A_RETURN: f64 = 4.0;

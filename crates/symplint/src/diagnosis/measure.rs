@@ -120,6 +120,9 @@ impl Diagnostic {
         let mut evidence = once.measure(&map, phase_loop, watch)?;
         evidence.evaluations = evidence.evaluations.times(self.repeat);
         evidence.evaluations.budget = budget;
+        if let Some(structure) = &mut evidence.structure {
+            structure.steps = self.repeat;
+        }
         Ok(evidence)
     }
 }

@@ -2,14 +2,26 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Whether steps back undo one step of the largest size.
+/// Whether steps back undo a step of the largest size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct StructureEvidence {
-    /// ρ Φ_h ρ Φ_h against the identity, where ρ changes the signs of coordinates: of all momenta by default. `None` if the map
-    /// fails there, or was not tested.
+    /// Degrees of freedom.
+    pub dof: usize,
+    /// Steps of size h that the map makes: more than one if it is composed with itself.
+    pub steps: usize,
+    /// Whether the map acts on a manifold: a constraint, or the graph of a one-form. det DΦ has no meaning there.
+    pub on_manifold: bool,
+    /// Whether the user gave the signs of the reversal ρ; otherwise ρ changes the signs of all momenta.
+    pub given_reversal: bool,
+    /// Whether the test of symmetry was asked for.
+    pub asked_for_symmetry: bool,
+    /// States that were tested.
+    pub states: usize,
+    /// ρ Φ_h ρ Φ_h against the identity. `None` if it was not tested: an [omission](super::Omission) has the reason, or the map acts
+    /// on a manifold.
     pub reversible: Option<ReturnDefect>,
-    /// Φ_−h Φ_h against the identity. `None` if the map fails there, or was not tested.
+    /// Φ_−h Φ_h against the identity. `None` if it was not tested.
     pub symmetric: Option<ReturnDefect>,
 }
 
@@ -17,7 +29,7 @@ pub struct StructureEvidence {
 /// the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReturnDefect {
-    /// The loop parameter of the state.
+    /// The loop parameter of the state. The state lies between that of the loop and the middle of the loop.
     pub s: f64,
     /// `q` or `p`.
     pub coordinate: char,

@@ -56,7 +56,7 @@ pub fn judge(evidence: &Evidence) -> Verdict {
         findings,
         advice: decision.advice,
         fits,
-        properties: properties(evidence, decision.kind, decision.digits),
+        properties: properties(evidence, decision.kind),
     }
 }
 

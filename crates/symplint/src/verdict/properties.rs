@@ -8,9 +8,10 @@ use serde::{Serialize, Serializer};
 use super::VerdictKind;
 use super::number::{one_digit, two_digits, within};
 use crate::evidence::{
-    Evidence, LoopEvidence, ReturnDefect, SIGNIFICANT, StepEvidence, UNEXPLAINED, WEAKEST_BOUND,
+    Evidence, LoopEvidence, SIGNIFICANT, StepEvidence, StructureEvidence, UNEXPLAINED,
+    WEAKEST_BOUND,
 };
-use crate::jacobian::{JacobianMethod, TangentDefect, VolumeEvidence};
+use crate::jacobian::TangentDefect;
 
 /// A property of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -46,9 +47,17 @@ pub struct Property {
     pub factor: Option<[f64; 2]>,
     /// The rate γ of uniform damping e^(−γh), and its uncertainty.
     pub rate: Option<[f64; 2]>,
-    /// Whether it follows from the verdict, so that reports need not print it.
+    /// The coordinate that misses its start most if steps back do not undo a step: `q` or `p`, and the degree of freedom.
+    pub place: Option<(char, usize)>,
+    /// Whether the user gave the signs that reverse time.
+    pub given_reversal: bool,
+    /// Whether it follows from the verdict or is not known, so that reports need not print it.
     pub implied: bool,
 }
+
+/// A smaller distance of a state from its start, in half ranges of the loop, may be the residual of a stage that is solved to round-off.
+/// Calibrated: as the least defect of a tangent map, which has the same cause.
+const LEAST_RETURN: f64 = 1e-12;
 
 /// Whether a defect shows that a property holds.
 fn holds(defect: f64, uncertainty: f64, least_defect: f64) -> Option<bool> {
@@ -72,6 +81,8 @@ impl Property {
             uncertainty: None,
             factor: None,
             rate: None,
+            place: None,
+            given_reversal: false,
             implied: false,
         }
     }
@@ -83,105 +94,132 @@ impl Property {
             ..Property::new(name, holds(defect, uncertainty, least))
         }
     }
+
+    /// It follows from the verdict, or nothing more can be said about it.
+    fn implied(name: PropertyName, holds: Option<bool>) -> Self {
+        Property {
+            implied: true,
+            ..Property::new(name, holds)
+        }
+    }
 }
 
 /// All properties that were tested, or follow from the verdict.
-pub(super) fn properties(
-    evidence: &Evidence,
-    kind: VerdictKind,
-    digits: Option<f64>,
-) -> Vec<Property> {
-    let symplectic = Property {
-        defect: digits.map(|digits| 10f64.powf(-digits)),
-        implied: true,
-        ..Property::new(
-            PropertyName::Symplectic,
-            match kind {
-                VerdictKind::Symplectic => Some(true),
-                VerdictKind::BrokenLoops | VerdictKind::NotSymplectic => Some(false),
-                VerdictKind::Undecided => None,
-            },
-        )
+pub(super) fn properties(evidence: &Evidence, kind: VerdictKind) -> Vec<Property> {
+    let is_symplectic = match kind {
+        VerdictKind::Symplectic => Some(true),
+        VerdictKind::BrokenLoops | VerdictKind::NotSymplectic => Some(false),
+        VerdictKind::Undecided => None,
     };
-    let implied = [PropertyName::Conformal, PropertyName::Volume].map(|name| Property {
-        implied: true,
-        ..Property::new(name, Some(true))
+    let mut properties = vec![Property::implied(PropertyName::Symplectic, is_symplectic)];
+    let Some(structure) = evidence.structure else {
+        return properties;
+    };
+    let survey = &evidence.survey;
+    // A map that projects, or a degenerate form, has its properties on the manifold or leaf alone.
+    let is_degenerate = survey.singular.is_some() || survey.degenerate_form.is_some();
+    properties.push(match kind {
+        VerdictKind::Symplectic => Property::implied(PropertyName::Conformal, Some(true)),
+        _ => conformal(evidence, &structure, kind)
+            .filter(|_| !is_degenerate)
+            .unwrap_or_else(|| Property::implied(PropertyName::Conformal, None)),
     });
-    let implied = (implied.into_iter()).filter(|_| kind == VerdictKind::Symplectic);
-    let jacobian = (evidence.jacobian.as_ref()).filter(|_| kind != VerdictKind::Symplectic);
-    let of_jacobian = jacobian.and_then(|found| Some((found.method, found.volume?)));
-    let of_jacobian = of_jacobian.into_iter().flat_map(|(method, found)| {
-        let conformal = conformal(evidence, kind, method, &found);
-        [Some(volume_preserving(method, &found)), conformal]
-    });
-    let structure = evidence.structure.unwrap_or_default();
-    let returns = [
-        (PropertyName::Reversible, structure.reversible),
-        (PropertyName::Symmetric, structure.symmetric),
-    ];
-    let returns = returns.into_iter().map(|(name, found)| {
-        let ReturnDefect {
-            defect,
-            uncertainty,
-            ..
-        } = found?;
-        Some(Property::measured(name, defect, uncertainty, 0.0))
-    });
-    (std::iter::once(symplectic).chain(implied))
-        .map(Some)
-        .chain(of_jacobian)
-        .chain(returns)
-        .flatten()
-        .collect()
+    if !structure.on_manifold {
+        properties.push(match (kind, structure.dof) {
+            (VerdictKind::Symplectic, _) => Property::implied(PropertyName::Volume, Some(true)),
+            // Areas are volumes.
+            (VerdictKind::NotSymplectic, 1) => Property::implied(PropertyName::Volume, Some(false)),
+            (_, 1) => Property::implied(PropertyName::Volume, None),
+            _ => volume_preserving(evidence)
+                .filter(|_| !is_degenerate)
+                .unwrap_or_else(|| Property::implied(PropertyName::Volume, None)),
+        });
+    }
+    let is_reversal = structure.given_reversal || !structure.on_manifold;
+    for (name, found, is_asked_for) in [
+        (PropertyName::Reversible, structure.reversible, is_reversal),
+        (
+            PropertyName::Symmetric,
+            structure.symmetric,
+            structure.asked_for_symmetry,
+        ),
+    ] {
+        if !is_asked_for {
+            continue;
+        }
+        properties.push(match found.filter(|_| !is_degenerate) {
+            Some(found) => Property {
+                place: Some((found.coordinate, found.dof)),
+                given_reversal: structure.given_reversal,
+                ..Property::measured(name, found.defect, found.uncertainty, LEAST_RETURN)
+            },
+            None => Property::implied(name, None),
+        });
+    }
+    properties
 }
 
-fn volume_preserving(method: JacobianMethod, found: &VolumeEvidence) -> Property {
+fn volume_preserving(evidence: &Evidence) -> Option<Property> {
+    let jacobian = evidence.jacobian.as_ref()?;
     let TangentDefect {
         signed,
         uncertainty,
         ..
-    } = found.determinant;
-    let least = method.least_defect();
-    Property::measured(PropertyName::Volume, signed.abs(), uncertainty, least)
+    } = jacobian.volume?.determinant;
+    let least = jacobian.method.least_defect();
+    Some(Property::measured(
+        PropertyName::Volume,
+        signed.abs(),
+        uncertainty,
+        least,
+    ))
 }
 
-/// Whether all areas change by one factor, if a Jacobian shows that they change.
+/// Whether all areas change by one factor, for the Jacobian and for all loops.
 fn conformal(
     evidence: &Evidence,
+    structure: &StructureEvidence,
     kind: VerdictKind,
-    method: JacobianMethod,
-    found: &VolumeEvidence,
 ) -> Option<Property> {
-    let least = method.least_defect();
-    let (factor, of_factor) = (found.factor, found.factor_uncertainty);
-    // With the factor 1 it is symplectic, and a loop that breaks has no factor.
-    let changes = (factor - 1.0).abs() > least.max(SIGNIFICANT * of_factor) && factor > 0.0;
+    let jacobian = evidence.jacobian.as_ref()?;
+    let (h, found, least) = (
+        jacobian.step_size,
+        jacobian.volume?,
+        jacobian.method.least_defect(),
+    );
     let worst = found.from_conformal;
-    let of_jacobian = (worst.magnitude(), worst.uncertainty);
-    // The Jacobian at some states, and loops, should have the same factor.
-    let h = evidence.jacobian.as_ref()?.step_size;
     let of_loops = loops_of(evidence, h).map(|step| {
         let of_loop = 1.0 + step.defect.signed * step.initial.signum();
-        let difference = (of_loop - factor).abs();
-        (difference, step.defect.uncertainty() + of_factor)
+        let difference = (of_loop - found.factor).abs();
+        (
+            difference,
+            step.defect.uncertainty() + found.factor_uncertainty,
+        )
     });
     let excess = |(defect, uncertainty): (f64, f64)| defect / uncertainty;
-    let (defect, uncertainty) =
-        (of_loops.filter(|(_, uncertainty)| uncertainty.is_finite())).fold(of_jacobian, |a, b| {
+    let (defect, uncertainty) = (of_loops.filter(|(_, uncertainty)| uncertainty.is_finite())).fold(
+        (worst.magnitude(), worst.uncertainty),
+        |a, b| {
             if excess(b) > excess(a) { b } else { a }
-        });
+        },
+    );
     let property = Property::measured(PropertyName::Conformal, defect, uncertainty, least);
-    let holds = match property.holds {
-        Some(true) if kind == VerdictKind::BrokenLoops => Some(false),
-        Some(true) if !changes => return None,
-        holds => holds,
-    };
-    let rate = |h: f64| [-factor.ln() / h, of_factor / (factor * h.abs())];
-    let of_one_factor = holds == Some(true);
+    if property.holds != Some(true) {
+        return Some(property);
+    }
+    // Factors differ by up to the defect.
+    let (factor, of_factor) = (found.factor, found.factor_uncertainty.max(defect));
+    let changes = (factor - 1.0).abs() > least.max(SIGNIFICANT * of_factor);
+    // A loop that breaks has no factor, and a map with the factor 1 is symplectic.
+    if kind == VerdictKind::BrokenLoops || !changes {
+        return None;
+    }
+    let time = h
+        .filter(|_| factor > 0.0)
+        .map(|h| h * structure.steps as f64);
     Some(Property {
-        holds,
-        factor: of_one_factor.then_some([factor, of_factor]),
-        rate: h.filter(|_| of_one_factor).map(rate),
+        factor: Some([factor, of_factor]),
+        rate: time.map(|time| [-factor.ln() / time, of_factor / (factor * time.abs())]),
         ..property
     })
 }
@@ -231,18 +269,28 @@ impl Display for Property {
             Some(_) => two_digits(defect),
             None => format!("{} ± {}", two_digits(defect), one_digit(uncertainty)),
         };
-        match (self.name, self.holds == Some(true)) {
-            (PropertyName::Symplectic, _) => write!(f, " (|E| = {value})"),
-            (PropertyName::Volume, true) => write!(f, " (|det DΦ − 1| ≤ {bound})"),
-            (PropertyName::Volume, false) => write!(f, " (|det DΦ − 1| = {value})"),
-            (PropertyName::Conformal, _) => {
-                write!(f, " (the factors of areas differ by {value})")
+        let signs = match self.given_reversal {
+            true => "changed signs",
+            false => "p → −p",
+        };
+        let way = match self.name {
+            PropertyName::Symplectic => return Ok(()),
+            PropertyName::Conformal => {
+                return write!(f, " (the factors of areas differ by {value})");
             }
-            (PropertyName::Reversible | PropertyName::Symmetric, true) => {
-                write!(f, " (to {bound} of the loop)")
+            PropertyName::Volume => {
+                return match self.holds {
+                    Some(true) => write!(f, " (|det DΦ − 1| ≤ {bound})"),
+                    _ => write!(f, " (|det DΦ − 1| = {value})"),
+                };
             }
-            (PropertyName::Reversible | PropertyName::Symmetric, false) => {
-                write!(f, " (states return to a distance of {value} of the loop)")
+            PropertyName::Reversible => format!("a step, {signs}, and a step"),
+            PropertyName::Symmetric => "a step of h and one of −h".to_owned(),
+        };
+        match (self.holds, self.place) {
+            (Some(true), _) | (_, None) => write!(f, " ({way} return to within {bound} radii)"),
+            (_, Some((coordinate, dof))) => {
+                write!(f, " ({way} miss {coordinate}[{dof}] by {value} radii)")
             }
         }
     }

@@ -1,9 +1,9 @@
 //! Whether steps back undo a step: time reversibility and symmetry.
 
-use super::{GivenLoop, Runner, if_possible};
-use crate::diagnosis::limits::{ROUNDINGS_OF_A_RETURN, STATES_OF_A_RETURN};
+use super::{GivenLoop, Runner, failed};
+use crate::diagnosis::limits::{ROUNDINGS_OF_A_RETURN, STATES_OF_A_RETURN, STATES_OF_ROUNDING};
 use crate::error::Error;
-use crate::evidence::{ReturnDefect, StructureEvidence};
+use crate::evidence::{Check, ReturnDefect, StructureEvidence, Why};
 use crate::jacobian::parameters;
 use crate::map::Evaluator;
 use crate::rules::Subject;
@@ -11,46 +11,58 @@ use crate::signal::nearest;
 use crate::state::{Ensemble, coordinate, coordinate_mut, period};
 
 impl Runner<'_> {
-    /// Tests at a few states of the given loop whether ρ Φ_h ρ Φ_h and, if asked for, Φ_−h Φ_h return them.
+    /// Tests at states of the given loop and inside it whether ρ Φ_h ρ Φ_h and, if asked for, Φ_−h Φ_h return them.
     pub(super) fn structure(
         &mut self,
         subject: Subject<'_>,
         given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         let (evaluator, diagnostic) = (subject.evaluator, self.diagnostic);
-        // A constraint, or a one-form, says what momenta are: to change their signs may leave the manifold.
-        let reversal = match (&diagnostic.reversal, evaluator.constraint()) {
-            (Some(signs), _) => Some(signs.clone()),
-            (None, None) => Some(flipped_momenta(evaluator.dof())),
-            (None, Some(_)) => None,
-        };
-        if !diagnostic.properties || !diagnostic.symmetric && reversal.is_none() {
+        if !diagnostic.properties {
             return Ok(());
         }
-        let states = Returns::new(subject, self.plan.is_tight());
-        let h = self.largest;
-        let Some(after) = if_possible(states.advanced(evaluator, &states.before, h).map(Some))?
-        else {
+        let on_manifold = evaluator.constraint().is_some();
+        let mut structure = StructureEvidence {
+            dof: evaluator.dof(),
+            steps: 1,
+            on_manifold,
+            given_reversal: diagnostic.reversal.is_some(),
+            // A map without a step size takes no step back.
+            asked_for_symmetry: diagnostic.symmetric && diagnostic.has_step_size,
+            ..StructureEvidence::default()
+        };
+        self.evidence.structure = Some(structure);
+        // Momenta that a constraint or a one-form defines cannot change their signs alone.
+        let reversal = match &diagnostic.reversal {
+            Some(signs) => Some(signs.clone()),
+            None => (!on_manifold).then(|| flipped_momenta(evaluator.dof())),
+        };
+        if reversal.is_none() && !structure.asked_for_symmetry {
             return Ok(());
+        }
+        let returns = Returns::new(subject, self.plan.is_tight());
+        let h = self.largest;
+        let after = advanced(evaluator, &returns.before, h)?;
+        structure.states = returns.s.len();
+        let test = |signs: &[f64], h: f64| -> Result<ReturnDefect, Error> {
+            let back = advanced(evaluator, &with_signs(&after, signs), h)?;
+            let back = with_signs(&back, signs);
+            Ok(returns.largest_defect(evaluator, [&after, &back], &given.size.radius))
         };
-        let test = |signs: &[f64], h: f64| -> Result<Option<ReturnDefect>, Error> {
-            let back = states.advanced(evaluator, &with_signs(&after, signs), h);
-            let back = if_possible(back.map(Some))?;
-            let back = back.map(|back| with_signs(&back, signs));
-            Ok(back.map(|back| states.largest_defect(evaluator, &back, &given.size.radius)))
-        };
-        let reversible = match reversal {
-            Some(signs) => test(&signs, h)?,
-            None => None,
-        };
-        let symmetric = match diagnostic.symmetric {
-            true => test(&vec![1.0; 2 * evaluator.dof()], -h)?,
-            false => None,
-        };
-        self.evidence.structure = Some(StructureEvidence {
-            reversible,
-            symmetric,
-        });
+        let unchanged = vec![1.0; 2 * evaluator.dof()];
+        let symmetric = structure.asked_for_symmetry.then(|| test(&unchanged, -h));
+        let reversible = reversal.map(|signs| test(&signs, h));
+        for (found, tested) in [
+            (&mut structure.reversible, reversible),
+            (&mut structure.symmetric, symmetric),
+        ] {
+            match tested.transpose() {
+                Err(error) if error.is_of_map() => self.omit(Check::Structure, failed(&error)),
+                Err(Error::BudgetSpent { .. }) => self.omit(Check::Structure, Why::BUDGET),
+                tested => *found = tested?,
+            }
+        }
+        self.evidence.structure = Some(structure);
         Ok(())
     }
 }
@@ -71,7 +83,13 @@ fn with_signs(states: &Ensemble, signs: &[f64]) -> Ensemble {
     states
 }
 
-/// States of the loop, each followed by one that is moved by a rounding.
+fn advanced(evaluator: &Evaluator<'_>, states: &Ensemble, h: f64) -> Result<Ensemble, Error> {
+    let mut states = states.clone();
+    evaluator.advance(&mut states, h)?;
+    Ok(states)
+}
+
+/// States on the loop and inside it. The first few stand once more at the end, each moved by a rounding.
 struct Returns {
     s: Vec<f64>,
     before: Ensemble,
@@ -81,63 +99,60 @@ impl Returns {
     fn new(subject: Subject<'_>, tight: bool) -> Self {
         let (evaluator, dof) = (subject.evaluator, subject.dof());
         let s = parameters(STATES_OF_A_RETURN[usize::from(!tight)]);
-        let twice: Vec<f64> = s.iter().flat_map(|&s| [s, s]).collect();
-        let mut before = Ensemble::zeros(dof, twice.len());
-        subject.phase_loop.sample(&twice, &mut before.block());
+        let moved = STATES_OF_ROUNDING[usize::from(!tight)];
+        let mut on_loop = Ensemble::zeros(dof, s.len());
+        subject.phase_loop.sample(&s, &mut on_loop.block());
+        let mut before = Ensemble::zeros(dof, s.len() + moved);
         let mut block = before.block();
         for c in 0..2 * dof {
             let grain = rounding(evaluator, c);
-            for (k, pair) in coordinate_mut(&mut block, c)
-                .chunks_exact_mut(2)
-                .enumerate()
-            {
-                let sign = if (k + c) % 2 == 0 { 1.0 } else { -1.0 };
-                pair[1] += sign * (2.0 * f64::EPSILON * pair[1].abs()).max(grain);
+            let row = coordinate(&on_loop, c);
+            let middle = row.iter().sum::<f64>() / row.len() as f64;
+            let inwards = |k: usize| match evaluator.constraint() {
+                // The inside of the loop need not lie on the manifold.
+                Some(_) => 0.0,
+                None => 0.75 * k as f64 / row.len() as f64,
+            };
+            for (k, value) in coordinate_mut(&mut block, c).iter_mut().enumerate() {
+                let of = k % row.len();
+                *value = row[of] + inwards(of) * (middle - row[of]);
+                if k >= row.len() {
+                    let sign = if (k + c).is_multiple_of(2) { 1.0 } else { -1.0 };
+                    *value += sign * (2.0 * f64::EPSILON * value.abs()).max(grain);
+                }
             }
         }
         Returns { s, before }
     }
 
-    fn advanced(
-        &self,
-        evaluator: &Evaluator<'_>,
-        states: &Ensemble,
-        h: f64,
-    ) -> Result<Ensemble, Error> {
-        let mut states = states.clone();
-        evaluator.advance(&mut states, h)?;
-        Ok(states)
-    }
-
-    /// The largest distance between states and those that came `back`, in units of `radius`, of the coordinates whose distance
-    /// exceeds its uncertainty most.
+    /// The largest distance between the states and those that came back, in units of `radius`, of the coordinates whose distance
+    /// exceeds its uncertainty most. `images` are the states after the step, and those that came back.
     fn largest_defect(
         &self,
         evaluator: &Evaluator<'_>,
-        back: &Ensemble,
+        images: [&Ensemble; 2],
         radius: &[Vec<f64>; 2],
     ) -> ReturnDefect {
-        let dof = back.dof();
+        let (dof, states) = (self.before.dof(), self.s.len());
         let of_coordinate = |c: usize| {
             let period = period(evaluator.coordinates(), c);
             let size = radius[c / dof][c % dof];
-            let (from, to) = (coordinate(&self.before, c), coordinate(back, c));
+            let (from, to) = (coordinate(&self.before, c), coordinate(images[1], c));
             let distance = |k: usize| nearest(to[k] - from[k], period);
-            let states = 0..self.s.len();
-            let scatter = |k: usize| (distance(2 * k) - distance(2 * k + 1)).abs();
-            let magnitude = from.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            let moved = states..self.before.samples();
+            let scatter = moved.map(|k| (distance(k) - distance(k - states)).abs());
+            let on_the_way = [from, coordinate(images[0], c), to].concat();
+            let magnitude = on_the_way.iter().fold(size, |most, x| most.max(x.abs()));
             let unit = (f64::EPSILON * magnitude).max(rounding(evaluator, c));
-            let uncertainty =
-                ROUNDINGS_OF_A_RETURN * states.clone().map(scatter).fold(unit, f64::max) / size;
-            let largest =
-                states.max_by(|&a, &b| (distance(2 * a).abs()).total_cmp(&distance(2 * b).abs()));
-            let largest = largest.unwrap_or(0);
+            let largest = (0..states)
+                .max_by(|&a, &b| distance(a).abs().total_cmp(&distance(b).abs()))
+                .unwrap_or(0);
             ReturnDefect {
                 s: self.s[largest],
                 coordinate: if c < dof { 'q' } else { 'p' },
                 dof: c % dof,
-                defect: distance(2 * largest).abs() / size,
-                uncertainty,
+                defect: distance(largest).abs() / size,
+                uncertainty: ROUNDINGS_OF_A_RETURN * scatter.fold(unit, f64::max) / size,
             }
         };
         let excess = |of: &ReturnDefect| of.defect / of.uncertainty;

@@ -39,7 +39,7 @@ impl Display for Omission {
             }
             Check::Localisation => "Where the defect comes from was not found",
             Check::ManySteps => "Many steps were left out",
-            Check::Structure => "Whether the map is time-reversible was not tested",
+            Check::Structure => "Whether steps back undo a step was not tested",
         };
         match &self.why {
             Why::Budget { .. } => write!(f, "{left_out}: the budget was spent."),
