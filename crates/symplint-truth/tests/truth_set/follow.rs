@@ -96,13 +96,13 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                 .fold(0.0, f64::max);
             match advice {
                 Advice::LargerSteps { factor, .. } => {
-                    *diagnostic = larger_steps(diagnostic, largest, factor.unwrap_or(100.0));
+                    **diagnostic = larger_steps(diagnostic, largest, factor.unwrap_or(100.0));
                 }
                 Advice::LoopWithForces | Advice::ReturnStates => {
-                    *diagnostic = larger_steps(diagnostic, largest, 1e4);
+                    **diagnostic = larger_steps(diagnostic, largest, 1e4);
                 }
                 Advice::SmallerSteps { .. } => {
-                    *diagnostic = larger_steps(diagnostic, largest, 0.1);
+                    **diagnostic = larger_steps(diagnostic, largest, 0.1);
                 }
                 Advice::BalancedRadii { .. } => {
                     let [q0, p0] = Stretched::new(on, 1.0).centre;
@@ -134,7 +134,7 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                 Advice::SmallerLoopInDomain => *on = Arc::new(Stretched::new(on, 0.3)),
                 Advice::MoreSamplesOrSmallerLoop | Advice::SamplesInCells => more(diagnostic),
                 Advice::MoreSamplesAndLargerSteps => {
-                    *diagnostic = larger_steps(diagnostic, largest, 1.5);
+                    **diagnostic = larger_steps(diagnostic, largest, 1.5);
                     more(diagnostic);
                 }
                 Advice::OtherLoops => (diagnostic.seed, diagnostic.loops) = (77, 24),

@@ -132,7 +132,7 @@ pub enum Subject {
     Map {
         map: Arc<dyn TimeAdvance>,
         on: Arc<dyn Loop>,
-        diagnostic: Diagnostic,
+        diagnostic: Box<Diagnostic>,
         /// The same map in double precision, where it works with fewer digits; solved to round-off, where a solver
         /// stops at a tolerance.
         full: Option<Arc<dyn TimeAdvance>>,
@@ -173,7 +173,7 @@ impl Member {
             subject: Subject::Map {
                 map,
                 on: Arc::new(on),
-                diagnostic,
+                diagnostic: Box::new(diagnostic),
                 full: None,
                 projected: None,
             },
