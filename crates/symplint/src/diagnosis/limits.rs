@@ -248,7 +248,8 @@ pub(super) const KEPT_BYTES: usize = 64 << 20;
 
 // Steps back.
 
-/// States that a step and a step back should return, in a tight budget and in others. Conventional.
+/// States that a step and a step back should return, in a tight budget, or if few states fit into memory, and in others.
+/// Conventional.
 pub(super) const STATES_OF_A_RETURN: [usize; 2] = [2, 16];
 
 /// Those of them that are moved by a rounding and tested once more.

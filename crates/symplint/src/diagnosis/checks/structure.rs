@@ -1,7 +1,10 @@
 //! Whether steps back undo a step: time reversibility and symmetry.
 
 use super::{GivenLoop, Runner, failed};
-use crate::diagnosis::limits::{ROUNDINGS_OF_A_RETURN, STATES_OF_A_RETURN, STATES_OF_ROUNDING};
+use crate::diagnosis::limits::{
+    ROUNDINGS_OF_A_RETURN, SMALL, STATES_OF_A_RETURN, STATES_OF_ROUNDING,
+};
+use crate::diagnosis::plan::fits;
 use crate::error::Error;
 use crate::evidence::{Check, ReturnDefect, StructureEvidence, Why};
 use crate::jacobian::parameters;
@@ -40,7 +43,8 @@ impl Runner<'_> {
         if reversal.is_none() && !structure.asked_for_symmetry {
             return Ok(());
         }
-        let returns = Returns::new(subject, self.plan.is_tight());
+        let few = self.plan.is_tight() || !fits(evaluator.dof(), SMALL);
+        let returns = Returns::new(subject, few);
         let h = self.largest;
         let after = advanced(evaluator, &returns.before, h)?;
         structure.states = returns.s.len();
@@ -96,10 +100,10 @@ struct Returns {
 }
 
 impl Returns {
-    fn new(subject: Subject<'_>, tight: bool) -> Self {
+    fn new(subject: Subject<'_>, few: bool) -> Self {
         let (evaluator, dof) = (subject.evaluator, subject.dof());
-        let s = parameters(STATES_OF_A_RETURN[usize::from(!tight)]);
-        let moved = STATES_OF_ROUNDING[usize::from(!tight)];
+        let s = parameters(STATES_OF_A_RETURN[usize::from(!few)]);
+        let moved = STATES_OF_ROUNDING[usize::from(!few)];
         let mut on_loop = Ensemble::zeros(dof, s.len());
         subject.phase_loop.sample(&s, &mut on_loop.block());
         let mut before = Ensemble::zeros(dof, s.len() + moved);
