@@ -291,7 +291,7 @@ impl Catalogue {
     /// The entry of an integrator, by its name or by one of the [`aliases`].
     ///
     /// # Errors
-    /// If there is none of this name; the error lists the names in the catalogue.
+    /// If the catalogue does not have this name; the error lists its names.
     pub fn find(self, name: &str) -> Result<&'static IntegratorInfo, ModelError> {
         let name = aliases::find(name).map_or(name, |alias| alias.integrator);
         let entry = self.iter().find(|info| info.name == name);

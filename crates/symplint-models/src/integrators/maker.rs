@@ -9,7 +9,7 @@ use super::{AdaptiveStrang, Boris, PartSplitting, RungeKutta};
 use crate::error::ModelError;
 use crate::model::Model;
 
-/// A map, or why there is none.
+/// A map, or the reason why it cannot be made.
 pub type Made = Result<Box<dyn TimeAdvance>, ModelError>;
 
 /// How an integrator of the catalogue is made.

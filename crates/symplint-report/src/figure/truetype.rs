@@ -73,7 +73,7 @@ impl TrueType {
             .map_or(0, |(codes, first)| (first + code - codes.start()) as u16)
     }
 
-    /// The distance from the start of a glyph to that of the next one, in font units.
+    /// The distance from the start of a glyph to the start of the next one, in font units.
     pub fn advance(&self, glyph: u16) -> u16 {
         let last = self.widths.saturating_sub(1);
         let at = self.hmtx + 4 * usize::from(glyph.min(last));

@@ -286,7 +286,7 @@ impl CommandMap {
             // The signal ended the program, or removed its files: it did not fail.
             under_way.wait_for_ever();
         }
-        // The result, or the failure, may be that of a changed program.
+        // The result, or the failure, may come from a changed program.
         let mut hashed = self.hashed.get().into_iter().flatten();
         (hashed.try_for_each(ProgramFile::check_same)).map_err(|error| self.stopped(error))?;
         after.map_err(|failure| match failure {

@@ -154,7 +154,7 @@ impl Journal {
     /// first from the second.
     ///
     /// # Errors
-    /// The failure of `advance`, which is not noted: whoever goes on tries again. If the journal cannot be read or
+    /// The failure of `advance`, which is not stored: a resumed run tries again. If the journal cannot be read or
     /// written; [`failure`](Self::failure) has the reason then.
     pub fn advance<E: From<JournalError>>(
         &self,

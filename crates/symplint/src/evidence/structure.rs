@@ -29,7 +29,7 @@ pub struct StructureEvidence {
 /// the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReturnDefect {
-    /// The loop parameter of the state. The state lies between that of the loop and the middle of the loop.
+    /// The loop parameter of the state. The state lies between the loop at this parameter and the middle of the loop.
     pub s: f64,
     /// `q` or `p`.
     pub coordinate: char,

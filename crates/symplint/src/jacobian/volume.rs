@@ -18,7 +18,7 @@ pub(super) struct PointVolume {
 
 impl PointVolume {
     /// From the derivatives along all unit vectors, and the changes of the form with the pairs that they belong to. `None` if the Jacobian
-    /// is singular to rounding. `sign` is that of the area of a degree of freedom.
+    /// is singular to rounding. `sign` gives the sign of the area of a degree of freedom.
     pub fn new(
         method: JacobianMethod,
         derivatives: &[Derivative],

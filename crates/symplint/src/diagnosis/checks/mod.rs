@@ -257,7 +257,7 @@ impl<'a> Runner<'a> {
     }
 }
 
-/// The step size of the largest size; 0 if there is none.
+/// The step size with the largest magnitude; 0 without step sizes.
 fn largest_of(sizes: impl Iterator<Item = f64>) -> f64 {
     sizes.fold(0.0, |a, b| if b.abs() > a.abs() { b } else { a })
 }
