@@ -28,7 +28,7 @@ pub fn fragment(verdict: &Verdict, table: &str, figure: Option<&str>) -> String 
         escaped(&verdict.summary())
     );
     for (name, sentences) in [
-        ("Evidence", verdict.evidence()),
+        ("Evidence", verdict.sentences()),
         ("Properties", properties(verdict).into_iter().collect()),
         ("Advice", verdict.advice()),
     ] {

@@ -121,8 +121,8 @@ impl Report {
     }
 
     #[getter]
-    fn evidence(&self) -> Vec<String> {
-        self.diagnosis.verdict.evidence()
+    fn sentences(&self) -> Vec<String> {
+        self.diagnosis.verdict.sentences()
     }
 
     #[getter]
@@ -154,7 +154,7 @@ impl Report {
         })
     }
 
-    /// The report as JSON, schema `symplint/report/2`.
+    /// The report as JSON, schema `symplint/report/3`.
     fn to_json(&self) -> String {
         self.json()
     }

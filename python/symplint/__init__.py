@@ -11,9 +11,10 @@ from ._errors import InputError, NotSymplecticError, StepError, StructureError, 
 from ._loops import Circle, FourierLoop, Loop, SampledLoop, circle
 from ._measure import LoopIntegral, loop_integral, measure
 from ._native import __version__
-from ._report import Property, Report
+from ._report import Cause, Property, Report
 
 __all__ = [
+    "Cause",
     "Circle",
     "FourierLoop",
     "InputError",

@@ -18,7 +18,7 @@ from ._errors import SymplintError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Property", "Report"]
+__all__ = ["Cause", "Property", "Report"]
 
 #: Columns of `Report.points`, as in the report's JSON.
 POINTS = [
@@ -35,6 +35,27 @@ BREAKS = [
 ]  # fmt: skip
 
 States = tuple[Array, Array]
+
+
+class Cause(NamedTuple):
+    """The likeliest cause of a failure.
+
+    Attributes
+    ----------
+    kind : str
+        One word for it, such as "friction".
+    text : str
+        The evidence for it.
+    remedy : str
+        What to do about it; `Report.advice` begins with it.
+    setting : str or None
+        What to pass to `check`, if that makes the map symplectic: "weight = [1, 3]".
+    """
+
+    kind: str
+    text: str
+    remedy: str
+    setting: str | None
 
 
 class Property(NamedTuple):
@@ -108,9 +129,24 @@ class Report:
         return self._native.summary
 
     @property
-    def evidence(self) -> list[str]:
+    def sentences(self) -> list[str]:
         """The other findings, as sentences."""
-        return self._native.evidence
+        return self._native.sentences
+
+    @property
+    def evidence(self) -> list[str]:
+        """The same as `sentences`: the former name."""
+        return self.sentences
+
+    @property
+    def cause(self) -> Cause | None:
+        """The likeliest cause of a failure; None if the evidence shows no cause, or the map is symplectic.
+
+        `kind` is one of "friction", "wall", "clipped", "chosen-step-length", "period", "force-jump", "solver-tolerance" and others,
+        `text` has the evidence, `remedy` what to do, `setting` what to pass to `check`, if a setting makes the map symplectic.
+        """
+        found = self.to_dict()["verdict"]["cause"]
+        return None if found is None else Cause(**found)
 
     @property
     def advice(self) -> list[str]:
@@ -159,7 +195,7 @@ class Report:
         return _table(self.to_dict()["evidence"]["breaks"], BREAKS)
 
     def to_json(self) -> str:
-        """The report as JSON, schema ``symplint/report/2``."""
+        """The report as JSON, schema ``symplint/report/3``."""
         return self._native.to_json()
 
     def to_dict(self) -> dict[str, Any]:

@@ -21,11 +21,11 @@ def report():
 def test_points_are_those_of_the_json(report):
     found = report.to_dict()
     assert json.loads(report.to_json()) == found
-    assert found["schema"] == "symplint/report/2"
+    assert found["schema"] == "symplint/report/3"
     assert found["evaluations"]["made"] == report.evaluations <= found["evaluations"]["budget"] == 20_000
     assert found["verdict"]["kind"] == report.kind == "not-symplectic"
     assert found["verdict"]["summary"] == report.summary
-    assert found["verdict"]["evidence"] == report.evidence
+    assert found["verdict"]["sentences"] == report.sentences == report.evidence
     assert found["config"]["check"]["step"] == "midpoint"
     assert set(report.points.dtype.names) == set(found["points"][0])
     for name in report.points.dtype.names:

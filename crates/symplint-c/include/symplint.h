@@ -351,7 +351,7 @@ double symplint_report_order(const SymplintReport *report);
 const char *symplint_report_summary(const SymplintReport *report);
 
 /**
- * The whole report as JSON, schema symplint/report/2; NULL if `report` is NULL. Valid until the report is freed.
+ * The whole report as JSON, schema symplint/report/3; NULL if `report` is NULL. Valid until the report is freed.
  *
  * # Safety
  * `report` is NULL or was not freed.

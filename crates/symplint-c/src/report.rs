@@ -106,7 +106,7 @@ pub unsafe extern "C" fn symplint_report_summary(report: *const SymplintReport) 
     unsafe { of(report, std::ptr::null(), |report| report.summary.as_ptr()) }
 }
 
-/// The whole report as JSON, schema symplint/report/2; NULL if `report` is NULL. Valid until the report is freed.
+/// The whole report as JSON, schema symplint/report/3; NULL if `report` is NULL. Valid until the report is freed.
 ///
 /// # Safety
 /// `report` is NULL or was not freed.

@@ -140,7 +140,7 @@ static void checks(void) {
     const char *json = symplint_report_json(report);
     char made[64];
     snprintf(made, sizeof made, "\"made\": %zu", user.states);
-    CHECK(strstr(json, "\"schema\": \"symplint/report/2\"") && strstr(json, made) && strstr(json, "\"budget\": 1500"));
+    CHECK(strstr(json, "\"schema\": \"symplint/report/3\"") && strstr(json, made) && strstr(json, "\"budget\": 1500"));
     CHECK(strstr(symplint_report_summary(report), "symplectic") == symplint_report_summary(report));
 
     /* Threads of the library change nothing, and there is a check on every thread count. */

@@ -192,7 +192,7 @@ fn a_round_trip_gives_the_verdict_of_check() {
         // The same loop, the same steps: the same defects, beyond what the samples leave open.
         let defect = |report: &Value| report["points"][0]["signed_defect"].as_f64().unwrap();
         assert!((defect(&measured) - defect(&checked)).abs() < 1e-14);
-        assert_eq!(measured["schema"], "symplint/report/2");
+        assert_eq!(measured["schema"], "symplint/report/3");
         assert_eq!(measured["config"]["measure"]["before"], "before.npz");
         assert_eq!(measured["points"][2]["step_size"], 0.125);
     }

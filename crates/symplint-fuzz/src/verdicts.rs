@@ -28,5 +28,5 @@ pub fn read_again(evidence: &Evidence) -> Result<Evidence, ReportError> {
 /// The part of a report that `judge` reads.
 pub fn report_of(evidence: &Evidence) -> String {
     let evidence = to_json(evidence);
-    format!("{{\"schema\": \"symplint/report/2\", \"evidence\": {evidence}}}")
+    format!("{{\"schema\": \"symplint/report/3\", \"evidence\": {evidence}}}")
 }

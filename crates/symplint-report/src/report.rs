@@ -9,9 +9,9 @@ use symplint::{Diagnosis, Evidence, Verdict};
 use crate::provenance::Provenance;
 
 /// The schema of the report on a diagnosis.
-const SCHEMA: &str = "symplint/report/2";
+const SCHEMA: &str = "symplint/report/3";
 
-/// What a diagnosis found: schema `symplint/report/2`. `C` is the configuration that it belongs to.
+/// What a diagnosis found: schema `symplint/report/3`. `C` is the configuration that it belongs to.
 #[derive(Serialize)]
 pub struct Report<'a, C> {
     schema: &'static str,
@@ -158,9 +158,9 @@ mod tests {
             ("[1, 2]", "not a report"),
             ("{\"schema\": \"other/1\"}", "not a report"),
             ("{\"schema\": \"symplint/report/1\"}", "report/1"),
-            ("{\"schema\": \"symplint/report/2\"}", "cannot be read"),
+            ("{\"schema\": \"symplint/report/3\"}", "cannot be read"),
             (
-                "{\"schema\": \"symplint/report/2\", \"evidence\": 3}",
+                "{\"schema\": \"symplint/report/3\", \"evidence\": 3}",
                 "cannot be read",
             ),
         ] {

@@ -173,7 +173,9 @@ pub fn reasons(verdict: &Verdict, width: Option<usize>) -> String {
                 .map(|line| wrapped(bullet, "    ", line, width)),
         );
     };
-    list("  · ", &verdict.evidence());
+    let cause = verdict.cause.iter().map(|cause| cause.text.clone());
+    list("  Likely cause: ", &cause.collect::<Vec<String>>());
+    list("  · ", &verdict.sentences());
     list("  · ", properties(verdict).as_slice());
     list("  → ", &verdict.advice());
     paragraphs.join("\n")

@@ -57,7 +57,7 @@ fn the_largest_number_of_a_substep_can_be_written() {
     for found in &mut evidence.breaks {
         found.found.substep = Some(usize::MAX);
     }
-    let verdict = judge(&evidence).evidence().join(" ");
+    let verdict = judge(&evidence).sentences().join(" ");
     assert!(
         verdict.contains("substep 18446744073709551615"),
         "{verdict}"

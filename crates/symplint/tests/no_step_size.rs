@@ -34,7 +34,7 @@ fn a_fringe_field_is_symplectic_on_larger_loops_as_well() {
     assert!(json.contains("\"step_size\":null") && !json.contains("\"step_size\":1"));
     let read = serde_json::from_str(&json).unwrap();
     assert_eq!(found.evidence, read);
-    let text = found.verdict.summary() + &found.verdict.evidence().concat();
+    let text = found.verdict.summary() + &found.verdict.sentences().concat();
     assert!(
         !text.contains("h =") && !text.contains("step size"),
         "{text}"
@@ -69,7 +69,7 @@ fn the_identity_is_named() {
     let map = PerSample::new(1, |_, _: &mut [f64], _: &mut [f64]| {});
     let found = (Diagnostic::without_step_size().run(&map, &small_circle())).unwrap();
     assert_eq!(found.verdict.kind, VerdictKind::Symplectic);
-    let text = found.verdict.evidence().concat();
+    let text = found.verdict.sentences().concat();
     assert!(text.contains("leaves every state"), "{text}");
     // With a step size it is a step that returns nothing.
     let found = (Diagnostic::halving(-1, -4).run(&map, &small_circle())).unwrap();

@@ -308,7 +308,7 @@ fn a_step_back_that_fails_leaves_its_property_unknown() {
     assert_eq!(found.kind, VerdictKind::Symplectic);
     assert_eq!(holds(&found, PropertyName::Reversible), Some(true));
     assert_eq!(holds(&found, PropertyName::Symmetric), None);
-    let said = found.evidence().join("\n");
+    let said = found.sentences().join("\n");
     assert!(
         said.contains("Whether steps back undo a step was not tested: "),
         "{said}"

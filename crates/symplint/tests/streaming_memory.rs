@@ -102,7 +102,7 @@ fn a_diagnosis_takes_a_few_dozen_states() {
                 .all(|p| p.rule.name() == "streaming")
         );
         assert!(diagnosis.evidence.jacobian.is_none());
-        let said = diagnosis.verdict.evidence().join(" ");
+        let said = diagnosis.verdict.sentences().join(" ");
         assert!(said.contains("Jacobian was left out"), "{said}");
     }
 }

@@ -116,7 +116,7 @@ fn the_streaming_rule_has_the_verdicts_of_the_others() {
 #[test]
 fn the_report_has_the_fields_of_its_schema() {
     let report = report(&["check", &example("pendulum.toml")]);
-    assert_eq!(report["schema"], "symplint/report/2");
+    assert_eq!(report["schema"], "symplint/report/3");
     let point = &report["points"][0];
     for field in [
         "sweep",
@@ -146,7 +146,14 @@ fn the_report_has_the_fields_of_its_schema() {
         assert!(report.get(field).is_some(), "{field}");
     }
     for field in [
-        "kind", "digits", "order", "summary", "findings", "evidence", "advice",
+        "kind",
+        "digits",
+        "order",
+        "summary",
+        "findings",
+        "sentences",
+        "cause",
+        "advice",
     ] {
         assert!(report["verdict"].get(field).is_some(), "{field}");
     }
@@ -276,7 +283,7 @@ fn keys_of_the_diagnosis_are_followed_and_recorded() {
         report(&[&["check", &example], &few[..], &set].concat())
     };
     let mentions = |report: &Value, word: &str| {
-        let evidence = report["verdict"]["evidence"].as_array().unwrap();
+        let evidence = report["verdict"]["sentences"].as_array().unwrap();
         evidence
             .iter()
             .any(|line| line.as_str().unwrap().contains(word))

@@ -2,7 +2,7 @@
 //! the verdicts.
 
 use symplint::loops::FourierLoop;
-use symplint::verdict::Advice;
+use symplint::verdict::CauseKind;
 use symplint::{
     Defect, Diagnosis, Diagnostic, Ensemble, LoopIntegral, Rule, TimeAdvance, VerdictKind,
 };
@@ -445,7 +445,7 @@ fn verdicts_name_the_solver_where_it_stops_early() {
         let verdict = diagnosed(name, exact, BUDGET).verdict;
         assert_eq!(verdict.kind, VerdictKind::NotSymplectic, "{name}");
         // The discrete gradient needs some 300 iterations at h = 0.4.
-        let said = verdict.evidence().join(" ");
+        let said = verdict.sentences().join(" ");
         assert!(!said.contains("left out"), "{name}: {said}");
         let twice = diagnosed(name, Stop::Iterations(2), BUDGET).verdict;
         assert_eq!(twice.kind, VerdictKind::NotSymplectic, "{name}");
@@ -453,8 +453,8 @@ fn verdicts_name_the_solver_where_it_stops_early() {
         // The schemes change loop integrals themselves, and the solver breaks loops: both are right, and the larger one comes first.
         let both = [VerdictKind::NotSymplectic, VerdictKind::BrokenLoops];
         assert!(both.contains(&loose.kind), "{name}: {loose}");
-        let names_it = |advice: &Advice| matches!(advice, Advice::SolverTolerance { .. });
-        assert!(loose.advice.iter().any(names_it), "{name}: {loose}");
+        let cause = loose.cause.as_ref().map(|cause| cause.kind);
+        assert_eq!(cause, Some(CauseKind::SolverTolerance), "{name}: {loose}");
     }
     // So many digits take more samples.
     let strang = diagnosed("strang", exact, 200_000).verdict;

@@ -526,7 +526,7 @@ fn maps_that_round_nothing_are_not_accused_of_it() {
     });
     let printed = symplint::SampledLoop::new(printed, &Coordinates::plain(2)).unwrap();
     let found = Diagnostic::default().run(&springs, &printed);
-    let evidence = found.unwrap().verdict.evidence().join(" ");
+    let evidence = found.unwrap().verdict.sentences().join(" ");
     assert!(!evidence.contains("rounds"), "{evidence}");
 }
 

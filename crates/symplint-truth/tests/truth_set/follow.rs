@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use symplint::diagnosis::SampleCount;
 use symplint::map::balanced_radii;
-use symplint::verdict::{Advice, BoundFinding, Finding};
+use symplint::verdict::{Advice, BoundFinding, CauseKind, Finding};
 use symplint::{Block, Circle, Diagnosis, Diagnostic, Ensemble, Loop, Rule};
 
 use crate::member::{Member, Subject};
@@ -147,7 +147,10 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                 Advice::MoreDigits
                 | Advice::TightenSolver
                 | Advice::SameRandomNumbers
-                | Advice::SolverTolerance { .. }
+                | Advice::Remedy {
+                    cause: CauseKind::SolverTolerance,
+                    ..
+                }
                 | Advice::LetStepConverge { .. } => {
                     *map = full.clone()?;
                     exact = true;
@@ -191,6 +194,7 @@ fn not_here(advice: &Advice) -> Option<(Subject, bool)> {
             | Advice::MoreSamplesOfFile
             | Advice::MoreLoopsOfFile
             | Advice::SmootherForce
+            | Advice::Remedy { .. }
             | Advice::StateStepSizes
             | Advice::CheckCopies
             | Advice::MoreStepSizes { .. }
@@ -261,7 +265,10 @@ fn lifts_a_limit(advice: &Advice) -> bool {
         Advice::MoreDigits
             | Advice::TightenSolver
             | Advice::SameRandomNumbers
-            | Advice::SolverTolerance { .. }
+            | Advice::Remedy {
+                cause: CauseKind::SolverTolerance,
+                ..
+            }
             | Advice::LetStepConverge { .. }
     )
 }

@@ -81,7 +81,7 @@ fn narrow_features_of_small_systems_are_seen() {
     .verdict;
     assert!(
         verdict
-            .evidence()
+            .sentences()
             .iter()
             .any(|line| line.contains("narrower than 1/2048"))
     );

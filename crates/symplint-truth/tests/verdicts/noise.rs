@@ -59,7 +59,7 @@ fn a_map_that_rounds_what_it_returns_is_told_so() {
         ("single precision", rounded(single), "about 1e-7"),
     ] {
         let said = |line: &String| line.contains("rounds what it returns") && line.contains(to);
-        assert!(verdict.evidence().iter().any(said), "{name}: {verdict:?}");
+        assert!(verdict.sentences().iter().any(said), "{name}: {verdict:?}");
         let advised = verdict
             .advice()
             .iter()
@@ -70,7 +70,7 @@ fn a_map_that_rounds_what_it_returns_is_told_so() {
     let verdict = rounded(|p| p);
     assert!(
         !verdict
-            .evidence()
+            .sentences()
             .iter()
             .any(|line| line.contains("rounds"))
     );

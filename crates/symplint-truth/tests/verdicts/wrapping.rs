@@ -155,7 +155,7 @@ fn a_torque_on_the_cylinder_is_symplectic_but_not_exact() {
         assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
         // The flux has no part in the digits.
         assert!(verdict.digits > Some(13.0), "{verdict:?}");
-        let says = |words: &str| verdict.evidence().iter().any(|line| line.contains(words));
+        let says = |words: &str| verdict.sentences().iter().any(|line| line.contains(words));
         assert!(says("not exact") && !says("is exact"), "{verdict:?}");
     };
     says(0.1, &Around);
@@ -174,8 +174,8 @@ fn the_standard_map_is_exact() {
     );
     let verdict = &found.verdict;
     assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict:?}");
-    let exact =
-        (verdict.evidence().iter()).any(|line| line.contains("round that period the map is exact"));
+    let exact = (verdict.sentences().iter())
+        .any(|line| line.contains("round that period the map is exact"));
     assert!(exact, "{verdict:?}");
     // ∮ p dq round the cylinder is 2π times a mean momentum, and not an area.
     let winding = found

@@ -31,6 +31,8 @@ pub enum Check {
     Localisation,
     /// The given loop in many steps.
     ManySteps,
+    /// Why loops break: both sides of a break.
+    BreakSides,
     /// Whether steps back undo a step.
     Structure,
 }

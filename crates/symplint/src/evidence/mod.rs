@@ -3,6 +3,7 @@
 //! A diagnosis fills one [`Evidence`], [`judge`](crate::verdict::judge) reads it. It is serialisable: a verdict
 //! can be reached again from a file.
 
+mod break_sides;
 mod checks;
 mod localisation;
 mod long_time;
@@ -12,6 +13,7 @@ mod step;
 mod structure;
 mod survey;
 
+pub use break_sides::{AlongFlow, BreakSides, CoordinateAtBreak, PositionAtBreak};
 pub use checks::{Check, Evaluations, Omission, Why};
 pub use localisation::{Contraction, Localisation, Sector, SubstepDefect};
 pub use long_time::LongTime;
@@ -48,6 +50,9 @@ pub struct Evidence {
     /// The breaks that were found: all of the given loop at the largest step size, by the piecewise
     /// rule; else the largest one of each advanced loop.
     pub breaks: Vec<BreakAt>,
+    /// Both sides of a break.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub break_sides: Option<BreakSides>,
     /// Degrees of freedom in groups of similar action, the largest first, where there are several.
     #[serde(default)]
     pub groups: Vec<DofGroup>,

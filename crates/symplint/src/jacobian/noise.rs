@@ -79,21 +79,24 @@ impl Noise {
         };
     }
 
-    /// In units of the coordinate's size. A coordinate that does not respond at all is noise as large
-    /// as the loop: a symplectic map has none, so it must be coarser than the differences.
-    pub fn value(self) -> f64 {
-        match self.resolved || self.value > 0.0 {
-            true => self.value,
-            false => 1.0,
-        }
+    /// In units of the coordinate's size; `None` of a coordinate that does not respond at all.
+    pub fn value(self) -> Option<f64> {
+        (self.resolved || self.value > 0.0).then_some(self.value)
     }
 }
 
 /// The noise at each place from what each place showed: its own, but not far from that of most
 /// places, as a break near one place looks like noise there.
-pub(super) fn at_each_place(shown: &[f64]) -> Vec<f64> {
+///
+/// Where a coordinate does not respond at all, it is constant (clipped, for example) if it has many digits at another place. Otherwise
+/// its noise is as large as the loop: it is coarser than the differences.
+pub(super) fn at_each_place(shown: &[Option<f64>]) -> Vec<f64> {
     const MOST: f64 = 16.0;
-    let mut sorted = shown.to_vec();
+    const MANY_DIGITS: f64 = 1e-10;
+    let least = shown.iter().flatten().copied().reduce(f64::min);
+    let of_constant = least.filter(|&noise| noise <= MANY_DIGITS).unwrap_or(1.0);
+    let shown: Vec<f64> = shown.iter().map(|own| own.unwrap_or(of_constant)).collect();
+    let mut sorted = shown.clone();
     sorted.sort_by(f64::total_cmp);
     let median = sorted[sorted.len() / 2];
     (shown.iter())
@@ -112,7 +115,7 @@ mod tests {
             let differences = std::array::from_fn(|k| f(at[k]) - f(0.0));
             noise.add(&sixth_differences(), differences);
         }
-        noise.value()
+        at_each_place(&[noise.value()])[0]
     }
 
     #[test]
@@ -151,7 +154,13 @@ mod tests {
 
     #[test]
     fn one_place_at_a_break_does_not_count() {
-        let noise = at_each_place(&[1.0, 2.0, 1e9, 1.5, 1.0]);
+        let noise = at_each_place(&[1.0, 2.0, 1e9, 1.5, 1.0].map(Some));
         assert_eq!(noise, [1.5, 2.0, 24.0, 1.5, 1.5]);
+    }
+
+    #[test]
+    fn a_coordinate_with_many_digits_elsewhere_is_constant_where_it_does_not_respond() {
+        assert_eq!(at_each_place(&[None, Some(1e-15), None]), [1e-15; 3]);
+        assert_eq!(at_each_place(&[None, Some(1e-3), None])[0], 1.0);
     }
 }

@@ -185,10 +185,10 @@ impl<'a> Sampler<'a> {
         for c in 0..self.coordinates() {
             let is_constant = self.is_constant(c);
             let of_point = |of_point: &Vec<Noise>| match is_constant {
-                true => 0.0,
+                true => Some(0.0),
                 false => of_point[c].value(),
             };
-            let shown: Vec<f64> = found.iter().map(of_point).collect();
+            let shown: Vec<Option<f64>> = found.iter().map(of_point).collect();
             for (point, noise) in noise::at_each_place(&shown).into_iter().enumerate() {
                 let before = coordinate(&self.before, c)[point].abs();
                 let magnitude = before.max(self.after[point][c].abs());

@@ -4,6 +4,7 @@ use std::fmt::{Display, Formatter, Result};
 
 use serde::Serialize;
 
+use super::cause::CauseKind;
 use super::number::{one_digit, short, size};
 
 /// What to do next. Its sentence is its `Display`.
@@ -11,6 +12,13 @@ use super::number::{one_digit, short, size};
 #[serde(rename_all = "kebab-case", tag = "kind")]
 #[non_exhaustive]
 pub enum Advice {
+    /// What to do about the cause of a failure.
+    Remedy {
+        /// The cause.
+        cause: CauseKind,
+        /// As a sentence.
+        text: String,
+    },
     /// Measure a loop.
     MeasureLoop,
     /// State the period of a position.
@@ -25,15 +33,6 @@ pub enum Advice {
     SmootherForce,
     /// Tighten the tolerance of a solver inside the map.
     TightenSolver,
-    /// A solver inside the map that stops at a tolerance is the likely cause of the breaks: tighten it.
-    SolverTolerance {
-        /// Breaks of all loops and steps at which rounding decides on which side of them a state is.
-        flickering: usize,
-        /// All breaks of all loops and steps.
-        breaks: usize,
-        /// The most that a coordinate jumps by.
-        largest: f64,
-    },
     /// Let the radii of the loop follow the map: `radius = "auto"`, [`balanced_radii`](crate::map::balanced_radii).
     BalancedRadii {
         /// By how much the radii differ from the ratio that the motion suggests.
@@ -131,9 +130,23 @@ pub enum Advice {
     },
 }
 
+impl Advice {
+    /// Whether it stands for any cause, as the cause is not known.
+    pub(super) fn is_general(&self) -> bool {
+        matches!(
+            self,
+            Advice::SmootherForce
+                | Advice::PeriodIfPeriodic
+                | Advice::TightenSolver
+                | Advice::DefectDoesNotFall
+        )
+    }
+}
+
 impl Display for Advice {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
+            Advice::Remedy { text, .. } => f.write_str(text),
             Advice::MeasureLoop => f.write_str("Measure one loop or more."),
             Advice::StatePeriod => f.write_str("State the period of the position, as an array `period` in the file or as an option."),
             Advice::PeriodIfPeriodic => f.write_str(
@@ -152,18 +165,6 @@ impl Display for Advice {
             Advice::TightenSolver => {
                 f.write_str("If a solver inside the map stops at a tolerance, tighten it.")
             }
-            Advice::SolverTolerance {
-                flickering,
-                breaks,
-                largest,
-            } => write!(
-                f,
-                "A solver inside the map that stops at a tolerance is the likely cause: at {flickering} of {breaks} \
-                 breaks, all loops and steps together, rounding decides on which side of the jump a state is. \
-                 Tighten the tolerance until the jumps are gone, or compare results to no better than the largest \
-                 of them, {}.",
-                short(*largest)
-            ),
             Advice::MoreStepSizes { given } => write!(
                 f,
                 "Give four or more step sizes, each half of the one before, to learn the order ({given} given)."

@@ -6,13 +6,14 @@ mod groups;
 mod undecided;
 
 use super::advice::Advice;
+use super::cause::{Cause, Clues, JumpLaw};
 use super::findings::{
     BoundFinding, Change, ChangeFinding, DomainFinding, Finding, LocalisationFinding, MapFinding,
     RunFinding, SampleFinding, Step, StepRange,
 };
 use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, fit_order, leaves, smallest_steps_slope};
-use super::properties::properties;
+use super::properties::{Property, properties};
 use super::thresholds::{
     CONTRADICTS, FAR, FEWEST_POINTS, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND,
 };
@@ -42,6 +43,18 @@ pub fn judge(evidence: &Evidence) -> Verdict {
         fits: &fits,
     };
     let mut decision = case.decide();
+    let properties = properties(evidence, decision.kind);
+    let cause = case.cause(decision.kind, &properties);
+    if let Some(cause) = &cause {
+        decision.advice.retain(|advice| !advice.is_general());
+        decision.advice.insert(
+            0,
+            Advice::Remedy {
+                cause: cause.kind,
+                text: cause.remedy.clone(),
+            },
+        );
+    }
     if evidence.survey.is_rounded() && decision.kind != VerdictKind::NotSymplectic {
         decision.advise_on_digits();
     }
@@ -54,9 +67,10 @@ pub fn judge(evidence: &Evidence) -> Verdict {
         order: decision.order,
         conserved_once_closed: decision.conserved_once_closed,
         findings,
+        cause,
         advice: decision.advice,
         fits,
-        properties: properties(evidence, decision.kind),
+        properties,
     }
 }
 
@@ -151,6 +165,20 @@ impl<'a> Case<'a> {
         let mut reasons = Self::PRIORITY.iter();
         let decision = reasons.find_map(|reason| reason(self));
         decision.unwrap_or_else(|| self.symplectic())
+    }
+
+    /// The likeliest cause of a failure.
+    fn cause(&self, kind: VerdictKind, properties: &[Property]) -> Option<Cause> {
+        let clues = Clues {
+            evidence: self.evidence,
+            properties,
+            law: JumpLaw::of(self.evidence),
+        };
+        match kind {
+            VerdictKind::BrokenLoops => clues.of_breaks(),
+            VerdictKind::NotSymplectic => clues.of_changes().or_else(|| clues.solver_tolerance()),
+            VerdictKind::Symplectic | VerdictKind::Undecided => None,
+        }
     }
 
     fn nothing_measured(&self) -> Option<Decision> {
@@ -377,8 +405,7 @@ impl<'a> Case<'a> {
             decision
                 .findings
                 .extend(self.findings_on_breaks().into_iter().flatten());
-            let cause = self.of_solver().unwrap_or(Advice::TightenSolver);
-            decision.advice.push(cause);
+            decision.advice.push(Advice::TightenSolver);
         } else if let Some((_, converges)) = threshold {
             decision.advice.push(Advice::LetStepConverge { converges });
         } else {

@@ -3,6 +3,7 @@
 //! [`judge`] is the only place where anything is concluded. It calls no map.
 
 mod advice;
+mod cause;
 mod diagnosis;
 mod findings;
 mod jacobian;
@@ -14,6 +15,7 @@ mod properties;
 mod thresholds;
 
 pub use advice::Advice;
+pub use cause::{Cause, CauseKind};
 pub use diagnosis::{Diagnosis, measure};
 pub use findings::*;
 pub use jacobian::*;
@@ -66,6 +68,8 @@ pub struct Verdict {
     pub conserved_once_closed: Option<bool>,
     /// The findings; the first decides.
     pub findings: Vec<Finding>,
+    /// The likeliest cause, if the map fails and the evidence shows one.
+    pub cause: Option<Cause>,
     /// What to do next.
     pub advice: Vec<Advice>,
     /// Power laws of the defects, loop by loop.
@@ -105,7 +109,7 @@ impl Verdict {
     }
 
     /// The other findings as sentences.
-    pub fn evidence(&self) -> Vec<String> {
+    pub fn sentences(&self) -> Vec<String> {
         self.findings
             .iter()
             .skip(1)
@@ -134,7 +138,7 @@ struct FindingWithText<'a> {
 }
 
 impl Serialize for Verdict {
-    /// Findings with their numbers and sentences; `summary`, `evidence` and `advice` as sentences alone.
+    /// Findings with their numbers and sentences; `summary`, `sentences` and `advice` as sentences alone.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let findings: Vec<FindingWithText<'_>> = (self.findings.iter())
             .map(|finding| FindingWithText {
@@ -142,14 +146,15 @@ impl Serialize for Verdict {
                 text: finding.to_string(),
             })
             .collect();
-        let mut fields = serializer.serialize_struct("Verdict", 8)?;
+        let mut fields = serializer.serialize_struct("Verdict", 9)?;
         fields.serialize_field("kind", &self.kind)?;
         fields.serialize_field("digits", &self.digits)?;
         fields.serialize_field("order", &self.order)?;
         fields.serialize_field("conserved_once_closed", &self.conserved_once_closed)?;
         fields.serialize_field("summary", &self.summary())?;
         fields.serialize_field("findings", &findings)?;
-        fields.serialize_field("evidence", &self.evidence())?;
+        fields.serialize_field("sentences", &self.sentences())?;
+        fields.serialize_field("cause", &self.cause)?;
         fields.serialize_field("advice", &self.advice())?;
         fields.end()
     }

@@ -35,9 +35,14 @@ pub(super) fn two_digits(value: f64) -> String {
 fn plain(value: f64, rounded: &str) -> String {
     let rounded: f64 = rounded.parse().unwrap_or(value);
     match value.abs() {
-        1e-3..1e5 => format!("{rounded}"),
+        0.0 | 1e-3..1e5 => format!("{rounded}"),
         _ => format!("{rounded:e}"),
     }
+}
+
+/// Six digits, without trailing zeros.
+pub(super) fn significant(value: f64) -> String {
+    plain(value, &format!("{value:.5e}"))
 }
 
 /// A number with the digits that its uncertainty leaves, and one more.

@@ -59,6 +59,9 @@ pub struct Property {
 /// Calibrated: as the least defect of a tangent map, which has the same cause.
 const LEAST_RETURN: f64 = 1e-12;
 
+/// A property that is not known to this uncertainty is not worth a line. Conventional.
+const LARGEST_UNKNOWN: f64 = 1e-2;
+
 /// Whether a defect shows that a property holds.
 fn holds(defect: f64, uncertainty: f64, least_defect: f64) -> Option<bool> {
     if defect > least_defect.max(SIGNIFICANT * uncertainty) {
@@ -88,10 +91,13 @@ impl Property {
     }
 
     fn measured(name: PropertyName, defect: f64, uncertainty: f64, least: f64) -> Self {
+        let holds = holds(defect, uncertainty, least);
         Property {
             defect: Some(defect),
             uncertainty: Some(uncertainty),
-            ..Property::new(name, holds(defect, uncertainty, least))
+            // A bound as weak as this tells nothing.
+            implied: holds.is_none() && uncertainty > LARGEST_UNKNOWN,
+            ..Property::new(name, holds)
         }
     }
 

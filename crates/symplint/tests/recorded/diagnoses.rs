@@ -21,6 +21,9 @@ pub fn write(text: &mut String, heading: &str, verdict: &Verdict, evidence: &Evi
     {
         *text += &format!("{finding}\n");
     }
+    if let Some(cause) = &verdict.cause {
+        *text += &format!("Cause: {}\n", cause.text);
+    }
     for sentence in verdict.advice() {
         *text += &format!("{sentence}\n");
     }

@@ -528,11 +528,6 @@ fn of_advice() {
         Advice::MoreSamplesOfFile,
         Advice::SmootherForce,
         Advice::TightenSolver,
-        Advice::SolverTolerance {
-            flickering: 3,
-            breaks: 9,
-            largest: 2e-7,
-        },
         Advice::MoreStepSizes { given: 1 },
         Advice::MoreStepSizes { given: 3 },
         Advice::NoOrder {

@@ -1,5 +1,6 @@
 //! The checks of a diagnosis, a file or a folder for each, and what runs them.
 
+mod break_sides;
 pub(super) mod constraint;
 mod contraction;
 mod features;
@@ -90,7 +91,7 @@ impl<'a> Runner<'a> {
     }
 
     /// The checks that follow the given loop, in their order.
-    fn checks() -> [(Check, Measure<'a>); 12] {
+    fn checks() -> [(Check, Measure<'a>); 13] {
         [
             (Check::RandomLoops, Self::random_loops),
             (Check::RandomLoops, Self::check_periods),
@@ -103,6 +104,7 @@ impl<'a> Runner<'a> {
             (Check::Contraction, Self::contract),
             (Check::Localisation, Self::localise),
             (Check::SampleSweep, Self::sweep_samples),
+            (Check::BreakSides, Self::look_at_break),
             (Check::Structure, Self::structure),
         ]
     }

@@ -39,6 +39,7 @@ impl Display for Omission {
             }
             Check::Localisation => "Where the defect comes from was not found",
             Check::ManySteps => "Many steps were left out",
+            Check::BreakSides => "Both sides of a break were not looked at",
             Check::Structure => "Whether steps back undo a step was not tested",
         };
         match &self.why {

@@ -7,7 +7,7 @@ use crate::verdict::VerdictKind;
 use crate::verdict::advice::Advice;
 use crate::verdict::findings::{BreakFinding, ChangeFinding, Finding, SampleFinding, Step};
 use crate::verdict::order::Fit;
-use crate::verdict::thresholds::{FLICKERING, LEAST_SAMPLED_JUMP, SHUFFLED, TREND};
+use crate::verdict::thresholds::{LEAST_SAMPLED_JUMP, SHUFFLED, TREND};
 
 /// The worst of the loops whose breaks are closed.
 struct WorstClosure {
@@ -93,14 +93,11 @@ impl Case<'_> {
         decision
             .findings
             .extend(closed.map(|closed| closed.finding));
-        decision.advice = match self.of_solver() {
-            Some(tolerance) => vec![tolerance],
-            None => vec![
-                Advice::SmootherForce,
-                Advice::PeriodIfPeriodic,
-                Advice::TightenSolver,
-            ],
-        };
+        decision.advice = vec![
+            Advice::SmootherForce,
+            Advice::PeriodIfPeriodic,
+            Advice::TightenSolver,
+        ];
         Some(decision)
     }
 
@@ -120,27 +117,6 @@ impl Case<'_> {
             of: self.steps().count(),
         });
         Some([first, count])
-    }
-
-    /// Advice where a solver that stops at a tolerance is the likely cause of the breaks. A force that jumps does so at
-    /// a position, which is known to its rounding, as s is; what a solver compares is as small as its tolerance, and
-    /// rounding decides about it in a wide stretch.
-    pub(super) fn of_solver(&self) -> Option<Advice> {
-        let (mut flickering, mut breaks, mut largest) = (0, 0, 0.0f64);
-        for (_, step) in self.steps() {
-            let (Some(jump), Some(closing)) = (step.jump, step.closing) else {
-                continue;
-            };
-            flickering += step.flickering;
-            breaks += closing.breaks;
-            largest = largest.max(jump.jump_q.abs()).max(jump.jump_p.abs());
-        }
-        let many = flickering > 1 && flickering as f64 >= FLICKERING * breaks as f64;
-        many.then_some(Advice::SolverTolerance {
-            flickering,
-            breaks,
-            largest,
-        })
     }
 
     /// Whether the loops whose breaks are closed conserve their integrals; `None` where that is not known.

@@ -1,0 +1,96 @@
+//! The likeliest cause of a failure, and what to do about it.
+
+mod breaks;
+mod changes;
+
+pub(super) use breaks::JumpLaw;
+
+use serde::Serialize;
+
+use super::properties::Property;
+use crate::evidence::Evidence;
+
+/// The likeliest cause of a verdict that is not `symplectic`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Cause {
+    /// Which.
+    pub kind: CauseKind,
+    /// The evidence for it, in one or two sentences.
+    pub text: String,
+    /// What to do about it. The advice of the verdict begins with it.
+    pub remedy: String,
+    /// The setting that makes the map symplectic, if there is one: `weight = [1, 3]`.
+    pub setting: Option<String>,
+}
+
+/// The causes that are told apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum CauseKind {
+    /// A solver inside the map stops at a tolerance, and rounding decides after how many iterations.
+    SolverTolerance,
+    /// A coordinate is set to a bound, or a particle stopped, beyond a threshold.
+    Clipped,
+    /// A position is wrapped into a periodic box, or an angle into a turn.
+    Period,
+    /// A particle is reflected.
+    Wall,
+    /// The step chooses its own length: both sides of a break lie on one trajectory.
+    ChosenStepLength,
+    /// A force jumps: at a cut-off, a cell face, a switch.
+    ForceJump,
+    /// A choice inside the step, such as a number of substeps, differs from state to state.
+    ChoiceInside,
+    /// An iteration inside the step does not converge at the larger step sizes.
+    NoConvergence,
+    /// All areas change by one factor: friction, or momenta in units that change.
+    Friction,
+}
+
+/// What a cause is found from.
+pub(super) struct Clues<'a> {
+    pub evidence: &'a Evidence,
+    pub properties: &'a [Property],
+    /// How the jumps of loops depend on the step size.
+    pub law: Option<JumpLaw>,
+}
+
+impl Clues<'_> {
+    /// The causes of breaks, those that the evidence tells most surely first.
+    const OF_BREAKS: [fn(&Self) -> Option<Cause>; 7] = [
+        Self::solver_tolerance,
+        Self::clipped,
+        Self::period,
+        Self::wall,
+        Self::chosen_step_length,
+        Self::force_jump,
+        Self::choice_inside,
+    ];
+
+    /// The causes of changes of loop integrals, likewise.
+    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 1] = [Self::friction];
+
+    /// Why loops break.
+    pub fn of_breaks(&self) -> Option<Cause> {
+        Self::OF_BREAKS.iter().find_map(|cause| cause(self))
+    }
+
+    /// Why loop integrals change.
+    pub fn of_changes(&self) -> Option<Cause> {
+        Self::OF_CHANGES.iter().find_map(|cause| cause(self))
+    }
+}
+
+impl Cause {
+    /// Without a setting.
+    fn new(kind: CauseKind, text: String, remedy: impl Into<String>) -> Self {
+        Cause {
+            kind,
+            text,
+            remedy: remedy.into(),
+            setting: None,
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! The causes of failures: each is named for the maps that have it, with the numbers of the map, and its remedy decides.
+
+use std::f64::consts::TAU;
+
+use symplint::verdict::{Cause, CauseKind};
+use symplint::{
+    Circle, Coordinates, Diagnosis, Diagnostic, PerSample, TimeAdvance, Verdict, VerdictKind,
+};
+
+fn diagnose(map: &dyn TimeAdvance, q0: &[f64], p0: &[f64], radius: f64) -> Diagnosis {
+    let circle = Circle::new(q0.to_vec(), p0.to_vec(), radius).unwrap();
+    let diagnostic = Diagnostic {
+        budget: Some(20_000),
+        ..Diagnostic::halving(-1, -5)
+    };
+    diagnostic.run(map, &circle).unwrap()
+}
+
+fn verdict(map: &dyn TimeAdvance, q0: &[f64], p0: &[f64], radius: f64) -> Verdict {
+    diagnose(map, q0, p0, radius).verdict
+}
+
+/// The cause, which has to be of this kind and to say all of this.
+fn cause(verdict: &Verdict, kind: CauseKind, words: &[&str]) -> Cause {
+    let cause = verdict.cause.clone().unwrap_or_else(|| panic!("{verdict}"));
+    assert_eq!(cause.kind, kind, "{}", cause.text);
+    for word in words {
+        assert!(cause.text.contains(word), "{word}: {}", cause.text);
+    }
+    assert_eq!(verdict.advice()[0], cause.remedy);
+    cause
+}
+
+/// A free flight with what happens at a wall at q = 0.
+fn at_a_wall(reflect: fn(&mut f64, &mut f64)) -> impl TimeAdvance {
+    PerSample::new(1, move |h, q, p| {
+        q[0] += 2.0 * h * p[0];
+        if q[0] < 0.0 {
+            reflect(&mut q[0], &mut p[0]);
+        }
+    })
+}
+
+#[test]
+fn a_wall_is_named_and_a_loop_that_stays_off_it_decides() {
+    let wall = at_a_wall(|q, p| (*q, *p) = (-*q, -*p));
+    let found = verdict(&wall, &[0.5], &[-0.5], 0.4);
+    assert_eq!(found.kind, VerdictKind::BrokenLoops);
+    cause(
+        &found,
+        CauseKind::Wall,
+        &["p[0] changes its sign", "q[0] = 0 "],
+    );
+    let beside = verdict(&wall, &[1.5], &[-0.5], 0.1);
+    assert_eq!(beside.kind, VerdictKind::Symplectic, "{beside}");
+    assert_eq!(beside.cause, None);
+    // Reflected in the middle of a step that has forces, a particle is at the wall neither before nor after it.
+    let inside = PerSample::new(1, |h, q, p| {
+        q[0] += 0.5 * h * p[0];
+        if q[0] > 1.0 {
+            (q[0], p[0]) = (2.0 - q[0], -p[0]);
+        }
+        p[0] -= h * q[0].sin();
+        q[0] += 0.5 * h * p[0];
+    });
+    let found = verdict(&inside, &[0.7], &[0.5], 0.29);
+    cause(&found, CauseKind::Wall, &["p[0] changes its sign"]);
+}
+
+#[test]
+fn clipped_and_stopped_particles_are_named_and_the_jacobian_shows_the_lost_area() {
+    let clipped = at_a_wall(|q, p| (*q, *p) = (0.0, -*p));
+    let stopped = PerSample::new(1, |h, q, p| {
+        let moved = q[0] + 2.0 * h * p[0];
+        (q[0], p[0]) = if moved < 0.0 {
+            (q[0], 0.0)
+        } else {
+            (moved, p[0])
+        };
+    });
+    for (map, name) in [
+        (&clipped as &dyn TimeAdvance, "q[0] = 0 after the step"),
+        (&stopped, "p[0] = 0 after the step"),
+    ] {
+        let found = verdict(map, &[0.5], &[-0.5], 0.4);
+        assert_eq!(found.kind, VerdictKind::BrokenLoops);
+        cause(&found, CauseKind::Clipped, &[name, "above s = "]);
+        let text = found.sentences().concat();
+        assert!(text.contains("between its jumps either"), "{text}");
+    }
+}
+
+#[test]
+fn a_period_is_named_with_its_value_and_stating_it_decides() {
+    for period in [1.0, TAU, 0.37] {
+        let k = TAU / period;
+        let map = PerSample::new(1, move |h, q, p| {
+            q[0] = (q[0] + h * p[0]).rem_euclid(period);
+            p[0] -= h * (k * q[0]).sin();
+        });
+        let found = verdict(&map, &[0.1 * period], &[0.1], 0.3 * period);
+        assert_eq!(found.kind, VerdictKind::BrokenLoops);
+        let found = cause(&found, CauseKind::Period, &["q[0] alone jumps"]);
+        assert_eq!(found.setting, Some(format!("period = [{period}]")));
+        let stated =
+            map.with_coordinates(Coordinates::plain(1).with_periods(vec![period]).unwrap());
+        let stated = verdict(&stated.unwrap(), &[0.1 * period], &[0.1], 0.3 * period);
+        assert_eq!(stated.kind, VerdictKind::Symplectic, "{stated}");
+    }
+}
+
+#[test]
+fn a_step_that_chooses_its_length_is_named() {
+    // An accurate flow for a time that depends on the momentum.
+    let map = PerSample::new(1, |h, q, p| {
+        let time = if p[0].abs() > 0.5 { h } else { 0.7 * h };
+        let part = time / 64.0;
+        for _ in 0..64 {
+            q[0] += 0.5 * part * p[0];
+            p[0] -= part * q[0].sin();
+            q[0] += 0.5 * part * p[0];
+        }
+    });
+    let found = verdict(&map, &[0.1], &[0.5], 0.6);
+    assert_eq!(found.kind, VerdictKind::BrokenLoops);
+    cause(
+        &found,
+        CauseKind::ChosenStepLength,
+        &["lie on one trajectory", "0.4285"],
+    );
+}
+
+#[test]
+fn numbers_of_substeps_that_differ_are_named() {
+    let map = PerSample::new(1, |h, q, p| {
+        let count = if p[0].abs() > 0.5 { 2 } else { 1 };
+        let part = h / f64::from(count);
+        for _ in 0..count {
+            q[0] += 0.5 * part * p[0];
+            p[0] -= part * q[0].sin();
+            q[0] += 0.5 * part * p[0];
+        }
+    });
+    let found = verdict(&map, &[0.1], &[0.5], 0.6);
+    assert_eq!(found.kind, VerdictKind::BrokenLoops);
+    cause(
+        &found,
+        CauseKind::ChoiceInside,
+        &["h^3.0", "number of substeps"],
+    );
+}
+
+#[test]
+fn forces_that_jump_are_named_with_the_place() {
+    let stairs = |q: f64| 0.25 * (q / 0.25).floor();
+    let kick_first = PerSample::new(1, move |h, q, p| {
+        p[0] -= h * stairs(q[0]);
+        q[0] += h * p[0];
+    });
+    let found = verdict(&kick_first, &[0.1], &[0.1], 0.6);
+    let words = [
+        "p[0] alone jumps in proportion to h",
+        "multiples of 0.25 in q[0] before",
+    ];
+    cause(&found, CauseKind::ForceJump, &words);
+    let drift_first = PerSample::new(1, move |h, q, p| {
+        q[0] += 0.5 * h * p[0];
+        p[0] -= h * stairs(q[0]);
+        q[0] += 0.5 * h * p[0];
+    });
+    let found = verdict(&drift_first, &[0.1], &[0.1], 0.6);
+    cause(
+        &found,
+        CauseKind::ForceJump,
+        &["multiples of 0.25 in q[0] + h/2·p[0] before"],
+    );
+    // A single place.
+    let switch = PerSample::new(1, |h, q, p| {
+        p[0] -= h * if q[0] < 0.3 { q[0] } else { 1.5 };
+        q[0] += h * p[0];
+    });
+    let found = verdict(&switch, &[0.1], &[0.1], 0.6);
+    cause(
+        &found,
+        CauseKind::ForceJump,
+        &["at q[0] = 0.3 before the step:"],
+    );
+}
+
+/// Two particles in three dimensions, x, y and z of one and then of the other, with a spring that ends at the distance 1.
+#[test]
+fn a_cut_off_between_particles_is_named_with_their_distance() {
+    let map = PerSample::new(6, |h, q, p| {
+        let distance = (0..3)
+            .map(|i| (q[i] - q[i + 3]).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        if distance < 1.0 {
+            for i in 0..3 {
+                let force = q[i + 3] - q[i];
+                p[i] += h * force;
+                p[i + 3] -= h * force;
+            }
+        }
+        (q.iter_mut().zip(p)).for_each(|(q, p)| *q += h * *p);
+    });
+    let (q0, p0) = (
+        [0.4, 0.3, 0.1, -0.3, -0.2, 0.0],
+        [0.1, 0.0, 0.2, -0.1, 0.1, 0.0],
+    );
+    let found = verdict(&map, &q0, &p0, 0.3);
+    assert_eq!(found.kind, VerdictKind::BrokenLoops);
+    cause(
+        &found,
+        CauseKind::ForceJump,
+        &["by opposite amounts", "a distance of 1 before"],
+    );
+}
+
+#[test]
+fn uniform_friction_is_told_from_friction_of_one_degree_of_freedom() {
+    let damped = |factors: [f64; 2]| {
+        PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+            for i in 0..2 {
+                q[i] += h * p[i];
+            }
+            let between = (q[0] - q[1]).sin();
+            p[0] = (p[0] - h * between) * (-factors[0] * h).exp();
+            p[1] = (p[1] + h * between) * (-factors[1] * h).exp();
+        })
+    };
+    let found = verdict(&damped([0.2, 0.2]), &[0.3, 1.0], &[0.2, -0.1], 0.5);
+    assert_eq!(found.kind, VerdictKind::NotSymplectic);
+    cause(
+        &found,
+        CauseKind::Friction,
+        &["γ = 0.2", "uniform friction"],
+    );
+    let found = verdict(&damped([0.2, 0.0]), &[0.3, 1.0], &[0.2, -0.1], 0.5);
+    assert_eq!(found.kind, VerdictKind::NotSymplectic);
+    let kind = found.cause.map(|cause| cause.kind);
+    assert_ne!(kind, Some(CauseKind::Friction));
+}
