@@ -51,8 +51,8 @@ pub(super) const SPACING: f64 = 32.0 * f64::EPSILON;
 pub(super) const ROUNDINGS_OF_A_STATE: f64 = 32.0;
 
 /// States on each side that confirm a break, the end of the bracket among them. The chance that a map which takes one of two values at
-/// random, from the bits of the state, passes both looks is below 2^-15.
-pub(crate) const CONFIRMING: usize = 10;
+/// random, from the bits of the state, passes both looks is below 2^-13.
+pub(crate) const CONFIRMING: usize = 9;
 
 /// How far from a jump these states reach.
 pub(crate) const REACH_BESIDE: f64 = (CONFIRMING - 1) as f64 * SPACING;

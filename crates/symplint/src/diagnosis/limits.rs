@@ -81,8 +81,17 @@ pub(super) const MOST_WITNESSES: usize = 8;
 /// Evaluations of the budget for each of these states: all of them take about 2% of a budget.
 pub(super) const BUDGET_OF_A_WITNESS: usize = 250;
 
-/// The part of a budget that the Jacobian may take at most.
+/// The part of a budget that the Jacobian may take at most, in a small budget.
 pub(super) const JACOBIAN_PART: usize = 5;
+
+/// Evaluations that the Jacobian may take in a small budget: two points in two degrees of freedom. Conventional.
+pub(super) const JACOBIAN_OF_FEW: usize = 200;
+
+/// The part of a budget that the Jacobian may take at most, if that is more.
+pub(super) const JACOBIAN_PART_OF_MANY: usize = 20;
+
+/// The part of a budget that the test of steps back may take at most, if it was not asked for: smaller budgets leave it out.
+pub(super) const STRUCTURE_PART: usize = 50;
 
 /// The part of a budget that is kept for finding out whether what shows a defect lies in the domain of the map.
 pub(super) const DOMAIN_PART: usize = 10;

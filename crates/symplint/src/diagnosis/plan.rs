@@ -3,8 +3,8 @@
 use super::limits::{
     BUDGET_OF_A_WITNESS, CONTRACTION, DEFAULT_BUDGET, DOMAIN_PART, FEWEST_JACOBIAN, FEWEST_SAMPLES,
     FEWEST_TIGHT_SAMPLES, FINE_SAMPLES, FINE_SAMPLES_OF_MANY, FIRST_PART, FIXED_PART, FOLDED,
-    JACOBIAN_PART, MOST_BYTES, MOST_JACOBIAN, MOST_WITNESSES, PURITY_SAMPLES, SMALL, TIGHT,
-    TIGHT_SAMPLES_PART, TIGHT_TOLERANCE,
+    JACOBIAN_OF_FEW, JACOBIAN_PART, JACOBIAN_PART_OF_MANY, MOST_BYTES, MOST_JACOBIAN,
+    MOST_WITNESSES, PURITY_SAMPLES, SMALL, TIGHT, TIGHT_SAMPLES_PART, TIGHT_TOLERANCE,
 };
 use super::{Diagnostic, SampleCount};
 use crate::jacobian::JacobianTest;
@@ -76,7 +76,8 @@ impl Plan {
                 true => {
                     let all = JacobianTest::default().evaluations(dof, evaluator.has_tangent());
                     let most = (MOST_JACOBIAN / dof.max(1)).max(FEWEST_JACOBIAN);
-                    all.min(most).min(budget / JACOBIAN_PART)
+                    let part = JACOBIAN_OF_FEW.max(budget / JACOBIAN_PART_OF_MANY);
+                    all.min(most).min(budget / JACOBIAN_PART).min(part)
                 }
                 false => 0,
             },

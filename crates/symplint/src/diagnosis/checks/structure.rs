@@ -2,7 +2,7 @@
 
 use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::limits::{
-    ROUNDINGS_OF_A_RETURN, SMALL, STATES_OF_A_RETURN, STATES_OF_ROUNDING,
+    ROUNDINGS_OF_A_RETURN, SMALL, STATES_OF_A_RETURN, STATES_OF_ROUNDING, STRUCTURE_PART,
 };
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
@@ -44,6 +44,11 @@ impl Runner<'_> {
             return Ok(());
         }
         let few = self.plan.is_tight() || !fits(evaluator.dof(), SMALL);
+        let is_asked_for = structure.asked_for_symmetry || structure.given_reversal;
+        let states = STATES_OF_A_RETURN[usize::from(!few)] + STATES_OF_ROUNDING[usize::from(!few)];
+        if !is_asked_for && 2 * states > self.count.budget() / STRUCTURE_PART {
+            return Ok(());
+        }
         let returns = Returns::new(subject, few);
         let h = self.largest;
         let after = advanced(evaluator, &returns.before, h)?;
