@@ -241,3 +241,40 @@ fn uniform_friction_is_told_from_friction_of_one_degree_of_freedom() {
     let kind = found.cause.map(|cause| cause.kind);
     assert_ne!(kind, Some(CauseKind::Friction));
 }
+
+#[test]
+fn a_step_that_projects_is_named_with_its_rank() {
+    // Two particles on a spring, of which the momentum of the centre of mass is removed.
+    let map = PerSample::new(2, |h, q, p| {
+        let force = (q[0] - q[1]).sin();
+        (p[0], p[1]) = (p[0] - h * force, p[1] + h * force);
+        let mean = 0.5 * (p[0] + p[1]);
+        for i in 0..2 {
+            p[i] -= mean;
+            q[i] += h * p[i];
+        }
+    });
+    let found = verdict(&map, &[0.5, -0.3], &[0.2, 0.1], 0.5);
+    assert_eq!(found.kind, VerdictKind::NotSymplectic);
+    cause(&found, CauseKind::Projection, &["rank 3 of 4"]);
+}
+
+#[test]
+fn every_map_that_is_not_symplectic_gets_advice() {
+    let euler = PerSample::new(1, |h, q, p| {
+        (q[0], p[0]) = (q[0] + h * p[0], p[0] - h * q[0].sin());
+    });
+    let midpoint = PerSample::new(1, |h, q, p| {
+        let (q_half, p_half) = (q[0] + 0.5 * h * p[0], p[0] - 0.5 * h * q[0].sin());
+        (q[0], p[0]) = (q[0] + h * p_half, p[0] - h * q_half.sin());
+    });
+    for (map, words) in [
+        (&euler as &dyn TimeAdvance, "symplectic one of its order"),
+        (&midpoint, "Runge–Kutta method of one or two orders less"),
+    ] {
+        let found = verdict(map, &[0.3], &[0.4], 0.5);
+        assert_eq!(found.kind, VerdictKind::NotSymplectic);
+        let advice = found.advice().concat();
+        assert!(advice.contains(words), "{found}: {advice}");
+    }
+}

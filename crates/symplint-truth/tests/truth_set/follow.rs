@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use symplint::diagnosis::SampleCount;
 use symplint::map::balanced_radii;
-use symplint::verdict::{Advice, BoundFinding, CauseKind, Finding};
+use symplint::verdict::{Advice, BoundFinding, Finding};
 use symplint::{Block, Circle, Diagnosis, Diagnostic, Ensemble, Loop, Rule};
 
 use crate::member::{Member, Subject};
@@ -147,11 +147,11 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                 Advice::MoreDigits
                 | Advice::TightenSolver
                 | Advice::SameRandomNumbers
-                | Advice::Remedy {
-                    cause: CauseKind::SolverTolerance,
-                    ..
-                }
                 | Advice::LetStepConverge { .. } => {
+                    *map = full.clone()?;
+                    exact = true;
+                }
+                Advice::Remedy { text } if tightens(text) => {
                     *map = full.clone()?;
                     exact = true;
                 }
@@ -195,6 +195,7 @@ fn not_here(advice: &Advice) -> Option<(Subject, bool)> {
             | Advice::MoreLoopsOfFile
             | Advice::SmootherForce
             | Advice::Remedy { .. }
+            | Advice::LookForCause { .. }
             | Advice::StateStepSizes
             | Advice::CheckCopies
             | Advice::MoreStepSizes { .. }
@@ -260,17 +261,21 @@ pub fn follow(member: &Member, diagnosis: &Diagnosis) -> Followed {
 
 /// Whether an advice is to change the precision of the map.
 fn lifts_a_limit(advice: &Advice) -> bool {
-    matches!(
-        advice,
-        Advice::MoreDigits
-            | Advice::TightenSolver
-            | Advice::SameRandomNumbers
-            | Advice::Remedy {
-                cause: CauseKind::SolverTolerance,
-                ..
-            }
-            | Advice::LetStepConverge { .. }
-    )
+    match advice {
+        Advice::Remedy { text } => tightens(text),
+        _ => matches!(
+            advice,
+            Advice::MoreDigits
+                | Advice::TightenSolver
+                | Advice::SameRandomNumbers
+                | Advice::LetStepConverge { .. }
+        ),
+    }
+}
+
+/// Whether a remedy is to tighten the tolerance of a solver.
+fn tightens(remedy: &str) -> bool {
+    remedy.starts_with("Tighten the tolerance")
 }
 
 fn followed(member: &Member, diagnosis: &Diagnosis, wanted: impl Fn(&Advice) -> bool) -> Followed {

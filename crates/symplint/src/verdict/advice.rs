@@ -4,7 +4,6 @@ use std::fmt::{Display, Formatter, Result};
 
 use serde::Serialize;
 
-use super::cause::CauseKind;
 use super::number::{one_digit, short, size};
 
 /// What to do next. Its sentence is its `Display`.
@@ -14,10 +13,13 @@ use super::number::{one_digit, short, size};
 pub enum Advice {
     /// What to do about the cause of a failure.
     Remedy {
-        /// The cause.
-        cause: CauseKind,
         /// As a sentence.
         text: String,
+    },
+    /// Look for the causes that a defect of this order has.
+    LookForCause {
+        /// k of defect ~ h^k, if it is known.
+        order: Option<f64>,
     },
     /// Measure a loop.
     MeasureLoop,
@@ -146,7 +148,22 @@ impl Advice {
 impl Display for Advice {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
-            Advice::Remedy { text, .. } => f.write_str(text),
+            Advice::Remedy { text } => f.write_str(text),
+            Advice::LookForCause { order } => f.write_str(match order {
+                Some(order) if *order >= 2.0 => {
+                    "Look for a method that is not symplectic, such as a Runge–Kutta method of one or two orders less (use a \
+                     symplectic one of its order), and for a solver or a force that is less accurate than the step (a force that is \
+                     no gradient: `check_force`)."
+                }
+                Some(order) if *order > 0.0 => {
+                    "Look for friction, a force that is no gradient (`check_force`), momenta that are not canonical (velocities: \
+                     `weight`; a magnetic field), and for the explicit Euler method."
+                }
+                _ => {
+                    "Look for friction, a force that is no gradient (`check_force`), momenta that are not canonical, and for a method \
+                     that is not symplectic."
+                }
+            }),
             Advice::MeasureLoop => f.write_str("Measure one loop or more."),
             Advice::StatePeriod => f.write_str("State the period of the position, as an array `period` in the file or as an option."),
             Advice::PeriodIfPeriodic => f.write_str(

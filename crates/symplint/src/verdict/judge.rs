@@ -44,17 +44,8 @@ pub fn judge(evidence: &Evidence) -> Verdict {
     };
     let mut decision = case.decide();
     let properties = properties(evidence, decision.kind);
-    let cause = case.cause(decision.kind, &properties);
-    if let Some(cause) = &cause {
-        decision.advice.retain(|advice| !advice.is_general());
-        decision.advice.insert(
-            0,
-            Advice::Remedy {
-                cause: cause.kind,
-                text: cause.remedy.clone(),
-            },
-        );
-    }
+    let cause = case.cause(&decision, &properties);
+    decision.advise_on_cause(cause.as_ref());
     if evidence.survey.is_rounded() && decision.kind != VerdictKind::NotSymplectic {
         decision.advise_on_digits();
     }
@@ -95,6 +86,26 @@ impl Decision {
             because,
             findings: Vec::new(),
             advice: Vec::new(),
+        }
+    }
+
+    /// The remedy for the likeliest cause comes first; if no cause is known, those that defects of this order have.
+    fn advise_on_cause(&mut self, cause: Option<&Cause>) {
+        let Some(cause) = cause else {
+            if self.kind == VerdictKind::NotSymplectic && self.advice.is_empty() {
+                let order = self.order;
+                self.advice.push(Advice::LookForCause { order });
+            }
+            return;
+        };
+        self.advice.retain(|advice| !advice.is_general());
+        if self
+            .advice
+            .iter()
+            .all(|advice| advice.to_string() != cause.remedy)
+        {
+            let text = cause.remedy.clone();
+            self.advice.insert(0, Advice::Remedy { text });
         }
     }
 
@@ -168,15 +179,17 @@ impl<'a> Case<'a> {
     }
 
     /// The likeliest cause of a failure.
-    fn cause(&self, kind: VerdictKind, properties: &[Property]) -> Option<Cause> {
+    fn cause(&self, decision: &Decision, properties: &[Property]) -> Option<Cause> {
         let clues = Clues {
             evidence: self.evidence,
             properties,
+            findings: &decision.findings,
+            advice: &decision.advice,
             law: JumpLaw::of(self.evidence),
         };
-        match kind {
+        match decision.kind {
             VerdictKind::BrokenLoops => clues.of_breaks(),
-            VerdictKind::NotSymplectic => clues.of_changes().or_else(|| clues.solver_tolerance()),
+            VerdictKind::NotSymplectic => clues.of_changes(),
             VerdictKind::Symplectic | VerdictKind::Undecided => None,
         }
     }

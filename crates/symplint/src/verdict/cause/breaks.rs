@@ -73,7 +73,7 @@ impl Clues<'_> {
     ///
     /// A force that jumps does so at a position, which is known to its rounding, as s is; what a solver compares is as small as its
     /// tolerance, and rounding decides about it in a wide stretch.
-    pub(in crate::verdict) fn solver_tolerance(&self) -> Option<Cause> {
+    pub(super) fn solver_tolerance(&self) -> Option<Cause> {
         let (mut flickering, mut breaks, mut largest) = (0, 0, 0.0f64);
         for step in self.evidence.loops.iter().flat_map(|found| &found.steps) {
             let (Some(jump), Some(closing)) = (step.jump, step.closing) else {

@@ -7,6 +7,8 @@ pub(super) use breaks::JumpLaw;
 
 use serde::Serialize;
 
+use super::advice::Advice;
+use super::findings::Finding;
 use super::properties::Property;
 use crate::evidence::Evidence;
 
@@ -45,6 +47,8 @@ pub enum CauseKind {
     ChoiceInside,
     /// An iteration inside the step does not converge at the larger step sizes.
     NoConvergence,
+    /// The step projects, as one does that removes the motion of the centre of mass.
+    Projection,
     /// All areas change by one factor: friction, or momenta in units that change.
     Friction,
 }
@@ -53,6 +57,9 @@ pub enum CauseKind {
 pub(super) struct Clues<'a> {
     pub evidence: &'a Evidence,
     pub properties: &'a [Property],
+    /// What the verdict found, and what it advises, before its cause is known.
+    pub findings: &'a [Finding],
+    pub advice: &'a [Advice],
     /// How the jumps of loops depend on the step size.
     pub law: Option<JumpLaw>,
 }
@@ -70,7 +77,12 @@ impl Clues<'_> {
     ];
 
     /// The causes of changes of loop integrals, likewise.
-    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 1] = [Self::friction];
+    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 4] = [
+        Self::projection,
+        Self::no_convergence,
+        Self::friction,
+        Self::solver_tolerance,
+    ];
 
     /// Why loops break.
     pub fn of_breaks(&self) -> Option<Cause> {
