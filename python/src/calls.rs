@@ -26,6 +26,8 @@ pub type Answer = Result<bool, StepFailure>;
 pub enum Call {
     /// Advance the states of a block.
     Step(f64, Loan<Answer>),
+    /// Advance the states of a block by this part of the step.
+    Part(usize, f64, Loan<Answer>),
     /// These states will have to be advanced.
     Begin(f64, Ensemble),
     /// Put the states of a block on the constraint manifold.

@@ -32,6 +32,8 @@ pub struct Subject {
     /// An integrator of the library, or nothing: then a function.
     integrator: Option<Py<Integrator>>,
     step: Option<Py<PyAny>>,
+    /// Names and functions of its parts, if it has any.
+    parts: Vec<(String, Py<PyAny>)>,
     per_sample: bool,
     make: bool,
     reset: Option<Py<PyAny>>,
@@ -130,6 +132,7 @@ struct Shared {
     integrator: Option<Arc<dyn TimeAdvance>>,
     coordinates: Coordinates,
     projects: Projects,
+    parts: Vec<String>,
     has_workers: bool,
     native_loop: Option<Arc<dyn Loop>>,
     has_loop: bool,
@@ -150,6 +153,7 @@ impl Subject {
                 (Some(_), false) => Projects::OntoManifold,
                 (Some(_), true) => Projects::OntoForm,
             },
+            parts: self.parts.iter().map(|(name, _)| name.clone()).collect(),
             has_workers: self.workers.is_some(),
             native_loop: (self.native_loop.as_ref()).map(|given| Arc::clone(&given.get().inner)),
             has_loop: self.phase_loop.is_some(),
@@ -167,6 +171,9 @@ impl Subject {
             make: self.make,
             reset: self.reset.as_ref().map(|reset| reset.clone_ref(py)),
             single: self.single,
+            parts: (self.parts.iter())
+                .map(|(_, part)| part.clone_ref(py))
+                .collect(),
         });
         let clone =
             |function: &Option<Py<PyAny>>| function.as_ref().map(|function| function.clone_ref(py));
@@ -241,6 +248,7 @@ impl Shared {
                 caller,
                 self.coordinates.clone(),
                 self.projects,
+                &self.parts,
                 self.has_workers,
             )),
         };

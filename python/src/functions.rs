@@ -35,6 +35,8 @@ pub struct Step {
     pub reset: Option<Py<PyAny>>,
     /// Whether its arrays are of single precision.
     pub single: bool,
+    /// Its parts, if it has any.
+    pub parts: Vec<Py<PyAny>>,
 }
 
 /// All functions of the user.
@@ -140,6 +142,10 @@ impl Functions {
                     Some(workers) => advance_by_workers(py, workers, h, &mut block)?,
                     None => self.advance(py, h, &mut block),
                 };
+                self.answer(py, loan, Of::Step(h), advanced)
+            }
+            Call::Part(number, h, mut loan) => {
+                let advanced = self.advance_part(py, number, h, &mut loan.block());
                 self.answer(py, loan, Of::Step(h), advanced)
             }
             Call::Project(mut loan) => {
@@ -262,6 +268,26 @@ impl Functions {
             noted(&mut Block::new(q, p)).map_err(|failed| Failed { sample, ..failed })?;
         }
         Ok(block.all_finite())
+    }
+
+    /// Advances the states of a block by a part of the step. That is not noted: only a diagnosis that looks for the part that has a
+    /// defect asks for it.
+    fn advance_part(
+        &mut self,
+        py: Python<'_>,
+        number: usize,
+        h: f64,
+        block: &mut Block<'_>,
+    ) -> Result<bool, Failed> {
+        let step = self.step.as_ref();
+        let step = step.expect("only a Python map asks for a part of a step");
+        let call = BlockCall {
+            function: step.parts[number].bind(py).clone(),
+            h: Some(h),
+            reset: (step.reset.as_ref()).map(|reset| reset.bind(py).clone()),
+            what: "step",
+        };
+        call.advance(step.per_sample, step.single, &mut self.memory, block)
     }
 
     /// Puts the states of a block on the manifold.

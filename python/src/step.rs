@@ -13,6 +13,8 @@ pub struct PythonMap<'a> {
     caller: &'a dyn Caller,
     coordinates: Coordinates,
     projection: Option<Projection<'a>>,
+    /// The names of the parts of the step; none if it is one whole.
+    parts: &'a [String],
     /// Whether workers take the steps.
     has_workers: bool,
 }
@@ -35,11 +37,12 @@ struct Projection<'a> {
 }
 
 impl<'a> PythonMap<'a> {
-    /// The map. `has_workers` says whether workers take the steps.
+    /// The map. `parts` are the names of the parts of the step, if it has any; `has_workers` says whether workers take the steps.
     pub fn new(
         caller: &'a dyn Caller,
         coordinates: Coordinates,
         projects: Projects,
+        parts: &'a [String],
         has_workers: bool,
     ) -> Self {
         PythonMap {
@@ -49,6 +52,7 @@ impl<'a> PythonMap<'a> {
                 caller,
                 is_of_one_form: projects == Projects::OntoForm,
             }),
+            parts,
             has_workers,
         }
     }
@@ -69,6 +73,26 @@ impl TimeAdvance for PythonMap<'_> {
 
     fn block_width(&self) -> usize {
         (MOST_VALUES / self.dof().max(1)).max(1)
+    }
+
+    fn substeps(&self) -> usize {
+        self.parts.len().max(1)
+    }
+
+    fn advance_substep(
+        &self,
+        substep: usize,
+        h: f64,
+        block: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        if self.parts.is_empty() {
+            return self.advance(h, block);
+        }
+        call(self.caller, block, |loan| Call::Part(substep, h, loan)).map(|_| ())
+    }
+
+    fn substep_name(&self, substep: usize) -> String {
+        self.parts[substep].clone()
     }
 
     fn coordinates(&self) -> Coordinates {

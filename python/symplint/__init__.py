@@ -7,6 +7,7 @@ systems" (2025), arXiv:2512.13951.
 
 from . import integrators, systems
 from ._check import assert_structure, assert_symplectic, check
+from ._compose import Composition, compose
 from ._errors import InputError, NotSymplecticError, StepError, StructureError, SymplintError, UndecidedError
 from ._loops import Circle, FourierLoop, Loop, SampledLoop, circle
 from ._measure import LoopIntegral, loop_integral, measure
@@ -16,6 +17,7 @@ from ._report import Cause, Property, Report
 __all__ = [
     "Cause",
     "Circle",
+    "Composition",
     "FourierLoop",
     "InputError",
     "Loop",
@@ -33,6 +35,7 @@ __all__ = [
     "assert_symplectic",
     "check",
     "circle",
+    "compose",
     "integrators",
     "loop_integral",
     "measure",

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._arrays import coordinates, cutoffs, vector, whole
+from ._compose import Composition, compose
 from ._errors import InputError, NotSymplecticError, StructureError, UndecidedError
 from ._form import CircleOfForm, FormOfRows, Leaf, LoopOfForm, MapOfForm, Projection, one_form
 from ._identity import identity
@@ -36,10 +37,11 @@ LONGEST = 16
 
 
 def check(
-    step: Callable[..., Any] | Integrator | System,
+    step: Callable[..., Any] | Integrator | System | None = None,
     q0: npt.ArrayLike | None = None,
     p0: npt.ArrayLike | None = None,
     *,
+    substeps: list[tuple[str, Callable[..., Any]]] | None = None,
     step_sizes: npt.ArrayLike | None = None,
     repeat: int = 1,
     h: float | None = None,
@@ -87,8 +89,11 @@ def check(
         and JAX among them. An integrator of `symplint.integrators` runs without Python, and so does a system of
         `symplint.systems`, with its default integrator.
     q0, p0 : array_like
-        Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library, and where
+        Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library, and if
         `loop` is one of the library.
+    substeps : list of (str, callable), optional
+        In place of `step`, its parts with their names, the first to be applied first: see `compose`. If the whole step has a
+        defect, one pass of a loop through all parts tells which of them cause it.
     step_sizes : array_like or "none", optional
         Step sizes to try; the verdict leans on the largest. By default, 2^-1 … 2^-10. "none" is for a map without a step size
         (a kicker, an edge, one turn of a ring): `step` is then ``step(q, p)``, and is tested itself.
@@ -225,6 +230,10 @@ def check(
     # Tracebacks of pytest end where the test calls this.
     __tracebackhide__ = True
     folder = None if out is None else _absolute(out)
+    if substeps is not None:
+        if step is not None:
+            raise InputError("both step and substeps are given; a step is either one whole or has parts")
+        step = compose(*substeps)
     if isinstance(step, System):
         step = of_system(step)
     name, functions = _name(step), {"step": step, "form": form, "project": project, "reset": reset}
@@ -443,6 +452,8 @@ def _subject(
 ) -> dict[str, Any]:
     """What is tested, as the native module takes it."""
     integrator = step if isinstance(step, Integrator) else None
+    if step is None:
+        raise InputError("step is missing; give a function step(q, p, h), or substeps")
     if integrator is None and not callable(step):
         raise InputError(f"step is an object of type {type(step).__name__}; give a function step(q, p, h)")
     for name, function in (("project", project), ("reset", reset)):
@@ -484,6 +495,8 @@ def _subject(
     return {
         "integrator": None if integrator is None else integrator._native,
         "step": None if integrator is not None else step,
+        # Workers make whole steps.
+        "parts": _parts(step, make) if executor is None else [],
         "per_sample": bool(per_sample),
         "make": bool(make),
         "reset": reset,
@@ -505,6 +518,15 @@ def _subject(
             executor, step, per_sample=bool(per_sample), make=bool(make), single=_is_single(dtype), reset=reset
         ),
     }
+
+
+def _parts(step: Any, make: bool) -> list[tuple[str, Callable[..., Any]]]:
+    """The names and functions of the parts of a step, if it has any."""
+    if not isinstance(step, Composition):
+        return []
+    if make:
+        raise InputError("make is for steps that are one whole; give parts as functions f(q, p, h)")
+    return [(name, step.part(number)) for number, (name, _) in enumerate(step.parts)]
 
 
 def _of_form(
@@ -573,6 +595,8 @@ def _without_step_size(step: Any, step_sizes: str, make: bool) -> Any:
         raise InputError(f'step_sizes is "{step_sizes}"; give step sizes, or "none" for a map without one')
     if make:
         raise InputError('make is for steps with a step size; with step_sizes="none", give step(q, p)')
+    if isinstance(step, Composition):
+        return step.without_step_size()
     # An integrator of the library, or what `_subject` refuses.
     return step if isinstance(step, Integrator) or not callable(step) else WithoutStepSize(step)
 

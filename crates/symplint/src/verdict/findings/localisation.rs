@@ -37,48 +37,50 @@ impl Display for LocalisationFinding {
     }
 }
 
+/// Substeps that are named, those with the largest changes.
+const NAMED: usize = 5;
+
 fn fmt_substeps(f: &mut Formatter<'_>, substeps: &[SubstepDefect], step: &Step) -> Result {
-    let mut found = Vec::new();
-    let mut others = 0.0f64;
-    for substep in substeps {
-        let uncertainty = substep.uncertainty.unwrap_or(f64::INFINITY);
-        let changes = substep.change.abs() > SIGNIFICANT * uncertainty;
-        let breaks = substep.new_breaks > 0;
-        if !(changes || breaks) {
-            others = others.max(substep.change.abs() + uncertainty);
-            continue;
-        }
-        let mut text = format!(
-            "substep {} ({})",
-            substep.substep.saturating_add(1),
-            substep.name
-        );
-        if breaks {
-            text += " breaks the loop";
-        }
-        if changes {
-            let and = if breaks { " and" } else { "" };
-            text += &format!("{and} changes the loop integral by {:+.2e}", substep.change);
-        }
-        found.push(text);
-    }
+    let uncertainty = |of: &SubstepDefect| of.uncertainty.unwrap_or(f64::INFINITY);
+    let changes = |of: &SubstepDefect| of.change.abs() > SIGNIFICANT * uncertainty(of);
+    let (mut guilty, others): (Vec<&SubstepDefect>, Vec<&SubstepDefect>) =
+        (substeps.iter()).partition(|of| changes(of) || of.new_breaks > 0);
     let count = substeps.len();
-    if found.is_empty() {
+    if guilty.is_empty() {
         return write!(
             f,
             "None of the {count} substeps {step} changes the loop integral significantly."
         );
     }
-    let rest = match found.len() == count {
+    let least = others.iter().map(|of| of.change.abs() + uncertainty(of));
+    let conserved = least.fold(0.0, f64::max);
+    let all = guilty.len();
+    if all > NAMED {
+        guilty.sort_by(|a, b| b.change.abs().total_cmp(&a.change.abs()));
+        guilty.truncate(NAMED);
+        guilty.sort_by_key(|of| of.substep);
+    }
+    let texts = guilty.iter().map(|of| {
+        let mut text = format!("substep {} ({})", of.substep.saturating_add(1), of.name);
+        if of.new_breaks > 0 {
+            text += " breaks the loop";
+        }
+        if changes(of) {
+            let and = if of.new_breaks > 0 { " and" } else { "" };
+            text += &format!("{and} changes the loop integral by {:+.2e}", of.change);
+        }
+        text
+    });
+    let mut named = texts.collect::<Vec<String>>().join(", ");
+    if all > NAMED {
+        named += &format!(", and {} more change it by less", all - NAMED);
+    }
+    let rest = match others.is_empty() {
         true => String::new(),
-        false if others.is_finite() => format!("; the others conserve it to {others:.1e}"),
+        false if conserved.is_finite() => format!("; the others conserve it to {conserved:.1e}"),
         false => "; the changes by the others are not known".into(),
     };
-    write!(
-        f,
-        "Of the {count} substeps {step}, {}{rest}.",
-        found.join(", ")
-    )
+    write!(f, "Of the {count} substeps {step}, {named}{rest}.")
 }
 
 /// A sector that makes this part of all changes is named. Conventional.

@@ -4,7 +4,8 @@ use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::resolve::probe::Probe;
 use crate::error::Error;
 use crate::evidence::SubstepDefect;
-use crate::rules::{Defect, Rule, Subject};
+use crate::rules::{Defect, LoopIntegral, Rule, Subject};
+use crate::state::Ensemble;
 
 /// Breaks nearer than this part of the loop are one: a later substep moves states, and no parameter. They are known to
 /// the last double, and to what the rounding of a substep makes of a threshold.
@@ -16,7 +17,38 @@ fn is_one(a: f64, b: f64) -> bool {
     distance.min(1.0 - distance) <= ONE_BREAK
 }
 
-/// Integrates the loop after every substep.
+/// Integrates the loop after every substep, in one pass of its samples through all of them.
+pub(super) fn defects_in_one_pass(
+    subject: Subject<'_>,
+    rule: Rule,
+    samples: usize,
+    h: f64,
+) -> Result<Vec<SubstepDefect>, Error> {
+    let (evaluator, coordinates) = (subject.evaluator, subject.coordinates());
+    let mut states = Ensemble::sample(subject.phase_loop, samples)?;
+    let integral = |states: &Ensemble| LoopIntegral::in_coordinates(states, &rule, coordinates);
+    let initial = integral(&states)?;
+    let mut before = Defect::between(&initial, &initial)?;
+    (0..evaluator.substeps())
+        .map(|substep| {
+            evaluator.advance_substep(&mut states, substep, h)?;
+            let after = Defect::between(&initial, &integral(&states)?)?;
+            let uncertainty = before.uncertainty() + after.uncertainty();
+            let change = after.signed - before.signed;
+            before = after;
+            Ok(SubstepDefect {
+                substep,
+                name: evaluator.substep_name(substep),
+                change,
+                uncertainty: uncertainty.is_finite().then_some(uncertainty),
+                breaks: 0,
+                new_breaks: 0,
+            })
+        })
+        .collect()
+}
+
+/// Integrates the loop after every substep, each time from the beginning: breaks are followed there.
 pub(super) fn defects(
     subject: Subject<'_>,
     rule: Rule,
