@@ -258,7 +258,7 @@ def check(
         step_sizes = 1.0
     if step_sizes is not None and h is not None:
         raise InputError("both step_sizes and h are given; h is a typical step size, from which step sizes are looked for")
-    settings = {
+    settings: dict[str, Any] = {
         "has_step_size": has_step_size,
         "repeat": whole(repeat, "repeat", 1),
         "step_sizes": None if step_sizes is None else vector(step_sizes, "step_sizes").tolist(),
@@ -288,7 +288,7 @@ def check(
         subject["workers"].warn()
     subject["workers"] = None
 
-    def image(size: float, samples: int) -> States:
+    def image(size: float, samples: int) -> tuple[States, States]:
         return _native.image(subject, size if has_step_size else 1.0, samples, settings["repeat"])
 
     report = Report(native, image)
