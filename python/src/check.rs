@@ -75,6 +75,7 @@ pub struct Settings {
     properties: bool,
     reversal: Option<Vec<f64>>,
     symmetric: bool,
+    steps: usize,
 }
 
 impl Settings {
@@ -98,6 +99,7 @@ impl Settings {
             properties: self.properties,
             reversal: self.reversal.clone(),
             symmetric: self.symmetric,
+            long_time: self.steps,
             budget: self.budget,
             ..default
         })

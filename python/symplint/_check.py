@@ -30,6 +30,8 @@ __all__ = ["assert_structure", "assert_symplectic", "check"]
 
 #: Evaluations of a map that is called through Python.
 BUDGET = 20_000
+#: More of them for each of many steps.
+BUDGET_OF_A_STEP = 512
 #: Evaluations of a system of the library, as the program has it.
 BUDGET_COMPILED = 1_000_000
 #: Arrays with more numbers than this are not repeated in reports.
@@ -54,7 +56,7 @@ def check(
     rule: str | None = "auto",
     cutoff: float | tuple[float, float] = 1000.0,
     samples: int | str = "auto",
-    budget: int | str = BUDGET,
+    budget: int | str | None = None,
     period: npt.ArrayLike | None = None,
     momentum_period: npt.ArrayLike | None = None,
     weight: npt.ArrayLike | None = None,
@@ -68,6 +70,7 @@ def check(
     properties: bool = True,
     reversal: npt.ArrayLike | None = None,
     symmetric: bool = False,
+    steps: int = 0,
     executor: Any = None,
     threads: int | None = None,
     out: str | os.PathLike[str] | None = None,
@@ -125,8 +128,8 @@ def check(
         the largest absolute value of q, or p likewise.
     samples : int or "auto"
         Samples of each loop.
-    budget : int or "auto"
-        The most evaluations, states advanced by one step: 200 or more; "auto" is 20,000, and 1,000,000 for integrators of
+    budget : int or "auto", optional
+        The most evaluations, states advanced by one step: 200 or more. By default 20,000; "auto" is 1,000,000 for integrators of
         the library.
     period : float or array_like, optional
         Periods of the positions, 0 where a position is not periodic.
@@ -160,6 +163,9 @@ def check(
         Signs 1 or -1 of all positions, then of all momenta, that reverse time. By default, the signs of all momenta change.
     symmetric : bool
         Whether a step of size -h is tested to undo a step of size h, with 20 evaluations more. `step` is called with negative h then.
+    steps : int
+        The given loop is also followed for this number of steps of the largest size: does the defect add up, or return? That takes as
+        many evaluations as the loop has samples (256 to 8192) times `steps`; `budget` grows by 512 for each step, if it is not given.
     executor : executor, optional
         Who takes the steps: anything with a method `submit` or `map` as those of `concurrent.futures`, such as a pool of
         processes, a client of Dask, or an ``MPIPoolExecutor``. States are cut into at most 64 arcs, or into single states where
@@ -258,6 +264,7 @@ def check(
         step_sizes = 1.0
     if step_sizes is not None and h is not None:
         raise InputError("both step_sizes and h are given; h is a typical step size, from which step sizes are looked for")
+    steps = whole(steps, "steps", 0)
     settings: dict[str, Any] = {
         "has_step_size": has_step_size,
         "repeat": whole(repeat, "repeat", 1),
@@ -268,11 +275,12 @@ def check(
         "rule": "auto" if rule is None else rule,
         "cutoffs": cutoffs(cutoff),
         "samples": _whole_or_auto(samples, "samples", 3),
-        "budget": _whole_or_auto(budget, "budget", 200),
+        "budget": BUDGET + BUDGET_OF_A_STEP * steps if budget is None else _whole_or_auto(budget, "budget", 200),
         "jacobian": bool(jacobian),
         "properties": bool(properties),
         "reversal": None if reversal is None else vector(reversal, "reversal").tolist(),
         "symmetric": bool(symmetric),
+        "steps": steps,
     }
     if settings["budget"] is None and not compiled:
         settings["budget"] = BUDGET

@@ -286,3 +286,21 @@ def test_many_degrees_of_freedom():
     q0 = np.linspace(-1.0, 1.0, dof)
     report = symplint.check(step, q0, np.zeros(dof), step_sizes=[0.25, 0.125], loops=3)
     assert report.kind == "symplectic"
+
+
+def test_many_steps_tell_whether_a_defect_adds_up():
+    def damped(q, p, h):
+        p -= h * np.sin(q)
+        p *= 1 - 0.01 * h
+        q += h * p
+
+    report = symplint.check(damped, 0.3, 0.2, radius=0.2, step_sizes=[0.25, 0.125, 0.0625], steps=200)
+    found = report.to_dict()["evidence"]["long_time"]
+    expected = (1 - 0.01 * 0.25) ** 200 - 1
+    assert abs(found["change"] - expected) < 1e-12
+    assert abs(found["predicted"][0] - expected) < 1e-12
+    assert abs(found["exponent"] - 1) < 0.03
+    assert any("adds up like n, " in sentence for sentence in report.sentences)
+    assert report.evaluations < 20_000 + 512 * 200
+    with pytest.raises(symplint.InputError, match="steps"):
+        symplint.check(damped, 0.3, 0.2, steps=-1)

@@ -22,4 +22,13 @@ pub struct LongTime {
     pub late: f64,
     /// Smallest |E| of the second half.
     pub least: f64,
+    /// The a of |E| ~ n^a, from the second and the last quarter.
+    #[serde(default)]
+    pub exponent: Option<f64>,
+    /// The relative change of the area of the loop after these steps.
+    #[serde(default)]
+    pub change: f64,
+    /// The same as the first half of the steps predicts it, with its error.
+    #[serde(default)]
+    pub predicted: Option<[f64; 2]>,
 }

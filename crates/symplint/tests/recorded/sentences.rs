@@ -43,6 +43,7 @@ fn many_steps(steps: usize, asked: usize) -> LongTime {
     serde_json::from_value(json!({
         "step_size": 0.5, "asked": asked, "steps": steps, "samples": 128,
         "largest": 3e-3, "early": 1.2e-3, "late": 2.4e-3, "least": 5e-5,
+        "exponent": 1.03, "change": -2.4e-3, "predicted": [-2.5e-3, 2e-4],
     }))
     .unwrap()
 }

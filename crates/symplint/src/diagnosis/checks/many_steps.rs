@@ -1,13 +1,16 @@
 //! The given loop in many steps.
 
 use super::{GivenLoop, Runner};
-use crate::diagnosis::limits::{FINE_DEFECT, FOLDED, RESOLVED_DEFECT};
-use crate::diagnosis::plan::fits;
+use crate::diagnosis::limits::{FEWEST_SAMPLES, FINE_DEFECT, FOLDED, RESOLVED_DEFECT};
+use crate::diagnosis::plan::{fits, power_below};
 use crate::diagnosis::resolve::probe::Probe;
 use crate::error::Error;
-use crate::evidence::{Check, LongTime, Why};
+use crate::evidence::{Check, LongTime, LoopEvidence, Why};
 use crate::rules::{Rule, Subject};
 use crate::trace::{Trace, TracePoint};
+
+/// Blocks of the first half of the steps, whose rates predict the second half. Conventional.
+const BLOCKS: usize = 8;
 
 impl Runner<'_> {
     /// The given loop in many steps, if they are asked for.
@@ -17,7 +20,13 @@ impl Runner<'_> {
         given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         let steps = self.diagnostic.long_time;
-        if steps == 0 {
+        // Broken pieces of a loop are not followed any further.
+        let is_broken = self
+            .evidence
+            .loops
+            .first()
+            .is_some_and(LoopEvidence::is_broken);
+        if steps == 0 || is_broken {
             return Ok(());
         }
         match follow(&given.probe, self.largest, steps, self.left())? {
@@ -41,13 +50,12 @@ fn follow(
     if !probe.keeps_samples() && !fits(dof, samples) {
         return Ok(Err(Why::Memory { samples }));
     }
-    // Fewer samples than one step is resolved with say nothing of many.
-    if samples.saturating_mul(steps) > left {
-        samples = probe.samples;
-    }
-    if samples.saturating_mul(steps) > left {
+    // Fewer samples resolve fewer of the steps, which the trace tells.
+    let affordable = power_below(left / steps);
+    if affordable < FEWEST_SAMPLES {
         return Ok(Err(Why::BUDGET));
     }
+    samples = samples.min(affordable);
     let trace = Trace {
         rule: Rule::Pseudospectral,
         samples,
@@ -68,7 +76,8 @@ fn summary(h: Option<f64>, samples: usize, points: &[TracePoint]) -> LongTime {
         (point.quadrature_error)
             .is_some_and(|error| error <= (RESOLVED_DEFECT * largest).max(FINE_DEFECT))
     });
-    let defects: Vec<f64> = resolved.map(|point| point.defect).collect();
+    let signed: Vec<f64> = resolved.map(|point| point.signed_defect).collect();
+    let defects: Vec<f64> = signed.iter().map(|defect| defect.abs()).collect();
     let max = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
     let n = defects.len();
     LongTime {
@@ -82,5 +91,88 @@ fn summary(h: Option<f64>, samples: usize, points: &[TracePoint]) -> LongTime {
         least: (defects[n / 2..].iter().copied())
             .reduce(f64::min)
             .unwrap_or(0.0),
+        // Areas that shrink by one factor in every step add up in their logarithms.
+        exponent: exponent(
+            &signed
+                .iter()
+                .map(|defect| defect.ln_1p().abs())
+                .collect::<Vec<f64>>(),
+        ),
+        change: signed.last().copied().unwrap_or(0.0),
+        predicted: predicted(&signed),
+    }
+}
+
+/// The a of |E| ~ n^a: of the root mean squares of the second and of the last quarter, whose middles are 3/8 and 7/8 of all steps.
+fn exponent(defects: &[f64]) -> Option<f64> {
+    let n = defects.len();
+    let mean = |part: &[f64]| {
+        let squares: f64 = part.iter().map(|defect| defect * defect).sum();
+        (squares / part.len() as f64).sqrt()
+    };
+    let (early, late) = (mean(&defects[n / 4..n / 2]), mean(&defects[n - n / 4..]));
+    let exponent = (late / early).ln() / (7.0f64 / 3.0).ln();
+    (n >= 2 * BLOCKS && exponent.is_finite()).then_some(exponent)
+}
+
+/// The relative change of the area after all steps, from those of the first half: the logarithm of the area goes on as it did, and its
+/// error is twice what blocks of the first half differ by.
+fn predicted(signed: &[f64]) -> Option<[f64; 2]> {
+    let (n, half) = (signed.len(), signed.len() / 2);
+    let block = half / BLOCKS;
+    if block == 0 || signed.iter().any(|&defect| defect <= -1.0) {
+        return None;
+    }
+    let logarithm = |steps: usize| match steps {
+        0 => 0.0,
+        steps => signed[steps - 1].ln_1p(),
+    };
+    let rates: Vec<f64> = (0..BLOCKS)
+        .map(|k| (logarithm((k + 1) * block) - logarithm(k * block)) / block as f64)
+        .collect();
+    let mean = rates.iter().sum::<f64>() / BLOCKS as f64;
+    let variance: f64 = rates.iter().map(|rate| (rate - mean).powi(2)).sum();
+    let deviation = (variance / (BLOCKS - 1) as f64).sqrt();
+    let (change, error) = (n as f64 * mean, 2.0 * n as f64 * deviation);
+    Some([change.exp_m1(), error * change.exp()])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_defect_that_adds_up_is_predicted_from_its_first_half() {
+        // Uniform damping: the area falls by one factor in every step.
+        let damped: Vec<f64> = (1..=1000)
+            .map(|n| (-1e-3 * f64::from(n)).exp_m1())
+            .collect();
+        let [change, error] = predicted(&damped).unwrap();
+        assert!((change - damped[999]).abs() < 1e-12 && error < 1e-12);
+        // A rate that rises by a third is within the error.
+        let rising = |n: f64| 1e-5 * n * (1.0 + n / 3000.0);
+        let signed: Vec<f64> = (1..=1000).map(|n| rising(f64::from(n))).collect();
+        let [change, error] = predicted(&signed).unwrap();
+        assert!(
+            (change - signed[999]).abs() < error,
+            "{change:e} ± {error:e}"
+        );
+        assert!(error < 0.5 * change);
+        // What returns is predicted to be anything.
+        let returns: Vec<f64> = (1..=1000)
+            .map(|n| 1e-3 * (0.037 * f64::from(n)).sin())
+            .collect();
+        let [change, error] = predicted(&returns).unwrap();
+        assert!(error > change.abs());
+        assert_eq!(predicted(&signed[..10]), None);
+    }
+
+    #[test]
+    fn exponents_are_those_of_powers() {
+        for power in [0.5, 1.0, 2.0] {
+            let defects: Vec<f64> = (1..=400).map(|n| f64::from(n).powf(power)).collect();
+            let found = exponent(&defects).unwrap();
+            assert!((found / power - 1.0).abs() < 0.06, "{power}: {found}");
+        }
     }
 }

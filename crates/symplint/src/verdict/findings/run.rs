@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::evidence::{LongTime, Omission};
 use crate::verdict::jacobian::JacobianFinding;
 use crate::verdict::long_time::Growth;
+use crate::verdict::number::{one_digit, two_digits};
 
 /// Measurements besides the loops, and omissions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -68,6 +69,9 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
         early,
         late,
         least,
+        exponent,
+        change,
+        predicted,
         ..
     } = found;
     match growth {
@@ -77,11 +81,27 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
             "In {steps} steps the defect stays bounded, {early:.1e} in the first quarter and {late:.1e} in the \
              last, and returns to {least:.1e}: as for a method that is conjugate to a symplectic one."
         )?,
-        Growth::Grows => write!(
-            f,
-            "In {steps} steps the defect adds up, from {early:.1e} in the first quarter to {late:.1e} in the \
-             last."
-        )?,
+        Growth::Grows => {
+            let law = exponent.map_or(String::new(), |exponent| match exponent {
+                0.35..0.65 => " like √n".to_owned(),
+                0.85..1.15 => " like n".to_owned(),
+                _ => format!(" like n^{exponent:.1}"),
+            });
+            write!(
+                f,
+                "In {steps} steps the defect adds up{law}, from {early:.1e} in the first quarter to {late:.1e} in the last."
+            )?;
+            if let Some([value, error]) = predicted {
+                let half = steps / 2;
+                write!(
+                    f,
+                    " The first {half} steps predict a change of the area by {} ± {} after {steps} steps; {} was measured.",
+                    two_digits(*value),
+                    one_digit(*error),
+                    two_digits(*change)
+                )?;
+            }
+        }
         Growth::Undecided => write!(
             f,
             "In {steps} steps nothing can be said of whether the defect adds up."
