@@ -20,8 +20,8 @@ use crate::workers::Workers;
 const KEPT: usize = 256;
 
 /// Advice if states of one batch may influence each other.
-const ALONE: &str = "; if the step chooses its substeps or iterations for all rows of a batch together, write it for one state \
-                     and give per_sample=True";
+const ALONE: &str = "; sums and means over degrees of freedom need axis=1, as rows are states; if the step chooses its substeps or \
+                     iterations for all rows of a batch together, write it for one state and give per_sample=True";
 
 /// A step as the user gives it.
 pub struct Step {

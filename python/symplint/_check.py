@@ -16,12 +16,13 @@ import numpy.typing as npt
 from . import _native
 from ._arrays import coordinates, cutoffs, vector, whole
 from ._compose import Composition, compose
-from ._errors import InputError, NotSymplecticError, StructureError, UndecidedError
+from ._errors import InputError, NotSymplecticError, StepError, StructureError, UndecidedError
 from ._form import CircleOfForm, FormOfRows, Leaf, LoopOfForm, MapOfForm, Projection, one_form
 from ._identity import identity
 from ._loops import Loop, centre, phases_and_seed, radii
 from ._progress import bar
 from ._report import Report, States
+from ._signature import check_signature, hint
 from ._workers import Workers
 from .integrators import Integrator, of_system
 from .systems import System
@@ -242,6 +243,7 @@ def check(
         step = compose(*substeps)
     if isinstance(step, System):
         step = of_system(step)
+    _check_signature(step, form is not None, step_sizes, make)
     name, functions = _name(step), {"step": step, "form": form, "project": project, "reset": reset}
     if form is not None:
         step, q0, p0, radius, loop, project = _of_form(
@@ -291,7 +293,12 @@ def check(
     journal = None if folder is None or compiled else _journal(folder, identity(functions, key), config, subject)
     workers = contextlib.nullcontext() if subject["workers"] is None else contextlib.closing(subject["workers"])
     with bar(progress) as watch, _resumable(folder if journal else None), workers:
-        native, failed = _native.check(subject, settings, title, json.dumps(_finite(config)), watch, journal)
+        try:
+            native, failed = _native.check(subject, settings, title, json.dumps(_finite(config)), watch, journal)
+        except StepError as error:
+            if remedy := hint(error, bool(per_sample)):
+                error.args = (f"{error}; {remedy}",)
+            raise
     if subject["workers"] is not None:
         subject["workers"].warn()
     subject["workers"] = None
@@ -526,6 +533,16 @@ def _subject(
             executor, step, per_sample=bool(per_sample), make=bool(make), single=_is_single(dtype), reset=reset
         ),
     }
+
+
+def _check_signature(step: Any, has_form: bool, step_sizes: Any, make: bool) -> None:
+    """Refuse a step with the arguments of another convention."""
+    if not callable(step) or isinstance(step, Integrator | Composition):
+        return
+    if make:
+        return check_signature(step, ("h",))
+    has_step_size = not (isinstance(step_sizes, str) and step_sizes == "none")
+    check_signature(step, (("z",) if has_form else ("q", "p")) + (("h",) if has_step_size else ()))
 
 
 def _parts(step: Any, make: bool) -> list[tuple[str, Callable[..., Any]]]:

@@ -278,3 +278,23 @@ fn every_map_that_is_not_symplectic_gets_advice() {
         assert!(advice.contains(words), "{found}: {advice}");
     }
 }
+
+#[test]
+fn mistakes_in_what_a_step_returns_are_named() {
+    let swapped = PerSample::new(1, |h, q, p| {
+        p[0] -= h * q[0].sin();
+        q[0] += h * p[0];
+        (q[0], p[0]) = (p[0], q[0]);
+    });
+    let found = verdict(&swapped, &[0.3], &[0.4], 0.5);
+    assert_eq!(found.kind, VerdictKind::NotSymplectic);
+    cause(&found, CauseKind::Swapped, &["sign of all areas"]);
+    let right_hand_side = PerSample::new(1, |_, q, p| (q[0], p[0]) = (p[0], -2.0 * q[0].sin()));
+    let found = verdict(&right_hand_side, &[0.3], &[0.4], 0.5);
+    assert_eq!(found.kind, VerdictKind::NotSymplectic);
+    cause(
+        &found,
+        CauseKind::IgnoresStepSize,
+        &["same result for every step size"],
+    );
+}

@@ -49,6 +49,10 @@ pub enum CauseKind {
     NoConvergence,
     /// The step projects, as one does that removes the motion of the centre of mass.
     Projection,
+    /// The step gives the same result for every step size: a right-hand side is no step.
+    IgnoresStepSize,
+    /// All areas change their sign: q and p are swapped.
+    Swapped,
     /// All areas change by one factor: friction, or momenta in units that change.
     Friction,
 }
@@ -77,7 +81,9 @@ impl Clues<'_> {
     ];
 
     /// The causes of changes of loop integrals, likewise.
-    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 4] = [
+    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 6] = [
+        Self::ignores_step_size,
+        Self::swapped,
         Self::projection,
         Self::no_convergence,
         Self::friction,
