@@ -11,6 +11,7 @@ from ._compose import Composition, compose
 from ._errors import InputError, NotSymplecticError, StepError, StructureError, SymplintError, UndecidedError
 from ._loops import Circle, FourierLoop, Loop, SampledLoop, circle
 from ._measure import LoopIntegral, loop_integral, measure
+from ._names import Coordinates
 from ._native import __version__
 from ._report import Cause, Property, Report
 
@@ -18,6 +19,7 @@ __all__ = [
     "Cause",
     "Circle",
     "Composition",
+    "Coordinates",
     "FourierLoop",
     "InputError",
     "Loop",

@@ -22,6 +22,7 @@ from ._identity import identity
 from ._loops import Loop, centre, phases_and_seed, radii
 from ._progress import bar
 from ._report import Report, States
+from ._names import Coordinates, WithArguments, executor_of, one_of, seed_of
 from ._signature import check_signature, hint
 from ._workers import Workers
 from .integrators import Integrator, of_system
@@ -45,38 +46,45 @@ def check(
     p0: npt.ArrayLike | None = None,
     *,
     substeps: list[tuple[str, Callable[..., Any]]] | None = None,
+    args: tuple[Any, ...] = (),
     step_sizes: npt.ArrayLike | None = None,
+    typical_step: float | None = None,
     repeat: int = 1,
-    h: float | None = None,
     radius: Any = 1.0,
     phases: str = "staggered",
     loop: Loop | Callable[..., Any] | None = None,
     loops: int = 8,
-    project: Callable[..., Any] | None = None,
-    seed: int = 1,
+    rng: Any = None,
     rule: str | None = "auto",
     cutoff: float | tuple[float, float] = 1000.0,
     samples: int | str = "auto",
     budget: int | str | None = None,
+    coordinates: Coordinates | None = None,
     period: npt.ArrayLike | None = None,
     momentum_period: npt.ArrayLike | None = None,
     weight: npt.ArrayLike | None = None,
+    project: Callable[..., Any] | None = None,
+    form: Callable[..., Any] | None = None,
+    casimir: Callable[..., Any] | list[Callable[..., Any]] | None = None,
     per_sample: bool = False,
     make: bool = False,
     reset: Callable[[], object] | None = None,
-    form: Callable[..., Any] | None = None,
-    casimir: Callable[..., Any] | list[Callable[..., Any]] | None = None,
     dtype: npt.DTypeLike | None = None,
     jacobian: bool = True,
     properties: bool = True,
     reversal: npt.ArrayLike | None = None,
     symmetric: bool = False,
     steps: int = 0,
-    executor: Any = None,
+    workers: Any = 1,
     threads: int | None = None,
-    out: str | os.PathLike[str] | None = None,
+    run_dir: str | os.PathLike[str] | None = None,
     key: str | None = None,
     progress: bool | Callable[[int, int, float | None], object] | None = None,
+    maxfev: int | None = None,
+    seed: int | None = None,
+    executor: Any = None,
+    out: str | os.PathLike[str] | None = None,
+    h: float | None = None,
 ) -> Report:
     """Tell whether a time-advance map is symplectic.
 
@@ -98,14 +106,16 @@ def check(
     substeps : list of (str, callable), optional
         In place of `step`, its parts with their names, the first to be applied first: see `compose`. If the whole step has a
         defect, one pass of a loop through all parts tells which of them cause it.
+    args : tuple
+        Further arguments of `step`, which follow h.
     step_sizes : array_like or "none", optional
         Step sizes to try; the verdict leans on the largest. By default, 2^-1 … 2^-10. "none" is for a map without a step size
         (a kicker, an edge, one turn of a ring): `step` is then ``step(q, p)``, and is tested itself.
+    typical_step : float, optional
+        Instead of `step_sizes`, a typical step size: the largest step size that tests something is looked for, and
+        halved.
     repeat : int
         The step is composed with itself this number of times.
-    h : float, optional
-        In place of `step_sizes`, a typical step size: the largest step size that tests something is looked for, and
-        halved.
     radius : float, array_like, pair of them or "auto"
         Radius of the loop: one for all degrees of freedom, one for each, a tuple of those for q and for p, or as the map
         suggests. Not together with `loop`.
@@ -117,11 +127,8 @@ def check(
         of shape (len(s), dof).
     loops : int
         Loops in all, the given one included; the others are random. 10,000 at most.
-    project : callable, optional
-        ``project(q, p)`` puts states on the constraint manifold of the map, and returns or changes them as `step` does. With
-        `form`, ``project(z)``.
-    seed : int
-        Seed of the random loops and of random phases.
+    rng : int or numpy.random.Generator, optional
+        For the random loops and random phases, as SPEC 7 has it, but 1 by default, so that results repeat.
     rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}, optional
         How loop integrals are computed; None is "auto".
     cutoff : float or (float, float), optional
@@ -132,6 +139,8 @@ def check(
     budget : int or "auto", optional
         The most evaluations, states advanced by one step: 200 or more. By default 20,000; "auto" is 1,000,000 for integrators of
         the library.
+    coordinates : Coordinates, optional
+        The next six arguments in one object.
     period : float or array_like, optional
         Periods of the positions, 0 where a position is not periodic.
     momentum_period : float or array_like, optional
@@ -145,6 +154,9 @@ def check(
         Whether ``step(h)`` returns ``advance(q, p)``; it is called once for each h.
     reset : callable, optional
         Called before every call of `step`, for codes that keep state.
+    project : callable, optional
+        ``project(q, p)`` puts states on the constraint manifold of the map, and returns or changes them as `step` does. With
+        `form`, ``project(z)``.
     form : callable, optional
         The one-form ϑ of non-canonical coordinates z, whose derivative is the symplectic form: ``form(z)`` gets an array of shape
         (samples, n) and returns one like it. Then `step` is ``step(z, h)`` and returns one array or changes it in place, `q0`
@@ -167,23 +179,24 @@ def check(
     steps : int
         The given loop is also followed for this number of steps of the largest size: does the defect add up, or return? That takes as
         many evaluations as the loop has samples (256 to 8192) times `steps`; `budget` grows by 512 for each step, if it is not given.
-    executor : executor, optional
-        Who takes the steps: anything with a method `submit` or `map` as those of `concurrent.futures`, such as a pool of
-        processes, a client of Dask, or an ``MPIPoolExecutor``. States are cut into at most 64 arcs, or into single states where
+    workers : int, callable or executor, optional
+        Who takes the steps, as in scipy.optimize: a number of processes (-1: one for each processor), a function like the built-in
+        `map` (such as ``pool.map``), or anything with a method `submit` or `map` as those of `concurrent.futures`: a pool of
+        processes, a client of Dask, an ``MPIPoolExecutor``. States are cut into at most 64 arcs, or into single states if
         `step` takes one, and `step` is called for each. Results do not depend on the number of workers. A worker that dies
-        ends the check with an error; with `out` the check resumes.
+        ends the check with an error; with `run_dir` the check resumes.
     threads : int, optional
         Threads for the work of the library: by default, for a function, the calling thread alone, which is faster unless
         there are very many degrees of freedom, and for an integrator of the library, one for each core. `step` is called
         from the calling thread alone. Results do not depend on the number. More than there are processors are not started,
         with a warning.
-    out : path, optional
+    run_dir : path, optional
         A folder to write the report to, as `Report.save` does. Every result of `step` is stored there as soon as it returns: a
         check that was stopped at any moment resumes when it is run again, and gives the report of a check that was never stopped.
         The folder of another run is refused: of other arguments, of another version of symplint, or of a step whose module has
         another source text.
     key : str, optional
-        With `out`, identifies what the source text of the step does not show: parameters that are read from a file, the state of an
+        With `run_dir`, identifies what the source text of the step does not show: parameters that are read from a file, the state of an
         object, compiled code. Another key is another run.
     progress : bool or callable, optional
         True shows a bar on standard error if that is a terminal; a function gets how many points were measured, how many
@@ -192,6 +205,13 @@ def check(
     Returns
     -------
     Report
+
+    Other Parameters
+    ----------------
+    maxfev, seed, executor, out : optional
+        Other names of `budget`, `rng`, `workers` and `run_dir`.
+    h : float, optional
+        The old name of `typical_step`.
 
     Raises
     ------
@@ -236,24 +256,92 @@ def check(
     """
     # Tracebacks of pytest end where the test calls this.
     __tracebackhide__ = True
-    folder = None if out is None else _absolute(out)
+    typical_step = one_of("typical_step", typical_step, "h", h, None, deprecated=True)
+    budget = one_of("budget", budget, "maxfev", maxfev, None)
+    rng = one_of("rng", rng, "seed", seed, None)
+    workers = one_of("workers", workers, "executor", executor, 1)
+    run_dir = one_of("run_dir", run_dir, "out", out, None)
+    canonical = {
+        "period": period, "momentum_period": momentum_period, "weight": weight, "project": project, "form": form,
+        "casimir": casimir,
+    }  # fmt: skip
+    if coordinates is not None:
+        canonical = Coordinates.merged(coordinates, canonical)
     if substeps is not None:
         if step is not None:
             raise InputError("both step and substeps are given; a step is either one whole or has parts")
         step = compose(*substeps)
+    with executor_of(workers) as pool:
+        return _check(
+            step, q0, p0, args=tuple(args), step_sizes=step_sizes, typical_step=typical_step, repeat=repeat, radius=radius,
+            phases=phases, loop=loop, loops=loops, seed=1 if rng is None else seed_of(rng), rule=rule, cutoff=cutoff,
+            samples=samples, budget=budget, per_sample=per_sample, make=make, reset=reset, dtype=dtype, jacobian=jacobian,
+            properties=properties, reversal=reversal, symmetric=symmetric, steps=steps, executor=pool, threads=threads,
+            run_dir=run_dir, key=key, progress=progress, **canonical,
+        )  # fmt: skip
+
+
+def _check(
+    step: Any,
+    q0: Any,
+    p0: Any,
+    *,
+    args: tuple[Any, ...],
+    step_sizes: Any,
+    typical_step: float | None,
+    repeat: int,
+    radius: Any,
+    phases: str,
+    loop: Any,
+    loops: int,
+    seed: int,
+    rule: str | None,
+    cutoff: float | tuple[float, float],
+    samples: int | str,
+    budget: int | str | None,
+    period: Any,
+    momentum_period: Any,
+    weight: Any,
+    project: Any,
+    form: Any,
+    casimir: Any,
+    per_sample: bool,
+    make: bool,
+    reset: Any,
+    dtype: Any,
+    jacobian: bool,
+    properties: bool,
+    reversal: Any,
+    symmetric: bool,
+    steps: int,
+    executor: Any,
+    threads: int | None,
+    run_dir: str | os.PathLike[str] | None,
+    key: str | None,
+    progress: bool | Callable[[int, int, float | None], object] | None,
+) -> Report:
+    """`check` with one name for each argument."""
+    __tracebackhide__ = True
+    folder = None if run_dir is None else _absolute(run_dir)
     if isinstance(step, System):
         step = of_system(step)
-    _check_signature(step, form is not None, step_sizes, make)
+    if casimir is not None and form is None:
+        raise InputError("casimir is for non-canonical coordinates; give a form as well")
+    if isinstance(step_sizes, str):
+        _check_none(step_sizes, make)
+    _check_signature(step, form is not None, step_sizes, make, len(args))
     name, functions = _name(step), {"step": step, "form": form, "project": project, "reset": reset}
+    if args:
+        if not callable(step) or isinstance(step, Integrator | Composition):
+            raise InputError("args are for a function; give it, or leave args out")
+        step = WithArguments(step, args)
     if form is not None:
         step, q0, p0, radius, loop, project = _of_form(
             form, step, q0, p0, radius=radius, phases=phases, loop=loop, project=project, casimir=casimir,
             momentum_period=momentum_period, weight=weight, per_sample=per_sample, make=make,
         )  # fmt: skip
-    elif casimir is not None:
-        raise InputError("casimir is for non-canonical coordinates; give a form as well")
     if isinstance(step_sizes, str):
-        step = _without_step_size(step, step_sizes, make)
+        step = _without_step_size(step)
     subject = _subject(
         step, q0, p0, radius=radius, phases=phases, seed=seed, loop=loop, project=project, period=period,
         momentum_period=momentum_period, weight=weight, per_sample=per_sample, make=make, reset=reset, dtype=dtype,
@@ -264,16 +352,16 @@ def check(
     if not has_step_size:
         # What the map is called with.
         step_sizes = 1.0
-    if step_sizes is not None and h is not None:
-        raise InputError("both step_sizes and h are given; h is a typical step size, from which step sizes are looked for")
+    if step_sizes is not None and typical_step is not None:
+        raise InputError("both step_sizes and typical_step are given; step sizes are looked for from a typical one")
     steps = whole(steps, "steps", 0)
     settings: dict[str, Any] = {
         "has_step_size": has_step_size,
         "repeat": whole(repeat, "repeat", 1),
         "step_sizes": None if step_sizes is None else vector(step_sizes, "step_sizes").tolist(),
-        "typical": None if h is None else _number(h, "h"),
+        "typical": None if typical_step is None else _number(typical_step, "typical_step"),
         "loops": whole(loops, "loops", 1),
-        "seed": whole(seed, "seed", 0),
+        "seed": whole(seed, "rng", 0),
         "rule": "auto" if rule is None else rule,
         "cutoffs": cutoffs(cutoff),
         "samples": _whole_or_auto(samples, "samples", 3),
@@ -283,7 +371,7 @@ def check(
         "reversal": None if reversal is None else vector(reversal, "reversal").tolist(),
         "symmetric": bool(symmetric),
         "steps": steps,
-    }
+    } | ({"args": repr(args)} if args else {})
     if settings["budget"] is None and not compiled:
         settings["budget"] = BUDGET
     config = _config(name, subject, settings, loop)
@@ -535,14 +623,14 @@ def _subject(
     }
 
 
-def _check_signature(step: Any, has_form: bool, step_sizes: Any, make: bool) -> None:
+def _check_signature(step: Any, has_form: bool, step_sizes: Any, make: bool, extra: int) -> None:
     """Refuse a step with the arguments of another convention."""
     if not callable(step) or isinstance(step, Integrator | Composition):
         return
     if make:
-        return check_signature(step, ("h",))
+        return check_signature(step, ("h",), extra)
     has_step_size = not (isinstance(step_sizes, str) and step_sizes == "none")
-    check_signature(step, (("z",) if has_form else ("q", "p")) + (("h",) if has_step_size else ()))
+    check_signature(step, (("z",) if has_form else ("q", "p")) + (("h",) if has_step_size else ()), extra)
 
 
 def _parts(step: Any, make: bool) -> list[tuple[str, Callable[..., Any]]]:
@@ -614,27 +702,31 @@ class WithoutStepSize:
         return self.step(q, p)
 
 
-def _without_step_size(step: Any, step_sizes: str, make: bool) -> Any:
-    """A step without a step size, if `step_sizes` says that it has none."""
+def _check_none(step_sizes: str, make: bool) -> None:
+    """Refuse texts for step sizes that do not say that there is none."""
     if step_sizes != "none":
         raise InputError(f'step_sizes is "{step_sizes}"; give step sizes, or "none" for a map without one')
     if make:
         raise InputError('make is for steps with a step size; with step_sizes="none", give step(q, p)')
+
+
+def _without_step_size(step: Any) -> Any:
+    """The same step, for a map that has no step size."""
     if isinstance(step, Composition):
         return step.without_step_size()
     # An integrator of the library, or what `_subject` refuses.
     return step if isinstance(step, Integrator) or not callable(step) else WithoutStepSize(step)
 
 
-def _absolute(out: str | os.PathLike[str]) -> str:
+def _absolute(run_dir: str | os.PathLike[str]) -> str:
     """The folder for the report, which stays the same where a step changes the working directory."""
-    folder = os.fsdecode(out)
+    folder = os.fsdecode(run_dir)
     if not folder:
-        raise InputError("out is an empty path; give a folder")
+        raise InputError("run_dir is an empty path; give a folder")
     try:
         return os.path.abspath(folder)
     except OSError as error:
-        message = f"out is {folder!r}, relative to a working directory that cannot be found"
+        message = f"run_dir is {folder!r}, relative to a working directory that cannot be found"
         raise InputError(f"{message}: {error.strerror}; give an absolute path") from None
 
 
@@ -643,7 +735,7 @@ def _journal(folder: str, known: dict[str, Any], config: dict[str, Any], subject
     try:
         os.makedirs(folder, exist_ok=True)
     except OSError as error:
-        raise InputError(f"cannot make the folder {folder!r}: {error.strerror}; give out another one") from None
+        raise InputError(f"cannot make the folder {folder!r}: {error.strerror}; give run_dir another one") from None
     run: dict[str, Any] = {"symplint": _native.__version__, **config, **known}
     if subject["workers"] is not None and not subject["per_sample"]:
         # Calls of arcs are not those of whole sets of states.
@@ -661,7 +753,7 @@ def _resumable(folder: str | None) -> Iterator[None]:
         yield
     except KeyboardInterrupt as stopped:
         if folder is not None:
-            stopped.add_note(f"the same check with out={folder!r} resumes from here")
+            stopped.add_note(f"the same check with run_dir={folder!r} resumes from here")
         raise
 
 

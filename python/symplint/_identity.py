@@ -29,7 +29,7 @@ def identity(functions: dict[str, Any], key: str | None) -> dict[str, Any]:
                 place = module if whole is not None else f"{module}.{definition.__qualname__}"
                 found[place] = hashlib.sha256((whole or text).encode()).hexdigest()[:16]
             elif key is None:
-                message = f"out is given, and the source text of {name} cannot be read"
+                message = f"run_dir is given, and the source text of {name} cannot be read"
                 raise InputError(f'{message}; identify it by a text of yours, as in key="version 2, friction 0.1"')
     return {"source": found, "key": key}
 

@@ -188,9 +188,9 @@ class Workers:
 
     def _lost(self, error: BaseException) -> SymplintError:
         """The error of a check whose worker died."""
-        kept = "with out= no finished step would be lost"
+        kept = "with run_dir= no finished step would be lost"
         if self.journal is not None:
-            kept = "the same check with the same out= resumes, and takes no finished step again"
+            kept = "the same check with the same run_dir= resumes, and takes no finished step again"
         return SymplintError(f"a worker died ({type(error).__name__}: {error}); remove the cause, such as too little memory; {kept}")
 
     def _wait(self, arc: _Arc) -> None:
@@ -245,7 +245,7 @@ class MapExecutor:
             except multiprocessing.TimeoutError:
                 for process in self._processes:
                     if process.exitcode:
-                        remedy = "with out= the same check resumes; a concurrent.futures.ProcessPoolExecutor reports dead workers"
+                        remedy = "with run_dir= the same check resumes; a concurrent.futures.ProcessPoolExecutor reports dead workers"
                         raise SymplintError(f"a worker died (exit code {process.exitcode}); {remedy}") from None
         return next(results)
 

@@ -129,7 +129,7 @@ def test_a_worker_that_dies_ends_the_check_which_resumes(tmp_path, monkeypatch):
     monkeypatch.setenv("SYMPLINT_MARK", str(tmp_path / "mark"))
     with ThreadPoolExecutor(1) as alone:
         expected = bits(check(verlet, alone))
-    with ProcessPoolExecutor(2) as executor, pytest.raises(symplint.SymplintError, match="a worker died .* with the same out= resumes"):
+    with ProcessPoolExecutor(2) as executor, pytest.raises(symplint.SymplintError, match="a worker died .* with the same run_dir= resumes"):
         check(dying_once, executor, out=tmp_path / "run")
     with ProcessPoolExecutor(2) as executor:
         report = check(dying_once, executor, out=tmp_path / "run")
@@ -185,7 +185,7 @@ def test_what_cannot_work_is_refused():
         with pytest.raises(symplint.InputError, match="takes no more work"):
             check(verlet, closed)
     with pytest.raises(symplint.InputError, match="submit or map"):
-        check(verlet, 4)
+        check(verlet, object())
 
 
 def of_process(q, p, h):

@@ -138,7 +138,7 @@ def test_what_is_given_in_place_of_step_sizes():
     with pytest.raises(symplint.InputError, match="make"):
         symplint.check(kicker, *CENTRE, step_sizes="none", make=True)
     with pytest.raises(symplint.InputError, match="both"):
-        symplint.check(kicker, *CENTRE, step_sizes="none", h=0.1)
+        symplint.check(kicker, *CENTRE, step_sizes="none", typical_step=0.1)
 
 
 def test_failures_of_maps_without_a_step_size():

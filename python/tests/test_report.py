@@ -246,7 +246,7 @@ def test_radii_that_the_map_suggests():
         p = p - h * 1e4 * q
         return q + h * p, p
 
-    report = symplint.check(step, 0.3, 0.0, h=1e-3, radius="auto")
+    report = symplint.check(step, 0.3, 0.0, typical_step=1e-3, radius="auto")
     assert report.kind == "symplectic"
     q, p = 0.03, 3.0
     assert np.isclose(report.points["initial"][0], np.pi * q * p, rtol=0.1)

@@ -154,7 +154,7 @@ def test_a_folder_that_cannot_be_used_is_an_input_error(tmp_path):
     with pytest.raises(symplint.InputError, match="not a journal"):
         symplint.check(_step, 1.0, 0.5, out=tmp_path, **SETTINGS)
     assert (tmp_path / "journal").read_text() == "notes of mine"
-    with pytest.raises(symplint.InputError, match="out is an empty path"):
+    with pytest.raises(symplint.InputError, match="run_dir is an empty path"):
         symplint.check(_step, 1.0, 0.5, out="", **SETTINGS)
 
 
@@ -185,5 +185,5 @@ def test_a_relative_folder_without_a_working_directory_is_an_input_error(tmp_pat
     gone.mkdir()
     monkeypatch.chdir(gone)
     gone.rmdir()
-    with pytest.raises(symplint.InputError, match="out is 'run', relative .* give an absolute path"):
+    with pytest.raises(symplint.InputError, match="run_dir is 'run', relative .* give an absolute path"):
         symplint.check(_step, 1.0, 0.5, out="run", **SETTINGS)
