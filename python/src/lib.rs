@@ -16,7 +16,7 @@
 //! | `loops`, `models` | loops, systems and integrators of the library |
 //! | `coordinates` | periods and weights |
 //! | `check`, `measure` | a diagnosis; a comparison of loops |
-//! | `report`, `html` | what was found |
+//! | `report` | what was found |
 //! | `error` | errors as exceptions |
 
 mod arrays;
@@ -26,7 +26,6 @@ mod check;
 mod coordinates;
 mod error;
 mod functions;
-mod html;
 mod loops;
 mod measure;
 mod memory;

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use serde::Deserialize;
 use symplint::{Diagnosis, Ensemble};
 use symplint_report::figures::{measure_figures, sizes};
+use symplint_report::page::Page;
 use symplint_report::provenance::{Provenance, Run};
 use symplint_report::report::{Report as JsonReport, read_evidence};
 use symplint_report::run_folder::RunFolder;
@@ -14,7 +15,6 @@ use symplint_report::table::{points_table, reasons};
 
 use crate::arrays;
 use crate::error::{input_error, other_error};
-use crate::html;
 
 /// The width of tables and paragraphs, in characters.
 const WIDTH: usize = 100;
@@ -75,16 +75,21 @@ impl Report {
         JsonReport::new(&self.config, &self.diagnosis, self.provenance.clone()).to_json()
     }
 
-    /// The page or a part of one: verdict, figure, table, evidence.
-    fn html(&self) -> String {
-        // Without a figure the table says the same.
-        let figures = sizes(&self.title, &self.diagnosis);
-        let figure = figures.first().and_then(|(_, figure)| figure.to_svg().ok());
-        html::fragment(
-            &self.diagnosis.verdict,
-            &points_table(&self.title, &self.diagnosis),
-            figure.as_deref(),
-        )
+    /// Calls `write` with what a page of HTML shows.
+    fn with_page<R>(&self, write: impl FnOnce(&Page<'_>) -> R) -> R {
+        let figures: Vec<(&'static str, String)> = sizes(&self.title, &self.diagnosis)
+            .into_iter()
+            // Without a figure the table says the same.
+            .filter_map(|(name, figure)| Some((name, figure.to_svg().ok()?)))
+            .collect();
+        write(&Page {
+            title: &self.title,
+            diagnosis: &self.diagnosis,
+            figures: &figures,
+            config: &config_text(&self.config),
+            provenance: &self.provenance,
+            json: &self.json(),
+        })
     }
 }
 
@@ -178,12 +183,12 @@ impl Report {
 
     /// A part of a page.
     fn fragment(&self) -> String {
-        self.html()
+        self.with_page(|page| page.fragment())
     }
 
     /// A page.
     fn to_html(&self) -> String {
-        html::page(&self.title, &self.html())
+        self.with_page(|page| page.to_html())
     }
 
     /// Writes report.json, report.html, points.csv, config.toml and figures into a folder. `before` and `after` are a
@@ -218,7 +223,7 @@ impl Report {
         let files = || {
             folder.write_config(&config_text(&self.config))?;
             folder.write_text("report.json", &(self.json() + "\n"))?;
-            folder.write_text("report.html", &html::page(&self.title, &self.html()))?;
+            folder.write_text("report.html", &self.with_page(|page| page.to_html()))?;
             folder.write_csv("points.csv", &self.diagnosis.points())
         };
         files().map_err(|error| error.to_string())?;

@@ -54,7 +54,8 @@ def test_html(report):
     # One file without references to others.
     assert not re.search(r'(src|href)="(?!#)', page)
     fragment = report._repr_html_()
-    assert "<html" not in fragment and fragment in page
+    assert "<html" not in fragment and "<style" not in fragment and "<svg" in fragment
+    assert "<h2>Jacobian</h2>" in fragment and "<h2>Jacobian</h2>" in page
 
     def tricky(q, p, h):
         return midpoint(q, p, h)

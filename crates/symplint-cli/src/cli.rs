@@ -420,7 +420,7 @@ pub struct Settings {
 /// Output and threads of a run.
 #[derive(Args)]
 pub struct Run {
-    /// Folder for the results: report.json, points.csv, figures/, config.toml with all defaults. It must be
+    /// Folder for the results: report.html, report.json, points.csv, figures/, config.toml with all defaults. It must be
     /// new or empty, or hold a run of the same configuration
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

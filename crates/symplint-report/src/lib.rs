@@ -7,6 +7,7 @@
 //! | module | holds |
 //! | --- | --- |
 //! | [`figure`] | figures as data, and their files: SVG and PNG |
+//! | [`page`] | a report as one page of HTML |
 //! | [`plot`] | parts of figures: axes, series, reference slopes, phase portraits |
 //! | [`figures`] | the figures of a diagnosis, of a trace and of loops from files |
 //! | [`table`] | tables of points and of the steps of a trace, and the text of a verdict |
@@ -19,6 +20,7 @@
 pub mod figure;
 pub mod figures;
 pub mod number;
+pub mod page;
 pub mod plot;
 pub mod provenance;
 pub mod report;

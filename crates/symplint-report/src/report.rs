@@ -44,6 +44,11 @@ impl<'a, C: Serialize> Report<'a, C> {
         }
     }
 
+    /// Where it comes from.
+    pub fn provenance(&self) -> &Provenance {
+        &self.provenance
+    }
+
     /// As text.
     pub fn to_json(&self) -> String {
         to_json(self)

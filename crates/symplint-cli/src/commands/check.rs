@@ -133,8 +133,8 @@ pub(super) fn diagnose(
     provenance.replayed = (journal.as_ref()).map_or(0, |journal| journal.replayed());
     let report = Report::new(&config.resolved, &diagnosis, provenance);
     if let Some(output) = &output {
-        let report = output.folder.write_json("report.json", &report);
-        written(report.map_err(Failure::from))?;
+        let json = output.folder.write_json("report.json", &report);
+        written(json.map_err(Failure::from))?;
         let title = format!("{}, {}", config.system.name, config.integrator);
         let sizes = diagnosis.points().into_iter().map(|point| point.step_size);
         // A map without a step size is called with 1.
@@ -148,6 +148,8 @@ pub(super) fn diagnose(
             largest,
             config.system.command.is_some(),
         );
+        let page = output.write_page(&title, &diagnosis, &report, &figures);
+        written(page.map_err(Failure::from))?;
         written(output.write_figures(figures, &[]).map_err(Failure::from))?;
         // On standard error: standard output may be JSON.
         if let Some(note) = note {

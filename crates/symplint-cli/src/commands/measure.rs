@@ -75,6 +75,7 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
         if let Some(largest) = largest {
             let (states, h) = (&largest.states, largest.step_size);
             let figures = measure_figures(&title, &diagnosis, &before.states, states, h);
+            output.write_page(&title, &diagnosis, &report, &figures)?;
             output.write_figures(figures, &[])?;
         }
     }

@@ -76,7 +76,7 @@ impl OccupiedError {
 }
 
 /// The files of `check`, `trace` and `measure` besides the configuration and the figures.
-pub const RECORDS: &[&str] = &["report.json", "points.csv"];
+pub const RECORDS: &[&str] = &["report.json", "report.html", "points.csv"];
 
 /// The evaluations of a costly map.
 pub const JOURNAL: &str = "journal";

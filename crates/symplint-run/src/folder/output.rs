@@ -7,8 +7,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use serde::Serialize;
 use serde_json::{Value, json};
+use symplint::Diagnosis;
 use symplint_report::figure::Figure;
+use symplint_report::page::Page;
+use symplint_report::report::Report;
 use symplint_report::run_folder::RunFolder;
 
 use super::earlier::{EarlierRun, JOURNAL, RECORDS, config_text, identity};
@@ -128,6 +132,31 @@ impl RunOutput {
             figure.save(&self.folder.figures(), name)?;
         }
         Ok(())
+    }
+
+    /// Writes `report.html`, which shows these figures, too.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write_page<C: Serialize>(
+        &self,
+        title: &str,
+        diagnosis: &Diagnosis,
+        report: &Report<'_, C>,
+        figures: &[(&'static str, Figure)],
+    ) -> Result<(), RunError> {
+        let figures: Vec<(&'static str, String)> = (figures.iter())
+            .filter_map(|(name, figure)| Some((*name, figure.to_svg().ok()?)))
+            .collect();
+        let page = Page {
+            title,
+            diagnosis,
+            figures: &figures,
+            config: &self.config,
+            provenance: report.provenance(),
+            json: &report.to_json(),
+        };
+        Ok(self.folder.write_text("report.html", &page.to_html())?)
     }
 
     /// Removes the files of an earlier run, except the files `kept`.
