@@ -153,7 +153,7 @@ pub enum What {
 /// Arguments of `check`.
 #[derive(Args)]
 pub struct CheckArgs {
-    /// The configuration; `symplint init SYSTEM` prints one to start from
+    /// The configuration, - for standard input, or the name of a system; `symplint init SYSTEM` prints one to start from
     pub config: PathBuf,
     /// Also take N steps of the largest size, and see whether the defect accumulates or returns
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
@@ -179,7 +179,7 @@ pub struct JudgeArgs {
     #[arg(long)]
     pub json: bool,
     /// Print only the headline of the verdict
-    #[arg(long)]
+    #[arg(short, long)]
     pub quiet: bool,
 }
 
@@ -212,7 +212,7 @@ pub struct AdvanceArgs {
     #[arg(long, value_name = "K/N", value_parser = part)]
     pub part: (usize, usize),
     /// Print nothing but errors
-    #[arg(long)]
+    #[arg(short, long)]
     pub quiet: bool,
 }
 
@@ -240,7 +240,7 @@ pub struct ResumeArgs {
 /// Arguments of `trace`.
 #[derive(Args)]
 pub struct TraceArgs {
-    /// The configuration; `symplint init SYSTEM` prints one to start from
+    /// The configuration, - for standard input, or the name of a system; `symplint init SYSTEM` prints one to start from
     pub config: PathBuf,
     /// Changes of the configuration.
     #[command(flatten)]
@@ -296,7 +296,7 @@ pub struct ReproduceArgs {
     #[arg(long)]
     pub json: bool,
     /// No progress bar
-    #[arg(long)]
+    #[arg(short, long)]
     pub quiet: bool,
     /// Number of threads; all cores if left out. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
@@ -334,7 +334,7 @@ pub struct LoopArgs {
     #[arg(long)]
     pub json: bool,
     /// Print the names of the files only, not how to go on
-    #[arg(long)]
+    #[arg(short, long)]
     pub quiet: bool,
     /// Number of threads; all cores if left out. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
@@ -422,7 +422,7 @@ pub struct Settings {
 pub struct Run {
     /// Folder for the results: report.html, report.json, points.csv, figures/, config.toml with all defaults. It must be
     /// new or empty, or hold a run of the same configuration
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace another run in that folder; files that symplint did not write are never replaced
     #[arg(long, requires = "out")]
@@ -439,7 +439,7 @@ pub struct Shown {
     #[arg(long)]
     pub json: bool,
     /// No progress bar and no table; only the verdict
-    #[arg(long)]
+    #[arg(short, long)]
     pub quiet: bool,
     /// Number of threads; all cores if left out. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]

@@ -76,15 +76,30 @@ impl Value {
     }
 }
 
-/// Reads a configuration file and applies `--set` settings in their order; later ones replace earlier ones.
-pub fn load(path: &Path, settings: &[String]) -> Result<Table, ConfigError> {
-    let text = std::fs::read_to_string(path).map_err(|error| {
-        ConfigError::new(
-            format!("cannot read {}: {error}", path.display()),
-            "give the path of a configuration; `symplint init SYSTEM` prints one to start from",
-        )
-    })?;
-    let mut table = parse(&path.display().to_string(), text)?;
+/// The text of a configuration, a file or standard input (`-`), and its name.
+pub fn read(path: &Path) -> Result<(String, String), ConfigError> {
+    let is_input = path == Path::new("-");
+    let name = match is_input {
+        true => "standard input".to_owned(),
+        false => path.display().to_string(),
+    };
+    let text = match is_input {
+        true => std::io::read_to_string(std::io::stdin()),
+        false => std::fs::read_to_string(path),
+    };
+    match text {
+        Ok(text) => Ok((name, text)),
+        Err(error) => Err(ConfigError::new(
+            format!("cannot read {name}: {error}"),
+            "give the path of a configuration, or the name of a system (`symplint list systems`); `symplint init SYSTEM` prints a \
+             configuration to start from",
+        )),
+    }
+}
+
+/// Parses a configuration and applies `--set` settings in their order; later ones replace earlier ones.
+pub fn load((name, text): (String, String), settings: &[String]) -> Result<Table, ConfigError> {
+    let mut table = parse(&name, text)?;
     for setting in settings {
         overlay(&mut table, parse_setting(setting)?);
     }

@@ -53,7 +53,8 @@ pub struct Config {
 }
 
 impl Config {
-    /// Reads a file, applies `--set` settings and builds the map and the loop.
+    /// Reads a file, or standard input if `path` is `-`, or takes the defaults of the system of that name; applies `--set` settings
+    /// and builds the map and the loop.
     ///
     /// # Errors
     /// The first error, with its position and the remedy.
@@ -72,7 +73,16 @@ impl Config {
         before_calls: impl FnOnce(&System, &toml::Table) -> Result<(), E>,
     ) -> Result<Self, E> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::build(document::load(path, settings)?, folder, before_calls)
+        // The name of a system stands for its configuration, unless a file has this name.
+        let system = SYSTEMS.iter().find(|of| Path::new(of.name) == path);
+        let source = match system.filter(|_| !path.exists()) {
+            Some(system) => {
+                let name = system.name;
+                (name.to_owned(), format!("[system]\nname = \"{name}\"\n"))
+            }
+            None => document::read(path)?,
+        };
+        Self::build(document::load(source, settings)?, folder, before_calls)
     }
 
     /// Relative paths of initial states start at `folder`.

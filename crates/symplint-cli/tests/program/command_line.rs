@@ -361,3 +361,41 @@ fn sentences_stay_whole_in_a_pipe() {
         "{said}"
     );
 }
+
+#[test]
+fn a_system_stands_for_its_configuration_and_a_dash_for_standard_input() {
+    let by_name = report(&["check", "henon-heiles", "--set", "diagnostic.budget=500"]);
+    assert_eq!(by_name["config"]["system"]["name"], "henon-heiles");
+    let input = "[system]\nname = \"henon-heiles\"\n\n[diagnostic]\nbudget = 500\n";
+    let mut command = Command::cargo_bin("symplint").unwrap();
+    let output = command.args(["check", "-", "--json"]).write_stdin(input);
+    let found: Value = serde_json::from_slice(&output.output().unwrap().stdout).unwrap();
+    assert_eq!(found["evidence"], by_name["evidence"]);
+    let output = symplint(&["check", "henon-heils"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("symplint list systems"));
+}
+
+#[test]
+fn short_options_write_a_folder_with_a_page() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("run");
+    let settings = [
+        "--set",
+        "integrator.name=rk2",
+        "--set",
+        "diagnostic.budget=500",
+    ];
+    let output = symplint(
+        &[
+            &["check", "pendulum", "-q", "-o", out.to_str().unwrap()],
+            &settings[..],
+        ]
+        .concat(),
+    );
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(text(&output.stdout).lines().count(), 1);
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("<header class=\"not-symplectic\">") && page.contains("<svg"));
+    assert!(page.len() < 500_000);
+}
