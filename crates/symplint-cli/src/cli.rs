@@ -253,7 +253,7 @@ pub struct TraceArgs {
 /// Arguments of `measure`.
 #[derive(Args)]
 pub struct MeasureArgs {
-    /// The loop before the step: .npz, .npy (loop_q.npy stands for the pair with loop_p.npy) or .csv
+    /// The loop before the step: .npz, .npy (loop_q.npy stands for the pair with loop_p.npy), .csv, .raw or .txt
     pub before: PathBuf,
     /// The loop after one step; several files for several step sizes
     #[arg(required = true)]
@@ -318,7 +318,8 @@ pub struct LoopArgs {
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub samples: Option<usize>,
     /// File to write: .npz holds q and p, and periods and weight if there are any; .npy is a pair of files,
-    /// loop_q.npy and loop_p.npy; .csv has columns q_0, q_1, …, p_0, p_1, …
+    /// loop_q.npy and loop_p.npy; .csv has columns q_0, q_1, …, p_0, p_1, …; .raw and .txt are one line `symplint h dof samples`
+    /// and the numbers of q_0, q_1, …, p_0, p_1, … as doubles or decimals
     #[arg(long, short, value_name = "FILE", default_value = "loop.npz")]
     pub output: PathBuf,
     /// Folder of the file

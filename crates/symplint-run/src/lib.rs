@@ -19,7 +19,7 @@ mod difference;
 mod folder;
 mod journal;
 
-pub use command::{CallsError, CommandError, CommandMap, Limits, stop_all};
+pub use command::{CallsError, CommandError, CommandMap, FileFormat, Limits, stop_all};
 pub use folder::{OccupiedError, Round, RunError, RunOutput, command_of, loop_file};
 pub use journal::{
     Call, Journal, JournalError, Key, Record, Request, key, read_round, records, write_round,

@@ -223,6 +223,18 @@ fn the_default_budget_is_that_of_codes_of_others() {
 }
 
 #[test]
+fn files_of_any_format_give_the_same_evidence() {
+    let of = |format: &str| {
+        let keys = format!("batch = 1000\nformat = \"{format}\"");
+        let bench = Bench::new("euler", &keys);
+        bench.report(&["--set", "diagnostic.budget=600"])["evidence"].clone()
+    };
+    let npz = of("npz");
+    assert_eq!(of("raw"), npz);
+    assert_eq!(of("text"), npz);
+}
+
+#[test]
 fn neither_workers_nor_batches_nor_threads_change_a_bit() {
     let budget = ["--set", "diagnostic.budget=600"];
     let of = |keys: &str, threads: &str| {

@@ -8,7 +8,7 @@ use std::time::Duration;
 use symplint::{Coordinates, TimeAdvance};
 use symplint_files::LoopFile;
 use symplint_models::Model;
-use symplint_run::{CommandMap, Limits};
+use symplint_run::{CommandMap, FileFormat, Limits};
 
 use super::given_map::NONE;
 use super::{System, SystemInfo};
@@ -44,6 +44,12 @@ pub const COMMAND: SystemInfo = SystemInfo {
             "p0",
             "[0.5]",
             "centre of the loop, momenta: a list, or a file with an array p",
+        ),
+        Key::new(
+            "format",
+            "\"npz\"",
+            "of the files: npz, raw (one line `symplint h dof samples`, then doubles, all q and then all p, by degree of freedom) or \
+             text (the same with decimals)",
         ),
         Key::new(
             "files",
@@ -102,6 +108,8 @@ pub const COMMAND: SystemInfo = SystemInfo {
         };
         let mut map = CommandMap::new(command, &runs_in, coordinates, limits(section)?)
             .map_err(|error| refused("command", error))?;
+        let format = section.choice("format", &FileFormat::NAMES)?;
+        map = map.with_format(FileFormat::named(format).unwrap_or_default());
         map = map.identified_by(section.texts("files")?);
         if let Some(keep) = section.optional_text("keep")? {
             let keep = folder.join(keep);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LoopFileError {
     /// The name does not end in that of a format.
-    #[error("{} must be .npz, .npy or .csv", path.display())]
+    #[error("{} must be .npz, .npy, .csv, .raw or .txt", path.display())]
     Format {
         /// The file.
         path: PathBuf,
@@ -159,6 +159,37 @@ pub enum LoopFileError {
         /// NaN or an infinity.
         value: f64,
     },
+    /// A `.raw` or `.txt` file with another first line.
+    #[error("{} does not begin with a line `symplint h dof samples`", path.display())]
+    Header {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A word that is no number.
+    #[error("{} has `{word}`, which is no number", path.display())]
+    Number {
+        /// The file.
+        path: PathBuf,
+        /// The word, or its beginning.
+        word: String,
+    },
+    /// More or fewer numbers than the first line promises.
+    #[error(
+        "{} has {there} numbers, and its first line promises {promised}: q and p of {dof} degrees of freedom at {samples} samples",
+        path.display()
+    )]
+    Numbers {
+        /// The file.
+        path: PathBuf,
+        /// Degrees of freedom.
+        dof: usize,
+        /// Samples.
+        samples: usize,
+        /// Numbers that the first line promises.
+        promised: usize,
+        /// Numbers there are.
+        there: usize,
+    },
     /// A table that does not describe a loop.
     #[error("{}, line {line}: {message}", path.display())]
     Table {
@@ -203,6 +234,15 @@ impl LoopFileError {
             LoopFileError::Count { expected, .. } => return format!("give {expected}"),
             LoopFileError::NotFinite { .. } => {
                 "look at the step there (samples and degrees of freedom are counted from 0)"
+            }
+            LoopFileError::Header { .. } => {
+                "write this line first, such as `symplint 0.5 2 256` for 256 samples of 2 degrees of freedom after a step of 0.5 (nan if \
+                 there was no step)"
+            }
+            LoopFileError::Number { .. } => "write decimals such as -1.5e-3 between blanks",
+            LoopFileError::Numbers { .. } => {
+                "write all samples of q_0, then of q_1 and so on, then of p_0 and so on: as doubles of 8 bytes (.raw) or as decimals \
+                 (.txt)"
             }
             LoopFileError::Table { .. } => {
                 "give columns q_0, q_1, …, p_0, p_1, … of numbers, separated by commas"

@@ -1,9 +1,10 @@
-//! Loops in files, for and from other codes: `.npz`, pairs of `.npy`, `.csv`.
+//! Loops in files, for and from other codes: `.npz`, pairs of `.npy`, `.csv`, and `.raw` and `.txt` for codes without libraries.
 
 mod array;
 mod error;
 mod npz;
 mod pair;
+mod plain;
 mod table;
 
 use std::fs;
@@ -12,6 +13,7 @@ use std::path::{Path, PathBuf};
 use symplint::{Ensemble, Snapshot};
 
 use crate::hashed_file::HashedFile;
+use plain::Numbers;
 
 pub use array::{Accept, Array};
 pub use error::LoopFileError;
@@ -45,6 +47,7 @@ enum Format {
     Npz,
     NpyPair,
     Csv,
+    Plain(Numbers),
 }
 
 impl Format {
@@ -54,6 +57,8 @@ impl Format {
             "npz" => Ok(Format::Npz),
             "npy" => Ok(Format::NpyPair),
             "csv" => Ok(Format::Csv),
+            "raw" => Ok(Format::Plain(Numbers::Raw)),
+            "txt" => Ok(Format::Plain(Numbers::Text)),
             _ => Err(LoopFileError::Format {
                 path: path.to_owned(),
             }),
@@ -68,7 +73,7 @@ fn paths_of(path: &Path, format: Format) -> Vec<PathBuf> {
             let (q, p) = pair::pair_of(path);
             vec![q, p]
         }
-        Format::Npz | Format::Csv => vec![path.to_owned()],
+        Format::Npz | Format::Csv | Format::Plain(_) => vec![path.to_owned()],
     }
 }
 
@@ -95,18 +100,22 @@ impl LoopFile {
             Format::Npz => npz::read(path, FEWEST_SAMPLES),
             Format::NpyPair => pair::read(path),
             Format::Csv => table::read(path),
+            Format::Plain(numbers) => plain::read(path, numbers, FEWEST_SAMPLES),
         }?;
         file.check_finite()?;
         Ok(file)
     }
 
-    /// Reads states from an `.npz` file that need not be a loop: one or more.
+    /// Reads states from an `.npz`, `.raw` or `.txt` file that need not be a loop: one or more.
     ///
     /// # Errors
     /// The first thing that is wrong, with the file and the remedy.
     pub fn read_states(path: &Path) -> Result<Self, LoopFileError> {
         check_regular(path)?;
-        let file = npz::read(path, 1)?;
+        let file = match Format::of(path)? {
+            Format::Plain(numbers) => plain::read(path, numbers, 1),
+            _ => npz::read(path, 1),
+        }?;
         file.check_finite()?;
         Ok(file)
     }
@@ -120,6 +129,7 @@ impl LoopFile {
             Format::Npz => npz::write(self),
             Format::NpyPair => pair::write(self),
             Format::Csv => table::write(self),
+            Format::Plain(numbers) => plain::write(self, numbers),
         }
     }
 

@@ -35,6 +35,43 @@ pub struct Program {
     pub command: Vec<String>,
     /// The folder in which it is run.
     pub folder: PathBuf,
+    /// How it reads and writes states.
+    pub format: FileFormat,
+}
+
+/// The format of the files that a program reads and writes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FileFormat {
+    /// Archives of arrays, as numpy writes them.
+    #[default]
+    Npz,
+    /// One line, and little-endian doubles: for programs without libraries.
+    Raw,
+    /// One line, and decimals.
+    Text,
+}
+
+impl FileFormat {
+    /// The names of the formats, in their order.
+    pub const NAMES: [&str; 3] = ["npz", "raw", "text"];
+
+    /// The format of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        let formats = [FileFormat::Npz, FileFormat::Raw, FileFormat::Text];
+        let mut named = Self::NAMES.into_iter().zip(formats);
+        named
+            .find(|(other, _)| *other == name)
+            .map(|(_, format)| format)
+    }
+
+    /// The ending of the names of its files.
+    fn extension(self) -> &'static str {
+        match self {
+            FileFormat::Npz => "npz",
+            FileFormat::Raw => "raw",
+            FileFormat::Text => "txt",
+        }
+    }
 }
 
 /// A call of a program with a step size.
@@ -58,7 +95,8 @@ impl Call<'_> {
     ) -> Result<Ensemble, CallFailure> {
         let folder = workspace.folder_of_call()?;
         let path = |name: &str| folder.path().join(name);
-        let (before, after) = (self.before(path("before.npz"), states), path("after.npz"));
+        let file = |name: &str| path(&format!("{name}.{}", self.program.format.extension()));
+        let (before, after) = (self.before(file("before"), states), file("after"));
         let streams = [path("error.txt"), path("output.txt")];
         before.write().map_err(|error| match error {
             LoopFileError::Write { path, reason } => CallsError::of_file(&path, &reason),

@@ -20,6 +20,7 @@ use std::time::Duration;
 use symplint::map::Prefetch;
 use symplint::{Block, Coordinates, Ensemble, StepFailure, TimeAdvance};
 
+pub use call::FileFormat;
 pub use error::{CallsError, CommandError};
 pub use stop::stop_all;
 
@@ -82,6 +83,7 @@ impl CommandMap {
             program: Program {
                 command,
                 folder: folder.to_owned(),
+                format: FileFormat::default(),
             },
             coordinates,
             slots: Slots::new(limits.workers.get()),
@@ -93,6 +95,12 @@ impl CommandMap {
             hashed: OnceLock::new(),
             failure: OnceLock::new(),
         })
+    }
+
+    /// The same program, which reads and writes files of this format.
+    pub fn with_format(mut self, format: FileFormat) -> Self {
+        self.program.format = format;
+        self
     }
 
     /// The same program, identified also by the contents of these files, in the folder in which it runs.
@@ -187,7 +195,9 @@ impl CommandMap {
     /// # Errors
     /// If one cannot be read.
     pub fn identity(&self) -> Result<Vec<(&str, &str)>, CallsError> {
-        let Program { command, folder } = &self.program;
+        let Program {
+            command, folder, ..
+        } = &self.program;
         let paths = std::env::var_os("PATH");
         // A program that is not there is reported by its first call.
         let program = which::which_in(&command[0], paths, folder).ok();
