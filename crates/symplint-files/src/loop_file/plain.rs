@@ -34,8 +34,10 @@ impl Header {
     /// From a line; `None` if it is another one.
     fn of(line: &str) -> Option<Self> {
         let mut words = line.split_whitespace();
-        let header = (words.next() == Some(NAME)).then_some(())?;
-        let ((), h, dof, samples) = (header, words.next()?, words.next()?, words.next()?);
+        if words.next() != Some(NAME) {
+            return None;
+        }
+        let (h, dof, samples) = (words.next()?, words.next()?, words.next()?);
         // Fortran writes 1.5D0 and 1.5E+00.
         let h = h.replace(['d', 'D'], "e").parse().ok()?;
         let header = Header {
