@@ -266,6 +266,19 @@ pub enum Error {
         /// The largest difference of a coordinate between Φ(q + P, p) and Φ(q, p) + (P, 0).
         difference: f64,
     },
+    /// A stated period is not one of a force or a vector field.
+    #[error(
+        "{period:?} is not a period of the force in q[{dof}]: at two positions that differ by it, the work over the radius of a \
+         loop differs by {difference:.1e}; correct the period, or leave it out"
+    )]
+    NotAPeriodOfForce {
+        /// Degree of freedom.
+        dof: usize,
+        /// The stated period.
+        period: f64,
+        /// The largest difference of a component times the radius of its coordinate.
+        difference: f64,
+    },
     /// The loop is smaller than the rounding of its states.
     #[error(
         "the loop is lost in rounding where it lies: its loop integral is {integral:e}, of which double \

@@ -47,6 +47,7 @@ pub mod breaks;
 pub mod diagnosis;
 pub mod error;
 pub mod evidence;
+pub mod field;
 pub mod jacobian;
 pub mod loops;
 pub mod map;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The modules of this crate, from the ground up: each may import from those before it.
-const MODULES: [&str; 14] = [
+const MODULES: [&str; 15] = [
     "error",
     "signal",
     "state",
@@ -13,6 +13,7 @@ const MODULES: [&str; 14] = [
     "map",
     "breaks",
     "rules",
+    "field",
     "jacobian",
     "trace",
     "evidence",

@@ -1,5 +1,7 @@
 //! Loops made of a few Fourier modes.
 
+use std::f64::consts::TAU;
+
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
@@ -100,6 +102,67 @@ impl FourierLoop {
         })
     }
 
+    /// The ellipse q0 + u_q cos 2πs + v_q sin 2πs, and likewise in p, for two vectors u and v of d positions and d momenta each.
+    pub(crate) fn ellipse(
+        (q0, p0): (Vec<f64>, Vec<f64>),
+        [u_q, u_p]: [&[f64]; 2],
+        [v_q, v_p]: [&[f64]; 2],
+    ) -> Self {
+        let mode = (0..q0.len()).map(|i| Amplitudes {
+            q: (u_q[i], v_q[i]),
+            p: (u_p[i], v_p[i]),
+        });
+        FourierLoop {
+            modes: vec![mode.collect()],
+            q0,
+            p0,
+            winding: None,
+        }
+    }
+
+    /// Writes dγ/ds at `s[k]` into sample k of `block`, as [`sample`](Loop::sample) writes γ.
+    pub(crate) fn velocity(&self, s: &[f64], block: &mut Block<'_>) {
+        block.q.fill(0.0);
+        block.p.fill(0.0);
+        if let Some((dof, period)) = self.winding {
+            block.q.row_mut(dof).fill(period);
+        }
+        self.add_modes(s, block, |mode, (of_cos, of_sin)| {
+            let rate = TAU * mode as f64;
+            (rate * of_sin, -rate * of_cos)
+        });
+    }
+
+    /// Adds all modes at `s`, with the amplitudes of cosine and sine that `amplitudes` makes of those of a mode m.
+    fn add_modes(
+        &self,
+        s: &[f64],
+        block: &mut Block<'_>,
+        amplitudes: impl Fn(usize, (f64, f64)) -> (f64, f64),
+    ) {
+        let n = s.len();
+        scratch::with_buffer(2 * n, |buffer| {
+            let (sin, cos) = buffer.split_at_mut(n);
+            for (m, mode) in self.modes.iter().enumerate() {
+                for (k, &s) in s.iter().enumerate() {
+                    (sin[k], cos[k]) = sin_cos_turn((m + 1) as f64 * s);
+                }
+                for (i, of_dof) in mode.iter().enumerate() {
+                    let rows = [
+                        (block.q.row_mut(i), of_dof.q),
+                        (block.p.row_mut(i), of_dof.p),
+                    ];
+                    for (row, of_row) in rows {
+                        let (of_cos, of_sin) = amplitudes(m + 1, of_row);
+                        for k in 0..n {
+                            row[k] += of_cos * cos[k] + of_sin * sin[k];
+                        }
+                    }
+                }
+            }
+        });
+    }
+
     /// The same loop, but for position `dof`, which gains `period` on the way round: of a map that knows it
     /// as a period, a closed loop that cannot be contracted.
     ///
@@ -128,7 +191,6 @@ impl Loop for FourierLoop {
     }
 
     fn sample(&self, s: &[f64], block: &mut Block<'_>) {
-        let n = s.len();
         for i in 0..self.dof() {
             block.q.row_mut(i).fill(self.q0[i]);
             block.p.row_mut(i).fill(self.p0[i]);
@@ -138,25 +200,7 @@ impl Loop for FourierLoop {
                 *q += period * s;
             }
         }
-        scratch::with_buffer(2 * n, |buffer| {
-            let (sin, cos) = buffer.split_at_mut(n);
-            for (m, mode) in self.modes.iter().enumerate() {
-                for (k, &s) in s.iter().enumerate() {
-                    (sin[k], cos[k]) = sin_cos_turn((m + 1) as f64 * s);
-                }
-                for (i, amplitudes) in mode.iter().enumerate() {
-                    let rows = [
-                        (block.q.row_mut(i), amplitudes.q),
-                        (block.p.row_mut(i), amplitudes.p),
-                    ];
-                    for (row, (of_cos, of_sin)) in rows {
-                        for k in 0..n {
-                            row[k] += of_cos * cos[k] + of_sin * sin[k];
-                        }
-                    }
-                }
-            }
-        });
+        self.add_modes(s, block, |_, amplitudes| amplitudes);
     }
 }
 
@@ -204,6 +248,25 @@ mod tests {
         assert!((gained + 20.0).abs() < 1e-13, "{gained}");
         assert!(random(11).winding(3, 20.0).is_err());
         assert!(random(11).winding(0, 0.0).is_err());
+    }
+
+    #[test]
+    fn the_velocity_is_the_derivative() {
+        let phase_loop = random(7).winding(1, 20.0).unwrap();
+        let at = |s: f64| {
+            let mut state = Ensemble::zeros(3, 1);
+            phase_loop.sample(&[s], &mut state.block());
+            state
+        };
+        let mut velocity = Ensemble::zeros(3, 1);
+        phase_loop.velocity(&[0.3], &mut velocity.block());
+        let (ahead, behind) = (at(0.3 + 1e-6), at(0.3 - 1e-6));
+        for i in 0..3 {
+            let of_q = (ahead.q().row(i)[0] - behind.q().row(i)[0]) / 2e-6;
+            let of_p = (ahead.p().row(i)[0] - behind.p().row(i)[0]) / 2e-6;
+            assert!((velocity.q().row(i)[0] - of_q).abs() < 1e-7, "{of_q}");
+            assert!((velocity.p().row(i)[0] - of_p).abs() < 1e-7, "{of_p}");
+        }
     }
 
     #[test]

@@ -1,0 +1,93 @@
+//! All numbers that decide in a test of a force or a vector field.
+
+/// A loop integral this many times its error is not zero. Conventional, and the same as the judge of maps has.
+pub(super) const SIGNIFICANT: f64 = 10.0;
+
+/// Errors are counted this many times what samples show of them: of white noise and of jumps, they show its size. Conventional.
+pub(super) const SAFETY: f64 = 4.0;
+
+/// Roundings of the terms of one state. Calibrated: sums over many coordinates in double precision scatter by less.
+pub(super) const ROUNDINGS: f64 = 4.0;
+
+/// Noise of a state below this many roundings of its terms is rounding in double precision, which is independent from state to state.
+/// Calibrated: forces between tens of particles have 1 to 10.
+pub(super) const ROUNDING_NOISE: f64 = 64.0;
+
+/// Antisymmetric parts below this are not attributed to a force: constants of a force are rounded, too. Derived: about a
+/// hundred roundings.
+pub(super) const LEAST_CURL: f64 = 2e-14;
+
+/// Digits that a gradient has at least. Conventional: forces that are a gradient to fewer digits heat a simulation visibly.
+pub(super) const FEWEST_DIGITS: f64 = 3.0;
+
+/// Samples of a loop at first: a loop on which a force is nearly linear has few modes.
+pub(super) const FIRST_SAMPLES: usize = 32;
+
+/// Samples of a small ellipse at first.
+pub(super) const FIRST_OF_PAIR: usize = 16;
+
+/// Samples of a loop at most.
+pub(super) const MOST_SAMPLES: usize = 1 << 16;
+
+/// A loop across which the force jumps has enough samples if its integral is zero within this part of its scale. Conventional: a
+/// digit more than a gradient has at least; each further factor of two takes twice the evaluations.
+pub(super) const ENOUGH_ACROSS_JUMPS: f64 = 1e-4;
+
+/// Samples of a small ellipse at most.
+pub(super) const MOST_OF_PAIR: usize = 128;
+
+/// Half axes of an ellipse, as a part of the radius of a loop. Conventional: the force is more linear there, and differences are
+/// still far above rounding.
+pub(super) const PART_OF_RADIUS: f64 = 0.25;
+
+/// Coordinates up to which all pairs of them are tested. Conventional: 15 pairs.
+pub(super) const ALL_PAIRS_UP_TO: usize = 6;
+
+/// Random pairs of directions beyond. Conventional: they give λ to about a quarter.
+pub(super) const RANDOM_PAIRS: usize = 6;
+
+/// Loops that wind around a period at most.
+pub(super) const MOST_WINDING: usize = 8;
+
+/// The largest part of the change of a force along a loop of radius "auto" that is not linear. Conventional: 64 samples resolve
+/// such a loop to rounding.
+pub(super) const MOST_NONLINEAR: f64 = 0.25;
+
+/// The first radius tried, as a part of the size of the centre. Conventional.
+pub(super) const PART_OF_CENTRE: f64 = 0.1;
+
+/// With radius "auto", every second loop is this many times as large, but no larger than the first radius tried: cut-offs lie
+/// beyond the region where a force is nearly linear. Conventional: atoms then move as far as they vibrate.
+pub(super) const WIDE: f64 = 4.0;
+
+/// Halvings of that radius: far enough for an origin that is a million times as far away as the force changes.
+pub(super) const HALVINGS: usize = 24;
+
+/// States that are evaluated again, in reverse order and two of them alone.
+pub(super) const AGAIN: usize = 6;
+
+/// Evaluations that a test needs at least: one loop, and what is made before it.
+pub(super) const LEAST_BUDGET: usize = 100;
+
+/// Evaluations that each loop should have. Derived: two doublings of the first samples.
+pub(super) const OF_A_LOOP: usize = 4 * FIRST_SAMPLES;
+
+/// Coefficients of a loop that decay slower than m to this power have jumps: those of a jump decay as 1/m, of a kink as 1/m².
+pub(super) const DECAY_OF_JUMPS: f64 = 1.5;
+
+/// Jumps below this part of the change of the force may come from a solver that stops at a tolerance. Conventional: the loosest
+/// tolerance in use.
+pub(super) const LOOSEST_TOLERANCE: f64 = 1e-4;
+
+/// The part of the change between two samples that one jump makes at least. Conventional: tens of pairs may cross a cut-off between two
+/// samples; what is continuous leaves 2^-40.
+pub(super) const PART_OF_JUMP: f64 = 0.02;
+
+/// Steps of the bisection of a jump: down to 2^-40 of a sample's distance.
+pub(super) const BISECTIONS: usize = 40;
+
+/// The rates of damping that loops show agree if they differ by less than this part. Conventional.
+pub(super) const SAME_RATE: f64 = 0.01;
+
+/// Numbers in the states that are evaluated in one call: 64 MiB.
+pub(super) const VALUES_AT_ONCE: usize = 1 << 23;
