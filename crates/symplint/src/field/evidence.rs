@@ -4,6 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::limits::{LEAST_CURL, LOOSEST_TOLERANCE, SIGNIFICANT};
+
 /// What is tested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -96,6 +98,11 @@ impl LoopWork {
         self.quadrature_error + self.noise
     }
 
+    /// Whether the integral is not zero, but for what rounded constants of the force make of it.
+    pub(super) fn is_clear(&self) -> bool {
+        self.integral.abs() > SIGNIFICANT * self.error() && self.relative() > LEAST_CURL
+    }
+
     /// The integral over the scale.
     pub fn relative(&self) -> f64 {
         ratio(self.integral.abs(), self.scale)
@@ -165,12 +172,30 @@ pub struct FieldEvidence {
     pub worst: Option<WorstPair>,
     /// The rate γ by which a vector field damps uniformly, with its error, if all loops show the same one.
     pub damping: Option<(f64, f64)>,
+    /// Whether larger loops were searched for jumps of a solver, which is done if all that speaks against a gradient is small.
+    pub is_searched: bool,
     /// What was not tested because the budget was spent.
     pub omitted: Vec<Omitted>,
     /// States at which the force was evaluated.
     pub evaluations: usize,
     /// The most that were allowed.
     pub budget: usize,
+}
+
+impl FieldEvidence {
+    /// The largest jump of the power along a random loop, relative to its scale; 0 if there is none.
+    pub(super) fn jumps(&self) -> f64 {
+        let random = self.loops.iter();
+        let random = random.filter(|work| work.kind == LoopKind::Random);
+        let jumps = random.filter_map(|work| Some(work.jumps? / work.scale));
+        jumps.fold(0.0, f64::max)
+    }
+
+    /// Whether some loop integral is not zero, but all are as small as an iteration that stops at a tolerance leaves them.
+    pub(super) fn is_small(&self) -> bool {
+        let mut clear = self.loops.iter().filter(|work| work.is_clear()).peekable();
+        clear.peek().is_some() && clear.all(|work| work.relative() < LOOSEST_TOLERANCE)
+    }
 }
 
 /// A part of the test that was left out.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::evidence::{FieldEvidence, FieldKind, LoopKind, LoopWork};
-use super::limits::{FEWEST_DIGITS, LEAST_CURL, LOOSEST_TOLERANCE, SIGNIFICANT};
+use super::limits::{FEWEST_DIGITS, LARGEST_OF_SOLVER, LOOSEST_TOLERANCE, OF_JUMPS};
 
 /// The answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -57,6 +57,8 @@ pub enum Certainty {
     WorkAroundPeriod(usize),
     /// A loop integral is not zero, and no larger than jumps of a solver's tolerance make it.
     Tolerance(usize),
+    /// The same of a smooth force, and the budget was too small to search for such jumps.
+    Small(usize),
     /// A loop integral is not zero, and the force has a part that is too steep for the samples.
     Steep(usize),
     /// A loop integral of a force of one position is not zero: the force is no function of the position.
@@ -130,44 +132,55 @@ fn largest<'e>(
         .map(|(index, _)| index)
 }
 
+/// `otherwise`, unless an iteration that stops at a tolerance may have made the integral of a loop.
+fn unless_of_solver(evidence: &FieldEvidence, index: usize, otherwise: Certainty) -> Certainty {
+    let jumps = evidence.jumps();
+    let relative = evidence.loops[index].relative();
+    match () {
+        () if !evidence.is_small() => otherwise,
+        () if jumps > 0.0 && jumps < LARGEST_OF_SOLVER && relative <= OF_JUMPS * jumps => {
+            Certainty::Tolerance(index)
+        }
+        () if !evidence.is_searched && jumps == 0.0 => Certainty::Small(index),
+        () => otherwise,
+    }
+}
+
 fn judge(evidence: &FieldEvidence) -> (Certainty, Option<f64>) {
     let loops = || evidence.loops.iter().enumerate();
     let winds = |work: &LoopWork| matches!(work.kind, LoopKind::Winding { .. });
-    let is_work = |work: &LoopWork| {
-        work.integral.abs() > SIGNIFICANT * work.error() && work.relative() > LEAST_CURL
-    };
     let certainty = |work: &LoopWork| work.integral.abs() / work.error();
     let one_position = evidence.kind == FieldKind::Force && evidence.moving == 1;
     // Results that differ for the same state may be anything.
     let differs = evidence.repetitions > 10_f64.powf(-FEWEST_DIGITS);
-    let significant = || loops().filter(|(_, work)| is_work(work) && !winds(work));
+    let significant = || loops().filter(|(_, work)| work.is_clear() && !winds(work));
     // A loop without jumps is the best witness.
     let smooth = significant().filter(|(_, work)| work.jumps.is_none() && !work.is_steep);
     if let Some(index) = largest(smooth, certainty) {
-        return match (one_position, differs) {
-            (true, _) => (Certainty::NoFunction(index), None),
-            (false, true) => (Certainty::Repetitions, None),
-            (false, false) => (Certainty::Work(index), None),
-        };
-    }
-    if let Some(index) = largest(significant(), certainty) {
-        let work = &evidence.loops[index];
-        let jumps = work.jumps.unwrap_or(0.0) / work.scale;
         let found = match () {
             () if one_position => Certainty::NoFunction(index),
             () if differs => Certainty::Repetitions,
-            () if work.is_steep => Certainty::Steep(index),
-            () if jumps < LOOSEST_TOLERANCE => Certainty::Tolerance(index),
+            () => unless_of_solver(evidence, index, Certainty::Work(index)),
+        };
+        return (found, None);
+    }
+    if let Some(index) = largest(significant(), certainty) {
+        let found = match () {
+            () if one_position => Certainty::NoFunction(index),
+            () if differs => Certainty::Repetitions,
+            () if evidence.loops[index].is_steep => Certainty::Steep(index),
+            () if evidence.jumps() < LOOSEST_TOLERANCE => Certainty::Tolerance(index),
             () => Certainty::WorkAcrossJumps(index),
         };
         return (found, None);
     }
     let around = || loops().filter(|(_, work)| winds(work));
-    if let Some(index) = largest(around().filter(|(_, work)| is_work(work)), certainty) {
-        return match differs {
-            true => (Certainty::Repetitions, None),
-            false => (Certainty::WorkAroundPeriod(index), None),
+    if let Some(index) = largest(around().filter(|(_, work)| work.is_clear()), certainty) {
+        let found = match differs {
+            true => Certainty::Repetitions,
+            false => unless_of_solver(evidence, index, Certainty::WorkAroundPeriod(index)),
         };
+        return (found, None);
     }
     if differs {
         return (Certainty::Repetitions, None);

@@ -69,19 +69,35 @@ pub(super) const AGAIN: usize = 6;
 /// Evaluations that a test needs at least: one loop, and what is made before it.
 pub(super) const LEAST_BUDGET: usize = 100;
 
-/// Evaluations that each loop should have. Derived: two doublings of the first samples.
-pub(super) const OF_A_LOOP: usize = 4 * FIRST_SAMPLES;
+/// Evaluations that each loop should have. Derived: one doubling of the first samples, which a smooth force takes.
+pub(super) const OF_A_LOOP: usize = 2 * FIRST_SAMPLES;
 
 /// Coefficients of a loop that decay slower than m to this power have jumps: those of a jump decay as 1/m, of a kink as 1/m².
 pub(super) const DECAY_OF_JUMPS: f64 = 1.5;
 
-/// Jumps below this part of the change of the force may come from a solver that stops at a tolerance. Conventional: the loosest
-/// tolerance in use.
-pub(super) const LOOSEST_TOLERANCE: f64 = 1e-4;
+/// Curls below this part of the scale may come from a solver that stops at a tolerance. Conventional: the loosest tolerance in use.
+pub(super) const LOOSEST_TOLERANCE: f64 = 1e-3;
+
+/// Jumps beside such a curl may come from the same solver if they are smaller than this. Conventional: ten times the tolerance, as a loop
+/// has more than one.
+pub(super) const LARGEST_OF_SOLVER: f64 = 1e-2;
 
 /// The part of the change between two samples that one jump makes at least. Conventional: tens of pairs may cross a cut-off between two
 /// samples; what is continuous leaves 2^-40.
 pub(super) const PART_OF_JUMP: f64 = 0.02;
+
+/// A curl that is no larger than this many times the jumps of a solver comes from the solver. Derived: the error at which it stops is
+/// up to 1/(1 − ρ) times its last change, and converging iterations have ρ below 0.97.
+pub(super) const OF_JUMPS: f64 = 32.0;
+
+/// Loops on which the jumps of a solver are searched, in units of the widest loop.
+pub(super) const FACTORS_FOR_SOLVERS: [f64; 3] = [2.0, 8.0, 32.0];
+
+/// Samples of each of them at most. Conventional.
+pub(super) const MOST_FOR_SOLVERS: usize = 2048;
+
+/// Evaluations of each of them at least. Derived: three doublings of the first samples show the decay of jumps.
+pub(super) const LEAST_FOR_SOLVERS: usize = 8 * FIRST_SAMPLES;
 
 /// Steps of the bisection of a jump: down to 2^-40 of a sample's distance.
 pub(super) const BISECTIONS: usize = 40;

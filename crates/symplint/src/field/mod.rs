@@ -38,7 +38,8 @@ use crate::map::{EvaluationCount, Evaluator, PerSample, TimeAdvance, states_at};
 use crate::state::Ensemble;
 use integrand::Integrand;
 use limits::{
-    FIRST_OF_PAIR, FIRST_SAMPLES, LEAST_BUDGET, MOST_SAMPLES, MOST_WINDING, OF_A_LOOP, RANDOM_PAIRS,
+    FACTORS_FOR_SOLVERS, FIRST_OF_PAIR, FIRST_SAMPLES, LEAST_BUDGET, LEAST_FOR_SOLVERS,
+    MOST_FOR_SOLVERS, MOST_SAMPLES, MOST_WINDING, OF_A_LOOP, RANDOM_PAIRS,
 };
 use pairs::Pairs;
 use radius::Reach;
@@ -212,6 +213,7 @@ impl FieldTest {
             curl: None,
             worst: None,
             damping: None,
+            is_searched: false,
             omitted: Vec::new(),
             evaluations: 0,
             budget: self.budget,
@@ -325,9 +327,13 @@ impl FieldTest {
             evidence.omitted.push(Omitted::Periods { count });
         }
         // Pairs take a part of the budget that they surely need.
-        let of_pairs = 2 * FIRST_OF_PAIR * RANDOM_PAIRS;
-        let left = evaluator.count().left().saturating_sub(of_pairs);
-        let loops = self.loops.min((left / OF_A_LOOP).max(1));
+        let of_pairs = match integrand.moving() {
+            1 => 0,
+            _ => 2 * FIRST_OF_PAIR * RANDOM_PAIRS,
+        };
+        let left = evaluator.count().left();
+        let for_loops = left - of_pairs.min(left / 3);
+        let loops = self.loops.min((for_loops / OF_A_LOOP).max(1));
         if loops < self.loops {
             let count = self.loops - loops;
             evidence.omitted.push(Omitted::Loops { count });
@@ -335,8 +341,7 @@ impl FieldTest {
         let total = loops + winding;
         let share = |done: usize| {
             let left = evaluator.count().left();
-            // A half of what is left beyond a small budget is for later.
-            left.saturating_sub(of_pairs.min(left / 3)) / (total - done).max(1)
+            (left - of_pairs.min(left / 3)) / (total - done).max(1)
         };
         evidence
             .loops
@@ -347,6 +352,9 @@ impl FieldTest {
                 let begun = Integration::begin(integrand, &phase_loop, FIRST_SAMPLES)?;
                 begun.finish(LoopKind::Random, known, (MOST_SAMPLES, share(k)))
             };
+            if evaluator.count().left() < FIRST_SAMPLES {
+                break;
+            }
             let factor = if k % 2 == 1 { wide } else { 1.0 };
             let work = match measure(factor) {
                 // Far away the force need not exist.
@@ -381,6 +389,7 @@ impl FieldTest {
             around: &around,
             known,
             seed: self.seed,
+            takes_all: Pairs::all(integrand),
         };
         let found = pairs.run()?;
         if found.is_empty() && integrand.moving() > 1 {
@@ -390,6 +399,29 @@ impl FieldTest {
         evidence.worst = pairs.worst(&found)?;
         evidence.loops.extend(found);
         evidence.damping = damping(evidence);
+        // Jumps of a solver, where the number of its iterations changes, may lie farther away.
+        if evidence.is_small() && evidence.jumps() == 0.0 {
+            for factor in FACTORS_FOR_SOLVERS {
+                let factor = factor * wide;
+                let share = evaluator.count().left() / FACTORS_FOR_SOLVERS.len();
+                if share < LEAST_FOR_SOLVERS {
+                    break;
+                }
+                evidence.is_searched = true;
+                let phase_loop = random(total, factor)?;
+                let begun = Integration::begin(integrand, &phase_loop, FIRST_SAMPLES);
+                let most = (MOST_FOR_SOLVERS, share - FIRST_SAMPLES);
+                match begun.and_then(|begun| begun.finish(LoopKind::Random, known, most)) {
+                    Err(error) if error.is_of_map() => break,
+                    found => evidence.loops.push(found?),
+                }
+                let (least, _) = evidence.radius;
+                evidence.radius = (least, range(&integrand.radius).1 * factor);
+                if evidence.jumps() > 0.0 {
+                    break;
+                }
+            }
+        }
         Ok(())
     }
 }
@@ -409,12 +441,11 @@ fn range(radius: &[f64]) -> (f64, f64) {
 
 /// The rate that all random loops show.
 fn damping(evidence: &FieldEvidence) -> Option<(f64, f64)> {
-    let clear = |work: &&LoopWork| work.integral.abs() > limits::SIGNIFICANT * work.error();
     let random = || {
         let loops = evidence.loops.iter();
         loops.filter(|work| work.kind == LoopKind::Random)
     };
-    if evidence.kind == FieldKind::Force || !random().all(|work| clear(&work)) {
+    if evidence.kind == FieldKind::Force || !random().all(LoopWork::is_clear) {
         return None;
     }
     // ∮ p·dq changes at the rate ∮ (f_p·dq − f_q·dp).

@@ -6,9 +6,7 @@
 
 use super::evidence::{CoordinateName, Curl, LoopKind, LoopWork, WorstPair};
 use super::integrand::Integrand;
-use super::limits::{
-    ALL_PAIRS_UP_TO, FIRST_OF_PAIR, MOST_OF_PAIR, PART_OF_RADIUS, RANDOM_PAIRS, SIGNIFICANT,
-};
+use super::limits::{ALL_PAIRS_UP_TO, FIRST_OF_PAIR, MOST_OF_PAIR, PART_OF_RADIUS, RANDOM_PAIRS};
 use super::radius::direction;
 use super::work::{Integration, Known};
 use crate::error::Error;
@@ -25,6 +23,8 @@ pub(super) struct Pairs<'a> {
     pub around: &'a FourierLoop,
     pub known: Known,
     pub seed: u64,
+    /// Whether all pairs of coordinates are tested, and not random directions.
+    pub takes_all: bool,
 }
 
 /// Two directions at a point, in units of the radii.
@@ -36,9 +36,11 @@ struct Pair {
 }
 
 impl Pairs<'_> {
-    /// Whether all pairs of coordinates are tested.
-    fn takes_all(&self) -> bool {
-        self.integrand.moving() <= ALL_PAIRS_UP_TO
+    /// Pairs of the coordinates that loops move, if they are few and the budget allows them all.
+    pub fn all(integrand: &Integrand<'_>) -> bool {
+        let moving = integrand.moving();
+        moving <= ALL_PAIRS_UP_TO
+            && moving * (moving - 1) / 2 * FIRST_OF_PAIR <= integrand.evaluator.count().left()
     }
 
     fn name(&self, c: usize) -> CoordinateName {
@@ -54,7 +56,7 @@ impl Pairs<'_> {
         if moving.len() < 2 {
             return Vec::new();
         }
-        if self.takes_all() {
+        if self.takes_all {
             let of_first = |k: usize| moving[k + 1..].iter().map(move |&c| (k, c));
             let pairs = (0..moving.len()).flat_map(of_first);
             return pairs
@@ -130,15 +132,12 @@ impl Pairs<'_> {
         let pairs = self.pairs();
         let mut found = Vec::with_capacity(pairs.len());
         for (k, pair) in pairs.iter().enumerate() {
-            let share = self.integrand.evaluator.count().left() / (pairs.len() - k);
-            if share < FIRST_OF_PAIR {
+            let left = self.integrand.evaluator.count().left();
+            if left < FIRST_OF_PAIR {
                 break;
             }
-            found.push(self.measure(pair, share - FIRST_OF_PAIR)?);
-        }
-        // Some of all pairs are no random sample.
-        if self.takes_all() && found.len() < pairs.len() {
-            found.clear();
+            let share = left / (pairs.len() - k);
+            found.push(self.measure(pair, share.saturating_sub(FIRST_OF_PAIR))?);
         }
         Ok(found)
     }
@@ -146,7 +145,7 @@ impl Pairs<'_> {
     /// λ from the integrals of pairs; `None` if there are none, or the force does not change.
     pub fn curl(&self, found: &[LoopWork]) -> Option<Curl> {
         let count = found.len() as f64;
-        let all = self.takes_all();
+        let all = self.takes_all;
         // All pairs of n unit vectors hold half of ‖J − Jᵀ‖², and n − 1 times ‖J‖²/2.
         let factor = match all {
             true => (self.integrand.moving() as f64 - 1.0).sqrt(),
@@ -183,11 +182,10 @@ impl Pairs<'_> {
     /// Those of the force.
     pub fn worst(&self, found: &[LoopWork]) -> Result<Option<WorstPair>, Error> {
         let certainty = |work: &LoopWork| work.integral.abs() / work.error();
-        let clear = |work: &LoopWork| work.integral.abs() > SIGNIFICANT * work.error();
         let Some((index, shown)) = (found.iter().enumerate())
-            .filter(|(_, work)| clear(work))
+            .filter(|(_, work)| work.is_clear())
             .max_by(|a, b| {
-                let of = |work: &LoopWork| match self.takes_all() {
+                let of = |work: &LoopWork| match self.takes_all {
                     true => work.relative(),
                     false => certainty(work),
                 };
@@ -197,7 +195,7 @@ impl Pairs<'_> {
             return Ok(None);
         };
         let pair = &self.pairs()[index];
-        if self.takes_all() {
+        if self.takes_all {
             let [first, second] = pair.vectors.each_ref().map(|vector| position(vector));
             return Ok(self.named(shown, first, second));
         }
@@ -238,7 +236,7 @@ impl Pairs<'_> {
         }
         let alone = self.of_coordinates(pair.point, first, second);
         let work = self.measure(&alone, 0)?;
-        Ok(self.named(&work, first, second).filter(|_| clear(&work)))
+        Ok(self.named(&work, first, second).filter(|_| work.is_clear()))
     }
 
     fn named(&self, work: &LoopWork, first: usize, second: usize) -> Option<WorstPair> {

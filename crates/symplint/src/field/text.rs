@@ -107,6 +107,11 @@ impl FieldReport {
                 "{integral} is {}: not zero, but the {subject} jumps by as little as a solver that stops at a tolerance.",
                 self.value_of(index)
             ),
+            Certainty::Small(index) => format!(
+                "{integral} is {}: not zero, but a solver that stops at a tolerance could leave that, and the budget was too small to \
+                 search for its jumps.",
+                self.value_of(index)
+            ),
             Certainty::Steep(index) => format!(
                 "{integral} is {}: not zero, but the {subject} has a steep part that the samples do not resolve.",
                 self.value_of(index)
@@ -178,17 +183,21 @@ impl FieldReport {
                 short(error)
             ));
         }
-        let jumps = evidence
-            .loops
-            .iter()
-            .filter_map(|work| (work.kind == LoopKind::Random).then_some(work.jumps? / work.scale));
-        let (count, largest) =
-            jumps.fold((0, 0.0), |(n, most): (usize, f64), x| (n + 1, most.max(x)));
-        if count > 0 {
+        if let Certainty::Work(_) = self.certainty
+            && evidence.is_small()
+            && evidence.jumps() == 0.0
+        {
+            found.push(
+                "No jumps were found on larger loops. So small a curl may still come from a solver or a table inside: then it falls \
+                 with the tolerance, or the distance of the entries."
+                    .into(),
+            );
+        }
+        if evidence.jumps() > 0.0 {
             found.push(format!(
-                "The {subject} jumps on {count} of the random loops, by up to {} of the scale: cut-offs, tables without interpolation, \
-                 neighbour lists and solvers do that.",
-                short(largest)
+                "The {subject} jumps on random loops, by up to {} of the scale: cut-offs, tables without interpolation, neighbour lists \
+                 and solvers do that.",
+                short(evidence.jumps())
             ));
         }
         if evidence.noise > ROUNDING {
@@ -252,6 +261,7 @@ impl FieldReport {
             Certainty::Tolerance(_) => &[
                 "Tighten the tolerance of solvers inside, and test again: if the integral falls with it, the force is a gradient.",
             ],
+            Certainty::Small(_) => &["Give a larger budget."],
             Certainty::Steep(_) | Certainty::Unresolved(_) => {
                 &["Give a smaller radius, or a larger budget."]
             }
