@@ -188,7 +188,7 @@ impl Subject {
     }
 
     /// Runs `work` with the map and the loop: on this thread, unless there are to be more or no Python function is the map.
-    fn run<R: Send>(
+    pub fn run<R: Send>(
         &self,
         py: Python<'_>,
         (progress, journal): (Option<Py<PyAny>>, Option<Arc<Journal>>),
@@ -226,8 +226,8 @@ impl Subject {
 }
 
 /// What came of some work with a map and a loop.
-struct Ran<R> {
-    result: R,
+pub struct Ran<R> {
+    pub result: R,
     /// Evaluations that were made for radii that the map suggests, before the work.
     evaluations: usize,
     /// Threads of the work.

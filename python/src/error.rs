@@ -48,7 +48,7 @@ impl Failed {
             StateAt::SampleOf { sample, samples } => {
                 (Some(sample as f64 / samples as f64), Some(sample))
             }
-            StateAt::Loop(s) | StateAt::Displaced(s) => (Some(s), None),
+            StateAt::Loop(s) | StateAt::RandomLoop(s) | StateAt::Displaced(s) => (Some(s), None),
             _ => (None, None),
         };
         Failed { h, s, sample }

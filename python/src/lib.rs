@@ -15,7 +15,7 @@
 //! | `arrays` | numbers from Python objects, and blocks from arrays of any order |
 //! | `loops`, `models` | loops, systems and integrators of the library |
 //! | `coordinates` | periods and weights |
-//! | `check`, `measure` | a diagnosis; a comparison of loops |
+//! | `check`, `measure`, `field` | a diagnosis; a comparison of loops; a test of a force or a vector field |
 //! | `report` | what was found |
 //! | `error` | errors as exceptions |
 
@@ -25,6 +25,7 @@ mod calls;
 mod check;
 mod coordinates;
 mod error;
+mod field;
 mod functions;
 mod loops;
 mod measure;
@@ -48,6 +49,8 @@ mod _native {
 
     #[pymodule_export]
     use crate::check::{advance_seconds, check, image};
+    #[pymodule_export]
+    use crate::field::check_field;
     #[pymodule_export]
     use crate::loops::NativeLoop;
     #[pymodule_export]

@@ -9,6 +9,7 @@ from . import integrators, systems
 from ._check import assert_structure, assert_symplectic, check
 from ._compose import Composition, compose
 from ._errors import InputError, NotSymplecticError, StepError, StructureError, SymplintError, UndecidedError
+from ._field import FieldReport, check_field, check_force
 from ._loops import Circle, FourierLoop, Loop, SampledLoop, circle
 from ._measure import LoopIntegral, loop_integral, measure
 from ._names import Coordinates
@@ -20,6 +21,7 @@ __all__ = [
     "Circle",
     "Composition",
     "Coordinates",
+    "FieldReport",
     "FourierLoop",
     "InputError",
     "Loop",
@@ -36,6 +38,8 @@ __all__ = [
     "assert_structure",
     "assert_symplectic",
     "check",
+    "check_field",
+    "check_force",
     "circle",
     "compose",
     "integrators",

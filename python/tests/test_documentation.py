@@ -10,7 +10,7 @@ def test_doctests_pass(doctested):
 
 
 def test_there_are_doctests():
-    for function in (symplint.check, symplint.assert_symplectic, symplint.measure, symplint.loop_integral, symplint.circle):
+    for function in (symplint.check, symplint.assert_symplectic, symplint.measure, symplint.loop_integral, symplint.circle, symplint.check_force, symplint.check_field):
         assert ">>>" in function.__doc__
 
 

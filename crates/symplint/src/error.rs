@@ -25,6 +25,8 @@ pub enum StateAt {
     },
     /// The state of the loop at this s, between samples.
     Loop(f64),
+    /// The state of a random loop of a test of a force, at this s.
+    RandomLoop(f64),
     /// A state displaced from that of the loop at this s, to measure derivatives.
     Displaced(f64),
     /// A state on the boundary of a sector of the disc within the loop, by its own parameter from 0 to 1.
@@ -47,6 +49,7 @@ impl fmt::Display for StateAt {
                 f,
                 "s = {s:?} of the loop, between samples (sample the loop at this s and take one step)"
             ),
+            StateAt::RandomLoop(s) => write!(f, "s = {s:?} of a random loop"),
             StateAt::Displaced(s) => write!(
                 f,
                 "s = {s:?} of the loop (displaced from its state there to measure derivatives)"

@@ -45,6 +45,14 @@ assert_type(strang.system.q0, Array)
 assert_type(strang([1.0], [0.5], 0.1), tuple[Array, Array])
 assert_type(symplint.check(strang, h=0.1).order, float | None)
 
+force = symplint.check_force(np.negative, [1.0, 0.5], radius=0.1, budget=1000)
+assert_type(force, symplint.FieldReport)
+assert_type(force.holds, bool | None)
+assert_type(force.evaluations, int)
+assert_type(symplint.check_field(lambda q, p: (p, -q), 1.0, 0.5, weight=2.0).damping, tuple[float, float] | None)
+if (curl := force.curl) is not None:
+    assert_type(curl.value, float)
+
 try:
     symplint.check(step, 1.0, 0.5)
 except symplint.StepError as error:

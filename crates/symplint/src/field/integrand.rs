@@ -139,7 +139,7 @@ impl Integrand<'_> {
                 self.add_action(&states, &velocity, moments);
             }
             (self.evaluator.advance(&mut states, 1.0))
-                .map_err(|error| error.at(|sample| StateAt::Loop(s[sample])))?;
+                .map_err(|error| error.at(|sample| StateAt::RandomLoop(s[sample])))?;
             power.extend(self.add_states(&states, &velocity, moments.as_deref_mut()));
         }
         match power.iter().find(|power| !power.is_finite()) {

@@ -1,0 +1,490 @@
+"""Testing forces and vector fields."""
+
+from __future__ import annotations
+
+import contextlib
+import html
+import json
+import re
+from collections.abc import Callable
+from typing import Any, NamedTuple, NoReturn
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._arrays import Array, coordinates, numbers, vector, whole
+from ._check import _is_single
+from ._errors import InputError, StepError
+from ._workers import Workers
+
+__all__ = ["Curl", "FieldReport", "WorstPair", "check_field", "check_force"]
+
+#: Columns of `FieldReport.loops`.
+LOOPS = [
+    ("kind", "U11"), ("samples", "i8"), ("integral", "f8"), ("error", "f8"), ("scale", "f8"), ("jumps", "f8"),
+]  # fmt: skip
+
+
+class Curl(NamedTuple):
+    """λ = ‖A‖/‖J‖ of a force, with the antisymmetric part A of its Jacobian J in units of the radii.
+
+    Attributes
+    ----------
+    value, error : float
+        λ with half the width of the interval in which it lies.
+    pairs : int
+        Pairs of directions that were tested.
+    all : bool
+        Whether they are all pairs of coordinates; otherwise they are random.
+    """
+
+    value: float
+    error: float
+    pairs: int
+    all: bool
+
+
+class WorstPair(NamedTuple):
+    """The two coordinates with the largest curl that was found.
+
+    Attributes
+    ----------
+    first, second : str
+        "q[0]", say, or "p[2]".
+    curl, error : float
+        ∂G_second/∂first − ∂G_first/∂second with its error: of the force G = F, or of G = −w f_p for positions and w f_q for
+        momenta of weight w.
+    """
+
+    first: str
+    second: str
+    curl: float
+    error: float
+
+
+class FieldReport:
+    """The verdict on a force or a vector field with all the numbers that led to it.
+
+    Printing it shows a table of the loops and the verdict with its reasons.
+    """
+
+    def __init__(self, text: str) -> None:
+        self._json = text
+        self._dict: dict[str, Any] = json.loads(text)
+
+    @property
+    def kind(self) -> str:
+        """The verdict: "gradient", "not-a-gradient", "hamiltonian", "not-hamiltonian" or "undecided"."""
+        return str(self._dict["kind"])
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether the force is a gradient, or the field Hamiltonian; None if the evidence is not enough."""
+        return {"gradient": True, "hamiltonian": True, "undecided": None}.get(self.kind, False)
+
+    @property
+    def digits(self) -> float | None:
+        """-log10 of the bound on the antisymmetric part of the Jacobian relative to the Jacobian, of a gradient that is not constant."""
+        digits: float | None = self._dict["digits"]
+        return digits
+
+    @property
+    def curl(self) -> Curl | None:
+        """λ with its error; None if no pairs of directions were tested, or the force is constant."""
+        found = self._dict["evidence"]["curl"]
+        return None if found is None else Curl(**found)
+
+    @property
+    def worst(self) -> WorstPair | None:
+        """The two coordinates with the largest curl that was found; None if it is zero, or the budget was too small to find them."""
+        found = self._dict["evidence"]["worst"]
+        if found is None:
+            return None
+        first, second = (f"{found[of]['coordinate']}[{found[of]['dof']}]" for of in ("first", "second"))
+        return WorstPair(first, second, found["curl"], found["error"])
+
+    @property
+    def damping(self) -> tuple[float, float] | None:
+        """The rate at which a field shrinks the loop integrals of all loops, with its error; None if they do not agree."""
+        found = self._dict["evidence"]["damping"]
+        return None if found is None else (found[0], found[1])
+
+    @property
+    def loops(self) -> npt.NDArray[np.void]:
+        """All loops, as a structured array.
+
+        Its fields are ``kind`` ("random", "directions" and "coordinates" for small ellipses, "winding" for a loop around a period),
+        ``samples``, ``integral`` (∮F·dq, or ∮(f_q·dp − f_p·dq)), ``error``, ``scale`` (the size that the integral would have if the force
+        were a rotation everywhere) and ``jumps`` (how far the power of the force jumps along the loop, or NaN).
+        """
+        rows = [_row(loop) for loop in self._dict["evidence"]["loops"]]
+        return np.array(rows, dtype=LOOPS)
+
+    @property
+    def evaluations(self) -> int:
+        """At how many states the force was evaluated."""
+        return int(self._dict["evidence"]["evaluations"])
+
+    @property
+    def summary(self) -> str:
+        """The deciding finding, as a sentence."""
+        return str(self._dict["summary"])
+
+    @property
+    def sentences(self) -> list[str]:
+        """The other findings, as sentences."""
+        return list(self._dict["sentences"])
+
+    @property
+    def advice(self) -> list[str]:
+        """What to do next, as sentences."""
+        return list(self._dict["advice"])
+
+    def to_json(self) -> str:
+        """The report as JSON, schema ``symplint/field/1``."""
+        return self._json
+
+    def to_dict(self) -> dict[str, Any]:
+        """The report as a dictionary, with the keys of the JSON."""
+        return self._dict
+
+    def __bool__(self) -> NoReturn:
+        """Raise: a report is neither true nor false."""
+        raise TypeError("a report has no truth value: test report.holds, which is True, False or None")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return FieldReport, (self._json,)
+
+    def __str__(self) -> str:
+        return str(self._dict["text"])
+
+    def __repr__(self) -> str:
+        digits = "" if self.digits is None else f" to {self.digits} digits"
+        return f"<symplint.FieldReport: {self.kind}{digits}>"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self))}</pre>"
+
+
+def check_force(
+    force: Callable[..., Any],
+    q0: npt.ArrayLike,
+    *,
+    args: tuple[Any, ...] = (),
+    radius: Any = "auto",
+    loops: int = 4,
+    budget: int = 20_000,
+    period: npt.ArrayLike | None = None,
+    per_sample: bool = False,
+    dtype: npt.DTypeLike | None = None,
+    seed: int = 1,
+    executor: Any = None,
+    threads: int | None = None,
+) -> FieldReport:
+    """Test whether a force is a gradient.
+
+    The work ∮F·dq around random loops is zero for every gradient. A force that is not a gradient is the usual reason for a defect
+    of lower order than the method has: every symplectic integrator makes a map that is not symplectic of it, and energy drifts. No
+    step is needed to find it. The number of evaluations does not depend on the degrees of freedom.
+
+    Parameters
+    ----------
+    force : callable
+        ``force(q)`` gets an array of shape (samples, dof), or (samples, *q0.shape) if `q0` has several axes, and returns one of the
+        same shape. What happens to a row must depend on nothing but this row. A batch may end with copies of its last row. Results
+        may be arrays of any library.
+    q0 : array_like
+        The centre of the loops: positions of any shape, such as (atoms, 3).
+    args : tuple
+        Further arguments of `force`.
+    radius : float, array_like or "auto"
+        How far loops reach: one number, or an array like `q0` (0 keeps a coordinate at its place). "auto" is the distance on which the
+        force is nearly linear, at most a tenth of the size of `q0`; every second loop is four times as large.
+    loops : int
+        Random loops.
+    budget : int
+        States at which the force is evaluated, at most; 100 or more. A smooth force takes some hundreds.
+    period : float or array_like, optional
+        Periods of the positions, 0 where a position is not periodic. The test then also goes around up to eight of the periods: a
+        constant force on a ring is not a gradient.
+    per_sample : bool
+        Whether `force` takes and returns one state: arrays of the shape of `q0`.
+    dtype : "float32", optional
+        If the force computes in single precision: `force` then gets arrays of it.
+    seed : int
+        Seed of the random loops and directions.
+    executor : executor, optional
+        Who evaluates the force, as in `check`.
+    threads : int, optional
+        Threads for the work of the library, as in `check`.
+
+    Returns
+    -------
+    FieldReport
+
+    Raises
+    ------
+    InputError
+        If an argument is not valid, or a stated period is not one of the force.
+    StepError
+        If the force fails or is not finite on a loop. Exceptions of `force` are the cause.
+
+    Notes
+    -----
+    Discontinuous forces, as those with cut-offs, are known to fewer digits, and take more evaluations. Their loop integrals are zero if
+    the potential is continuous; otherwise the report shows the jump. A curl below a thousandth counts only if larger loops do not show
+    the jumps of a solver that stops at a tolerance.
+
+    Examples
+    --------
+    >>> import numpy as np, symplint
+    >>> def force(q, curl):
+    ...     x, y = q.T
+    ...     return np.column_stack([-x * y**2 - curl * y, -(x**2) * y + curl * x])
+    >>> symplint.check_force(force, [1.0, 0.5], args=(0.0,)).kind
+    'gradient'
+    >>> report = symplint.check_force(force, [1.0, 0.5], args=(1e-9,))
+    >>> report.kind
+    'not-a-gradient'
+    >>> report.worst.first, report.worst.second, f"{report.worst.curl:.4g}"
+    ('q[0]', 'q[1]', '2e-09')
+    """
+    __tracebackhide__ = True
+    centre = _numbers(q0, "q0")
+    step = _Force(force, args, centre.shape, per_sample)
+    if not callable(force):
+        raise InputError(f"force is an object of type {type(force).__name__}; give a function force(q)")
+    sizes = None if _is_auto(radius) else _like(radius, "radius", centre.shape)
+    return _run(
+        step, centre.ravel(), None, radius=sizes, period=None if period is None else _like(period, "period", centre.shape), weight=None,
+        loops=loops, budget=budget, per_sample=per_sample, dtype=dtype, seed=seed, executor=executor, threads=threads,
+    )  # fmt: skip
+
+
+def check_field(
+    field: Callable[..., Any],
+    q0: npt.ArrayLike,
+    p0: npt.ArrayLike,
+    *,
+    args: tuple[Any, ...] = (),
+    radius: Any = "auto",
+    loops: int = 4,
+    budget: int = 20_000,
+    period: npt.ArrayLike | None = None,
+    weight: npt.ArrayLike | None = None,
+    per_sample: bool = False,
+    dtype: npt.DTypeLike | None = None,
+    seed: int = 1,
+    executor: Any = None,
+    threads: int | None = None,
+) -> FieldReport:
+    """Test whether the vector field (q, p)' = f(q, p) is Hamiltonian in these variables.
+
+    ∮(f_q·dp − f_p·dq) is zero around every loop of phase space if it is. Otherwise no integrator makes a symplectic map of it that
+    follows its solutions. No step is needed to find that.
+
+    Parameters
+    ----------
+    field : callable
+        ``field(q, p)`` gets arrays of shape (samples, dof), or (samples, *q0.shape), and returns two of the same shape: the rates of q
+        and of p.
+    q0, p0 : array_like
+        The centre of the loops, two arrays of one shape.
+    radius : float, array_like, pair of them or "auto"
+        How far loops reach: one for all coordinates, an array like `q0` for positions and momenta, or a tuple of those for q and for p.
+        "auto" is the distance on which the field is nearly linear; q and p are in proportion as the field suggests.
+    weight : float or array_like, optional
+        The canonical momentum is weight × p: masses, if p are velocities.
+    args, loops, budget, period, per_sample, dtype, seed, executor, threads
+        As in `check_force`.
+
+    Returns
+    -------
+    FieldReport
+
+    Raises
+    ------
+    InputError, StepError
+        As in `check_force`.
+
+    Examples
+    --------
+    >>> import numpy as np, symplint
+    >>> def pendulum(q, p, friction):
+    ...     return p, -np.sin(q) - friction * p
+    >>> symplint.check_field(pendulum, 1.0, 0.5, args=(0.0,)).kind
+    'hamiltonian'
+    >>> report = symplint.check_field(pendulum, 1.0, 0.5, args=(0.1,))
+    >>> report.kind, round(report.damping[0], 9)
+    ('not-hamiltonian', 0.1)
+    """
+    __tracebackhide__ = True
+    of_q, of_p = _numbers(q0, "q0"), _numbers(p0, "p0")
+    if of_q.shape != of_p.shape:
+        raise InputError(f"q0 has the shape {of_q.shape} and p0 {of_p.shape}; give one of both for each degree of freedom")
+    if not callable(field):
+        raise InputError(f"field is an object of type {type(field).__name__}; give a function field(q, p)")
+    step = _Field(field, args, of_q.shape, per_sample)
+    sizes = None
+    if not _is_auto(radius):
+        pair = radius if isinstance(radius, tuple) and len(radius) == 2 else (radius, radius)
+        sizes = np.concatenate([_like(of, "radius", of_q.shape) for of in pair])
+    return _run(
+        step, of_q.ravel(), of_p.ravel(), radius=sizes, period=None if period is None else _like(period, "period", of_q.shape),
+        weight=None if weight is None else _like(weight, "weight", of_q.shape), loops=loops, budget=budget, per_sample=per_sample,
+        dtype=dtype, seed=seed, executor=executor, threads=threads,
+    )  # fmt: skip
+
+
+class _Force:
+    """A force as a step without a step size: positions stay, and momenta become the force."""
+
+    what = "force"
+
+    def __init__(self, function: Callable[..., Any], args: tuple[Any, ...], shape: tuple[int, ...], per_sample: bool) -> None:
+        self.function = function
+        self.args = tuple(args)
+        self.shape = shape
+        self.per_sample = per_sample
+        self.__name__ = str(getattr(function, "__name__", type(function).__name__))
+
+    def __call__(self, q: Any, p: Any, _: float) -> Any:
+        # The function may change its argument.
+        return q, self.rates(self.function(self.states(q.copy()), *self.args), q, f"{self.what}(q)")
+
+    def states(self, rows: Any) -> Any:
+        """States as the function takes them."""
+        if len(self.shape) <= 1:
+            return rows
+        return rows.reshape(self.shape if self.per_sample else (len(rows), *self.shape))
+
+    def rates(self, found: Any, rows: Any, name: str) -> Array:
+        """What the function returned, as rows."""
+        if found is None:
+            raise TypeError(f"{name} returned None; return an array")
+        array = numbers(found, name)
+        # One degree of freedom may be returned without its axis.
+        expected = self.states(rows).shape
+        if array.shape != expected and not (array.size == rows.size and array.ndim <= 1 and rows.size == max(rows.shape)):
+            raise ValueError(f"{name} returned an array of shape {array.shape} for states of shape {expected}; return the same shape")
+        return array.reshape(rows.shape)
+
+
+class _Field(_Force):
+    """A vector field as a step without a step size: its rates in place of states."""
+
+    what = "field"
+
+    def __call__(self, q: Any, p: Any, _: float) -> Any:
+        found = self.function(self.states(q.copy()), self.states(p.copy()), *self.args)
+        if not isinstance(found, tuple | list) or len(found) != 2:
+            raise TypeError(f"field(q, p) returned an object of type {type(found).__name__}; return two arrays")
+        return tuple(self.rates(rates, q, f"field(q, p)[{of}]") for of, rates in enumerate(found))
+
+
+def _numbers(value: Any, name: str) -> Array:
+    """Numbers of any shape; a single one makes a row."""
+    try:
+        array = numbers(value, name)
+    except (TypeError, ValueError) as error:
+        raise InputError(str(error)) from None
+    if array.size == 0:
+        raise InputError(f"{name} is empty; give one number for each degree of freedom")
+    return np.atleast_1d(array)
+
+
+def _is_auto(radius: Any) -> bool:
+    if isinstance(radius, str):
+        if radius != "auto":
+            raise InputError(f'radius is "{radius}"; give a number, or "auto"')
+        return True
+    return False
+
+
+def _like(value: Any, name: str, shape: tuple[int, ...]) -> Array:
+    """One number for each coordinate: a number for all of them, or an array that can be broadcast."""
+    array = _numbers(value, name)
+    try:
+        return np.broadcast_to(array, shape).ravel()
+    except ValueError:
+        raise InputError(f"{name} has the shape {array.shape} and q0 {shape}; give one number for each, or a single number") from None
+
+
+def _run(
+    step: _Force,
+    q0: Array,
+    p0: Array | None,
+    *,
+    radius: Array | None,
+    period: Array | None,
+    weight: Array | None,
+    loops: int,
+    budget: int,
+    per_sample: bool,
+    dtype: Any,
+    seed: int,
+    executor: Any,
+    threads: int | None,
+) -> FieldReport:
+    __tracebackhide__ = True
+    dof, single = q0.size, _is_single(dtype)
+    workers = None
+    if executor is not None:
+        workers = Workers(executor, step, per_sample=bool(per_sample), make=False, single=single, reset=None)
+    at_rest = [0.0] * dof
+    momenta = at_rest if p0 is None else p0.tolist()
+    subject = {
+        "integrator": None,
+        "step": step,
+        "per_sample": bool(per_sample),
+        "make": False,
+        "reset": None,
+        "single": single,
+        "project": None,
+        "form": False,
+        "dof": dof,
+        "coordinates": coordinates(dof, period, None, weight),
+        "native_loop": None,
+        "phase_loop": None,
+        "q0": q0.tolist(),
+        "p0": momenta,
+        "radii": (at_rest, at_rest),
+        "phases": ("staggered", 0),
+        "threads": None if threads is None else whole(threads, "threads", 1),
+        "workers": workers,
+    }
+    settings = {
+        "is_force": p0 is None,
+        "q0": q0.tolist(),
+        "p0": momenta,
+        "radius": None if radius is None else vector(radius, "radius").tolist(),
+        "loops": whole(loops, "loops", 1),
+        "budget": whole(budget, "budget", 100),
+        "seed": whole(seed, "seed", 0),
+    }
+    with contextlib.nullcontext() if workers is None else contextlib.closing(workers):
+        try:
+            report = FieldReport(_native.check_field(subject, settings))
+        except StepError as error:
+            raise StepError(_of_force(str(error), step.what), None, error.s, error.sample) from error.__cause__
+    if workers is not None:
+        workers.warn()
+    return report
+
+
+def _of_force(text: str, what: str) -> str:
+    """The text of an error in the words of a force or a field."""
+    if what == "force":
+        text = re.sub(r"^p of degree of freedom (\d+)", r"F[\1]", text)
+    else:
+        text = re.sub(r"^([qp]) of degree of freedom (\d+)", r"f_\1[\2]", text)
+    return text.replace("the map", f"the {what}")
+
+
+def _row(loop: dict[str, Any]) -> tuple[Any, ...]:
+    """A loop of the JSON as a row."""
+    kind = loop["kind"] if isinstance(loop["kind"], str) else next(iter(loop["kind"]))
+    error = loop["quadrature_error"] + loop["noise"]
+    jumps = np.nan if loop["jumps"] is None else loop["jumps"]
+    return kind, loop["samples"], loop["integral"], error, loop["scale"], jumps
