@@ -25,7 +25,7 @@ typedef enum {
    */
   SYMPLINT_STATUS_BAD_ARGUMENT = 2,
   /**
-   * The step failed, or returned states that are not finite, at all step sizes.
+   * The step failed, or returned states that are not finite, at all step sizes; or a force or a field did.
    */
   SYMPLINT_STATUS_STEP_FAILED = 3,
   /**
@@ -37,6 +37,28 @@ typedef enum {
    */
   SYMPLINT_STATUS_INTERNAL = 5,
 } SymplintStatus;
+
+/**
+ * The kinds of verdicts on forces and vector fields.
+ */
+typedef enum {
+  /**
+   * There is no report.
+   */
+  SYMPLINT_FIELD_VERDICT_NONE = -1,
+  /**
+   * The force is a gradient, or the field Hamiltonian, down to the stated number of digits.
+   */
+  SYMPLINT_FIELD_VERDICT_HOLDS = 0,
+  /**
+   * The force is not a gradient, or the field not Hamiltonian.
+   */
+  SYMPLINT_FIELD_VERDICT_FAILS = 1,
+  /**
+   * There is not enough evidence.
+   */
+  SYMPLINT_FIELD_VERDICT_UNDECIDED = 3,
+} SymplintFieldVerdict;
 
 /**
  * The kinds of verdicts.
@@ -63,6 +85,12 @@ typedef enum {
    */
   SYMPLINT_VERDICT_UNDECIDED = 3,
 } SymplintVerdict;
+
+/**
+ * What a test of a force or a vector field found. Made by `symplint_check_force` and `symplint_check_field`, and to be freed by
+ * `symplint_field_report_free`.
+ */
+typedef struct SymplintFieldReport SymplintFieldReport;
 
 /**
  * What a diagnosis found. Made by `symplint_check`, and to be freed by `symplint_report_free`.
@@ -182,6 +210,76 @@ typedef struct {
 } SymplintOptions;
 
 /**
+ * Writes the force at `samples` positions to `force`, and returns 0; any other number says that it cannot be evaluated, and is named
+ * in the error.
+ *
+ * q[i * samples + k] is the position i of the sample k, and force likewise: one row for each of the `dof` degrees of freedom. In Fortran
+ * they are q(samples, dof). The force on a sample must depend on nothing but the sample itself. `samples` may be any number from 1. The
+ * function is called on the thread that called `symplint_check_force`, one call at a time; it must return (no longjmp, no C++
+ * exception).
+ */
+typedef int (*SymplintForce)(void *user, size_t dof, size_t samples, const double *q, double *force);
+
+/**
+ * Options of `symplint_check_force` and `symplint_check_field`. Fill it by `symplint_field_options_init`, then change what differs.
+ */
+typedef struct {
+  /**
+   * Size of this struct in bytes.
+   */
+  size_t size;
+  /**
+   * How far loops reach in every coordinate; 0, the default, is as far as the force is nearly linear, and at most a tenth of the
+   * size of the centre.
+   */
+  double radius;
+  /**
+   * The same for each position, or NULL: `radius`. 0 keeps a position at its centre. Of a field, give both or none.
+   */
+  const double *radius_q;
+  /**
+   * The same for each momentum of a field, or NULL: `radius`. Not used for a force.
+   */
+  const double *radius_p;
+  /**
+   * Period of each position, 0 for none; or NULL. The test then also goes around up to eight of them.
+   */
+  const double *period;
+  /**
+   * Weight of each momentum of a field, canonical momentum = weight * p; or NULL. Not used for a force.
+   */
+  const double *weight;
+  /**
+   * Random loops. 4 by default.
+   */
+  size_t loops;
+  /**
+   * States at which the force is evaluated, at most; 100 or more. 20000 by default.
+   */
+  size_t budget;
+  /**
+   * Seed of the random loops and directions. 1 by default.
+   */
+  uint64_t seed;
+  /**
+   * Threads for the work of this library, at most one for each processor, 0 for all. 1 by default.
+   */
+  size_t threads;
+} SymplintFieldOptions;
+
+/**
+ * Writes the rates of q and p at `samples` states to `q_rate` and `p_rate`, and returns 0. All arrays are as those of
+ * `SymplintForce`, and so are the rules.
+ */
+typedef int (*SymplintField)(void *user,
+                             size_t dof,
+                             size_t samples,
+                             const double *q,
+                             const double *p,
+                             double *q_rate,
+                             double *p_rate);
+
+/**
  * ∮ p·dq with what is known of its error; of one degree of freedom, of some or of all.
  */
 typedef struct {
@@ -244,6 +342,105 @@ SymplintStatus symplint_check(SymplintStep step,
                               const double *p0,
                               const SymplintOptions *options,
                               SymplintReport **report);
+
+/**
+ * Tests whether the force F(q) is a gradient: whether ∮F·dq = 0 around random loops, and λ, the antisymmetric part of its Jacobian
+ * relative to the Jacobian. The number of evaluations does not depend on `dof`.
+ *
+ * q0, of `dof` values, is the centre of the loops. `options` is NULL for the defaults. `user` is handed to `force` unchanged. On
+ * success `*report` is a report to be freed by `symplint_field_report_free`; otherwise it is NULL. If the force fails or is not finite on
+ * a loop, the status is SYMPLINT_STATUS_STEP_FAILED.
+ *
+ * # Safety
+ * `force` does what its type says, and arrays that are not null have as many values as this says.
+ */
+SymplintStatus symplint_check_force(SymplintForce force,
+                                    void *user,
+                                    size_t dof,
+                                    const double *q0,
+                                    const SymplintFieldOptions *options,
+                                    SymplintFieldReport **report);
+
+/**
+ * Tests whether the vector field (q, p)' = f(q, p) is Hamiltonian in these variables: whether ∮(f_q·dp − f_p·dq) = 0 around random
+ * loops. q0 and p0 have `dof` values each; the rest is as for `symplint_check_force`.
+ *
+ * # Safety
+ * `field` does what its type says, and arrays that are not null have as many values as this says.
+ */
+SymplintStatus symplint_check_field(SymplintField field,
+                                    void *user,
+                                    size_t dof,
+                                    const double *q0,
+                                    const double *p0,
+                                    const SymplintFieldOptions *options,
+                                    SymplintFieldReport **report);
+
+/**
+ * Fills options with their defaults. `size` is sizeof(SymplintFieldOptions).
+ *
+ * # Safety
+ * `options` has `size` bytes.
+ */
+SymplintStatus symplint_field_options_init(SymplintFieldOptions *options, size_t size);
+
+/**
+ * The verdict; SYMPLINT_FIELD_VERDICT_NONE if `report` is NULL.
+ *
+ * # Safety
+ * `report` is NULL or was not freed.
+ */
+SymplintFieldVerdict symplint_field_report_verdict(const SymplintFieldReport *report);
+
+/**
+ * The digits down to which a force is a gradient or a field Hamiltonian; NaN for other verdicts, and for a constant force.
+ *
+ * # Safety
+ * `report` is NULL or was not freed.
+ */
+double symplint_field_report_digits(const SymplintFieldReport *report);
+
+/**
+ * λ, the antisymmetric part of the Jacobian relative to the Jacobian, and its error in `*error`, unless that is NULL. Both are NaN if
+ * λ was not measured.
+ *
+ * # Safety
+ * `report` is NULL or was not freed; `error` is NULL or points to a number.
+ */
+double symplint_field_report_curl(const SymplintFieldReport *report,
+                                  double *error);
+
+/**
+ * The verdict and its reason in one line, in UTF-8; NULL if `report` is NULL. Valid until the report is freed.
+ *
+ * # Safety
+ * `report` is NULL or was not freed.
+ */
+const char *symplint_field_report_summary(const SymplintFieldReport *report);
+
+/**
+ * The table of all loops and the verdict with its reasons, in UTF-8; NULL if `report` is NULL. Valid until the report is freed.
+ *
+ * # Safety
+ * `report` is NULL or was not freed.
+ */
+const char *symplint_field_report_text(const SymplintFieldReport *report);
+
+/**
+ * The whole report as JSON, schema symplint/field/1; NULL if `report` is NULL. Valid until the report is freed.
+ *
+ * # Safety
+ * `report` is NULL or was not freed.
+ */
+const char *symplint_field_report_json(const SymplintFieldReport *report);
+
+/**
+ * Frees a report and its texts; NULL is allowed.
+ *
+ * # Safety
+ * `report` is NULL or was not freed before.
+ */
+void symplint_field_report_free(SymplintFieldReport *report);
 
 /**
  * The loop integral ∮ p·dq of samples, by the pseudospectral rule.

@@ -82,10 +82,18 @@ impl Steps {
         step: unsafe extern "C" fn(*mut c_void, f64, usize, usize, *mut f64, *mut f64) -> c_int,
         user: *mut c_void,
     ) {
-        for mut request in self.requests {
-            let (q, p) = (request.q.as_mut_ptr(), request.p.as_mut_ptr());
+        self.serve(|h, dof, samples, q, p| {
+            let (q, p) = (q.as_mut_ptr(), p.as_mut_ptr());
             // SAFETY: both have dof × samples values, nobody else uses them meanwhile, and the caller promises the rest.
-            let status = unsafe { step(user, request.h, self.dof, request.samples, q, p) };
+            unsafe { step(user, h, dof, samples, q, p) }
+        });
+    }
+
+    /// The same by a function of h, the degrees of freedom, the samples, and rows of q and of p.
+    pub fn serve(self, mut step: impl FnMut(f64, usize, usize, &mut [f64], &mut [f64]) -> c_int) {
+        for mut request in self.requests {
+            let Request { h, samples, .. } = request;
+            let status = step(h, self.dof, samples, &mut request.q, &mut request.p);
             let Request { q, p, reply, .. } = request;
             // Nobody waits for it where the diagnosis has failed meanwhile.
             let _ = reply.send(Reply { status, q, p });

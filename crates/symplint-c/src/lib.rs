@@ -12,12 +12,16 @@
 //! | `callback` | the caller's step as a map |
 //! | `check` | the diagnosis |
 //! | `report` | what a diagnosis found |
+//! | `field`, `field_options`, `field_report` | tests of a force or a vector field: the functions, their options, what was found |
 //!
-//! `unsafe` is in `pointers`, and in the exported functions of `status`, `integral`, `options`, `check` and `report`, which
-//! hand pointers of the caller on to it. `callback` calls the caller's function.
+//! `unsafe` is in `pointers`, and in the exported functions of `status`, `integral`, `options`, `check`, `report` and the modules of
+//! fields, which hand pointers of the caller on to it. `callback` and `field` call the caller's functions.
 
 mod callback;
 mod check;
+mod field;
+mod field_options;
+mod field_report;
 mod integral;
 mod options;
 mod pointers;
@@ -26,6 +30,13 @@ mod status;
 
 pub use callback::SymplintStep;
 pub use check::symplint_check;
+pub use field::{SymplintField, SymplintForce, symplint_check_field, symplint_check_force};
+pub use field_options::{SymplintFieldOptions, symplint_field_options_init};
+pub use field_report::{
+    SymplintFieldReport, SymplintFieldVerdict, symplint_field_report_curl,
+    symplint_field_report_digits, symplint_field_report_free, symplint_field_report_json,
+    symplint_field_report_summary, symplint_field_report_text, symplint_field_report_verdict,
+};
 pub use integral::{
     SymplintDefect, SymplintIntegral, symplint_defect, symplint_loop_integral,
     symplint_merge_integrals, symplint_partial_integrals,

@@ -15,7 +15,7 @@ pub enum SymplintStatus {
     NullPointer = 1,
     /// An argument or an option is not valid.
     BadArgument = 2,
-    /// The step failed, or returned states that are not finite, at all step sizes.
+    /// The step failed, or returned states that are not finite, at all step sizes; or a force or a field did.
     StepFailed = 3,
     /// The diagnosis is not possible: results depend on earlier calls, the loop has no area, and so on.
     Failed = 4,
@@ -58,11 +58,14 @@ impl Failure {
 impl From<symplint::Error> for Failure {
     fn from(error: symplint::Error) -> Self {
         use symplint::Error;
+        use symplint::error::LOOK_AT_MAP;
         let status = match &error {
             Error::StepFailed { .. } => SymplintStatus::StepFailed,
-            Error::NotFinite { step_size, .. } => match step_size {
-                Some(_) => SymplintStatus::StepFailed,
-                None => SymplintStatus::BadArgument,
+            Error::NotFinite {
+                step_size, remedy, ..
+            } => match step_size.is_some() || *remedy == LOOK_AT_MAP {
+                true => SymplintStatus::StepFailed,
+                false => SymplintStatus::BadArgument,
             },
             Error::Length { .. }
             | Error::BadCoordinate { .. }

@@ -300,6 +300,115 @@ static void forked(void) {
 }
 
 /* With an argument, what valgrind must not see: it counts what the threads of a parent have allocated as lost in the child. */
+struct force_user {
+    double curl;
+    int fault;
+    size_t states;
+};
+
+/* The gradient of -q0² q1²/2, and a rotation. */
+static int force(void *pointer, size_t dof, size_t samples, const double *q, double *f) {
+    struct force_user *user = pointer;
+    const double *x = q, *y = q + samples;
+    user->states += samples;
+    if (dof != 2) return 99;
+    for (size_t k = 0; k < samples; k++) {
+        f[k] = -x[k] * y[k] * y[k] - user->curl * y[k];
+        f[samples + k] = -x[k] * x[k] * y[k] + user->curl * x[k];
+    }
+    if (user->fault == NOT_A_NUMBER) f[0] = NAN;
+    return user->fault == RETURNS ? 17 : 0;
+}
+
+/* Two pendula of different mass in velocities, with friction. */
+static int field(void *pointer, size_t dof, size_t samples, const double *q, const double *v, double *q_rate, double *v_rate) {
+    const double friction = *(const double *)pointer, mass[2] = {1, 3};
+    for (size_t i = 0; i < dof; i++)
+        for (size_t k = 0; k < samples; k++) {
+            const size_t at = i * samples + k, other = (1 - i) * samples + k;
+            q_rate[at] = v[at];
+            v_rate[at] = (-sin(q[at]) - 0.3 * sin(q[at] - q[other])) / mass[i] - friction * v[at];
+        }
+    return 0;
+}
+
+/* Forces and vector fields. */
+static void fields(void) {
+    const double q0[2] = {1, 0.5}, p0[2] = {0.5, -0.2}, weight[2] = {1, 3}, radii[2] = {0.1, 0.1}, bad[2] = {-1, 1};
+    struct force_user user = {0, NONE, 0};
+    double error = 0, friction = 0;
+    SymplintFieldReport *report = NULL, *again = NULL;
+    SymplintFieldOptions options;
+
+    CHECK(symplint_check_force(force, &user, 2, q0, NULL, &report) == SYMPLINT_STATUS_OK);
+    CHECK(symplint_field_report_verdict(report) == SYMPLINT_FIELD_VERDICT_HOLDS);
+    CHECK(symplint_field_report_digits(report) > 12);
+    CHECK(symplint_field_report_curl(report, &error) < error && error < 1e-12);
+    CHECK(strstr(symplint_field_report_summary(report), "gradient to ") != NULL);
+    CHECK(strstr(symplint_field_report_text(report), "GRADIENT TO ") != NULL);
+    CHECK(strstr(symplint_field_report_json(report), "\"schema\":\"symplint/field/1\"") != NULL);
+    CHECK(user.states > 100 && user.states < 20000);
+    CHECK(symplint_check_force(force, &user, 2, q0, NULL, &again) == SYMPLINT_STATUS_OK);
+    CHECK(strcmp(symplint_field_report_json(report), symplint_field_report_json(again)) == 0);
+    symplint_field_report_free(report);
+    symplint_field_report_free(again);
+
+    user.curl = 1e-6;
+    CHECK(symplint_check_force(force, &user, 2, q0, NULL, &report) == SYMPLINT_STATUS_OK);
+    CHECK(symplint_field_report_verdict(report) == SYMPLINT_FIELD_VERDICT_FAILS);
+    CHECK(isnan(symplint_field_report_digits(report)));
+    CHECK(symplint_field_report_curl(report, NULL) > 1e-8);
+    CHECK(strstr(symplint_field_report_text(report), "NOT A GRADIENT") != NULL);
+    symplint_field_report_free(report);
+
+    /* Velocities are no momenta, but with masses as weights. */
+    CHECK(symplint_check_field(field, &friction, 2, q0, p0, NULL, &report) == SYMPLINT_STATUS_OK);
+    CHECK(symplint_field_report_verdict(report) == SYMPLINT_FIELD_VERDICT_FAILS);
+    symplint_field_report_free(report);
+    CHECK(symplint_field_options_init(&options, sizeof options) == SYMPLINT_STATUS_OK);
+    CHECK(options.loops == 4 && options.budget == 20000 && options.radius == 0);
+    options.weight = weight;
+    options.radius_q = options.radius_p = radii;
+    CHECK(symplint_check_field(field, &friction, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(symplint_field_report_verdict(report) == SYMPLINT_FIELD_VERDICT_HOLDS);
+    symplint_field_report_free(report);
+    friction = 0.1;
+    CHECK(symplint_check_field(field, &friction, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(strstr(symplint_field_report_text(report), "uniform friction") != NULL);
+    symplint_field_report_free(report);
+
+    /* Errors. */
+    user.fault = RETURNS;
+    options.radius_q = options.radius_p = NULL;
+    options.radius = 0.1;
+    CHECK(symplint_check_force(force, &user, 2, q0, &options, &report) == SYMPLINT_STATUS_STEP_FAILED);
+    CHECK(report == NULL && says("returned 17"));
+    user.fault = NOT_A_NUMBER;
+    CHECK(symplint_check_force(force, &user, 2, q0, &options, &report) == SYMPLINT_STATUS_STEP_FAILED && says("NaN"));
+    CHECK(symplint_check_force(NULL, NULL, 2, q0, NULL, &report) == SYMPLINT_STATUS_NULL_POINTER);
+    CHECK(symplint_check_force(force, &user, 2, NULL, NULL, &report) == SYMPLINT_STATUS_NULL_POINTER && says("q0"));
+    CHECK(symplint_check_force(force, &user, 2, q0, NULL, NULL) == SYMPLINT_STATUS_NULL_POINTER);
+    CHECK(symplint_check_force(force, &user, 0, q0, NULL, &report) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(symplint_check_field(field, &friction, 2, q0, NULL, NULL, &report) == SYMPLINT_STATUS_NULL_POINTER && says("p0"));
+    options.budget = 99;
+    CHECK(symplint_check_force(force, &user, 2, q0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("budget"));
+    options.budget = 1000;
+    options.radius_q = bad;
+    CHECK(symplint_check_force(force, &user, 2, q0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("radius"));
+    options.radius = 0;
+    CHECK(symplint_check_field(field, &friction, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(says("radius_p"));
+    options.size = 1000;
+    CHECK(symplint_check_force(force, &user, 2, q0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("bytes"));
+    CHECK(symplint_field_options_init(&options, 8) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(symplint_field_options_init(NULL, sizeof options) == SYMPLINT_STATUS_NULL_POINTER);
+    CHECK(symplint_field_report_verdict(NULL) == SYMPLINT_FIELD_VERDICT_NONE);
+    CHECK(isnan(symplint_field_report_digits(NULL)) && isnan(symplint_field_report_curl(NULL, &error)) && isnan(error));
+    CHECK(symplint_field_report_summary(NULL) == NULL && symplint_field_report_text(NULL) == NULL);
+    CHECK(symplint_field_report_json(NULL) == NULL);
+    symplint_field_report_free(NULL);
+}
+
 int main(int count, char **arguments) {
     (void)arguments;
     if (count > 1) {
@@ -311,6 +420,7 @@ int main(int count, char **arguments) {
     torus();
     no_step_size();
     integrals();
+    fields();
     printf("%d failures\n", failures);
     return failures != 0;
 }
