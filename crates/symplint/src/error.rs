@@ -25,6 +25,8 @@ pub enum StateAt {
     },
     /// The state of the loop at this s, between samples.
     Loop(f64),
+    /// The centre of the loops.
+    Centre,
     /// The state of a random loop of a test of a force, at this s.
     RandomLoop(f64),
     /// A state displaced from that of the loop at this s, to measure derivatives.
@@ -49,6 +51,7 @@ impl fmt::Display for StateAt {
                 f,
                 "s = {s:?} of the loop, between samples (sample the loop at this s and take one step)"
             ),
+            StateAt::Centre => f.write_str("the centre of the loops"),
             StateAt::RandomLoop(s) => write!(f, "s = {s:?} of a random loop"),
             StateAt::Displaced(s) => write!(
                 f,

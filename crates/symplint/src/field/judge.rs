@@ -199,8 +199,13 @@ fn judge(evidence: &FieldEvidence) -> (Certainty, Option<f64>) {
         let digits = enough(bound).then(|| digits(bound));
         return (Certainty::OnePosition, digits);
     }
-    if enough(bound) {
-        return (Certainty::Closed, Some(digits(bound)));
+    // An ellipse that samples do not resolve shows a part of the force that loops may have missed.
+    let is_rough = |work: &LoopWork| !work.is_resolved && !enough(work.bound());
+    let rough = loops().filter(|(_, work)| is_rough(work));
+    match largest(rough, LoopWork::bound) {
+        Some(index) => return (Certainty::Unresolved(index), None),
+        None if enough(bound) => return (Certainty::Closed, Some(digits(bound))),
+        None => {}
     }
     let weakest = largest(not_constant().chain(around()), LoopWork::bound).unwrap_or(0);
     match evidence.loops[weakest].is_resolved {

@@ -23,11 +23,21 @@ pub(super) const FEWEST_DIGITS: f64 = 3.0;
 /// Samples of a loop at first: a loop on which a force is nearly linear has few modes.
 pub(super) const FIRST_SAMPLES: usize = 32;
 
+/// The same of a loop of [`MANY_SAMPLES`] or more on which the force is not smooth enough for so many: tables, switching functions.
+/// Conventional.
+pub(super) const ENOUGH_ACROSS_KINKS: f64 = 1e-10;
+
+/// Samples that resolve a smooth force to rounding. Calibrated: on wide loops Lennard-Jones forces take 512.
+pub(super) const MANY_SAMPLES: usize = 1024;
+
 /// Samples of a small ellipse at first.
 pub(super) const FIRST_OF_PAIR: usize = 16;
 
 /// Samples of a loop at most.
 pub(super) const MOST_SAMPLES: usize = 1 << 16;
+
+/// Samples of a contractible loop of one position at most: its integral is zero for every force. Conventional.
+pub(super) const MOST_OF_ONE_POSITION: usize = 256;
 
 /// A loop across which the force jumps has enough samples if its integral is zero within this part of its scale. Conventional: a
 /// digit more than a gradient has at least; each further factor of two takes twice the evaluations.
@@ -78,9 +88,9 @@ pub(super) const DECAY_OF_JUMPS: f64 = 1.5;
 /// Curls below this part of the scale may come from a solver that stops at a tolerance. Conventional: the loosest tolerance in use.
 pub(super) const LOOSEST_TOLERANCE: f64 = 1e-3;
 
-/// Jumps beside such a curl may come from the same solver if they are smaller than this. Conventional: ten times the tolerance, as a loop
-/// has more than one.
-pub(super) const LARGEST_OF_SOLVER: f64 = 1e-2;
+/// Jumps of a force with such a curl may come from the same solver if they are smaller than this. Calibrated: solvers with a tolerance of
+/// 1e-3 make jumps of 0.02 on small loops.
+pub(super) const LARGEST_OF_SOLVER: f64 = 0.1;
 
 /// The part of the change between two samples that one jump makes at least. Conventional: tens of pairs may cross a cut-off between two
 /// samples; what is continuous leaves 2^-40.

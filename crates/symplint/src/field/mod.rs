@@ -32,14 +32,14 @@ pub use evidence::{
 };
 pub use judge::{Certainty, FieldReport, FieldVerdict};
 
-use crate::error::Error;
+use crate::error::{Error, StateAt};
 use crate::loops::FourierLoop;
 use crate::map::{EvaluationCount, Evaluator, PerSample, TimeAdvance, states_at};
 use crate::state::Ensemble;
 use integrand::Integrand;
 use limits::{
     FACTORS_FOR_SOLVERS, FIRST_OF_PAIR, FIRST_SAMPLES, LEAST_BUDGET, LEAST_FOR_SOLVERS,
-    MOST_FOR_SOLVERS, MOST_SAMPLES, MOST_WINDING, OF_A_LOOP, RANDOM_PAIRS,
+    MOST_FOR_SOLVERS, MOST_OF_ONE_POSITION, MOST_SAMPLES, MOST_WINDING, OF_A_LOOP, RANDOM_PAIRS,
 };
 use pairs::Pairs;
 use radius::Reach;
@@ -194,7 +194,7 @@ impl FieldTest {
             centre.block().q.row_mut(i)[0] = q0[i];
             centre.block().p.row_mut(i)[0] = p0[i];
         }
-        let at_centre = integrand.form(centre)?;
+        let at_centre = (integrand.form(centre)).map_err(|error| error.at(|_| StateAt::Centre))?;
         let largest = at_centre
             .iter()
             .fold(0.0, |m: f64, row| m.max(row[0].abs()));
@@ -338,6 +338,11 @@ impl FieldTest {
             let count = self.loops - loops;
             evidence.omitted.push(Omitted::Loops { count });
         }
+        // Of one position nothing depends on the integrals of loops that can be contracted.
+        let most_samples = match integrand.kind == FieldKind::Force && integrand.moving() == 1 {
+            true => MOST_OF_ONE_POSITION,
+            false => MOST_SAMPLES,
+        };
         let total = loops + winding;
         let share = |done: usize| {
             let left = evaluator.count().left();
@@ -345,12 +350,12 @@ impl FieldTest {
         };
         evidence
             .loops
-            .push(first.finish(LoopKind::Random, known, (MOST_SAMPLES, share(0)))?);
+            .push(first.finish(LoopKind::Random, known, (most_samples, share(0)))?);
         for k in 1..loops {
             let measure = |factor: f64| {
                 let phase_loop = random(k, factor)?;
                 let begun = Integration::begin(integrand, &phase_loop, FIRST_SAMPLES)?;
-                begun.finish(LoopKind::Random, known, (MOST_SAMPLES, share(k)))
+                begun.finish(LoopKind::Random, known, (most_samples, share(k)))
             };
             if evaluator.count().left() < FIRST_SAMPLES {
                 break;

@@ -6,7 +6,7 @@ use rand_chacha::rand_core::SeedableRng;
 use super::FieldKind;
 use super::integrand::Integrand;
 use super::limits::{HALVINGS, MOST_NONLINEAR, PART_OF_CENTRE, WIDE};
-use crate::error::Error;
+use crate::error::{Error, StateAt};
 use crate::map::Evaluator;
 use crate::signal::unit;
 use crate::state::{Ensemble, coordinate_mut};
@@ -102,6 +102,7 @@ pub(super) fn suggested(
         radius.extend(vec![first * ratio; dof]);
     }
     let mut largest = Vec::new();
+    let mut linear_from = None;
     let mut best: Option<(f64, f64)> = None;
     let mut failure = None;
     let integrand = Integrand {
@@ -115,7 +116,8 @@ pub(super) fn suggested(
         radius: integrand.radius.iter().map(|r| factor * r).collect(),
         wide: WIDE.min(factor.recip()),
     };
-    let middle = integrand.form(displaced(centre, &integrand.radius, &towards, &[0.0]))?;
+    let middle = (integrand.form(displaced(centre, &integrand.radius, &towards, &[0.0])))
+        .map_err(|error| error.at(|_| StateAt::Centre))?;
     let of_middle = norm(middle.iter().map(|row| row[0]));
     let sides = |factor: f64| {
         integrand.form(displaced(
@@ -132,6 +134,7 @@ pub(super) fn suggested(
             Err(error) if error.is_of_map() => {
                 failure = Some(error);
                 largest.clear();
+                linear_from = None;
                 continue;
             }
             Err(error) => return Err(error),
@@ -152,8 +155,10 @@ pub(super) fn suggested(
                             .map(|(large, small): (&f64, &f64)| large - 2.0 * small),
                     );
                     let nonlinear = off.max(4.0 * even) / (2.0 * linear);
-                    if nonlinear <= MOST_NONLINEAR {
-                        return Ok(reach(2.0 * factor));
+                    match (linear_from, nonlinear <= MOST_NONLINEAR) {
+                        // By chance a wave looks linear once, and hardly twice.
+                        (Some(from), true) => return Ok(reach(from)),
+                        (_, is_linear) => linear_from = is_linear.then_some(2.0 * factor),
                     }
                     if nonlinear.is_finite() && best.is_none_or(|(least, _)| nonlinear < least) {
                         best = Some((nonlinear, 2.0 * factor));

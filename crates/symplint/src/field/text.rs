@@ -104,7 +104,7 @@ impl FieldReport {
                 }
             ),
             Certainty::Tolerance(index) => format!(
-                "{integral} is {}: not zero, but the {subject} jumps by as little as a solver that stops at a tolerance.",
+                "{integral} is {}: not zero, but small compared with jumps of the {subject}. A solver that stops at a tolerance leaves that.",
                 self.value_of(index)
             ),
             Certainty::Small(index) => format!(
@@ -145,7 +145,9 @@ impl FieldReport {
         let evidence = &self.evidence;
         let subject = self.subject();
         let mut found = Vec::new();
-        if let Some(curl) = evidence.curl {
+        if let Some(curl) = evidence.curl
+            && curl.value.max(curl.error) < 1.0
+        {
             let value = match curl.value > curl.error {
                 true => format!("λ = {} ± {}", short(curl.value), short(curl.error)),
                 false => format!("λ is below {}", short(curl.value + curl.error)),
@@ -188,8 +190,8 @@ impl FieldReport {
             && evidence.jumps() == 0.0
         {
             found.push(
-                "No jumps were found on larger loops. So small a curl may still come from a solver or a table inside: then it falls \
-                 with the tolerance, or the distance of the entries."
+                "Larger loops show no jumps. A curl this small can also come from a solver, a table or finite differences inside; \
+                 it is then proportional to the tolerance or to the distance of the entries."
                     .into(),
             );
         }
@@ -262,9 +264,9 @@ impl FieldReport {
                 "Tighten the tolerance of solvers inside, and test again: if the integral falls with it, the force is a gradient.",
             ],
             Certainty::Small(_) => &["Give a larger budget."],
-            Certainty::Steep(_) | Certainty::Unresolved(_) => {
-                &["Give a smaller radius, or a larger budget."]
-            }
+            Certainty::Steep(_) | Certainty::Unresolved(_) => &[
+                "Give a smaller radius, or a larger budget. If the force has a cut-off, test it with a switching function.",
+            ],
             Certainty::NoFunction(_) | Certainty::Repetitions => &[
                 "Let the result depend only on the state: fix random numbers, rebuild neighbour lists, leave no state of earlier calls.",
             ],

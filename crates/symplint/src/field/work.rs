@@ -3,7 +3,8 @@
 use super::evidence::{LoopKind, LoopWork};
 use super::integrand::{Integrand, Moments};
 use super::limits::{
-    BISECTIONS, ENOUGH_ACROSS_JUMPS, PART_OF_JUMP, ROUNDING_NOISE, ROUNDINGS, SAFETY, SIGNIFICANT,
+    BISECTIONS, ENOUGH_ACROSS_JUMPS, ENOUGH_ACROSS_KINKS, MANY_SAMPLES, PART_OF_JUMP,
+    ROUNDING_NOISE, ROUNDINGS, SAFETY, SIGNIFICANT,
 };
 use super::spectrum::Spectrum;
 use crate::error::Error;
@@ -102,8 +103,12 @@ impl<'a> Integration<'a> {
             let is_zero = spectrum.mean.abs() <= SIGNIFICANT * (spectrum.error() + noise);
             let count = self.power.len();
             let bound = spectrum.mean.abs() + spectrum.error() + noise;
-            let is_enough =
-                spectrum.jumps().is_some() && bound <= ENOUGH_ACROSS_JUMPS * self.scale(kind);
+            let enough = match spectrum.jumps() {
+                Some(_) => ENOUGH_ACROSS_JUMPS,
+                None if count >= MANY_SAMPLES => ENOUGH_ACROSS_KINKS,
+                None => 0.0,
+            };
+            let is_enough = bound <= enough * self.scale(kind);
             if (is_resolved && (is_zero || confirmed))
                 || is_enough
                 || count >= most_samples
