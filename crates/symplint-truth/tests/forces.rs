@@ -121,6 +121,8 @@ impl Kind {
             Kind::Noise | Kind::RandomNoise => 0.45,
             Kind::CutOff | Kind::SingleOutside => 0.2,
             Kind::Network => 0.01,
+            // Larger loops bring particles together.
+            Kind::NoReaction => 0.05,
             _ => 0.0,
         }
     }

@@ -374,16 +374,29 @@ fn the_budget_is_kept() {
             };
         }
     };
-    for n in [2, 30] {
+    let waves = |q: &[f64], f: &mut [f64]| {
+        made.fetch_add(1, Ordering::Relaxed);
+        for (f, q) in f.iter_mut().zip(q) {
+            *f = if (37.0 * q).sin() > 0.3 { 1.0 } else { q.cos() };
+        }
+    };
+    for n in [1, 2, 12, 30] {
         let q0: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
-        let map = force(n, rough, Coordinates::plain(n));
-        for budget in [100, 150, 200, 300, 500, 1000, 5000] {
+        let periods = Coordinates::plain(n).with_periods(vec![TAU; n]).unwrap();
+        let maps: [Box<dyn TimeAdvance + '_>; 2] = [
+            Box::new(force(n, rough, Coordinates::plain(n))),
+            Box::new(force(n, waves, periods)),
+        ];
+        for (map, budget) in maps
+            .iter()
+            .flat_map(|map| [100, 101, 150, 200, 300, 500, 1000, 5000].map(|budget| (map, budget)))
+        {
             let before = made.load(Ordering::Relaxed);
             let test = FieldTest {
                 budget,
                 ..FieldTest::default()
             };
-            let report = test.run_force(&map, &q0).unwrap();
+            let report = test.run_force(map, &q0).unwrap();
             let count = made.load(Ordering::Relaxed) - before;
             assert_eq!(count, report.evidence.evaluations);
             assert!(count <= budget, "{count} {budget}");

@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::evidence::{FieldEvidence, FieldKind, LoopKind, LoopWork};
-use super::limits::{FEWEST_DIGITS, LARGEST_OF_SOLVER, LOOSEST_TOLERANCE, OF_JUMPS};
+use super::limits::{
+    ALLOWANCE_OF_ONE_LOOP, FEWEST_DIGITS, LARGEST_OF_SOLVER, LOOSEST_TOLERANCE, OF_JUMPS,
+};
 
 /// The answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -192,9 +194,13 @@ fn judge(evidence: &FieldEvidence) -> (Certainty, Option<f64>) {
         return (Certainty::Constant, None);
     }
     let not_constant = || contractible().filter(|(_, work)| !work.is_constant);
+    // A loop shows λ times a random number of the order of 1: the fewer there are, the more likely all of these are small.
+    let loops_made = contractible().count().max(1) as f64;
+    let allowance = 1.0 + ALLOWANCE_OF_ONE_LOOP / (loops_made * loops_made);
     let bound = not_constant()
         .map(|(_, work)| work.bound())
-        .fold(of_periods, f64::max);
+        .fold(of_periods, f64::max)
+        * allowance;
     if one_position && !evidence.is_periodic {
         let digits = enough(bound).then(|| digits(bound));
         return (Certainty::OnePosition, digits);

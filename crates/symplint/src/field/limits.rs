@@ -20,6 +20,10 @@ pub(super) const LEAST_CURL: f64 = 2e-14;
 /// Digits that a gradient has at least. Conventional: forces that are a gradient to fewer digits heat a simulation visibly.
 pub(super) const FEWEST_DIGITS: f64 = 3.0;
 
+/// The bound on λ from L loops is enlarged by 1 plus this over L². Calibrated: no force of the truth set claims more digits than a tenth of
+/// its λ has.
+pub(super) const ALLOWANCE_OF_ONE_LOOP: f64 = 8.0;
+
 /// Samples of a loop at first: a loop on which a force is nearly linear has few modes.
 pub(super) const FIRST_SAMPLES: usize = 32;
 
@@ -79,6 +83,9 @@ pub(super) const AGAIN: usize = 6;
 /// Evaluations that a test needs at least: one loop, and what is made before it.
 pub(super) const LEAST_BUDGET: usize = 100;
 
+/// Evaluations that are made before the budget is divided: periods, the first samples, and states again.
+pub(super) const OF_FIRST_LOOP: usize = 1 + MOST_WINDING + FIRST_SAMPLES + AGAIN + 2;
+
 /// Evaluations that each loop should have. Derived: one doubling of the first samples, which a smooth force takes.
 pub(super) const OF_A_LOOP: usize = 2 * FIRST_SAMPLES;
 
@@ -100,14 +107,18 @@ pub(super) const PART_OF_JUMP: f64 = 0.02;
 /// up to 1/(1 − ρ) times its last change, and converging iterations have ρ below 0.97.
 pub(super) const OF_JUMPS: f64 = 32.0;
 
-/// Loops on which the jumps of a solver are searched, in units of the widest loop.
-pub(super) const FACTORS_FOR_SOLVERS: [f64; 3] = [2.0, 8.0, 32.0];
+/// Loops on which the jumps of a solver are searched, in units of the widest loop. Calibrated: in the truth set one of 400 solvers shows no
+/// jump on any of them.
+pub(super) const FACTORS_FOR_SOLVERS: [f64; 3] = [8.0, 32.0, 2.0];
+
+/// How many of them are needed; each has to be resolved, or to have all samples.
+pub(super) const SEARCHED_FOR_SOLVERS: usize = 2;
 
 /// Samples of each of them at most. Conventional.
 pub(super) const MOST_FOR_SOLVERS: usize = 2048;
 
-/// Evaluations of each of them at least. Derived: three doublings of the first samples show the decay of jumps.
-pub(super) const LEAST_FOR_SOLVERS: usize = 8 * FIRST_SAMPLES;
+/// Evaluations of each of them at least. Derived: two doublings of the first samples show the decay of jumps.
+pub(super) const LEAST_FOR_SOLVERS: usize = 4 * FIRST_SAMPLES;
 
 /// Steps of the bisection of a jump: down to 2^-40 of a sample's distance.
 pub(super) const BISECTIONS: usize = 40;

@@ -11,6 +11,7 @@
 //! | `spectrum` | the mean of equispaced samples, its error, and the decay of their modes |
 //! | `noise` | how exactly the force is known |
 //! | `work` | a loop integral from as many samples as it needs, and jumps of the force |
+//! | `measure` | all loops and pairs within the budget |
 //! | `pairs` | pairs of directions, λ, the pair of coordinates that carries a curl |
 //! | `radius` | how far loops reach |
 //! | `evidence`, `judge`, `text` | what was measured, what follows, and its sentences |
@@ -20,6 +21,7 @@ mod evidence;
 mod integrand;
 mod judge;
 mod limits;
+mod measure;
 mod noise;
 mod pairs;
 mod radius;
@@ -33,17 +35,12 @@ pub use evidence::{
 pub use judge::{Certainty, FieldReport, FieldVerdict};
 
 use crate::error::{Error, StateAt};
-use crate::loops::FourierLoop;
-use crate::map::{EvaluationCount, Evaluator, PerSample, TimeAdvance, states_at};
+use crate::map::{EvaluationCount, Evaluator, PerSample, TimeAdvance};
 use crate::state::Ensemble;
 use integrand::Integrand;
-use limits::{
-    FACTORS_FOR_SOLVERS, FIRST_OF_PAIR, FIRST_SAMPLES, LEAST_BUDGET, LEAST_FOR_SOLVERS,
-    MOST_FOR_SOLVERS, MOST_OF_ONE_POSITION, MOST_SAMPLES, MOST_WINDING, OF_A_LOOP, RANDOM_PAIRS,
-};
-use pairs::Pairs;
+use limits::LEAST_BUDGET;
+use measure::{Measurement, range};
 use radius::Reach;
-use work::{Integration, Known};
 
 /// How far the loops of a [`FieldTest`] reach from the centre.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -218,7 +215,14 @@ impl FieldTest {
             evaluations: 0,
             budget: self.budget,
         };
-        self.measure(&integrand, (q0, p0), wide, &mut evidence)?;
+        let measurement = Measurement {
+            integrand: &integrand,
+            centre: (q0, p0),
+            wide,
+            loops: self.loops,
+            seed: self.seed,
+        };
+        measurement.run(&mut evidence)?;
         evidence.evaluations = count.made();
         Ok(FieldReport::of(evidence))
     }
@@ -288,219 +292,4 @@ impl FieldTest {
             false => Ok(Reach { radius, wide: 1.0 }),
         }
     }
-
-    fn measure(
-        &self,
-        integrand: &Integrand<'_>,
-        (q0, p0): (&[f64], &[f64]),
-        wide: f64,
-        evidence: &mut FieldEvidence,
-    ) -> Result<(), Error> {
-        let (evaluator, dof) = (integrand.evaluator, q0.len());
-        let random = |k: usize, factor: f64| {
-            let seed = self.seed.wrapping_add(k as u64);
-            let radius = |c: usize| integrand.radius.get(c).map_or(0.0, |r| factor * r);
-            let [of_q, of_p] =
-                [0..dof, dof..2 * dof].map(|of| of.map(radius).collect::<Vec<f64>>());
-            FourierLoop::random(q0.to_vec(), p0.to_vec(), &of_q, &of_p, seed)
-        };
-        let around = random(0, 1.0)?;
-        check_periods(integrand, &around)?;
-        let first = Integration::begin(integrand, &around, FIRST_SAMPLES)?;
-        let speed = first.moments.speed();
-        let repetitions = noise::of_repetitions(integrand, &around, &first.power)?;
-        let noise = noise::over_short_distances(integrand, &around)?;
-        let known = Known {
-            noise,
-            repetitions,
-            on: [speed, first.moments.size()],
-        };
-        let change = speed * first.moments.deviation() / (integrand.moving().max(1) as f64).sqrt();
-        evidence.noise = relative(noise, change);
-        evidence.repetitions = relative(repetitions, change);
-        let periods: Vec<usize> = (0..dof)
-            .filter(|&i| evaluator.coordinates().period(i) > 0.0)
-            .collect();
-        let winding = periods.len().min(MOST_WINDING);
-        if periods.len() > winding {
-            let count = periods.len() - winding;
-            evidence.omitted.push(Omitted::Periods { count });
-        }
-        // Pairs take a part of the budget that they surely need.
-        let of_pairs = match integrand.moving() {
-            1 => 0,
-            _ => 2 * FIRST_OF_PAIR * RANDOM_PAIRS,
-        };
-        let left = evaluator.count().left();
-        let for_loops = left - of_pairs.min(left / 3);
-        let loops = self.loops.min((for_loops / OF_A_LOOP).max(1));
-        if loops < self.loops {
-            let count = self.loops - loops;
-            evidence.omitted.push(Omitted::Loops { count });
-        }
-        // Of one position nothing depends on the integrals of loops that can be contracted.
-        let most_samples = match integrand.kind == FieldKind::Force && integrand.moving() == 1 {
-            true => MOST_OF_ONE_POSITION,
-            false => MOST_SAMPLES,
-        };
-        let total = loops + winding;
-        let share = |done: usize| {
-            let left = evaluator.count().left();
-            (left - of_pairs.min(left / 3)) / (total - done).max(1)
-        };
-        evidence
-            .loops
-            .push(first.finish(LoopKind::Random, known, (most_samples, share(0)))?);
-        for k in 1..loops {
-            let measure = |factor: f64| {
-                let phase_loop = random(k, factor)?;
-                let begun = Integration::begin(integrand, &phase_loop, FIRST_SAMPLES)?;
-                begun.finish(LoopKind::Random, known, (most_samples, share(k)))
-            };
-            if evaluator.count().left() < FIRST_SAMPLES {
-                break;
-            }
-            let factor = if k % 2 == 1 { wide } else { 1.0 };
-            let work = match measure(factor) {
-                // Far away the force need not exist.
-                Err(error) if error.is_of_map() && factor > 1.0 => measure(1.0)?,
-                found => found?,
-            };
-            evidence.radius.1 = evidence.radius.1.max(range(&integrand.radius).1 * factor);
-            evidence.loops.push(work);
-        }
-        for (k, &i) in periods.iter().take(winding).enumerate() {
-            if evaluator.count().left() < FIRST_SAMPLES + of_pairs / 2 {
-                let count = winding - k;
-                evidence.omitted.push(Omitted::Periods { count });
-                break;
-            }
-            let phase_loop =
-                random(loops + k, 1.0)?.winding(i, evaluator.coordinates().period(i))?;
-            match Integration::begin(integrand, &phase_loop, FIRST_SAMPLES).and_then(|begun| {
-                let most = (MOST_SAMPLES, share(loops + k));
-                begun.finish(LoopKind::Winding { dof: i }, known, most)
-            }) {
-                Ok(work) => evidence.loops.push(work),
-                // On its way around the period an atom may meet others.
-                Err(error) if error.is_of_map() => {
-                    evidence.omitted.push(Omitted::Periods { count: 1 });
-                }
-                Err(error) => return Err(error),
-            }
-        }
-        let pairs = Pairs {
-            integrand,
-            around: &around,
-            known,
-            seed: self.seed,
-            takes_all: Pairs::all(integrand),
-        };
-        let found = pairs.run()?;
-        if found.is_empty() && integrand.moving() > 1 {
-            evidence.omitted.push(Omitted::Pairs);
-        }
-        evidence.curl = pairs.curl(&found);
-        evidence.worst = pairs.worst(&found)?;
-        evidence.loops.extend(found);
-        evidence.damping = damping(evidence);
-        // Jumps of a solver, where the number of its iterations changes, may lie farther away.
-        if evidence.is_small() && evidence.jumps() == 0.0 {
-            for factor in FACTORS_FOR_SOLVERS {
-                let factor = factor * wide;
-                let share = evaluator.count().left() / FACTORS_FOR_SOLVERS.len();
-                if share < LEAST_FOR_SOLVERS {
-                    break;
-                }
-                evidence.is_searched = true;
-                let phase_loop = random(total, factor)?;
-                let begun = Integration::begin(integrand, &phase_loop, FIRST_SAMPLES);
-                let most = (MOST_FOR_SOLVERS, share - FIRST_SAMPLES);
-                match begun.and_then(|begun| begun.finish(LoopKind::Random, known, most)) {
-                    Err(error) if error.is_of_map() => break,
-                    found => evidence.loops.push(found?),
-                }
-                let (least, _) = evidence.radius;
-                evidence.radius = (least, range(&integrand.radius).1 * factor);
-                if evidence.jumps() > 0.0 {
-                    break;
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// a/b, and 0 of 0/0.
-fn relative(a: f64, b: f64) -> f64 {
-    if a == 0.0 { 0.0 } else { a / b }
-}
-
-/// The smallest radius that is not zero, and the largest.
-fn range(radius: &[f64]) -> (f64, f64) {
-    let moving = radius.iter().filter(|&&r| r > 0.0);
-    moving.fold((f64::INFINITY, 0.0), |(least, most), &r| {
-        (least.min(r), most.max(r))
-    })
-}
-
-/// The rate that all random loops show.
-fn damping(evidence: &FieldEvidence) -> Option<(f64, f64)> {
-    let random = || {
-        let loops = evidence.loops.iter();
-        loops.filter(|work| work.kind == LoopKind::Random)
-    };
-    if evidence.kind == FieldKind::Force || !random().all(LoopWork::is_clear) {
-        return None;
-    }
-    // ∮ p·dq changes at the rate ∮ (f_p·dq − f_q·dp).
-    let rates: Vec<(f64, f64)> = random()
-        .map(|work| {
-            (
-                work.integral / work.action,
-                work.error() / work.action.abs(),
-            )
-        })
-        .collect();
-    let (rate, error) = rates.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let agree = |other: &(f64, f64)| {
-        (other.0 - rate).abs() <= 2.0 * (other.1 + error)
-            && other.1 <= limits::SAME_RATE * rate.abs()
-    };
-    (rates.len() > 1 && rates.iter().all(agree)).then_some((rate, error))
-}
-
-/// Checks that stated periods are those of the form, at a state of a loop.
-fn check_periods(integrand: &Integrand<'_>, around: &FourierLoop) -> Result<(), Error> {
-    /// Differences below this part of the form may be rounding in single precision.
-    const ROUNDING: f64 = 1e-4;
-    /// The parameter of the state.
-    const AT: f64 = 0.291;
-    let coordinates = integrand.evaluator.coordinates();
-    let periodic: Vec<usize> = (0..coordinates.dof())
-        .filter(|&i| coordinates.period(i) > 0.0)
-        .take(MOST_WINDING)
-        .collect();
-    if periodic.is_empty() {
-        return Ok(());
-    }
-    // The state itself, and shifted by each period.
-    let mut states = states_at(around, &vec![AT; 1 + periodic.len()]);
-    for (k, &i) in periodic.iter().enumerate() {
-        states.block().q.row_mut(i)[1 + k] += coordinates.period(i);
-    }
-    let form = integrand.form(states)?;
-    for (k, &dof) in periodic.iter().enumerate() {
-        let largest =
-            |of: &dyn Fn(&[f64]) -> f64| form.iter().fold(0.0, |m: f64, row| m.max(of(row)));
-        let difference = largest(&|row| (row[1 + k] - row[0]).abs());
-        if difference > ROUNDING * largest(&|row| row[0].abs()) {
-            return Err(Error::NotAPeriodOfForce {
-                dof,
-                period: coordinates.period(dof),
-                difference: difference * integrand.unit,
-            });
-        }
-    }
-    Ok(())
 }

@@ -8,7 +8,7 @@ use super::evidence::{CoordinateName, Curl, LoopKind, LoopWork, WorstPair};
 use super::integrand::Integrand;
 use super::limits::{ALL_PAIRS_UP_TO, FIRST_OF_PAIR, MOST_OF_PAIR, PART_OF_RADIUS, RANDOM_PAIRS};
 use super::radius::direction;
-use super::work::{Integration, Known};
+use super::work::{Integration, Known, Limits};
 use crate::error::Error;
 use crate::loops::{FourierLoop, Loop};
 use crate::state::{Ensemble, coordinate};
@@ -25,6 +25,8 @@ pub(super) struct Pairs<'a> {
     pub seed: u64,
     /// Whether all pairs of coordinates are tested, and not random directions.
     pub takes_all: bool,
+    /// Whether no loop has shown a curl yet.
+    pub confirms: bool,
 }
 
 /// Two directions at a point, in units of the radii.
@@ -120,7 +122,11 @@ impl Pairs<'_> {
         Integration::begin(self.integrand, &ellipse, FIRST_OF_PAIR)?.finish(
             pair.kind,
             self.known,
-            (MOST_OF_PAIR, most),
+            Limits {
+                samples: MOST_OF_PAIR,
+                evaluations: most,
+                confirms: self.confirms,
+            },
         )
     }
 

@@ -5,7 +5,7 @@ use rand_chacha::rand_core::SeedableRng;
 
 use super::FieldKind;
 use super::integrand::Integrand;
-use super::limits::{HALVINGS, MOST_NONLINEAR, PART_OF_CENTRE, WIDE};
+use super::limits::{HALVINGS, MOST_NONLINEAR, OF_FIRST_LOOP, PART_OF_CENTRE, WIDE};
 use crate::error::{Error, StateAt};
 use crate::map::Evaluator;
 use crate::signal::unit;
@@ -128,6 +128,9 @@ pub(super) fn suggested(
         ))
     };
     for halving in 0..=HALVINGS {
+        if evaluator.count().left() < 2 + OF_FIRST_LOOP {
+            break;
+        }
         let factor = 0.5_f64.powi(halving as i32);
         match sides(factor) {
             // Atoms may lie on each other there.

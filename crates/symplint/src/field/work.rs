@@ -40,6 +40,17 @@ struct Noise {
     of_samples: f64,
 }
 
+/// How far a loop may be refined.
+#[derive(Clone, Copy)]
+pub(super) struct Limits {
+    /// Samples at most.
+    pub samples: usize,
+    /// Evaluations at most, apart from the first.
+    pub evaluations: usize,
+    /// Whether twice as many samples have to confirm that an integral is not zero: no other loop has shown it yet.
+    pub confirms: bool,
+}
+
 /// A loop that is being integrated.
 pub(super) struct Integration<'a> {
     integrand: &'a Integrand<'a>,
@@ -83,7 +94,7 @@ impl<'a> Integration<'a> {
     }
 
     /// Doubles samples until the error is that of rounding and noise, and once more where the integral is not zero: samples in
-    /// between have to confirm that. At most `most` evaluations are made apart from the first.
+    /// between have to confirm that.
     ///
     /// # Errors
     /// Those of the force.
@@ -91,10 +102,10 @@ impl<'a> Integration<'a> {
         mut self,
         kind: LoopKind,
         known: Known,
-        (most_samples, most): (usize, usize),
+        limits: Limits,
     ) -> Result<LoopWork, Error> {
         let mut made = 0;
-        let mut confirmed = false;
+        let mut confirmed = !limits.confirms;
         let (spectrum, noise) = loop {
             let spectrum = Spectrum::of(&self.power);
             let noise = self.noise(known, &spectrum);
@@ -111,14 +122,14 @@ impl<'a> Integration<'a> {
             let is_enough = bound <= enough * self.scale(kind);
             if (is_resolved && (is_zero || confirmed))
                 || is_enough
-                || count >= most_samples
-                || made + count > most
+                || count >= limits.samples
+                || made + count > limits.evaluations
                 || self.integrand.evaluator.count().left() < count
             {
                 break (spectrum, noise);
             }
             made += count;
-            confirmed = is_resolved && !is_zero;
+            confirmed |= is_resolved && !is_zero;
             self.double()?;
         };
         self.work(kind, &spectrum, noise, known)
