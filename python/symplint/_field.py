@@ -372,7 +372,7 @@ class _Force:
 
 
 class _Field(_Force):
-    """A vector field as a step without a step size: its rates in place of states."""
+    """A vector field as a step without a step size: it returns rates instead of states."""
 
     what = "field"
 

@@ -87,7 +87,7 @@ typedef enum {
 } SymplintVerdict;
 
 /**
- * What a test of a force or a vector field found. Made by `symplint_check_force` and `symplint_check_field`, and to be freed by
+ * The result of a test of a force or a vector field. Made by `symplint_check_force` and `symplint_check_field`, and to be freed by
  * `symplint_field_report_free`.
  */
 typedef struct SymplintFieldReport SymplintFieldReport;
@@ -213,7 +213,7 @@ typedef struct {
  * Writes the force at `samples` positions to `force`, and returns 0; any other number says that it cannot be evaluated, and is named
  * in the error.
  *
- * q[i * samples + k] is the position i of the sample k, and force likewise: one row for each of the `dof` degrees of freedom. In Fortran
+ * q[i * samples + k] is the position i of the sample k, and so is force: one row for each of the `dof` degrees of freedom. In Fortran
  * they are q(samples, dof). The force on a sample must depend on nothing but the sample itself. `samples` may be any number from 1. The
  * function is called on the thread that called `symplint_check_force`, one call at a time; it must return (no longjmp, no C++
  * exception).
@@ -234,7 +234,7 @@ typedef struct {
    */
   double radius;
   /**
-   * The same for each position, or NULL: `radius`. 0 keeps a position at its centre. Of a field, give both or none.
+   * The same for each position, or NULL: `radius`. 0 keeps a position at its centre. For a field, give both or neither.
    */
   const double *radius_q;
   /**
@@ -268,8 +268,8 @@ typedef struct {
 } SymplintFieldOptions;
 
 /**
- * Writes the rates of q and p at `samples` states to `q_rate` and `p_rate`, and returns 0. All arrays are as those of
- * `SymplintForce`, and so are the rules.
+ * Writes the rates of q and p at `samples` states to `q_rate` and `p_rate`, and returns 0. The arrays and the rules are those of
+ * `SymplintForce`.
  */
 typedef int (*SymplintField)(void *user,
                              size_t dof,

@@ -13,7 +13,7 @@ use crate::status::{Failure, SymplintStatus, guarded};
 /// Writes the force at `samples` positions to `force`, and returns 0; any other number says that it cannot be evaluated, and is named
 /// in the error.
 ///
-/// q[i * samples + k] is the position i of the sample k, and force likewise: one row for each of the `dof` degrees of freedom. In Fortran
+/// q[i * samples + k] is the position i of the sample k, and so is force: one row for each of the `dof` degrees of freedom. In Fortran
 /// they are q(samples, dof). The force on a sample must depend on nothing but the sample itself. `samples` may be any number from 1. The
 /// function is called on the thread that called `symplint_check_force`, one call at a time; it must return (no longjmp, no C++
 /// exception).
@@ -27,8 +27,8 @@ pub type SymplintForce = Option<
     ) -> c_int,
 >;
 
-/// Writes the rates of q and p at `samples` states to `q_rate` and `p_rate`, and returns 0. All arrays are as those of
-/// `SymplintForce`, and so are the rules.
+/// Writes the rates of q and p at `samples` states to `q_rate` and `p_rate`, and returns 0. The arrays and the rules are those of
+/// `SymplintForce`.
 pub type SymplintField = Option<
     unsafe extern "C" fn(
         user: *mut c_void,
@@ -116,7 +116,7 @@ pub unsafe extern "C" fn symplint_check_field(
     })
 }
 
-/// Runs a test on threads of its own, and evaluates rates on this one: in place of positions and momenta.
+/// Runs a test on other threads, and evaluates rates on this one: they replace positions and momenta.
 fn run(
     settings: &FieldSettings,
     mut rates: impl FnMut(usize, usize, &mut [f64], &mut [f64]) -> c_int,

@@ -1,4 +1,4 @@
-//! The options of a test of a force or a vector field, which may grow as those of a check.
+//! The options of a test of a force or a vector field, which may grow like the options of a check.
 
 use symplint::Coordinates;
 use symplint::field::{FieldRadius, FieldTest};
@@ -15,7 +15,7 @@ pub struct SymplintFieldOptions {
     /// How far loops reach in every coordinate; 0, the default, is as far as the force is nearly linear, and at most a tenth of the
     /// size of the centre.
     pub radius: f64,
-    /// The same for each position, or NULL: `radius`. 0 keeps a position at its centre. Of a field, give both or none.
+    /// The same for each position, or NULL: `radius`. 0 keeps a position at its centre. For a field, give both or neither.
     pub radius_q: *const f64,
     /// The same for each momentum of a field, or NULL: `radius`. Not used for a force.
     pub radius_p: *const f64,
@@ -99,7 +99,7 @@ pub struct FieldSettings {
 }
 
 impl FieldSettings {
-    /// Reads options, or takes the defaults where there are none; `p0` is that of a field.
+    /// Reads options, or takes the defaults if there are none. A field has a `p0`.
     ///
     /// # Safety
     /// Arrays that are not null have as many values as the header says.
@@ -117,7 +117,7 @@ impl FieldSettings {
         let mut read = SymplintFieldOptions::default();
         if !options.is_null() {
             let mut size = 0_usize;
-            // SAFETY: the struct begins with its size, and has so many bytes; integers, numbers and pointers may have any.
+            // SAFETY: the struct begins with its size, and has that number of bytes; integers, numbers and pointers may have any.
             unsafe {
                 overlay("options", options.cast(), size_of::<usize>(), &mut size)?;
                 check_size(size)?;
@@ -125,7 +125,7 @@ impl FieldSettings {
             }
         }
         let is_field = p0.is_some();
-        // SAFETY: the caller promises so many values, or null.
+        // SAFETY: the caller promises `dof` values, or null.
         let (q0, p0, radii, period, weight) = unsafe {
             let given = |what, pointer| {
                 optional_values(what, pointer, dof)?.ok_or_else(|| Failure::null(what))

@@ -1,4 +1,4 @@
-//! What a test of a force or a vector field found.
+//! The result of a test of a force or a vector field.
 
 use std::ffi::{CString, c_char};
 
@@ -6,7 +6,7 @@ use symplint::field::{FieldReport, FieldVerdict};
 
 use crate::status::{Failure, SymplintStatus, text_of};
 
-/// What a test of a force or a vector field found. Made by `symplint_check_force` and `symplint_check_field`, and to be freed by
+/// The result of a test of a force or a vector field. Made by `symplint_check_force` and `symplint_check_field`, and to be freed by
 /// `symplint_field_report_free`.
 pub struct SymplintFieldReport {
     verdict: SymplintFieldVerdict,
@@ -61,7 +61,7 @@ impl SymplintFieldReport {
 /// A property of a report, or a value for none.
 ///
 /// # Safety
-/// The report is null or one that this library made and nobody freed.
+/// The report is null or one that this library made and that was not freed.
 unsafe fn of<T>(
     report: *const SymplintFieldReport,
     none: T,

@@ -230,6 +230,22 @@ fn units_do_not_matter() {
 }
 
 #[test]
+fn tiny_forces_that_vanish_at_the_centre_are_not_constant() {
+    for unit in [1e-250, 1e-30, 1.0, 1e250] {
+        let spring = move |curl: f64| {
+            move |q: &[f64], f: &mut [f64]| {
+                f[0] = unit * (-q[0] - curl * q[1]);
+                f[1] = unit * (-q[1] + curl * q[0]);
+            }
+        };
+        let report = check_force(spring(0.0), &[0.0, 0.0]).unwrap();
+        assert_eq!(report.certainty, Certainty::Closed, "{unit:e}");
+        let report = check_force(spring(1e-9), &[0.0, 0.0]).unwrap();
+        assert_eq!(report.verdict, FieldVerdict::NotAGradient, "{unit:e}");
+    }
+}
+
+#[test]
 fn jumps_of_a_gradient_close_and_tangential_jumps_do_not() {
     let jump = |normal: f64, tangential: f64| {
         move |q: &[f64], f: &mut [f64]| {

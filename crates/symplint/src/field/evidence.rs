@@ -1,4 +1,4 @@
-//! What was measured of a force or a vector field.
+//! Measurements of a force or a vector field.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::limits::{LEAST_CURL, LOOSEST_TOLERANCE, SIGNIFICANT};
 
-/// What is tested.
+/// The kind of function under test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FieldKind {
@@ -72,9 +72,9 @@ pub struct LoopWork {
     pub samples: usize,
     /// The integral, in units of force × position.
     pub integral: f64,
-    /// What a finite number of samples leaves uncertain of it.
+    /// Its uncertainty because the number of samples is finite.
     pub quadrature_error: f64,
-    /// What rounding and the noise of the force leave uncertain of it.
+    /// Its uncertainty because of rounding and the noise of the force.
     pub noise: f64,
     /// The size that the integral would have if the force were a rotation everywhere, with no gradient in it.
     pub scale: f64,
@@ -108,7 +108,7 @@ impl LoopWork {
         ratio(self.integral.abs(), self.scale)
     }
 
-    /// What the relative integral does not exceed.
+    /// An upper bound on the relative integral.
     pub fn bound(&self) -> f64 {
         ratio(self.integral.abs() + self.error(), self.scale)
     }
@@ -149,7 +149,7 @@ pub struct WorstPair {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct FieldEvidence {
-    /// What was tested.
+    /// The kind of function.
     pub kind: FieldKind,
     /// Degrees of freedom.
     pub dof: usize,
@@ -174,7 +174,7 @@ pub struct FieldEvidence {
     pub damping: Option<(f64, f64)>,
     /// Whether larger loops were searched for jumps of a solver, which is done if all that speaks against a gradient is small.
     pub is_searched: bool,
-    /// What was not tested because the budget was spent.
+    /// Parts of the test that the budget did not allow.
     pub omitted: Vec<Omitted>,
     /// States at which the force was evaluated.
     pub evaluations: usize,
@@ -183,7 +183,7 @@ pub struct FieldEvidence {
 }
 
 impl FieldEvidence {
-    /// The largest jump of the power along a random loop, relative to its scale; 0 if there is none.
+    /// The largest jump of the power along a random loop, relative to its scale; 0 without jumps.
     pub(super) fn jumps(&self) -> f64 {
         let random = self.loops.iter();
         let random = random.filter(|work| work.kind == LoopKind::Random);

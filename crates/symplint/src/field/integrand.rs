@@ -22,7 +22,7 @@ pub(super) struct Integrand<'a> {
     pub unit: f64,
 }
 
-/// What the states of a loop show apart from the power, added up.
+/// Sums over the states of a loop, apart from the power.
 #[derive(Clone, Default)]
 pub(super) struct Moments {
     states: usize,

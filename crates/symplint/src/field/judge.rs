@@ -63,7 +63,7 @@ pub enum Certainty {
     Small(usize),
     /// A loop integral is not zero, and the force has a part that is too steep for the samples.
     Steep(usize),
-    /// A loop integral of a force of one position is not zero: the force is no function of the position.
+    /// A loop integral of a force of one position is not zero: the force is not a function of the position.
     NoFunction(usize),
     /// The force is different when it is evaluated again.
     Repetitions,
@@ -84,12 +84,12 @@ pub struct FieldReport {
     pub digits: Option<f64>,
     /// The reason.
     pub certainty: Certainty,
-    /// What was measured.
+    /// The measurements.
     pub evidence: FieldEvidence,
 }
 
 impl FieldReport {
-    /// What the evidence shows.
+    /// The verdict on this evidence.
     pub fn of(evidence: FieldEvidence) -> Self {
         let (certainty, digits) = judge(&evidence);
         let is_force = evidence.kind == FieldKind::Force;

@@ -27,7 +27,7 @@ pub(super) const ALLOWANCE_OF_ONE_LOOP: f64 = 8.0;
 /// Samples of a loop at first: a loop on which a force is nearly linear has few modes.
 pub(super) const FIRST_SAMPLES: usize = 32;
 
-/// The same of a loop of [`MANY_SAMPLES`] or more on which the force is not smooth enough for so many: tables, switching functions.
+/// The same of a loop of [`MANY_SAMPLES`] or more on which the force is not smooth enough for that: tables, switching functions.
 /// Conventional.
 pub(super) const ENOUGH_ACROSS_KINKS: f64 = 1e-10;
 
@@ -83,8 +83,8 @@ pub(super) const AGAIN: usize = 6;
 /// Evaluations that a test needs at least: one loop, and what is made before it.
 pub(super) const LEAST_BUDGET: usize = 100;
 
-/// Evaluations that are made before the budget is divided: periods, the first samples, and states again.
-pub(super) const OF_FIRST_LOOP: usize = 1 + MOST_WINDING + FIRST_SAMPLES + AGAIN + 2;
+/// Evaluations that are made before the budget is divided: two states for the unit, periods, the first samples, and states again.
+pub(super) const OF_FIRST_LOOP: usize = 2 + 1 + MOST_WINDING + FIRST_SAMPLES + AGAIN + 2;
 
 /// Evaluations that each loop should have. Derived: one doubling of the first samples, which a smooth force takes.
 pub(super) const OF_A_LOOP: usize = 2 * FIRST_SAMPLES;
@@ -103,7 +103,7 @@ pub(super) const LARGEST_OF_SOLVER: f64 = 0.1;
 /// samples; what is continuous leaves 2^-40.
 pub(super) const PART_OF_JUMP: f64 = 0.02;
 
-/// A curl that is no larger than this many times the jumps of a solver comes from the solver. Derived: the error at which it stops is
+/// A curl up to this many times the jumps of a solver comes from the solver. Derived: the error at which it stops is
 /// up to 1/(1 − ρ) times its last change, and converging iterations have ρ below 0.97.
 pub(super) const OF_JUMPS: f64 = 32.0;
 

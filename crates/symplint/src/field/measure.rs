@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::loops::FourierLoop;
 use crate::map::states_at;
 
-/// What is measured.
+/// The force, the loops around its centre, and their number.
 pub(super) struct Measurement<'a> {
     pub integrand: &'a Integrand<'a>,
     pub centre: (&'a [f64], &'a [f64]),
@@ -136,7 +136,7 @@ impl Measurement<'_> {
         }
     }
 
-    /// All random loops, before so many that wind around a period.
+    /// All random loops. After them come `winding` loops around periods.
     fn random_loops(
         &self,
         first: Integration<'_>,
@@ -177,7 +177,7 @@ impl Measurement<'_> {
         Ok(())
     }
 
-    /// Loops around the periods of these positions, after so many random loops.
+    /// Loops around the periods of these positions, after `loops` random loops.
     fn winding_loops(
         &self,
         periods: &[usize],

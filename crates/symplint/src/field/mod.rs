@@ -36,7 +36,6 @@ pub use judge::{Certainty, FieldReport, FieldVerdict};
 
 use crate::error::{Error, StateAt};
 use crate::map::{EvaluationCount, Evaluator, PerSample, TimeAdvance};
-use crate::state::Ensemble;
 use integrand::Integrand;
 use limits::LEAST_BUDGET;
 use measure::{Measurement, range};
@@ -156,7 +155,7 @@ impl FieldTest {
         self.run(force, FieldKind::Force, q0, &vec![0.0; q0.len()])
     }
 
-    /// Tests a vector field around (`q0`, `p0`), likewise.
+    /// Tests a vector field around (`q0`, `p0`) in the same way.
     ///
     /// # Errors
     /// Those of [`run_force`](Self::run_force).
@@ -186,18 +185,7 @@ impl FieldTest {
             radius,
             unit: 1.0,
         };
-        let mut centre = Ensemble::zeros(q0.len(), 1);
-        for i in 0..q0.len() {
-            centre.block().q.row_mut(i)[0] = q0[i];
-            centre.block().p.row_mut(i)[0] = p0[i];
-        }
-        let at_centre = (integrand.form(centre)).map_err(|error| error.at(|_| StateAt::Centre))?;
-        let largest = at_centre
-            .iter()
-            .fold(0.0, |m: f64, row| m.max(row[0].abs()));
-        if largest.is_normal() {
-            integrand.unit = largest;
-        }
+        integrand.unit = unit(&integrand, (q0, p0), self.seed)?;
         let mut evidence = FieldEvidence {
             kind,
             dof: q0.len(),
@@ -292,4 +280,29 @@ impl FieldTest {
             false => Ok(Reach { radius, wide: 1.0 }),
         }
     }
+}
+
+/// The largest component of the form, in units of the radii, at the centre and at a state beside it: many forces are zero at their
+/// centre. 1 if both are zero.
+///
+/// # Errors
+/// Those of the force at the centre.
+fn unit(integrand: &Integrand<'_>, centre: (&[f64], &[f64]), seed: u64) -> Result<f64, Error> {
+    let towards = radius::direction(2 * centre.0.len(), seed, 0);
+    let largest = |by: f64| {
+        let states = radius::displaced(centre, &integrand.radius, &towards, &[by]);
+        let rows = integrand.form(states)?;
+        Ok::<f64, Error>(
+            rows.iter()
+                .fold(0.0, |most: f64, row| most.max(row[0].abs())),
+        )
+    };
+    let at_centre = largest(0.0).map_err(|error| error.at(|_| StateAt::Centre))?;
+    let beside = match largest(0.5) {
+        // A loop that fails there says where.
+        Err(error) if error.is_of_map() => 0.0,
+        found => found?,
+    };
+    let unit = at_centre.max(beside);
+    Ok(if unit.is_normal() { unit } else { 1.0 })
 }

@@ -9,7 +9,7 @@ use crate::signal::noise::SixthDifferences;
 /// Places on the loop: no two of them, nor their mirror images, coincide.
 const PLACES: [f64; 2] = [0.137, 0.755];
 
-/// Where the states of a row lie, in spacings. They are not equidistant: stairs whose height divides the spacing would look straight.
+/// Positions of the states of a row, in spacings. They are not equidistant: stairs whose height divides the spacing would look straight.
 const NODES: [f64; 13] = [
     -5.81, -5.23, -3.88, -3.17, -1.83, -0.92, 0.0, 1.13, 2.21, 2.94, 4.27, 4.79, 6.17,
 ];

@@ -1,8 +1,8 @@
 //! Pairs of directions u, v: u·J v − v·J u from the integral around a small ellipse, and λ.
 //!
 //! ∮ F·dq = πr² (u·J v − v·J u) around an ellipse of half axes r u, r v, with the Jacobian J averaged over its disc. Unlike a
-//! difference quotient it is zero for every gradient at any r. For random u and v the mean of its square is ‖J − Jᵀ‖², as that of
-//! |J u|² is ‖J‖² (M. Hutchinson, Commun. Stat. Simul. Comput. 19, 1990): few pairs give λ in any number of degrees of freedom.
+//! difference quotient it is zero for every gradient at any r. For random u and v the mean of its square is ‖J − Jᵀ‖², and the mean of |J u|²
+//! is ‖J‖² (M. Hutchinson, Commun. Stat. Simul. Comput. 19, 1990): few pairs give λ in any number of degrees of freedom.
 
 use super::evidence::{CoordinateName, Curl, LoopKind, LoopWork, WorstPair};
 use super::integrand::Integrand;
@@ -148,7 +148,7 @@ impl Pairs<'_> {
         Ok(found)
     }
 
-    /// λ from the integrals of pairs; `None` if there are none, or the force does not change.
+    /// λ from the integrals of pairs; `None` without pairs, or if the force does not change.
     pub fn curl(&self, found: &[LoopWork]) -> Option<Curl> {
         let count = found.len() as f64;
         let all = self.takes_all;

@@ -32,7 +32,7 @@ pub(super) fn direction(count: usize, seed: u64, stream: u64) -> Vec<f64> {
 }
 
 /// The state with `by` times a direction added, in units of the radii; positions first.
-fn displaced(
+pub(super) fn displaced(
     (q0, p0): (&[f64], &[f64]),
     radius: &[f64],
     direction: &[f64],

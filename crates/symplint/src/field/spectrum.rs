@@ -78,7 +78,7 @@ impl Spectrum {
         (last > 0.0).then(|| (earlier / last).log2() / 2.0)
     }
 
-    /// The size of the jumps of a function whose coefficients fall as those of jumps do, and not as white noise.
+    /// The size of the jumps of a function whose coefficients fall like the coefficients of jumps, and not like white noise.
     pub fn jumps(&self) -> Option<f64> {
         let is_of_jumps = |decay: &f64| (0.5..DECAY_OF_JUMPS).contains(decay);
         self.decay().filter(is_of_jumps).map(|_| {

@@ -246,19 +246,19 @@ impl FieldReport {
                 "Test the field without friction, or use an integrator for conformally Hamiltonian fields.",
             ],
             Certainty::Work(_) if self.is_force() => &[
-                "Check the formula first: signs, indices, a term that one of two particles misses (Newton's third law), accelerations in \
-                 place of forces.",
-                "A force that a model predicts directly is no gradient: differentiate the energy.",
+                "Check the formula first: signs, indices, a term that one of two particles misses (Newton's third law), accelerations \
+                 instead of forces.",
+                "A force that a model predicts directly is not a gradient: differentiate the energy.",
             ],
             Certainty::Work(_) => &[
-                "Check first: friction, a force that is no gradient (check_force), velocities in place of momenta (state masses as weights), a \
+                "Check first: friction, a force that is not a gradient (check_force), velocities instead of momenta (state masses as weights), a \
                  wrong sign.",
             ],
             Certainty::WorkAcrossJumps(_) => &[
-                "Make the force continuous: a switching function at the cut-off, or one that depends on the distances that the energy depends on.",
+                "Make the force continuous: use a switching function at the cut-off, of the same distances that the energy depends on.",
             ],
             Certainty::WorkAroundPeriod(_) => &[
-                "A constant driving force does that; energy is not a function on the periodic domain. Symplecticity of a step does not suffer.",
+                "A constant driving force does that; energy is then not a function on the periodic domain. Symplectic integrators stay symplectic.",
             ],
             Certainty::Tolerance(_) => &[
                 "Tighten the tolerance of solvers inside, and test again: if the integral falls with it, the force is a gradient.",
