@@ -437,6 +437,7 @@ def _run(
     subject = {
         "integrator": None,
         "step": step,
+        "parts": [],
         "per_sample": bool(per_sample),
         "make": False,
         "reset": None,
