@@ -205,8 +205,9 @@ fn judge(evidence: &FieldEvidence) -> (Certainty, Option<f64>) {
         let digits = enough(bound).then(|| digits(bound));
         return (Certainty::OnePosition, digits);
     }
-    // An ellipse that samples do not resolve shows a part of the force that loops may have missed.
-    let is_rough = |work: &LoopWork| !work.is_resolved && !enough(work.bound());
+    // If all loops are smooth, an ellipse that samples do not resolve shows a part of the force that they missed.
+    let is_smooth = contractible().all(|(_, work)| work.is_resolved);
+    let is_rough = |work: &LoopWork| is_smooth && !work.is_resolved && !enough(work.bound());
     let rough = loops().filter(|(_, work)| is_rough(work));
     match largest(rough, LoopWork::bound) {
         Some(index) => return (Certainty::Unresolved(index), None),

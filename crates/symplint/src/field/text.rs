@@ -241,6 +241,9 @@ impl FieldReport {
     pub fn advice(&self) -> Vec<String> {
         let subject = self.subject();
         let advice: &[&str] = match self.certainty {
+            Certainty::Closed if self.evidence.jumps() > 0.0 => &[
+                "Jumps of the force limit the digits: more evaluations, or a switching function at a cut-off, show smaller curls.",
+            ],
             Certainty::Closed | Certainty::Constant | Certainty::OnePosition => &[],
             Certainty::Work(_) if self.evidence.damping.is_some() => &[
                 "Test the field without friction, or use an integrator for conformally Hamiltonian fields.",
