@@ -16,10 +16,13 @@ from . import _native
 from ._arrays import Array, coordinates, numbers, vector, whole
 from ._check import _is_single
 from ._errors import InputError, StepError
+from ._names import executor_of, one_of, seed_of
 from ._workers import Workers
 
 __all__ = ["Curl", "FieldReport", "WorstPair", "check_field", "check_force"]
 
+#: Evaluations of a force, by default.
+BUDGET = 20_000
 #: Columns of `FieldReport.loops`.
 LOOPS = [
     ("kind", "U11"), ("samples", "i8"), ("integral", "f8"), ("error", "f8"), ("scale", "f8"), ("jumps", "f8"),
@@ -174,13 +177,16 @@ def check_force(
     args: tuple[Any, ...] = (),
     radius: Any = "auto",
     loops: int = 4,
-    budget: int = 20_000,
+    budget: int | None = None,
     period: npt.ArrayLike | None = None,
     per_sample: bool = False,
     dtype: npt.DTypeLike | None = None,
-    seed: int = 1,
-    executor: Any = None,
+    rng: Any = None,
+    workers: Any = 1,
     threads: int | None = None,
+    maxfev: int | None = None,
+    seed: int | None = None,
+    executor: Any = None,
 ) -> FieldReport:
     """Test whether a force is a gradient.
 
@@ -203,8 +209,8 @@ def check_force(
         force is nearly linear, at most a tenth of the size of `q0`; every second loop is four times as large.
     loops : int
         Random loops.
-    budget : int
-        States at which the force is evaluated, at most; 100 or more. A smooth force takes some hundreds.
+    budget : int, optional
+        States at which the force is evaluated, at most; 100 or more. By default 20,000; a smooth force takes some hundreds.
     period : float or array_like, optional
         Periods of the positions, 0 where a position is not periodic. The test then also goes around up to eight of the periods: a
         constant force on a ring is not a gradient.
@@ -212,12 +218,14 @@ def check_force(
         Whether `force` takes and returns one state: arrays of the shape of `q0`.
     dtype : "float32", optional
         If the force computes in single precision: `force` then gets arrays of it.
-    seed : int
-        Seed of the random loops and directions.
-    executor : executor, optional
-        Who evaluates the force, as in `check`.
+    rng : int or numpy.random.Generator, optional
+        Seed of the random loops and directions; 1 by default.
+    workers : int, callable or executor, optional
+        Processes or an executor that evaluate the force, as in `check`.
     threads : int, optional
         Threads for the work of the library, as in `check`.
+    maxfev, seed, executor
+        Other names of `budget`, `rng` and `workers`.
 
     Returns
     -------
@@ -258,7 +266,8 @@ def check_force(
     sizes = None if _is_auto(radius) else _like(radius, "radius", centre.shape)
     return _run(
         step, centre.ravel(), None, radius=sizes, period=None if period is None else _like(period, "period", centre.shape), weight=None,
-        loops=loops, budget=budget, per_sample=per_sample, dtype=dtype, seed=seed, executor=executor, threads=threads,
+        loops=loops, budget=one_of("budget", budget, "maxfev", maxfev, None), per_sample=per_sample, dtype=dtype,
+        rng=one_of("rng", rng, "seed", seed, None), workers=one_of("workers", workers, "executor", executor, 1), threads=threads,
     )  # fmt: skip
 
 
@@ -270,14 +279,17 @@ def check_field(
     args: tuple[Any, ...] = (),
     radius: Any = "auto",
     loops: int = 4,
-    budget: int = 20_000,
+    budget: int | None = None,
     period: npt.ArrayLike | None = None,
     weight: npt.ArrayLike | None = None,
     per_sample: bool = False,
     dtype: npt.DTypeLike | None = None,
-    seed: int = 1,
-    executor: Any = None,
+    rng: Any = None,
+    workers: Any = 1,
     threads: int | None = None,
+    maxfev: int | None = None,
+    seed: int | None = None,
+    executor: Any = None,
 ) -> FieldReport:
     """Test whether the vector field (q, p)' = f(q, p) is Hamiltonian in these variables.
 
@@ -296,7 +308,7 @@ def check_field(
         "auto" is the distance on which the field is nearly linear; q and p are in proportion as the field suggests.
     weight : float or array_like, optional
         The canonical momentum is weight × p: masses, if p are velocities.
-    args, loops, budget, period, per_sample, dtype, seed, executor, threads
+    args, loops, budget, period, per_sample, dtype, rng, workers, threads, maxfev, seed, executor
         As in `check_force`.
 
     Returns
@@ -332,8 +344,9 @@ def check_field(
         sizes = np.concatenate([_like(of, "radius", of_q.shape) for of in pair])
     return _run(
         step, of_q.ravel(), of_p.ravel(), radius=sizes, period=None if period is None else _like(period, "period", of_q.shape),
-        weight=None if weight is None else _like(weight, "weight", of_q.shape), loops=loops, budget=budget, per_sample=per_sample,
-        dtype=dtype, seed=seed, executor=executor, threads=threads,
+        weight=None if weight is None else _like(weight, "weight", of_q.shape), loops=loops,
+        budget=one_of("budget", budget, "maxfev", maxfev, None), per_sample=per_sample, dtype=dtype,
+        rng=one_of("rng", rng, "seed", seed, None), workers=one_of("workers", workers, "executor", executor, 1), threads=threads,
     )  # fmt: skip
 
 
@@ -420,21 +433,18 @@ def _run(
     period: Array | None,
     weight: Array | None,
     loops: int,
-    budget: int,
+    budget: int | None,
     per_sample: bool,
     dtype: Any,
-    seed: int,
-    executor: Any,
+    rng: Any,
+    workers: Any,
     threads: int | None,
 ) -> FieldReport:
     __tracebackhide__ = True
     dof, single = q0.size, _is_single(dtype)
-    workers = None
-    if executor is not None:
-        workers = Workers(executor, step, per_sample=bool(per_sample), make=False, single=single, reset=None)
     at_rest = [0.0] * dof
     momenta = at_rest if p0 is None else p0.tolist()
-    subject = {
+    subject: dict[str, Any] = {
         "integrator": None,
         "step": step,
         "parts": [],
@@ -453,7 +463,7 @@ def _run(
         "radii": (at_rest, at_rest),
         "phases": ("staggered", 0),
         "threads": None if threads is None else whole(threads, "threads", 1),
-        "workers": workers,
+        "workers": None,
     }
     settings = {
         "is_force": p0 is None,
@@ -461,16 +471,19 @@ def _run(
         "p0": momenta,
         "radius": None if radius is None else vector(radius, "radius").tolist(),
         "loops": whole(loops, "loops", 1),
-        "budget": whole(budget, "budget", 100),
-        "seed": whole(seed, "seed", 0),
+        "budget": whole(BUDGET if budget is None else budget, "budget", 100),
+        "seed": whole(1 if rng is None else seed_of(rng), "rng", 0),
     }
-    with contextlib.nullcontext() if workers is None else contextlib.closing(workers):
+    with executor_of(workers) as executor, contextlib.ExitStack() as stack:
+        if executor is not None:
+            pool = Workers(executor, step, per_sample=bool(per_sample), make=False, single=single, reset=None)
+            subject["workers"] = stack.enter_context(contextlib.closing(pool))
         try:
             report = FieldReport(_native.check_field(subject, settings))
         except StepError as error:
             raise StepError(_of_force(str(error), step.what), None, error.s, error.sample) from error.__cause__
-    if workers is not None:
-        workers.warn()
+    if subject["workers"] is not None:
+        subject["workers"].warn()
     return report
 
 

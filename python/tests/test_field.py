@@ -103,10 +103,15 @@ def test_batches_states_executors_and_shapes_agree():
 
     assert symplint.check_force(shaped, q0.reshape(2, 3)).to_dict()["evidence"] == batches.to_dict()["evidence"]
     with ThreadPoolExecutor(2) as two, ThreadPoolExecutor(3) as three:
-        found = [symplint.check_force(one, q0, per_sample=True, executor=pool).to_json() for pool in (two, three)]
+        found = [symplint.check_force(one, q0, per_sample=True, workers=pool).to_json() for pool in (two, three)]
     assert found[0] == found[1] == states.to_json()
     with ProcessPoolExecutor(2) as pool:
         assert symplint.check_force(waves, q0, executor=pool).kind == "gradient"
+    assert symplint.check_force(one, q0, per_sample=True, workers=2).to_json() == states.to_json()
+    with pytest.raises(symplint.InputError, match="one argument"):
+        symplint.check_force(waves, q0, budget=1000, maxfev=1000)
+    other = symplint.check_force(waves, q0, rng=np.random.default_rng(7), maxfev=1000)
+    assert other.kind == "gradient" and other.to_json() != batches.to_json()
 
 
 def test_results_may_be_returned_in_the_argument_and_in_other_types():
