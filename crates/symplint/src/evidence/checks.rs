@@ -33,6 +33,8 @@ pub enum Check {
     ManySteps,
     /// Why loops break: both sides of a break.
     BreakSides,
+    /// Whether a map whose loops change preserves another constant two-form.
+    PreservedForm,
     /// Whether steps back undo a step.
     Structure,
 }

@@ -9,6 +9,7 @@ mod localisation;
 mod long_time;
 mod motion;
 mod point;
+mod preserved_form;
 mod step;
 mod structure;
 mod survey;
@@ -20,6 +21,7 @@ pub use long_time::LongTime;
 pub(crate) use motion::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, defect_of_order_4};
 pub use motion::{Motion, Reach};
 pub use point::{BreakAt, Point, Sweep};
+pub use preserved_form::{FormEntry, FormOnLoop, PreservedForm};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
 pub use structure::{ReturnDefect, StructureEvidence};
@@ -78,6 +80,9 @@ pub struct Evidence {
     /// as a witness for the order of the defect.
     #[serde(default)]
     pub jacobian_decay: Option<JacobianDecay>,
+    /// Another constant two-form that a map which is not symplectic may preserve.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub preserved_form: Option<PreservedForm>,
     /// Whether steps back undo a step.
     #[serde(default)]
     pub structure: Option<StructureEvidence>,

@@ -35,7 +35,29 @@ pub(super) struct Outcome {
     pub deformation: f64,
 }
 
+/// The images of tangent vectors under the derivative of a step at one point, in units of the loop.
+pub(crate) struct TangentImages {
+    pub vectors: Vec<Vec<f64>>,
+    pub images: Vec<Vec<f64>>,
+    /// Half the width of the interval in which each component of an image lies.
+    pub errors: Vec<Vec<f64>>,
+}
+
 impl Columns {
+    /// What was measured; `None` if the map is not differentiable at the point.
+    pub fn images(&self) -> Option<TangentImages> {
+        let converged = self.derivatives.iter().all(|of| of.converged);
+        let of_each = |field: fn(&Derivative) -> &Vec<f64>| {
+            let values = self.derivatives.iter().map(field);
+            values.cloned().collect::<Vec<_>>()
+        };
+        converged.then(|| TangentImages {
+            vectors: self.directions.clone(),
+            images: of_each(|of| &of.value),
+            errors: of_each(|of| &of.error),
+        })
+    }
+
     /// Not measured yet.
     pub fn new(point: usize, directions: Directions) -> Self {
         Columns {

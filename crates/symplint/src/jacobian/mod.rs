@@ -28,6 +28,7 @@ mod tangent_check;
 mod tangents;
 mod volume;
 
+pub(crate) use columns::TangentImages;
 pub(crate) use evidence::is_given;
 pub use evidence::{
     JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect,
@@ -38,7 +39,7 @@ use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{ActionGroup, EvaluationCount, Evaluator, LoopSize, TimeAdvance};
 use bisection::locate;
-use columns::Outcome;
+use columns::{Columns, Outcome};
 use directions::Directions;
 use sampler::Sampler;
 use volume::PointVolume;
@@ -141,6 +142,20 @@ impl JacobianTest {
         h: f64,
         s: Vec<f64>,
     ) -> Result<JacobianEvidence, Error> {
+        let (found, _) = self.run_keeping(evaluator, phase_loop, size, h, s)?;
+        Ok(found)
+    }
+
+    /// The same with the images of all unit vectors at the points at which the map is differentiable. There are none if tangent
+    /// vectors are random or those of a manifold.
+    pub(crate) fn run_keeping(
+        &self,
+        evaluator: &Evaluator<'_>,
+        phase_loop: &dyn Loop,
+        size: &LoopSize,
+        h: f64,
+        s: Vec<f64>,
+    ) -> Result<(JacobianEvidence, Vec<TangentImages>), Error> {
         evaluator.check_dof(phase_loop.dof())?;
         let dof = evaluator.dof();
         let planned = self.evaluations(dof, evaluator.has_tangent());
@@ -148,10 +163,10 @@ impl JacobianTest {
         let spare = self.budget - planned;
         let mut sampler = Sampler::new(evaluator, (phase_loop, size), h, s, self.seed, spare)?;
         let groups = &size.groups;
-        let mut outcomes = self.outcomes(&mut sampler, groups)?;
+        let (mut outcomes, mut images) = self.outcomes(&mut sampler, groups)?;
         if sampler.rejected.is_some() {
             sampler.fall_back(self.count(dof), self.budget);
-            outcomes = self.outcomes(&mut sampler, groups)?;
+            (outcomes, images) = self.outcomes(&mut sampler, groups)?;
         }
         let (method, full) = (sampler.method(), self.is_full(dof));
         let projected = evaluator.constraint().is_some();
@@ -181,7 +196,7 @@ impl JacobianTest {
                     .reduce(f64::max);
             }
         }
-        Ok(JacobianEvidence {
+        let found = JacobianEvidence {
             step_size: evaluator.stated(h),
             loop_index: 0,
             method,
@@ -196,7 +211,34 @@ impl JacobianTest {
             noise: sampler.largest_noise(),
             evaluations: sampler.made(),
             points,
-        })
+        };
+        Ok((found, images))
+    }
+
+    /// The images of tangent vectors at these parameters of the loop, all unit vectors or this number of random ones, at points at which
+    /// the map is differentiable. It makes 13 evaluations for each point and 12 for each vector, and at most `spare` more.
+    pub(crate) fn images(
+        &self,
+        evaluator: &Evaluator<'_>,
+        (phase_loop, size): (&dyn Loop, &LoopSize),
+        h: f64,
+        s: Vec<f64>,
+        random: Option<usize>,
+        spare: usize,
+    ) -> Result<Vec<TangentImages>, Error> {
+        let (dof, points) = (evaluator.dof(), s.len());
+        let mut sampler = Sampler::new(evaluator, (phase_loop, size), h, s, self.seed, spare)?;
+        // A tangent map need not be that of the map.
+        sampler.uses_tangents = false;
+        let vectors = |point| match random {
+            Some(count) => Directions::random(dof, &[], count, self.seed, point),
+            None => Directions::units(dof, &[]),
+        };
+        let mut columns: Vec<Columns> = (0..points)
+            .map(|point| Columns::new(point, vectors(point)))
+            .collect();
+        sampler.differentiate(&mut columns)?;
+        Ok(columns.iter().filter_map(Columns::images).collect())
     }
 
     /// The largest defect at the point where `found` has its largest one, after a step of size `h`. `None` if the map is not
@@ -232,12 +274,12 @@ impl JacobianTest {
         }))
     }
 
-    /// What the tangent vectors show at each point, unless the tangent map is rejected.
+    /// What the tangent vectors show at each point, unless the tangent map is rejected; and the images of unit vectors.
     fn outcomes(
         &self,
         sampler: &mut Sampler<'_>,
         groups: &[ActionGroup],
-    ) -> Result<Vec<Outcome>, Error> {
+    ) -> Result<(Vec<Outcome>, Vec<TangentImages>), Error> {
         let (dof, count) = (sampler.frame.dof(), sampler.s.len());
         let full = self.is_full(dof);
         // The first group is planned for; further ones are looked at where there are evaluations to spare.
@@ -248,6 +290,7 @@ impl JacobianTest {
         let of_point = self.count(dof) * sampler.cost() + further;
         let at_a_time = sampler.in_a_batch(of_point);
         let mut outcomes = Vec::with_capacity(count);
+        let mut images = Vec::new();
         let projected = sampler.evaluator.constraint().is_some();
         let mut compared = false;
         while outcomes.len() < count {
@@ -268,7 +311,7 @@ impl JacobianTest {
             if sampler.uses_tangents {
                 compared |= sampler.check_tangents(&columns, self.seed)?;
                 if sampler.rejected.is_some() {
-                    return Ok(Vec::new());
+                    return Ok((Vec::new(), Vec::new()));
                 }
             }
             let units = full && !projected;
@@ -277,11 +320,14 @@ impl JacobianTest {
                     .iter()
                     .map(|columns| columns.outcome(sampler, units)),
             );
+            if units {
+                images.extend(columns.iter().filter_map(Columns::images));
+            }
         }
         if sampler.uses_tangents && !compared {
             sampler.rejected = Some(TangentRejection::Unchecked);
         }
-        Ok(outcomes)
+        Ok((outcomes, images))
     }
 
     fn check(&self, h: f64, planned: usize) -> Result<(), Error> {

@@ -185,6 +185,7 @@ impl<'a> Case<'a> {
             properties,
             findings: &decision.findings,
             advice: &decision.advice,
+            order: decision.order,
             law: JumpLaw::of(self.evidence),
         };
         match decision.kind {

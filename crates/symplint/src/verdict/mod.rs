@@ -78,10 +78,22 @@ pub struct Verdict {
     pub properties: Vec<Property>,
 }
 
+/// A setting with more letters is not part of a headline. Conventional.
+const LONGEST_SETTING: usize = 60;
+
 impl Verdict {
     /// The answer in a few words: `symplectic to 14.2 digits`, `not-symplectic, defect of order h^3`.
     pub fn headline(&self) -> String {
         let mut text = self.kind.to_string();
+        if let Some(cause) = &self.cause
+            && let (Some(digits), Some(setting)) = (cause.digits, &cause.setting)
+        {
+            let setting = match setting.chars().count() > LONGEST_SETTING {
+                true => "another form",
+                false => setting,
+            };
+            return format!("{text} in these variables, symplectic to {digits} digits with {setting}");
+        }
         if let Some(digits) = self.digits {
             text += &format!(" to {digits} digits");
         }

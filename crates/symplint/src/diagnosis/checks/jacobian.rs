@@ -4,7 +4,7 @@ use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::limits::{CLEAR_OF_METHOD, DECAY_PART, FEWEST_OF_AN_ORDER, SMALL};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, Why};
-use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest};
+use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest, parameters};
 use crate::map::LoopSize;
 use crate::rules::Subject;
 
@@ -37,8 +37,10 @@ impl Runner<'_> {
                     budget: left.min(further),
                     ..test
                 };
-                match test.run_with(evaluator, phase_loop, &given.size, self.largest) {
-                    Ok(found) => {
+                let s = parameters(test.points);
+                match test.run_keeping(evaluator, phase_loop, &given.size, self.largest, s) {
+                    Ok((found, images)) => {
+                        self.images = images;
                         self.evidence.jacobian_decay =
                             self.jacobian_decay(&test, subject, &given.size, &found);
                         self.evidence.jacobian = Some(found);

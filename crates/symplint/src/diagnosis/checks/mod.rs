@@ -9,6 +9,7 @@ mod jacobian;
 mod localise;
 mod many_steps;
 pub(super) mod memory;
+mod preserved_form;
 mod random_loops;
 mod sample_sweep;
 mod structure;
@@ -23,6 +24,7 @@ use crate::error::Error;
 use crate::evidence::{
     BreakAt, Check, Evidence, Motion, Omission, Point, StepEvidence, Sweep, Why,
 };
+use crate::jacobian::TangentImages;
 use crate::map::{EvaluationCount, Evaluator, Feature, LoopSize};
 use crate::rules::Subject;
 
@@ -42,6 +44,8 @@ pub(super) struct Runner<'a> {
     pub(super) noise: Option<Noise>,
     /// Features that the samples of loops do not resolve, with the number of the loop.
     pub(super) features: Vec<(usize, Feature)>,
+    /// The columns of the Jacobian, for the search for another form.
+    pub(super) images: Vec<TangentImages>,
     pub(super) evidence: Evidence,
 }
 
@@ -86,12 +90,13 @@ impl<'a> Runner<'a> {
             reserved: 0,
             noise: None,
             features: Vec::new(),
+            images: Vec::new(),
             evidence,
         }
     }
 
     /// The checks that follow the given loop, in their order.
-    fn checks() -> [(Check, Measure<'a>); 13] {
+    fn checks() -> [(Check, Measure<'a>); 14] {
         [
             (Check::RandomLoops, Self::random_loops),
             (Check::RandomLoops, Self::check_periods),
@@ -105,6 +110,7 @@ impl<'a> Runner<'a> {
             (Check::Localisation, Self::localise),
             (Check::SampleSweep, Self::sweep_samples),
             (Check::BreakSides, Self::look_at_break),
+            (Check::PreservedForm, Self::look_for_form),
             (Check::Structure, Self::structure),
         ]
     }

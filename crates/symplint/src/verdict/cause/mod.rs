@@ -2,6 +2,7 @@
 
 mod breaks;
 mod changes;
+mod form;
 
 pub(super) use breaks::JumpLaw;
 
@@ -24,6 +25,9 @@ pub struct Cause {
     pub remedy: String,
     /// The setting that makes the map symplectic, if there is one: `weight = [1, 3]`.
     pub setting: Option<String>,
+    /// Digits to which the map is symplectic with this setting, if that was tried.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub digits: Option<f64>,
 }
 
 /// The causes that are told apart.
@@ -55,6 +59,18 @@ pub enum CauseKind {
     Swapped,
     /// All areas change by one factor: friction, or momenta in units that change.
     Friction,
+    /// The map is symplectic with other weights of the momenta: velocities are given, or momenta in other units.
+    VelocitiesForMomenta,
+    /// The map is symplectic if the sign of some pair (q, p) is changed.
+    SignOfAPair,
+    /// The map is symplectic if each q is paired with another p.
+    PairsPermuted,
+    /// The map is symplectic with the canonical momenta of a uniform magnetic field.
+    KineticMomenta,
+    /// The map preserves another constant two-form.
+    OtherForm,
+    /// The map preserves no constant two-form, or none with constant weights.
+    NoForm,
 }
 
 /// What a cause is found from.
@@ -64,6 +80,8 @@ pub(super) struct Clues<'a> {
     /// What the verdict found, and what it advises, before its cause is known.
     pub findings: &'a [Finding],
     pub advice: &'a [Advice],
+    /// k of defect ~ h^k.
+    pub order: Option<f64>,
     /// How the jumps of loops depend on the step size.
     pub law: Option<JumpLaw>,
 }
@@ -81,13 +99,15 @@ impl Clues<'_> {
     ];
 
     /// The causes of changes of loop integrals, likewise.
-    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 6] = [
+    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 8] = [
         Self::ignores_step_size,
         Self::swapped,
         Self::projection,
         Self::no_convergence,
+        Self::other_form,
         Self::friction,
         Self::solver_tolerance,
+        Self::no_form,
     ];
 
     /// Why loops break.
@@ -109,6 +129,7 @@ impl Cause {
             text,
             remedy: remedy.into(),
             setting: None,
+            digits: None,
         }
     }
 }

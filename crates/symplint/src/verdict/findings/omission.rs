@@ -40,6 +40,7 @@ impl Display for Omission {
             Check::Localisation => "Where the defect comes from was not found",
             Check::ManySteps => "Many steps were left out",
             Check::BreakSides => "Both sides of a break were not looked at",
+            Check::PreservedForm => "Whether another form is preserved was not tested",
             Check::Structure => "Whether steps back undo a step was not tested",
         };
         match &self.why {

@@ -1,0 +1,287 @@
+//! The constant two-form that Jacobians preserve.
+
+use nalgebra::DMatrix;
+
+use super::limits::{COUPLED, DEGENERATE, LEAST_FACTOR, NEAR_ONE, NO_ENTRY, ROUNDS};
+use super::null_space::{Equations, NullSpace, Solutions};
+use crate::jacobian::TangentImages;
+
+/// An entry Ω_ab of a form, in units of the loop.
+#[derive(Clone, Copy)]
+pub(super) struct Entry {
+    pub pair: (usize, usize),
+    pub value: f64,
+    pub error: f64,
+    /// The group of coordinates: the factor of its entries is free.
+    pub group: usize,
+}
+
+/// The answer.
+pub(super) enum Fit {
+    Preserved(Vec<Entry>),
+    /// The form that is nearest to a preserved one changes by this part of its largest entry.
+    None {
+        change: f64,
+    },
+    Open,
+}
+
+/// The form that `images` at several states have in common: of all constant ones, if they are those of all unit vectors; else of
+/// weights and signs. One of weights and signs is preferred.
+pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool) -> Fit {
+    let mut entries: Vec<Entry> = Vec::new();
+    let mut is_open = false;
+    let mut add = |fit: Fit| match fit {
+        Fit::Preserved(found) => {
+            let first = entries.iter().map(|entry| entry.group + 1).max();
+            entries.extend(found.into_iter().map(|entry| Entry {
+                group: first.unwrap_or(0) + entry.group,
+                ..entry
+            }));
+            None
+        }
+        Fit::Open => {
+            is_open = true;
+            None
+        }
+        none => Some(none),
+    };
+    let (pairs_of_all, coordinates) = match all_constant {
+        true => (parts(images, dof, true), parts(images, dof, false)),
+        false => (vec![(0..2 * dof).collect()], Vec::new()),
+    };
+    for part in pairs_of_all {
+        match weights(images, dof, &part) {
+            Fit::None { change } if all_constant => {
+                let within = |of: &&Vec<usize>| of.iter().all(|c| part.contains(c));
+                let smaller: Vec<&Vec<usize>> = coordinates.iter().filter(within).collect();
+                if dof == 1 {
+                    return Fit::None { change };
+                }
+                for of in smaller {
+                    if let Some(none) = add(general(images, dof, of)) {
+                        return none;
+                    }
+                }
+            }
+            fit => {
+                if let Some(none) = add(fit) {
+                    return none;
+                }
+            }
+        }
+    }
+    match is_open {
+        true => Fit::Open,
+        false => Fit::Preserved(entries),
+    }
+}
+
+/// Whether a form is preserved at states, to within its errors and those of the images.
+pub(super) fn holds(images: &[TangentImages], dof: usize, entries: &[Entry]) -> bool {
+    let all: Vec<usize> = (0..2 * dof).collect();
+    let pairs: Vec<(usize, usize)> = entries.iter().map(|entry| entry.pair).collect();
+    let values: Vec<f64> = entries.iter().map(|entry| entry.value).collect();
+    let errors: Vec<f64> = entries.iter().map(|entry| entry.error).collect();
+    equations(images, &all, &pairs).hold(&values, &errors)
+}
+
+/// The coordinates in parts that the Jacobians do not couple; both coordinates of a degree of freedom are in one part if `of_pairs`, or if
+/// a part would have an odd number of coordinates.
+fn parts(images: &[TangentImages], dof: usize, of_pairs: bool) -> Vec<Vec<usize>> {
+    let mut part: Vec<usize> = (0..2 * dof).collect();
+    let join = |part: &mut Vec<usize>, a: usize, b: usize| {
+        let (from, to) = (part[a].max(part[b]), part[a].min(part[b]));
+        part.iter_mut()
+            .filter(|of| **of == from)
+            .for_each(|of| *of = to);
+    };
+    for of in images {
+        for (a, (image, errors)) in of.images.iter().zip(&of.errors).enumerate() {
+            for (c, (x, error)) in image.iter().zip(errors).enumerate() {
+                if c != a && x.abs() > COUPLED * error {
+                    join(&mut part, a, c);
+                }
+            }
+        }
+    }
+    let size = |part: &[usize], c: usize| part.iter().filter(|of| **of == part[c]).count();
+    for i in 0..dof {
+        let is_odd = |part: &[usize]| !size(part, i).is_multiple_of(2);
+        if of_pairs || is_odd(&part) || !size(&part, dof + i).is_multiple_of(2) {
+            join(&mut part, i, dof + i);
+        }
+    }
+    let members = |first: usize| (0..2 * dof).filter(move |&c| part[c] == first);
+    let all = (0..2 * dof).map(|first| members.clone()(first).collect::<Vec<usize>>());
+    all.filter(|members| !members.is_empty()).collect()
+}
+
+/// Σ_k Ω_k (dz_a∧dz_b (DΦ u, DΦ v) − dz_a∧dz_b (u, v)) = 0 for all entries k of these pairs, and for all tangent vectors u and v that
+/// move these coordinates alone.
+fn equations(
+    images: &[TangentImages],
+    coordinates: &[usize],
+    pairs: &[(usize, usize)],
+) -> Equations {
+    let mut rows = Vec::new();
+    for of in images {
+        let is_within = |k: &usize| {
+            let mut components = of.vectors[*k].iter().enumerate();
+            components.all(|(c, x)| *x == 0.0 || coordinates.contains(&c))
+        };
+        let vectors: Vec<usize> = (0..of.vectors.len()).filter(is_within).collect();
+        for (n, &i) in vectors.iter().enumerate() {
+            rows.extend(vectors[n + 1..].iter().map(|&j| (of, i, j)));
+        }
+    }
+    let coefficient = |r: usize, k: usize| {
+        let ((of, i, j), (a, b)) = (&rows[r], pairs[k]);
+        let (u, v) = (&of.vectors[*i], &of.vectors[*j]);
+        let (x, y) = (&of.images[*i], &of.images[*j]);
+        let (e, f) = (&of.errors[*i], &of.errors[*j]);
+        let value = x[a] * y[b] - x[b] * y[a] - (u[a] * v[b] - u[b] * v[a]);
+        let terms = (x[a] * y[b]).abs() + (x[b] * y[a]).abs() + (u[a] * v[b]).abs();
+        let of_product = |a: usize, b: usize| e[a] * (y[b].abs() + f[b]) + x[a].abs() * f[b];
+        let rounding = 4.0 * f64::EPSILON * (terms + (u[b] * v[a]).abs());
+        let error = of_product(a, b) + of_product(b, a) + rounding;
+        (value, error + f64::MIN_POSITIVE)
+    };
+    let (count, unknowns) = (rows.len(), pairs.len());
+    Equations {
+        values: DMatrix::from_fn(count, unknowns, |r, k| coefficient(r, k).0),
+        errors: DMatrix::from_fn(count, unknowns, |r, k| coefficient(r, k).1),
+    }
+}
+
+/// The weights of a preserved form Σ c_i dq_i∧dp_i of these coordinates.
+fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
+    let dofs = coordinates.iter().filter(|c| **c < dof);
+    let pairs: Vec<(usize, usize)> = dofs.map(|&i| (i, dof + i)).collect();
+    let equations = equations(images, coordinates, &pairs);
+    let norm = |k: usize| {
+        let column = equations.values.column(k);
+        let errors = equations.errors.column(k);
+        let relative = column.iter().zip(errors.iter()).map(|(x, e)| (x / e).abs());
+        relative.fold(1.0, f64::max)
+    };
+    // Where the Jacobian shows a weight well, its unit may be small.
+    let norms: Vec<f64> = (0..pairs.len()).map(norm).collect();
+    let largest = norms.iter().copied().fold(0.0, f64::max);
+    let mut units: Vec<f64> = norms
+        .iter()
+        .map(|norm| (norm / largest).recip().min(1.0 / LEAST_FACTOR))
+        .collect();
+    for _ in 0..ROUNDS {
+        let space = match equations.solve(&units) {
+            Solutions::Space(space) => space,
+            Solutions::None { residual } => return Fit::None { change: residual },
+            Solutions::Open => return Fit::Open,
+        };
+        let Some(groups) = space.groups() else {
+            return Fit::Open;
+        };
+        let largest = |group: usize| {
+            let of_group = groups.iter().filter(|of| of.0 == group);
+            of_group.map(|of| of.1.abs()).fold(0.0, f64::max)
+        };
+        let factors: Vec<f64> = groups
+            .iter()
+            .map(|&(group, value)| value / largest(group))
+            .collect();
+        if factors.iter().all(|factor| factor.abs() >= NEAR_ONE) {
+            let entry = |k: usize| {
+                let (group, value) = groups[k];
+                Entry {
+                    pair: pairs[k],
+                    value: value * units[k],
+                    error: space.errors[k] * units[k],
+                    group,
+                }
+            };
+            return Fit::Preserved((0..pairs.len()).map(entry).collect());
+        }
+        for (unit, factor) in units.iter_mut().zip(factors) {
+            *unit *= factor.abs().max(LEAST_FACTOR);
+        }
+    }
+    Fit::Open
+}
+
+/// Any preserved form of these coordinates: the one that is nearest to the canonical one, if there are several.
+fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
+    let pairs: Vec<(usize, usize)> = (coordinates.iter().enumerate())
+        .flat_map(|(k, &a)| coordinates[k + 1..].iter().map(move |&b| (a, b)))
+        .collect();
+    let equations = equations(images, coordinates, &pairs);
+    let place = |c: usize| coordinates.iter().position(|of| *of == c).unwrap_or(0);
+    let mut scale = vec![1.0; coordinates.len()];
+    for round in 0..ROUNDS {
+        let units: Vec<f64> = (pairs.iter())
+            .map(|&(a, b)| scale[place(a)] * scale[place(b)])
+            .collect();
+        let space = match equations.solve(&units) {
+            Solutions::Space(space) => space,
+            Solutions::None { residual } => return Fit::None { change: residual },
+            Solutions::Open => return Fit::Open,
+        };
+        let matrix = |of: &[f64]| {
+            let mut matrix = DMatrix::zeros(coordinates.len(), coordinates.len());
+            for (&(a, b), x) in pairs.iter().zip(of) {
+                matrix[(place(a), place(b))] = *x;
+                matrix[(place(b), place(a))] = -x;
+            }
+            matrix
+        };
+        let canonical: Vec<f64> = (pairs.iter().zip(&units))
+            .map(|(&(a, b), unit)| if b == a + dof { 1.0 / unit } else { 0.0 })
+            .collect();
+        let Some(form) = candidates(&space, &canonical)
+            .into_iter()
+            .find(|form| !is_degenerate(&matrix(form)))
+        else {
+            return Fit::Open;
+        };
+        let largest = |k: usize| matrix(&form).row(k).amax();
+        let factors: Vec<f64> = (0..coordinates.len()).map(largest).collect();
+        if factors.iter().all(|x| *x >= NEAR_ONE) || round + 1 == ROUNDS {
+            let most = form.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let (errors, part) = NO_ENTRY;
+            let entries = (0..pairs.len())
+                .filter(|&k| form[k].abs() > (errors * space.errors[k]).max(part * most))
+                .map(|k| Entry {
+                    pair: pairs[k],
+                    value: form[k] * units[k],
+                    error: space.errors[k] * units[k],
+                    group: 0,
+                });
+            return Fit::Preserved(entries.collect());
+        }
+        for (scale, factor) in scale.iter_mut().zip(factors) {
+            *scale *= factor.sqrt().max(LEAST_FACTOR);
+        }
+    }
+    Fit::Open
+}
+
+/// Forms of a space with a largest entry of 1: the one nearest to the canonical one, and others.
+fn candidates(space: &NullSpace, canonical: &[f64]) -> Vec<Vec<f64>> {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let (count, dimension) = space.basis.shape();
+    let canonical = DMatrix::from_column_slice(count, 1, canonical);
+    let nearest = space.basis.transpose() * &canonical / canonical.norm();
+    let other = DMatrix::from_fn(dimension, 1, |k, _| 0.5 + (GOLDEN * (k + 1) as f64).fract());
+    let forms = [nearest.clone(), &nearest + 0.25 * &other, other];
+    let scaled = |coefficients: &DMatrix<f64>| {
+        let form = &space.basis * coefficients;
+        let largest = form.amax();
+        (form / largest).iter().copied().collect::<Vec<f64>>()
+    };
+    forms.iter().map(scaled).collect()
+}
+
+fn is_degenerate(matrix: &DMatrix<f64>) -> bool {
+    let singular = matrix.clone().singular_values();
+    // Not a number is degenerate.
+    !(singular.min() > DEGENERATE * singular.max())
+}

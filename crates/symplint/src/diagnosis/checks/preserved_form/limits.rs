@@ -1,0 +1,61 @@
+//! The numbers of the search for a preserved form.
+
+/// Degrees of freedom up to which all constant forms are tried. Derived: 2d² unknowns, 276 then, take less than a second.
+pub(super) const MOST_OF_ALL: usize = 12;
+
+/// Degrees of freedom up to which weights and signs are tried. Derived: as many unknowns take less than a second.
+pub(super) const MOST_OF_WEIGHTS: usize = 400;
+
+/// Evaluations at most. Conventional.
+pub(super) const MOST_EVALUATIONS: usize = 2000;
+
+/// Those that are kept of them for loops.
+pub(super) const OF_LOOPS: usize = 256;
+
+/// States with all columns of the Jacobian: the last one confirms the form of the others.
+pub(super) const STATES: usize = 3;
+
+/// States with random tangent vectors: the second one confirms the form of the first.
+pub(super) const STATES_OF_WEIGHTS: usize = 2;
+
+/// Random tangent vectors in addition to √(2d): their pairs are 4√(2d) equations more than unknowns.
+pub(super) const FURTHER_VECTORS: usize = 4;
+
+/// A component of the Jacobian shows that two coordinates are coupled if it is this many times its error.
+pub(super) const COUPLED: f64 = 10.0;
+
+/// A change of a form is no defect up to this many times what the errors of the Jacobian make of it. Derived: they are bounds.
+pub(super) const WITHIN_ERRORS: f64 = 1.0;
+
+/// It is one beyond this many times. Conventional.
+pub(super) const BEYOND_ERRORS: f64 = 10.0;
+
+/// Rounds in which units are found in which all entries of the form are near 1. Derived: one repairs half of the decades.
+pub(super) const ROUNDS: usize = 6;
+
+/// Entries between this and its inverse are near 1.
+pub(super) const NEAR_ONE: f64 = 0.25;
+
+/// The smallest factor of a unit in one round.
+pub(super) const LEAST_FACTOR: f64 = 1e-6;
+
+/// A form is degenerate if its smallest singular value is this part of the largest one in those units.
+pub(super) const DEGENERATE: f64 = 1e-6;
+
+/// An entry that is not known to this part of itself is not named. Conventional: three digits.
+pub(super) const LARGEST_ERROR: f64 = 1e-3;
+
+/// An entry is rounded to the shortest number within this many times its error.
+pub(super) const ROUNDED_WITHIN: f64 = 3.0;
+
+/// An entry of a form is 0 if it is at most this many times its error, or this part of the largest one in its units.
+pub(super) const NO_ENTRY: (f64, f64) = (5.0, 1e-9);
+
+/// Samples of a loop at first.
+pub(super) const FIRST_SAMPLES: usize = 64;
+
+/// Samples of a loop at most.
+pub(super) const MOST_SAMPLES: usize = 512;
+
+/// More samples are not taken if the change of a loop integral is known to this. Derived: a few hundred roundings.
+pub(super) const KNOWN: f64 = 1e-13;

@@ -1,0 +1,166 @@
+//! Whether a map whose loop integrals change preserves another constant two-form: that of the right variables.
+
+mod fit;
+mod limits;
+mod null_space;
+mod on_loops;
+mod rounded;
+
+use fit::{Entry, Fit};
+use limits::{
+    FIRST_SAMPLES, FURTHER_VECTORS, LARGEST_ERROR, MOST_EVALUATIONS, MOST_OF_ALL, MOST_OF_WEIGHTS,
+    OF_LOOPS, STATES, STATES_OF_WEIGHTS,
+};
+
+use super::{GivenLoop, Runner};
+use crate::error::Error;
+use crate::evidence::{
+    Check, FormEntry, FormOnLoop, LoopEvidence, LoopKind, PreservedForm, Why,
+};
+use crate::jacobian::{JacobianEvidence, JacobianTest, TangentImages, parameters};
+use crate::rules::Subject;
+
+impl Runner<'_> {
+    /// If the integral of a loop without breaks changes, searches for a constant form that the Jacobians preserve, and compares the
+    /// integrals of that form before and after a step.
+    pub(super) fn look_for_form(
+        &mut self,
+        subject: Subject<'_>,
+        given: &GivenLoop<'_>,
+    ) -> Result<(), Error> {
+        let images = std::mem::take(&mut self.images);
+        let survey = &self.evidence.survey;
+        let is_smooth = !self.evidence.loops.iter().any(LoopEvidence::is_broken);
+        let is_defined = survey.singular.is_none()
+            && survey.degenerate_form.is_none()
+            && subject.evaluator.constraint().is_none()
+            && !survey.scatter.is_some_and(|scatter| scatter.is_random());
+        let of_jacobian = self.evidence.jacobian.as_ref();
+        if !(self.diagnostic.jacobian && is_smooth && is_defined)
+            || given.probe.is_beyond_memory()
+            || subject.dof() > MOST_OF_WEIGHTS
+            || self.changed_loop().is_none()
+            || of_jacobian.is_some_and(|of| !JacobianEvidence::shows_defect(of))
+        {
+            return Ok(());
+        }
+        let (dof, h) = (subject.dof(), self.largest);
+        let all_constant = dof <= MOST_OF_ALL;
+        let Some(images) = self.columns(subject, given, images)? else {
+            self.omit(Check::PreservedForm, Why::BUDGET);
+            return Ok(());
+        };
+        let mut found = PreservedForm {
+            step_size: subject.evaluator.stated(h),
+            dof,
+            all_constant,
+            states: images.len(),
+            exists: None,
+            change: None,
+            entries: Vec::new(),
+            groups: 0,
+            loops: Vec::new(),
+        };
+        // The last state confirms what the others show.
+        let [of_fit @ .., _] = &images[..] else {
+            return Ok(());
+        };
+        match fit::preserved(of_fit, dof, all_constant) {
+            Fit::Open => {}
+            Fit::None { change } => {
+                (found.exists, found.change) = (Some(false), Some(change));
+            }
+            Fit::Preserved(entries) => {
+                let size = given.size.radius.concat();
+                let (entries, in_units) = rounded::in_coordinates(&entries, &size);
+                let is_known = |entry: &FormEntry| entry.relative_error() <= LARGEST_ERROR;
+                if entries.iter().all(is_known) && fit::holds(&images, dof, &in_units) {
+                    found.loops = self.on_loops(subject, given, &entries)?;
+                    found.exists = Some(true);
+                    found.groups = entries.iter().map(|of| of.group + 1).max().unwrap_or(0);
+                    found.entries = entries;
+                }
+            }
+        }
+        self.evidence.preserved_form = Some(found);
+        Ok(())
+    }
+
+    /// The images of tangent vectors at several states: those that the Jacobian has, and as many further ones as are needed. `None` if the
+    /// budget does not allow them.
+    fn columns(
+        &self,
+        subject: Subject<'_>,
+        given: &GivenLoop<'_>,
+        mut images: Vec<TangentImages>,
+    ) -> Result<Option<Vec<TangentImages>>, Error> {
+        let dof = subject.dof();
+        let (states, random) = match dof <= MOST_OF_ALL {
+            true => (STATES, None),
+            false => {
+                images.clear();
+                let vectors = (2.0 * dof as f64).sqrt().ceil() as usize + FURTHER_VECTORS;
+                (STATES_OF_WEIGHTS, Some(vectors))
+            }
+        };
+        let missing = states.saturating_sub(images.len());
+        if missing > 0 {
+            let test = JacobianTest {
+                points: missing,
+                full_up_to: if random.is_none() { dof } else { 0 },
+                directions: random.unwrap_or(2 * dof),
+                ..JacobianTest::default()
+            };
+            let cost = test.evaluations(dof, false);
+            let left = self.count.left().min(MOST_EVALUATIONS);
+            if cost + FIRST_SAMPLES > left {
+                return Ok(None);
+            }
+            let spare = left - cost - FIRST_SAMPLES;
+            let with = (subject.phase_loop, &given.size);
+            // Not those of the Jacobian.
+            let first = JacobianTest::default().points;
+            let s = parameters(first + missing).split_off(first);
+            let more = test.images(
+                subject.evaluator,
+                with,
+                self.largest,
+                s,
+                random,
+                spare.min(cost / 2),
+            )?;
+            images.extend(more);
+        }
+        Ok(Some(images))
+    }
+
+    /// The changes of integrals of the form round the given loop and a random one.
+    fn on_loops(
+        &self,
+        subject: Subject<'_>,
+        given: &GivenLoop<'_>,
+        entries: &[FormEntry],
+    ) -> Result<Vec<FormOnLoop>, Error> {
+        let counts = |found: &&LoopEvidence| {
+            let is_random = matches!(found.kind, LoopKind::Random | LoopKind::Extended);
+            found.index == 0 || is_random && !found.winds && !found.steps.is_empty()
+        };
+        let mut changes = Vec::new();
+        for found in self.evidence.loops.iter().filter(counts).take(2) {
+            let left = self.count.left().min(OF_LOOPS);
+            if left < FIRST_SAMPLES {
+                break;
+            }
+            let random = (self.diagnostic).random_loop_of(found, &given.size, subject)?;
+            let of_loop = subject.on(random.as_ref());
+            changes.extend(on_loops::change(
+                of_loop,
+                found.index,
+                self.largest,
+                entries,
+                left,
+            )?);
+        }
+        Ok(changes)
+    }
+}

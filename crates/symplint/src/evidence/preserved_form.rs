@@ -1,0 +1,70 @@
+//! Whether a map that is not symplectic preserves another constant two-form.
+
+use serde::{Deserialize, Serialize};
+
+/// The search for a constant two-form Ω that a step preserves: MᵀΩM = Ω for its Jacobian M at every state.
+///
+/// Coordinates are counted from 0, all positions first, then all momenta, as the map has them: without weights.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct PreservedForm {
+    /// The step size h; `None` for a map without one.
+    pub step_size: Option<f64>,
+    /// Degrees of freedom d.
+    pub dof: usize,
+    /// Whether all constant forms were tried; otherwise those of weights and signs, Σ c_i dq_i∧dp_i.
+    pub all_constant: bool,
+    /// States whose Jacobians were used.
+    pub states: usize,
+    /// The answer: `None` if the Jacobians are not precise enough for one.
+    pub exists: Option<bool>,
+    /// If there is no form: by how much the form that is nearest to a preserved one changes, relative to its largest entry.
+    pub change: Option<f64>,
+    /// The entries of the form that are not 0, by their coordinates.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub entries: Vec<FormEntry>,
+    /// Groups of coordinates with no motion in common: the factor of the form of each group is free.
+    pub groups: usize,
+    /// What loops show of the form.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loops: Vec<FormOnLoop>,
+}
+
+/// Ω_ab of Ω = Σ Ω_ab dz_a∧dz_b, a < b.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FormEntry {
+    /// The coordinates a and b.
+    pub coordinates: [usize; 2],
+    /// Its value, rounded to the digits that its error supports.
+    pub value: f64,
+    /// The error before rounding.
+    pub error: f64,
+    /// The group of coordinates to which it belongs.
+    pub group: usize,
+}
+
+/// The change of two loop integrals in one step, each with its uncertainty, relative to the sum of the sizes of all terms of the
+/// integral.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FormOnLoop {
+    /// Which loop: 0 is the given one.
+    pub loop_index: usize,
+    /// Of the canonical form, with the weights of the coordinates.
+    pub canonical: [f64; 2],
+    /// Of the preserved form.
+    pub preserved: [f64; 2],
+}
+
+impl FormOnLoop {
+    /// The largest change that the preserved form may have.
+    pub(crate) fn bound(&self) -> f64 {
+        self.preserved[0].abs() + self.preserved[1]
+    }
+}
+
+impl FormEntry {
+    /// The error, relative.
+    pub(crate) fn relative_error(&self) -> f64 {
+        self.error / self.value.abs()
+    }
+}

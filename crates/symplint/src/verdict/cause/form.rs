@@ -1,0 +1,280 @@
+//! The constant two-form that a map preserves in place of the canonical one.
+
+use super::{Cause, CauseKind, Clues};
+use crate::evidence::{FormEntry, FormOnLoop, PreservedForm, SIGNIFICANT};
+use crate::verdict::advice::Advice;
+use crate::verdict::number::{one_digit, two_digits};
+
+/// The canonical form changes by more than this many times what the form that was found may change. Conventional.
+const BETTER: f64 = 100.0;
+
+/// Entries of a form that are written out.
+const MOST_ENTRIES: usize = 12;
+
+/// Degrees of freedom up to which a form is written as a matrix.
+const MOST_OF_MATRIX: usize = 3;
+
+/// Degrees of freedom up to which the momenta of a field are written out.
+const MOST_OF_MOMENTA: usize = 3;
+
+impl Clues<'_> {
+    /// The momenta are not canonical: the map preserves another form, on loops as well.
+    pub(super) fn other_form(&self) -> Option<Cause> {
+        let form = self.evidence.preserved_form.as_ref()?;
+        let bound = form.bound_on_loops()?;
+        let kind = form.kind();
+        let (meaning, setting, remedy) = match kind {
+            CauseKind::VelocitiesForMomenta => (
+                "p are not canonical momenta: velocities, or momenta in other units",
+                form.weights_setting(),
+                "Pass these weights (masses, or conversions of units), or give the momenta weight × p",
+            ),
+            CauseKind::SignOfAPair => (
+                "a pair (q, p) has the other sign: q and p are interchanged there, or one of them has its sign changed",
+                form.weights_setting(),
+                "Pass these weights, or change the sign of one coordinate of each pair with -1",
+            ),
+            CauseKind::PairsPermuted => (
+                "q and p are not in the same order",
+                form.pairs_setting(),
+                "Give p in the order of q: as many p[i] as q[i] names here",
+            ),
+            CauseKind::KineticMomenta => (
+                "p are kinetic momenta in a uniform magnetic field, or velocities in a rotating frame",
+                form.field_setting(),
+                "Give the canonical momenta, or this form",
+            ),
+            _ => (
+                "q and p are not conjugate to each other one by one: fields in place of a potential, or positions in other axes than momenta",
+                form.form_setting(),
+                "Give the momenta that are conjugate to q, or this form",
+            ),
+        };
+        let mut text = format!(
+            "The step preserves another two-form than Σ dq∧dp: {}. Its integrals change by at most {} on {}, and its Jacobians agree \
+             at {} states. So {meaning}.",
+            form.sum(),
+            one_digit(bound),
+            form.on_loops(),
+            form.states
+        );
+        if form.groups > 1 {
+            text += &format!(
+                " {} groups of coordinates are not coupled: the factor of each part of the form is free.",
+                form.groups
+            );
+        }
+        Some(Cause {
+            setting: Some(setting.clone()),
+            digits: Some((-bound.max(f64::EPSILON).log10() * 10.0).floor() / 10.0),
+            ..Cause::new(kind, text, format!("{remedy}: {setting}."))
+        })
+    }
+
+    /// No constant form is preserved.
+    pub(super) fn no_form(&self) -> Option<Cause> {
+        let form = self.evidence.preserved_form.as_ref()?;
+        let change = form.change.filter(|_| form.exists == Some(false))?;
+        let (family, why) = match form.all_constant {
+            true => (
+                "No constant two-form",
+                "No masses, signs, pairs or uniform field make the step symplectic",
+            ),
+            false => (
+                "No form Σ c dq∧dp with constant weights c",
+                "No masses or signs make the step symplectic",
+            ),
+        };
+        let text = format!(
+            "{family} is preserved: at {} states, every one changes by at least {} of its size. {why}.",
+            form.states,
+            two_digits(change)
+        );
+        let remedy = match self.advice.iter().find(|advice| !advice.is_general()) {
+            Some(advice) => advice.to_string(),
+            None => Advice::LookForCause { order: self.order }.to_string(),
+        };
+        Some(Cause::new(CauseKind::NoForm, text, remedy))
+    }
+}
+
+impl PreservedForm {
+    /// The largest change that integrals of the form may have, if loops confirm that it is preserved, and that the canonical form
+    /// is not.
+    fn bound_on_loops(&self) -> Option<f64> {
+        let relative = self.entries.iter().map(FormEntry::relative_error);
+        let of_entries = relative.fold(0.0, f64::max);
+        let is_preserved = |of: &FormOnLoop| {
+            let [change, uncertainty] = of.preserved;
+            change.abs() <= of_entries.max(SIGNIFICANT * uncertainty)
+        };
+        if self.exists != Some(true) || !self.loops.iter().all(is_preserved) {
+            return None;
+        }
+        let bound = self.loops.iter().map(FormOnLoop::bound).reduce(f64::max)?;
+        let changes = self.loops.iter().map(|of| of.canonical[0].abs());
+        (changes.fold(0.0, f64::max) > BETTER * bound).then_some(bound)
+    }
+
+    /// Whether an entry is that of a position and a momentum.
+    fn is_mixed(&self, entry: &FormEntry) -> bool {
+        let [a, b] = entry.coordinates;
+        a < self.dof && b >= self.dof
+    }
+
+    /// The momentum that each position has an entry with, if it is one for each, and the entry.
+    fn pairs(&self) -> Option<Vec<(usize, f64)>> {
+        let mut pairs = vec![None; self.dof];
+        for entry in self.entries.iter().filter(|entry| self.is_mixed(entry)) {
+            let [q, p] = entry.coordinates;
+            if pairs[q].replace((p - self.dof, entry.value)).is_some() {
+                return None;
+            }
+        }
+        let pairs: Vec<(usize, f64)> = pairs.into_iter().collect::<Option<_>>()?;
+        let mut of_p: Vec<usize> = pairs.iter().map(|pair| pair.0).collect();
+        of_p.sort_unstable();
+        of_p.dedup();
+        (of_p.len() == self.dof).then_some(pairs)
+    }
+
+    fn kind(&self) -> CauseKind {
+        let Some(pairs) = self.pairs() else {
+            return CauseKind::OtherForm;
+        };
+        let is_in_order = pairs.iter().enumerate().all(|(q, (p, _))| q == *p);
+        let is_of_pairs = self.entries.iter().all(|entry| self.is_mixed(entry));
+        let is_of_positions = |entry: &FormEntry| entry.coordinates[1] < self.dof;
+        match (is_in_order, is_of_pairs) {
+            (true, true) if pairs.iter().all(|pair| pair.1.abs() == 1.0) => CauseKind::SignOfAPair,
+            (true, true) => CauseKind::VelocitiesForMomenta,
+            (false, true) => CauseKind::PairsPermuted,
+            (true, false) if self.entries.iter().any(is_of_positions) => CauseKind::KineticMomenta,
+            _ => CauseKind::OtherForm,
+        }
+    }
+
+    fn weights_setting(&self) -> String {
+        let weights = self.pairs().unwrap_or_default();
+        let texts: Vec<String> = weights.iter().map(|pair| number(pair.1)).collect();
+        format!("weight = [{}]", texts.join(", "))
+    }
+
+    /// The order of p, with weights if there are any.
+    fn pairs_setting(&self) -> String {
+        let pairs = self.pairs().unwrap_or_default();
+        let order: Vec<String> = pairs.iter().map(|pair| pair.0.to_string()).collect();
+        let order = format!("p = p[:, [{}]]", order.join(", "));
+        match pairs.iter().all(|pair| pair.1 == 1.0) {
+            true => order,
+            false => format!("{order}, {}", self.weights_setting()),
+        }
+    }
+
+    /// The canonical momenta of kinetic ones, if momenta have no entries with each other.
+    fn field_setting(&self) -> String {
+        let of_momenta = |entry: &FormEntry| entry.coordinates[0] >= self.dof;
+        if self.dof > MOST_OF_MOMENTA || self.entries.iter().any(of_momenta) {
+            return self.form_setting();
+        }
+        let pairs = self.pairs().unwrap_or_default();
+        let momentum = |i: usize| {
+            let weight = pairs[i].1;
+            let mut text = match weight == 1.0 {
+                true => format!("p[{i}]"),
+                false => format!("{} p[{i}]", number(weight)),
+            };
+            for entry in self.entries.iter().filter(|of| !self.is_mixed(of)) {
+                let [a, b] = entry.coordinates;
+                // Half of Ω_ab dq_a∧dq_b belongs to each of the two momenta.
+                let (other, half) = match (a == i, b == i) {
+                    (true, _) => (b, 0.5 * entry.value),
+                    (_, true) => (a, -0.5 * entry.value),
+                    _ => continue,
+                };
+                let sign = if half < 0.0 { '−' } else { '+' };
+                text += &format!(" {sign} {} q[{other}]", number(half.abs()));
+            }
+            text
+        };
+        let momenta: Vec<String> = (0..self.dof).map(momentum).collect();
+        format!("p = ({})", momenta.join(", "))
+    }
+
+    /// Half of z·Ω is the one-form whose derivative is the form.
+    fn form_setting(&self) -> String {
+        if self.dof > MOST_OF_MATRIX {
+            return format!("form = lambda z: z @ Ω / 2 with Ω = {}", self.sum());
+        }
+        let entry = |a: usize, b: usize| {
+            let value = |a: usize, b: usize| {
+                let mut entries = self.entries.iter();
+                entries
+                    .find(|entry| entry.coordinates == [a, b])
+                    .map(|entry| entry.value)
+            };
+            value(a, b)
+                .or_else(|| value(b, a).map(|x| -x))
+                .unwrap_or(0.0)
+        };
+        let row = |a: usize| {
+            let entries: Vec<String> = (0..2 * self.dof).map(|b| number(entry(a, b))).collect();
+            format!("[{}]", entries.join(", "))
+        };
+        let rows: Vec<String> = (0..2 * self.dof).map(row).collect();
+        format!(
+            "form = lambda z: z @ Ω / 2 with Ω = [{}]",
+            rows.join(", ")
+        )
+    }
+
+    /// The form as a sum, its largest entries if there are many: `dq0∧dp0 + 3 dq1∧dp1`.
+    fn sum(&self) -> String {
+        let mut largest: Vec<&FormEntry> = self.entries.iter().collect();
+        if largest.len() > MOST_ENTRIES {
+            largest.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
+            largest.truncate(MOST_ENTRIES);
+        }
+        largest.sort_by_key(|entry| (!self.is_mixed(entry), entry.coordinates));
+        let name = |c: usize| match c < self.dof {
+            true => format!("dq{c}"),
+            false => format!("dp{}", c - self.dof),
+        };
+        let mut text = String::new();
+        for entry in &largest {
+            let sign = match (entry.value < 0.0, text.is_empty()) {
+                (true, true) => "−",
+                (true, false) => " − ",
+                (false, true) => "",
+                (false, false) => " + ",
+            };
+            let factor = match entry.value.abs() {
+                1.0 => String::new(),
+                size => format!("{} ", number(size)),
+            };
+            let [a, b] = entry.coordinates.map(name);
+            text += &format!("{sign}{factor}{a}∧{b}");
+        }
+        match self.entries.len() - largest.len() {
+            0 => text,
+            more => format!("{text} + {more} smaller terms"),
+        }
+    }
+
+    fn on_loops(&self) -> &'static str {
+        match (self.loops.len(), self.loops.first().map(|of| of.loop_index)) {
+            (1, Some(0)) => "the given loop",
+            (1, _) => "a random loop",
+            _ => "the given loop and a random one",
+        }
+    }
+}
+
+/// All digits that a number has, and an exponent if it needs one.
+fn number(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        1e-4..1e6 => format!("{value}"),
+        _ => format!("{value:e}"),
+    }
+}
