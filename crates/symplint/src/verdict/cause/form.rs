@@ -3,7 +3,7 @@
 use super::{Cause, CauseKind, Clues};
 use crate::evidence::{FormEntry, FormOnLoop, PreservedForm, SIGNIFICANT};
 use crate::verdict::advice::Advice;
-use crate::verdict::number::{one_digit, two_digits};
+use crate::verdict::number::{one_digit, size, two_digits};
 
 /// The canonical form changes by more than this many times what the form that was found may change. Conventional.
 const BETTER: f64 = 100.0;
@@ -27,12 +27,13 @@ impl Clues<'_> {
             CauseKind::VelocitiesForMomenta => (
                 "p are not canonical momenta: velocities, or momenta in other units",
                 form.weights_setting(),
-                "Pass these weights (masses, or conversions of units), or give the momenta weight × p",
+                "Pass these weights (masses, or conversions of units; with all their digits, if you know them), or give the momenta \
+                 weight × p",
             ),
             CauseKind::SignOfAPair => (
                 "a pair (q, p) has the other sign: q and p are interchanged there, or one of them has its sign changed",
                 form.weights_setting(),
-                "Pass these weights, or change the sign of one coordinate of each pair with -1",
+                "Pass these weights, with radii that differ (equal areas cancel), or change the sign of one coordinate of each pair with -1",
             ),
             CauseKind::PairsPermuted => (
                 "q and p are not in the same order",
@@ -45,13 +46,17 @@ impl Clues<'_> {
                 "Give the canonical momenta, or this form",
             ),
             _ => (
-                "q and p are not conjugate to each other one by one: fields in place of a potential, or positions in other axes than momenta",
+                "q and p are not conjugate one by one: positions in other axes than momenta, or fields (E, B) for which the vector \
+                 potential A with B = curl A is conjugate to E",
                 form.form_setting(),
                 "Give the momenta that are conjugate to q, or this form",
             ),
         };
+        let step = form
+            .step_size
+            .map_or("The step".to_owned(), |h| format!("A step of {}", size(h)));
         let mut text = format!(
-            "The step preserves another two-form than Σ dq∧dp: {}. Its integrals change by at most {} on {}, and its Jacobians agree \
+            "{step} preserves another two-form than Σ dq∧dp: {}. Its integrals change by at most {} on {}, and its Jacobians agree \
              at {} states. So {meaning}.",
             form.sum(),
             one_digit(bound),
@@ -204,7 +209,7 @@ impl PreservedForm {
     /// Half of z·Ω is the one-form whose derivative is the form.
     fn form_setting(&self) -> String {
         if self.dof > MOST_OF_MATRIX {
-            return format!("form = lambda z: z @ Ω / 2 with Ω = {}", self.sum());
+            return "form = lambda z: z @ Ω / 2 with Ω_ab of `evidence.preserved_form`".to_owned();
         }
         let entry = |a: usize, b: usize| {
             let value = |a: usize, b: usize| {

@@ -269,19 +269,21 @@ fn candidates(space: &NullSpace, canonical: &[f64]) -> Vec<Vec<f64>> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let (count, dimension) = space.basis.shape();
     let canonical = DMatrix::from_column_slice(count, 1, canonical);
-    let nearest = space.basis.transpose() * &canonical / canonical.norm();
+    let nearest = space.basis.transpose() * &canonical / canonical.norm().max(f64::MIN_POSITIVE);
     let other = DMatrix::from_fn(dimension, 1, |k, _| 0.5 + (GOLDEN * (k + 1) as f64).fract());
     let forms = [nearest.clone(), &nearest + 0.25 * &other, other];
     let scaled = |coefficients: &DMatrix<f64>| {
         let form = &space.basis * coefficients;
         let largest = form.amax();
-        (form / largest).iter().copied().collect::<Vec<f64>>()
+        (form / largest.max(f64::MIN_POSITIVE)).iter().copied().collect::<Vec<f64>>()
     };
     forms.iter().map(scaled).collect()
 }
 
 fn is_degenerate(matrix: &DMatrix<f64>) -> bool {
+    if matrix.iter().any(|x| !x.is_finite()) {
+        return true;
+    }
     let singular = matrix.clone().singular_values();
-    // Not a number is degenerate.
-    !(singular.min() > DEGENERATE * singular.max())
+    singular.min() <= DEGENERATE * singular.max()
 }

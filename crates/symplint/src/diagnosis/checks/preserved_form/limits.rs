@@ -9,8 +9,8 @@ pub(super) const MOST_OF_WEIGHTS: usize = 400;
 /// Evaluations at most. Conventional.
 pub(super) const MOST_EVALUATIONS: usize = 2000;
 
-/// Those that are kept of them for loops.
-pub(super) const OF_LOOPS: usize = 256;
+/// Samples of a loop that confirms a form at most.
+pub(super) const MOST_SAMPLES: usize = 256;
 
 /// States with all columns of the Jacobian: the last one confirms the form of the others.
 pub(super) const STATES: usize = 3;
@@ -45,6 +45,9 @@ pub(super) const DEGENERATE: f64 = 1e-6;
 /// An entry that is not known to this part of itself is not named. Conventional: three digits.
 pub(super) const LARGEST_ERROR: f64 = 1e-3;
 
+/// The same before loops refine it.
+pub(super) const LARGEST_ERROR_OF_JACOBIAN: f64 = 0.1;
+
 /// An entry is rounded to the shortest number within this many times its error.
 pub(super) const ROUNDED_WITHIN: f64 = 3.0;
 
@@ -54,8 +57,24 @@ pub(super) const NO_ENTRY: (f64, f64) = (5.0, 1e-9);
 /// Samples of a loop at first.
 pub(super) const FIRST_SAMPLES: usize = 64;
 
-/// Samples of a loop at most.
-pub(super) const MOST_SAMPLES: usize = 512;
-
 /// More samples are not taken if the change of a loop integral is known to this. Derived: a few hundred roundings.
 pub(super) const KNOWN: f64 = 1e-13;
+
+/// More samples of a loop help if they made the uncertainty of its integral fall by this factor. Conventional: those of a smooth loop make it fall
+/// by far more, noise by √2.
+pub(super) const FALLS: f64 = 4.0;
+
+/// A number with this many digits fewer than its error supports was chosen by a person: one in a thousand others would be as short.
+pub(super) const COINCIDENCE: usize = 3;
+
+/// Digits of other numbers in addition to those that their errors support: errors are bounds.
+pub(super) const FURTHER_DIGITS: usize = 2;
+
+/// Entries that are tried as units.
+pub(super) const MOST_UNITS: usize = 48;
+
+/// Loops that refine a form at most. Derived: as many as twelve weights need.
+pub(super) const MOST_REFINING: usize = 12;
+
+/// Added to the seed of the random loops of a diagnosis, for those that refine a form.
+pub(super) const SEED_OF_REFINING: u64 = 1 << 40;

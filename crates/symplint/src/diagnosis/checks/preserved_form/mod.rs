@@ -4,14 +4,18 @@ mod fit;
 mod limits;
 mod null_space;
 mod on_loops;
+mod refine;
 mod rounded;
 
 use fit::{Entry, Fit};
 use limits::{
-    FIRST_SAMPLES, FURTHER_VECTORS, LARGEST_ERROR, MOST_EVALUATIONS, MOST_OF_ALL, MOST_OF_WEIGHTS,
-    OF_LOOPS, STATES, STATES_OF_WEIGHTS,
+    FIRST_SAMPLES, FURTHER_VECTORS, LARGEST_ERROR, LARGEST_ERROR_OF_JACOBIAN, MOST_EVALUATIONS,
+    MOST_OF_ALL, MOST_OF_WEIGHTS, MOST_REFINING, MOST_SAMPLES, SEED_OF_REFINING, STATES,
+    STATES_OF_WEIGHTS,
 };
+use on_loops::AdvancedLoop;
 
+use super::random_loops::loop_of_kind;
 use super::{GivenLoop, Runner};
 use crate::error::Error;
 use crate::evidence::{
@@ -72,9 +76,17 @@ impl Runner<'_> {
             }
             Fit::Preserved(entries) => {
                 let size = given.size.radius.concat();
-                let (entries, in_units) = rounded::in_coordinates(&entries, &size);
-                let is_known = |entry: &FormEntry| entry.relative_error() <= LARGEST_ERROR;
-                if entries.iter().all(is_known) && fit::holds(&images, dof, &in_units) {
+                let entries = rounded::in_coordinates(&entries, &size);
+                let is_known = |entries: &[FormEntry], error: f64| {
+                    entries.iter().all(|entry| entry.relative_error() <= error)
+                };
+                let entries = match is_known(&entries, LARGEST_ERROR_OF_JACOBIAN) {
+                    true => self.refined(subject, given, entries)?,
+                    false => entries,
+                };
+                if is_known(&entries, LARGEST_ERROR)
+                    && fit::holds(&images, dof, &rounded::in_units(&entries, &size))
+                {
                     found.loops = self.on_loops(subject, given, &entries)?;
                     found.exists = Some(true);
                     found.groups = entries.iter().map(|of| of.group + 1).max().unwrap_or(0);
@@ -134,6 +146,36 @@ impl Runner<'_> {
         Ok(Some(images))
     }
 
+    /// The entries rounded, with as many digits as further random loops give them if they are not numbers that a person chose.
+    fn refined(
+        &self,
+        subject: Subject<'_>,
+        given: &GivenLoop<'_>,
+        entries: Vec<FormEntry>,
+    ) -> Result<Vec<FormEntry>, Error> {
+        let (round, is_short) = rounded::rounded(&entries, subject.dof());
+        let groups = entries.iter().map(|of| of.group + 1).max().unwrap_or(0);
+        let affordable = self.count.left() / FIRST_SAMPLES;
+        let loops = (entries.len() - groups)
+            .min(MOST_REFINING)
+            .min(affordable.saturating_sub(2));
+        if is_short || loops == 0 {
+            return Ok(round);
+        }
+        let mut changes = Vec::new();
+        for k in 0..loops {
+            let seed = SEED_OF_REFINING.wrapping_add(self.diagnostic.seed + k as u64);
+            let (kind, coordinates) = (LoopKind::Extended, subject.coordinates());
+            let random = loop_of_kind(kind, None, &given.size, coordinates, seed)?;
+            let advanced = AdvancedLoop::new(subject.on(random.as_ref()), self.largest)?;
+            changes.extend(advanced.change(&entries, coordinates));
+        }
+        Ok(match refine::refined(&entries, &changes) {
+            Some(refined) => rounded::rounded(&refined, subject.dof()).0,
+            None => round,
+        })
+    }
+
     /// The changes of integrals of the form round the given loop and a random one.
     fn on_loops(
         &self,
@@ -147,7 +189,7 @@ impl Runner<'_> {
         };
         let mut changes = Vec::new();
         for found in self.evidence.loops.iter().filter(counts).take(2) {
-            let left = self.count.left().min(OF_LOOPS);
+            let left = self.count.left().min(MOST_SAMPLES);
             if left < FIRST_SAMPLES {
                 break;
             }

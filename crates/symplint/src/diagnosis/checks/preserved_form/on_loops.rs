@@ -1,6 +1,6 @@
 //! Loop integrals of a constant two-form: ∮ Σ Ω_ab z_a dz_b.
 
-use super::limits::{FIRST_SAMPLES, KNOWN, MOST_SAMPLES};
+use super::limits::{FALLS, FIRST_SAMPLES, KNOWN};
 use crate::error::Error;
 use crate::evidence::{FormEntry, FormOnLoop};
 use crate::map::states_at;
@@ -8,16 +8,76 @@ use crate::rules::{LoopIntegral, Rule, Subject};
 use crate::signal::unwrap_row;
 use crate::state::{Coordinates, Ensemble, coordinate, period};
 
-/// The change of the integrals of the canonical form and of another one round a loop in one step. `None` if the loop winds round a
-/// period, or the error of an integral is not known. Samples are doubled while `evaluations` allow it.
+/// A loop before and after a step.
+pub(super) struct AdvancedLoop {
+    before: Ensemble,
+    after: Ensemble,
+}
+
+/// The change of the integral of a form in one step.
+pub(super) struct Change {
+    /// The parts of the entries; the change is their sum.
+    pub parts: Vec<f64>,
+    /// Half the width of the interval in which the change lies.
+    pub uncertainty: f64,
+    /// The sum of the sizes of all terms of the integral.
+    pub scale: f64,
+}
+
+impl AdvancedLoop {
+    /// The loop after a step of size `h`, with the fewest samples.
+    pub fn new(subject: Subject<'_>, h: f64) -> Result<Self, Error> {
+        let before = Ensemble::sample(subject.phase_loop, FIRST_SAMPLES)?;
+        let mut after = before.clone();
+        subject.evaluator.begin_loop();
+        subject.evaluator.advance(&mut after, h)?;
+        Ok(AdvancedLoop { before, after })
+    }
+
+    fn doubled(&mut self, subject: Subject<'_>, h: f64) -> Result<(), Error> {
+        let samples = self.before.samples();
+        let middle = |k: usize| (k as f64 + 0.5) / samples as f64;
+        let between: Vec<f64> = (0..samples).map(middle).collect();
+        let after = subject.evaluator.image(subject.phase_loop, h, &between)?;
+        (self.before).interleave(&states_at(subject.phase_loop, &between));
+        self.after.interleave(&after);
+        Ok(())
+    }
+
+    /// The change of the integral of a form. `None` if the loop winds round a period, or an error is not known.
+    pub fn change(&self, form: &[FormEntry], coordinates: &Coordinates) -> Option<Change> {
+        let before = integral(&self.before, form, coordinates)?;
+        let after = integral(&self.after, form, coordinates)?;
+        let quadrature = before.quadrature_error? + after.quadrature_error?;
+        let parts = after.contributions.iter().zip(&before.contributions);
+        let change = Change {
+            parts: parts.map(|(after, before)| after - before).collect(),
+            uncertainty: quadrature + before.roundoff + after.roundoff,
+            scale: before.scale,
+        };
+        let numbers = [change.uncertainty, change.scale, change.parts.iter().sum()];
+        (numbers.iter().all(|x| x.is_finite()) && change.scale > 0.0).then_some(change)
+    }
+}
+
+impl Change {
+    /// The change and its uncertainty, relative to the scale.
+    fn relative(&self) -> [f64; 2] {
+        let change: f64 = self.parts.iter().sum();
+        [change / self.scale, self.uncertainty / self.scale]
+    }
+}
+
+/// The change of the integrals of the canonical form and of another one round a loop in one step. `None` as of [`AdvancedLoop::change`].
+/// Samples are doubled up to `most` while that helps.
 pub(super) fn change(
     subject: Subject<'_>,
     loop_index: usize,
     h: f64,
-    entries: &[FormEntry],
-    evaluations: usize,
+    form: &[FormEntry],
+    most: usize,
 ) -> Result<Option<FormOnLoop>, Error> {
-    let (evaluator, coordinates) = (subject.evaluator, subject.coordinates());
+    let coordinates = subject.coordinates();
     let canonical: Vec<FormEntry> = (0..subject.dof())
         .map(|i| FormEntry {
             coordinates: [i, subject.dof() + i],
@@ -26,67 +86,44 @@ pub(super) fn change(
             group: 0,
         })
         .collect();
-    let mut before = Ensemble::sample(subject.phase_loop, FIRST_SAMPLES)?;
-    let mut after = before.clone();
-    evaluator.advance(&mut after, h)?;
+    let mut advanced = AdvancedLoop::new(subject, h)?;
+    let mut last = f64::INFINITY;
     loop {
-        let states = [&before, &after];
-        let [canonical_change, preserved] = [&canonical[..], entries]
-            .map(|form| relative_change(states.map(|of| integral(of, form, coordinates))));
-        let samples = before.samples();
-        let is_known = preserved.is_some_and(|[_, uncertainty]| uncertainty < KNOWN);
-        if is_known || 2 * samples > MOST_SAMPLES.min(evaluations) {
-            return Ok(canonical_change
-                .zip(preserved)
-                .map(|(canonical, preserved)| FormOnLoop {
-                    loop_index,
-                    canonical,
-                    preserved,
-                }));
+        let of = |form| advanced.change(form, coordinates);
+        let found = of(&canonical).zip(of(form));
+        let uncertainty = (found.as_ref()).map_or(f64::MAX, |of| of.1.relative()[1]);
+        let is_enough = uncertainty < KNOWN || uncertainty > last / FALLS;
+        if is_enough || 2 * advanced.before.samples() > most {
+            return Ok(found.map(|(canonical, preserved)| FormOnLoop {
+                loop_index,
+                canonical: canonical.relative(),
+                preserved: preserved.relative(),
+            }));
         }
-        let between: Vec<f64> = (0..samples)
-            .map(|k| (k as f64 + 0.5) / samples as f64)
-            .collect();
-        before.interleave(&states_at(subject.phase_loop, &between));
-        after.interleave(&evaluator.image(subject.phase_loop, h, &between)?);
+        last = uncertainty;
+        advanced.doubled(subject, h)?;
     }
 }
 
-/// The change between two integrals and its uncertainty, relative to the sum of the sizes of the terms of the first.
-fn relative_change([before, after]: [Option<LoopIntegral>; 2]) -> Option<[f64; 2]> {
-    let (before, after) = (before?, after?);
-    let quadrature = before.quadrature_error? + after.quadrature_error?;
-    let change = [
-        (after.value - before.value) / before.scale,
-        (quadrature + before.roundoff + after.roundoff) / before.scale,
-    ];
-    change.iter().all(|x| x.is_finite()).then_some(change)
-}
-
-/// ∮ Σ Ω_ab z_a dz_b, as the integral of one degree of freedom for each b, with the momentum Σ_a Ω_ab z_a. `None` if a coordinate winds
-/// or the integral is beyond the range of doubles.
+/// ∮ Σ Ω_ab z_a dz_b, as the integral of one degree of freedom z_b with the momentum z_a for each entry. `None` if a coordinate winds or
+/// the integral is beyond the range of doubles.
 fn integral(
     states: &Ensemble,
     form: &[FormEntry],
     coordinates: &Coordinates,
 ) -> Option<LoopIntegral> {
-    let mut seconds: Vec<usize> = form.iter().map(|entry| entry.coordinates[1]).collect();
-    seconds.sort_unstable();
-    seconds.dedup();
-    let mut rows = Ensemble::zeros(seconds.len(), states.samples());
+    let mut rows = Ensemble::zeros(form.len(), states.samples());
     let mut block = rows.block();
-    let unwrapped = |c: usize| {
-        let mut row = coordinate(states, c).to_vec();
-        let winding = unwrap_row(&mut row, period(coordinates, c));
-        (winding == 0).then_some(row)
-    };
-    for (k, &second) in seconds.iter().enumerate() {
-        block.q.row_mut(k).copy_from_slice(&unwrapped(second)?);
-        for entry in form.iter().filter(|entry| entry.coordinates[1] == second) {
-            let row = unwrapped(entry.coordinates[0])?;
-            let momenta = block.p.row_mut(k).iter_mut().zip(row);
-            momenta.for_each(|(p, z)| *p += entry.value * z);
+    for (k, entry) in form.iter().enumerate() {
+        let [a, b] = entry.coordinates;
+        for (c, row) in [(a, block.p.row_mut(k)), (b, block.q.row_mut(k))] {
+            row.copy_from_slice(coordinate(states, c));
+            if unwrap_row(row, period(coordinates, c)) != 0 {
+                return None;
+            }
         }
     }
-    LoopIntegral::of(&rows, &Rule::Pseudospectral).ok()
+    let values = form.iter().map(|entry| entry.value).collect();
+    let weighted = Coordinates::plain(form.len()).with_weights(values).ok()?;
+    LoopIntegral::in_coordinates(&rows, &Rule::Pseudospectral, &weighted).ok()
 }

@@ -1,89 +1,143 @@
 //! The entries of a form in the coordinates of the map, as a person would write them.
 
 use super::Entry;
-use super::limits::ROUNDED_WITHIN;
+use super::limits::{COINCIDENCE, FURTHER_DIGITS, MOST_UNITS, ROUNDED_WITHIN};
 use crate::evidence::FormEntry;
 
-/// The entries of a form in units of the loop, `size`, in the coordinates of the map: scaled so that a common one is 1 in each group, and
-/// rounded to the digits that their errors support. The rounded entries in units of the loop, with their errors, come second.
-pub(super) fn in_coordinates(entries: &[Entry], size: &[f64]) -> (Vec<FormEntry>, Vec<Entry>) {
-    let area = |entry: &Entry| size[entry.pair.0] * size[entry.pair.1];
-    let groups = entries.iter().map(|entry| entry.group + 1).max();
-    let (mut of_map, mut of_loop) = (Vec::new(), Vec::new());
-    for group in 0..groups.unwrap_or(0) {
-        let of_group = || entries.iter().filter(move |entry| entry.group == group);
-        // Positions with momenta, if there are any: they are what weights are of.
-        let dof = size.len() / 2;
-        let is_mixed = |entry: &&Entry| entry.pair.0 < dof && entry.pair.1 >= dof;
-        let mut of_unit: Vec<(f64, f64)> = (of_group().filter(is_mixed))
-            .map(|entry| (entry.value / area(entry), entry.error / area(entry)))
-            .collect();
-        if of_unit.is_empty() {
-            of_unit = of_group()
-                .map(|entry| (entry.value / area(entry), entry.error / area(entry)))
-                .collect();
+/// Digits of doubles.
+const ALL_DIGITS: usize = 17;
+
+/// The entries of a form in units of the loop, `size`, in the coordinates of the map.
+pub(super) fn in_coordinates(entries: &[Entry], size: &[f64]) -> Vec<FormEntry> {
+    let of_map = entries.iter().map(|entry| {
+        let area = size[entry.pair.0] * size[entry.pair.1];
+        FormEntry {
+            coordinates: [entry.pair.0, entry.pair.1],
+            value: entry.value / area,
+            error: entry.error / area,
+            group: entry.group,
         }
-        let unit = common(&of_unit);
-        for entry in of_group() {
-            let scale = unit * area(entry);
-            let (value, error) = (entry.value / scale, (entry.error / scale).abs());
-            let value = shortest(value, ROUNDED_WITHIN * error);
-            of_map.push(FormEntry {
-                coordinates: [entry.pair.0, entry.pair.1],
-                value,
-                error,
-                group,
-            });
-            of_loop.push(Entry {
-                value: value * area(entry),
-                error: ROUNDED_WITHIN * error * area(entry),
-                ..*entry
-            });
+    });
+    of_map.collect()
+}
+
+/// The same in units of the loop.
+pub(super) fn in_units(entries: &[FormEntry], size: &[f64]) -> Vec<Entry> {
+    let of_loop = entries.iter().map(|entry| {
+        let [a, b] = entry.coordinates;
+        Entry {
+            pair: (a, b),
+            value: entry.value * size[a] * size[b],
+            error: entry.error * size[a] * size[b],
+            group: entry.group,
+        }
+    });
+    of_loop.collect()
+}
+
+/// The entries rounded to the digits that their errors support, in units of one of each group: that in which they are shortest, then that of
+/// most entries. The second value says whether all are much shorter than their errors allow, as numbers are that a person chose.
+pub(super) fn rounded(entries: &[FormEntry], dof: usize) -> (Vec<FormEntry>, bool) {
+    let mut rounded = entries.to_vec();
+    let groups = entries.iter().map(|entry| entry.group + 1).max();
+    let mut all_short = true;
+    for group in 0..groups.unwrap_or(0) {
+        let of_group: Vec<usize> = (0..entries.len())
+            .filter(|&k| entries[k].group == group)
+            .collect();
+        // Positions with momenta, if there are any: they are what weights are of.
+        let is_mixed = |k: &usize| {
+            let [a, b] = entries[*k].coordinates;
+            a < dof && b >= dof
+        };
+        let mut units: Vec<usize> = of_group.iter().copied().filter(is_mixed).collect();
+        if units.is_empty() {
+            units.clone_from(&of_group);
+        }
+        let in_unit = |unit: usize, k: usize| {
+            let (of, one) = (&entries[k], &entries[unit]);
+            let value = of.value / one.value;
+            let relative = match k == unit {
+                true => 0.0,
+                false => of.relative_error() + one.relative_error(),
+            };
+            (value, value.abs() * relative)
+        };
+        let rank = |unit: usize| {
+            let values = || of_group.iter().map(|&k| in_unit(unit, k));
+            let digits: usize = values().map(|(value, error)| shortest(value, error).1).sum();
+            let ones = values().filter(|(value, error)| (value - 1.0).abs() <= ROUNDED_WITHIN * error);
+            let positive = values().filter(|of| of.0 > 0.0);
+            (digits, usize::MAX - ones.count(), usize::MAX - positive.count())
+        };
+        let Some(unit) = (units.into_iter().take(MOST_UNITS)).min_by_key(|&unit| rank(unit)) else {
+            continue;
+        };
+        for k in of_group {
+            let (value, error) = in_unit(unit, k);
+            let (short, digits) = shortest(value, error);
+            let supported = -(error / value.abs()).max(f64::EPSILON).log10();
+            let is_short = (digits + COINCIDENCE) as f64 <= supported.max(0.0);
+            let last = supported.max(0.0) as usize + FURTHER_DIGITS;
+            all_short &= is_short;
+            rounded[k].value = match is_short {
+                true => short,
+                false => with_digits(value, last),
+            };
+            rounded[k].error = error;
         }
     }
-    (of_map, of_loop)
+    (rounded, all_short)
 }
 
-/// The value that most have, to within their errors, with the sign that most have; the first of equals.
-fn common(values: &[(f64, f64)]) -> f64 {
-    let alike = |&(a, of_a): &(f64, f64)| {
-        let same = |(b, of_b): &&(f64, f64)| (a.abs() - b.abs()).abs() <= ROUNDED_WITHIN * (of_a + of_b);
-        values.iter().filter(same).count()
-    };
-    let most = values.iter().map(alike).max().unwrap_or(0);
-    let unit = values.iter().find(|of| alike(of) == most);
-    let unit = unit.map_or(1.0, |of| of.0.abs());
-    let negative = values.iter().filter(|of| of.0 < 0.0).count();
-    let is_negative = match (2 * negative).cmp(&values.len()) {
-        std::cmp::Ordering::Equal => values[0].0 < 0.0,
-        order => order.is_gt(),
-    };
-    if is_negative { -unit } else { unit }
+fn with_digits(value: f64, digits: usize) -> f64 {
+    let decimals = digits.clamp(1, ALL_DIGITS) - 1;
+    format!("{value:.decimals$e}").parse().unwrap_or(value)
 }
 
-/// The number with the fewest digits within an error of a value.
-fn shortest(value: f64, error: f64) -> f64 {
-    let rounded = |digits: usize| format!("{value:.digits$e}").parse::<f64>().unwrap_or(value);
-    let within = |rounded: &f64| (rounded - value).abs() <= error;
-    (0..17).map(rounded).find(within).unwrap_or(value)
+/// The number with the fewest digits within its error, and how many it has.
+fn shortest(value: f64, error: f64) -> (f64, usize) {
+    let within = |rounded: f64| (rounded - value).abs() <= ROUNDED_WITHIN * error;
+    (1..=ALL_DIGITS)
+        .map(|digits| (with_digits(value, digits), digits))
+        .find(|&(rounded, _)| within(rounded))
+        .unwrap_or((value, ALL_DIGITS))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn numbers_are_rounded_to_what_their_errors_support() {
-        assert_eq!(shortest(3.000_000_1, 1e-6), 3.0);
-        assert_eq!(shortest(3.000_000_1, 1e-8), 3.0000001);
-        assert_eq!(shortest(-0.736_841_234, 1e-4), -0.7368);
-        assert_eq!(shortest(1.000_000_000_1e-12, 1e-20), 1e-12);
+    fn entries(values: &[f64], error: f64) -> Vec<FormEntry> {
+        let entry = |(k, &value): (usize, &f64)| FormEntry {
+            coordinates: [k, values.len() + k],
+            value,
+            error: error * value.abs(),
+            group: 0,
+        };
+        values.iter().enumerate().map(entry).collect()
+    }
+
+    fn values(of: &[f64], error: f64) -> (Vec<f64>, bool) {
+        let (found, short) = rounded(&entries(of, error), of.len());
+        (found.iter().map(|of| of.value).collect(), short)
     }
 
     #[test]
-    fn a_common_value_is_one_and_most_signs_are_positive() {
-        assert_eq!(common(&[(2.0, 1e-9), (6.0, 1e-9), (2.0, 1e-9)]), 2.0);
-        assert_eq!(common(&[(-2.0, 1e-9), (6.0, 1e-9)]), -2.0);
-        assert_eq!(common(&[(-2.0, 0.0), (-2.0, 0.0), (6.0, 0.0)]), -2.0);
+    fn numbers_that_a_person_chose_are_found() {
+        assert_eq!(values(&[0.2, 0.600_000_02], 1e-7), (vec![1.0, 3.0], true));
+        // In units of the last one.
+        let (found, short) = values(&[0.31 / 0.7, 12e-5 / 0.7, 1.0 / 0.7], 1e-9);
+        assert_eq!((found, short), (vec![0.31, 12e-5, 1.0], true));
+        assert_eq!(values(&[-2.0, -2.0, 6.0], 1e-9).0, [1.0, 1.0, -3.0]);
+        assert_eq!(values(&[-2.0, 6.0], 1e-9).0, [1.0, -3.0]);
+    }
+
+    #[test]
+    fn other_numbers_keep_the_digits_that_their_errors_support() {
+        let (found, short) = values(&[1.0, std::f64::consts::PI], 1e-6);
+        assert!(!short);
+        assert!((found[1] - std::f64::consts::PI).abs() < 1e-6, "{}", found[1]);
+        assert!(found[1].to_string().len() < 10, "{}", found[1]);
     }
 }
