@@ -315,16 +315,20 @@ fn member(kind: Kind, number: u64) -> (Member, Circle) {
     let sizes: Vec<f64> = (0..dof).map(|_| random.between(0.3, 0.6)).collect();
     let mut radii = [sizes.clone(), sizes.clone()];
     let mut masses = |random: &mut Random, decades: f64| {
-        found.masses = (0..dof).map(|_| random.three_digits(-decades, 0.0)).collect();
+        found.masses = (0..dof)
+            .map(|_| random.three_digits(-decades, 0.0))
+            .collect();
         found.masses[random.below(dof)] = 1.0;
         // Forces on light bodies are in proportion to their masses: all move alike.
         found.scale.clone_from(&found.masses);
     };
     match kind {
+        // The forces of light bodies on heavy ones are to stand clear of rounding.
+        Kind::Masses if single => masses(random, 1.0),
         Kind::Masses => masses(random, 4.0),
         Kind::LightMasses => masses(random, 8.0),
         Kind::Many => masses(random, 2.0),
-        Kind::Permuted if random.below(2) == 0 => masses(random, 2.0),
+        Kind::Permuted if !single && random.below(2) == 0 => masses(random, 2.0),
         Kind::Uncoupled => masses(random, 2.0),
         _ => {}
     }
@@ -340,8 +344,16 @@ fn member(kind: Kind, number: u64) -> (Member, Circle) {
             found.scale = (0..dof).map(|_| random.three_digits(-3.0, 3.0)).collect();
             found.change = identity(&|i| q[i]);
             radii = [
-                q.iter().zip(&sizes).map(|(unit, size)| size / unit).collect(),
-                found.scale.iter().zip(&sizes).map(|(unit, size)| size / unit).collect(),
+                q.iter()
+                    .zip(&sizes)
+                    .map(|(unit, size)| size / unit)
+                    .collect(),
+                found
+                    .scale
+                    .iter()
+                    .zip(&sizes)
+                    .map(|(unit, size)| size / unit)
+                    .collect(),
             ];
         }
         Kind::Permuted => found.order = random.cycle(dof),
@@ -365,7 +377,10 @@ fn member(kind: Kind, number: u64) -> (Member, Circle) {
         _ => {}
     }
     let centre = |random: &mut Random, radius: &[f64]| -> Vec<f64> {
-        radius.iter().map(|r| 2.0 * r * random.between(-1.0, 1.0)).collect()
+        radius
+            .iter()
+            .map(|r| 2.0 * r * random.between(-1.0, 1.0))
+            .collect()
     };
     let (q, p) = (centre(random, &radii[0]), centre(random, &radii[1]));
     let [of_q, of_p] = radii;
@@ -389,7 +404,9 @@ const STEP: f64 = 0.25;
 fn diagnose(member: &Member, circle: &Circle, weights: Option<Vec<f64>>) -> Diagnosis {
     let mut map = PerSample::new(member.dof, |h, x, y| member.advance(h, x, y));
     if let Some(weights) = weights {
-        let coordinates = Coordinates::plain(member.dof).with_weights(weights).unwrap();
+        let coordinates = Coordinates::plain(member.dof)
+            .with_weights(weights)
+            .unwrap();
         map = map.with_coordinates(coordinates).unwrap();
     }
     let diagnostic = Diagnostic {
@@ -410,7 +427,13 @@ fn answer(kind: Kind, number: u64) -> (Answer, String, usize) {
         "{kind:?} {number}, d = {}: {verdict}\n  {:?}\n  {:?}",
         member.dof,
         verdict.cause.as_ref().map(|cause| &cause.text),
-        found.evidence.preserved_form.as_ref().map(|of| (of.exists, of.change, of.states, &of.loops, &of.entries)),
+        found.evidence.preserved_form.as_ref().map(|of| (
+            of.exists,
+            of.change,
+            of.states,
+            &of.loops,
+            &of.entries
+        )),
     );
     let has_form = !matches!(
         kind,
@@ -425,7 +448,9 @@ fn answer(kind: Kind, number: u64) -> (Answer, String, usize) {
     let answer = match cause.kind {
         CauseKind::NoForm if has_form => Answer::Wrong,
         CauseKind::NoForm => Answer::NoForm,
-        CauseKind::Friction if kind == Kind::UniformFriction || kind == Kind::Friction && member.dof == 1 => {
+        CauseKind::Friction
+            if kind == Kind::UniformFriction || kind == Kind::Friction && member.dof == 1 =>
+        {
             Answer::NoForm
         }
         _ if cause.digits.is_none() || !has_form => Answer::Wrong,
@@ -466,7 +491,12 @@ fn is_preserved(member: &Member, circle: &Circle, found: &Diagnosis) -> bool {
         };
         let factor = entry.value / exact;
         let known = factors.entry(entry.group).or_insert(factor);
-        let error = 3.0 * form.entries.iter().map(|of| of.error / of.value.abs()).fold(1e-12, f64::max);
+        let error = 3.0
+            * form
+                .entries
+                .iter()
+                .map(|of| of.error / of.value.abs())
+                .fold(1e-12, f64::max);
         (factor / *known - 1.0).abs() < error
     });
     let weights: Option<Vec<f64>> = (0..member.dof)
@@ -491,7 +521,6 @@ fn is_preserved(member: &Member, circle: &Circle, found: &Diagnosis) -> bool {
 fn forms_are_named_that_maps_preserve() {
     let all: Vec<(Kind, u64)> = (KINDS.iter())
         .flat_map(|&kind| (0..MEMBERS).map(move |number| (kind, number)))
-        .filter(|(kind, _)| std::env::var("KINDS").is_ok_and(|kinds| kinds.contains(&format!("{kind:?}"))))
         .collect();
     let answers: Vec<(Answer, String, usize)> = (all.par_iter())
         .map(|&(kind, number)| answer(kind, number))
@@ -514,7 +543,10 @@ fn forms_are_named_that_maps_preserve() {
             count(Answer::Wrong)
         );
     }
-    println!("evaluations: at most {:?}", answers.iter().map(|of| of.2).max());
+    println!(
+        "evaluations: at most {:?}",
+        answers.iter().map(|of| of.2).max()
+    );
     let of = |wanted: Answer| answers.iter().filter(|of| of.0 == wanted).count();
     assert_eq!(of(Answer::Wrong), 0);
     assert!(of(Answer::Unknown) <= 15, "{}", of(Answer::Unknown));

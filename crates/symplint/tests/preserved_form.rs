@@ -28,10 +28,14 @@ fn cause(map: &dyn TimeAdvance, kind: CauseKind) -> Cause {
         "{}",
         found.verdict
     );
-    let cause = (found.verdict.cause.clone()).unwrap_or_else(|| {
-        panic!("{}\n{:?}", found.verdict, found.evidence.preserved_form)
-    });
-    println!("{}\n  {}\n  {}", found.verdict.headline(), cause.text, cause.remedy);
+    let cause = (found.verdict.cause.clone())
+        .unwrap_or_else(|| panic!("{}\n{:?}", found.verdict, found.evidence.preserved_form));
+    println!(
+        "{}\n  {}\n  {}",
+        found.verdict.headline(),
+        cause.text,
+        cause.remedy
+    );
     assert_eq!(cause.kind, kind, "{}", cause.text);
     assert_eq!(found.verdict.advice()[0], cause.remedy);
     cause

@@ -92,7 +92,9 @@ impl Verdict {
                 true => "another form",
                 false => setting,
             };
-            return format!("{text} in these variables, symplectic to {digits} digits with {setting}");
+            return format!(
+                "{text} in these variables, symplectic to {digits} digits with {setting}"
+            );
         }
         if let Some(digits) = self.digits {
             text += &format!(" to {digits} digits");

@@ -227,10 +227,7 @@ impl PreservedForm {
             format!("[{}]", entries.join(", "))
         };
         let rows: Vec<String> = (0..2 * self.dof).map(row).collect();
-        format!(
-            "form = lambda z: z @ Ω / 2 with Ω = [{}]",
-            rows.join(", ")
-        )
+        format!("form = lambda z: z @ Ω / 2 with Ω = [{}]", rows.join(", "))
     }
 
     /// The form as a sum, its largest entries if there are many: `dq0∧dp0 + 3 dq1∧dp1`.

@@ -275,7 +275,10 @@ fn candidates(space: &NullSpace, canonical: &[f64]) -> Vec<Vec<f64>> {
     let scaled = |coefficients: &DMatrix<f64>| {
         let form = &space.basis * coefficients;
         let largest = form.amax();
-        (form / largest.max(f64::MIN_POSITIVE)).iter().copied().collect::<Vec<f64>>()
+        (form / largest.max(f64::MIN_POSITIVE))
+            .iter()
+            .copied()
+            .collect::<Vec<f64>>()
     };
     forms.iter().map(scaled).collect()
 }

@@ -65,10 +65,13 @@ pub(super) const KNOWN: f64 = 1e-13;
 pub(super) const FALLS: f64 = 4.0;
 
 /// A number with this many digits fewer than its error supports was chosen by a person: one in a thousand others would be as short.
-pub(super) const COINCIDENCE: usize = 3;
+pub(super) const COINCIDENCE: f64 = 3.0;
+
+/// The same if all entries of a group together have twice as many fewer, and this number in the mean.
+pub(super) const COINCIDENCE_OF_MEAN: f64 = 1.5;
 
 /// Digits of other numbers in addition to those that their errors support: errors are bounds.
-pub(super) const FURTHER_DIGITS: usize = 2;
+pub(super) const FURTHER_DIGITS: f64 = 2.0;
 
 /// Entries that are tried as units.
 pub(super) const MOST_UNITS: usize = 48;

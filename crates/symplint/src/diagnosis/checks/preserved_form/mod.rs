@@ -18,9 +18,7 @@ use on_loops::AdvancedLoop;
 use super::random_loops::loop_of_kind;
 use super::{GivenLoop, Runner};
 use crate::error::Error;
-use crate::evidence::{
-    Check, FormEntry, FormOnLoop, LoopEvidence, LoopKind, PreservedForm, Why,
-};
+use crate::evidence::{Check, FormEntry, FormOnLoop, LoopEvidence, LoopKind, PreservedForm, Why};
 use crate::jacobian::{JacobianEvidence, JacobianTest, TangentImages, parameters};
 use crate::rules::Subject;
 
@@ -153,7 +151,7 @@ impl Runner<'_> {
         given: &GivenLoop<'_>,
         entries: Vec<FormEntry>,
     ) -> Result<Vec<FormEntry>, Error> {
-        let (round, is_short) = rounded::rounded(&entries, subject.dof());
+        let (round, is_short) = rounded::rounded(&entries, subject.dof(), None);
         let groups = entries.iter().map(|of| of.group + 1).max().unwrap_or(0);
         let affordable = self.count.left() / FIRST_SAMPLES;
         let loops = (entries.len() - groups)
@@ -170,8 +168,10 @@ impl Runner<'_> {
             let advanced = AdvancedLoop::new(subject.on(random.as_ref()), self.largest)?;
             changes.extend(advanced.change(&entries, coordinates));
         }
+        let resolutions = changes.iter().map(|of| of.uncertainty / of.scale);
+        let resolution = resolutions.reduce(f64::min);
         Ok(match refine::refined(&entries, &changes) {
-            Some(refined) => rounded::rounded(&refined, subject.dof()).0,
+            Some(refined) => rounded::rounded(&refined, subject.dof(), resolution).0,
             None => round,
         })
     }

@@ -1,7 +1,7 @@
 //! The entries of a form in the coordinates of the map, as a person would write them.
 
 use super::Entry;
-use super::limits::{COINCIDENCE, FURTHER_DIGITS, MOST_UNITS, ROUNDED_WITHIN};
+use super::limits::{COINCIDENCE, COINCIDENCE_OF_MEAN, FURTHER_DIGITS, MOST_UNITS, ROUNDED_WITHIN};
 use crate::evidence::FormEntry;
 
 /// Digits of doubles.
@@ -21,14 +21,14 @@ pub(super) fn in_coordinates(entries: &[Entry], size: &[f64]) -> Vec<FormEntry> 
     of_map.collect()
 }
 
-/// The same in units of the loop.
+/// The same in units of the loop, with errors that include those of rounding.
 pub(super) fn in_units(entries: &[FormEntry], size: &[f64]) -> Vec<Entry> {
     let of_loop = entries.iter().map(|entry| {
         let [a, b] = entry.coordinates;
         Entry {
             pair: (a, b),
             value: entry.value * size[a] * size[b],
-            error: entry.error * size[a] * size[b],
+            error: (1.0 + ROUNDED_WITHIN) * entry.error * size[a] * size[b],
             group: entry.group,
         }
     });
@@ -36,8 +36,13 @@ pub(super) fn in_units(entries: &[FormEntry], size: &[f64]) -> Vec<Entry> {
 }
 
 /// The entries rounded to the digits that their errors support, in units of one of each group: that in which they are shortest, then that of
-/// most entries. The second value says whether all are much shorter than their errors allow, as numbers are that a person chose.
-pub(super) fn rounded(entries: &[FormEntry], dof: usize) -> (Vec<FormEntry>, bool) {
+/// most entries. The second value says whether all are much shorter than their errors allow, as numbers are that a person chose; others have the
+/// digits of `resolution`, if loops show a relative change of the form as small as this.
+pub(super) fn rounded(
+    entries: &[FormEntry],
+    dof: usize,
+    resolution: Option<f64>,
+) -> (Vec<FormEntry>, bool) {
     let mut rounded = entries.to_vec();
     let groups = entries.iter().map(|entry| entry.group + 1).max();
     let mut all_short = true;
@@ -65,20 +70,38 @@ pub(super) fn rounded(entries: &[FormEntry], dof: usize) -> (Vec<FormEntry>, boo
         };
         let rank = |unit: usize| {
             let values = || of_group.iter().map(|&k| in_unit(unit, k));
-            let digits: usize = values().map(|(value, error)| shortest(value, error).1).sum();
-            let ones = values().filter(|(value, error)| (value - 1.0).abs() <= ROUNDED_WITHIN * error);
+            let digits: usize = values()
+                .map(|(value, error)| shortest(value, error).1)
+                .sum();
+            let ones =
+                values().filter(|(value, error)| (value - 1.0).abs() <= ROUNDED_WITHIN * error);
             let positive = values().filter(|of| of.0 > 0.0);
-            (digits, usize::MAX - ones.count(), usize::MAX - positive.count())
+            (
+                digits,
+                usize::MAX - ones.count(),
+                usize::MAX - positive.count(),
+            )
         };
         let Some(unit) = (units.into_iter().take(MOST_UNITS)).min_by_key(|&unit| rank(unit)) else {
             continue;
         };
+        // Digits that the errors support, and those of them that the shortest number does without.
+        let digits = |k: usize| {
+            let (value, error) = in_unit(unit, k);
+            let supported = -(error / value.abs()).max(f64::EPSILON).log10();
+            (supported, supported - shortest(value, error).1 as f64)
+        };
+        let others = of_group.iter().filter(|&&k| k != unit);
+        let of_all: f64 = others.map(|&k| digits(k).1).sum();
+        let mean = of_all / (of_group.len() - 1).max(1) as f64;
+        let are_short = of_all >= 2.0 * COINCIDENCE && mean >= COINCIDENCE_OF_MEAN;
         for k in of_group {
             let (value, error) = in_unit(unit, k);
-            let (short, digits) = shortest(value, error);
-            let supported = -(error / value.abs()).max(f64::EPSILON).log10();
-            let is_short = (digits + COINCIDENCE) as f64 <= supported.max(0.0);
-            let last = supported.max(0.0) as usize + FURTHER_DIGITS;
+            let (short, _) = shortest(value, error);
+            let (supported, saved) = digits(k);
+            let is_short = saved >= COINCIDENCE || are_short && saved >= COINCIDENCE_OF_MEAN;
+            let digits_of_loops = resolution.map(|of| -of.max(f64::EPSILON).log10().floor());
+            let last = digits_of_loops.unwrap_or(supported.max(0.0) + FURTHER_DIGITS) as usize;
             all_short &= is_short;
             rounded[k].value = match is_short {
                 true => short,
@@ -119,7 +142,7 @@ mod tests {
     }
 
     fn values(of: &[f64], error: f64) -> (Vec<f64>, bool) {
-        let (found, short) = rounded(&entries(of, error), of.len());
+        let (found, short) = rounded(&entries(of, error), of.len(), None);
         (found.iter().map(|of| of.value).collect(), short)
     }
 
@@ -137,7 +160,11 @@ mod tests {
     fn other_numbers_keep_the_digits_that_their_errors_support() {
         let (found, short) = values(&[1.0, std::f64::consts::PI], 1e-6);
         assert!(!short);
-        assert!((found[1] - std::f64::consts::PI).abs() < 1e-6, "{}", found[1]);
+        assert!(
+            (found[1] - std::f64::consts::PI).abs() < 1e-6,
+            "{}",
+            found[1]
+        );
         assert!(found[1].to_string().len() < 10, "{}", found[1]);
     }
 }
