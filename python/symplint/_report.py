@@ -50,12 +50,15 @@ class Cause(NamedTuple):
         What to do about it; `Report.advice` begins with it.
     setting : str or None
         What to pass to `check`, if that makes the map symplectic: "weight = [1, 3]".
+    digits : float or None
+        Digits to which the map is symplectic with this setting, if that was tried.
     """
 
     kind: str
     text: str
     remedy: str
     setting: str | None
+    digits: float | None = None
 
 
 class Property(NamedTuple):

@@ -22,7 +22,7 @@ enum Kind {
     LightMasses,
     /// Each q and p in a unit over six decades, so that weights have twelve.
     Units,
-    /// Masses over four decades with random signs, in 13 to 50 degrees of freedom.
+    /// Masses over two decades with random signs, in 13 to 50 degrees of freedom.
     Many,
     /// Some positions have another sign.
     Signs,

@@ -43,13 +43,13 @@ impl Clues<'_> {
             CauseKind::KineticMomenta => (
                 "p are kinetic momenta in a uniform magnetic field, or velocities in a rotating frame",
                 form.field_setting(),
-                "Give the canonical momenta, or this form",
+                "Give the canonical momenta, or this form for the step of z = (q, p)",
             ),
             _ => (
                 "q and p are not conjugate one by one: positions in other axes than momenta, or fields (E, B) for which the vector \
                  potential A with B = curl A is conjugate to E",
                 form.form_setting(),
-                "Give the momenta that are conjugate to q, or this form",
+                "Give the momenta that are conjugate to q, or this form for the step of z = (q, p)",
             ),
         };
         let step = form
@@ -91,7 +91,7 @@ impl Clues<'_> {
             ),
         };
         let text = format!(
-            "{family} is preserved: at {} states, every one changes by at least {} of its size. {why}.",
+            "{family} is preserved: at {} states, the one that comes nearest changes by {} of its largest entry. {why}.",
             form.states,
             two_digits(change)
         );

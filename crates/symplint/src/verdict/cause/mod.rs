@@ -26,7 +26,6 @@ pub struct Cause {
     /// The setting that makes the map symplectic, if there is one: `weight = [1, 3]`.
     pub setting: Option<String>,
     /// Digits to which the map is symplectic with this setting, if that was tried.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub digits: Option<f64>,
 }
 
