@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::limits::{COUPLED, DEGENERATE, LEAST_FACTOR, NEAR_ONE, NO_ENTRY, ROUNDS};
+use super::limits::{COUPLED, DEGENERATE, LEAST_FACTOR, NEAR_ONE, NO_ENTRY, ROUNDING, ROUNDS};
 use super::null_space::{Equations, NullSpace, Solutions};
 use crate::jacobian::TangentImages;
 
@@ -143,7 +143,7 @@ fn equations(
         let value = x[a] * y[b] - x[b] * y[a] - (u[a] * v[b] - u[b] * v[a]);
         let terms = (x[a] * y[b]).abs() + (x[b] * y[a]).abs() + (u[a] * v[b]).abs();
         let of_product = |a: usize, b: usize| e[a] * (y[b].abs() + f[b]) + x[a].abs() * f[b];
-        let rounding = 4.0 * f64::EPSILON * (terms + (u[b] * v[a]).abs());
+        let rounding = ROUNDING * (terms + (u[b] * v[a]).abs());
         let error = of_product(a, b) + of_product(b, a) + rounding;
         (value, error + f64::MIN_POSITIVE)
     };

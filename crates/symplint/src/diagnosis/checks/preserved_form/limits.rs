@@ -30,6 +30,13 @@ pub(super) const WITHIN_ERRORS: f64 = 1.0;
 /// It is one beyond this many times. Conventional.
 pub(super) const BEYOND_ERRORS: f64 = 10.0;
 
+/// Half the width of the interval in which a product of components lies at least, relative. Calibrated: the residual of stages that are
+/// solved to round-off makes as much, and no trial of a tangent map shows it.
+pub(super) const ROUNDING: f64 = 2e-13;
+
+/// A form that changes by less, relative to its largest entry, may be preserved. Calibrated: as the least defect of differences.
+pub(super) const LEAST_CHANGE: f64 = 1e-10;
+
 /// Rounds in which units are found in which all entries of the form are near 1. Derived: one repairs half of the decades.
 pub(super) const ROUNDS: usize = 6;
 

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::limits::{BEYOND_ERRORS, WITHIN_ERRORS};
+use super::limits::{BEYOND_ERRORS, LEAST_CHANGE, WITHIN_ERRORS};
 
 /// Linear equations Σ_k a_rk x_k = 0 with errors of their coefficients.
 pub(super) struct Equations {
@@ -65,10 +65,9 @@ impl Equations {
         };
         if dimension == 0 {
             let bound = BEYOND_ERRORS * (rows as f64).sqrt();
-            return match svd.singular_values[next] > bound {
-                true => Solutions::None {
-                    residual: largest_of(&scaled, next),
-                },
+            let residual = largest_of(&scaled, next);
+            return match svd.singular_values[next] > bound && residual > LEAST_CHANGE {
+                true => Solutions::None { residual },
                 false => Solutions::Open,
             };
         }
