@@ -38,7 +38,8 @@ impl Runner<'_> {
             && subject.evaluator.constraint().is_none()
             && !survey.scatter.is_some_and(|scatter| scatter.is_random());
         let of_jacobian = self.evidence.jacobian.as_ref();
-        if !(self.diagnostic.jacobian && is_smooth && is_defined)
+        let is_wanted = self.diagnostic.jacobian && self.diagnostic.properties;
+        if !(is_wanted && is_smooth && is_defined)
             || given.probe.is_beyond_memory()
             || subject.dof() > MOST_OF_WEIGHTS
             || self.changed_loop().is_none()
