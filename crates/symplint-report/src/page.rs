@@ -98,7 +98,8 @@ impl Page<'_> {
             });
             let _ = write!(
                 text,
-                "<section class=\"cause\">\n<h2>Likely cause</h2>\n<p>{}</p>{setting}\n</section>\n",
+                "<section class=\"cause\">\n<h2>{}</h2>\n<p>{}</p>{setting}\n</section>\n",
+                cause.heading(),
                 sentence(&cause.text)
             );
         }

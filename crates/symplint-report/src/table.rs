@@ -173,8 +173,12 @@ pub fn reasons(verdict: &Verdict, width: Option<usize>) -> String {
                 .map(|line| wrapped(bullet, "    ", line, width)),
         );
     };
-    let cause = verdict.cause.iter().map(|cause| cause.text.clone());
-    list("  Likely cause: ", &cause.collect::<Vec<String>>());
+    if let Some(cause) = &verdict.cause {
+        list(
+            &format!("  {}: ", cause.heading()),
+            std::slice::from_ref(&cause.text),
+        );
+    }
     list("  · ", &verdict.sentences());
     list("  · ", properties(verdict).as_slice());
     list("  → ", &verdict.advice());

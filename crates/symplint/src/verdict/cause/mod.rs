@@ -121,6 +121,14 @@ impl Clues<'_> {
 }
 
 impl Cause {
+    /// What its text is about, as a heading: a likely cause, or that other variables do not help.
+    pub fn heading(&self) -> &'static str {
+        match self.kind {
+            CauseKind::NoForm => "Other variables",
+            _ => "Likely cause",
+        }
+    }
+
     /// Without a setting.
     fn new(kind: CauseKind, text: String, remedy: impl Into<String>) -> Self {
         Cause {
