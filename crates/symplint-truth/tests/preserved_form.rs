@@ -258,9 +258,9 @@ fn solve(matrix: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
         b.swap(k, pivot);
         for i in k + 1..d {
             let factor = a[i][k] / a[k][k];
-            for j in k..d {
-                a[i][j] -= factor * a[k][j];
-            }
+            let (above, below) = a.split_at_mut(i);
+            let rows = below[0].iter_mut().zip(&above[k]);
+            rows.for_each(|(x, of_pivot)| *x -= factor * of_pivot);
             b[i] -= factor * b[k];
         }
     }

@@ -30,12 +30,6 @@ fn cause(map: &dyn TimeAdvance, kind: CauseKind) -> Cause {
     );
     let cause = (found.verdict.cause.clone())
         .unwrap_or_else(|| panic!("{}\n{:?}", found.verdict, found.evidence.preserved_form));
-    println!(
-        "{}\n  {}\n  {}",
-        found.verdict.headline(),
-        cause.text,
-        cause.remedy
-    );
     assert_eq!(cause.kind, kind, "{}", cause.text);
     assert_eq!(found.verdict.advice()[0], cause.remedy);
     cause
@@ -169,7 +163,7 @@ fn kinetic_momenta_in_a_uniform_field_are_named_and_the_form_makes_the_map_sympl
         ..Diagnostic::default()
     };
     let verdict = diagnostic.run(&map, &map.loop_of(circle)).unwrap().verdict;
-    println!("{verdict}");
+    assert_eq!(verdict.kind, VerdictKind::Symplectic, "{verdict}");
     // Exact splitting with the field in the kick: no entry of momenta.
     let map = PerSample::new(2, |h, x, v| {
         x[0] += h * v[0];
@@ -196,7 +190,6 @@ fn fields_of_yee_preserve_another_form() {
     });
     let circle = Circle::new(vec![0.0; 6], vec![1.0; 6], 0.5).unwrap();
     let found = Diagnostic::halving(-1, -5).run(&map, &circle).unwrap();
-    println!("{}\n{:?}", found.verdict, found.verdict.cause);
     assert_eq!(found.verdict.cause.unwrap().kind, CauseKind::OtherForm);
 }
 
