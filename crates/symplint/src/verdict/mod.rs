@@ -89,6 +89,8 @@ impl Verdict {
             && let (Some(digits), Some(setting)) = (cause.digits, &cause.setting)
         {
             let setting = match setting.chars().count() > LONGEST_SETTING {
+                true if cause.kind == CauseKind::VelocitiesForMomenta => "other weights",
+                true if cause.kind == CauseKind::VelocitiesForMomenta => "other weights",
                 true => "another form",
                 false => setting,
             };

@@ -35,9 +35,9 @@ pub(super) fn in_units(entries: &[FormEntry], size: &[f64]) -> Vec<Entry> {
     of_loop.collect()
 }
 
-/// The entries rounded to the digits that their errors support, in units of one of each group: that in which they are shortest, then that of
-/// most entries. The second value says whether all are much shorter than their errors allow, as numbers are that a person chose; others have the
-/// digits of `resolution`, if loops show a relative change of the form as small as this.
+/// The entries rounded to the digits that their errors support, in units of one of each group: that in which they are shortest, if they are
+/// short, then that of most entries. The second value says whether all are much shorter than their errors allow, as numbers are that a
+/// person chose; others have the digits of `resolution`, if loops show a relative change of the form as small as this.
 pub(super) fn rounded(
     entries: &[FormEntry],
     dof: usize,
@@ -50,81 +50,107 @@ pub(super) fn rounded(
         let of_group: Vec<usize> = (0..entries.len())
             .filter(|&k| entries[k].group == group)
             .collect();
-        // Positions with momenta, if there are any: they are what weights are of.
-        let is_mixed = |k: &usize| {
-            let [a, b] = entries[*k].coordinates;
-            a < dof && b >= dof
-        };
-        let mut units: Vec<usize> = of_group.iter().copied().filter(is_mixed).collect();
-        if units.is_empty() {
-            units.clone_from(&of_group);
-        }
-        let in_unit = |unit: usize, k: usize| {
-            let (of, one) = (&entries[k], &entries[unit]);
-            let value = of.value / one.value;
-            let relative = match k == unit {
-                true => 0.0,
-                false => of.relative_error() + one.relative_error(),
-            };
-            (value, value.abs() * relative)
-        };
-        let rank = |unit: usize| {
-            let values = || of_group.iter().map(|&k| in_unit(unit, k));
-            let digits: usize = values()
-                .map(|(value, error)| shortest(value, error).1)
-                .sum();
-            let ones =
-                values().filter(|(value, error)| (value - 1.0).abs() <= ROUNDED_WITHIN * error);
-            let positive = values().filter(|of| of.0 > 0.0);
-            (
-                digits,
-                usize::MAX - ones.count(),
-                usize::MAX - positive.count(),
-            )
-        };
-        let Some(unit) = (units.into_iter().take(MOST_UNITS)).min_by_key(|&unit| rank(unit)) else {
+        let Some(numbers) = in_best_unit(entries, &of_group, dof) else {
             continue;
         };
-        // Digits that the errors support, and those of them that the shortest number does without.
-        let digits = |k: usize| {
-            let (value, error) = in_unit(unit, k);
-            let supported = -(error / value.abs()).max(f64::EPSILON).log10();
-            (supported, supported - shortest(value, error).1 as f64)
-        };
-        let others = of_group.iter().filter(|&&k| k != unit);
-        let of_all: f64 = others.map(|&k| digits(k).1).sum();
-        let mean = of_all / (of_group.len() - 1).max(1) as f64;
-        let are_short = of_all >= 2.0 * COINCIDENCE && mean >= COINCIDENCE_OF_MEAN;
-        for k in of_group {
-            let (value, error) = in_unit(unit, k);
-            let (short, _) = shortest(value, error);
-            let (supported, saved) = digits(k);
+        let are_short = are_short(&numbers);
+        for (k, number) in of_group.into_iter().zip(numbers) {
+            let saved = number.saved();
             let is_short = saved >= COINCIDENCE || are_short && saved >= COINCIDENCE_OF_MEAN;
-            let digits_of_loops = resolution.map(|of| -of.max(f64::EPSILON).log10().floor());
-            let last = digits_of_loops.unwrap_or(supported.max(0.0) + FURTHER_DIGITS) as usize;
+            let of_loops = resolution.map(|of| -of.max(f64::EPSILON).log10().floor());
+            let digits = of_loops.unwrap_or(number.supported.max(0.0) + FURTHER_DIGITS);
             all_short &= is_short;
+            rounded[k].error = number.error;
             rounded[k].value = match is_short {
-                true => short,
-                false => with_digits(value, last),
+                true => number.shortest,
+                false => with_digits(number.value, digits as usize),
             };
-            rounded[k].error = error;
         }
     }
     (rounded, all_short)
 }
 
+/// A value in some unit.
+struct Number {
+    value: f64,
+    error: f64,
+    /// Digits that its error supports.
+    supported: f64,
+    /// The number with the fewest digits within its error.
+    shortest: f64,
+    /// How many it has.
+    digits: usize,
+}
+
+impl Number {
+    fn new(value: f64, relative_error: f64) -> Self {
+        let error = value.abs() * relative_error;
+        let within = |rounded: &f64| (rounded - value).abs() <= ROUNDED_WITHIN * error;
+        let shortest = (1..=ALL_DIGITS)
+            .map(|digits| (with_digits(value, digits), digits))
+            .find(|(rounded, _)| within(rounded));
+        let (shortest, digits) = shortest.unwrap_or((value, ALL_DIGITS));
+        Number {
+            value,
+            error,
+            supported: -relative_error.max(f64::EPSILON).log10(),
+            shortest,
+            digits,
+        }
+    }
+
+    /// The digits of those that its error supports that the shortest number does without.
+    fn saved(&self) -> f64 {
+        self.supported - self.digits as f64
+    }
+
+    fn is_one(&self) -> bool {
+        (self.value - 1.0).abs() <= ROUNDED_WITHIN * self.error
+    }
+}
+
+/// Whether numbers, of which the unit does not count, are so short together that a person chose them.
+fn are_short(numbers: &[Number]) -> bool {
+    let others = || numbers.iter().filter(|of| of.error > 0.0);
+    let saved: f64 = others().map(Number::saved).sum();
+    saved >= (2.0 * COINCIDENCE).max(COINCIDENCE_OF_MEAN * others().count() as f64)
+}
+
+/// The entries of a group in units of one of them.
+fn in_best_unit(entries: &[FormEntry], of_group: &[usize], dof: usize) -> Option<Vec<Number>> {
+    // Positions with momenta, if there are any: they are what weights are of.
+    let is_mixed = |k: &&usize| {
+        let [a, b] = entries[**k].coordinates;
+        a < dof && b >= dof
+    };
+    let has_mixed = of_group.iter().any(|k| is_mixed(&k));
+    let units = of_group.iter().filter(|k| !has_mixed || is_mixed(k));
+    let in_unit = |&unit: &usize| -> Vec<Number> {
+        let one = &entries[unit];
+        let number = |&k: &usize| {
+            let relative = match k == unit {
+                true => 0.0,
+                false => entries[k].relative_error() + one.relative_error(),
+            };
+            Number::new(entries[k].value / one.value, relative)
+        };
+        of_group.iter().map(number).collect()
+    };
+    units.take(MOST_UNITS).map(in_unit).min_by_key(|numbers| {
+        // Digits of numbers that are not short mean nothing.
+        let digits: usize = match numbers.iter().all(|of| of.saved() >= COINCIDENCE_OF_MEAN) {
+            true => numbers.iter().map(|of| of.digits).sum(),
+            false => usize::MAX,
+        };
+        let others = numbers.iter().filter(|of| !of.is_one()).count();
+        let negative = numbers.iter().filter(|of| of.value < 0.0).count();
+        (digits, others, negative)
+    })
+}
+
 fn with_digits(value: f64, digits: usize) -> f64 {
     let decimals = digits.clamp(1, ALL_DIGITS) - 1;
     format!("{value:.decimals$e}").parse().unwrap_or(value)
-}
-
-/// The number with the fewest digits within its error, and how many it has.
-fn shortest(value: f64, error: f64) -> (f64, usize) {
-    let within = |rounded: f64| (rounded - value).abs() <= ROUNDED_WITHIN * error;
-    (1..=ALL_DIGITS)
-        .map(|digits| (with_digits(value, digits), digits))
-        .find(|&(rounded, _)| within(rounded))
-        .unwrap_or((value, ALL_DIGITS))
 }
 
 #[cfg(test)]
