@@ -245,3 +245,29 @@ fn the_search_costs_a_symplectic_map_nothing_and_others_little() {
     let made = found.evidence.evaluations.of(Check::PreservedForm);
     assert!((1..=256).contains(&made), "{made}");
 }
+
+#[test]
+fn a_form_that_the_method_makes_is_no_sign_of_wrong_variables() {
+    // A particle in a uniform field and a parabolic potential, in canonical momenta p = v + A: the push of Boris.
+    let map = PerSample::new(2, |h, x, p| {
+        let potential = |x: &[f64]| [0.35 * x[1], -0.35 * x[0]];
+        let a = potential(x);
+        let mut v = [p[0] + a[0], p[1] + a[1]];
+        (0..2).for_each(|i| x[i] += 0.5 * h * v[i]);
+        let kick = [-0.5 * h * x[0], -0.25 * h * x[1]];
+        (0..2).for_each(|i| v[i] += kick[i]);
+        let t = 0.35 * h;
+        let s = 2.0 * t / (1.0 + t * t);
+        let prime = [v[0] + t * v[1], v[1] - t * v[0]];
+        v = [v[0] + s * prime[1], v[1] - s * prime[0]];
+        (0..2).for_each(|i| v[i] += kick[i]);
+        (0..2).for_each(|i| x[i] += 0.5 * h * v[i]);
+        let a = potential(x);
+        (0..2).for_each(|i| p[i] = v[i] - a[i]);
+    });
+    let found = cause(&map, CauseKind::OtherForm);
+    assert_eq!((found.setting, found.digits), (None, None));
+    assert!(found.text.contains("falls as h^3"), "{}", found.text);
+    let headline = diagnose(&map).verdict.headline();
+    assert_eq!(headline, "not-symplectic, defect of order h^3");
+}

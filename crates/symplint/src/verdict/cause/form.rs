@@ -22,6 +22,9 @@ impl Clues<'_> {
     pub(super) fn other_form(&self) -> Option<Cause> {
         let form = self.evidence.preserved_form.as_ref()?;
         let bound = form.bound_on_loops()?;
+        if let Some(order) = self.order.filter(|order| *order >= 2.0) {
+            return Some(self.form_of_method(form, bound, order));
+        }
         let kind = form.kind();
         let (meaning, setting, remedy) = match kind {
             CauseKind::VelocitiesForMomenta => (
@@ -76,6 +79,29 @@ impl Clues<'_> {
         })
     }
 
+    /// Wrong variables make a defect of order h. If it falls faster, q and p are canonical, and the form is that of the method.
+    fn form_of_method(&self, form: &PreservedForm, bound: f64, order: f64) -> Cause {
+        let step = form
+            .step_size
+            .map_or(String::new(), |h| format!(" of {}", size(h)));
+        let text = format!(
+            "q and p are canonical, as the defect falls as h^{order}, and the method is not symplectic. A step{step} preserves a form that \
+             depends on h: {}. Its integrals change by at most {} on {}.",
+            form.sum(),
+            one_digit(bound),
+            form.on_loops()
+        );
+        Cause::new(CauseKind::OtherForm, text, self.remedy())
+    }
+
+    /// What defects of this order have for a cause, if no advice is better.
+    fn remedy(&self) -> String {
+        match self.advice.iter().find(|advice| !advice.is_general()) {
+            Some(advice) => advice.to_string(),
+            None => Advice::LookForCause { order: self.order }.to_string(),
+        }
+    }
+
     /// No constant form is preserved.
     pub(super) fn no_form(&self) -> Option<Cause> {
         let form = self.evidence.preserved_form.as_ref()?;
@@ -95,11 +121,7 @@ impl Clues<'_> {
             form.states,
             two_digits(change)
         );
-        let remedy = match self.advice.iter().find(|advice| !advice.is_general()) {
-            Some(advice) => advice.to_string(),
-            None => Advice::LookForCause { order: self.order }.to_string(),
-        };
-        Some(Cause::new(CauseKind::NoForm, text, remedy))
+        Some(Cause::new(CauseKind::NoForm, text, self.remedy()))
     }
 }
 
