@@ -610,8 +610,11 @@ fn bad_tables_are_refused_with_their_line() {
         let said = refused(folder, &["before.csv", "t.csv"]);
         assert!(said.contains(says), "{table:?}: {said}");
     }
-    let said = refused(folder, &["before.csv", "t.txt"]);
-    assert!(said.contains("must be .npz, .npy or .csv"), "{said}");
+    let said = refused(folder, &["before.csv", "t.dat"]);
+    assert!(
+        said.contains("must be .npz, .npy, .csv, .raw or .txt"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -228,7 +228,7 @@ fn bad_options_of_a_loop_are_refused() {
             &["--dof", "2", "--shape", "fourier", "--phases", "equal"],
             "circles only",
         ),
-        (&["--dof", "1", "-o", "loop.txt"], "loop.txt"),
+        (&["--dof", "1", "-o", "loop.dat"], "loop.dat"),
         (&[example.as_str(), "--radius", "2"], "--set loop.radius"),
         (&[example.as_str(), "--dof", "1"], "leave --dof out"),
     ] {
