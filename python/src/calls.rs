@@ -28,6 +28,8 @@ pub enum Call {
     Step(f64, Loan<Answer>),
     /// Advance the states of a block by this part of the step.
     Part(usize, f64, Loan<Answer>),
+    /// Advance states together with tangent vectors: a block of twice as many degrees of freedom, the states first.
+    Tangents(f64, Loan<Answer>),
     /// These states will have to be advanced.
     Begin(f64, Ensemble),
     /// Put the states of a block on the constraint manifold.

@@ -32,6 +32,8 @@ pub struct Subject {
     /// An integrator of the library, or nothing: then a function.
     integrator: Option<Py<Integrator>>,
     step: Option<Py<PyAny>>,
+    /// States and tangent vectors after a step, from those before it, if its derivatives are known.
+    tangents: Option<Py<PyAny>>,
     /// Names and functions of its parts, if it has any.
     parts: Vec<(String, Py<PyAny>)>,
     per_sample: bool,
@@ -136,6 +138,7 @@ struct Shared {
     projects: Projects,
     parts: Vec<String>,
     has_workers: bool,
+    has_tangent: bool,
     native_loop: Option<Arc<dyn Loop>>,
     has_loop: bool,
     q0: Vec<f64>,
@@ -157,6 +160,7 @@ impl Subject {
             },
             parts: self.parts.iter().map(|(name, _)| name.clone()).collect(),
             has_workers: self.workers.is_some(),
+            has_tangent: self.tangents.is_some(),
             native_loop: (self.native_loop.as_ref()).map(|given| Arc::clone(&given.get().inner)),
             has_loop: self.phase_loop.is_some(),
             q0: self.q0.clone(),
@@ -169,6 +173,7 @@ impl Subject {
     fn functions(&self, py: Python<'_>, progress: Option<Py<PyAny>>) -> Functions {
         let step = self.step.as_ref().map(|function| Step {
             function: function.clone_ref(py),
+            tangents: self.tangents.as_ref().map(|found| found.clone_ref(py)),
             per_sample: self.per_sample,
             make: self.make,
             reset: self.reset.as_ref().map(|reset| reset.clone_ref(py)),
@@ -252,6 +257,7 @@ impl Shared {
                 self.projects,
                 &self.parts,
                 self.has_workers,
+                self.has_tangent,
             )),
         };
         let mut evaluations = 0;

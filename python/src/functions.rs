@@ -35,6 +35,8 @@ pub struct Step {
     pub reset: Option<Py<PyAny>>,
     /// Whether its arrays are of single precision.
     pub single: bool,
+    /// States and tangent vectors after a step, from those before it, if its derivatives are known.
+    pub tangents: Option<Py<PyAny>>,
     /// Its parts, if it has any.
     pub parts: Vec<Py<PyAny>>,
 }
@@ -148,6 +150,10 @@ impl Functions {
                 let advanced = self.advance_part(py, number, h, &mut loan.block());
                 self.answer(py, loan, Of::Step(h), advanced)
             }
+            Call::Tangents(h, mut loan) => {
+                let advanced = self.advance_tangents(py, h, &mut loan.block());
+                self.answer(py, loan, Of::Step(h), advanced)
+            }
             Call::Project(mut loan) => {
                 let projected = self.project(py, &mut loan.block());
                 self.answer(py, loan, Of::Project, projected)
@@ -248,26 +254,40 @@ impl Functions {
             reset: (step.reset.as_ref()).map(|reset| reset.bind(py).clone()),
             what: if step.make { "advance" } else { "step" },
         };
-        let memory = &mut self.memory;
-        let mut advance =
-            |block: &mut Block<'_>| call.advance(step.per_sample, step.single, memory, block);
-        let Some(journal) = &self.journal else {
-            return advance(block);
+        noted(
+            self.journal.as_deref(),
+            h,
+            step,
+            &call,
+            &mut self.memory,
+            block,
+        )
+    }
+
+    /// Advances states and tangent vectors.
+    fn advance_tangents(
+        &mut self,
+        py: Python<'_>,
+        h: f64,
+        block: &mut Block<'_>,
+    ) -> Result<bool, Failed> {
+        let step = self.step.as_ref();
+        let step = step.expect("only a Python map asks for its derivatives");
+        let tangents = step.tangents.as_ref();
+        let call = BlockCall {
+            function: tangents.expect("the map has derivatives").bind(py).clone(),
+            h: Some(h),
+            reset: (step.reset.as_ref()).map(|reset| reset.bind(py).clone()),
+            what: "jvp",
         };
-        // Every call of the function is noted by itself, as soon as it returns.
-        let mut noted = |batch: &mut Block<'_>| {
-            journal.advance(h, batch, |states| advance(states).map(|_| ()))?;
-            Ok(batch.all_finite())
-        };
-        if !step.per_sample {
-            return for_each_batch(block, &mut noted);
-        }
-        let Block { q, p } = block.reborrow();
-        let states = q.column_blocks(1).zip(p.column_blocks(1));
-        for (sample, (q, p)) in states.enumerate() {
-            noted(&mut Block::new(q, p)).map_err(|failed| Failed { sample, ..failed })?;
-        }
-        Ok(block.all_finite())
+        noted(
+            self.journal.as_deref(),
+            h,
+            step,
+            &call,
+            &mut self.memory,
+            block,
+        )
     }
 
     /// Advances the states of a block by a part of the step. That is not noted: only a diagnosis that looks for the part that has a
@@ -329,6 +349,35 @@ impl Functions {
             None => Ok(()),
         }
     }
+}
+
+/// Calls a function for the states of a block. Every call is noted by itself in the journal, if there is one, as soon as it returns.
+fn noted(
+    journal: Option<&Journal>,
+    h: f64,
+    step: &Step,
+    call: &BlockCall<'_>,
+    memory: &mut Option<Py<Memory>>,
+    block: &mut Block<'_>,
+) -> Result<bool, Failed> {
+    let mut advance =
+        |block: &mut Block<'_>| call.advance(step.per_sample, step.single, memory, block);
+    let Some(journal) = journal else {
+        return advance(block);
+    };
+    let mut noted = |batch: &mut Block<'_>| {
+        journal.advance(h, batch, |states| advance(states).map(|_| ()))?;
+        Ok(batch.all_finite())
+    };
+    if !step.per_sample {
+        return for_each_batch(block, &mut noted);
+    }
+    let Block { q, p } = block.reborrow();
+    let states = q.column_blocks(1).zip(p.column_blocks(1));
+    for (sample, (q, p)) in states.enumerate() {
+        noted(&mut Block::new(q, p)).map_err(|failed| Failed { sample, ..failed })?;
+    }
+    Ok(block.all_finite())
 }
 
 /// Lets workers advance the states of a block.

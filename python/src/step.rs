@@ -1,7 +1,7 @@
 //! Functions of the user as maps, manifolds and loops: what the threads of a diagnosis see of them.
 
-use symplint::map::{Constraint, Prefetch};
-use symplint::{Block, Coordinates, Loop, StepFailure, TimeAdvance};
+use symplint::map::{Constraint, Prefetch, TangentMap};
+use symplint::{Block, Coordinates, Ensemble, Loop, StepFailure, TimeAdvance};
 
 use crate::calls::{Call, Caller, call, stopped};
 
@@ -17,6 +17,8 @@ pub struct PythonMap<'a> {
     parts: &'a [String],
     /// Whether workers take the steps.
     has_workers: bool,
+    /// Whether a function gives its derivatives.
+    has_tangent: bool,
 }
 
 /// What a Python function that puts states on a manifold does.
@@ -37,13 +39,14 @@ struct Projection<'a> {
 }
 
 impl<'a> PythonMap<'a> {
-    /// The map. `parts` are the names of the parts of the step, if it has any; `has_workers` says whether workers take the steps.
+    /// The map. `parts` are the names of the parts of the step, if it has any.
     pub fn new(
         caller: &'a dyn Caller,
         coordinates: Coordinates,
         projects: Projects,
         parts: &'a [String],
         has_workers: bool,
+        has_tangent: bool,
     ) -> Self {
         PythonMap {
             caller,
@@ -54,6 +57,7 @@ impl<'a> PythonMap<'a> {
             }),
             parts,
             has_workers,
+            has_tangent,
         }
     }
 }
@@ -107,6 +111,10 @@ impl TimeAdvance for PythonMap<'_> {
         self.has_workers.then_some(self)
     }
 
+    fn tangent(&self) -> Option<&dyn TangentMap> {
+        self.has_tangent.then_some(self)
+    }
+
     fn constraint(&self) -> Option<&dyn Constraint> {
         let projection = self.projection.as_ref()?;
         Some(projection)
@@ -117,6 +125,33 @@ impl Prefetch for PythonMap<'_> {
     fn begin(&self, h: f64, block: &Block<'_>) {
         let states = block.copy_of(0..block.len());
         self.caller.tell(Call::Begin(h, states));
+    }
+}
+
+impl TangentMap for PythonMap<'_> {
+    fn advance_tangents(
+        &self,
+        h: f64,
+        states: &mut Block<'_>,
+        tangents: &mut Block<'_>,
+    ) -> Result<(), StepFailure> {
+        let dof = self.dof();
+        let mut both = Ensemble::zeros(2 * dof, states.len());
+        let mut block = both.block();
+        for (first, from) in [(0, &*states), (dof, &*tangents)] {
+            for i in 0..dof {
+                block.q.row_mut(first + i).copy_from_slice(from.q.row(i));
+                block.p.row_mut(first + i).copy_from_slice(from.p.row(i));
+            }
+        }
+        call(self.caller, &mut block, |loan| Call::Tangents(h, loan))?;
+        for (first, mut to) in [(0, states.reborrow()), (dof, tangents.reborrow())] {
+            for i in 0..dof {
+                to.q.row_mut(i).copy_from_slice(block.q.row(first + i));
+                to.p.row_mut(i).copy_from_slice(block.p.row(first + i));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -233,7 +268,7 @@ impl TimeAdvance for Stoppable<'_> {
         self.caller.is_stopped()
     }
 
-    fn tangent(&self) -> Option<&dyn symplint::map::TangentMap> {
+    fn tangent(&self) -> Option<&dyn TangentMap> {
         self.map.tangent()
     }
 

@@ -447,6 +447,7 @@ def _run(
     subject: dict[str, Any] = {
         "integrator": None,
         "step": step,
+        "tangents": None,
         "parts": [],
         "per_sample": bool(per_sample),
         "make": False,

@@ -1,0 +1,87 @@
+"""Derivatives of a step: those of the user, or those that JAX finds."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ._errors import InputError
+
+__all__ = ["Tangents", "derivatives_of_jax", "given"]
+
+
+class Tangents:
+    """A step of states together with tangent vectors: arrays of twice as many columns, the states first.
+
+    The states are advanced by the step itself: a compiler may round a step otherwise that it differentiates.
+
+    Parameters
+    ----------
+    step : callable
+        ``step(q, p, h)``.
+    jvp : callable
+        ``jvp(q, p, h, dq, dp)`` returns the derivative of the step at q, p along dq, dp.
+    """
+
+    def __init__(self, step: Callable[..., Any], jvp: Callable[..., Any]) -> None:
+        self.step, self.jvp = step, jvp
+
+    def __call__(self, q: Any, p: Any, h: float) -> tuple[Any, Any]:
+        """The states and tangent vectors after the step."""
+        dof = q.shape[-1] // 2
+        states = [rows[..., :dof].copy(order="F") for rows in (q, p)]
+        tangents = [rows[..., dof:].copy(order="F") for rows in (q, p)]
+        found = self.jvp(*(rows.copy(order="F") for rows in states), h, *tangents)
+        if found is None or len(found) != 2:
+            raise InputError("jvp returns no pair; return dq and dp, the derivative of q and p after the step along dq and dp before it")
+        derivatives = [np.asarray(rows) for rows in found]
+        for name, rows, expected in zip(("dq", "dp"), derivatives, tangents, strict=True):
+            if rows.shape != expected.shape:
+                raise InputError(f"jvp returns {name} of shape {rows.shape}; give one of shape {expected.shape}")
+        returned = self.step(*states, h)
+        advanced = states if returned is None else [np.asarray(rows) for rows in returned]
+        q, p = (np.concatenate(pair, axis=-1) for pair in zip(advanced, derivatives, strict=True))
+        return q, p
+
+
+def given(jvp: Any, others: dict[str, Any], args: tuple[Any, ...], has_step_size: bool) -> Callable[..., Any]:
+    """The derivative that the user gave, as ``jvp(q, p, h, dq, dp)``; `others` are arguments that exclude it, by name."""
+    if not callable(jvp):
+        raise InputError(f"jvp is an object of type {type(jvp).__name__}; give a function jvp(q, p, h, dq, dp)")
+    for name, value in others.items():
+        if value:
+            raise InputError(f"jvp is for a step(q, p, h) in canonical coordinates; with {name}, leave it out")
+
+    def derivative(q: Any, p: Any, h: float, dq: Any, dp: Any) -> Any:
+        return jvp(q, p, h, dq, dp, *args) if has_step_size else jvp(q, p, dq, dp, *args)
+
+    return derivative
+
+
+def derivatives_of_jax(step: Callable[..., Any], dof: int, per_sample: bool) -> Callable[..., Any] | None:
+    """The derivative ``jvp(q, p, h, dq, dp)`` of a step that JAX can trace in double precision, else None.
+
+    The step is traced with abstract arrays, which takes no evaluation. Derivatives in single precision tell less than differences
+    do of results that have it.
+    """
+    jax = sys.modules.get("jax")
+    if jax is None or not jax.config.jax_enable_x64:
+        return None
+
+    def jvp(q: Any, p: Any, h: float, dq: Any, dp: Any) -> Any:
+        def image(q: Any, p: Any) -> tuple[Any, Any]:
+            q, p = step(q, p, h)
+            return q, p
+
+        return jax.jvp(image, (q, p), (dq, dp))[1]
+
+    shape = (dof,) if per_sample else (2, dof)
+    state = jax.ShapeDtypeStruct(shape, np.float64)
+    try:
+        found = jax.eval_shape(lambda q, p, dq, dp: jvp(q, p, 0.5, dq, dp), state, state, state, state)
+    except Exception:  # Whatever a step raises that cannot be traced.
+        return None
+    return jvp if all(rows.shape == shape and rows.dtype == np.float64 for rows in found) else None
