@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import importlib
 import json
 import os
 from collections.abc import Callable
@@ -206,6 +207,11 @@ class Report:
         if self._dict is None:
             self._dict = json.loads(self.to_json())
         return self._dict
+
+    def to_dataframe(self) -> Any:
+        """The measured points as a ``pandas.DataFrame`` with the columns of `points`. Needs pandas."""
+        # It need not be installed where types are checked.
+        return importlib.import_module("pandas").DataFrame(self.points)
 
     def to_html(self) -> str:
         """The report as a page of HTML, without references to other files."""

@@ -273,3 +273,11 @@ def test_a_constraint_manifold():
     report = symplint.check(step, [0.6, -0.8], [0.4, 0.3], project=project, **arguments)
     assert report.kind == "symplectic"
     assert symplint.check(step, [0.6, -0.8], [0.4, 0.3], **arguments).kind != "symplectic"
+
+
+def test_points_as_a_table_of_pandas(report):
+    pandas = pytest.importorskip("pandas")
+    table = report.to_dataframe()
+    assert isinstance(table, pandas.DataFrame) and list(table.columns) == list(report.points.dtype.names)
+    assert np.array_equal(table["defect"], report.points["defect"], equal_nan=True)
+    assert table["samples"].dtype == np.int64
