@@ -13,6 +13,7 @@ from ._field import FieldReport, check_field, check_force
 from ._loops import Circle, FourierLoop, Loop, SampledLoop, circle
 from ._measure import LoopIntegral, loop_integral, measure
 from ._names import Coordinates
+from ._ode import from_ode
 from ._native import __version__
 from ._report import Cause, Property, Report
 
@@ -42,6 +43,7 @@ __all__ = [
     "check_force",
     "circle",
     "compose",
+    "from_ode",
     "integrators",
     "loop_integral",
     "measure",

@@ -61,7 +61,7 @@ def check_signature(step: Callable[..., Any], expected: tuple[str, ...], extra: 
         if len(lower) == 2 and lower[1] in ALL_AT_ONCE | POSITIONS:
             raise InputError(
                 f"{stated}: it looks like a right-hand side f(t, y); give a step of an integrator, "
-                "such as symplint.check(lambda q, p, h: ..., q0, p0), or test f by symplint.check_field"
+                f"such as symplint.from_ode({name}) of SciPy, or test f by symplint.check_field"
             )
         if len(lower) == 3:
             order = f"{name}(h, q, p)"

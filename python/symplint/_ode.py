@@ -1,0 +1,115 @@
+"""Steps of the integrators of SciPy."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ._errors import InputError
+
+__all__ = ["OdeStep", "from_ode"]
+
+#: Methods with steps that need no tolerance: explicit Runge–Kutta methods.
+EXPLICIT = ("RK23", "RK45", "DOP853")
+
+
+class OdeStep:
+    """A step that integrates an ordinary differential equation: what `from_ode` returns."""
+
+    __signature__ = inspect.Signature(
+        [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in ("q", "p", "h")]
+    )
+
+    def __init__(self, f: Callable[..., Any], solver: Any, t0: float, fixed_steps: int | None, options: dict[str, Any]) -> None:
+        # The source text of f identifies the step in a run folder.
+        self.__wrapped__ = f
+        self.solver, self.t0, self.fixed_steps, self.options = solver, t0, fixed_steps, options
+        name = solver if isinstance(solver, str) else solver.__name__
+        self.__name__ = f"{getattr(f, '__name__', type(f).__name__)} by {name}"
+
+    def __call__(self, q: Any, p: Any, h: float) -> tuple[Any, Any]:
+        """The states at t0 + h."""
+        # It need not be installed where types are checked.
+        solve_ivp = importlib.import_module("scipy.integrate").solve_ivp
+        options = self.options
+        if self.fixed_steps is not None:
+            # With such a tolerance the method accepts every step.
+            size = abs(h) / self.fixed_steps
+            options = options | {"first_step": size, "max_step": size, "rtol": 1e300, "atol": 1e300}
+        before = np.concatenate([q, p], axis=-1)
+        after = np.empty_like(before)
+        for state in np.ndindex(before.shape[:-1]):
+            found = solve_ivp(self.__wrapped__, (self.t0, self.t0 + h), before[state], method=self.solver, **options)
+            if not found.success:
+                raise RuntimeError(f"{self.__name__} stops at t = {found.t[-1]:.6g}: {found.message}")
+            after[state] = found.y[:, -1]
+        q, p = np.split(after, 2, axis=-1)
+        return q, p
+
+    def __repr__(self) -> str:
+        return f"<step: {self.__name__}>"
+
+
+def from_ode(
+    f: Callable[..., Any], solver: Any = "RK45", *, t0: float = 0.0, fixed_steps: int | None = None, **options: Any
+) -> OdeStep:
+    """A step that integrates an ordinary differential equation from t0 to t0 + h by SciPy.
+
+    Each state is integrated by itself, so that a method with adaptive steps chooses them for this state alone.
+
+    Parameters
+    ----------
+    f : callable
+        The right-hand side ``f(t, y)``, as `scipy.integrate.solve_ivp` takes it. y has all positions, then all momenta.
+    solver : str or scipy.integrate.OdeSolver
+        The method, as `scipy.integrate.solve_ivp` takes it: "RK45", "DOP853", "Radau" and others, or a class.
+    t0 : float
+        The time at which each step begins.
+    fixed_steps : int, optional
+        The method takes this number of steps of equal size without control of the error: with 1, the step is one step of the method.
+        For "RK23", "RK45" and "DOP853". By default, the method chooses its steps.
+    **options
+        Further arguments of `scipy.integrate.solve_ivp`: rtol, atol, jac, args and others.
+
+    Returns
+    -------
+    OdeStep
+        A function ``step(q, p, h)`` for `check`.
+
+    Raises
+    ------
+    InputError
+        If `f` is not a function of t and y, or the method or an option has no steps of fixed size.
+    RuntimeError
+        By the step, if the method stops before t0 + h.
+
+    Notes
+    -----
+    A method that controls its error conserves loop integrals to about its tolerance, whatever the method is: loops break where the
+    number of steps changes. Set `rtol` and `atol` to learn what a simulation with them conserves, and `fixed_steps` to learn what
+    the method does.
+
+    Examples
+    --------
+    >>> import numpy as np, symplint
+    >>> def pendulum(t, y):
+    ...     return [y[1], -np.sin(y[0])]
+    >>> step = symplint.from_ode(pendulum, "RK23", fixed_steps=1)
+    >>> report = symplint.check(step, 1.0, 0.5, step_sizes=[0.5, 0.25, 0.125, 0.0625], budget=2000)
+    >>> report.kind
+    'not-symplectic'
+    """
+    if not callable(f):
+        raise InputError(f"f is an object of type {type(f).__name__}; give a function f(t, y)")
+    if fixed_steps is not None:
+        if not isinstance(fixed_steps, int | np.integer) or fixed_steps < 1:
+            raise InputError(f"fixed_steps is {fixed_steps!r}; give a whole number, 1 or more")
+        if isinstance(solver, str) and solver not in EXPLICIT:
+            raise InputError(f"{solver} has no steps of fixed size, as its equations are solved to rtol; give one of {', '.join(EXPLICIT)}")
+        if refused := [name for name in ("rtol", "atol", "max_step", "first_step") if name in options]:
+            raise InputError(f"both fixed_steps and {refused[0]} are given; steps of fixed size have no tolerance")
+    return OdeStep(f, solver, float(t0), fixed_steps, options)
