@@ -30,6 +30,8 @@ pub enum Call {
     Part(usize, f64, Loan<Answer>),
     /// Advance states together with tangent vectors: a block of twice as many degrees of freedom, the states first.
     Tangents(f64, Loan<Answer>),
+    /// Write the energy of each state of a block into its first row of positions.
+    Energy(Loan<Answer>),
     /// These states will have to be advanced.
     Begin(f64, Ensemble),
     /// Put the states of a block on the constraint manifold.

@@ -41,6 +41,8 @@ pub struct Subject {
     reset: Option<Py<PyAny>>,
     single: bool,
     project: Option<Py<PyAny>>,
+    /// Writes the energy of states into their first coordinates, if it is given.
+    energy: Option<Py<PyAny>>,
     /// Whether `project` evaluates a one-form.
     form: bool,
     dof: usize,
@@ -139,6 +141,7 @@ struct Shared {
     parts: Vec<String>,
     has_workers: bool,
     has_tangent: bool,
+    has_energy: bool,
     native_loop: Option<Arc<dyn Loop>>,
     has_loop: bool,
     q0: Vec<f64>,
@@ -161,6 +164,7 @@ impl Subject {
             parts: self.parts.iter().map(|(name, _)| name.clone()).collect(),
             has_workers: self.workers.is_some(),
             has_tangent: self.tangents.is_some(),
+            has_energy: self.energy.is_some(),
             native_loop: (self.native_loop.as_ref()).map(|given| Arc::clone(&given.get().inner)),
             has_loop: self.phase_loop.is_some(),
             q0: self.q0.clone(),
@@ -207,6 +211,7 @@ impl Subject {
             .map(|workers| Workers::new(py, workers, journal.as_ref()))
             .transpose()?;
         functions.journal = journal;
+        functions.energy = self.energy.as_ref().map(|energy| energy.clone_ref(py));
         let serve = |py: Python<'_>, call: Call| functions.serve(py, call);
         let with = |caller: &dyn Caller| shared.with(caller, step_size, work);
         let (outcome, threads) = if self.step.is_some() && self.threads.is_none_or(|n| n == 1) {
@@ -251,14 +256,14 @@ impl Shared {
     ) -> Result<(R, usize), Error> {
         let map: Box<dyn TimeAdvance + '_> = match &self.integrator {
             Some(map) => Box::new(Stoppable::new(&**map, caller)),
-            None => Box::new(PythonMap::new(
-                caller,
-                self.coordinates.clone(),
-                self.projects,
-                &self.parts,
-                self.has_workers,
-                self.has_tangent,
-            )),
+            None => {
+                let mut map = PythonMap::new(caller, self.coordinates.clone(), self.projects);
+                map.parts = &self.parts;
+                map.has_workers = self.has_workers;
+                map.has_tangent = self.has_tangent;
+                map.has_energy = self.has_energy;
+                Box::new(map)
+            }
         };
         let mut evaluations = 0;
         let phase_loop: Box<dyn Loop + '_> = match &self.native_loop {

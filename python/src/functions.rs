@@ -45,6 +45,8 @@ pub struct Step {
 pub struct Functions {
     pub step: Option<Step>,
     pub project: Option<Py<PyAny>>,
+    /// Writes the energy of states into their first coordinates.
+    pub energy: Option<Py<PyAny>>,
     pub phase_loop: Option<Py<PyAny>>,
     pub progress: Option<Py<PyAny>>,
     /// Where the states that the step makes are noted, if anywhere.
@@ -116,6 +118,7 @@ impl Functions {
         Functions {
             step,
             project,
+            energy: None,
             phase_loop,
             progress,
             journal: None,
@@ -157,6 +160,11 @@ impl Functions {
             Call::Project(mut loan) => {
                 let projected = self.project(py, &mut loan.block());
                 self.answer(py, loan, Of::Project, projected)
+            }
+            Call::Energy(mut loan) => {
+                let found = self.energies(py, &mut loan.block());
+                loan.answer(Ok(found.map_err(|failed| failed.error)?));
+                Ok(())
             }
             Call::Loop(s, mut loan) => {
                 let sampled = self.sample(py, s, &mut loan.block());
@@ -312,15 +320,31 @@ impl Functions {
 
     /// Puts the states of a block on the manifold.
     fn project(&mut self, py: Python<'_>, block: &mut Block<'_>) -> Result<bool, Failed> {
-        let project = self
-            .project
-            .as_ref()
-            .expect("only a map that projects asks for it");
+        let project = self.project.as_ref();
+        let project = project.expect("only a map that projects asks for it");
+        let function = project.bind(py).clone();
+        self.change(function, "project", block)
+    }
+
+    /// Writes the energies of the states of a block into it.
+    fn energies(&mut self, py: Python<'_>, block: &mut Block<'_>) -> Result<bool, Failed> {
+        let energy = self.energy.as_ref();
+        let function = energy.expect("the map has an energy").bind(py).clone();
+        self.change(function, "energy", block)
+    }
+
+    /// Calls a function of states, that is no step.
+    fn change(
+        &mut self,
+        function: Bound<'_, PyAny>,
+        what: &'static str,
+        block: &mut Block<'_>,
+    ) -> Result<bool, Failed> {
         let call = BlockCall {
-            function: project.bind(py).clone(),
+            function,
             h: None,
             reset: None,
-            what: "project",
+            what,
         };
         let per_sample = self.step.as_ref().is_some_and(|step| step.per_sample);
         call.advance(per_sample, false, &mut self.memory, block)

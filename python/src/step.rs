@@ -1,6 +1,7 @@
 //! Functions of the user as maps, manifolds and loops: what the threads of a diagnosis see of them.
 
-use symplint::map::{Constraint, Prefetch, TangentMap};
+use symplint::map::{Constraint, Energy, Prefetch, TangentMap};
+use symplint::state::Rows;
 use symplint::{Block, Coordinates, Ensemble, Loop, StepFailure, TimeAdvance};
 
 use crate::calls::{Call, Caller, call, stopped};
@@ -14,11 +15,13 @@ pub struct PythonMap<'a> {
     coordinates: Coordinates,
     projection: Option<Projection<'a>>,
     /// The names of the parts of the step; none if it is one whole.
-    parts: &'a [String],
+    pub parts: &'a [String],
     /// Whether workers take the steps.
-    has_workers: bool,
+    pub has_workers: bool,
     /// Whether a function gives its derivatives.
-    has_tangent: bool,
+    pub has_tangent: bool,
+    /// Whether a function gives the energy of states.
+    pub has_energy: bool,
 }
 
 /// What a Python function that puts states on a manifold does.
@@ -39,15 +42,8 @@ struct Projection<'a> {
 }
 
 impl<'a> PythonMap<'a> {
-    /// The map. `parts` are the names of the parts of the step, if it has any.
-    pub fn new(
-        caller: &'a dyn Caller,
-        coordinates: Coordinates,
-        projects: Projects,
-        parts: &'a [String],
-        has_workers: bool,
-        has_tangent: bool,
-    ) -> Self {
+    /// The map, of which nothing more is known.
+    pub fn new(caller: &'a dyn Caller, coordinates: Coordinates, projects: Projects) -> Self {
         PythonMap {
             caller,
             coordinates,
@@ -55,9 +51,10 @@ impl<'a> PythonMap<'a> {
                 caller,
                 is_of_one_form: projects == Projects::OntoForm,
             }),
-            parts,
-            has_workers,
-            has_tangent,
+            parts: &[],
+            has_workers: false,
+            has_tangent: false,
+            has_energy: false,
         }
     }
 }
@@ -115,9 +112,29 @@ impl TimeAdvance for PythonMap<'_> {
         self.has_tangent.then_some(self)
     }
 
+    fn energy(&self) -> Option<&dyn Energy> {
+        self.has_energy.then_some(self)
+    }
+
     fn constraint(&self) -> Option<&dyn Constraint> {
         let projection = self.projection.as_ref()?;
         Some(projection)
+    }
+}
+
+impl Energy for PythonMap<'_> {
+    fn energies(&self, q: Rows<'_>, p: Rows<'_>, energies: &mut [f64]) {
+        let mut states = Ensemble::zeros(self.dof(), energies.len());
+        let mut block = states.block();
+        for i in 0..self.dof() {
+            block.q.row_mut(i).copy_from_slice(q.row(i));
+            block.p.row_mut(i).copy_from_slice(p.row(i));
+        }
+        match call(self.caller, &mut block, Call::Energy) {
+            Ok(_) => energies.copy_from_slice(block.q.row(0)),
+            // The diagnosis stops.
+            Err(_) => energies.fill(f64::NAN),
+        }
     }
 }
 

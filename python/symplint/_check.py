@@ -17,6 +17,7 @@ from . import _native
 from ._arrays import coordinates, cutoffs, vector, whole
 from ._compose import Composition, compose
 from ._derivatives import Tangents, derivatives_of_jax, given
+from ._energy import EnergyOfRows
 from ._errors import InputError, NotSymplecticError, StepError, StructureError, UndecidedError
 from ._form import CircleOfForm, FormOfRows, Leaf, LoopOfForm, MapOfForm, Projection, one_form
 from ._identity import identity
@@ -76,6 +77,7 @@ def check(
     properties: bool = True,
     reversal: npt.ArrayLike | None = None,
     symmetric: bool = False,
+    energy: Callable[..., Any] | None = None,
     steps: int = 0,
     workers: Any = 1,
     threads: int | None = None,
@@ -182,6 +184,9 @@ def check(
         Signs 1 or -1 of all positions, then of all momenta, that reverse time. By default, the signs of all momenta change.
     symmetric : bool
         Whether a step of size -h is tested to undo a step of size h, with 20 evaluations more. `step` is called with negative h then.
+    energy : callable, optional
+        ``energy(q, p)``, or ``energy(z)`` with `form`, returns the energy of each state, of shape (samples,), or another function
+        that a step may conserve. The report says whether a step does, for states on the given loop and inside it. No evaluations.
     steps : int
         The given loop is also followed for this number of steps of the largest size: does the defect add up, or return? That takes as
         many evaluations as the loop has samples (256 to 8192) times `steps`; `budget` grows by 512 for each step, if it is not given.
@@ -282,7 +287,7 @@ def check(
             step, q0, p0, args=tuple(args), step_sizes=step_sizes, typical_step=typical_step, repeat=repeat, radius=radius,
             phases=phases, loop=loop, loops=loops, seed=1 if rng is None else seed_of(rng), rule=rule, cutoff=cutoff,
             samples=samples, budget=budget, per_sample=per_sample, make=make, reset=reset, dtype=dtype, jacobian=jacobian, jvp=jvp,
-            properties=properties, reversal=reversal, symmetric=symmetric, steps=steps, executor=pool, threads=threads,
+            properties=properties, reversal=reversal, symmetric=symmetric, energy=energy, steps=steps, executor=pool, threads=threads,
             run_dir=run_dir, key=key, progress=progress, **canonical,
         )  # fmt: skip
 
@@ -320,6 +325,7 @@ def _check(
     properties: bool,
     reversal: Any,
     symmetric: bool,
+    energy: Any,
     steps: int,
     executor: Any,
     threads: int | None,
@@ -337,7 +343,7 @@ def _check(
     if isinstance(step_sizes, str):
         _check_none(step_sizes, make)
     _check_signature(step, form is not None, step_sizes, make, len(args))
-    name, functions = _name(step), {"step": step, "jvp": jvp, "form": form, "project": project, "reset": reset}
+    name, functions = _name(step), {"step": step, "jvp": jvp, "form": form, "project": project, "reset": reset, "energy": energy}
     if args:
         if not callable(step) or isinstance(step, Integrator | Composition):
             raise InputError("args are for a function; give it, or leave args out")
@@ -355,6 +361,12 @@ def _check(
         threads=threads, executor=executor,
     )  # fmt: skip
     compiled = subject["integrator"] is not None
+    if energy is not None:
+        if compiled or not callable(energy):
+            raise InputError("energy is for a step that is a function; give a function of q and p, or leave it out")
+        if not properties:
+            raise InputError("energy is given, and properties is False; leave one of them out")
+        subject["energy"] = EnergyOfRows(energy, form is not None)
     has_step_size = not (isinstance(step_sizes, str) and step_sizes == "none")
     others = {"an integrator of the library": compiled, "make": make, "form": form, "project": project}
     if jvp is not None:
@@ -613,6 +625,7 @@ def _subject(
         "integrator": None if integrator is None else integrator._native,
         "step": None if integrator is not None else step,
         "tangents": None,
+        "energy": None,
         # Workers make whole steps.
         "parts": _parts(step, make) if executor is None else [],
         "per_sample": bool(per_sample),

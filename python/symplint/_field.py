@@ -454,6 +454,7 @@ def _run(
         "reset": None,
         "single": single,
         "project": None,
+        "energy": None,
         "form": False,
         "dof": dof,
         "coordinates": coordinates(dof, period, None, weight),

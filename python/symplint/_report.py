@@ -163,7 +163,8 @@ class Report:
 
         "symplectic"; "conformal" (all areas change by one factor) and "volume" (det DΦ = 1), from the Jacobian in at most eight
         degrees of freedom; "reversible" (a step, reversed momenta, and a step again return states of the loop and inside it); and
-        "symmetric" (a step of size -h undoes one of size h), if asked for by ``symmetric=True``. `holds` is None if a property
+        "symmetric" (a step of size -h undoes one of size h), if asked for by ``symmetric=True``; "energy" (a step of the largest size
+        conserves it; its defect is in units of the range of the energy on the loop), if ``energy=`` is given. `holds` is None if a property
         was not tested, or the test is not precise enough. Maps on a manifold or in non-canonical coordinates have no "volume", and
         "reversible" only with ``reversal=``. With ``properties=False`` there is "symplectic" alone.
         """

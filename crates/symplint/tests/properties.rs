@@ -1,7 +1,11 @@
 //! Properties of maps whose properties are known: in closed form, from papers, or by construction.
 
+use symplint::map::Energy;
+use symplint::state::Rows;
 use symplint::verdict::{Property, PropertyName};
-use symplint::{Circle, Diagnostic, PerSample, TimeAdvance, Verdict, VerdictKind};
+use symplint::{
+    Block, Circle, Diagnostic, PerSample, StepFailure, TimeAdvance, Verdict, VerdictKind,
+};
 
 fn verdict(map: &dyn TimeAdvance, symmetric: bool) -> Verdict {
     let dof = map.dof();
@@ -313,4 +317,111 @@ fn a_step_back_that_fails_leaves_its_property_unknown() {
         said.contains("Whether steps back undo a step was not tested: "),
         "{said}"
     );
+}
+
+/// A quartic oscillator, H = p²/2 + q⁴/4, by a step that also knows its energy.
+struct Quartic(fn(f64, f64, f64) -> (f64, f64));
+
+impl TimeAdvance for Quartic {
+    fn dof(&self) -> usize {
+        1
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
+            (*q, *p) = (self.0)(h, *q, *p);
+        }
+        Ok(())
+    }
+
+    fn energy(&self) -> Option<&dyn Energy> {
+        fn quartic(q: Rows<'_>, p: Rows<'_>, energies: &mut [f64]) {
+            for ((energy, q), p) in energies.iter_mut().zip(q.row(0)).zip(p.row(0)) {
+                *energy = 0.5 * p * p + 0.25 * q.powi(4);
+            }
+        }
+        Some(&(quartic as fn(Rows<'_>, Rows<'_>, &mut [f64])))
+    }
+}
+
+/// The average vector field of Quispel and McLaren, J. Phys. A 41, 045206 (2008): ∫ V'(q₀ + s(q₁ − q₀)) ds is a mean of four products.
+fn average_vector_field(h: f64, q0: f64, p0: f64) -> (f64, f64) {
+    let (mut q, mut p) = (q0, p0);
+    for _ in 0..60 {
+        let force = -0.25 * (q0.powi(3) + q0 * q0 * q + q0 * q * q + q.powi(3));
+        (q, p) = (q0 + 0.5 * h * (p0 + p), p0 + h * force);
+    }
+    (q, p)
+}
+
+#[test]
+fn the_average_vector_field_conserves_energy_and_is_symmetric_but_not_symplectic() {
+    let found = verdict(&Quartic(average_vector_field), true);
+    assert_eq!(found.kind, VerdictKind::NotSymplectic, "{found}");
+    assert_eq!(holds(&found, PropertyName::Energy), Some(true), "{found}");
+    assert_eq!(holds(&found, PropertyName::Symmetric), Some(true));
+}
+
+#[test]
+fn leapfrog_changes_energy_by_what_its_formula_gives() {
+    fn leapfrog(h: f64, q: f64, p: f64) -> (f64, f64) {
+        let p = p - 0.5 * h * q.powi(3);
+        let q = q + h * p;
+        (q, p - 0.5 * h * q.powi(3))
+    }
+    let found = verdict(&Quartic(leapfrog), false);
+    assert_eq!(found.kind, VerdictKind::Symplectic);
+    let energy = property(&found, PropertyName::Energy);
+    assert_eq!(energy.holds, Some(false));
+    // In units of the range of the energy on the disc, by 10,000 states of it.
+    let h_of = |q: f64, p: f64| 0.5 * p * p + 0.25 * q.powi(4);
+    let disc =
+        (0..100).flat_map(|a| (0..100).map(move |r| (0.0628 * f64::from(a), 0.008 * f64::from(r))));
+    let states: Vec<(f64, f64)> = disc
+        .map(|(a, r)| (0.3 + r * a.cos(), 0.5 + r * a.sin()))
+        .collect();
+    let change = |&(q, p): &(f64, f64)| {
+        let (to_q, to_p) = leapfrog(0.25, q, p);
+        (h_of(to_q, to_p) - h_of(q, p)).abs()
+    };
+    let largest = states.iter().map(change).fold(0.0, f64::max);
+    let ends = states.iter().map(|&(q, p)| h_of(q, p));
+    let range = ends.clone().fold(f64::MIN, f64::max) - ends.fold(f64::MAX, f64::min);
+    let ratio = energy.defect.unwrap() / (largest / range);
+    assert!((0.5..2.0).contains(&ratio), "{ratio}");
+    assert!(
+        energy
+            .to_string()
+            .starts_with("not energy conserving (a step changes the energy by up to")
+    );
+}
+
+#[test]
+fn an_energy_that_is_not_finite_is_named() {
+    struct Singular;
+    impl TimeAdvance for Singular {
+        fn dof(&self) -> usize {
+            1
+        }
+        fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+            Quartic(average_vector_field).advance(h, block)
+        }
+        fn energy(&self) -> Option<&dyn Energy> {
+            fn none(_: Rows<'_>, _: Rows<'_>, energies: &mut [f64]) {
+                energies.fill(f64::NAN);
+            }
+            Some(&(none as fn(Rows<'_>, Rows<'_>, &mut [f64])))
+        }
+    }
+    let found = verdict(&Singular, false);
+    assert!(
+        found
+            .properties
+            .iter()
+            .all(|of| of.name != PropertyName::Energy)
+    );
+    let mut sentences = found.findings.iter().map(|finding| finding.to_string());
+    assert!(sentences.any(|text| {
+        text.contains("the energy of a state on the loop or after a step is not finite")
+    }));
 }

@@ -24,7 +24,7 @@ pub use point::{BreakAt, Point, Sweep};
 pub use preserved_form::{FormEntry, FormOnLoop, PreservedForm};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
-pub use structure::{ReturnDefect, StructureEvidence};
+pub use structure::{EnergyChange, ReturnDefect, StructureEvidence};
 pub use survey::{
     OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind, SingularJacobian, Survey,
     WrongPeriod,

@@ -23,6 +23,18 @@ pub struct StructureEvidence {
     pub reversible: Option<ReturnDefect>,
     /// Φ_−h Φ_h against the identity. `None` if it was not tested.
     pub symmetric: Option<ReturnDefect>,
+    /// How a step changes the energy. `None` if the map has none, or the test was left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<EnergyChange>,
+}
+
+/// The largest change of the energy of a state by a step, in units of the range of the energy of all states that were tested.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EnergyChange {
+    /// The change.
+    pub change: f64,
+    /// The change that rounding and noise of the map and of the energy explain.
+    pub uncertainty: f64,
 }
 
 /// The largest distance between a state and the state to which the map returns it, in units of half the range of the coordinate on

@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use super::witnesses::Recorder;
 use super::{
-    Before, Constraint, Grain, ProjectedLoop, StepFailure, TangentMap, TimeAdvance, Witnesses,
+    Before, Constraint, Energy, Grain, ProjectedLoop, StepFailure, TangentMap, TimeAdvance,
+    Witnesses,
 };
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
@@ -199,6 +200,11 @@ impl<'a> Evaluator<'a> {
     /// The manifold on which the map acts, if it names one.
     pub fn constraint(&self) -> Option<&'a dyn Constraint> {
         self.constraint
+    }
+
+    /// The energy of states, if the map has it.
+    pub fn energy(&self) -> Option<&dyn Energy> {
+        self.map.energy()
     }
 
     /// A loop on that manifold.

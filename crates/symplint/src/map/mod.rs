@@ -2,6 +2,7 @@
 
 mod closures;
 mod constraint;
+mod energy;
 mod evaluator;
 mod grain;
 mod image_loop;
@@ -14,6 +15,7 @@ mod witnesses;
 
 pub use closures::{PerBlock, PerSample, StepOutcome};
 pub use constraint::{Constraint, ProjectedLoop};
+pub use energy::Energy;
 pub(crate) use evaluator::{EvaluationCount, Evaluator, Feature, states_at};
 pub(crate) use grain::{Before, Grain};
 pub(crate) use image_loop::ImageLoop;
@@ -148,6 +150,11 @@ pub trait TimeAdvance: Send + Sync {
     fn constraint(&self) -> Option<&dyn Constraint> {
         None
     }
+
+    /// The energy of states, if the diagnosis is to say whether a step conserves it. By default there is none.
+    fn energy(&self) -> Option<&dyn Energy> {
+        None
+    }
 }
 
 /// Why a map could not advance a sample.
@@ -210,6 +217,9 @@ macro_rules! forward_time_advance {
             }
             fn constraint(&self) -> Option<&dyn Constraint> {
                 (**self).constraint()
+            }
+            fn energy(&self) -> Option<&dyn Energy> {
+                (**self).energy()
             }
         }
     )*};

@@ -1,6 +1,6 @@
 //! Several steps of one map.
 
-use super::{Constraint, StepFailure, TangentMap, TimeAdvance};
+use super::{Constraint, Energy, StepFailure, TangentMap, TimeAdvance};
 use crate::error::Error;
 use crate::state::{Block, Coordinates};
 
@@ -79,6 +79,10 @@ impl<M: TimeAdvance> TimeAdvance for Repeat<M> {
 
     fn constraint(&self) -> Option<&dyn Constraint> {
         self.map.constraint()
+    }
+
+    fn energy(&self) -> Option<&dyn Energy> {
+        self.map.energy()
     }
 
     fn tangent(&self) -> Option<&dyn TangentMap> {

@@ -28,6 +28,8 @@ pub enum PropertyName {
     Reversible,
     /// Φ_−h Φ_h = id.
     Symmetric,
+    /// A step does not change the energy that was given.
+    Energy,
 }
 
 /// Whether a map has a property.
@@ -39,7 +41,7 @@ pub struct Property {
     /// `None` if it was not tested, or the test is not precise enough.
     pub holds: Option<bool>,
     /// The largest deviation from it, relative: of the loop integral, of det DΦ from 1, of a state from where it began in half ranges
-    /// of the loop.
+    /// of the loop, of the energy in units of its range on the loop.
     pub defect: Option<f64>,
     /// Half the width of the interval in which the defect lies.
     pub uncertainty: Option<f64>,
@@ -162,6 +164,14 @@ pub(super) fn properties(evidence: &Evidence, kind: VerdictKind) -> Vec<Property
             None => Property::implied(name, None),
         });
     }
+    properties.extend(structure.energy.map(|found| {
+        Property::measured(
+            PropertyName::Energy,
+            found.change,
+            found.uncertainty,
+            LEAST_RETURN,
+        )
+    }));
     properties
 }
 
@@ -245,6 +255,7 @@ impl Display for PropertyName {
             PropertyName::Volume => "volume preserving",
             PropertyName::Reversible => "time-reversible",
             PropertyName::Symmetric => "symmetric",
+            PropertyName::Energy => "energy conserving",
         })
     }
 }
@@ -288,6 +299,18 @@ impl Display for Property {
                 return match self.holds {
                     Some(true) => write!(f, " (|det DΦ − 1| ≤ {bound})"),
                     _ => write!(f, " (|det DΦ − 1| = {value})"),
+                };
+            }
+            PropertyName::Energy => {
+                return match self.holds {
+                    Some(true) => write!(
+                        f,
+                        " (a step changes the energy by {bound} of its range at most)"
+                    ),
+                    _ => write!(
+                        f,
+                        " (a step changes the energy by up to {value} of its range on the loop)"
+                    ),
                 };
             }
             PropertyName::Reversible => format!("a step, {signs}, and a step"),

@@ -1,4 +1,4 @@
-//! Whether steps back undo a step: time reversibility and symmetry.
+//! Whether steps back undo a step, time reversibility and symmetry, and whether a step conserves the energy.
 
 use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::limits::{
@@ -6,9 +6,9 @@ use crate::diagnosis::limits::{
 };
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
-use crate::evidence::{Check, ReturnDefect, StructureEvidence, Why};
+use crate::evidence::{Check, EnergyChange, ReturnDefect, StructureEvidence, Why};
 use crate::jacobian::parameters;
-use crate::map::Evaluator;
+use crate::map::{Energy, Evaluator};
 use crate::rules::Subject;
 use crate::signal::nearest;
 use crate::state::{Ensemble, coordinate, coordinate_mut, period};
@@ -40,11 +40,13 @@ impl Runner<'_> {
             Some(signs) => Some(signs.clone()),
             None => (!on_manifold).then(|| flipped_momenta(evaluator.dof())),
         };
-        if reversal.is_none() && !structure.asked_for_symmetry {
+        if reversal.is_none() && !structure.asked_for_symmetry && evaluator.energy().is_none() {
             return Ok(());
         }
         let few = self.plan.is_tight() || !fits(evaluator.dof(), SMALL);
-        let is_asked_for = structure.asked_for_symmetry || structure.given_reversal;
+        let is_asked_for = structure.asked_for_symmetry
+            || structure.given_reversal
+            || evaluator.energy().is_some();
         let states = STATES_OF_A_RETURN[usize::from(!few)] + STATES_OF_ROUNDING[usize::from(!few)];
         if !is_asked_for && 2 * states > self.count.budget() / STRUCTURE_PART {
             return Ok(());
@@ -53,6 +55,19 @@ impl Runner<'_> {
         let h = self.largest;
         let after = advanced(evaluator, &returns.before, h)?;
         structure.states = returns.s.len();
+        if let Some(energy) = evaluator.energy() {
+            structure.energy = returns.energy_change(energy, &after);
+            if structure.energy.is_none() {
+                let reason = "the energy of a state on the loop or after a step is not finite";
+                self.omit(
+                    Check::Structure,
+                    Why::Failed {
+                        step_size: None,
+                        reason: reason.into(),
+                    },
+                );
+            }
+        }
         let test = |signs: &[f64], h: f64| -> Result<ReturnDefect, Error> {
             let back = advanced(evaluator, &with_signs(&after, signs), h)?;
             let back = with_signs(&back, signs);
@@ -132,6 +147,34 @@ impl Returns {
             }
         }
         Returns { s, before }
+    }
+
+    /// The largest change of the energy from the states to those after a step; `None` if an energy is not finite.
+    fn energy_change(&self, energy: &dyn Energy, after: &Ensemble) -> Option<EnergyChange> {
+        let of = |states: &Ensemble| {
+            let mut energies = vec![f64::NAN; states.samples()];
+            energy.energies(states.q(), states.p(), &mut energies);
+            energies
+        };
+        let (from, to) = (of(&self.before), of(after));
+        let change = |k: usize| to[k] - from[k];
+        let states = self.s.len();
+        let largest =
+            |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a: f64, b| a.max(b.abs()));
+        if from.iter().chain(&to).any(|energy| !energy.is_finite()) {
+            return None;
+        }
+        let above = from.iter().map(|energy| energy - from[0]);
+        let range = above.clone().fold(0.0, f64::max) - above.fold(0.0, f64::min);
+        let rounding = f64::EPSILON * largest(&mut from.iter().chain(&to).copied());
+        let mut moved = (states..from.len()).map(|k| change(k) - change(k - states));
+        let scatter = largest(&mut moved);
+        // All states of one energy: then its rounding is the scale.
+        let range = range.max(rounding).max(f64::MIN_POSITIVE);
+        Some(EnergyChange {
+            change: largest(&mut (0..states).map(change)) / range,
+            uncertainty: ROUNDINGS_OF_A_RETURN * scatter.max(rounding) / range,
+        })
     }
 
     /// The largest distance between the states and those that came back, in units of `radius`, of the coordinates whose distance
