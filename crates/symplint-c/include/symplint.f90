@@ -39,6 +39,27 @@ module symplint
         type(c_ptr) :: phases
         integer(c_size_t) :: repeat
         integer(c_int32_t) :: no_step_size
+        type(c_ptr) :: reversal
+        integer(c_int32_t) :: properties
+        integer(c_int32_t) :: symmetric
+    end type
+
+    enum, bind(c)
+        enumerator :: symplint_field_verdict_none = -1, symplint_field_verdict_holds = 0, symplint_field_verdict_fails = 1
+        enumerator :: symplint_field_verdict_undecided = 3
+    end enum
+
+    type, bind(c) :: symplint_field_options
+        integer(c_size_t) :: size
+        real(c_double) :: radius
+        type(c_ptr) :: radius_q
+        type(c_ptr) :: radius_p
+        type(c_ptr) :: period
+        type(c_ptr) :: weight
+        integer(c_size_t) :: loops
+        integer(c_size_t) :: budget
+        integer(c_int64_t) :: seed
+        integer(c_size_t) :: threads
     end type
 
     type, bind(c) :: symplint_integral
@@ -56,6 +77,24 @@ module symplint
             real(c_double), value :: h
             integer(c_size_t), value :: dof, samples
             real(c_double), intent(inout) :: q(samples, dof), p(samples, dof)
+            integer(c_int) :: status
+        end function
+
+        function symplint_force(user, dof, samples, q, force) bind(c) result(status)
+            import
+            type(c_ptr), value :: user
+            integer(c_size_t), value :: dof, samples
+            real(c_double), intent(in) :: q(samples, dof)
+            real(c_double), intent(out) :: force(samples, dof)
+            integer(c_int) :: status
+        end function
+
+        function symplint_field(user, dof, samples, q, p, q_rate, p_rate) bind(c) result(status)
+            import
+            type(c_ptr), value :: user
+            integer(c_size_t), value :: dof, samples
+            real(c_double), intent(in) :: q(samples, dof), p(samples, dof)
+            real(c_double), intent(out) :: q_rate(samples, dof), p_rate(samples, dof)
             integer(c_int) :: status
         end function
     end interface
@@ -78,6 +117,77 @@ module symplint
             integer(c_size_t), value :: size
             integer(c_int) :: status
         end function
+
+        function symplint_check_force(force, user, dof, q0, options, report) bind(c) result(status)
+            import
+            type(c_funptr), value :: force
+            type(c_ptr), value :: user
+            integer(c_size_t), value :: dof
+            real(c_double), intent(in) :: q0(dof)
+            type(symplint_field_options), intent(in), optional :: options
+            type(c_ptr), intent(out) :: report
+            integer(c_int) :: status
+        end function
+
+        function symplint_check_field(field, user, dof, q0, p0, options, report) bind(c) result(status)
+            import
+            type(c_funptr), value :: field
+            type(c_ptr), value :: user
+            integer(c_size_t), value :: dof
+            real(c_double), intent(in) :: q0(dof), p0(dof)
+            type(symplint_field_options), intent(in), optional :: options
+            type(c_ptr), intent(out) :: report
+            integer(c_int) :: status
+        end function
+
+        function symplint_field_options_init(options, size) bind(c) result(status)
+            import
+            type(symplint_field_options), intent(inout) :: options
+            integer(c_size_t), value :: size
+            integer(c_int) :: status
+        end function
+
+        function symplint_field_report_verdict(report) bind(c) result(verdict)
+            import
+            type(c_ptr), value :: report
+            integer(c_int) :: verdict
+        end function
+
+        function symplint_field_report_digits(report) bind(c) result(digits)
+            import
+            type(c_ptr), value :: report
+            real(c_double) :: digits
+        end function
+
+        function symplint_field_report_curl(report, error) bind(c) result(curl)
+            import
+            type(c_ptr), value :: report
+            real(c_double), intent(out), optional :: error
+            real(c_double) :: curl
+        end function
+
+        function symplint_field_report_summary(report) bind(c) result(text)
+            import
+            type(c_ptr), value :: report
+            type(c_ptr) :: text
+        end function
+
+        function symplint_field_report_text(report) bind(c) result(text)
+            import
+            type(c_ptr), value :: report
+            type(c_ptr) :: text
+        end function
+
+        function symplint_field_report_json(report) bind(c) result(text)
+            import
+            type(c_ptr), value :: report
+            type(c_ptr) :: text
+        end function
+
+        subroutine symplint_field_report_free(report) bind(c)
+            import
+            type(c_ptr), value :: report
+        end subroutine
 
         function symplint_loop_integral(dof, samples, q, p, dof_stride, sample_stride, period, weight, integral) &
             bind(c) result(status)

@@ -207,6 +207,19 @@ typedef struct {
    * called with h = 1, and `step_sizes` and `typical_step` are not used.
    */
   int32_t no_step_size;
+  /**
+   * 2 dof signs, 1 or -1, of all positions and then all momenta, that reverse time; or NULL: the signs of all momenta change.
+   */
+  const double *reversal;
+  /**
+   * Whether other properties of the map are tested, such as the conservation of volume: 1, the default, or 0. The report has
+   * them.
+   */
+  int32_t properties;
+  /**
+   * Whether a step of size -h is tested to undo a step of size h: 1, or 0, the default. The step is called with negative h then.
+   */
+  int32_t symmetric;
 } SymplintOptions;
 
 /**

@@ -66,6 +66,13 @@ pub struct SymplintOptions {
     /// Whether the step is a map without a step size, such as a kicker or one turn of a ring: 1, or 0, the default. It is
     /// called with h = 1, and `step_sizes` and `typical_step` are not used.
     pub no_step_size: i32,
+    /// 2 dof signs, 1 or -1, of all positions and then all momenta, that reverse time; or NULL: the signs of all momenta change.
+    pub reversal: *const f64,
+    /// Whether other properties of the map are tested, such as the conservation of volume: 1, the default, or 0. The report has
+    /// them.
+    pub properties: i32,
+    /// Whether a step of size -h is tested to undo a step of size h: 1, or 0, the default. The step is called with negative h then.
+    pub symmetric: i32,
 }
 
 /// Evaluations by default: a step of another code is dear.
@@ -105,6 +112,9 @@ impl Default for SymplintOptions {
             phases: std::ptr::null(),
             repeat: 1,
             no_step_size: 0,
+            reversal: null,
+            properties: 1,
+            symmetric: 0,
         }
     }
 }
@@ -170,6 +180,9 @@ pub struct Settings {
     localise: bool,
     repeat: usize,
     has_step_size: bool,
+    reversal: Option<Vec<f64>>,
+    properties: bool,
+    symmetric: bool,
     /// Results do not depend on it.
     #[serde(skip)]
     pub threads: usize,
@@ -240,6 +253,9 @@ impl Settings {
                 localise: read.localise != 0,
                 repeat: read.repeat,
                 has_step_size,
+                reversal: optional_values("reversal", read.reversal, 2 * dof)?,
+                properties: read.properties != 0,
+                symmetric: read.symmetric != 0,
                 threads: read.threads.min(processors),
             })
         }
@@ -321,6 +337,9 @@ impl Settings {
             long_time: self.steps,
             localise: self.localise,
             jacobian: self.jacobian,
+            properties: self.properties,
+            reversal: self.reversal.clone(),
+            symmetric: self.symmetric,
             budget: Some(self.budget),
             ..Diagnostic::default()
         })

@@ -122,6 +122,49 @@ static void no_step_size(void) {
     CHECK(says("repeat") && report == NULL);
 }
 
+/* The same forward and backward in time, and by a step of -h. */
+static int leapfrog(void *user, double h, size_t dof, size_t samples, double *q, double *p) {
+    (void)user;
+    for (size_t k = 0; k < samples * dof; k++) {
+        q[k] += 0.5 * h * p[k];
+        p[k] -= h * sin(q[k]);
+        q[k] += 0.5 * h * p[k];
+    }
+    return 0;
+}
+
+static void properties(void) {
+    const double q0[2] = {0.3, -0.2}, p0[2] = {0.5, 0.1};
+    const double kept[4] = {1, 1, 1, 1}, flipped[4] = {-1, 1, 1, -1}, bad[4] = {1, 1, 2, -1};
+    SymplintReport *report = NULL;
+    SymplintOptions options;
+    symplint_options_init(&options, sizeof options);
+    CHECK(options.properties == 1 && options.symmetric == 0 && options.reversal == NULL);
+    options.symmetric = 1;
+    CHECK(symplint_check(leapfrog, NULL, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(strstr(symplint_report_json(report), "\"text\": \"symmetric") != NULL);
+    CHECK(strstr(symplint_report_json(report), "\"text\": \"time-reversible") != NULL);
+    symplint_report_free(report);
+    options.symmetric = 0;
+    options.reversal = kept;
+    CHECK(symplint_check(leapfrog, NULL, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(strstr(symplint_report_json(report), "\"text\": \"not time-reversible") != NULL);
+    symplint_report_free(report);
+    /* The first pair mirrored as a whole, time reversed in both: sin is odd. */
+    options.reversal = flipped;
+    CHECK(symplint_check(leapfrog, NULL, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(strstr(symplint_report_json(report), "\"text\": \"time-reversible") != NULL);
+    symplint_report_free(report);
+    options.reversal = bad;
+    CHECK(symplint_check(leapfrog, NULL, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(says("sign") && report == NULL);
+    options.reversal = NULL;
+    options.properties = 0;
+    CHECK(symplint_check(leapfrog, NULL, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(strstr(symplint_report_json(report), "reversible") == NULL);
+    symplint_report_free(report);
+}
+
 static void checks(void) {
     const double q0[2] = {0.3, -0.2}, p0[2] = {0.5, 0.1}, sizes[2] = {0.5, 0.125}, bad_period[2] = {-1, 0};
     struct user user = {NONE, 2, 0, 0};
@@ -419,6 +462,7 @@ int main(int count, char **arguments) {
     checks();
     torus();
     no_step_size();
+    properties();
     integrals();
     fields();
     printf("%d failures\n", failures);
