@@ -333,7 +333,7 @@ impl Functions {
         self.change(function, "energy", block)
     }
 
-    /// Calls a function of states, that is no step.
+    /// Calls a function of states other than the step.
     fn change(
         &mut self,
         function: Bound<'_, PyAny>,
