@@ -24,7 +24,7 @@ from ._identity import identity
 from ._loops import Loop, centre, phases_and_seed, radii
 from ._progress import bar
 from ._report import Report, States
-from ._names import Coordinates, WithArguments, executor_of, one_of, seed_of
+from ._names import Coordinates, WithArguments, WithoutStepSize, executor_of, one_of, seed_of
 from ._signature import check_signature, hint
 from ._workers import Workers
 from .integrators import Integrator, of_system
@@ -176,8 +176,8 @@ def check(
         Whether the Jacobian of one step is also checked.
     jvp : callable, optional
         ``jvp(q, p, h, dq, dp)`` returns the derivative of the step at q, p along dq, dp: two arrays, as `step` does. The Jacobian is
-        then exact, and costs fewer evaluations than differences, by which it is checked. Not needed for a step that JAX can
-        differentiate in double precision: its derivatives are found. `args` follow dp; without a step size, ``jvp(q, p, dq, dp)``.
+        then exact, and costs fewer evaluations than differences, by which it is checked. Not needed for a step that
+        ``jax.jit`` compiled, in double precision: its derivatives are found. `args` follow dp; without a step size, ``jvp(q, p, dq, dp)``.
     properties : bool
         Whether other properties of the map are tested, with 40 evaluations (8 if the budget is small): see `Report.properties`.
     reversal : array_like, optional
@@ -717,17 +717,6 @@ def _of_form(
         leaves.append(Leaf(casimirs, z0, size, per_sample))
     p0 = one_form(of_rows, z0[None, :])[0]
     return MapOfForm(step, form, make), z0, p0, radius, loop, Projection(form, leaves)
-
-
-class WithoutStepSize:
-    """``step(q, p)`` as a step that is also given a step size."""
-
-    def __init__(self, step: Callable[..., Any]) -> None:
-        self.step = step
-        self.__name__ = _name(step)
-
-    def __call__(self, q: Any, p: Any, _: float) -> Any:
-        return self.step(q, p)
 
 
 def _check_none(step_sizes: str, make: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import sys
 from collections.abc import Callable
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ._errors import InputError
+from ._names import WithArguments, WithoutStepSize
 
 __all__ = ["Tangents", "derivatives_of_jax", "given"]
 
@@ -61,14 +63,23 @@ def given(jvp: Any, others: dict[str, Any], args: tuple[Any, ...], has_step_size
     return derivative
 
 
-def derivatives_of_jax(step: Callable[..., Any], dof: int, per_sample: bool) -> Callable[..., Any] | None:
-    """The derivative ``jvp(q, p, h, dq, dp)`` of a step that JAX can trace in double precision, else None.
+def _is_compiled(step: Any) -> bool:
+    """Whether ``jax.jit`` made the function, below what this package and functools put around it."""
+    if isinstance(step, functools.partial):
+        return _is_compiled(step.func)
+    if isinstance(step, WithArguments | WithoutStepSize):
+        return _is_compiled(step.step)
+    return hasattr(step, "lower") and hasattr(step, "eval_shape")
 
-    The step is traced with abstract arrays, which takes no evaluation. Derivatives in single precision tell less than differences
-    do of results that have it.
+
+def derivatives_of_jax(step: Callable[..., Any], dof: int, per_sample: bool) -> Callable[..., Any] | None:
+    """The derivative ``jvp(q, p, h, dq, dp)`` of a step that ``jax.jit`` compiled, in double precision; None for others.
+
+    The step is traced with abstract arrays, which takes no evaluation. A step that is not compiled may keep what it is called with,
+    and must not get such arrays. In single precision, derivatives tell no more than differences of results.
     """
     jax = sys.modules.get("jax")
-    if jax is None or not jax.config.jax_enable_x64:
+    if jax is None or not jax.config.jax_enable_x64 or not _is_compiled(step):
         return None
 
     def jvp(q: Any, p: Any, h: float, dq: Any, dp: Any) -> Any:

@@ -77,6 +77,17 @@ class WithArguments:
         return self.step(*state, *self.args)
 
 
+class WithoutStepSize:
+    """``step(q, p)`` as a step that is also given a step size."""
+
+    def __init__(self, step: Callable[..., Any]) -> None:
+        self.step = step
+        self.__name__ = str(getattr(step, "__name__", type(step).__name__))
+
+    def __call__(self, q: Any, p: Any, _: float) -> Any:
+        return self.step(q, p)
+
+
 def one_of(name: str, value: Any, other: str, alias: Any, default: Any, deprecated: bool = False) -> Any:
     """The value of an argument that has two names; `alias` is None if the other one is not used.
 

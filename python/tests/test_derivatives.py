@@ -117,13 +117,16 @@ def test_jax_finds_derivatives():
     before = jax.config.jax_enable_x64
     jax.config.update("jax_enable_x64", True)
     try:
-        for of in (step, jax.jit(step)):
-            report = symplint.check(of, *CENTRE, **SIZES)
-            assert report.kind == "symplectic" and has_exact_jacobian(report)
-        # NumPy functions cannot be traced.
-        assert not has_exact_jacobian(symplint.check(leapfrog, *CENTRE, **SIZES))
+        report = symplint.check(jax.jit(step), *CENTRE, **SIZES)
+        assert report.kind == "symplectic" and has_exact_jacobian(report)
+        of_arguments = jax.jit(lambda q, p, h, k: step(q, p, k * h))
+        assert has_exact_jacobian(symplint.check(of_arguments, *CENTRE, **SIZES, args=(0.5,)))
+        # A step that keeps what it is called with gets no abstract arrays.
+        kept = []
+        report = symplint.check(lambda q, p, h: (kept.append(q), step(q, p, h))[1], *CENTRE, **SIZES)
+        assert report.kind == "symplectic" and all(isinstance(q, np.ndarray) for q in kept)
         # JAX takes the derivative of what is behind stop_gradient as 0.
-        stopped = symplint.check(lambda q, p, h: step(jax.lax.stop_gradient(q), p, h), *CENTRE, **SIZES)
+        stopped = symplint.check(jax.jit(lambda q, p, h: step(jax.lax.stop_gradient(q), p, h)), *CENTRE, **SIZES)
         assert not has_exact_jacobian(stopped) and stopped.kind in ("symplectic", "undecided")
     finally:
         jax.config.update("jax_enable_x64", before)
