@@ -44,7 +44,8 @@ class OdeStep:
         after = np.empty_like(before)
         for state in np.ndindex(before.shape[:-1]):
             found = solve_ivp(self.__wrapped__, (self.t0, self.t0 + h), before[state], method=self.solver, **options)
-            if not found.success:
+            # An event may end it, too.
+            if found.status != 0:
                 raise RuntimeError(f"{self.__name__} stops at t = {found.t[-1]:.6g}: {found.message}")
             after[state] = found.y[:, -1]
         q, p = np.split(after, 2, axis=-1)
@@ -83,9 +84,9 @@ def from_ode(
     Raises
     ------
     InputError
-        If `f` is not a function of t and y, or the method or an option has no steps of fixed size.
+        If `f` is not a function, the method or an option has no steps of fixed size, or an option is not one of a step.
     RuntimeError
-        By the step, if the method stops before t0 + h.
+        By the step, if the method or a terminal event stops before t0 + h.
 
     Notes
     -----
@@ -105,6 +106,8 @@ def from_ode(
     """
     if not callable(f):
         raise InputError(f"f is an object of type {type(f).__name__}; give a function f(t, y)")
+    if refused := [name for name in ("method", "t_span", "y0", "t_eval") if name in options]:
+        raise InputError(f"{refused[0]} is given; the solver, the times and the states of a step are known")
     if fixed_steps is not None:
         if not isinstance(fixed_steps, int | np.integer) or fixed_steps < 1:
             raise InputError(f"fixed_steps is {fixed_steps!r}; give a whole number, 1 or more")

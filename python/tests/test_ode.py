@@ -80,7 +80,16 @@ def test_failures_and_refused_arguments():
 
     with pytest.raises(symplint.StepError, match="blows_up by RK45 stops at t = 0"):
         symplint.check(symplint.from_ode(blows_up), 1.5, 0.5, step_sizes=[2.0], loops=1, budget=300)
+
+    def crosses(t, y):
+        return y[0] - 1.2
+
+    crosses.terminal = True
+    step = symplint.from_ode(pendulum, events=crosses)
+    with pytest.raises(RuntimeError, match="pendulum by RK45 stops at t = 0"):
+        step(np.array([[1.0]]), np.array([[1.0]]), 1.0)
     for arguments, words in (
+        ({"t_eval": [0.5]}, "t_eval is given"),
         ({"f": 3}, "give a function"),
         ({"fixed_steps": 0}, "1 or more"),
         ({"fixed_steps": 1, "rtol": 1e-3}, "both fixed_steps and rtol"),
