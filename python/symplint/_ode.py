@@ -106,8 +106,8 @@ def from_ode(
     """
     if not callable(f):
         raise InputError(f"f is an object of type {type(f).__name__}; give a function f(t, y)")
-    if refused := [name for name in ("method", "t_span", "y0", "t_eval") if name in options]:
-        raise InputError(f"{refused[0]} is given; the solver, the times and the states of a step are known")
+    if known := options.keys() & {"method", "t_span", "y0", "t_eval"}:
+        raise InputError(f"{min(known)} is given; the solver, the times and the states of a step are known")
     if fixed_steps is not None:
         if not isinstance(fixed_steps, int | np.integer) or fixed_steps < 1:
             raise InputError(f"fixed_steps is {fixed_steps!r}; give a whole number, 1 or more")
