@@ -1,4 +1,4 @@
-! A force in two dimensions, and the same with a part that is no gradient: which one has a potential?
+! A force in two dimensions, and the same with a part that is not a gradient: which one has a potential?
 !
 !   make -C crates/symplint-c install PREFIX=$HOME/.local
 !   export PKG_CONFIG_PATH=$HOME/.local/lib/pkgconfig LD_LIBRARY_PATH=$HOME/.local/lib

@@ -41,6 +41,24 @@ pub struct Step {
     pub parts: Vec<Py<PyAny>>,
 }
 
+impl Step {
+    /// The call of one of its functions, with its reset.
+    fn call<'py>(
+        &self,
+        function: Bound<'py, PyAny>,
+        h: Option<f64>,
+        what: &'static str,
+    ) -> BlockCall<'py> {
+        let py = function.py();
+        BlockCall {
+            function,
+            h,
+            reset: (self.reset.as_ref()).map(|reset| reset.bind(py).clone()),
+            what,
+        }
+    }
+}
+
 /// All functions of the user.
 pub struct Functions {
     pub step: Option<Step>,
@@ -256,20 +274,12 @@ impl Functions {
         } else {
             step.function.bind(py).clone()
         };
-        let call = BlockCall {
-            function,
-            h: (!step.make).then_some(h),
-            reset: (step.reset.as_ref()).map(|reset| reset.bind(py).clone()),
-            what: if step.make { "advance" } else { "step" },
+        let call = match step.make {
+            true => step.call(function, None, "advance"),
+            false => step.call(function, Some(h), "step"),
         };
-        noted(
-            self.journal.as_deref(),
-            h,
-            step,
-            &call,
-            &mut self.memory,
-            block,
-        )
+        let journal = self.journal.as_deref();
+        noted(journal, h, step, &call, &mut self.memory, block)
     }
 
     /// Advances states and tangent vectors.
@@ -282,20 +292,10 @@ impl Functions {
         let step = self.step.as_ref();
         let step = step.expect("only a Python map asks for its derivatives");
         let tangents = step.tangents.as_ref();
-        let call = BlockCall {
-            function: tangents.expect("the map has derivatives").bind(py).clone(),
-            h: Some(h),
-            reset: (step.reset.as_ref()).map(|reset| reset.bind(py).clone()),
-            what: "jvp",
-        };
-        noted(
-            self.journal.as_deref(),
-            h,
-            step,
-            &call,
-            &mut self.memory,
-            block,
-        )
+        let function = tangents.expect("the map has derivatives").bind(py).clone();
+        let call = step.call(function, Some(h), "jvp");
+        let journal = self.journal.as_deref();
+        noted(journal, h, step, &call, &mut self.memory, block)
     }
 
     /// Advances the states of a block by a part of the step. That is not noted: only a diagnosis that looks for the part that has a
@@ -309,12 +309,7 @@ impl Functions {
     ) -> Result<bool, Failed> {
         let step = self.step.as_ref();
         let step = step.expect("only a Python map asks for a part of a step");
-        let call = BlockCall {
-            function: step.parts[number].bind(py).clone(),
-            h: Some(h),
-            reset: (step.reset.as_ref()).map(|reset| reset.bind(py).clone()),
-            what: "step",
-        };
+        let call = step.call(step.parts[number].bind(py).clone(), Some(h), "step");
         call.advance(step.per_sample, step.single, &mut self.memory, block)
     }
 

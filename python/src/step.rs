@@ -112,8 +112,11 @@ impl TimeAdvance for PythonMap<'_> {
         self.has_tangent.then_some(self)
     }
 
-    fn energy(&self) -> Option<&dyn Energy> {
-        self.has_energy.then_some(self)
+    fn energy(&self) -> Option<Energy<'_>> {
+        self.has_energy.then(|| {
+            Box::new(|q: Rows<'_>, p: Rows<'_>, energies: &mut [f64]| self.energies(q, p, energies))
+                as _
+        })
     }
 
     fn constraint(&self) -> Option<&dyn Constraint> {
@@ -122,7 +125,8 @@ impl TimeAdvance for PythonMap<'_> {
     }
 }
 
-impl Energy for PythonMap<'_> {
+impl PythonMap<'_> {
+    /// Writes the energy of each state.
     fn energies(&self, q: Rows<'_>, p: Rows<'_>, energies: &mut [f64]) {
         let mut states = Ensemble::zeros(self.dof(), energies.len());
         let mut block = states.block();

@@ -1,7 +1,6 @@
 //! Properties of maps whose properties are known: in closed form, from papers, or by construction.
 
 use symplint::map::Energy;
-use symplint::state::Rows;
 use symplint::verdict::{Property, PropertyName};
 use symplint::{
     Block, Circle, Diagnostic, PerSample, StepFailure, TimeAdvance, Verdict, VerdictKind,
@@ -334,13 +333,12 @@ impl TimeAdvance for Quartic {
         Ok(())
     }
 
-    fn energy(&self) -> Option<&dyn Energy> {
-        fn quartic(q: Rows<'_>, p: Rows<'_>, energies: &mut [f64]) {
+    fn energy(&self) -> Option<Energy<'_>> {
+        Some(Box::new(|q, p, energies| {
             for ((energy, q), p) in energies.iter_mut().zip(q.row(0)).zip(p.row(0)) {
                 *energy = 0.5 * p * p + 0.25 * q.powi(4);
             }
-        }
-        Some(&(quartic as fn(Rows<'_>, Rows<'_>, &mut [f64])))
+        }))
     }
 }
 
@@ -406,11 +404,8 @@ fn an_energy_that_is_not_finite_is_named() {
         fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
             Quartic(average_vector_field).advance(h, block)
         }
-        fn energy(&self) -> Option<&dyn Energy> {
-            fn none(_: Rows<'_>, _: Rows<'_>, energies: &mut [f64]) {
-                energies.fill(f64::NAN);
-            }
-            Some(&(none as fn(Rows<'_>, Rows<'_>, &mut [f64])))
+        fn energy(&self) -> Option<Energy<'_>> {
+            Some(Box::new(|_, _, energies| energies.fill(f64::NAN)))
         }
     }
     let found = verdict(&Singular, false);

@@ -203,7 +203,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The energy of states, if the map has it.
-    pub fn energy(&self) -> Option<&dyn Energy> {
+    pub fn energy(&self) -> Option<Energy<'_>> {
         self.map.energy()
     }
 

@@ -2,7 +2,6 @@
 
 mod closures;
 mod constraint;
-mod energy;
 mod evaluator;
 mod grain;
 mod image_loop;
@@ -15,7 +14,6 @@ mod witnesses;
 
 pub use closures::{PerBlock, PerSample, StepOutcome};
 pub use constraint::{Constraint, ProjectedLoop};
-pub use energy::Energy;
 pub(crate) use evaluator::{EvaluationCount, Evaluator, Feature, states_at};
 pub(crate) use grain::{Before, Grain};
 pub(crate) use image_loop::ImageLoop;
@@ -30,7 +28,7 @@ pub(crate) use witnesses::Witnesses;
 #[cfg(doc)]
 use crate::error::Error;
 use crate::loops::Loop;
-use crate::state::{Block, Coordinates, Ensemble};
+use crate::state::{Block, Coordinates, Ensemble, Rows};
 
 /// A map from states to states that advances by one step of size h.
 ///
@@ -151,11 +149,16 @@ pub trait TimeAdvance: Send + Sync {
         None
     }
 
-    /// The energy of states, if the diagnosis is to say whether a step conserves it. By default there is none.
-    fn energy(&self) -> Option<&dyn Energy> {
+    /// A function that gives the energy of states, in any unit, or another number that a step may conserve. The diagnosis tells
+    /// whether it does. `None` by default.
+    fn energy(&self) -> Option<Energy<'_>> {
         None
     }
 }
+
+/// A function of states that writes one number for each of them: an [`Observable`](crate::trace::Observable) that is owned. Positions
+/// and momenta have d rows and one column for each state, in the coordinates that the map advances.
+pub type Energy<'a> = Box<dyn Fn(Rows<'_>, Rows<'_>, &mut [f64]) + Sync + 'a>;
 
 /// Why a map could not advance a sample.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -218,7 +221,7 @@ macro_rules! forward_time_advance {
             fn constraint(&self) -> Option<&dyn Constraint> {
                 (**self).constraint()
             }
-            fn energy(&self) -> Option<&dyn Energy> {
+            fn energy(&self) -> Option<Energy<'_>> {
                 (**self).energy()
             }
         }

@@ -81,7 +81,7 @@ impl<M: TimeAdvance> TimeAdvance for Repeat<M> {
         self.map.constraint()
     }
 
-    fn energy(&self) -> Option<&dyn Energy> {
+    fn energy(&self) -> Option<Energy<'_>> {
         self.map.energy()
     }
 

@@ -8,10 +8,11 @@ use crate::diagnosis::plan::fits;
 use crate::error::Error;
 use crate::evidence::{Check, EnergyChange, ReturnDefect, StructureEvidence, Why};
 use crate::jacobian::parameters;
-use crate::map::{Energy, Evaluator};
+use crate::map::Evaluator;
 use crate::rules::Subject;
 use crate::signal::nearest;
 use crate::state::{Ensemble, coordinate, coordinate_mut, period};
+use crate::trace::Observable;
 
 impl Runner<'_> {
     /// Tests at states of the given loop and inside it whether ρ Φ_h ρ Φ_h and, if asked for, Φ_−h Φ_h return them.
@@ -40,13 +41,13 @@ impl Runner<'_> {
             Some(signs) => Some(signs.clone()),
             None => (!on_manifold).then(|| flipped_momenta(evaluator.dof())),
         };
-        if reversal.is_none() && !structure.asked_for_symmetry && evaluator.energy().is_none() {
+        let energy = evaluator.energy();
+        if reversal.is_none() && !structure.asked_for_symmetry && energy.is_none() {
             return Ok(());
         }
         let few = self.plan.is_tight() || !fits(evaluator.dof(), SMALL);
-        let is_asked_for = structure.asked_for_symmetry
-            || structure.given_reversal
-            || evaluator.energy().is_some();
+        let is_asked_for =
+            structure.asked_for_symmetry || structure.given_reversal || energy.is_some();
         let states = STATES_OF_A_RETURN[usize::from(!few)] + STATES_OF_ROUNDING[usize::from(!few)];
         if !is_asked_for && 2 * states > self.count.budget() / STRUCTURE_PART {
             return Ok(());
@@ -55,8 +56,8 @@ impl Runner<'_> {
         let h = self.largest;
         let after = advanced(evaluator, &returns.before, h)?;
         structure.states = returns.s.len();
-        if let Some(energy) = evaluator.energy() {
-            structure.energy = returns.energy_change(energy, &after);
+        if let Some(energy) = energy {
+            structure.energy = returns.energy_change(&energy, &after);
             if structure.energy.is_none() {
                 let reason = "the energy of a state on the loop or after a step is not finite";
                 self.omit(
@@ -150,10 +151,10 @@ impl Returns {
     }
 
     /// The largest change of the energy from the states to those after a step; `None` if an energy is not finite.
-    fn energy_change(&self, energy: &dyn Energy, after: &Ensemble) -> Option<EnergyChange> {
+    fn energy_change(&self, energy: Observable<'_>, after: &Ensemble) -> Option<EnergyChange> {
         let of = |states: &Ensemble| {
             let mut energies = vec![f64::NAN; states.samples()];
-            energy.energies(states.q(), states.p(), &mut energies);
+            energy(states.q(), states.p(), &mut energies);
             energies
         };
         let (from, to) = (of(&self.before), of(after));
