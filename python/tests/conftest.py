@@ -8,6 +8,10 @@ import pytest
 import symplint
 
 
+#: The package that the doctests of a module need.
+NEEDED = {"symplint._ode": "scipy"}
+
+
 def modules():
     """Every module of the package with its name."""
     for info in pkgutil.iter_modules(symplint.__path__, "symplint."):
@@ -18,5 +22,7 @@ def modules():
 @pytest.fixture(params=list(modules()))
 def doctested(request):
     """What the doctests of a module gave."""
+    if request.param in NEEDED:
+        pytest.importorskip(NEEDED[request.param])
     flags = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
     return doctest.testmod(importlib.import_module(request.param), optionflags=flags)
