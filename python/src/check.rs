@@ -1,13 +1,15 @@
 //! `symplint.check`: a diagnosis of a Python function or of an integrator of the library.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use pyo3::prelude::*;
-use symplint::diagnosis::{Event, SampleCount};
+use pyo3::types::PyDict;
+use symplint::diagnosis::Event;
 use symplint::map::{ProjectedLoop, balanced_radii};
-use symplint::rules::{Cutoff, Cutoffs, Piecewise, Streaming};
+use symplint::request::{RequestError, SETTINGS, Value};
 use symplint::{
     Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Phases, Rule, TimeAdvance, judge,
 };
@@ -61,53 +63,94 @@ pub struct Subject {
     workers: Option<Py<PyAny>>,
 }
 
-/// How it is tested.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub struct Settings {
-    step_sizes: Option<Vec<f64>>,
-    has_step_size: bool,
-    repeat: usize,
-    typical: Option<f64>,
-    loops: usize,
-    seed: u64,
-    rule: String,
-    cutoffs: CutoffPair,
-    samples: Option<usize>,
-    budget: Option<usize>,
-    jacobian: bool,
-    properties: bool,
-    reversal: Option<Vec<f64>>,
-    symmetric: bool,
-    steps: usize,
+/// Settings of the diagnosis by name.
+pub struct Settings(BTreeMap<String, Value>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Settings {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let item = |(key, item): (Bound<'py, PyAny>, Bound<'py, PyAny>)| {
+            let name: String = key.extract()?;
+            let Some(value) = value(&item) else {
+                let text = format!(
+                    "{} is an object of type {}",
+                    argument(&name),
+                    item.get_type().name()?
+                );
+                return Err(input_error(given.py(), &text));
+            };
+            Ok((name, value))
+        };
+        let table = given.cast::<PyDict>()?;
+        table
+            .iter()
+            .map(item)
+            .collect::<PyResult<_>>()
+            .map(Settings)
+    }
+}
+
+/// A Python object as the value of a setting, if it is one.
+fn value(given: &Bound<'_, PyAny>) -> Option<Value> {
+    if let Ok(flag) = given.extract() {
+        return Some(Value::Flag(flag));
+    }
+    if let Ok(text) = given.extract() {
+        return Some(Value::Text(text));
+    }
+    if let Ok(table) = given.cast::<PyDict>() {
+        let item = |(key, item): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+            Some((key.extract().ok()?, value(&item)?))
+        };
+        return table
+            .iter()
+            .map(item)
+            .collect::<Option<_>>()
+            .map(Value::Table);
+    }
+    if let Ok(whole) = given.extract() {
+        return Some(Value::Whole(whole));
+    }
+    if let Ok(number) = given.extract() {
+        return Some(Value::Number(number));
+    }
+    let items = given.try_iter().ok()?;
+    (items.map(|item| value(&item.ok()?)).collect::<Option<_>>()).map(Value::List)
+}
+
+/// Names of settings that have another one in Python.
+const ARGUMENTS: [(&str, &str); 4] = [
+    ("step_size", "typical_step"),
+    ("seed", "rng"),
+    ("cutoff_q", "cutoff"),
+    ("cutoff_p", "cutoff"),
+];
+
+/// The argument of `symplint.check` that gives a setting.
+fn argument(setting: &str) -> &str {
+    let found = ARGUMENTS.iter().find(|(name, _)| *name == setting);
+    found.map_or(setting, |(_, argument)| argument)
 }
 
 impl Settings {
     fn diagnostic(&self, py: Python<'_>) -> PyResult<Diagnostic> {
-        let default = Diagnostic::default();
-        let rule = rule(py, &self.rule, self.cutoffs)?;
-        Ok(Diagnostic {
-            rule,
-            samples: self.samples.map_or(SampleCount::Auto, SampleCount::Fixed),
-            step_sizes: match (&self.step_sizes, self.typical) {
-                (Some(sizes), _) => sizes.clone(),
-                (None, Some(_)) => Vec::new(),
-                (None, None) => default.step_sizes,
-            },
-            has_step_size: self.has_step_size,
-            repeat: self.repeat,
-            typical_step: self.typical,
-            loops: self.loops,
-            seed: self.seed,
-            jacobian: self.jacobian,
-            properties: self.properties,
-            reversal: self.reversal.clone(),
-            symmetric: self.symmetric,
-            long_time: self.steps,
-            budget: self.budget,
-            ..default
+        Diagnostic::from_settings(&self.0).map_err(|error| {
+            let text = match error {
+                RequestError::Refused { name, refused } => {
+                    format!("{}{refused}", argument(name))
+                }
+                error => error.to_string(),
+            };
+            input_error(py, &text)
         })
     }
+}
+
+/// The names of all settings of a diagnosis.
+#[pyfunction]
+pub fn settings() -> Vec<&'static str> {
+    SETTINGS.iter().map(|setting| setting.name).collect()
 }
 
 /// λ_q and λ_p of the finite-difference rule.
@@ -115,22 +158,14 @@ pub type CutoffPair = (f64, f64);
 
 /// The rule of this name, with the settings that a configuration has by default, but for the cut-offs.
 pub fn rule(py: Python<'_>, name: &str, cutoffs: CutoffPair) -> PyResult<Rule> {
-    let rules = [
-        Rule::Auto,
-        Rule::Pseudospectral,
-        Rule::FiniteDifference(Cutoffs {
-            q: Cutoff::Relative(cutoffs.0),
-            p: Cutoff::Relative(cutoffs.1),
-        }),
-        Rule::Piecewise(Piecewise::default()),
-        Rule::Streaming(Streaming::default()),
+    let cutoff = |name: &str, of| (name.to_owned(), Value::Number(of));
+    let rule = ("rule".to_owned(), Value::Text(name.to_owned()));
+    let given = [
+        rule,
+        cutoff("cutoff_q", cutoffs.0),
+        cutoff("cutoff_p", cutoffs.1),
     ];
-    (rules.into_iter().find(|rule| rule.kind().name() == name)).ok_or_else(|| {
-        let known = rules
-            .map(|rule| format!("\"{}\"", rule.kind().name()))
-            .join(", ");
-        input_error(py, &format!("rule is \"{name}\"; give one of {known}"))
-    })
+    Ok(Settings(BTreeMap::from(given)).diagnostic(py)?.rule)
 }
 
 /// What the threads of a diagnosis need to know: no Python objects.

@@ -48,7 +48,7 @@ mod _native {
     }
 
     #[pymodule_export]
-    use crate::check::{advance_seconds, check, image};
+    use crate::check::{advance_seconds, check, image, settings};
     #[pymodule_export]
     use crate::field::check_field;
     #[pymodule_export]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import difflib
 import hashlib
+import inspect
 import json
 import math
 import os
@@ -89,6 +91,7 @@ def check(
     executor: Any = None,
     out: str | os.PathLike[str] | None = None,
     h: float | None = None,
+    **settings: Any,
 ) -> Report:
     """Tell whether a time-advance map is symplectic.
 
@@ -223,6 +226,9 @@ def check(
         Other names of `budget`, `rng`, `workers` and `run_dir`.
     h : float, optional
         The old name of `typical_step`.
+    **settings
+        Further keys of ``[diagnostic]`` in a configuration of the program, by their names and with their values there, such as
+        ``closure="chords"`` or ``sample_sweep={"from": 64, "to": 4096}``. ``symplint init pendulum`` prints all of them.
 
     Raises
     ------
@@ -282,13 +288,15 @@ def check(
         if step is not None:
             raise InputError("both step and substeps are given; a step is either one whole or has parts")
         step = compose(*substeps)
+    if settings:
+        _check_names(settings)
     with executor_of(workers) as pool:
         return _check(
             step, q0, p0, args=tuple(args), step_sizes=step_sizes, typical_step=typical_step, repeat=repeat, radius=radius,
             phases=phases, loop=loop, loops=loops, seed=1 if rng is None else seed_of(rng), rule=rule, cutoff=cutoff,
             samples=samples, budget=budget, per_sample=per_sample, make=make, reset=reset, dtype=dtype, jacobian=jacobian, jvp=jvp,
             properties=properties, reversal=reversal, symmetric=symmetric, energy=energy, steps=steps, executor=pool, threads=threads,
-            run_dir=run_dir, key=key, progress=progress, **canonical,
+            run_dir=run_dir, key=key, progress=progress, further=settings, **canonical,
         )  # fmt: skip
 
 
@@ -332,6 +340,7 @@ def _check(
     run_dir: str | os.PathLike[str] | None,
     key: str | None,
     progress: bool | Callable[[int, int, float | None], object] | None,
+    further: dict[str, Any],
 ) -> Report:
     """`check` with one name for each argument."""
     __tracebackhide__ = True
@@ -375,32 +384,33 @@ def _check(
         jvp = derivatives_of_jax(step, subject["dof"], bool(per_sample))
     if jvp is not None:
         subject["tangents"] = Tangents(step, jvp)
-    if not has_step_size:
-        # What the map is called with.
-        step_sizes = 1.0
     if step_sizes is not None and typical_step is not None:
         raise InputError("both step_sizes and typical_step are given; step sizes are looked for from a typical one")
-    steps = whole(steps, "steps", 0)
+    steps, repeat = whole(steps, "steps", 0), whole(repeat, "repeat", 1)
+    if budget is None:
+        budget = BUDGET + BUDGET_OF_A_STEP * steps
+    elif isinstance(budget, str) and budget == "auto" and not compiled:
+        budget = BUDGET
+    of_q, of_p = cutoffs(cutoff)
     settings: dict[str, Any] = {
-        "has_step_size": has_step_size,
-        "repeat": whole(repeat, "repeat", 1),
-        "step_sizes": None if step_sizes is None else vector(step_sizes, "step_sizes").tolist(),
-        "typical": None if typical_step is None else _number(typical_step, "typical_step"),
-        "loops": whole(loops, "loops", 1),
-        "seed": whole(seed, "rng", 0),
-        "rule": "auto" if rule is None else rule,
-        "cutoffs": cutoffs(cutoff),
-        "samples": _whole_or_auto(samples, "samples", 3),
-        "budget": BUDGET + BUDGET_OF_A_STEP * steps if budget is None else _whole_or_auto(budget, "budget", 200),
+        "step_sizes": "none" if not has_step_size else None if step_sizes is None else vector(step_sizes, "step_sizes").tolist(),
+        "step_size": None if typical_step is None else _number(typical_step, "typical_step"),
+        "repeat": repeat,
+        "loops": loops,
+        "seed": seed,
+        "rule": rule,
+        "cutoff_q": of_q,
+        "cutoff_p": of_p,
+        "samples": samples,
+        "budget": budget,
         "jacobian": bool(jacobian),
         "properties": bool(properties),
         "reversal": None if reversal is None else vector(reversal, "reversal").tolist(),
         "symmetric": bool(symmetric),
         "steps": steps,
-    } | ({"args": repr(args)} if args else {})
-    if settings["budget"] is None and not compiled:
-        settings["budget"] = BUDGET
-    config = _config(name, subject, settings, loop)
+    } | further
+    settings = {setting: value for setting, value in settings.items() if value is not None}
+    config = _config(name, subject, settings | ({"args": repr(args)} if args else {}), loop)
     dof = subject["dof"]
     of_states = "coordinates" if form is not None else f"degree{'' if dof == 1 else 's'} of freedom"
     title = f"{name} · {dof} {of_states}"
@@ -418,7 +428,7 @@ def _check(
     subject["workers"] = None
 
     def image(size: float, samples: int) -> tuple[States, States]:
-        return _native.image(subject, size if has_step_size else 1.0, samples, settings["repeat"])
+        return _native.image(subject, size if has_step_size else 1.0, samples, repeat)
 
     report = Report(native, image)
     if folder is not None:
@@ -785,8 +795,6 @@ def _config(name: str, subject: dict[str, Any], settings: dict[str, Any], loop: 
         for key, value in arguments.items()
         if not isinstance(value, list | tuple) or len(value) <= LONGEST
     }
-    if not arguments.pop("has_step_size"):
-        arguments["step_sizes"] = "none"
     config: dict[str, Any] = {"check": {"step": name} | arguments}
     if loop is not None:
         config["check"]["loop"] = type(loop).__name__ if isinstance(loop, Loop) else _name(loop)
@@ -836,9 +844,12 @@ def _number(value: Any, name: str) -> float:
         raise InputError(f"{name} is {value!r}; give a number") from None
 
 
-def _whole_or_auto(value: Any, name: str, least: int) -> int | None:
-    if value is None or isinstance(value, str):
-        if value in (None, "auto"):
-            return None
-        raise InputError(f'{name} is "{value}"; give "auto" or a whole number, {least} or more')
-    return whole(value, name, least)
+def _check_names(settings: dict[str, Any]) -> None:
+    """Refuse further settings that do not exist, as Python refuses arguments."""
+    arguments = inspect.signature(check).parameters
+    known = [name for name in _native.settings() if name not in arguments]
+    for name in settings:
+        if name not in known:
+            near = difflib.get_close_matches(name, [*arguments, *known], 1)
+            remedy = f"; did you mean '{near[0]}'?" if near else ""
+            raise TypeError(f"check() got an unexpected keyword argument '{name}'{remedy}")

@@ -30,4 +30,4 @@ def test_everything_public_has_a_docstring():
 def test_arguments_of_check_are_documented():
     text = symplint.check.__doc__
     for name in inspect.signature(symplint.check).parameters:
-        assert f"\n    {name}" in text or f", {name}" in text, name
+        assert any(f"{before}{name}" in text for before in ("\n    ", ", ", "\n    **")), name

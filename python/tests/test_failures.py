@@ -396,12 +396,12 @@ def test_the_interpreter_is_free_while_the_library_works():
         ({"q0": np.ma.masked_array([1.0], [True])}, "masked"),
         ({"q0": None}, "missing"),
         ({"q0": 1j}, "real numbers"),
-        ({"step_sizes": []}, "step sizes"),
-        ({"step_sizes": [0.0]}, "step size"),
-        ({"step_sizes": [np.inf]}, "step size"),
+        ({"step_sizes": []}, "step_sizes is an empty list"),
+        ({"step_sizes": [0.0]}, r"step_sizes\[0\] is 0; give a number other than 0"),
+        ({"step_sizes": [np.inf]}, r"step_sizes\[0\] is inf"),
         ({"step_sizes": [0.5], "typical_step": 0.1}, "both step_sizes and typical_step"),
         ({"typical_step": "fast"}, "typical_step is 'fast'"),
-        ({"typical_step": -np.inf}, "step size"),
+        ({"typical_step": -np.inf}, "typical_step is -inf"),
         ({"radius": -1.0}, "positive"),
         ({"radius": 0.0}, "positive"),
         ({"radius": "large"}, "auto"),
@@ -410,14 +410,16 @@ def test_the_interpreter_is_free_while_the_library_works():
         ({"loop": symplint.Circle([0.0, 0.0], [0.0, 0.0])}, "must agree"),
         ({"loops": 0}, "loops is 0"),
         ({"loops": 2.5}, "loops is 2.5"),
-        ({"loops": 10**15}, "number of loops is 1000000000000000.0; give 1 to 10,000"),
+        ({"loops": 10**15}, "loops is 1000000000000000; give at most 10000"),
         ({"loop": np.sin, "radius": 2.0}, "both loop and radius"),
         ({"loop": np.sin, "radius": np.ones(1)}, "both loop and radius"),
         ({"seed": -1}, "seed is -1"),
         ({"rule": "simpson"}, "pseudospectral"),
         ({"samples": 2}, "samples is 2"),
         ({"samples": "many"}, "auto"),
-        ({"budget": 100}, "200 or more"),
+        ({"budget": 100}, "at least 200"),
+        ({"closure": "chord"}, 'closure is "chord"; give "substeps" or "chords"'),
+        ({"sample_sweep": {"from": 2}}, "sample_sweep.from is 2"),
         ({"period": [1.0, 2.0]}, "period has 2 values"),
         ({"period": -1.0}, "period of degree of freedom 0 is -1"),
         ({"weight": 0.0}, "weight of degree of freedom 0"),
@@ -436,6 +438,17 @@ def test_arguments_that_are_not_valid(arguments, words):
     with pytest.raises(symplint.InputError, match=words) as caught:
         symplint.check(**({"step": verlet, "q0": 1.0, "p0": 0.5} | arguments))
     assert isinstance(caught.value, ValueError) and isinstance(caught.value, symplint.SymplintError)
+
+
+def test_arguments_that_do_not_exist_are_refused():
+    with pytest.raises(TypeError, match="unexpected keyword argument 'perod'; did you mean 'period'?"):
+        symplint.check(verlet, 1.0, 0.5, perod=1.0)
+
+
+def test_keys_of_configurations_are_arguments():
+    sweep = {"from": 16, "to": 64, "step_size": 0.5}
+    report = symplint.check(verlet, 1.0, 0.5, step_sizes=[0.5, 0.25], sample_sweep=sweep)
+    assert [point["samples"] for point in report.points if point["sweep"] == "samples"] == [16, 32, 64]
 
 
 @pytest.mark.parametrize(

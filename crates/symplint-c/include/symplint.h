@@ -220,6 +220,11 @@ typedef struct {
    * Whether a step of size -h is tested to undo a step of size h: 1, or 0, the default. The step is called with negative h then.
    */
   int32_t symmetric;
+  /**
+   * Settings that have no field here, as a JSON object with the keys of [diagnostic] in configuration files, such as
+   * "{\"cutoff_q\": 10.0, \"closure\": \"chords\"}"; or NULL. They replace the fields that say the same.
+   */
+  const char *settings;
 } SymplintOptions;
 
 /**

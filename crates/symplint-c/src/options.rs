@@ -3,12 +3,13 @@
 //! The struct begins with its size, as the caller's header has it. Later versions add fields at the end; what a caller's
 //! struct does not have gets its default.
 
+use std::collections::BTreeMap;
 use std::ffi::c_char;
 
 use serde::Serialize;
-use symplint::diagnosis::SampleCount;
-use symplint::rules::{Cutoffs, Piecewise, Streaming};
-use symplint::{Circle, Coordinates, Diagnostic, Phases, Rule};
+use symplint::request::Value;
+use symplint::rules::Piecewise;
+use symplint::{Circle, Coordinates, Diagnostic, Phases};
 
 use crate::pointers::{optional_values, overlay, text, values, write_prefix};
 use crate::status::{Failure, SymplintStatus, guarded};
@@ -73,13 +74,13 @@ pub struct SymplintOptions {
     pub properties: i32,
     /// Whether a step of size -h is tested to undo a step of size h: 1, or 0, the default. The step is called with negative h then.
     pub symmetric: i32,
+    /// Settings that have no field here, as a JSON object with the keys of [diagnostic] in configuration files, such as
+    /// "{\"cutoff_q\": 10.0, \"closure\": \"chords\"}"; or NULL. They replace the fields that say the same.
+    pub settings: *const c_char,
 }
 
 /// Evaluations by default: a step of another code is dear.
 const BUDGET: usize = 20_000;
-
-/// λ of the finite-difference rule, as in configurations.
-const CUTOFF: f64 = 1000.0;
 
 /// Bytes of the struct of version 0.1.0, the first: it ends with `localise`. Later fields come after that.
 const FIRST_SIZE: usize = std::mem::offset_of!(SymplintOptions, localise) + size_of::<i32>();
@@ -115,6 +116,7 @@ impl Default for SymplintOptions {
             reversal: null,
             properties: 1,
             symmetric: 0,
+            settings: std::ptr::null(),
         }
     }
 }
@@ -167,22 +169,11 @@ pub struct Settings {
     momentum_period: Option<Vec<f64>>,
     weight: Option<Vec<f64>>,
     phases: String,
-    step_sizes: Vec<f64>,
-    typical_step: Option<f64>,
-    rule: String,
-    samples: Option<usize>,
-    budget: usize,
-    loops: usize,
-    steps: usize,
+    #[serde(skip)]
     seed: u64,
-    tolerance: f64,
-    jacobian: bool,
-    localise: bool,
-    repeat: usize,
-    has_step_size: bool,
-    reversal: Option<Vec<f64>>,
-    properties: bool,
-    symmetric: bool,
+    /// Those of the diagnosis, by name.
+    #[serde(flatten)]
+    settings: BTreeMap<String, Value>,
     /// Results do not depend on it.
     #[serde(skip)]
     pub threads: usize,
@@ -220,14 +211,6 @@ impl Settings {
             let radius = |what, pointer| {
                 Ok::<_, Failure>(of_each(what, pointer)?.unwrap_or_else(|| vec![read.radius; dof]))
             };
-            let has_step_size = read.no_step_size == 0;
-            let step_sizes = match (read.step_sizes.is_null(), read.typical_step) {
-                // What a map without a step size is called with.
-                _ if !has_step_size => vec![1.0],
-                (false, _) => values("step_sizes", read.step_sizes, read.step_count)?.to_vec(),
-                (true, 0.0) => Diagnostic::default().step_sizes,
-                (true, _) => Vec::new(),
-            };
             let processors = std::thread::available_parallelism().map_or(1, usize::from);
             Ok(Settings {
                 q0: values("q0", q0, dof)?.to_vec(),
@@ -240,22 +223,8 @@ impl Settings {
                 phases: text("phases", read.phases)?
                     .unwrap_or("staggered")
                     .to_owned(),
-                typical_step: step_sizes.is_empty().then_some(read.typical_step),
-                step_sizes,
-                rule: text("rule", read.rule)?.unwrap_or("auto").to_owned(),
-                samples: Some(read.samples).filter(|&samples| samples > 0),
-                budget: read.budget,
-                loops: read.loops,
-                steps: read.steps,
                 seed: read.seed,
-                tolerance: read.tolerance,
-                jacobian: read.jacobian != 0,
-                localise: read.localise != 0,
-                repeat: read.repeat,
-                has_step_size,
-                reversal: optional_values("reversal", read.reversal, 2 * dof)?,
-                properties: read.properties != 0,
-                symmetric: read.symmetric != 0,
+                settings: settings(&read, dof)?,
                 threads: read.threads.min(processors),
             })
         }
@@ -291,57 +260,75 @@ impl Settings {
 
     /// What is measured.
     pub fn diagnostic(&self) -> Result<Diagnostic, Failure> {
-        if self.repeat == 0 {
-            return Err(Failure::bad_argument("repeat is 0; give 1 or more"));
-        }
-        if self.loops == 0 {
-            return Err(Failure::bad_argument("loops is 0; give 1 or more"));
-        }
-        if !(self.tolerance.is_finite() && self.tolerance > 0.0) {
-            let text = format!("tolerance is {}; give a number above 0", self.tolerance);
-            return Err(Failure::bad_argument(text));
-        }
-        if self.samples.is_some_and(|samples| samples < 3) {
-            return Err(Failure::bad_argument(
-                "samples is below 3; give 3 or more, or 0",
-            ));
-        }
-        let piecewise = Piecewise {
-            tolerance: self.tolerance,
-            ..Piecewise::default()
-        };
-        let streaming = Streaming::default();
-        Ok(Diagnostic {
-            rule: match self.rule.as_str() {
-                "auto" => Rule::Auto,
-                "pseudospectral" => Rule::Pseudospectral,
-                "finite-difference" => Rule::FiniteDifference(Cutoffs::relative(CUTOFF)),
-                "piecewise" => Rule::Piecewise(piecewise),
-                "streaming" => Rule::Streaming(streaming),
-                other => {
-                    return Err(Failure::bad_argument(format!(
-                        "rule is \"{other}\"; give \"auto\", \"pseudospectral\", \"finite-difference\", \"piecewise\" \
-                         or \"streaming\""
-                    )));
-                }
-            },
-            piecewise,
-            streaming,
-            samples: self.samples.map_or(SampleCount::Auto, SampleCount::Fixed),
-            step_sizes: self.step_sizes.clone(),
-            has_step_size: self.has_step_size,
-            repeat: self.repeat,
-            typical_step: self.typical_step,
-            loops: self.loops,
-            seed: self.seed,
-            long_time: self.steps,
-            localise: self.localise,
-            jacobian: self.jacobian,
-            properties: self.properties,
-            reversal: self.reversal.clone(),
-            symmetric: self.symmetric,
-            budget: Some(self.budget),
-            ..Diagnostic::default()
-        })
+        Diagnostic::from_settings(&self.settings)
+            .map_err(|error| Failure::bad_argument(error.to_string()))
     }
+}
+
+/// The settings of the diagnosis by name; those that are left at NULL or 0 for a default are not among them.
+///
+/// # Safety
+/// Arrays that are not null have as many values as the header says.
+unsafe fn settings(read: &SymplintOptions, dof: usize) -> Result<BTreeMap<String, Value>, Failure> {
+    let whole = |number: usize| Value::Whole(number as u64);
+    let flag = |flag: i32| Value::Flag(flag != 0);
+    let list = |numbers: &[f64]| Value::List(numbers.iter().copied().map(Value::Number).collect());
+    let mut settings = BTreeMap::from(
+        [
+            ("budget", whole(read.budget)),
+            ("loops", whole(read.loops)),
+            ("steps", whole(read.steps)),
+            ("seed", Value::Whole(read.seed)),
+            ("tolerance", Value::Number(read.tolerance)),
+            ("jacobian", flag(read.jacobian)),
+            ("localise", flag(read.localise)),
+            ("repeat", whole(read.repeat)),
+            ("properties", flag(read.properties)),
+            ("symmetric", flag(read.symmetric)),
+        ]
+        .map(|(name, value)| (name.to_owned(), value)),
+    );
+    let mut give = |name: &str, value| settings.insert(name.to_owned(), value);
+    // SAFETY: the caller promises so many values, or null.
+    let (rule, sizes, reversal, more) = unsafe {
+        (
+            text("rule", read.rule)?,
+            match read.step_sizes.is_null() {
+                true => None,
+                false => Some(values("step_sizes", read.step_sizes, read.step_count)?),
+            },
+            optional_values("reversal", read.reversal, 2 * dof)?,
+            text("settings", read.settings)?,
+        )
+    };
+    if let Some(rule) = rule {
+        give("rule", Value::Text(rule.to_owned()));
+    }
+    if read.samples > 0 {
+        give("samples", whole(read.samples));
+    }
+    if let Some(signs) = reversal {
+        give("reversal", list(&signs));
+    }
+    match sizes {
+        _ if read.no_step_size != 0 => {
+            give("step_sizes", Value::Text("none".to_owned()));
+        }
+        Some(sizes) => {
+            give("step_sizes", list(sizes));
+        }
+        None if read.typical_step != 0.0 => {
+            give("step_size", Value::Number(read.typical_step));
+        }
+        None => {}
+    }
+    if let Some(more) = more {
+        let more: BTreeMap<String, Value> = serde_json::from_str(more).map_err(|error| {
+            Failure::bad_argument(format!(
+                "settings is not a JSON object: {error}; write it as {{\"loops\": 4}}"
+            ))
+        })?;
+        settings.extend(more);
+    }
+    Ok(settings)
 }

@@ -163,6 +163,17 @@ static void properties(void) {
     CHECK(symplint_check(leapfrog, NULL, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
     CHECK(strstr(symplint_report_json(report), "reversible") == NULL);
     symplint_report_free(report);
+    /* A key of configurations without a field here. */
+    options.settings = "{\"sample_sweep\": {\"from\": 16, \"to\": 32, \"step_size\": 0.5}, \"loops\": 2}";
+    CHECK(symplint_check(leapfrog, NULL, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(strstr(symplint_report_json(report), "\"sweep\": \"samples\"") != NULL);
+    symplint_report_free(report);
+    options.settings = "{\"closure\": \"chord\"}";
+    CHECK(symplint_check(leapfrog, NULL, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(says("closure is \"chord\"; give") && report == NULL);
+    options.settings = "loops = 2";
+    CHECK(symplint_check(leapfrog, NULL, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(says("not a JSON object") && report == NULL);
 }
 
 static void checks(void) {
@@ -238,11 +249,11 @@ static void checks(void) {
     bad = options, bad.loops = 0;
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("loops"));
     bad = options, bad.loops = 1000000000000000;
-    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("number of loops"));
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("loops is"));
     bad = options, bad.tolerance = NAN;
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("tolerance"));
     bad = options, bad.step_count = 0;
-    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("step sizes"));
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("step_sizes"));
     bad = options, bad.samples = 2;
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("samples"));
     bad = options, bad.size = 3;

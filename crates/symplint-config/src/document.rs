@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use symplint::request;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -45,19 +46,28 @@ pub struct Table {
     pub entries: BTreeMap<String, (Place, Node)>,
 }
 
-impl Value {
-    /// The type of the value, for messages.
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Value::Text(_) => "a string",
-            Value::Integer(_) => "a whole number",
-            Value::Float(_) => "a number",
-            Value::Boolean(_) => "true or false",
-            Value::List(_) => "a list",
-            Value::Table(_) => "a table",
+impl Node {
+    /// The value without positions.
+    pub fn plain(&self) -> request::Value {
+        match &self.value {
+            Value::Text(text) => request::Value::Text(text.clone()),
+            Value::Integer(number) => match u64::try_from(*number) {
+                Ok(whole) => request::Value::Whole(whole),
+                Err(_) => request::Value::Number(*number as f64),
+            },
+            Value::Float(number) => request::Value::Number(*number),
+            Value::Boolean(flag) => request::Value::Flag(*flag),
+            Value::List(list) => request::Value::List(list.iter().map(Node::plain).collect()),
+            Value::Table(table) => request::Value::Table(
+                (table.entries.iter())
+                    .map(|(key, (_, node))| (key.clone(), node.plain()))
+                    .collect(),
+            ),
         }
     }
+}
 
+impl Value {
     /// The value as TOML.
     pub fn to_toml(&self) -> toml::Value {
         match self {

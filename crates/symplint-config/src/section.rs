@@ -2,9 +2,11 @@
 
 use std::cell::RefCell;
 
+pub use symplint::request::Accept;
+use symplint::request::{self, MOST_WHOLE, Part, Refused};
+
 use super::document::{Node, SETTING, Table, Value};
 use super::error::{ConfigError, Place};
-use super::number;
 
 /// A key of a section.
 #[derive(Clone, Copy, Debug)]
@@ -52,28 +54,6 @@ impl Key {
             optional: false,
             required: true,
             help,
-        }
-    }
-}
-
-/// Numbers that a key accepts.
-#[derive(Clone, Copy, Debug)]
-pub enum Accept {
-    /// Every finite number.
-    Finite,
-    /// Finite numbers above 0.
-    Positive,
-    /// Finite numbers from 0.
-    NotNegative,
-}
-
-impl Accept {
-    fn test(self, value: f64) -> Result<(), &'static str> {
-        match self {
-            _ if !value.is_finite() => Err("a finite number"),
-            Accept::Positive if value <= 0.0 => Err("a number above 0"),
-            Accept::NotNegative if value < 0.0 => Err("a number that is not negative"),
-            _ => Ok(()),
         }
     }
 }
@@ -224,6 +204,33 @@ impl Section {
         })
     }
 
+    /// What `read` makes of the value of a key.
+    fn read<T>(
+        &self,
+        key: &str,
+        of: impl FnOnce(&request::Value) -> Result<T, Refused>,
+    ) -> Result<T, ConfigError> {
+        read(&self.dotted(key), &self.required(key)?, of)
+    }
+
+    /// The error about the value of a key.
+    pub fn refused(&self, key: &str, refused: Refused) -> ConfigError {
+        match self.table.entries.get(key) {
+            Some((_, node)) => refused_at(&self.dotted(key), node, refused),
+            None => self.error(key, refused.message, refused.remedy),
+        }
+    }
+
+    /// Refuses unknown keys of a table inside this one, if the value of the key is one.
+    pub fn check_subsection(&self, key: &str, known: &[&'static str]) -> Result<(), ConfigError> {
+        match self.table.entries.get(key).map(|(_, node)| &node.value) {
+            Some(Value::Table(table)) => {
+                check_keys(&self.dotted(key), table, known.iter().copied())
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// A number.
     pub fn number(&self, key: &str, accept: Accept) -> Result<f64, ConfigError> {
         read_number(&self.dotted(key), &self.required(key)?, accept)
@@ -306,30 +313,7 @@ impl Section {
 
     /// A whole number from `least` to `most`.
     pub fn whole_between(&self, key: &str, least: u64, most: u64) -> Result<u64, ConfigError> {
-        let value = self.whole(key, least)?;
-        if value > most {
-            let message = format!("{value} is too large");
-            return Err(self.error(key, message, format!("give at most {most}")));
-        }
-        Ok(value)
-    }
-
-    /// A whole number from `least` to `most`, or `None` for the string "auto".
-    pub fn whole_or_auto(
-        &self,
-        key: &str,
-        least: u64,
-        most: u64,
-    ) -> Result<Option<u64>, ConfigError> {
-        match self.required(key)?.value {
-            Value::Text(text) if text == "auto" => Ok(None),
-            Value::Text(text) if number::parse(&text).is_none() => Err(self.error(
-                key,
-                format!("unknown value \"{text}\""),
-                format!("write \"auto\" or a whole number of at least {least}"),
-            )),
-            _ => self.whole_between(key, least, most).map(Some),
-        }
+        self.read(key, |value| value.whole(least, most))
     }
 
     /// A list of whole numbers of at least `least`, that may be left out.
@@ -340,47 +324,23 @@ impl Section {
 
     /// True or false.
     pub fn flag(&self, key: &str) -> Result<bool, ConfigError> {
-        let node = self.required(key)?;
-        match node.value {
-            Value::Boolean(flag) => Ok(flag),
-            _ => Err(wrong(
-                &self.dotted(key),
-                &node,
-                "true or false",
-                "write true or false, without quotes",
-            )),
-        }
+        self.read(key, request::Value::flag)
     }
 
     /// A string.
     pub fn text(&self, key: &str) -> Result<String, ConfigError> {
-        let node = self.required(key)?;
-        match node.value {
-            Value::Text(text) => Ok(text),
-            _ => Err(wrong(
-                &self.dotted(key),
-                &node,
-                "a string",
-                "put it in quotes",
-            )),
-        }
+        self.read(key, |value| value.text().map(str::to_owned))
     }
 
     /// A string that may be left out.
     pub fn optional_text(&self, key: &str) -> Result<Option<String>, ConfigError> {
-        match self.node(key)? {
-            None => Ok(None),
-            Some(Node {
-                value: Value::Text(text),
-                ..
-            }) => Ok(Some(text)),
-            Some(node) => Err(wrong(
-                &self.dotted(key),
-                &node,
-                "a string",
-                "put it in quotes",
-            )),
-        }
+        (self.node(key)?)
+            .map(|node| {
+                read(&self.dotted(key), &node, |value| {
+                    value.text().map(str::to_owned)
+                })
+            })
+            .transpose()
     }
 
     /// One of several strings.
@@ -431,54 +391,46 @@ impl Section {
     }
 }
 
-/// Reads a number, also one written as a string such as `2^-1` or `pi/2`.
-pub fn read_number(path: &str, node: &Node, accept: Accept) -> Result<f64, ConfigError> {
-    let value = match &node.value {
-        Value::Integer(number) => Some(*number as f64),
-        Value::Float(number) => Some(*number),
-        Value::Text(text) => number::parse(text),
-        _ => None,
-    };
-    let Some(value) = value else {
-        return Err(wrong(
-            path,
-            node,
-            "a number",
-            "write a number, \"2^-3\" or \"pi/2\"",
-        ));
-    };
-    accept.test(value).map_err(|expected| {
-        ConfigError::new(format!("{path} is {value}"), format!("give {expected}"))
-            .at(&node.place, format!("must be {expected}"))
-    })?;
-    Ok(value)
+/// What `read` makes of a value.
+fn read<T>(
+    path: &str,
+    node: &Node,
+    read: impl FnOnce(&request::Value) -> Result<T, Refused>,
+) -> Result<T, ConfigError> {
+    read(&node.plain()).map_err(|refused| refused_at(path, node, refused))
 }
 
-/// The largest whole number: doubles represent every one up to 2^53, and round some beyond.
-pub const MOST_WHOLE: u64 = 9_000_000_000_000_000;
+/// Reads a number, also one written as a string such as `2^-1` or `pi/2`.
+pub fn read_number(path: &str, node: &Node, accept: Accept) -> Result<f64, ConfigError> {
+    read(path, node, |value| value.number(accept))
+}
 
 /// Reads a whole number, also one written as a string such as `2^15`.
 pub fn read_whole(path: &str, node: &Node, least: u64) -> Result<u64, ConfigError> {
-    let value = read_number(path, node, Accept::Finite)?;
-    let expected = if value > MOST_WHOLE as f64 {
-        format!("a whole number of at most {MOST_WHOLE}")
-    } else if value.fract() != 0.0 || value < least as f64 {
-        format!("a whole number of at least {least}")
-    } else {
-        return Ok(value as u64);
+    read(path, node, |value| value.whole(least, MOST_WHOLE))
+}
+
+/// The error about a value that is refused, or a part of it, at its place.
+fn refused_at(path: &str, node: &Node, refused: Refused) -> ConfigError {
+    let part = match (&refused.part, &node.value) {
+        (Some(Part::Item(k)), Value::List(list)) => list.get(*k),
+        (Some(Part::Key(name)), Value::Table(table)) => {
+            table.entries.get(name).map(|(_, node)| node)
+        }
+        _ => None,
     };
-    Err(
-        ConfigError::new(format!("{path} is {value}"), format!("give {expected}"))
-            .at(&node.place, format!("must be {expected}")),
-    )
+    let path = match &refused.part {
+        Some(Part::Key(name)) => format!("{path}.{name}"),
+        _ => path.to_owned(),
+    };
+    let label = (refused.expected).map_or("set here".to_owned(), |what| format!("must be {what}"));
+    ConfigError::new(format!("{path} {}", refused.message), refused.remedy)
+        .at(&part.unwrap_or(node).place, label)
 }
 
 fn wrong(path: &str, node: &Node, expected: &str, help: &str) -> ConfigError {
-    ConfigError::new(
-        format!("{path} is {}, not {expected}", node.value.kind()),
-        help,
-    )
-    .at(&node.place, format!("must be {expected}"))
+    let message = format!("{path} is {}, not {expected}", node.plain().kind());
+    ConfigError::new(message, help).at(&node.place, format!("must be {expected}"))
 }
 
 /// Refuses unknown keys.

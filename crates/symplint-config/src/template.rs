@@ -27,7 +27,7 @@ pub fn template(system: &SystemInfo) -> String {
     for (name, keys) in [
         ("integrator", &integrator::keys(system.integrator)[..]),
         ("loop", phase_loop::KEYS),
-        ("diagnostic", diagnostic::KEYS),
+        ("diagnostic", &diagnostic::keys()),
         ("trace", trace::KEYS),
     ] {
         let _ = write!(text, "\n[{name}]\n");

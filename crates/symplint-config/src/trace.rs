@@ -1,9 +1,9 @@
 //! `[trace]`: settings of `symplint trace`.
 
-use super::diagnostic::MOST_SAMPLES;
 use super::document::Node;
 use super::error::ConfigError;
 use super::section::{Accept, Key, Section};
+use symplint::request::MOST_SAMPLES;
 
 /// The keys of `[trace]`.
 pub const KEYS: &[Key] = &[

@@ -51,6 +51,7 @@ pub mod field;
 pub mod jacobian;
 pub mod loops;
 pub mod map;
+pub mod request;
 pub mod rules;
 pub mod signal;
 pub mod snapshots;

@@ -2,7 +2,8 @@
 
 use std::process::ExitCode;
 
-use symplint_config::{RULES, SYSTEMS};
+use symplint::rules::RuleKind;
+use symplint_config::SYSTEMS;
 use symplint_models::integrators::aliases::ALIASES;
 use symplint_models::integrators::catalogue::IntegratorInfo;
 use symplint_paper::ITEMS;
@@ -26,8 +27,8 @@ pub fn list(what: What) -> Result<ExitCode, Failure> {
         What::Integrators => (CATALOGUE.iter())
             .map(|info| (info.name.to_owned(), integrator(info)))
             .collect(),
-        What::Rules => (RULES.iter())
-            .map(|info| (info.name.to_owned(), info.summary.to_owned()))
+        What::Rules => (RuleKind::CHOICES.iter())
+            .map(|rule| (rule.name().to_owned(), rule.summary().to_owned()))
             .collect(),
         What::Figures => (ITEMS.iter())
             .map(|item| {

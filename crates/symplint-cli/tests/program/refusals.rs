@@ -81,7 +81,7 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     refused(
         PENDULUM,
         &["diagnostic.step_sizes=none", "diagnostic.step_size=0.1"],
-        &["step_sizes is \"none\"", "leave one"],
+        &["together with step_size", "leave one"],
     );
     refused(
         PENDULUM,
@@ -97,7 +97,7 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     refused(
         PENDULUM,
         &["diagnostic.samples=atuo"],
-        &["unknown value \"atuo\"", "write \"auto\" or a whole number"],
+        &["samples is \"atuo\"", "write \"auto\" or a whole number"],
     );
     refused(
         PENDULUM,
@@ -118,17 +118,17 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     refused(
         PENDULUM,
         &["diagnostic.step_sizes=[0.5, '2^-1']"],
-        &["step_sizes has 0.5 twice", "once"],
+        &["step_sizes repeats 0.5", "once"],
     );
     refused(
         PENDULUM,
         &["diagnostic.step_sizes={from=0.1,to=0.5}"],
-        &["`from` is 0.1, smaller than `to`", "the larger one"],
+        &["goes from 0.1 to 0.5", "the larger one"],
     );
     refused(
         PENDULUM,
         &["diagnostic.sample_sweep={from=64,to=32,step_size=0.1}"],
-        &["`from` is 64, larger than `to`"],
+        &["goes from 64 to 32"],
     );
     refused(
         PENDULUM,
@@ -140,8 +140,8 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     );
     refused(
         PENDULUM,
-        &["diagnostic.seed=10000000000000000"],
-        &["diagnostic.seed is 1", "at most 9000000000000000"],
+        &["diagnostic.seed=-1"],
+        &["diagnostic.seed is -1", "at least 0"],
     );
     refused(
         PENDULUM,
@@ -150,8 +150,8 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     );
     refused(
         PENDULUM,
-        &["diagnostic.step_sizes=[0.1, -0.1]"],
-        &["-0.1", "above 0"],
+        &["diagnostic.step_sizes=[0.1, 0]"],
+        &["is 0", "other than 0"],
     );
     refused(
         PENDULUM,
@@ -161,7 +161,7 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     refused(
         PENDULUM,
         &["diagnostic.rule=spectral"],
-        &["did you mean \"pseudospectral\""],
+        &["\"pseudospectral\""],
     );
     refused(
         PENDULUM,
@@ -171,7 +171,7 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     refused(
         PENDULUM,
         &["diagnostic.half_width=17"],
-        &["diagnostic.half_width", "17 is too large", "at most 16"],
+        &["diagnostic.half_width", "half_width is 17", "at most 16"],
     );
     refused(
         PENDULUM,
@@ -200,12 +200,12 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     refused(PENDULUM, &["loop"], &["--set KEY=VALUE"]);
     refused(PENDULUM, &["system.q0=1e300"], &["encloses no area"]);
     refused(PENDULUM, &["loop.radius=1e160"], &["overflows"]);
-    refused(PENDULUM, &["diagnostic.samples=2^40"], &["too large"]);
-    refused(PENDULUM, &["trace.samples=2^40"], &["too large"]);
-    refused(PENDULUM, &["trace.steps=1e15"], &["too large"]);
-    refused(PENDULUM, &["diagnostic.loops=1e9"], &["too large"]);
+    refused(PENDULUM, &["diagnostic.samples=2^40"], &["at most"]);
+    refused(PENDULUM, &["trace.samples=2^40"], &["at most"]);
+    refused(PENDULUM, &["trace.steps=1e15"], &["at most"]);
+    refused(PENDULUM, &["diagnostic.loops=1e9"], &["at most"]);
     let array = "[system]\nname = \"pendulum-array\"\n";
-    refused(array, &["system.pendula=1e15"], &["too large"]);
+    refused(array, &["system.pendula=1e15"], &["at most"]);
     let spline = "[system]\nname = \"interpolated-pendulum\"\n";
     refused(spline, &["system.degree=6"], &["spline degree 6", "1 to 5"]);
     refused(

@@ -109,7 +109,7 @@ pub fn read(
         return Err(bare
             .error(
                 "name",
-                format!("{}, not a string", written.value.kind()),
+                format!("{}, not a string", written.plain().kind()),
                 "put it in quotes",
             )
             .at(&written.place, "must be a string"));

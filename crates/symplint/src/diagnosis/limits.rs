@@ -10,7 +10,7 @@ pub(super) const DEFAULT_BUDGET: usize = 1_000_000;
 
 /// The smallest budget that a diagnosis can do something with: the checks of the map, one loop at
 /// two step sizes, and a random loop.
-pub(super) const LEAST_BUDGET: usize = 200;
+pub(crate) const LEAST_BUDGET: usize = 200;
 
 /// Loops at most: each is sampled and advanced separately, and listed in the evidence.
 pub const MOST_LOOPS: usize = 10_000;

@@ -8,6 +8,7 @@ mod plan;
 mod resolve;
 mod step_sizes;
 
+pub(crate) use limits::LEAST_BUDGET;
 pub use limits::MOST_LOOPS;
 
 use crate::error::Error;

@@ -71,6 +71,15 @@ pub enum RuleKind {
 }
 
 impl RuleKind {
+    /// Those that a diagnosis can be given, the default first.
+    pub const CHOICES: [RuleKind; 5] = [
+        RuleKind::Auto,
+        RuleKind::Pseudospectral,
+        RuleKind::FiniteDifference,
+        RuleKind::Piecewise,
+        RuleKind::Streaming,
+    ];
+
     /// As configurations and reports write it.
     pub fn name(self) -> &'static str {
         match self {
@@ -82,6 +91,35 @@ impl RuleKind {
             RuleKind::JumpDetecting => "jump-detecting",
         }
     }
+
+    /// What it does, in a sentence or two.
+    pub fn summary(self) -> &'static str {
+        match self {
+            RuleKind::Auto => {
+                "Pseudospectral; piecewise where the advanced loop is broken or has kinks; streaming where ensembles do not fit into \
+                 memory. The default."
+            }
+            RuleKind::Pseudospectral => {
+                "Differentiates q by Fourier transform (paper, section 2.3 and appendix A). Exact to round-off on smooth loops; on \
+                 loops with kinks the error is a power of the number of samples."
+            }
+            RuleKind::FiniteDifference => {
+                "Increments of q over the cells that the cut-offs keep (paper, appendix B). For broken loops as in the paper, to a \
+                 few digits."
+            }
+            RuleKind::Piecewise => {
+                "Chebyshev interpolation between the breaks, each of which is located and closed. For broken loops and loops with \
+                 kinks, nearly to round-off."
+            }
+            RuleKind::Streaming => {
+                "Differences of order 20 along the loop, of samples that are made, advanced and dropped one after another. For \
+                 ensembles that do not fit into memory: a few dozen states are kept."
+            }
+            RuleKind::JumpDetecting => {
+                "Trapezoids between the jumps of a loop that is known by its samples only."
+            }
+        }
+    }
 }
 
 impl std::fmt::Display for RuleKind {
@@ -90,7 +128,22 @@ impl std::fmt::Display for RuleKind {
     }
 }
 
+/// λ_q and λ_p where a finite-difference rule is named without cut-offs: that of the paper for particle-in-cell codes.
+const CUTOFF: f64 = 1000.0;
+
 impl Rule {
+    /// The rule of this name with its default settings.
+    pub fn named(name: &str) -> Option<Self> {
+        let rules = [
+            Rule::Auto,
+            Rule::Pseudospectral,
+            Rule::FiniteDifference(Cutoffs::relative(CUTOFF)),
+            Rule::Piecewise(Piecewise::default()),
+            Rule::Streaming(Streaming::default()),
+        ];
+        rules.into_iter().find(|rule| rule.kind().name() == name)
+    }
+
     /// Its kind, which has its name.
     pub fn kind(&self) -> RuleKind {
         match self {
