@@ -11,7 +11,7 @@ use symplint_report::page::Page;
 use symplint_report::provenance::{Provenance, Run};
 use symplint_report::report::{Report as JsonReport, read_evidence};
 use symplint_report::run_folder::RunFolder;
-use symplint_report::table::{points_table, reasons};
+use symplint_report::text::{Shown, diagnosis_text, reasons};
 
 use crate::arrays;
 use crate::error::{input_error, other_error};
@@ -164,21 +164,24 @@ impl Report {
         self.json()
     }
 
-    /// The table of the points, then the verdict with its reasons.
-    fn text(&self) -> String {
-        let verdict = &self.diagnosis.verdict;
-        format!(
-            "{}\n{}\n{}",
-            points_table(&self.title, &self.diagnosis),
-            verdict.headline(),
-            reasons(verdict, Some(WIDTH))
-        )
+    /// The verdict, a table of the given loop, and the findings; `all` of them, or what fits one screen.
+    fn text(&self, all: bool) -> String {
+        let shown = Shown {
+            width: Some(WIDTH),
+            all,
+        };
+        let text = diagnosis_text(&self.title, &self.diagnosis, shown);
+        format!("{}\n{text}", self.diagnosis.verdict.headline())
     }
 
     /// The verdict with its reasons.
     fn reasons(&self) -> String {
         let verdict = &self.diagnosis.verdict;
-        format!("{}\n{}", verdict.headline(), reasons(verdict, Some(WIDTH)))
+        let shown = Shown {
+            width: Some(WIDTH),
+            all: false,
+        };
+        reasons(verdict, shown)
     }
 
     /// A part of a page.

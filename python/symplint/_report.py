@@ -274,7 +274,7 @@ class Report:
         return plot_loop(before, after, largest, dof, ax)
 
     def reasons(self) -> str:
-        """The verdict with its reasons, as a text."""
+        """What the verdict rests on, as a text."""
         return self._native.reasons()
 
     def __copy__(self) -> Report:
@@ -288,7 +288,7 @@ class Report:
         return _restored, (self.to_json(), self._native.title)
 
     def __str__(self) -> str:
-        return self._native.text()
+        return self._native.text(False)
 
     def __repr__(self) -> str:
         return f"<symplint.Report: {self.headline}>"

@@ -211,7 +211,7 @@ static void checks(void) {
     /* Faults of the step. */
     user.fault = RETURNS_AT_ONE;
     CHECK(symplint_check(step, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
-    CHECK(strstr(symplint_report_json(report), "The step size h = 2^-3 was left out") != NULL);
+    CHECK(strstr(symplint_report_json(report), "The step size h = 0.125 was left out") != NULL);
     CHECK(strstr(symplint_report_json(report), "the step returned 17") != NULL);
     symplint_report_free(report);
     user.fault = RETURNS;

@@ -181,6 +181,9 @@ pub struct JudgeArgs {
     /// Print only the headline of the verdict
     #[arg(short, long)]
     pub quiet: bool,
+    /// Print every step size and every finding
+    #[arg(long)]
+    pub all: bool,
 }
 
 /// Arguments of `plan`.
@@ -439,9 +442,12 @@ pub struct Shown {
     /// Print the report as JSON on standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
-    /// No progress bar and no table; only the verdict
+    /// No progress bar; print only the headline of the verdict
     #[arg(short, long)]
     pub quiet: bool,
+    /// Print every step size and every finding
+    #[arg(long)]
+    pub all: bool,
     /// Number of threads; all cores if left out. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     pub threads: Option<usize>,

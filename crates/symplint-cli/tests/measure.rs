@@ -441,7 +441,7 @@ fn a_run_folder_holds_everything() {
     ];
     let output = symplint(exchange.path(), &arguments);
     assert_eq!(status(&output), 0);
-    assert!(text(&output.stdout).starts_with("symplectic to 14."));
+    assert!(text(&output.stdout).starts_with("SYMPLECTIC to 14."));
     for name in [
         "report.json",
         "points.csv",

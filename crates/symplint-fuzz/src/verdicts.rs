@@ -3,17 +3,17 @@
 use symplint::{Diagnosis, Evidence};
 use symplint_report::figures::step_sizes;
 use symplint_report::report::{ReportError, read_evidence, to_json};
-use symplint_report::table::{points_table, reasons};
+use symplint_report::text::{Shown, diagnosis_text};
 
 /// Judges evidence, and writes what is found as text, table, figure and JSON.
 pub fn judge_and_write(evidence: Evidence) -> Diagnosis {
     let diagnosis = Diagnosis::of(evidence);
     let verdict = &diagnosis.verdict;
     for width in [None, Some(0), Some(80)] {
-        let _ = reasons(verdict, width);
+        for all in [false, true] {
+            let _ = diagnosis_text("fuzz", &diagnosis, Shown { width, all });
+        }
     }
-    let _ = verdict.summary();
-    let _ = points_table("fuzz", &diagnosis);
     let _ = step_sizes("fuzz", &diagnosis).to_svg();
     let _ = to_json(verdict);
     let _ = read_again(&diagnosis.evidence);

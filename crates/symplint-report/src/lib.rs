@@ -10,11 +10,12 @@
 //! | [`page`] | a report as one page of HTML |
 //! | [`plot`] | parts of figures: axes, series, reference slopes, phase portraits |
 //! | [`figures`] | the figures of a diagnosis, of a trace and of loops from files |
-//! | [`table`] | tables of points and of the steps of a trace, and the text of a verdict |
+//! | [`text`] | a diagnosis as text on one screen |
+//! | [`table`] | tables of the steps of a trace and of names |
 //! | [`report`] | reports as JSON |
 //! | [`provenance`] | where a report comes from: program, processor, date, seeds, files |
 //! | [`run_folder`] | the folder of a run: reports, points and samples as files |
-//! | [`number`] | step sizes as people write them |
+//! | [`number`] | powers of two in figures |
 //! | [`wrap`] | paragraphs wrapped to a width |
 
 pub mod figure;
@@ -26,4 +27,5 @@ pub mod provenance;
 pub mod report;
 pub mod run_folder;
 pub mod table;
+pub mod text;
 pub mod wrap;

@@ -7,18 +7,6 @@ fn exponent(value: f64) -> Option<f64> {
     Some(value.log2()).filter(|exponent| exponent.fract() == 0.0 && *exponent != 0.0)
 }
 
-/// `2^-3` for 0.125; other numbers unchanged.
-pub fn power_of_two(value: f64) -> String {
-    if value < 0.0 {
-        return format!("-{}", power_of_two(-value));
-    }
-    match exponent(value) {
-        Some(exponent) => format!("2^{exponent}"),
-        None if (1e-4..1e6).contains(&value) => format!("{value}"),
-        None => format!("{value:e}"),
-    }
-}
-
 /// `2^-3` for 0.125; three decimals of other numbers, for sentences.
 pub fn short_power(value: f64) -> String {
     match exponent(value) {
@@ -41,14 +29,6 @@ mod tests {
 
     #[test]
     fn powers_and_others() {
-        assert_eq!(power_of_two(0.125), "2^-3");
-        assert_eq!(power_of_two(1024.0), "2^10");
-        assert_eq!(power_of_two(-0.5), "-2^-1");
-        assert_eq!(power_of_two(-0.1), "-0.1");
-        assert_eq!(power_of_two(0.1), "0.1");
-        assert_eq!(power_of_two(1.0), "1");
-        assert_eq!(power_of_two(0.0), "0e0");
-        assert_eq!(power_of_two(f64::INFINITY), "inf");
         assert_eq!(short_power(0.125), "2^-3");
         assert_eq!(short_power(2.0), "2.000");
         assert_eq!(short_power(0.1), "0.100");

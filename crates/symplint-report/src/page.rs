@@ -3,11 +3,11 @@
 use std::fmt::Write;
 
 use symplint::evidence::{Point, Sweep};
-use symplint::verdict::{BoundFinding, Finding, Property, RunFinding};
+use symplint::verdict::step_size_text;
 use symplint::{Diagnosis, Verdict, VerdictKind};
 
-use crate::number::power_of_two;
 use crate::provenance::Provenance;
+use crate::text::by_label;
 
 const STYLE: &str = include_str!("page.css");
 
@@ -104,9 +104,8 @@ impl Page<'_> {
             );
         }
         text += &section("What to do next", &verdict.advice());
-        let cards: String = cards(verdict)
+        let cards: String = by_label(verdict, true)
             .iter()
-            .filter(|(_, sentences)| !sentences.is_empty())
             .map(|(title, sentences)| section(title, sentences))
             .collect();
         let _ = write!(text, "<div class=\"cards\">\n{cards}</div>\n");
@@ -146,47 +145,6 @@ fn header(title: &str, verdict: &Verdict) -> String {
         "<header class=\"{kind}\">\n<h1><span aria-hidden=\"true\">{icon}</span> {headline}</h1>\n<p>{title}</p>\n\
          <p class=\"meaning\">{meaning}</p>\n</header>\n"
     )
-}
-
-/// The other findings by subject.
-fn cards(verdict: &Verdict) -> [(&'static str, Vec<String>); 6] {
-    let [
-        mut loops,
-        mut map,
-        mut location,
-        mut jacobian,
-        mut many,
-        mut open,
-    ] = [const { Vec::new() }; 6];
-    let mut evaluations = Vec::new();
-    for finding in verdict.findings.iter().skip(1) {
-        let subject = match finding {
-            Finding::Bounds(BoundFinding::Resolution { .. }) => &mut open,
-            Finding::Samples(_) | Finding::Breaks(_) | Finding::Changes(_) | Finding::Bounds(_) => {
-                &mut loops
-            }
-            Finding::Domain(_) | Finding::Map(_) => &mut map,
-            Finding::Localisation(_) => &mut location,
-            Finding::Run(RunFinding::Jacobian { .. } | RunFinding::JacobianRefutes) => {
-                &mut jacobian
-            }
-            Finding::Run(RunFinding::ManySteps { .. }) => &mut many,
-            Finding::Run(RunFinding::Evaluations { .. }) => &mut evaluations,
-            _ => &mut open,
-        };
-        subject.push(finding.to_string());
-    }
-    let properties = verdict.properties.iter().filter(|of| !of.implied);
-    map.extend(properties.map(Property::to_string));
-    open.append(&mut evaluations);
-    [
-        ("Loops", loops),
-        ("Jacobian", jacobian),
-        ("Where it comes from", location),
-        ("In many steps", many),
-        ("The map", map),
-        ("Not tested, and cost", open),
-    ]
 }
 
 /// A section of sentences; nothing if there are none.
@@ -233,7 +191,7 @@ fn table(points: &[Point]) -> String {
             k => format!("random {k}"),
         };
         let size = match point.step_size.is_finite() {
-            true => power_of_two(point.step_size),
+            true => step_size_text(point.step_size),
             false => "none".into(),
         };
         let uncertainty = point.quadrature_error.map_or("unknown".into(), |error| {
@@ -347,7 +305,7 @@ mod tests {
         for part in [
             "<header class=\"not-symplectic\">",
             "a &lt;map&gt; &amp; more",
-            "<h2>Likely cause</h2>",
+            "<h2>Cause</h2>",
             "uniform friction",
             "<h2>What to do next</h2>",
             "<h2>Jacobian</h2>",
@@ -366,7 +324,7 @@ mod tests {
     fn a_page_of_a_symplectic_map_has_no_cause() {
         let page = page(0.0);
         assert!(page.contains("<header class=\"symplectic\">"));
-        assert!(!page.contains("Likely cause") && !page.contains("What to do next"));
+        assert!(!page.contains("<h2>Cause") && !page.contains("What to do next"));
     }
 
     #[test]

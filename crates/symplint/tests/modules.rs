@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The modules of this crate, from the ground up: each may import from those before it.
-const MODULES: [&str; 15] = [
+const MODULES: [&str; 16] = [
     "error",
     "signal",
     "state",
@@ -19,6 +19,7 @@ const MODULES: [&str; 15] = [
     "evidence",
     "survey",
     "diagnosis",
+    "request",
     "snapshots",
     "verdict",
 ];

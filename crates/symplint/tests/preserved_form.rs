@@ -269,5 +269,8 @@ fn a_form_that_the_method_makes_is_no_sign_of_wrong_variables() {
     assert_eq!((found.setting, found.digits), (None, None));
     assert!(found.text.contains("falls as h^3"), "{}", found.text);
     let headline = diagnose(&map).verdict.headline();
-    assert_eq!(headline, "not-symplectic, defect of order h^3");
+    assert_eq!(
+        headline,
+        "not symplectic: ∮p·dq changes in proportion to h³"
+    );
 }

@@ -8,14 +8,14 @@ use symplint_config::{Config, System};
 use symplint_report::figures::check_figures;
 use symplint_report::report::Report;
 use symplint_report::run_folder::PointLog;
-use symplint_report::table::{degrees_of_freedom, points_table};
+use symplint_report::table::degrees_of_freedom;
 use symplint_run::{Round, RunError, RunOutput};
 
 use super::plan::say_round;
 use super::run_output;
 use crate::cli::{CheckArgs, Run};
 use crate::failure::Failure;
-use crate::output::{Progress, go_on, say, tell, verdict_text};
+use crate::output::{Progress, diagnosis_text, go_on, say, tell};
 use crate::{provenance, signals};
 
 /// Diagnoses a configuration.
@@ -162,28 +162,25 @@ pub(super) fn diagnose(
     if run.shown.json {
         say(report.to_json())?;
     } else {
-        if !run.shown.quiet {
-            let heading = format!(
-                "{} · {} · {}",
-                config.system.name,
-                config.integrator,
-                degrees_of_freedom(config.map.dof())
-            );
-            let radii = config
-                .radii
-                .as_ref()
-                .map(|(radii, _)| format!(" · {radii}"));
-            let heading = heading + &radii.unwrap_or_default();
-            say(points_table(&heading, &diagnosis))?;
+        let mut title = format!(
+            "{} · {} · {}",
+            config.system.name,
+            config.integrator,
+            degrees_of_freedom(config.map.dof())
+        );
+        if let Some((radii, _)) = &config.radii {
+            title += &format!(" · {radii}");
         }
-        say(verdict_text(&diagnosis.verdict, run.shown.quiet))?;
+        say(diagnosis_text(
+            &title,
+            &diagnosis,
+            (run.shown.quiet, run.shown.all),
+        ))?;
         match &output {
             Some(output) if !run.shown.quiet => {
-                say(format!("\nWritten to {}", output.folder.path().display()))?;
+                say(format!("  Written to {}.", output.folder.path().display()))?;
             }
-            None if !run.shown.quiet => {
-                say("\nAdd --out DIR to write figures, all points and the report.")?;
-            }
+            None if !run.shown.quiet => say("  Figures and the whole report: -o DIR")?,
             _ => {}
         }
     }

@@ -4,13 +4,13 @@ use std::io::Read;
 use std::path::Path;
 use std::process::ExitCode;
 
-use symplint::judge as judge_evidence;
+use symplint::Diagnosis;
 use symplint_report::report::{read_evidence, to_json};
 
 use super::check::exit_status;
 use crate::cli::JudgeArgs;
 use crate::failure::Failure;
-use crate::output::{say, verdict_text};
+use crate::output::{diagnosis_text, say};
 
 /// Reaches the verdict again, from the evidence in a report.
 pub fn judge(arguments: &JudgeArgs) -> Result<ExitCode, Failure> {
@@ -27,13 +27,18 @@ pub fn judge(arguments: &JudgeArgs) -> Result<ExitCode, Failure> {
         path: path.clone(),
         error,
     })?;
-    let verdict = judge_evidence(&evidence);
+    let diagnosis = Diagnosis::of(evidence);
     if arguments.json {
-        say(to_json(&verdict))?;
+        say(to_json(&diagnosis.verdict))?;
     } else {
-        say(verdict_text(&verdict, arguments.quiet))?;
+        let title = path.display().to_string();
+        say(diagnosis_text(
+            &title,
+            &diagnosis,
+            (arguments.quiet, arguments.all),
+        ))?;
     }
-    Ok(exit_status(verdict.kind))
+    Ok(exit_status(diagnosis.verdict.kind))
 }
 
 /// The text of a file; of standard input if it is `-`.

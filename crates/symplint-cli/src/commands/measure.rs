@@ -8,14 +8,14 @@ use symplint_files::loop_file::{LoopFile, is_partner};
 use symplint_report::figures::measure_figures;
 use symplint_report::provenance::Provenance;
 use symplint_report::report::Report;
-use symplint_report::table::{degrees_of_freedom, points_table};
+use symplint_report::table::degrees_of_freedom;
 
 use super::check::exit_status;
 use super::per_dof::{per_dof, spread};
 use super::run_output;
 use crate::cli::MeasureArgs;
 use crate::failure::Failure;
-use crate::output::{say, verdict_text};
+use crate::output::{diagnosis_text, say};
 use crate::provenance;
 
 /// Compares a loop before and after a step of another code.
@@ -82,11 +82,9 @@ pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
     if run.shown.json {
         say(report.to_json())?;
     } else {
-        if !run.shown.quiet {
-            let heading = format!("{title} · {}", degrees_of_freedom(before.states.dof()));
-            say(points_table(&heading, &diagnosis))?;
-        }
-        say(verdict_text(&diagnosis.verdict, run.shown.quiet))?;
+        let heading = format!("{title} · {}", degrees_of_freedom(before.states.dof()));
+        let shown = (run.shown.quiet, run.shown.all);
+        say(diagnosis_text(&heading, &diagnosis, shown))?;
         if let Some(output) = output.as_ref().filter(|_| !run.shown.quiet) {
             say(format!("\nWritten to {}", output.folder.path().display()))?;
         }

@@ -10,4 +10,4 @@ pub use failure_message::failure_message;
 pub use go_on::go_on;
 pub use progress::Progress;
 pub use say::{say, tell};
-pub use terminal::{verdict_text, width};
+pub use terminal::{diagnosis_text, width};

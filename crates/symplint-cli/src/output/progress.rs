@@ -2,7 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use symplint::diagnosis::Event;
-use symplint_report::number::power_of_two;
+use symplint::verdict::step_size_text;
 
 /// A progress bar that may be hidden.
 pub struct Progress {
@@ -49,7 +49,7 @@ impl Progress {
             Event::Planned(more) => self.plan(more),
             Event::Measured(point) => {
                 if point.step_size.is_finite() {
-                    let message = format!("h = {}", power_of_two(point.step_size));
+                    let message = format!("h = {}", step_size_text(point.step_size));
                     self.bar.set_message(message);
                 }
                 self.step();

@@ -1,8 +1,8 @@
 //! The width of the terminal, and colours.
 
 use anstyle::{AnsiColor, Style};
-use symplint::{Verdict, VerdictKind};
-use symplint_report::table::reasons;
+use symplint::{Diagnosis, Verdict, VerdictKind};
+use symplint_report::text;
 use terminal_size::{Width, terminal_size_of};
 
 /// Longer lines are hard to read.
@@ -19,18 +19,31 @@ pub fn width() -> Option<usize> {
     width.map(|width: usize| width.min(WIDEST))
 }
 
-/// The verdict with its headline in colour, and its reasons unless `short`.
-pub fn verdict_text(verdict: &Verdict, short: bool) -> String {
+/// A diagnosis with its headline in colour; the headline alone if little is to be shown.
+pub fn diagnosis_text(title: &str, diagnosis: &Diagnosis, (quiet, all): (bool, bool)) -> String {
+    let headline = headline(&diagnosis.verdict);
+    if quiet {
+        return headline;
+    }
+    let shown = text::Shown {
+        width: width(),
+        all,
+    };
+    format!(
+        "{headline}\n{}",
+        text::diagnosis_text(title, diagnosis, shown)
+    )
+}
+
+/// The headline of a verdict, with the answer in capitals.
+fn headline(verdict: &Verdict) -> String {
     let color = match verdict.kind {
         VerdictKind::Symplectic => AnsiColor::Green,
         VerdictKind::NotSymplectic | VerdictKind::BrokenLoops => AnsiColor::Red,
         VerdictKind::Undecided => AnsiColor::Yellow,
     };
     let style = Style::new().bold().fg_color(Some(color.into()));
-    let headline = format!("{style}{}{style:#}", verdict.headline());
-    if short {
-        headline
-    } else {
-        format!("{headline}\n{}", reasons(verdict, width()))
-    }
+    let (words, headline) = (verdict.kind.words(), verdict.headline());
+    let rest = headline.strip_prefix(words).unwrap_or(&headline);
+    format!("{style}{}{rest}{style:#}", words.to_uppercase())
 }

@@ -272,7 +272,7 @@ fn one_bad_step_size_is_named_and_the_others_are_measured() {
         let text = said(&output);
         assert_eq!(output.status.code(), Some(0), "{behaviour}: {text}");
         assert!(
-            text.contains("The step size h = 2^-3 was left out"),
+            text.contains("The step size h = 0.125 was left out"),
             "{text}"
         );
         for reason in reasons {

@@ -327,13 +327,13 @@ fn output_wraps_to_the_terminal() {
             assert!(width <= 80, "{arguments:?}: {width} characters: {line}");
         }
     }
-    // Evidence has a hanging indent.
+    // Findings have a hanging indent.
     let lines = widths("60", &["check", &pendulum]);
     let first = lines
         .iter()
-        .position(|(_, line)| line.starts_with("  · "))
+        .position(|(_, line)| line.starts_with("  Jacobian  "))
         .unwrap();
-    assert!(lines[first + 1].1.starts_with("    "), "{lines:?}");
+    assert!(lines[first + 1].1.starts_with(&" ".repeat(14)), "{lines:?}");
     assert!(
         lines[first..].iter().all(|(width, _)| *width <= 60),
         "{lines:?}"
@@ -344,7 +344,7 @@ fn output_wraps_to_the_terminal() {
 #[test]
 fn sentences_stay_whole_in_a_pipe() {
     let said = text(&symplint(&["check", &example("absolute-value.toml")]).stdout);
-    let is_sentence = |line: &&str| line.starts_with("  · ") || line.starts_with("The map");
+    let is_sentence = |line: &&str| line.starts_with("  Breaks") || line.starts_with("The map");
     assert!(
         said.lines()
             .filter(is_sentence)

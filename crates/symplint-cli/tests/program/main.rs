@@ -52,7 +52,7 @@ fn the_first_command_of_the_readme() {
     let output = symplint(&["check", &example("pendulum.toml")]);
     assert_eq!(output.status.code(), Some(0));
     let said = text(&output.stdout);
-    assert!(said.contains("symplectic to 14"), "{said}");
+    assert!(said.contains("SYMPLECTIC to 14"), "{said}");
     assert!(said.lines().count() < 28, "a screen holds it:\n{said}");
     assert!(!said.contains('\u{1b}'), "no colours in a pipe");
 }
@@ -168,7 +168,7 @@ fn broken_loops_and_undecided_have_their_own_status() {
         (output.status.code(), text(&output.stdout).trim()),
         (
             Some(1),
-            "broken-loops (conserved once breaks are closed), defect of order h^2"
+            "BROKEN LOOPS: ∮p·dq is conserved once breaks are closed"
         )
     );
     // Runge and Kutta's method at small steps: a larger one shows its defect.
@@ -183,7 +183,7 @@ fn broken_loops_and_undecided_have_their_own_status() {
     ]);
     assert_eq!(
         (output.status.code(), text(&output.stdout).trim()),
-        (Some(3), "undecided")
+        (Some(3), "UNDECIDED")
     );
 }
 
@@ -201,7 +201,7 @@ fn a_map_without_a_step_size_has_no_column_of_them() {
         "{said}{}",
         text(&output.stderr)
     );
-    assert!(said.contains("the map, pseudospectral rule"), "{said}");
+    assert!(said.contains("by the map (pseudospectral rule)"), "{said}");
     assert!(
         !said.contains("step size") && !said.contains("h ="),
         "{said}"
@@ -427,12 +427,18 @@ fn verdict(name: &str, settings: &[&str]) -> (i32, String) {
 /// What the comments of the examples say.
 #[test]
 fn examples_of_mechanics_have_their_verdicts() {
-    let of_order = |order: u32| (1, format!("not-symplectic, defect of order h^{order}"));
+    let of_order = |order: usize| {
+        let law = ["", "h", "h²", "h³", "h⁴", "h⁵", "h⁶", "h⁷"][order];
+        (
+            1,
+            format!("NOT SYMPLECTIC: ∮p·dq changes in proportion to {law}"),
+        )
+    };
     let symplectic = |name: &str, settings: &[&str]| {
         let (status, said) = verdict(name, settings);
         assert_eq!(status, 0, "{name} {settings:?}: {said}");
         assert!(
-            said.starts_with("symplectic to 1"),
+            said.starts_with("SYMPLECTIC to 1"),
             "{name} {settings:?}: {said}"
         );
     };
@@ -493,7 +499,10 @@ fn examples_of_mechanics_have_their_verdicts() {
 
 #[test]
 fn examples_of_given_maps_have_their_verdicts() {
-    let of_first_order = (1, "not-symplectic, defect of order h^1".to_owned());
+    let of_first_order = (
+        1,
+        "NOT SYMPLECTIC: ∮p·dq changes in proportion to h".to_owned(),
+    );
     assert_eq!(verdict("henon-map.toml", &[]).0, 0);
     let contracted = verdict("henon-map.toml", &["system.contraction=0.9"]);
     assert_eq!(contracted, of_first_order);

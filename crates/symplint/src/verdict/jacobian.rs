@@ -358,7 +358,7 @@ mod tests {
         let below = Agreement::BelowBoundOfLoops { bound: 1e-11 };
         use VerdictKind::{BrokenLoops, NotSymplectic, Symplectic, Undecided};
         let cases = [
-            (Symplectic, &symplectic, Agreement::Symplectic, "symplectic"),
+            (Symplectic, &symplectic, Agreement::Symplectic, "agree."),
             (Symplectic, &not, Agreement::HiddenFromLoops, "symmetry"),
             (Symplectic, &of(5e-12), below, "not above it"),
             (
@@ -371,20 +371,15 @@ mod tests {
                 BrokenLoops,
                 &symplectic,
                 Agreement::BreaksAlone,
-                "almost everywhere",
+                "see jumps",
             ),
             (
                 BrokenLoops,
                 &not,
                 Agreement::NotSymplecticBetweenBreaks,
-                "between degrees of freedom 1 and 4",
+                "between (q[1], p[1]) and (q[4], p[4])",
             ),
-            (
-                NotSymplectic,
-                &not,
-                Agreement::NotSymplectic,
-                "not symplectic",
-            ),
+            (NotSymplectic, &not, Agreement::NotSymplectic, "agree."),
             (NotSymplectic, &symplectic, hidden, "between the points"),
             (
                 NotSymplectic,

@@ -81,15 +81,26 @@ pub struct Verdict {
 /// A setting with more letters is not part of a headline. Conventional.
 const LONGEST_SETTING: usize = 60;
 
+impl VerdictKind {
+    /// The answer in words: `not symplectic`.
+    pub fn words(self) -> &'static str {
+        match self {
+            VerdictKind::Symplectic => "symplectic",
+            VerdictKind::BrokenLoops => "broken loops",
+            VerdictKind::NotSymplectic => "not symplectic",
+            VerdictKind::Undecided => "undecided",
+        }
+    }
+}
+
 impl Verdict {
-    /// The answer in a few words: `symplectic to 14.2 digits`, `not-symplectic, defect of order h^3`.
+    /// The answer in a few words: `symplectic to 14.2 digits`, `not symplectic: ∮p·dq changes in proportion to h³`.
     pub fn headline(&self) -> String {
-        let mut text = self.kind.to_string();
+        let mut text = self.kind.words().to_owned();
         if let Some(cause) = &self.cause
             && let (Some(digits), Some(setting)) = (cause.digits, &cause.setting)
         {
             let setting = match setting.chars().count() > LONGEST_SETTING {
-                true if cause.kind == CauseKind::VelocitiesForMomenta => "other weights",
                 true if cause.kind == CauseKind::VelocitiesForMomenta => "other weights",
                 true => "another form",
                 false => setting,
@@ -101,20 +112,28 @@ impl Verdict {
         if let Some(digits) = self.digits {
             text += &format!(" to {digits} digits");
         }
-        if self.conserved_once_closed == Some(true) {
-            let straight = |finding: &Finding| {
-                matches!(
-                    finding,
-                    Finding::Breaks(BreakFinding::ClosedConserved { straight: true, .. })
-                )
-            };
-            text += match self.findings.iter().any(straight) {
-                true => " (conserved once breaks are closed by straight chords)",
-                false => " (conserved once breaks are closed)",
-            };
-        }
-        if let Some(order) = self.order {
-            text += &format!(", defect of order h^{order}");
+        match (self.kind, self.conserved_once_closed, self.order) {
+            (VerdictKind::NotSymplectic, _, None) => text += ": ∮p·dq changes",
+            (VerdictKind::NotSymplectic, _, Some(order)) => {
+                let law = number::power_of_h(order);
+                text += &format!(": ∮p·dq changes in proportion to {law}");
+            }
+            (VerdictKind::BrokenLoops, Some(true), _) => {
+                let straight = |finding: &Finding| {
+                    matches!(
+                        finding,
+                        Finding::Breaks(BreakFinding::ClosedConserved { straight: true, .. })
+                    )
+                };
+                text += match self.findings.iter().any(straight) {
+                    true => ": ∮p·dq is conserved once breaks are closed by straight chords",
+                    false => ": ∮p·dq is conserved once breaks are closed",
+                };
+            }
+            (VerdictKind::BrokenLoops, Some(false), _) => {
+                text += ": ∮p·dq changes even with the breaks closed";
+            }
+            _ => {}
         }
         text
     }
@@ -141,7 +160,7 @@ impl Verdict {
 
 impl std::fmt::Display for Verdict {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}: {}", self.headline(), self.summary())
+        write!(f, "{}. {}", self.headline(), self.summary())
     }
 }
 

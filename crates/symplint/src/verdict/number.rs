@@ -1,16 +1,34 @@
 //! Numbers and names as sentences write them.
 
-/// A step size as people read it: `2^-3`, or with six decimals; very small and large ones with four digits.
+/// A step size as people write it: all digits if it has four at most, and three of any other.
 pub fn size(h: f64) -> String {
-    let exponent = h.abs().log2();
-    if exponent.fract() == 0.0 && h.abs() != 1.0 {
-        let sign = if h < 0.0 { "-" } else { "" };
-        return format!("{sign}2^{exponent}");
-    }
+    let rounded = |text: String| text.parse().unwrap_or(h);
+    let four: f64 = rounded(format!("{h:.3e}"));
+    let shown = match four == h {
+        true => four,
+        false => rounded(format!("{h:.2e}")),
+    };
     match h.abs() {
-        0.001..1000.0 => format!("{}", (h * 1e6).round() / 1e6),
-        _ => format!("{h:.3e}"),
+        0.0 | 1e-4..1e6 => format!("{shown}"),
+        _ => format!("{shown:e}"),
     }
+}
+
+/// `h³` for 3, `h` for 1.
+pub(super) fn power_of_h(order: f64) -> String {
+    if order == 1.0 {
+        return "h".into();
+    }
+    let digits = format!("{order}");
+    let raised = digits.chars().map(|digit| match digit {
+        '-' => '⁻',
+        '.' => '·',
+        '0'..='9' => {
+            ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize - '0' as usize]
+        }
+        other => other,
+    });
+    format!("h{}", raised.collect::<String>())
 }
 
 /// Two digits, and no exponent where none is needed.
@@ -72,15 +90,15 @@ pub(super) fn capitalised(text: &str) -> String {
     })
 }
 
-/// The coordinates that jump: the other one is left out where its jump is a thousandth.
-pub(super) fn jumping(jump_q: f64, jump_p: f64) -> &'static str {
+/// The coordinates that jump: the other one is left out if its jump is a thousandth.
+pub(super) fn jumping(dof: usize, jump_q: f64, jump_p: f64) -> String {
     let (q, p) = (jump_q.abs(), jump_p.abs());
     if q > 1e3 * p {
-        "q"
+        format!("q[{dof}] jumps")
     } else if p > 1e3 * q {
-        "p"
+        format!("p[{dof}] jumps")
     } else {
-        "(q, p)"
+        format!("q[{dof}] and p[{dof}] jump")
     }
 }
 
@@ -89,18 +107,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_are_powers_of_two_decimals_or_four_digits() {
+    fn sizes_have_four_digits_or_three() {
         for (h, text) in [
-            (0.125, "2^-3"),
-            (-0.125, "-2^-3"),
+            (0.125, "0.125"),
+            (-0.125, "-0.125"),
             (1.0, "1"),
-            (0.1, "0.1"),
-            (123.456, "123.456"),
-            (9.87654321e-4, "9.877e-4"),
-            (1000.5, "1.000e3"),
+            (2f64.powi(-5), "0.03125"),
+            (2f64.powi(-10), "0.000977"),
+            (1.0 / 3.0, "0.333"),
+            (123.456, "123"),
+            (86400.0, "86400"),
+            (9.87654321e-5, "9.88e-5"),
+            (2e7, "2e7"),
         ] {
             assert_eq!(size(h), text);
         }
+        assert_eq!([1.0, 2.0, 13.0].map(power_of_h), ["h", "h²", "h¹³"]);
     }
 
     #[test]
@@ -121,9 +143,9 @@ mod tests {
 
     #[test]
     fn a_coordinate_whose_jump_is_a_thousandth_is_left_out() {
-        assert_eq!(jumping(-1.0, 9e-4), "q");
-        assert_eq!(jumping(9e-4, -1.0), "p");
-        assert_eq!(jumping(2e-3, 1.0), "(q, p)");
-        assert_eq!(jumping(1.0, 2e-3), "(q, p)");
+        assert_eq!(jumping(2, -1.0, 9e-4), "q[2] jumps");
+        assert_eq!(jumping(2, 9e-4, -1.0), "p[2] jumps");
+        assert_eq!(jumping(0, 2e-3, 1.0), "q[0] and p[0] jump");
+        assert_eq!(jumping(0, 1.0, 2e-3), "q[0] and p[0] jump");
     }
 }

@@ -124,8 +124,8 @@ impl Cause {
     /// What its text is about, as a heading: a likely cause, or that other variables do not help.
     pub fn heading(&self) -> &'static str {
         match self.kind {
-            CauseKind::NoForm => "Other variables",
-            _ => "Likely cause",
+            CauseKind::NoForm => "Variables",
+            _ => "Cause",
         }
     }
 

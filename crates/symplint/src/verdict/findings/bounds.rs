@@ -117,13 +117,13 @@ impl Display for BoundFinding {
                 match given {
                     true => write!(
                         f,
-                        "No defect above {bound:.1e} on the given loop{range}{}{}",
+                        "No change above {bound:.1e}: on the given loop{range}{}{}",
                         but_failed(*failed),
                         random_loops(*random, range)
                     )?,
                     false => write!(
                         f,
-                        "No defect above {bound:.1e} on {random} random loop{}{range}{}; the given one winds round a \
+                        "No change above {bound:.1e}: on {random} random loop{}{range}{}; the given one winds round a \
                          period",
                         plural(*random),
                         but_failed(*failed)
@@ -132,7 +132,7 @@ impl Display for BoundFinding {
                 if let Some([q, p]) = radii {
                     write!(
                         f,
-                        ": on loops with radii up to {} in q and {} in p",
+                        ", with radii up to {} in q and {} in p",
                         short(*q),
                         short(*p)
                     )?;
@@ -179,7 +179,7 @@ impl Display for BoundFinding {
             ),
             BoundFinding::Resolution { samples } => write!(
                 f,
-                "Features narrower than 1/{samples} of the loop are not resolved."
+                "Other regions of phase space, and details finer than 1/{samples} of a loop, were not tested."
             ),
             BoundFinding::MovesRest { loop_index } => write!(
                 f,
@@ -228,8 +228,8 @@ fn random_loops(count: usize, range: &StepRange) -> String {
     };
     match count {
         0 => String::new(),
-        1 => format!(", nor on a random one{high}"),
-        others => format!(", nor on {others} random ones{high}"),
+        1 => format!(", and on a random one{high}"),
+        others => format!(", and on {others} random ones{high}"),
     }
 }
 

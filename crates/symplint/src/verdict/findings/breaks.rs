@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Change, Step, plural};
 use crate::breaks::Break;
-use crate::verdict::number::{capitalised, jumping, loop_name};
+use crate::verdict::number::{capitalised, jumping, loop_name, two_digits};
 
 /// Broken loops.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -83,10 +83,8 @@ impl Display for BreakFinding {
                 };
                 write!(
                     f,
-                    "The map is discontinuous, as far as double precision can tell: {} of degree of freedom {} \
-                     jumps at s = {:.12}.{closed}",
-                    jumping(jump.jump_q, jump.jump_p),
-                    jump.dof,
+                    "The map is discontinuous, as far as double precision can tell: {} at s = {:.6}.{closed}",
+                    jumping(jump.dof, jump.jump_q, jump.jump_p),
                     jump.s
                 )
             }
@@ -158,14 +156,13 @@ fn fmt_jump(
     });
     write!(
         f,
-        "{} {} breaks{times}; the largest jump, {:.3e} in q and {:.3e} in p of degree of freedom {}, is at \
-         s = {:.15}",
+        "{} {} breaks{times}; the largest jump, by {} in q[{dof}] and {} in p[{dof}], is at s = {:.15}",
         capitalised(&step.to_string()),
         loop_name(loop_index),
-        jump.jump_q,
-        jump.jump_p,
-        jump.dof,
-        jump.s
+        two_digits(jump.jump_q),
+        two_digits(jump.jump_p),
+        jump.s,
+        dof = jump.dof
     )?;
     match jump.substep {
         Some(substep) => write!(
@@ -188,8 +185,11 @@ fn by_chords(straight: bool) -> &'static str {
 fn fmt_sampled_jump(f: &mut Formatter<'_>, step: &Step, jump: &Break) -> Result {
     write!(
         f,
-        "The largest jump {step}, in degree of freedom {} near s = {:.6}, is {:.3e} in q and {:.3e} in p, \
-         with every sample as with every second and every fourth.",
-        jump.dof, jump.s, jump.jump_q, jump.jump_p
+        "The largest jump {step}, near s = {:.6}, is {} in q[{dof}] and {} in p[{dof}], with every sample as with every \
+         second and every fourth.",
+        jump.s,
+        two_digits(jump.jump_q),
+        two_digits(jump.jump_p),
+        dof = jump.dof
     )
 }

@@ -5,7 +5,7 @@ use std::fmt::{Display, Formatter, Result};
 use serde::Serialize;
 
 use super::{Change, Step, degrees_of_freedom};
-use crate::verdict::number::{capitalised, loop_name, size};
+use crate::verdict::number::{capitalised, loop_name, power_of_h, size, two_digits};
 use crate::verdict::order::Fit;
 
 /// Loop integrals that change, and how the change depends on the step size.
@@ -105,7 +105,8 @@ impl Display for ChangeFinding {
                 let law = fit.as_ref().map_or(String::new(), |fit| format!(", {}", law(fit)));
                 write!(
                     f,
-                    "The map changes a loop integral by {defect:.1e} {step}{law}."
+                    "The map changes a loop integral by {} {step}{law}.",
+                    two_digits(*defect)
                 )
             }
             ChangeFinding::Significant {
@@ -114,8 +115,7 @@ impl Display for ChangeFinding {
                 step,
             } => write!(
                 f,
-                "The relative change of the integral of {} {step} is {:+.3e}; quadrature error and round-off are \
-                 below {:.1e}.",
+                "The integral of {} {step} changes by {:+.3e}, relative to its value; the uncertainty is {:.1e}.",
                 loop_name(*loop_index),
                 change.signed,
                 change.uncertainty.unwrap_or(f64::INFINITY)
@@ -143,7 +143,7 @@ impl Display for ChangeFinding {
                 });
                 write!(
                     f,
-                    "The defect of {what} goes as h^({:.3} ± {:.3}){constant} between h = {} and h = {}.",
+                    "The defect of {what} goes as h^({:.2} ± {:.2}){constant} between h = {} and h = {}.",
                     fit.slope,
                     fit.uncertainty,
                     size(fit.from),
@@ -203,17 +203,17 @@ impl Display for ChangeFinding {
     }
 }
 
-/// `falling as h^3`.
+/// `in proportion to h³`.
 fn law(fit: &Fit) -> String {
     let to = fit.constant.map_or(String::new(), |constant| {
         format!(" to a constant part of {constant:+.1e}")
     });
     match fit.whole() {
-        Some(order) => format!("falling as h^{order}{to}"),
-        None => format!(
-            "falling about as h^{:.1} in the range that was tried",
-            fit.slope
-        ),
+        Some(order) if fit.constant.is_none() => {
+            format!("in proportion to {}", power_of_h(order))
+        }
+        Some(order) => format!("falling as {}{to}", power_of_h(order)),
+        None => format!("about as h^{:.1} in the range that was tried", fit.slope),
     }
 }
 

@@ -18,7 +18,7 @@ impl Display for JacobianFinding {
         };
         write!(
             f,
-            " is {}{of_loop} ({}). {}",
+            " {}{of_loop} ({}). {}",
             self.verdict, self.method, self.agreement
         )?;
         match self.verdict {
@@ -37,21 +37,21 @@ impl Display for JacobianVerdict {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             JacobianVerdict::SymplecticAlmostEverywhere { digits } => {
-                write!(f, "symplectic almost everywhere to {digits} digits")
+                write!(f, "satisfies MᵀJM = J to {digits} digits")
             }
             JacobianVerdict::NotSymplectic { worst } => {
                 write!(
                     f,
-                    "not symplectic by {:.3e} ± {:.1e} at s = {:.6}",
+                    "violates MᵀJM = J by {:.3e} ± {:.1e} at s = {:.6}",
                     worst.signed, worst.uncertainty, worst.s
                 )?;
                 match worst.dofs {
                     None => Ok(()),
-                    Some((i, j)) if i == j => write!(f, ", in degree of freedom {i}"),
-                    Some((i, j)) => write!(f, ", between degrees of freedom {i} and {j}"),
+                    Some((i, j)) if i == j => write!(f, ", in q[{i}] and p[{i}]"),
+                    Some((i, j)) => write!(f, ", between (q[{i}], p[{i}]) and (q[{j}], p[{j}])"),
                 }
             }
-            JacobianVerdict::Undecided { reason } => write!(f, "undecided: {reason}"),
+            JacobianVerdict::Undecided { reason } => write!(f, "does not decide: {reason}"),
         }
     }
 }
@@ -92,8 +92,8 @@ impl Display for Inconclusive {
 impl Display for Agreement {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         f.write_str(match self {
-            Agreement::Symplectic => "Loops and Jacobian agree: symplectic.",
-            Agreement::NotSymplectic => "Loops and Jacobian agree: not symplectic.",
+            Agreement::Symplectic => "Loops and Jacobian agree.",
+            Agreement::NotSymplectic => "Loops and Jacobian agree.",
             Agreement::NotSymplecticBetweenBreaks => {
                 "Loops and Jacobian agree that the map is not symplectic: it is discontinuous, and it does \
                  not conserve the form between its jumps either."

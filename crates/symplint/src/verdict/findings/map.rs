@@ -7,8 +7,9 @@ use serde::Serialize;
 use super::Step;
 use crate::evidence::{
     Motion, OutputFormat, OutputPrecision, Reach, Scatter, ScatterKind, WrongPeriod,
+    defect_of_order_4,
 };
-use crate::verdict::number::{capitalised, short, size};
+use crate::verdict::number::{capitalised, one_digit, short, size};
 
 /// The action of the map on states, apart from loop integrals.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -146,6 +147,9 @@ pub(in crate::verdict) fn roughness(exponent: f64) -> Option<&'static str> {
     }
 }
 
+/// The defect of a method of order 4 is the first term of a series, which holds up to about this phase advance.
+const MOST_OF_THE_SERIES: f64 = 1.0;
+
 fn moves(f: &mut Formatter<'_>, motion: &Motion, has_step_size: bool) -> Result {
     let subject = match has_step_size {
         true => "The largest step",
@@ -164,7 +168,15 @@ fn moves(f: &mut Formatter<'_>, motion: &Motion, has_step_size: bool) -> Result 
             f,
             "{subject} advances the motions on a loop by {} rad.",
             short(motion.phase_advance)
-        )
+        )?;
+        match has_step_size && motion.phase_advance <= MOST_OF_THE_SERIES {
+            true => write!(
+                f,
+                " A Runge–Kutta method of order 4 would change its integral by about {}.",
+                one_digit(defect_of_order_4(motion.phase_advance))
+            ),
+            false => Ok(()),
+        }
     }
 }
 

@@ -54,6 +54,50 @@ pub enum Finding {
     Run(RunFinding),
 }
 
+impl Finding {
+    /// Whether it is the bound on the change of one loop.
+    pub fn is_bound(&self) -> bool {
+        matches!(self, Finding::Bounds(BoundFinding::Bound { .. }))
+    }
+
+    /// What it is about, in one or two words: reports print findings under these words.
+    pub fn label(&self) -> &'static str {
+        match self {
+            Finding::Samples(_) => "Samples",
+            Finding::Breaks(_) => "Breaks",
+            Finding::Changes(ChangeFinding::Law { .. } | ChangeFinding::OrdersDiffer { .. }) => {
+                "Order"
+            }
+            Finding::Changes(ChangeFinding::Significant { .. }) => "Largest",
+            Finding::Changes(ChangeFinding::Exact { .. } | ChangeFinding::NotExact { .. }) => {
+                "Winding"
+            }
+            Finding::Bounds(BoundFinding::Group { .. }) => "Groups",
+            Finding::Bounds(
+                BoundFinding::Resolution { .. }
+                | BoundFinding::NoRandomLoop
+                | BoundFinding::LoopFailed { .. },
+            )
+            | Finding::Run(RunFinding::Omitted { .. }) => "Not tested",
+            Finding::Changes(_) | Finding::Bounds(_) => "Loops",
+            Finding::Domain(_) => "Domain",
+            Finding::Map(
+                MapFinding::Moves { .. }
+                | MapFinding::Beyond { .. }
+                | MapFinding::LittleMotion { .. },
+            ) => "Strictness",
+            Finding::Map(
+                MapFinding::Precision(_) | MapFinding::SingleInside | MapFinding::Scatter(_),
+            ) => "Precision",
+            Finding::Map(_) => "Map",
+            Finding::Localisation(_) => "Location",
+            Finding::Run(RunFinding::ManySteps { .. }) => "Many steps",
+            Finding::Run(RunFinding::Evaluations { .. }) => "Cost",
+            Finding::Run(_) => "Jacobian",
+        }
+    }
+}
+
 impl Display for Finding {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
