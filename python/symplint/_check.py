@@ -480,8 +480,7 @@ def assert_symplectic(
     >>> symplint.assert_symplectic(with_friction, 1.0, 0.5)
     Traceback (most recent call last):
         ...
-    symplint.NotSymplecticError: with_friction is not symplectic: not-symplectic, defect of order h^1
-    The map changes a loop integral by 5.0e-3 at h = 2^-1, falling as h^1.
+    symplint.NotSymplecticError: with_friction is not symplectic: The map changes a loop integral by 0.005 at h = 0.5, in proportion to h.
     ...
     """
     __tracebackhide__ = True

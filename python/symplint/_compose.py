@@ -84,7 +84,7 @@ def compose(*parts: Part) -> Composition:
     >>> step = symplint.compose(("drift", drift), ("kick", kick), ("friction", friction))
     >>> report = symplint.check(step, [1.0], [0.5])
     >>> next(sentence for sentence in report.sentences if "substeps" in sentence).split(";")[0]
-    'Of the 3 substeps at h = 2^-1, substep 3 (friction) changes the loop integral by -5.00e-3'
+    'Of the 3 substeps at h = 0.5, substep 3 (friction) changes the loop integral by -5.00e-3'
     """
     if not parts:
         raise InputError("there is no part; give pairs of a name and a function")

@@ -124,7 +124,7 @@ def test_numbers_that_are_not_finite(value):
     assert 0.0 < caught.value.s < 0.5 and caught.value.sample is not None
     # The other step size is not lost.
     assert sorted({float(point["step_size"]) for point in caught.value.report.points}) == [0.5]
-    assert "h = 2^-2 was left out" in str(caught.value.report)
+    assert "h = 0.25 was left out" in " ".join(str(caught.value.report).split())
 
 
 def test_a_factory_that_fails():
@@ -333,10 +333,10 @@ def test_steps_backwards_keep_their_sign():
         return q, (1 - 0.01 * h) * p
 
     backwards = {"step_sizes": [-0.5, -0.25, -0.125, -0.0625]}
-    for step, words in ((verlet, "for h from -2^-1 to -2^-4"), (damped, "between h = -2^-4 and h = -2^-1")):
-        text = str(symplint.check(step, 1.0, 0.5, **backwards)).replace("\n    ", " ").replace("\n", " ")
+    for step, words in ((verlet, "for h from -0.5 to -0.0625"), (damped, "between h = -0.0625 and h = -0.5")):
+        text = " ".join(str(symplint.check(step, 1.0, 0.5, **backwards)).split())
         assert words in text, text
-        assert "h = 2^" not in text and "from 2^" not in text and "to 2^" not in text, text
+        assert "h = 0." not in text and "from 0." not in text and "to 0." not in text, text
 
 
 def test_checks_on_several_threads_and_within_each_other():
@@ -505,7 +505,7 @@ def test_the_message_of_a_failed_assertion():
     assert isinstance(error, AssertionError) and isinstance(error, symplint.SymplintError)
     assert error.report.kind == "not-symplectic"
     # What failed, by how much, where, and with which order.
-    for part in ("leaky is not symplectic", "5.0e-3", "h = 2^-1", "order h^1"):
+    for part in ("leaky is not symplectic", "0.005", "h = 0.5", "in proportion to h"):
         assert part in str(error)
 
     with pytest.raises(symplint.NotSymplecticError, match="to .* digits only, not to 17"):

@@ -66,7 +66,7 @@ LEAVES = [{"casimir": squared}, {"casimir": [squared]}, {"project": on_sphere}, 
 def test_on_its_leaf_a_rigid_body_is_symplectic(leaf):
     report = symplint.check(splitting, CENTRE, radius=0.2, form=form, **leaf)
     assert report.kind == "symplectic" and report.digits > 12.0, report
-    assert "Loops and Jacobian agree" in str(report)
+    assert any("Loops and Jacobian agree" in text for text in report.sentences)
     given = symplint.check(splitting, CENTRE, loop=loop_on_leaf, form=form, **leaf)
     assert given.kind == "symplectic" and given.digits > 12.0, given
 
@@ -76,7 +76,7 @@ def test_on_its_leaf_a_rigid_body_is_symplectic(leaf):
 def test_on_its_leaf_a_map_that_is_not_symplectic_is_convicted(step, leaf):
     report = symplint.check(step, CENTRE, radius=0.2, form=form, **leaf)
     assert report.kind == "not-symplectic", report
-    assert "Loops and Jacobian agree" in str(report)
+    assert any("Loops and Jacobian agree" in text for text in report.sentences)
 
 
 @pytest.mark.parametrize("step", [splitting, midpoint_on_sphere, damped_spin])

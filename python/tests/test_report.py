@@ -42,9 +42,8 @@ def test_points_are_those_of_the_json(report):
 
 def test_texts(report):
     text = str(report)
-    assert text.startswith("midpoint · 1 degree of freedom")
-    assert "2^-4" in text and report.headline in text and "not-symplectic, defect of order h^3" in text
-    assert repr(report) == "<symplint.Report: not-symplectic, defect of order h^3>"
+    assert text.startswith(report.headline) and "\nmidpoint · 1 degree of freedom\n" in text and "0.0625" in text
+    assert repr(report) == "<symplint.Report: not symplectic: ∮p·dq changes in proportion to h³>"
     assert all(len(line) <= 100 for line in text.splitlines())
 
 

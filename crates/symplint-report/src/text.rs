@@ -281,7 +281,7 @@ mod tests {
                 all: false,
             };
             let text = diagnosis_text("step", &diagnosis, shown);
-            assert!(text.lines().count() <= 30, "{text}");
+            assert!(text.lines().count() <= 36, "{text}");
             assert!(
                 text.lines().all(|line| line.chars().count() <= 80),
                 "{text}"

@@ -350,12 +350,8 @@ fn sentences_stay_whole_in_a_pipe() {
             .filter(is_sentence)
             .any(|line| line.chars().count() > 100)
     );
-    assert!(
-        said.lines()
-            .all(|line| !line.starts_with("    ") || line.contains('e')),
-        "{said}"
-    );
-    let table = said.lines().take_while(|line| !line.is_empty());
+    let below = (said.lines()).skip_while(|line| !line.starts_with("  Relative change"));
+    let table = below.take_while(|line| !line.is_empty());
     assert!(
         table.into_iter().all(|line| line.chars().count() <= 80),
         "{said}"
