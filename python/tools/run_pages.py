@@ -1,0 +1,302 @@
+"""Runs the code of README.md and of the book, and compares its output with the output in the pages.
+
+    python python/tools/run_pages.py                 all pages: report every difference
+    python python/tools/run_pages.py --write         replace outputs that differ
+    python python/tools/run_pages.py docs/faq.md     one page
+
+Each page runs from its beginning in an empty folder, which has a link `examples` to the examples of the repository.
+
+* A block of `sh` runs in bash with the program `symplint` on the path. A block of `python` runs in the interpreter of this script;
+  all Python blocks of a page share their variables.
+* A block of `text` after such a block is its output. A block without output has no block of `text` after it.
+* `<!-- table: COMMAND -->` and `<!-- /table -->` enclose Markdown that a command writes.
+
+Words after the language of a block are settings. GitHub and mdBook do not show them:
+
+    exit=1          the exit status of the last command; 0 by default
+    file=NAME       do not run the block but write it to this file
+    source=PATH     do not run the block; it has to be equal to this file of the repository, and is written to the page's folder
+    needs=A,B       skip the block if a program on the path, `python:MODULE`, `library` (the C interface) or a file in `target/` is missing
+    as=COMMAND      run this command instead, which has the same effect here
+    picture=A:B     the block writes a picture A, which the page shows as B
+    run=no          do not run the block; another step of .ci/run runs the same command
+    head=N          of a block of text: the first N lines of the output, then a line with "…"
+    grep=TEXT       of a block of text: the lines of the output that contain TEXT
+
+The program is target/release/symplint, or the program that the variable SYMPLINT names.
+"""
+
+from __future__ import annotations
+
+import argparse
+import concurrent.futures
+import contextlib
+import dataclasses
+import difflib
+import functools
+import importlib.util
+import io
+import multiprocessing
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+BLOCK = re.compile(
+    r"^(?P<fence>```+)(?P<info>[^\n`]*)\n(?P<body>.*?)^(?P=fence)[ \t]*$"
+    r"|^<!-- table: (?P<command>.*?) -->\n(?P<table>.*?)^<!-- /table -->$",
+    re.DOTALL | re.MULTILINE,
+)
+
+
+class PageError(Exception):
+    """A block that cannot be run, or that fails."""
+
+
+@dataclasses.dataclass
+class Result:
+    """A page after its run: its new text, the differences, and what was skipped."""
+
+    page: str
+    text: str
+    problems: list[str]
+    skipped: list[str]
+    seconds: float
+
+
+def settings_of(info: str) -> tuple[str, dict[str, str]]:
+    """The language of a block, and its settings."""
+    words = shlex.split(info)
+    language = words[0] if words else ""
+    return language, dict(word.split("=", 1) for word in words[1:])
+
+
+@functools.cache
+def prefix() -> Path | None:
+    """A folder with the C interface installed, from the library in target/; None if the library was not built."""
+    if not (REPOSITORY / "target/release/libsymplint_c.so").exists():
+        return None
+    folder = Path(tempfile.gettempdir()) / f"symplint-pages-{os.getppid()}-{os.getpid()}"
+    command = ["make", "--silent", "-C", str(REPOSITORY / "crates/symplint-c"), "install", f"PREFIX={folder}", "CARGO=true"]
+    subprocess.run(command, check=True, env=os.environ | {"CARGO_TARGET_DIR": str(REPOSITORY / "target")})
+    return folder
+
+
+def is_missing(need: str) -> bool:
+    """Whether a program, a module, the library or a file is missing."""
+    if need == "library":
+        return shutil.which("pkg-config") is None or prefix() is None
+    if need.startswith("python:"):
+        return importlib.util.find_spec(need.removeprefix("python:")) is None
+    if need.startswith("target/"):
+        return not (REPOSITORY / need).exists()
+    return shutil.which(need) is None
+
+
+NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?: digits)?")
+
+
+def comparable(text: str) -> str:
+    """The text without the digits that another processor or another version of NumPy may change.
+
+    Numbers below 1e-12 are rounding errors, and numbers of digits follow from them.
+    """
+
+    def kept(match: re.Match[str]) -> str:
+        word = match[0]
+        if word.endswith(" digits"):
+            return "N digits" if float(word.removesuffix(" digits")) > 7 else word
+        return "0" if "e" in word and abs(float(word)) < 1e-12 else word
+
+    return re.sub(r"\s+", " ", NUMBER.sub(kept, text))
+
+
+class Page:
+    """One run of one page."""
+
+    def __init__(self, name: str, folder: Path) -> None:
+        self.name, self.folder = name, folder
+        self.namespace: dict[str, object] = {"__name__": "__main__"}
+        self.output: str | None = None
+        self.problems: list[str] = []
+        self.skipped: list[str] = []
+
+    def environment(self) -> dict[str, str]:
+        """Variables of all commands: no colours, one width, and the library if it is installed."""
+        own = {
+            "NO_COLOR": "1", "COLUMNS": "100", "LC_ALL": "C.UTF-8", "PYTHONDONTWRITEBYTECODE": "1", "REPOSITORY": str(REPOSITORY),
+            "PATH": f"{self.folder.parent / 'bin'}:{Path(sys.executable).parent}:{os.environ['PATH']}",
+        }  # fmt: skip
+        installed = prefix.cache_info().currsize and prefix()
+        if installed:
+            own |= {"PKG_CONFIG_PATH": f"{installed}/lib/pkgconfig", "LD_LIBRARY_PATH": f"{installed}/lib"}
+        return os.environ | own
+
+    def replaced(self, match: re.Match[str]) -> str:
+        """Run one block, and return it as it should be."""
+        whole = match[0]
+        try:
+            if match["command"] is not None:
+                table = self.shell(match["command"], 0)
+                return f"<!-- table: {match['command']} -->\n{table.rstrip()}\n<!-- /table -->"
+            language, settings = settings_of(match["info"])
+            fence = match["fence"]
+            body = self.block(language, settings, match["body"])
+            if body is not None and language == "text" and comparable(body) == comparable(match["body"]):
+                body = None
+            return whole if body is None else f"{fence}{match['info']}\n{body}{fence}"
+        except PageError as error:
+            line = match.string.count("\n", 0, match.start()) + 1
+            self.problems.append(f"{self.name}:{line}: {error}")
+            self.output = None
+            return whole
+
+    def block(self, language: str, settings: dict[str, str], body: str) -> str | None:
+        """Run a block of this language; the new body of a block that is a copy of something."""
+        if language == "text":
+            return self.text(settings)
+        self.output = None
+        if needs := [need for need in settings.get("needs", "").split(",") if need and is_missing(need)]:
+            first = (body.splitlines() or [settings.get("source", "")])[0]
+            self.skipped.append(f"{self.name}: {first} ({', '.join(needs)} missing)")
+            return None
+        if source := settings.get("source"):
+            body = (REPOSITORY / source).read_text(encoding="utf-8")
+            (self.folder / settings.get("file", Path(source).name)).write_text(body, encoding="utf-8")
+            return body
+        if file := settings.get("file"):
+            path = self.folder / file
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(body, encoding="utf-8")
+            return None
+        if settings.get("run") == "no":
+            return None
+        if language == "sh":
+            self.output = self.shell(settings.get("as", body), int(settings.get("exit", "0")))
+        elif language == "python":
+            self.output = self.python(body)
+        if picture := settings.get("picture"):
+            self.picture(*picture.split(":"), compare=language == "sh")
+        return None
+
+    def text(self, settings: dict[str, str]) -> str | None:
+        """The output of the block before, as far as the page shows it."""
+        if self.output is None:
+            return None
+        lines = [line.rstrip() for line in self.output.rstrip().split("\n")]
+        if part := settings.get("grep"):
+            lines = [line for line in lines if part in line]
+        if (head := int(settings.get("head", "0"))) and head < len(lines):
+            lines = [*lines[:head], "…"]
+        self.output = None
+        return "\n".join(lines) + "\n"
+
+    def shell(self, script: str, expected: int) -> str:
+        """Run commands and return their standard output."""
+        done = subprocess.run(
+            ["bash", "-c", script], cwd=self.folder, env=self.environment(), capture_output=True, text=True, stdin=subprocess.DEVNULL
+        )
+        if done.returncode != expected:
+            raise PageError(f"exit status {done.returncode} instead of {expected}: {script.strip()}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+        return done.stdout
+
+    def python(self, code: str) -> str:
+        """Run Python code and return what it prints."""
+        stream = io.StringIO()
+        here = os.getcwd()
+        os.chdir(self.folder)
+        try:
+            with contextlib.redirect_stdout(stream):
+                exec(compile(code, f"{self.name}", "exec"), self.namespace)
+        except Exception as error:
+            raise PageError(f"{type(error).__name__}: {error}\n{code}") from error
+        finally:
+            os.chdir(here)
+        return stream.getvalue()
+
+    def picture(self, written: str, shown: str, compare: bool) -> None:
+        """Compare a picture with its copy in the book, or copy it."""
+        new, old = self.folder / written, (REPOSITORY / self.name).parent / shown
+        if not new.exists():
+            raise PageError(f"the picture {written} was not written")
+        if not old.exists() or (compare and new.read_bytes() != old.read_bytes()):
+            if not WRITE:
+                raise PageError(f"the picture {shown} differs from {written}")
+        if WRITE:
+            old.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(new, old)
+
+
+WRITE = False
+
+
+def run(name: str, program: str, write: bool) -> Result:
+    """Run one page."""
+    global WRITE
+    WRITE = write
+    os.environ.setdefault("MPLBACKEND", "Agg")
+    os.environ["COLUMNS"] = "100"
+    start = time.monotonic()
+    text = (REPOSITORY / name).read_text(encoding="utf-8")
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch) / "page"
+        folder.mkdir()
+        (Path(scratch) / "bin").mkdir()
+        (Path(scratch) / "bin/symplint").symlink_to(program)
+        (folder / "examples").symlink_to(REPOSITORY / "examples")
+        page = Page(name, folder)
+        new = BLOCK.sub(page.replaced, text)
+        if prefix.cache_info().currsize and prefix():
+            shutil.rmtree(prefix())
+            prefix.cache_clear()
+    if new != text:
+        if write:
+            (REPOSITORY / name).write_text(new, encoding="utf-8")
+        else:
+            page.problems.append("".join(difflib.unified_diff(text.splitlines(True), new.splitlines(True), name, f"{name}, run again", n=1)))
+    return Result(name, new, page.problems, page.skipped, time.monotonic() - start)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Run the code of README.md and of the book, and compare its output.")
+    parser.add_argument("pages", nargs="*", help="pages, relative to the repository; all by default")
+    parser.add_argument("--write", action="store_true", help="replace outputs that differ")
+    parser.add_argument("--strict", action="store_true", help="a program or module that is missing is an error")
+    parser.add_argument("--workers", type=int, default=os.cpu_count(), help="pages at a time")
+    parser.add_argument("--times", action="store_true", help="print the time of each page")
+    options = parser.parse_args()
+    program = Path(os.environ.get("SYMPLINT", REPOSITORY / "target/release/symplint")).resolve()
+    if not program.exists():
+        sys.exit(f"{program} does not exist: build the program, or name it by SYMPLINT")
+    pages = options.pages or [
+        str(path.relative_to(REPOSITORY))
+        for path in [REPOSITORY / "README.md", REPOSITORY / "python/README.md", *sorted((REPOSITORY / "docs").rglob("*.md"))]
+    ]
+    context = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(options.workers, mp_context=context, max_tasks_per_child=1) as pool:
+        tasks = [pool.submit(run, name, str(program), options.write) for name in pages]
+        results = [task.result() for task in tasks]
+    for result in results:
+        if options.times:
+            print(f"{result.seconds:6.1f} s  {result.page}")
+        for line in result.skipped:
+            print(f"skipped: {line}")
+        for problem in result.problems:
+            print(problem)
+    failed = sum(bool(result.problems) for result in results)
+    skipped = sum(len(result.skipped) for result in results)
+    print(f"{len(results)} pages, {failed} with differences, {skipped} blocks skipped")
+    if failed and not options.write:
+        print("python python/tools/run_pages.py --write replaces outputs that differ")
+    if any(result.problems for result in results) or (options.strict and skipped):
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()
