@@ -9,7 +9,8 @@ Each page runs from its beginning in an empty folder, which has a link `examples
 * A block of `sh` runs in bash with the program `symplint` on the path. A block of `python` runs in the interpreter of this script;
   all Python blocks of a page share their variables.
 * A block of `text` after such a block is its output. A block without output has no block of `text` after it.
-* `<!-- table: COMMAND -->` and `<!-- /table -->` enclose Markdown that a command writes.
+* `<!-- table: COMMAND -->` and `<!-- /table -->` enclose Markdown that a command writes. A command that draws pictures writes them to the
+  folder `$PICTURES`.
 
 Words after the language of a block are settings. GitHub and mdBook do not show them:
 
@@ -131,6 +132,7 @@ class Page:
         """Variables of all commands: no colours, one width, and the library if it is installed."""
         own = {
             "NO_COLOR": "1", "COLUMNS": "100", "LC_ALL": "C.UTF-8", "PYTHONDONTWRITEBYTECODE": "1", "REPOSITORY": str(REPOSITORY),
+            "PICTURES": str(REPOSITORY / "docs/images" if WRITE else self.folder),
             "PATH": f"{self.folder.parent / 'bin'}:{Path(sys.executable).parent}:{os.environ['PATH']}",
         }  # fmt: skip
         installed = prefix.cache_info().currsize and prefix()
