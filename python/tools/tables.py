@@ -38,11 +38,17 @@ def row(cells: list[str]) -> str:
 
 
 def gallery() -> Iterator[str]:
-    """The verdict on each system with each integrator."""
-    systems = [
-        "pendulum", "harmonic-oscillator", "henon-heiles", "kepler", "double-pendulum", "fput", "toda",
-        "interpolated-pendulum", "absolute-value", "rotational-force", "charged-particle", "pic-1d", "pic-es1",
-    ]  # fmt: skip
+    """The verdict on each system with each integrator, in two tables."""
+    smooth = ["pendulum", "harmonic-oscillator", "henon-heiles", "kepler", "double-pendulum", "fput", "toda"]
+    other = ["interpolated-pendulum", "absolute-value", "rotational-force", "charged-particle", "pic-1d", "pic-es1"]
+    for title, systems in (("Smooth systems", smooth), ("Splines, jumps and forces without a potential", other)):
+        yield f"## {title}\n"
+        yield from verdicts(systems)
+        yield ""
+
+
+def verdicts(systems: list[str]) -> Iterator[str]:
+    """A table of the verdicts on some systems."""
     listed = subprocess.run(["symplint", "list", "integrators"], capture_output=True, text=True, env=os.environ | {"COLUMNS": "10000"})
     integrators = re.findall(r"^(\S+) {2,}Order", listed.stdout, re.MULTILINE)
     examples = {name: str(REPOSITORY / f"examples/{name}.toml") for name in systems}
