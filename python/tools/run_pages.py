@@ -19,7 +19,7 @@ Words after the language of a block are settings. GitHub and mdBook do not show 
     source=PATH     do not run the block; it has to be equal to this file of the repository, and is written to the page's folder
     needs=A,B       skip the block if a program on the path, `python:MODULE`, `library` (the C interface) or a file in `target/` is missing
     as=COMMAND      run this command instead, which has the same effect here
-    picture=A:B     the block writes a picture A, which the page shows as B
+    picture=A:B,…   the block writes a picture A, which the page shows as B
     run=no          do not run the block; another step of .ci/run runs the same command
     head=N          of a block of text: the first N lines of the output, then a line with "…"
     grep=TEXT       of a block of text: the lines of the output that contain TEXT
@@ -201,7 +201,8 @@ class Page:
         elif language == "python":
             self.output = self.python(body)
         if picture := settings.get("picture"):
-            self.picture(*picture.split(":"), compare=language == "sh")
+            for pair in picture.split(","):
+                self.picture(*pair.split(":"), compare=language == "sh")
         return None
 
     def text(self, settings: dict[str, str]) -> str | None:
