@@ -9,7 +9,6 @@ that its links to the files work: mdbook build docs && python python/tools/check
 import html
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -44,9 +43,8 @@ def copy(folder: Path, targets: set[Path]) -> None:
 
 
 def main() -> None:
-    listed = subprocess.run(["git", "ls-files", "*.md", "docs"], cwd=REPOSITORY, capture_output=True, text=True, check=True)
-    files = {REPOSITORY / name for name in listed.stdout.splitlines()}
-    pages = sorted(file for file in files if file.suffix == ".md" and file.exists())
+    files = {*REPOSITORY.glob("*.md"), REPOSITORY / "python/README.md", *(REPOSITORY / "docs").rglob("*")}
+    pages = sorted(file for file in files if file.suffix == ".md")
     problems, targets = [], set()
     for page in pages:
         name = page.relative_to(REPOSITORY)
@@ -64,7 +62,7 @@ def main() -> None:
     summary = (REPOSITORY / "docs/SUMMARY.md").read_text(encoding="utf-8")
     for file in sorted(files):
         name = file.relative_to(REPOSITORY)
-        if name.parts[0] != "docs" or not file.exists():
+        if name.parts[0] != "docs" :
             continue
         inside = name.relative_to("docs").as_posix()
         if file.suffix == ".md" and inside != "SUMMARY.md" and f"({inside})" not in summary:

@@ -22,7 +22,7 @@ Words after the language of a block are settings. GitHub and mdBook do not show 
     picture=A:B,…   the block writes a picture A, which the page shows as B
     run=no          do not run the block; another step of .ci/run runs the same command
     head=N          of a block of text: the first N lines of the output, then a line with "…"
-    grep=TEXT       of a block of text: the lines of the output that contain TEXT
+    grep=TEXT       of a block of text: the lines of the output that contain TEXT, in upper or lower case
 
 The program is target/release/symplint, or the program that the variable SYMPLINT names.
 """
@@ -211,10 +211,12 @@ class Page:
             return None
         lines = [line.rstrip() for line in self.output.rstrip().split("\n")]
         if part := settings.get("grep"):
-            lines = [line for line in lines if part in line]
+            lines = [line for line in lines if part.lower() in line.lower()]
         if (head := int(settings.get("head", "0"))) and head < len(lines):
             lines = [*lines[:head], "…"]
         self.output = None
+        if not any(lines):
+            raise PageError("the block before has no output")
         return "\n".join(lines) + "\n"
 
     def shell(self, script: str, expected: int) -> str:
