@@ -6,7 +6,7 @@
 
 Each page runs from its beginning in an empty folder, which has a link `examples` to the examples of the repository.
 
-* A block of `sh` runs in bash with the program `symplint` on the path. A block of `python` runs in the interpreter of this script;
+* A block of `sh` runs in bash with the program `symplint` on the path, and ends at the first command that fails. A block of `python` runs in the interpreter of this script;
   all Python blocks of a page share their variables.
 * A block of `text` after such a block is its output. A block without output has no block of `text` after it.
 * `<!-- table: COMMAND -->` and `<!-- /table -->` enclose Markdown that a command writes. A command that draws pictures writes them to the
@@ -14,7 +14,7 @@ Each page runs from its beginning in an empty folder, which has a link `examples
 
 Words after the language of a block are settings. GitHub and mdBook do not show them:
 
-    exit=1          the exit status of the last command; 0 by default
+    exit=1          the exit status of the block; 0 by default
     file=NAME       do not run the block but write it to this file
     source=PATH     do not run the block; it has to be equal to this file of the repository, and is written to the page's folder
     needs=A,B       skip the block if a program on the path, `python:MODULE`, `library` (the C interface) or a file in `target/` is missing
@@ -222,7 +222,7 @@ class Page:
     def shell(self, script: str, expected: int) -> str:
         """Run commands and return their standard output."""
         done = subprocess.run(
-            ["bash", "-c", script], cwd=self.folder, env=self.environment(), capture_output=True, text=True, stdin=subprocess.DEVNULL
+            ["bash", "-e", "-o", "pipefail", "-c", script], cwd=self.folder, env=self.environment(), capture_output=True, text=True, stdin=subprocess.DEVNULL
         )
         if done.returncode != expected:
             raise PageError(f"exit status {done.returncode} instead of {expected}: {script.strip()}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
