@@ -6,8 +6,8 @@
 
 Each page runs from its beginning in an empty folder, which has a link `examples` to the examples of the repository.
 
-* A block of `sh` runs in bash with the program `symplint` on the path, and ends at the first command that fails. A block of `python` runs in the interpreter of this script;
-  all Python blocks of a page share their variables.
+* A block of `sh` runs in bash with the program `symplint` on the path, and ends at the first command that fails.
+* A block of `python` runs in the interpreter of this script; all Python blocks of a page share their variables.
 * A block of `text` after such a block is its output. A block without output has no block of `text` after it.
 * `<!-- table: COMMAND -->` and `<!-- /table -->` enclose Markdown that a command writes. A command that draws pictures writes them to the
   folder `$PICTURES`.
