@@ -157,7 +157,9 @@ fn energy_conserving(census: &Census) -> Vec<Claim> {
                 census.worst(LOOSE, |row| row.record.energy_error)
             ),
             // The change of the smooth part is larger, and so the verdict.
-            census.all(LOOSE, |row| row.record.breaks > 0 && row.record.energy_error > 1e-9),
+            census.all(LOOSE, |row| {
+                row.record.breaks > 0 && row.record.energy_error > 1e-9
+            }),
         ),
     ]
 }
