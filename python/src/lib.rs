@@ -47,6 +47,12 @@ mod _native {
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 
+    /// Runs the program with a command line, and returns its exit status.
+    #[pyfunction]
+    fn program(py: Python<'_>, arguments: Vec<std::ffi::OsString>) -> u8 {
+        py.detach(|| symplint_cli::run(arguments))
+    }
+
     #[pymodule_export]
     use crate::check::{advance_seconds, check, image, settings};
     #[pymodule_export]

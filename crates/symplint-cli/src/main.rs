@@ -1,65 +1,7 @@
-//! The `symplint` program: is a time-advance map symplectic?
-
-mod cli;
-mod commands;
-mod failure;
-mod output;
-mod provenance;
-mod signals;
+//! The `symplint` program.
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
-use cli::{Cli, Command};
-use failure::Failure;
-
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    signals::handle();
-    match run(&cli) {
-        Ok(status) => status,
-        Err(failure) => {
-            output::tell(output::failure_message(&failure));
-            ExitCode::from(2)
-        }
-    }
-}
-
-/// The threads to start: one for each processor if no number is given (0), and never more, which would only take time.
-fn threads(wanted: Option<usize>) -> usize {
-    let processors = std::thread::available_parallelism().map_or(1, usize::from);
-    match wanted {
-        Some(count) if count > processors => {
-            let s = if processors == 1 { "" } else { "s" };
-            output::tell(format!(
-                "note: --threads {count} exceeds the number of processors; {processors} thread{s} will be used"
-            ));
-            processors
-        }
-        wanted => wanted.unwrap_or(0),
-    }
-}
-
-fn run(cli: &Cli) -> Result<ExitCode, Failure> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads(cli.command.threads()))
-        .build()
-        .map_err(|error| Failure::Threads {
-            reason: error.to_string(),
-        })?;
-    pool.install(|| match &cli.command {
-        Command::Check(arguments) => commands::check(arguments),
-        Command::Loop(arguments) => commands::write_loop(arguments),
-        Command::Measure(arguments) => commands::measure(arguments),
-        Command::Judge(arguments) => commands::judge(arguments),
-        Command::Resume(arguments) => commands::resume(arguments),
-        Command::Plan(arguments) => commands::plan(arguments),
-        Command::Advance(arguments) => commands::advance(arguments),
-        Command::Collect(arguments) => commands::collect(arguments),
-        Command::Trace(arguments) => commands::trace(arguments),
-        Command::Reproduce(arguments) => commands::reproduce(arguments),
-        Command::List { what } => commands::list(*what),
-        Command::Init { system } => commands::init(system),
-    })
+    ExitCode::from(symplint_cli::run(std::env::args_os()))
 }

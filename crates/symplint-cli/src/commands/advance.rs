@@ -1,7 +1,5 @@
 //! `symplint advance DIR --part K/N`: one job's part of a round of calls.
 
-use std::process::ExitCode;
-
 use symplint_config::{Config, parse_number};
 use symplint_run::{Request, Round, RunError};
 
@@ -10,9 +8,10 @@ use crate::cli::AdvanceArgs;
 use crate::failure::Failure;
 use crate::output::{Progress, say, tell};
 use crate::signals;
+use crate::status::{FAILED, SUCCESS, Status};
 
 /// Makes the calls of a part, each once: those that an earlier job of the round made are not made again.
-pub fn advance(arguments: &AdvanceArgs) -> Result<ExitCode, Failure> {
+pub fn advance(arguments: &AdvanceArgs) -> Result<Status, Failure> {
     let (k, n) = arguments.part;
     let path = config_of_run(&arguments.folder)?;
     // Until this job ends, no other run has the folder. A configuration that makes calls itself has no round.
@@ -61,5 +60,5 @@ pub fn advance(arguments: &AdvanceArgs) -> Result<ExitCode, Failure> {
             part.len()
         ))?;
     }
-    Ok(ExitCode::from(if failed.is_empty() { 0 } else { 2 }))
+    Ok(if failed.is_empty() { SUCCESS } else { FAILED })
 }

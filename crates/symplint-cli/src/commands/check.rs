@@ -1,7 +1,6 @@
 //! `symplint check CONFIG.toml`.
 
 use std::path::Path;
-use std::process::ExitCode;
 
 use symplint::{VerdictKind, judge};
 use symplint_config::{Config, System};
@@ -16,12 +15,13 @@ use super::run_output;
 use crate::cli::{CheckArgs, Run};
 use crate::failure::Failure;
 use crate::output::{Progress, diagnosis_text, go_on, say, tell};
+use crate::status::{SUCCESS, Status};
 use crate::{provenance, signals};
 
 /// Diagnoses a configuration.
 ///
 /// `--steps` stands for the key diagnostic.steps.
-pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
+pub fn check(arguments: &CheckArgs) -> Result<Status, Failure> {
     let started = provenance::start();
     let run = &arguments.run;
     let mut settings = arguments.settings.set.clone();
@@ -35,7 +35,7 @@ pub fn check(arguments: &CheckArgs) -> Result<ExitCode, Failure> {
     }
     let source = (&*arguments.config, &*settings);
     let status = diagnose(&started, source, run, Calls::Here)?;
-    Ok(status.unwrap_or(ExitCode::SUCCESS))
+    Ok(status.unwrap_or(SUCCESS))
 }
 
 /// Who calls a program.
@@ -53,7 +53,7 @@ pub(super) fn diagnose(
     (path, settings): (&Path, &[String]),
     run: &Run,
     calls: Calls,
-) -> Result<Option<ExitCode>, Failure> {
+) -> Result<Option<Status>, Failure> {
     let (mut output, mut round, mut command) = (None, None, None);
     let by_jobs = matches!(calls, Calls::ByJobs);
     // Before the run, which may take hours, and before its first call.
@@ -238,10 +238,10 @@ fn quoted(path: &Path) -> Result<toml::Value, Failure> {
 }
 
 /// The exit status of a verdict.
-pub fn exit_status(kind: VerdictKind) -> ExitCode {
+pub fn exit_status(kind: VerdictKind) -> Status {
     match kind {
-        VerdictKind::Symplectic => ExitCode::SUCCESS,
-        VerdictKind::NotSymplectic | VerdictKind::BrokenLoops => ExitCode::from(1),
-        VerdictKind::Undecided => ExitCode::from(3),
+        VerdictKind::Symplectic => SUCCESS,
+        VerdictKind::NotSymplectic | VerdictKind::BrokenLoops => 1,
+        VerdictKind::Undecided => 3,
     }
 }

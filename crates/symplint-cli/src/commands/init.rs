@@ -1,19 +1,18 @@
 //! `symplint init SYSTEM`.
 
-use std::process::ExitCode;
-
 use symplint_config::{SYSTEMS, suggestion, template};
 
 use crate::failure::Failure;
 use crate::output::say;
+use crate::status::{SUCCESS, Status};
 
 /// Prints a starter configuration.
-pub fn init(name: &str) -> Result<ExitCode, Failure> {
+pub fn init(name: &str) -> Result<Status, Failure> {
     let info = (SYSTEMS.iter().find(|info| info.name == name)).ok_or_else(|| Failure::Unknown {
         what: "system",
         name: name.to_owned(),
         suggestion: suggestion(name, SYSTEMS.iter().map(|info| info.name)),
     })?;
     say(template(info).trim_end())?;
-    Ok(ExitCode::SUCCESS)
+    Ok(SUCCESS)
 }

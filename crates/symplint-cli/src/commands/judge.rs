@@ -2,7 +2,6 @@
 
 use std::io::Read;
 use std::path::Path;
-use std::process::ExitCode;
 
 use symplint::Diagnosis;
 use symplint_report::report::{read_evidence, to_json};
@@ -11,9 +10,10 @@ use super::check::exit_status;
 use crate::cli::JudgeArgs;
 use crate::failure::Failure;
 use crate::output::{diagnosis_text, say};
+use crate::status::Status;
 
 /// Reaches the verdict again, from the evidence in a report.
-pub fn judge(arguments: &JudgeArgs) -> Result<ExitCode, Failure> {
+pub fn judge(arguments: &JudgeArgs) -> Result<Status, Failure> {
     let path = match arguments.report.is_dir() {
         true => arguments.report.join("report.json"),
         false => arguments.report.clone(),

@@ -1,7 +1,5 @@
 //! `symplint list`.
 
-use std::process::ExitCode;
-
 use symplint::rules::RuleKind;
 use symplint_config::SYSTEMS;
 use symplint_models::integrators::aliases::ALIASES;
@@ -13,9 +11,10 @@ use symplint_report::table::definitions;
 use crate::cli::What;
 use crate::failure::Failure;
 use crate::output::{say, width};
+use crate::status::{SUCCESS, Status};
 
 /// Prints the systems, integrators, rules or items of the paper.
-pub fn list(what: What) -> Result<ExitCode, Failure> {
+pub fn list(what: What) -> Result<Status, Failure> {
     let rows: Vec<(String, String)> = match what {
         What::Systems => (SYSTEMS.iter())
             .map(|info| {
@@ -40,7 +39,7 @@ pub fn list(what: What) -> Result<ExitCode, Failure> {
             .collect(),
     };
     say(definitions(&rows, width()))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(SUCCESS)
 }
 
 /// What the list says of an integrator.

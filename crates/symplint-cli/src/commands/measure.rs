@@ -1,7 +1,6 @@
 //! `symplint measure BEFORE AFTER…`.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use symplint::{Coordinates, Snapshot, measure as compare};
 use symplint_files::loop_file::{LoopFile, is_partner};
@@ -17,9 +16,10 @@ use crate::cli::MeasureArgs;
 use crate::failure::Failure;
 use crate::output::{diagnosis_text, say};
 use crate::provenance;
+use crate::status::Status;
 
 /// Compares a loop before and after a step of another code.
-pub fn measure(arguments: &MeasureArgs) -> Result<ExitCode, Failure> {
+pub fn measure(arguments: &MeasureArgs) -> Result<Status, Failure> {
     let started = provenance::start();
     let run = &arguments.run;
     let names = loops_of(&arguments.before, &arguments.after);

@@ -1,7 +1,6 @@
 //! `symplint plan CONFIG.toml --out DIR` and `symplint collect DIR`: runs whose calls the jobs of a scheduler make.
 
 use std::path::Path;
-use std::process::ExitCode;
 
 use symplint_run::Request;
 
@@ -11,12 +10,13 @@ use crate::cli::{PlanArgs, ResumeArgs, Run, Shown};
 use crate::failure::Failure;
 use crate::output::{go_on, say, tell};
 use crate::provenance;
+use crate::status::Status;
 
 /// The exit status where a round of calls is to be made.
 const ROUND_TO_MAKE: u8 = 4;
 
 /// Writes the first calls of a run, or the next ones.
-pub fn plan(arguments: &PlanArgs) -> Result<ExitCode, Failure> {
+pub fn plan(arguments: &PlanArgs) -> Result<Status, Failure> {
     let started = provenance::start();
     let run = Run {
         out: Some(arguments.out.clone()),
@@ -25,11 +25,11 @@ pub fn plan(arguments: &PlanArgs) -> Result<ExitCode, Failure> {
     };
     let source = (&*arguments.config, &*arguments.settings.set);
     let status = diagnose(&started, source, &run, Calls::ByJobs)?;
-    Ok(status.unwrap_or(ExitCode::from(ROUND_TO_MAKE)))
+    Ok(status.unwrap_or(ROUND_TO_MAKE))
 }
 
 /// Takes in what jobs made, and plans on or judges.
-pub fn collect(arguments: &ResumeArgs) -> Result<ExitCode, Failure> {
+pub fn collect(arguments: &ResumeArgs) -> Result<Status, Failure> {
     let started = provenance::start();
     let config = config_of_run(&arguments.folder)?;
     let run = Run {
@@ -38,7 +38,7 @@ pub fn collect(arguments: &ResumeArgs) -> Result<ExitCode, Failure> {
         shown: arguments.shown.clone(),
     };
     let status = diagnose(&started, (&config, &[]), &run, Calls::ByJobs)?;
-    Ok(status.unwrap_or(ExitCode::from(ROUND_TO_MAKE)))
+    Ok(status.unwrap_or(ROUND_TO_MAKE))
 }
 
 /// Says what is to be done.

@@ -1,7 +1,5 @@
 //! `symplint reproduce`.
 
-use std::process::ExitCode;
-
 use symplint_config::{parse_number, suggestion};
 use symplint_paper::{ITEMS, Item, Settings, Value, claims_summary};
 use symplint_report::report::to_json;
@@ -13,9 +11,10 @@ use crate::cli::{ReproduceArgs, What};
 use crate::failure::Failure;
 use crate::output::{Progress, say};
 use crate::provenance;
+use crate::status::{SUCCESS, Status};
 
 /// Reproduces items of the paper.
-pub fn reproduce(arguments: &ReproduceArgs) -> Result<ExitCode, Failure> {
+pub fn reproduce(arguments: &ReproduceArgs) -> Result<Status, Failure> {
     if arguments.list {
         return list(What::Figures);
     }
@@ -53,7 +52,7 @@ pub fn reproduce(arguments: &ReproduceArgs) -> Result<ExitCode, Failure> {
             folder.path().display()
         ))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(SUCCESS)
 }
 
 /// The settings of an item as TOML.

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use symplint_run::command_of;
 
@@ -10,9 +9,10 @@ use super::check::{Calls, diagnose};
 use crate::cli::{ResumeArgs, Run};
 use crate::failure::Failure;
 use crate::provenance;
+use crate::status::{SUCCESS, Status};
 
 /// Goes on with a run of `check` that was stopped. Evaluations that its journal has are not made again.
-pub fn resume(arguments: &ResumeArgs) -> Result<ExitCode, Failure> {
+pub fn resume(arguments: &ResumeArgs) -> Result<Status, Failure> {
     let started = provenance::start();
     let config = config_of_run(&arguments.folder)?;
     let run = Run {
@@ -21,7 +21,7 @@ pub fn resume(arguments: &ResumeArgs) -> Result<ExitCode, Failure> {
         shown: arguments.shown.clone(),
     };
     let status = diagnose(&started, (&config, &[]), &run, Calls::Here)?;
-    Ok(status.unwrap_or(ExitCode::SUCCESS))
+    Ok(status.unwrap_or(SUCCESS))
 }
 
 /// The file with the configuration of a run of `check` in a folder.

@@ -1,7 +1,5 @@
 //! `symplint trace CONFIG.toml`.
 
-use std::process::ExitCode;
-
 use symplint::state::Rows;
 use symplint::trace::{Observable, Orbit, TraceRecord};
 use symplint::{Rule, Trace};
@@ -16,9 +14,10 @@ use crate::cli::TraceArgs;
 use crate::failure::Failure;
 use crate::output::{Progress, say};
 use crate::provenance;
+use crate::status::{SUCCESS, Status};
 
 /// Follows the loop integral and the energy in time.
-pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
+pub fn trace(arguments: &TraceArgs) -> Result<Status, Failure> {
     let started = provenance::start();
     let run = &arguments.run;
     let set = &arguments.settings.set;
@@ -63,7 +62,7 @@ pub fn trace(arguments: &TraceArgs) -> Result<ExitCode, Failure> {
             say(format!("\nWritten to {}", output.folder.path().display()))?;
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(SUCCESS)
 }
 
 /// The rule of a trace. It follows a fixed ensemble, so the rules that make further samples do not apply.

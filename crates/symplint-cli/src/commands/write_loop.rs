@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use serde::Serialize;
 use symplint::diagnosis::SampleCount;
@@ -16,6 +15,7 @@ use super::loop_shape;
 use crate::cli::LoopArgs;
 use crate::failure::Failure;
 use crate::output::say;
+use crate::status::{SUCCESS, Status};
 
 /// The default number of samples. Smooth loops need no more.
 const SAMPLES: usize = 256;
@@ -32,7 +32,7 @@ struct Written {
 }
 
 /// Writes the samples of a loop.
-pub fn write_loop(arguments: &LoopArgs) -> Result<ExitCode, Failure> {
+pub fn write_loop(arguments: &LoopArgs) -> Result<Status, Failure> {
     let (phase_loop, coordinates, samples) = sampled_loop(arguments)?;
     let dof = coordinates.dof();
     // Default values are left out.
@@ -65,7 +65,7 @@ pub fn write_loop(arguments: &LoopArgs) -> Result<ExitCode, Failure> {
             momentum_period: file.momentum_period,
             weight: file.weight,
         }))?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(SUCCESS);
     }
     let names: Vec<String> = files
         .iter()
@@ -93,7 +93,7 @@ pub fn write_loop(arguments: &LoopArgs) -> Result<ExitCode, Failure> {
             }
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(SUCCESS)
 }
 
 /// The loop, the meaning of its coordinates, and the number of samples.
