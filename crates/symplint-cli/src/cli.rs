@@ -115,6 +115,9 @@ pub enum Command {
     Init {
         /// The system; `symplint list systems` shows them all.
         system: String,
+        /// Print every key
+        #[arg(long)]
+        all: bool,
     },
 }
 

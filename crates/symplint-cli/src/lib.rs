@@ -74,6 +74,6 @@ fn execute(cli: &Cli) -> Result<Status, Failure> {
         Command::Trace(arguments) => commands::trace(arguments),
         Command::Reproduce(arguments) => commands::reproduce(arguments),
         Command::List { what } => commands::list(*what),
-        Command::Init { system } => commands::init(system),
+        Command::Init { system, all } => commands::init(system, *all),
     })
 }

@@ -14,29 +14,52 @@ const WIDTH: usize = 80;
 /// Where comments begin.
 const COLUMN: usize = 28;
 
-/// A commented configuration of `system` with every key. Those without a default are commented out, with an
-/// example.
-pub fn template(system: &SystemInfo) -> String {
+/// Keys of a system that a short configuration has, beside those that must be given.
+const FEW: usize = 4;
+
+/// Keys of the other sections that a short configuration has.
+const SHORT: [(&str, &[&str]); 3] = [
+    ("integrator", &["name"]),
+    ("loop", &["radius"]),
+    ("diagnostic", &["step_sizes", "budget"]),
+];
+
+/// A commented configuration of `system`: with the keys that are changed most, or with `all`. Keys without a default are commented
+/// out, with an example.
+pub fn template(system: &SystemInfo, all: bool) -> String {
     let title = format!("{}: {}", system.name, system.summary);
     let mut text = format!(
         "{}\n# Run it with: symplint check THIS_FILE\n\n[system]\nname = \"{}\"\n",
         wrapped("# ", "# ", &title, Some(WIDTH)),
         system.name
     );
-    write_keys(&mut text, system.keys);
+    let of_system = (system.keys.iter().enumerate())
+        .filter(|(k, key)| all || key.required || (*k < FEW && !key.optional))
+        .map(|(_, key)| key);
+    write_keys(&mut text, of_system);
     for (name, keys) in [
         ("integrator", &integrator::keys(system.integrator)[..]),
         ("loop", phase_loop::KEYS),
         ("diagnostic", &diagnostic::keys()),
         ("trace", trace::KEYS),
     ] {
-        let _ = write!(text, "\n[{name}]\n");
-        write_keys(&mut text, keys);
+        let short = SHORT.iter().find(|(section, _)| *section == name);
+        let short = short.map_or(&[][..], |(_, keys)| keys);
+        if all || !short.is_empty() {
+            let _ = write!(text, "\n[{name}]\n");
+            write_keys(
+                &mut text,
+                keys.iter().filter(|key| all || short.contains(&key.name)),
+            );
+        }
+    }
+    if !all {
+        let _ = write!(text, "\n# Every key: symplint init {} --all\n", system.name);
     }
     text
 }
 
-fn write_keys(text: &mut String, keys: &[Key]) {
+fn write_keys<'a>(text: &mut String, keys: impl Iterator<Item = &'a Key>) {
     for key in keys {
         let mark = if key.optional { "# " } else { "" };
         let mut line = format!("{mark}{} = {}", key.name, key.value);

@@ -40,7 +40,7 @@ fn offered(command: &str) -> Vec<String> {
 
 #[test]
 fn help_offers_what_a_command_accepts() {
-    assert_eq!(offered("init"), ["help"]);
+    assert_eq!(offered("init"), ["all", "help"]);
     assert_eq!(offered("list"), ["help"]);
     let measure = offered("measure");
     for option in [

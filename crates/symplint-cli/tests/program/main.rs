@@ -378,7 +378,20 @@ fn every_system_has_a_starter_that_runs() {
         .collect();
     assert!(names.len() >= 17, "{listed}");
     for name in names {
-        let starter = text(&symplint(&["init", name]).stdout);
+        let short = text(&symplint(&["init", name]).stdout);
+        assert!(short.lines().count() <= 40, "{short}");
+        let starter = text(&symplint(&["init", name, "--all"]).stdout);
+        // The short one has some of these lines.
+        let keys = |of: &str| -> Vec<String> {
+            let keys = of
+                .lines()
+                .filter(|line| line.contains(" = ") && !line.starts_with([' ', '#']));
+            keys.map(str::to_owned).collect()
+        };
+        assert!(
+            keys(&short).iter().all(|key| keys(&starter).contains(key)),
+            "{short}"
+        );
         assert!(starter.contains("# "), "it is commented:\n{starter}");
         let longest = starter.lines().map(|line| line.chars().count()).max();
         assert!(longest <= Some(80), "{starter}");
