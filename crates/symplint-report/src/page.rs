@@ -142,7 +142,7 @@ fn header(title: &str, verdict: &Verdict) -> String {
     };
     let (kind, headline) = (verdict.kind, sentence(&verdict.headline()));
     format!(
-        "<header class=\"{kind}\">\n<h1><span aria-hidden=\"true\">{icon}</span> {headline}</h1>\n<p>{title}</p>\n\
+        "<header class=\"{kind}\">\n<h1><span aria-hidden=\"true\">{icon}</span> <span class=\"answer\">{headline}</span></h1>\n<p>{title}</p>\n\
          <p class=\"meaning\">{meaning}</p>\n</header>\n"
     )
 }

@@ -47,8 +47,8 @@ pub fn reasons(verdict: &Verdict, shown: Shown) -> String {
     format!("{summary}\n\n{}", findings(verdict, shown))
 }
 
-/// The findings after the first, and the properties, by label: in the order of the first of each label, and what was not tested last.
-/// Without `all`, those that repeat others are left out.
+/// The findings after the first, and the properties, by label: in the order of the first of each label, with what was not tested and
+/// the cost at the end. Without `all`, those that repeat others are left out.
 pub fn by_label(verdict: &Verdict, all: bool) -> Vec<(&'static str, Vec<String>)> {
     let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
     let mut add = |label, text| match groups.iter_mut().find(|(of, _)| *of == label) {
@@ -68,7 +68,11 @@ pub fn by_label(verdict: &Verdict, all: bool) -> Vec<(&'static str, Vec<String>)
     if let Some(properties) = properties(verdict) {
         add("Also", properties);
     }
-    groups.sort_by_key(|(label, _)| *label == "Not tested");
+    groups.sort_by_key(|(label, _)| match *label {
+        "Not tested" => 1,
+        "Cost" => 2,
+        _ => 0,
+    });
     groups
 }
 
