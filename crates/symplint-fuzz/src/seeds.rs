@@ -41,8 +41,8 @@ fn configurations() -> Vec<Vec<u8>> {
     });
     paths.sort();
     let examples = (paths.iter()).map(|path| fs::read(path).expect("an example can be read"));
-    let templates =
-        (symplint_config::SYSTEMS.iter()).map(|info| symplint_config::template(info).into_bytes());
+    let templates = (symplint_config::SYSTEMS.iter())
+        .map(|info| symplint_config::template(info, true).into_bytes());
     let mut all: Vec<Vec<u8>> = examples.chain(templates).collect();
     all.push(b"[system]\nname = \"fput\"\n\0system.masses=2^3\0loop.radius=\"auto\"".to_vec());
     all

@@ -3,6 +3,7 @@
 use symplint::diagnosis::SampleCount;
 use symplint::error::StateAt;
 use symplint::rules::Piecewise;
+use symplint::verdict::step_size_text;
 use symplint::{
     Block, Diagnostic, Error, PerSample, Phases, Rule, StepFailure, TimeAdvance, VerdictKind,
 };
@@ -106,7 +107,7 @@ fn a_map_that_fails_at_some_step_sizes_is_measured_at_the_others() {
                     .collect();
                 assert_eq!((sizes.len(), sizes.contains(&bad)), (9, false));
                 let text = diagnosis.verdict.sentences().join(" ");
-                let named = format!("The step size h = {bad} was left out");
+                let named = format!("The step size h = {} was left out", step_size_text(bad));
                 assert!(text.contains(&named), "{text}");
                 assert!(text.contains(if quiet_nan { "NaN" } else { "it hangs" }));
                 let counted = diagnosis.evidence.evaluations;

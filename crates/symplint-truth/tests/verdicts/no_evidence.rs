@@ -83,7 +83,7 @@ fn narrow_features_of_small_systems_are_seen() {
         verdict
             .sentences()
             .iter()
-            .any(|line| line.contains("narrower than 1/2048"))
+            .any(|line| line.contains("finer than 1/2048"))
     );
 }
 
