@@ -6,9 +6,8 @@ use rayon::prelude::*;
 use super::RowIntegral;
 use crate::error::Error;
 use crate::signal::{CompensatedSum, UNIT_ROUNDOFF, largest, unwrap_row, wraps};
-use crate::state::Coordinates;
-use crate::state::Ensemble;
 use crate::state::scratch::with_buffer;
+use crate::state::{Coordinates, Rows};
 
 /// The slope above which a cell counts as a jump and is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -350,12 +349,12 @@ fn integrate(q: &[f64], gain: f64, p: &[f64], cutoffs: &Cutoffs) -> RowIntegral 
 }
 
 pub(super) fn rows(
-    ensemble: &Ensemble,
+    q: Rows<'_>,
+    p: Rows<'_>,
     coordinates: &Coordinates,
     cutoffs: &Cutoffs,
 ) -> Vec<RowIntegral> {
-    let (q, p) = (ensemble.q(), ensemble.p());
-    (0..ensemble.dof())
+    (0..q.count())
         .into_par_iter()
         .map(|i| {
             let (q, p, period) = (q.row(i), p.row(i), coordinates.period(i));

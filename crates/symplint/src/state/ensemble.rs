@@ -47,6 +47,20 @@ impl Ensemble {
         }
     }
 
+    /// A copy of rows.
+    ///
+    /// # Panics
+    /// If q and p differ in shape.
+    pub(crate) fn of_rows(q: Rows<'_>, p: Rows<'_>) -> Self {
+        let mut ensemble = Ensemble::zeros(q.count(), q.len());
+        let mut block = ensemble.block();
+        for i in 0..q.count() {
+            block.q.row_mut(i).copy_from_slice(q.row(i));
+            block.p.row_mut(i).copy_from_slice(p.row(i));
+        }
+        ensemble
+    }
+
     /// Degrees of freedom d.
     pub fn dof(&self) -> usize {
         self.dof

@@ -23,10 +23,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
-use super::{RowIntegral, least};
+use super::{RowIntegral, banded, least};
 use crate::signal::{UNIT_ROUNDOFF, largest, unwrap_row, wraps};
-use crate::state::Coordinates;
-use crate::state::Ensemble;
+use crate::state::{Coordinates, Rows};
 pub(crate) use interpolant::{misses, roughness};
 use regularity::sobolev_exponent;
 use row::{Scaling, pack};
@@ -66,18 +65,24 @@ impl Workspace {
         }
     }
 
-    fn integrate(&mut self, q: &[f64], p: &[f64], period: f64) -> RowIntegral {
+    /// By the transform, or if `banded` by the band where this is enough.
+    fn integrate(&mut self, q: &[f64], p: &[f64], period: f64, banded: bool) -> RowIntegral {
         let mut gain = 0.0;
-        let mut scalings;
-        if wraps(q, period) {
+        let mut periodic = q;
+        let is_wrapped = wraps(q, period);
+        if is_wrapped {
             self.unwrapped.clear();
             self.unwrapped.extend_from_slice(q);
             gain = unwrap_row(&mut self.unwrapped, period) as f64 * period;
             take_off_ramp(&mut self.unwrapped, gain);
-            scalings = pack(&mut self.modes, &self.unwrapped, p);
+            periodic = &self.unwrapped;
+        }
+        if banded && let Some(found) = banded::integrate(periodic, p, gain) {
+            return found;
+        }
+        let mut scalings = pack(&mut self.modes, periodic, p);
+        if is_wrapped {
             scalings[0].largest = largest(q);
-        } else {
-            scalings = pack(&mut self.modes, q, p);
         }
         (self.transform).process_with_scratch(&mut self.modes, &mut self.scratch);
         integral(&mut self.modes, &scalings, gain)
@@ -247,14 +252,19 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
     }
 }
 
-pub(super) fn rows(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<RowIntegral> {
-    let transform = transform(ensemble.samples());
-    let (q, p) = (ensemble.q(), ensemble.p());
-    (0..ensemble.dof())
+/// The integrals of all rows. If `banded`, rows that are smooth to rounding are spared the transform.
+pub(super) fn rows(
+    q: Rows<'_>,
+    p: Rows<'_>,
+    coordinates: &Coordinates,
+    banded: bool,
+) -> Vec<RowIntegral> {
+    let transform = transform(q.len());
+    (0..q.count())
         .into_par_iter()
         .map(|i| {
             Workspace::lend(&transform, |workspace| {
-                workspace.integrate(q.row(i), p.row(i), coordinates.period(i))
+                workspace.integrate(q.row(i), p.row(i), coordinates.period(i), banded)
             })
         })
         .collect()
@@ -263,6 +273,7 @@ pub(super) fn rows(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<RowInt
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::state::Ensemble;
 
     #[test]
     fn narrow_features_that_samples_resolve_are_not_taken_for_jumps() {
@@ -283,7 +294,7 @@ mod tests {
                     states.block().q.row_mut(0)[k] = sin + feature;
                     states.block().p.row_mut(0)[k] = cos;
                 }
-                let found = &rows(&states, &Coordinates::plain(1))[0];
+                let found = &rows(states.q(), states.p(), &Coordinates::plain(1), false)[0];
                 let error = found.quadrature_error.unwrap();
                 assert!(error < SIZE, "{width}: {error:e}");
             }
@@ -308,7 +319,7 @@ mod tests {
                     states.block().q.row_mut(0)[k] = sin + jumps.sum::<f64>();
                     states.block().p.row_mut(0)[k] = cos;
                 }
-                let found = &rows(&states, &Coordinates::plain(1))[0];
+                let found = &rows(states.q(), states.p(), &Coordinates::plain(1), false)[0];
                 let error = found.quadrature_error.unwrap();
                 assert!(error > SIZE, "{samples}, {seed}: {error:e}");
             }
@@ -339,7 +350,9 @@ mod tests {
             .map(|k| angle(k).cos() + 0.2 * angle(k).sin().powi(2))
             .collect();
         let of = |q: &[f64], p: &[f64]| {
-            Workspace::lend(&transform(n), |workspace| workspace.integrate(q, p, 0.0))
+            Workspace::lend(&transform(n), |workspace| {
+                workspace.integrate(q, p, 0.0, false)
+            })
         };
         for rest in [0.0, 1e-300, 3.0] {
             let rest = vec![rest; n];
@@ -364,7 +377,7 @@ mod tests {
             let scaled = |row: &[f64], unit: f64| row.iter().map(|x| unit * x).collect::<Vec<_>>();
             let transform = transform(n);
             Workspace::lend(&transform, |workspace| {
-                workspace.integrate(&scaled(&q, q_unit), &scaled(&p, p_unit), 0.0)
+                workspace.integrate(&scaled(&q, q_unit), &scaled(&p, p_unit), 0.0, false)
             })
         };
         let plain = of(1.0, 1.0);

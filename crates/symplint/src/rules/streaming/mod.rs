@@ -6,20 +6,19 @@
 //! end, to close the loop.
 
 mod row;
-mod stencil;
 mod window;
 
 use crate::breaks::{Break, REACH, Search, Suspect, follow_up, most_outstanding};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
+use crate::rules::stencil::Stencil;
 use crate::rules::{
     Defect, LoopAfterStep, LoopIntegral, LoopIntegrator, RuleKind, Samples, Subject,
 };
 use crate::signal::CompensatedSum;
 use crate::state::Coordinates;
 use row::{Row, WIDEST};
-use stencil::Stencil;
 use window::{Source, Window};
 
 /// The streaming rule: a centred difference of order 2m along the loop, in the memory of a few dozen states.

@@ -1,7 +1,7 @@
 //! One degree of freedom: what is kept of it while its samples pass by.
 
-use super::stencil::Stencil;
 use crate::breaks::{Coordinate, GROUP, REACH, Residuals, Suspect, Window};
+use crate::rules::stencil::Stencil;
 use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
 
 /// Half widths of a stencil at most.

@@ -1,0 +1,579 @@
+//! Central differences along rows that are smooth to rounding: the value of the transform, at a fraction of its cost.
+//!
+//! With the sums R_k = Σ_j p_j (q_{j+k} − q_{j−k}) round the loop, the central difference of order 2m gives
+//! ∮ p dq ≈ Σ_{k ≤ m} c_k R_k ([`Stencil`]): ten sums give all orders from 2 to 20. At order 20 a loop with some twenty samples to its
+//! shortest wavelength is integrated to rounding.
+//!
+//! The rule answers only for rows whose samples show nothing but rounding above that ([`Inspection`]): no noise, no jump, no kink, no
+//! mode that a difference misses. All others are left to the transform, which says what they are like. Registers of any width give
+//! the same bits: sums run in [`LANES`] lanes, and no multiplication is fused with an addition.
+
+use std::f64::consts::SQRT_2;
+use std::ops::Range;
+use std::sync::LazyLock;
+
+use multiversion::multiversion;
+
+use super::RowIntegral;
+use super::stencil::Stencil;
+use crate::breaks::rounding;
+use crate::signal::UNIT_ROUNDOFF;
+
+/// Independent sums: as many as the widest vector register holds.
+const LANES: usize = 8;
+
+/// Lags that are summed in one pass: half of those of the highest order. They keep their sums in registers.
+const LAGS: usize = 5;
+
+/// Samples on either side that the highest order needs.
+const REACH: usize = 2 * LAGS;
+
+/// Samples whose products are summed before the sum is added to the others: rounding grows with the root of this number.
+const RUN: usize = 512;
+
+/// Samples of a window: three registers. Its difference has order 23, and is below rounding if a wavelength has 18 samples or more.
+const WINDOW: usize = 3 * LANES;
+
+/// From one window of q to the next: each cell of the loop is among the middle nine of one.
+const Q_STRIDE: usize = 8;
+
+/// From one window of p to the next. A jump of p counts for no more than the slope of q from one sample to the next, so that it may be
+/// larger.
+const P_STRIDE: usize = 2 * Q_STRIDE;
+
+/// The fewest samples that the rule is for: fewer are transformed as fast.
+const FEWEST: usize = 256;
+
+/// The rounding of samples, taken as rounding of the largest, rarely makes more than this of a difference: half of the sum of its
+/// absolute weights, 2^23/√binom(46, 23). What exceeds it may be a jump.
+const ROUNDINGS_OF_A_DIFFERENCE: f64 = 1.46;
+
+/// A jump of a coordinate is at most this many times the difference of the window that shows it most: √binom(46, 23)/binom(22, 7).
+const JUMP_OF_A_DIFFERENCE: f64 = 16.83;
+
+/// What rounding makes of the sums, in units of what it makes of their scale. Calibrated on random loops of 24 modes:
+/// see `tests/banded.rs`.
+const ROUNDINGS_OF_SUMS: f64 = 6.0;
+
+/// White noise of the states folds back from beyond the Nyquist mode: this many standard deviations count.
+const FOLDED: f64 = 2.0;
+
+/// The rule answers if its error estimate is this part of the scale of the integral at most: half of what counts as round-off, as a
+/// defect has two integrals.
+const MOST_ERROR: f64 = 5e-15;
+
+/// Products of coordinates of these sizes, and the squares of their roundings, neither under- nor overflow.
+const MODERATE: Range<f64> = 1e-100..1e100;
+
+/// Stencils of the rule.
+struct Band {
+    /// The central differences of orders 8 and 10, and of orders 18 and 20.
+    centred: [[Vec<f64>; 2]; 2],
+    /// The difference of a window, scaled so that white noise keeps its variance.
+    difference: [f64; WINDOW],
+}
+
+static BAND: LazyLock<Band> = LazyLock::new(|| {
+    let centred = |m: usize| Stencil::new(m).centred;
+    let mut difference = [0.0; WINDOW];
+    difference.copy_from_slice(&Stencil::new(WINDOW - 1).difference);
+    Band {
+        centred: [LAGS, 2 * LAGS].map(|m| [centred(m - 1), centred(m)]),
+        difference,
+    }
+});
+
+/// ∮ p dq of a row that is smooth to rounding; `None` for any other. What q gains in one turn, `gain`, was taken off it.
+pub(super) fn integrate(q: &[f64], p: &[f64], gain: f64) -> Option<RowIntegral> {
+    let samples = q.len();
+    if samples < FEWEST {
+        return None;
+    }
+    let [q_reach, p_reach] = [q, p].map(furthest);
+    if !(MODERATE.contains(&q_reach) && MODERATE.contains(&p_reach)) {
+        return None;
+    }
+    let of_q = Inspection::of(q, Q_STRIDE, q[0].abs() + q_reach)?;
+    let of_p = Inspection::of(p, P_STRIDE, p[0].abs() + p_reach)?;
+    let (q_size, p_size) = (of_q.size + gain.abs(), of_p.size);
+
+    let root = (samples as f64).sqrt();
+    let scale = of_p.deviation * of_q.slope;
+    let stored = UNIT_ROUNDOFF * (q_size * of_p.slope + p_size * of_q.slope) / root;
+    let summed = ROUNDINGS_OF_SUMS * UNIT_ROUNDOFF * scale;
+    let winding = 2.0 * UNIT_ROUNDOFF * gain.abs() * p_size;
+    // Beyond what the stencils miss.
+    let folded = FOLDED * (of_p.noise * of_q.slope + of_q.noise * of_p.slope) / root;
+    let of_mean = gain.abs() * of_p.noise / root;
+    let excess = (of_q.largest - ROUNDINGS_OF_A_DIFFERENCE * UNIT_ROUNDOFF * q_size).max(0.0);
+    let jump = SQRT_2 * of_p.deviation * JUMP_OF_A_DIFFERENCE * excess;
+    let hidden = folded + of_mean + jump;
+
+    let mut sums = [0.0; REACH];
+    // By the lower order if it is enough.
+    for (pass, [lower, higher]) in BAND.centred.iter().enumerate() {
+        add_lags(q, p, pass * LAGS, &mut sums);
+        let [coarse, value] = [lower, higher].map(|stencil| weighted(stencil, &sums));
+        let error = (value - coarse).abs() + hidden;
+        if error <= MOST_ERROR * scale + 2.0 * stored {
+            let turned = if gain == 0.0 { 0.0 } else { gain * mean(p) };
+            return Some(RowIntegral {
+                value: value + turned,
+                quadrature_error: Some(error),
+                roundoff: stored + summed + winding,
+                scale: scale + turned.abs(),
+                omitted: Vec::new(),
+                regularity: None,
+            });
+        }
+    }
+    None
+}
+
+fn weighted(stencil: &[f64], sums: &[f64]) -> f64 {
+    let terms = stencil.iter().zip(sums).map(|(c, sum)| c * sum);
+    // The smallest first.
+    terms.rev().sum()
+}
+
+fn mean(row: &[f64]) -> f64 {
+    row[0] + row.iter().map(|x| x - row[0]).sum::<f64>() / row.len() as f64
+}
+
+/// The largest distance from the first sample.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn furthest(row: &[f64]) -> f64 {
+    /// Enough lanes that none waits for the one before.
+    const WIDE: usize = 4 * LANES;
+    let first = row[0];
+    let (groups, rest) = row.as_chunks::<WIDE>();
+    let mut lanes = [0.0; WIDE];
+    for group in groups {
+        for lane in 0..WIDE {
+            lanes[lane] = larger((group[lane] - first).abs(), lanes[lane]);
+        }
+    }
+    let rest = rest.iter().map(|x| (x - first).abs());
+    rest.chain(lanes).fold(0.0, larger)
+}
+
+/// The larger of two numbers, by one instruction.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// What windows of samples show of a coordinate, all round the loop.
+#[derive(Clone, Copy, Debug, Default)]
+struct Inspection {
+    /// Standard deviation of the noise.
+    noise: f64,
+    /// The largest difference of a window.
+    largest: f64,
+    /// The largest absolute value.
+    size: f64,
+    /// Root mean square of its derivative along the loop.
+    slope: f64,
+    /// Standard deviation.
+    deviation: f64,
+}
+
+impl Inspection {
+    /// Of a row that is no larger than `size`, from windows this far apart; `None` if one of them shows more than rounding.
+    fn of(row: &[f64], stride: usize, size: f64) -> Option<Self> {
+        /// Enough for two groups of windows.
+        const ENDS: usize = 2 * LANES * P_STRIDE + WINDOW;
+        let (from_group, span) = (LANES * stride, (LANES - 1) * stride + WINDOW);
+        let limit = rounding(UNIT_ROUNDOFF * size);
+        let mut sums = add_windows(row, stride, row[0], limit, WindowSums::default())?;
+        // The others go round the end of the row.
+        let done = sums.windows * stride;
+        let ends: [f64; ENDS] = round_end(row, done);
+        let others = (row.len() - done).div_ceil(from_group);
+        let ends = &ends[..(others - 1) * from_group + span];
+        sums = add_windows(ends, stride, row[0], limit, sums)?;
+        let mean = |lanes: [f64; LANES]| lanes.iter().sum::<f64>() / sums.windows as f64;
+        Some(Inspection {
+            noise: mean(sums.differences).sqrt(),
+            largest: sums.largest.into_iter().fold(0.0, larger),
+            size: sums.sizes.into_iter().fold(0.0, larger),
+            slope: row.len() as f64 * mean(sums.steps).sqrt(),
+            deviation: (mean(sums.squares) - mean(sums.values).powi(2))
+                .max(0.0)
+                .sqrt(),
+        })
+    }
+}
+
+/// Sums over windows, each over every [`LANES`]th of them.
+#[derive(Clone, Copy, Default)]
+struct WindowSums {
+    windows: usize,
+    /// Squares of the differences, and the largest.
+    differences: [f64; LANES],
+    largest: [f64; LANES],
+    /// Squares of the increments in the middle of a window.
+    steps: [f64; LANES],
+    /// Values there, from the first, their squares, and the largest size.
+    values: [f64; LANES],
+    squares: [f64; LANES],
+    sizes: [f64; LANES],
+}
+
+/// Adds whole groups of [`LANES`] windows of a row, values from `first`; `None` if a difference is not within its limit.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn add_windows(
+    row: &[f64],
+    stride: usize,
+    first: f64,
+    limit: f64,
+    mut sums: WindowSums,
+) -> Option<WindowSums> {
+    const MIDDLE: usize = WINDOW / 2;
+    let weights = &BAND.difference;
+    let span = (LANES - 1) * stride + WINDOW;
+    for group in row.windows(span).step_by(LANES * stride) {
+        let [mut differences, mut steps, mut values] = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let window = group[lane * stride..].first_chunk()?;
+            differences[lane] = difference(weights, window, first);
+            steps[lane] = window[MIDDLE] - window[MIDDLE - 1];
+            values[lane] = window[MIDDLE] - first;
+        }
+        let mut exceeds = [0; LANES];
+        for lane in 0..LANES {
+            let size = differences[lane].abs();
+            // What is not a number is not within a limit.
+            exceeds[lane] = u64::from(!(size <= limit));
+            sums.largest[lane] = larger(size, sums.largest[lane]);
+            sums.differences[lane] += size * size;
+            sums.steps[lane] += steps[lane] * steps[lane];
+            sums.values[lane] += values[lane];
+            sums.squares[lane] += values[lane] * values[lane];
+            let size = (first + values[lane]).abs();
+            sums.sizes[lane] = larger(size, sums.sizes[lane]);
+        }
+        if exceeds.iter().fold(0, |any, exceeds| any | exceeds) != 0 {
+            return None;
+        }
+        sums.windows += LANES;
+    }
+    Some(sums)
+}
+
+/// The difference of a window, summed in half as many lanes: these are added up for every one. Values count from `first`, or far
+/// from the origin they would be rounded more than they are in storage.
+#[inline(always)]
+fn difference(weights: &[f64; WINDOW], window: &[f64; WINDOW], first: f64) -> f64 {
+    const NARROW: usize = LANES / 2;
+    let mut lanes = [0.0; NARROW];
+    for lane in 0..NARROW {
+        lanes[lane] = weights[lane] * (window[lane] - first);
+    }
+    for k in 1..WINDOW / NARROW {
+        for lane in 0..NARROW {
+            lanes[lane] += weights[NARROW * k + lane] * (window[NARROW * k + lane] - first);
+        }
+    }
+    (lanes[0] + lanes[2]) + (lanes[1] + lanes[3])
+}
+
+/// R_k = Σ_j p_j (q_{j+k} − q_{j−k}) round the loop for the [`LAGS`] lags k after `done`.
+fn add_lags(q: &[f64], p: &[f64], done: usize, sums: &mut [f64; REACH]) {
+    /// Whole groups of samples that have all neighbours in their row begin here.
+    const START: usize = REACH.next_multiple_of(LANES);
+    /// Most samples that have not, as whole groups.
+    const ENDS: usize = (REACH + LANES - 1 + START).next_multiple_of(LANES);
+    let samples = q.len();
+    let sums = &mut sums[done..done + LAGS];
+    let end = (samples - REACH) / LANES * LANES;
+    for from in (START..end).step_by(RUN) {
+        let to = (from + RUN).min(end);
+        let of_run = lag_sums(q, p, from..to, done, p[0]);
+        sums.iter_mut().zip(of_run).for_each(|(sum, r)| *sum += r);
+    }
+    // The others go round the end of the row; where there is none, p is the one that all are counted from, and adds nothing.
+    let from = end.max(START);
+    let count = samples - from + START;
+    let q_ends: [f64; ENDS + 2 * REACH] = round_end(q, from - REACH);
+    let mut p_ends: [f64; ENDS + 2 * REACH] = round_end(p, from - REACH);
+    p_ends[REACH + count..].fill(p[0]);
+    let of_ends = lag_sums(&q_ends, &p_ends, REACH..REACH + ENDS, done, p[0]);
+    sums.iter_mut().zip(of_ends).for_each(|(sum, r)| *sum += r);
+}
+
+/// Σ (p_j − `reference`) (q_{j+k} − q_{j−k}) for whole groups of j, and the [`LAGS`] lags k after `done`.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn lag_sums(q: &[f64], p: &[f64], range: Range<usize>, done: usize, reference: f64) -> [f64; LAGS] {
+    let (from, to) = (range.start, range.end);
+    let mut sums = [[0.0; LANES]; LAGS];
+    let p = p[from..to].as_chunks::<LANES>().0;
+    let shifted = |start: usize| q[start..start + to - from].as_chunks::<LANES>().0;
+    let ahead: [_; LAGS] = std::array::from_fn(|k| shifted(from + done + k + 1));
+    let behind: [_; LAGS] = std::array::from_fn(|k| shifted(from - done - k - 1));
+    for (group, p) in p.iter().enumerate() {
+        let mut centred = [0.0; LANES];
+        for lane in 0..LANES {
+            centred[lane] = p[lane] - reference;
+        }
+        for k in 0..LAGS {
+            let (ahead, behind) = (&ahead[k][group], &behind[k][group]);
+            for lane in 0..LANES {
+                sums[k][lane] += centred[lane] * (ahead[lane] - behind[lane]);
+            }
+        }
+    }
+    sums.map(|lanes| lanes.iter().sum())
+}
+
+/// Samples from `start` on, round the end of the row.
+fn round_end<const COUNT: usize>(row: &[f64], start: usize) -> [f64; COUNT] {
+    let mut samples = [0.0; COUNT];
+    let (mut to, mut from) = (0, start);
+    while to < COUNT {
+        let count = (COUNT - to).min(row.len() - from);
+        samples[to..to + count].copy_from_slice(&row[from..from + count]);
+        (to, from) = (to + count, 0);
+    }
+    samples
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use super::*;
+
+    fn row(samples: usize, of: impl Fn(f64) -> f64) -> Vec<f64> {
+        (0..samples)
+            .map(|k| of(k as f64 / samples as f64))
+            .collect()
+    }
+
+    /// Modes of a coordinate, their numbers with the amplitudes of cosine and sine.
+    type Modes = Vec<(usize, [f64; 2])>;
+
+    fn loop_of(samples: usize, centre: f64, modes: &Modes) -> Vec<f64> {
+        // Angles below one turn, to be as exact as samples can be.
+        let at = |m: usize, k: usize| (TAU * (m * k % samples) as f64 / samples as f64).sin_cos();
+        let value = |k: usize| {
+            let terms = modes.iter().map(|&(m, [a, b])| {
+                let (sin, cos) = at(m, k);
+                a * cos + b * sin
+            });
+            centre + terms.sum::<f64>()
+        };
+        (0..samples).map(value).collect()
+    }
+
+    /// ∮ p dq = π Σ m (p_m^c q_m^s − p_m^s q_m^c).
+    fn closed_form(q: &Modes, p: &Modes) -> f64 {
+        let terms = q.iter().zip(p);
+        PI * terms
+            .map(|((m, q), (_, p))| *m as f64 * (p[0] * q[1] - p[1] * q[0]))
+            .sum::<f64>()
+    }
+
+    fn random(seed: &mut u64) -> f64 {
+        *seed = seed
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (*seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+
+    #[test]
+    fn resolved_loops_have_their_closed_form() {
+        let mut seed = 1;
+        let (mut taken, mut worst) = (0, 0.0f64);
+        for samples in [256, 257, 300, 999, 1000, 1024, 4096, 5000, 16384] {
+            for (centre, stretch) in [(0.0, 1.0), (0.0, 1e8), (0.0, 1e-8), (1e3, 1.0), (-1e6, 1.0)]
+            {
+                for trial in 0..20 {
+                    // From the fundamental mode alone to modes of twenty samples.
+                    let highest = 1 + trial * (samples / 20 - 1) / 19;
+                    let mut modes = |size: f64| -> Modes {
+                        let numbers = (0..24).map(|j| 1 + j * (highest - 1) / 23);
+                        let mode = |m| (m, [(); 2].map(|()| size * random(&mut seed) / m as f64));
+                        numbers.map(mode).collect()
+                    };
+                    let (of_q, of_p) = (modes(stretch), modes(1.0));
+                    let (q, p) = (
+                        loop_of(samples, centre, &of_q),
+                        loop_of(samples, centre, &of_p),
+                    );
+                    let Some(found) = integrate(&q, &p, 0.0) else {
+                        continue;
+                    };
+                    taken += 1;
+                    // The numbers of modes are not all different: sum by pairs of equal numbers.
+                    let merged = |modes: &Modes| {
+                        let mut merged: Modes = Vec::new();
+                        for &(m, [a, b]) in modes {
+                            match merged.last_mut() {
+                                Some((last, of)) if *last == m => *of = [of[0] + a, of[1] + b],
+                                _ => merged.push((m, [a, b])),
+                            }
+                        }
+                        merged
+                    };
+                    let off = (found.value - closed_form(&merged(&of_q), &merged(&of_p))).abs();
+                    worst = worst.max(off / (found.roundoff + found.quadrature_error.unwrap()));
+                }
+            }
+        }
+        println!("{taken} {worst}");
+        assert!(taken > 700, "{taken}");
+        assert!(worst < 1.0, "{worst}");
+    }
+
+    #[test]
+    fn lag_sums_are_those_of_the_definition() {
+        for samples in [32, 33, 40, 63, 100, 519, 531, 1600] {
+            let (q, p) = (
+                row(samples, |s| (97.0 * s * s).sin()),
+                row(samples, |s| (71.0 * s).cos()),
+            );
+            let mut sums = [0.0; REACH];
+            add_lags(&q, &p, 0, &mut sums);
+            add_lags(&q, &p, LAGS, &mut sums);
+            for (k, sum) in (1..).zip(sums) {
+                let around = |j: usize| q[(j + k) % samples] - q[(j + samples - k) % samples];
+                let expected: f64 = (0..samples).map(|j| p[j] * around(j)).sum();
+                let off = (sum - expected).abs();
+                assert!(off < 1e-14 * samples as f64, "{samples}, {k}: {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn rows_that_show_more_than_rounding_are_left_to_the_transform() {
+        for samples in [256, 1000, 4096] {
+            let sine = row(samples, |s| (TAU * s).sin());
+            let cosine = row(samples, |s| (TAU * s).cos());
+            assert!(integrate(&sine, &cosine, 0.0).is_some());
+            let noise = |s: f64| ((s * 12.9898).sin() * 43758.5453).fract();
+            let shapes: [(&str, &dyn Fn(f64) -> f64); 7] = [
+                ("kink", &|s| 1e-6 * (s - 0.3).abs()),
+                ("jump", &|s| 1e-12 * f64::from(s > 0.3)),
+                ("noise", &|s| 1e-13 * noise(s)),
+                ("spike", &|s| 1e-12 * f64::from(s == 0.25)),
+                ("wave of eight samples", &|s| {
+                    1e-3 * (TAU * (samples / 8) as f64 * s).sin()
+                }),
+                ("not a number", &|s| if s > 0.99 { f64::NAN } else { 0.0 }),
+                ("infinite", &|s| if s == 0.5 { f64::INFINITY } else { 0.0 }),
+            ];
+            for (what, shape) in shapes {
+                let rough: Vec<f64> = (sine.iter().zip(row(samples, shape)))
+                    .map(|(x, rough)| x + rough)
+                    .collect();
+                assert!(
+                    integrate(&rough, &cosine, 0.0).is_none(),
+                    "{what}, {samples}"
+                );
+                assert!(
+                    integrate(&cosine, &rough, 0.0).is_none(),
+                    "{what} of p, {samples}"
+                );
+            }
+            // Nor rows that have no size, or sizes whose squares are no numbers.
+            for size in [0.0, 1e-200, 1e200] {
+                let scaled: Vec<f64> = sine.iter().map(|x| size * x).collect();
+                assert!(integrate(&scaled, &cosine, 0.0).is_none(), "{size}");
+                assert!(integrate(&cosine, &scaled, 0.0).is_none(), "{size}");
+            }
+        }
+        let few = row(FEWEST - 1, |s| (TAU * s).sin());
+        assert!(integrate(&few, &few, 0.0).is_none());
+    }
+
+    #[test]
+    fn jumps_of_any_size_are_in_the_error_or_left_to_the_transform() {
+        let mut seed = 3;
+        let mut taken = 0;
+        for samples in [256, 1000, 4096] {
+            for trial in 0..2000 {
+                let size = 1e-16 * 10f64.powi(trial % 5);
+                let (at, phase) = (random(&mut seed) + 0.5, TAU * random(&mut seed));
+                let jump = |s: f64| size * (f64::from(s > at) - s);
+                let q = row(samples, |s| (TAU * s + phase).sin() + jump(s));
+                let p = row(samples, |s| (TAU * s + phase).cos());
+                let Some(found) = integrate(&q, &p, 0.0) else {
+                    continue;
+                };
+                taken += 1;
+                // The jump closed by a chord; the slope of q changes the integral by nothing.
+                let of_jump = size * (TAU * at + phase).cos();
+                let off = (found.value - PI).abs();
+                // Jumps of 32 roundings and less count as rounding.
+                let known =
+                    found.roundoff + found.quadrature_error.unwrap() + rounding(UNIT_ROUNDOFF);
+                assert!(
+                    of_jump.abs() < known && off < known,
+                    "{samples}, {size:e}: {off:e} {known:e}"
+                );
+            }
+        }
+        println!("{taken}");
+        assert!(taken > 1000, "{taken}");
+    }
+
+    #[test]
+    fn modes_that_the_lower_order_misses_take_the_higher_one() {
+        let samples = 4096;
+        for (mode, by_lower) in [(1, true), (10, true), (100, false), (200, false)] {
+            let q = loop_of(samples, 0.0, &vec![(mode, [0.0, 1.0])]);
+            let p = loop_of(samples, 0.0, &vec![(mode, [1.0, 0.0])]);
+            let found = integrate(&q, &p, 0.0).expect("20 samples or more");
+            let exact = PI * mode as f64;
+            assert!(
+                (found.value / exact - 1.0).abs() < 2e-15,
+                "{mode}: {found:?}"
+            );
+            let mut sums = [0.0; REACH];
+            add_lags(&q, &p, 0, &mut sums);
+            let lower = weighted(&BAND.centred[0][1], &sums);
+            assert_eq!((lower / exact - 1.0).abs() < 1e-15, by_lower, "{mode}");
+        }
+    }
+
+    #[test]
+    fn equal_rows_enclose_no_area() {
+        for samples in [256, 1000] {
+            let q = row(samples, |s| (TAU * s).sin() + 0.3 * (2.0 * TAU * s).cos());
+            let found = integrate(&q, &q, 0.0).unwrap();
+            assert!(found.value.abs() <= found.roundoff, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_position_that_winds_adds_the_mean_momentum() {
+        for (gain, centre) in [(3.0, 0.5), (-2.0, 100.0)] {
+            let q = row(1024, |s| 0.2 * (TAU * s).sin());
+            let p = row(1024, |s| centre + (TAU * s).cos());
+            let found = integrate(&q, &p, gain).unwrap();
+            let off = (found.value - (0.2 * PI + gain * centre)).abs();
+            assert!(off <= found.roundoff, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn weights_of_windows_are_as_stated() {
+        let weights = BAND.difference;
+        let sum: f64 = weights.iter().map(|w| w.abs()).sum();
+        assert!(
+            (0.5 * sum / ROUNDINGS_OF_A_DIFFERENCE - 1.0).abs() < 2e-3,
+            "{sum}"
+        );
+        // A jump in each cell, seen by the window that shows it most.
+        let shown = |cell: usize| weights[cell + 1..].iter().sum::<f64>().abs();
+        let most = |cell: usize| {
+            (cell..WINDOW - 1)
+                .step_by(Q_STRIDE)
+                .map(shown)
+                .fold(0.0, f64::max)
+        };
+        let least = (0..Q_STRIDE).map(most).fold(1.0, f64::min);
+        assert!((least * JUMP_OF_A_DIFFERENCE - 1.0).abs() < 1e-3, "{least}");
+    }
+}
