@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::limits::LEAST_JUMP;
-use super::residual::rounding;
+use super::residual::{may_jump, rounding};
 use super::search::find_jumps;
-use crate::signal::{Extent, UNIT_ROUNDOFF, unwrap_row};
+use crate::signal::{Extent, UNIT_ROUNDOFF, largest, unwrap_row, wraps};
 use crate::state::{Coordinates, Ensemble};
 
 /// What jumps too small to break a loop contribute to its integral at most, Σ |p Δq| over the cells in which samples
@@ -17,8 +17,12 @@ pub(crate) fn little_jumps(samples: &Ensemble, coordinates: &Coordinates, known:
         is_known[(s * count as f64) as usize % count] = true;
     }
     let of_dof = |i: usize| {
-        let mut row = samples.q().row(i).to_vec();
-        let gain = unwrap_row(&mut row, coordinates.period(i)) as f64 * coordinates.period(i);
+        let (row, period) = (samples.q().row(i), coordinates.period(i));
+        if !wraps(row, period) && !may_jump(row, rounding(UNIT_ROUNDOFF * largest(row))) {
+            return 0.0;
+        }
+        let mut row = row.to_vec();
+        let gain = unwrap_row(&mut row, period) as f64 * period;
         let extent = Extent::of(&row);
         row.push(row[0] + gain);
         let increments: Vec<f64> = row.windows(2).map(|q| q[1] - q[0]).collect();

@@ -32,9 +32,10 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
-use crate::signal::{largest, unwrap_row};
+use crate::signal::{largest, unwrap_row, wraps};
 use crate::state::Coordinates;
 use crate::state::Ensemble;
+use crate::state::scratch::with_buffer;
 
 /// A point at which an advanced loop is discontinuous, in the degree of freedom that led to it, or that jumps most.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -155,13 +156,13 @@ fn suspects(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<Suspect> {
     }
     let mut found: Vec<Suspect> = (0..ensemble.dof())
         .into_par_iter()
-        .map_init(Vec::new, |buffer, dof| {
+        .map(|dof| {
             let (q, p) = (ensemble.q().row(dof), ensemble.p().row(dof));
             let rows = [
                 (Coordinate::Q, q, coordinates.period(dof)),
                 (Coordinate::P, p, coordinates.momentum_period(dof)),
             ];
-            rows.map(|(coordinate, row, period)| suspect(buffer, dof, coordinate, row, period))
+            rows.map(|(coordinate, row, period)| suspect(dof, coordinate, row, period))
         })
         .flatten_iter()
         .flatten()
@@ -170,30 +171,22 @@ fn suspects(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<Suspect> {
     found
 }
 
-fn suspect(
-    buffer: &mut Vec<f64>,
-    dof: usize,
-    coordinate: Coordinate,
-    row: &[f64],
-    period: f64,
-) -> Option<Suspect> {
-    let samples = row.len();
-    buffer.clear();
-    buffer.extend_from_slice(row);
-    let gain = unwrap_row(buffer, period) as f64 * period;
-    // Once more round the loop, so that groups are full and have what comes before them.
-    for k in 0..REACH + GROUP {
-        buffer.push(buffer[k] + gain);
+fn suspect(dof: usize, coordinate: Coordinate, row: &[f64], period: f64) -> Option<Suspect> {
+    if wraps(row, period) {
+        return with_buffer(row.len(), |unwrapped| {
+            unwrapped.copy_from_slice(row);
+            let gain = unwrap_row(unwrapped, period) as f64 * period;
+            suspect_of(dof, coordinate, unwrapped, gain)
+        });
     }
-    let mut residuals = Residuals::default();
-    for first in (0..samples).step_by(GROUP) {
-        let window: &Window = (buffer[first..first + REACH + GROUP].try_into())
-            .expect("the row goes on for as long as a window");
-        residuals.add(window, first + REACH, GROUP);
-    }
-    let magnitude = largest(buffer);
-    let groups = samples.div_ceil(GROUP);
-    residuals.suspect(dof, coordinate, [samples, groups], magnitude)
+    suspect_of(dof, coordinate, row, 0.0)
+}
+
+/// Of a row that gains `gain` round the loop.
+fn suspect_of(dof: usize, coordinate: Coordinate, row: &[f64], gain: f64) -> Option<Suspect> {
+    let (residuals, groups) = Residuals::of(row, gain);
+    let magnitude = largest(row) + gain.abs();
+    residuals.suspect(dof, coordinate, [row.len(), groups], magnitude)
 }
 
 #[cfg(test)]
@@ -298,7 +291,7 @@ mod tests {
                 .map(|k| k as f64 / n as f64)
                 .map(|s| (3.0 + 2.0 * s + 0.1 * (std::f64::consts::TAU * s).sin()).rem_euclid(1.0))
                 .collect();
-            let found = suspect(&mut Vec::new(), 0, Coordinate::Q, &row, 1.0);
+            let found = suspect(0, Coordinate::Q, &row, 1.0);
             assert!(found.is_none(), "{n}: {found:?}");
         }
     }
@@ -306,9 +299,9 @@ mod tests {
     #[test]
     fn one_rounding_of_large_values_is_no_jump() {
         let row: Vec<f64> = (0..64).map(|k| 1e6 + 1e-10 * f64::from(k > 30)).collect();
-        assert!(suspect(&mut Vec::new(), 0, Coordinate::P, &row, 0.0).is_none());
+        assert!(suspect(0, Coordinate::P, &row, 0.0).is_none());
         let row: Vec<f64> = (0..64).map(|k| 1e6 + 1e-8 * f64::from(k > 30)).collect();
-        assert!(suspect(&mut Vec::new(), 0, Coordinate::P, &row, 0.0).is_some());
+        assert!(suspect(0, Coordinate::P, &row, 0.0).is_some());
     }
 
     /// What a search finds whose map returns this number of binary digits, and is known to.

@@ -4,6 +4,8 @@
 //! missing between two smooth functions. With cells twice as wide it grows 32-fold where the coordinate is smooth,
 //! twofold at a kink, and not at all at a jump.
 
+use multiversion::multiversion;
+
 use super::limits::{MOST_SUSPECTS, OUTSTANDING, ROUNDINGS, STAYS_IN_WIDE_CELLS};
 use crate::signal::UNIT_ROUNDOFF;
 
@@ -64,17 +66,32 @@ pub(crate) struct Residuals {
 }
 
 impl Residuals {
+    /// Of a row, at least a group long, that gains `gain` round the loop. In so many groups.
+    pub fn of(row: &[f64], gain: f64) -> (Self, usize) {
+        let mut residuals = Residuals::default();
+        let taken = add_groups(&mut residuals, row, 0);
+        // Once more round the loop, so that groups are full and have what comes before them.
+        let start = taken * GROUP;
+        let ends: [f64; REACH + 2 * GROUP] = round_end(row, start, gain);
+        let others = (row.len() - start).div_ceil(GROUP);
+        add_groups(&mut residuals, &ends[..REACH + others * GROUP], start);
+        (residuals, taken + others)
+    }
+
     /// Takes in `count` samples of a group, of which the first is sample `next` of the loop.
+    #[inline(always)]
     pub fn add(&mut self, x: &Window, next: usize, count: usize) {
         let (mut narrow, mut wide) = ([0.0; GROUP], [0.0; GROUP]);
         for k in 0..GROUP {
             let at = |back: usize| x[REACH + k - back];
             narrow[k] = residual([at(5), at(4), at(3), at(2), at(1), at(0)]).abs();
+        }
+        for k in 0..GROUP {
+            let at = |back: usize| x[REACH + k - back];
             wide[k] = residual([at(10), at(8), at(6), at(4), at(2), at(0)]).abs();
         }
         narrow[count..].fill(0.0);
         wide[count..].fill(0.0);
-        let most = |lanes: &[f64; GROUP]| lanes.iter().fold(0.0, |m: f64, &v| m.max(v));
         let largest = most(&narrow);
         if largest > self.largest {
             let lane = narrow.iter().position(|&v| v == largest).unwrap_or(0);
@@ -109,8 +126,98 @@ impl Residuals {
     }
 }
 
+/// Adds the whole groups of samples that have those before them in `row`, which begins at sample `first` of the loop; how many.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn add_groups(residuals: &mut Residuals, row: &[f64], first: usize) -> usize {
+    let mut groups = 0;
+    for window in row.windows(REACH + GROUP).step_by(GROUP) {
+        if let Some(window) = window.first_chunk() {
+            residuals.add(window, first + groups * GROUP + REACH, GROUP);
+            groups += 1;
+        }
+    }
+    groups
+}
+
+/// Samples from `start` on, round the end of a row that gains `gain` there.
+pub(super) fn round_end<const COUNT: usize>(row: &[f64], start: usize, gain: f64) -> [f64; COUNT] {
+    let samples = row.len();
+    let at = |k: usize| row[k % samples] + gain * (k / samples) as f64;
+    std::array::from_fn(|k| at(start + k))
+}
+
+/// The largest, by halves.
+#[inline(always)]
+fn most(values: &[f64; GROUP]) -> f64 {
+    let mut values = *values;
+    let mut half = GROUP / 2;
+    while half > 0 {
+        for k in 0..half {
+            let (a, b) = (values[k], values[k + half]);
+            values[k] = if a > b { a } else { b };
+        }
+        half /= 2;
+    }
+    values[0]
+}
+
+/// Whether a cell of a row that does not wind may look discontinuous: its residual stands out of rounding, and is no smaller than
+/// those of the double cells around it, as [`find_jumps`](super::find_jumps) has it. Residuals below `floor` are rounding.
+pub(super) fn may_jump(row: &[f64], floor: f64) -> bool {
+    let taken = row.len().saturating_sub(AROUND) / GROUP;
+    if any_may_jump(&row[..(taken * GROUP + AROUND).min(row.len())], floor) {
+        return true;
+    }
+    // The others go round the end of the row.
+    const ENDS: usize = 3 * GROUP + AROUND;
+    let ends: [f64; ENDS] = round_end(row, taken * GROUP, 0.0);
+    let others = (row.len() - taken * GROUP).div_ceil(GROUP);
+    any_may_jump(&ends[..others * GROUP + AROUND], floor)
+}
+
+/// Samples before those of a group that the double cells around its cells reach, and after them.
+const AROUND: usize = 13;
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn any_may_jump(row: &[f64], floor: f64) -> bool {
+    /// Double cells around each of the cells of a group, and some more.
+    const WIDE: usize = GROUP + 4;
+    // What residuals differ by that are rounded in another order is less than half of the floor.
+    let slack = 0.5 * floor;
+    for window in row.windows(GROUP + AROUND).step_by(GROUP) {
+        let Some(x) = window.first_chunk::<{ GROUP + AROUND }>() else {
+            return true;
+        };
+        let (mut narrow, mut wide) = ([0.0; GROUP], [0.0; WIDE]);
+        for k in 0..GROUP {
+            let at = |ahead: usize| x[k + ahead];
+            narrow[k] = residual([at(4), at(5), at(6), at(7), at(8), at(9)]).abs();
+        }
+        for k in 0..WIDE - 1 {
+            let at = |ahead: usize| x[k + ahead];
+            wide[k] = residual([at(0), at(2), at(4), at(6), at(8), at(10)]).abs();
+        }
+        let mut jumps = 0;
+        for k in 0..GROUP {
+            let larger = |a: f64, b: f64| if a > b { a } else { b };
+            let around = larger(
+                larger(wide[k], wide[k + 1]),
+                larger(wide[k + 2], wide[k + 3]),
+            );
+            let stands_out = narrow[k] > slack;
+            let stays = narrow[k] + slack > STAYS_IN_WIDE_CELLS * around;
+            jumps |= u64::from(stands_out & stays);
+        }
+        if jumps != 0 {
+            return true;
+        }
+    }
+    false
+}
+
 /// The sum of the residuals of a group that a jump leaves alone: it disturbs those of five cells, so that of cells four
 /// apart the least counts.
+#[inline(always)]
 fn undisturbed(residuals: &[f64; GROUP]) -> f64 {
     let least = |a: f64, b: f64| if a < b { a } else { b };
     let of_four = |k: usize| {
@@ -142,6 +249,7 @@ pub(crate) fn rounding(rounding_error: f64) -> f64 {
 pub(super) const NEIGHBOURS: usize = 2;
 
 /// The step from x_2 to x_3 that the values of polynomials up to the fourth degree do not explain.
+#[inline(always)]
 fn residual(x: [f64; 6]) -> f64 {
     (10.0 * (x[3] - x[2]) - 5.0 * (x[4] - x[1]) + (x[5] - x[0])) / 6.0
 }
@@ -178,6 +286,53 @@ mod tests {
             assert!(residual(at.map(|x| x.powi(power))).abs() < 1e-13);
         }
         assert!((residual(at.map(|x| x.powi(5))) - 20.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn rows_are_taken_in_with_what_follows_their_end() {
+        for n in [16_usize, 17, 25, 26, 40, 64, 99] {
+            let row: Vec<f64> = (0..n).map(|k| (1.3 * (k * k) as f64).sin()).collect();
+            let (found, groups) = Residuals::of(&row, 0.5);
+            assert_eq!(groups, n.div_ceil(GROUP));
+            let x = |k: usize| row[k % n] + 0.5 * (k / n) as f64;
+            let largest = |width: usize| {
+                let of_cell = |k: usize| residual([0, 1, 2, 3, 4, 5].map(|j| x(k + j * width)));
+                // Groups that are filled up go on beyond the turn.
+                let cells = REACH - 5 * width..groups * GROUP + REACH - 5 * width;
+                cells.map(of_cell).fold(0.0, |m: f64, v| m.max(v.abs()))
+            };
+            assert_eq!(
+                [found.largest, found.largest_wide],
+                [1, 2].map(largest),
+                "{n}"
+            );
+        }
+    }
+
+    #[test]
+    fn rows_that_may_not_jump_have_no_jumps() {
+        let mut skipped = 0;
+        for seed in 0..400 {
+            let random = |k: usize| (0.137 + 0.618_034 * (7 * seed + 31 * k) as f64).fract();
+            let n = [7, 16, 29, 30, 45, 64, 200, 1024][seed % 8];
+            let (jump, kink) = ([0.0, 1e-12, 1e-3][seed % 3], [0.0, 1e-2][seed / 3 % 2]);
+            let at = |k: usize| {
+                let s = k as f64 / n as f64;
+                let bend = (s - random(1)).abs().min(1.0 - (s - random(1)).abs());
+                let phase = std::f64::consts::TAU * (s + random(2));
+                phase.sin() + kink * bend + jump * f64::from(s > random(3))
+            };
+            let row: Vec<f64> = (0..n).map(at).collect();
+            let floor = rounding(UNIT_ROUNDOFF * 1.5);
+            let increments: Vec<f64> = (0..n).map(|k| row[(k + 1) % n] - row[k]).collect();
+            let found = crate::breaks::find_jumps(&increments, floor);
+            if may_jump(&row, floor) {
+                continue;
+            }
+            skipped += 1;
+            assert!(found.jumps.is_empty(), "{n}, {jump}, {kink}: {found:?}");
+        }
+        assert!(skipped > 150, "{skipped}");
     }
 
     #[test]
