@@ -229,15 +229,15 @@ fn wrong_length(name: &str, array: &Bound<'_, PyAny>, dof: usize) -> PyErr {
     }
 }
 
-/// States from two arrays of one row for each sample.
+/// Whether q and p are of one shape.
 ///
 /// # Errors
 /// If their shapes differ.
-pub fn ensemble(
+pub fn check_shapes(
     py: Python<'_>,
     q: &PyReadonlyArray2<'_, f64>,
     p: &PyReadonlyArray2<'_, f64>,
-) -> PyResult<Ensemble> {
+) -> PyResult<()> {
     let (q, p) = (q.as_array(), p.as_array());
     if q.dim() != p.dim() {
         let message = format!(
@@ -248,6 +248,20 @@ pub fn ensemble(
         );
         return Err(input_error(py, &message));
     }
+    Ok(())
+}
+
+/// States from two arrays of one row for each sample.
+///
+/// # Errors
+/// If their shapes differ.
+pub fn ensemble(
+    py: Python<'_>,
+    q: &PyReadonlyArray2<'_, f64>,
+    p: &PyReadonlyArray2<'_, f64>,
+) -> PyResult<Ensemble> {
+    check_shapes(py, q, p)?;
+    let (q, p) = (q.as_array(), p.as_array());
     let (samples, dof) = q.dim();
     let mut states = Ensemble::zeros(dof, samples);
     let mut block = states.block();

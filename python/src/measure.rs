@@ -8,6 +8,7 @@ use crate::arrays;
 use crate::check::{CutoffPair, rule};
 use crate::coordinates::Stated;
 use crate::error::{diagnostic_error, other_error};
+use crate::memory::Columns;
 use crate::pool;
 use crate::report::{self, Report};
 
@@ -56,7 +57,7 @@ pub fn measure(
 /// A loop integral: (value, quadrature error, round-off, contributions of the degrees of freedom).
 type Integral = (f64, Option<f64>, f64, Vec<f64>);
 
-/// The loop integral of samples.
+/// The loop integral of samples, read where they are if each coordinate lies side by side.
 #[pyfunction]
 #[pyo3(signature = (q, p, rule_name, cutoffs, stated))]
 pub fn loop_integral(
@@ -68,12 +69,19 @@ pub fn loop_integral(
     stated: Stated,
 ) -> PyResult<Integral> {
     let rule = rule(py, rule_name, cutoffs)?;
-    let states = arrays::ensemble(py, &q, &p)?;
-    let coordinates = stated.of(py, states.dof())?;
-    let integral = pool::run(py, move || {
-        states.check_finite(None)?;
-        LoopIntegral::in_coordinates(&states, &rule, &coordinates)
-    })?;
+    arrays::check_shapes(py, &q, &p)?;
+    let coordinates = stated.of(py, q.as_array().ncols())?;
+    let integral = match Columns::of(&q).zip(Columns::of(&p)) {
+        Some((q, p)) => pool::run(py, move || {
+            LoopIntegral::of_rows(q.rows(), p.rows(), &rule, &coordinates)
+        })?,
+        None => {
+            let states = arrays::ensemble(py, &q, &p)?;
+            pool::run(py, move || {
+                LoopIntegral::of_rows(states.q(), states.p(), &rule, &coordinates)
+            })?
+        }
+    };
     let found = integral.map_err(|error| diagnostic_error(py, &error))?;
     Ok((
         found.value,

@@ -9,9 +9,10 @@ use std::ptr::NonNull;
 use std::sync::mpsc::SyncSender;
 
 use numpy::ndarray::{ArrayView, Dimension, ShapeBuilder, StrideShape};
-use numpy::{Element, PyArray};
+use numpy::{Element, PyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use symplint::Block;
+use symplint::state::Rows;
 
 /// Numbers of a type that every pattern of bits is a value of.
 pub trait Number: Element + Copy + Send + Sync + 'static {
@@ -36,6 +37,44 @@ impl Number for f32 {
     }
     fn value(self) -> f64 {
         f64::from(self)
+    }
+}
+
+/// The columns of a numpy array, each a row in its memory, for as long as this exists. Who made the array may write to it meanwhile,
+/// as numpy's own functions let him: what is read then is of no use.
+pub struct Columns {
+    start: NonNull<f64>,
+    count: usize,
+    len: usize,
+    _array: Py<PyArray2<f64>>,
+}
+
+// SAFETY: the memory is only read, and belongs to the array, which any thread may keep alive.
+unsafe impl Send for Columns {}
+
+impl Columns {
+    /// Of an array in Fortran order, or of one column; `None` if the values of a column do not lie side by side.
+    pub fn of(array: &PyReadonlyArray2<'_, f64>) -> Option<Self> {
+        let view = array.as_array();
+        let (len, count) = view.dim();
+        let values = view.reversed_axes().to_slice()?;
+        if !values.as_ptr().is_aligned() {
+            return None;
+        }
+        Some(Columns {
+            start: NonNull::from(values).cast(),
+            count,
+            len,
+            _array: (**array).clone().unbind(),
+        })
+    }
+
+    /// One row for each column.
+    pub fn rows(&self) -> Rows<'_> {
+        // SAFETY: `of` found so many values there, and the array keeps them.
+        let values =
+            unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.count * self.len) };
+        Rows::new(values, self.count, self.len, self.len)
     }
 }
 

@@ -461,7 +461,7 @@ const char *symplint_field_report_json(const SymplintFieldReport *report);
 void symplint_field_report_free(SymplintFieldReport *report);
 
 /**
- * The loop integral ∮ p·dq of samples, by the pseudospectral rule.
+ * The loop integral ∮ p·dq of samples, by the pseudospectral rule, or by central differences that have its value to rounding.
  *
  * q and p have the coordinate i of the sample k at [i * dof_stride + k * sample_stride]. Rows, one for each degree of
  * freedom, have dof_stride = samples (or more) and sample_stride = 1; columns, one state after another, have dof_stride = 1

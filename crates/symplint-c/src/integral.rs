@@ -3,6 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use symplint::state::Rows;
 use symplint::{Coordinates, Defect, LoopIntegral, Rule};
 
 use crate::pointers::{Layout, optional_values, value, values, write};
@@ -87,6 +88,9 @@ fn single_thread() -> Result<&'static ThreadPool, Failure> {
     Ok(pool)
 }
 
+/// Degrees of freedom that are copied together: those of a cache line, where states lie one after another.
+const ROWS_TOGETHER: usize = 8;
+
 /// The integrals of all degrees of freedom, one by one.
 ///
 /// # Safety
@@ -108,32 +112,50 @@ unsafe fn of_each(
     };
     let pool = single_thread()?;
     let mut parts = Vec::with_capacity(layout.dof);
-    for i in 0..layout.dof {
+    let mut integrate = |q: Rows<'_>, p: Rows<'_>, first: usize| {
+        for row in 0..q.count() {
+            let i = first + row;
+            let of_row = |error: symplint::Error| {
+                let Failure { status, text } = error.into();
+                // The row is an ensemble of its own, which has no other degree of freedom.
+                Failure::new(
+                    status,
+                    text.replace("degree of freedom 0", &format!("degree of freedom {i}")),
+                )
+            };
+            let mut coordinates = Coordinates::plain(1);
+            if let Some(period) = &period {
+                coordinates = coordinates.with_periods(vec![period[i]]).map_err(of_row)?;
+            }
+            if let Some(weight) = &weight {
+                coordinates = coordinates.with_weights(vec![weight[i]]).map_err(of_row)?;
+            }
+            let [q, p] = [q, p].map(|rows| Rows::new(rows.row(row), 1, rows.len(), rows.len()));
+            let integral = || LoopIntegral::of_rows(q, p, &Rule::Auto, &coordinates);
+            parts.push(pool.install(integral).map_err(of_row)?);
+        }
+        Ok(())
+    };
+    for first in (0..layout.dof).step_by(ROWS_TOGETHER) {
+        let dofs = first..layout.dof.min(first + ROWS_TOGETHER);
         // SAFETY: the caller promises the values.
-        let row = unsafe { layout.row(q, p, i) }?;
-        let of_row = |error: symplint::Error| {
-            let Failure { status, text } = error.into();
-            // The row is an ensemble of its own, which has no other degree of freedom.
-            Failure::new(
-                status,
-                text.replace("degree of freedom 0", &format!("degree of freedom {i}")),
-            )
+        let in_place = unsafe {
+            let q = layout.in_place("q", q, dofs.clone())?;
+            q.zip(layout.in_place("p", p, dofs.clone())?)
         };
-        row.check_finite(None).map_err(of_row)?;
-        let mut coordinates = Coordinates::plain(1);
-        if let Some(period) = &period {
-            coordinates = coordinates.with_periods(vec![period[i]]).map_err(of_row)?;
+        match in_place {
+            Some((q, p)) => integrate(q, p, first)?,
+            None => {
+                // SAFETY: as above.
+                let states = unsafe { layout.copy(q, p, dofs) }?;
+                integrate(states.q(), states.p(), first)?;
+            }
         }
-        if let Some(weight) = &weight {
-            coordinates = coordinates.with_weights(vec![weight[i]]).map_err(of_row)?;
-        }
-        let integral = || LoopIntegral::in_coordinates(&row, &Rule::Pseudospectral, &coordinates);
-        parts.push(pool.install(integral).map_err(of_row)?);
     }
     Ok(parts)
 }
 
-/// The loop integral ∮ p·dq of samples, by the pseudospectral rule.
+/// The loop integral ∮ p·dq of samples, by the pseudospectral rule, or by central differences that have its value to rounding.
 ///
 /// q and p have the coordinate i of the sample k at [i * dof_stride + k * sample_stride]. Rows, one for each degree of
 /// freedom, have dof_stride = samples (or more) and sample_stride = 1; columns, one state after another, have dof_stride = 1

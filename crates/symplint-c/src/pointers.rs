@@ -3,8 +3,10 @@
 //! Null, alignment and sizes are checked here; that so much memory is there is what the caller promises.
 
 use std::ffi::{CStr, c_char};
+use std::ops::Range;
 
 use symplint::Ensemble;
+use symplint::state::Rows;
 
 use crate::status::Failure;
 
@@ -129,6 +131,9 @@ pub unsafe fn text<'a>(what: &str, pointer: *const c_char) -> Result<Option<&'a 
     (text.to_str().map(Some)).map_err(|_| Failure::bad_argument(format!("{what} is not UTF-8")))
 }
 
+/// Samples of some degrees of freedom that are copied together.
+const SAMPLES_TOGETHER: usize = 64;
+
 /// Where the values of an array of states lie.
 #[derive(Clone, Copy)]
 pub struct Layout {
@@ -161,36 +166,75 @@ impl Layout {
             .ok_or_else(|| Failure::bad_argument("dof, samples and strides are too large"))
     }
 
-    /// The row of one degree of freedom, as an ensemble.
+    /// The rows of some degrees of freedom in the memory of the caller, if the samples of each lie side by side.
+    ///
+    /// # Safety
+    /// `values` has a value at i × dof_stride + k × sample_stride for every i < dof and k < samples, and is not written to
+    /// during `'a`.
+    pub unsafe fn in_place<'a>(
+        &self,
+        what: &str,
+        values: *const f64,
+        dofs: Range<usize>,
+    ) -> Result<Option<Rows<'a>>, Failure> {
+        self.check()?;
+        check(what, values)?;
+        assert!(dofs.end <= self.dof, "{dofs:?} of {}", self.dof);
+        let (count, last) = (dofs.len(), self.samples - 1);
+        if self.sample_stride != 1 || (count > 1 && self.dof_stride < self.samples) {
+            return Ok(None);
+        }
+        // SAFETY: `check` found that no offset overflows, and the caller promises the values.
+        let values = unsafe {
+            let length = (count - 1) * self.dof_stride + last + 1;
+            std::slice::from_raw_parts(values.add(dofs.start * self.dof_stride), length)
+        };
+        let stride = self.dof_stride.max(self.samples);
+        Ok(Some(Rows::new(values, count, stride, self.samples)))
+    }
+
+    /// A copy of some degrees of freedom, sample by sample.
     ///
     /// # Safety
     /// `q` and `p` have a value at i × dof_stride + k × sample_stride for every i < dof and k < samples.
-    pub unsafe fn row(&self, q: *const f64, p: *const f64, i: usize) -> Result<Ensemble, Failure> {
+    pub unsafe fn copy(
+        &self,
+        q: *const f64,
+        p: *const f64,
+        dofs: Range<usize>,
+    ) -> Result<Ensemble, Failure> {
         self.check()?;
         check("q", q)?;
         check("p", p)?;
-        assert!(i < self.dof, "degree of freedom {i} of {}", self.dof);
+        assert!(dofs.end <= self.dof, "{dofs:?} of {}", self.dof);
         // Values that are read many times, by a stride of 0, need no memory of the caller, but here they do.
         let mut reserved: Vec<f64> = Vec::new();
-        if (self.samples.checked_mul(2))
-            .is_none_or(|values| reserved.try_reserve_exact(values).is_err())
-        {
+        let values =
+            (self.samples.checked_mul(2)).and_then(|of_each| of_each.checked_mul(dofs.len()));
+        if values.is_none_or(|values| reserved.try_reserve_exact(values).is_err()) {
             return Err(symplint::Error::TooLarge {
-                dof: 1,
+                dof: dofs.len(),
                 samples: self.samples,
-                bytes: 16.0 * self.samples as f64,
+                bytes: 16.0 * dofs.len() as f64 * self.samples as f64,
             }
             .into());
         }
         drop(std::hint::black_box(reserved));
-        let mut row = Ensemble::zeros(1, self.samples);
-        let mut block = row.block();
-        for (from, to) in [(q, block.q.row_mut(0)), (p, block.p.row_mut(0))] {
-            for (k, value) in to.iter_mut().enumerate() {
-                // SAFETY: `check` found that the offset does not overflow, and the caller promises a value there.
-                *value = unsafe { *from.add(i * self.dof_stride + k * self.sample_stride) };
+        let mut states = Ensemble::zeros(dofs.len(), self.samples);
+        let block = states.block();
+        for (from, mut to) in [(q, block.q), (p, block.p)] {
+            // As many samples as keep the values of all these degrees of freedom in the cache.
+            for first in (0..self.samples).step_by(SAMPLES_TOGETHER) {
+                let samples = first..self.samples.min(first + SAMPLES_TOGETHER);
+                for (row, i) in dofs.clone().enumerate() {
+                    let to = &mut to.row_mut(row)[samples.clone()];
+                    for (to, k) in to.iter_mut().zip(samples.clone()) {
+                        // SAFETY: `check` found that the offset does not overflow, and the caller promises a value there.
+                        *to = unsafe { *from.add(i * self.dof_stride + k * self.sample_stride) };
+                    }
+                }
             }
         }
-        Ok(row)
+        Ok(states)
     }
 }
