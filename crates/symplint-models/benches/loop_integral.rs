@@ -1,4 +1,4 @@
-//! The loop integral beside the time to read its arrays, its transform alone, finite differences, a plain one, and numpy.
+//! The loop integral compared with reading its arrays, its transform alone, finite differences, a plain one, and numpy.
 //!
 //! `cargo bench -p symplint-models --bench loop_integral [-- PART OF A NAME]`. The comparison with numpy
 //! runs where `python3` has it.
@@ -28,16 +28,35 @@ fn main() {
         let ensemble = circles(dof, samples);
         let rows = dof as f64;
         heading(&format!("{dof} x {samples}, a degree of freedom"));
-        for pool in &pools {
-            let threads = pool.current_num_threads();
-            report(
-                &format!("pseudospectral, {threads} threads | reading"),
-                rows,
-                rows,
-                || integrate(pool, &ensemble, &Rule::Pseudospectral),
-                || read(pool, &ensemble),
-            );
+        for (name, rule) in [
+            ("auto", Rule::Auto),
+            ("pseudospectral", Rule::Pseudospectral),
+        ] {
+            for pool in &pools {
+                let threads = pool.current_num_threads();
+                report(
+                    &format!("{name}, {threads} threads | reading"),
+                    rows,
+                    rows,
+                    || integrate(pool, &ensemble, &rule),
+                    || read(pool, &ensemble),
+                );
+            }
         }
+        report(
+            "auto, 1 thread | pseudospectral",
+            rows,
+            rows,
+            || integrate(&pools[0], &ensemble, &Rule::Auto),
+            || integrate(&pools[0], &ensemble, &Rule::Pseudospectral),
+        );
+        report(
+            "auto, 2 threads | 1 thread",
+            rows,
+            rows,
+            || integrate(&pools[1], &ensemble, &Rule::Auto),
+            || integrate(&pools[0], &ensemble, &Rule::Auto),
+        );
         let finite_difference = Rule::FiniteDifference(Cutoffs::none());
         report(
             "finite-difference, 1 thread | reading",
@@ -90,12 +109,12 @@ fn pool(threads: usize) -> ThreadPool {
         .unwrap()
 }
 
-/// Unit circles with different phases.
+/// Unit circles with different phases. Angles stay below one turn: the rounding of larger ones is noise that loops do not have.
 fn circles(dof: usize, samples: usize) -> Ensemble {
     let mut ensemble = Ensemble::zeros(dof, samples);
     let mut block = ensemble.block();
     for i in 0..dof {
-        let at = |k: usize| TAU * k as f64 / samples as f64 + i as f64;
+        let at = |k: usize| TAU * ((k + 37 * i) % samples) as f64 / samples as f64;
         for (k, q) in block.q.row_mut(i).iter_mut().enumerate() {
             *q = at(k).sin();
         }
@@ -146,20 +165,25 @@ fn read(pool: &ThreadPool, ensemble: &Ensemble) {
 /// numpy runs by itself, between two runs of ours, not in turn.
 fn beside_numpy(pools: &[ThreadPool], ensemble: &Ensemble) {
     let rows = ensemble.dof() as f64;
-    for pool in pools {
-        let threads = pool.current_num_threads();
-        let name = format!("pseudospectral, {threads} threads | numpy");
-        if !wanted(&name) {
-            continue;
-        }
-        match numpy(ensemble.dof(), ensemble.samples()) {
-            Some(time) => interleaved::compare(
-                &name,
-                rows,
-                || integrate(pool, ensemble, &Rule::Pseudospectral),
-                time / rows,
-            ),
-            None => println!("{name}: no python3 with numpy here"),
+    for (of, rule) in [
+        ("auto", Rule::Auto),
+        ("pseudospectral", Rule::Pseudospectral),
+    ] {
+        for pool in pools {
+            let threads = pool.current_num_threads();
+            let name = format!("{of}, {threads} threads | numpy");
+            if !wanted(&name) {
+                continue;
+            }
+            match numpy(ensemble.dof(), ensemble.samples()) {
+                Some(time) => interleaved::compare(
+                    &name,
+                    rows,
+                    || integrate(pool, ensemble, &rule),
+                    time / rows,
+                ),
+                None => println!("{name}: no python3 with numpy here"),
+            }
         }
     }
 }

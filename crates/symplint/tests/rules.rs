@@ -69,6 +69,112 @@ fn agrees_with_the_derivative_matrix_at_every_length() {
     }
 }
 
+/// Rows of many kinds: smooth ones, far away, that wind, with kinks, with noise, at rest.
+fn many_rows(samples: usize) -> (Ensemble, Coordinates) {
+    let noise = |s: f64| ((s * 12.9898).sin() * 43758.5453).fract() - 0.5;
+    let smooth = |s: f64| (TAU * s).sin() + 0.2 * (3.0 * TAU * s).cos();
+    let kink = |s: f64| smooth(s) + (s - 0.3).abs() - 0.4 * s;
+    let of_q: [&dyn Fn(f64) -> f64; 7] = [
+        &smooth,
+        &|s| 1e3 + smooth(s),
+        &|s| (2.0 * s + 0.1 * smooth(s)).rem_euclid(1.0),
+        &|s| smooth(s).rem_euclid(1.0),
+        &kink,
+        &|s| smooth(s) + 1e-9 * noise(s),
+        &|_| 3.0,
+    ];
+    let mut states = Ensemble::zeros(of_q.len(), samples);
+    let mut block = states.block();
+    for (i, of_q) in of_q.iter().enumerate() {
+        for k in 0..samples {
+            let s = k as f64 / samples as f64;
+            block.q.row_mut(i)[k] = of_q(s);
+            block.p.row_mut(i)[k] = 0.7 + (TAU * s).cos();
+        }
+    }
+    let periods = vec![0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+    let weights = vec![1.0, 2.0, -1.5, 1.0, 1.0, 3.0, 1.0];
+    let coordinates = Coordinates::plain(of_q.len())
+        .with_periods(periods)
+        .unwrap();
+    (states, coordinates.with_weights(weights).unwrap())
+}
+
+#[test]
+fn the_automatic_rule_has_the_pseudospectral_value_of_every_row() {
+    for samples in [32, 511, 512, 1000, 4096, 4097] {
+        let (states, coordinates) = many_rows(samples);
+        let of = |rule| LoopIntegral::in_coordinates(&states, &rule, &coordinates).unwrap();
+        let (auto, transform) = (of(Rule::Auto), of(Rule::Pseudospectral));
+        for i in 0..states.dof() {
+            let off = (auto.contributions[i] - transform.contributions[i]).abs();
+            let allowed = auto.roundoff + transform.roundoff;
+            assert!(off <= allowed, "{samples}, row {i}: {off:e} {allowed:e}");
+        }
+        // Rough rows have what the transform says of them.
+        assert_eq!(auto.regularity, transform.regularity, "{samples}");
+        let [error, expected] = [&auto, &transform].map(|found| found.quadrature_error.unwrap());
+        assert!(
+            (error / expected - 1.0).abs() < 1e-3,
+            "{error:e} {expected:e}"
+        );
+    }
+}
+
+#[test]
+fn threads_change_no_bit_of_the_automatic_rule() {
+    let (states, coordinates) = many_rows(1024);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let integrate = || LoopIntegral::in_coordinates(&states, &Rule::Auto, &coordinates);
+        pool.unwrap().install(integrate).unwrap()
+    };
+    let expected = on(1);
+    for threads in [2, 3] {
+        let found = on(threads);
+        assert_eq!(found.contributions, expected.contributions);
+        assert_eq!(found.quadrature_error, expected.quadrature_error);
+    }
+}
+
+#[test]
+fn rows_of_the_caller_are_integrated_as_those_of_an_ensemble() {
+    let (states, coordinates) = many_rows(600);
+    for rule in [
+        Rule::Auto,
+        Rule::Pseudospectral,
+        Rule::FiniteDifference(Cutoffs::none()),
+    ] {
+        let of_rows = |coordinates: &Coordinates| {
+            LoopIntegral::of_rows(states.q(), states.p(), &rule, coordinates).unwrap()
+        };
+        let of_states = |coordinates: &Coordinates| {
+            LoopIntegral::in_coordinates(&states, &rule, coordinates).unwrap()
+        };
+        let periodic = coordinates
+            .clone()
+            .with_momentum_periods(vec![9.0; 7])
+            .unwrap();
+        for coordinates in [&coordinates, &periodic] {
+            let (found, expected) = (of_rows(coordinates), of_states(coordinates));
+            assert_eq!(found.contributions, expected.contributions);
+            assert_eq!(found.quadrature_error, expected.quadrature_error);
+        }
+        for bad in [f64::NAN, f64::INFINITY] {
+            let mut states = states.clone();
+            states.block().p.row_mut(5)[17] = bad;
+            let error = LoopIntegral::of_rows(states.q(), states.p(), &rule, &coordinates);
+            assert_eq!(
+                error.err(),
+                states.check_finite(None).err(),
+                "{rule:?}, {bad}"
+            );
+        }
+        let other = Ensemble::zeros(7, 599);
+        assert!(LoopIntegral::of_rows(states.q(), other.p(), &rule, &coordinates).is_err());
+    }
+}
+
 #[test]
 fn coefficients_decay_as_jumps_and_kinks_have_it() {
     let smooth = |s: f64| (TAU * s).sin();

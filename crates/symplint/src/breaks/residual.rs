@@ -265,8 +265,14 @@ pub(super) fn of_cells(increments: &[f64], first: usize, count: usize, width: us
     let n = increments.len();
     let start = (first + reach * n - reach) % n;
     // With what they need beyond the ends, so that nothing is wrapped for a cell.
-    let round = increments.iter().cycle().skip(start);
-    let row: Vec<f64> = round.take(count - 1 + 2 * reach + width).copied().collect();
+    let len = count - 1 + 2 * reach + width;
+    let mut row = Vec::with_capacity(len);
+    let mut from = start;
+    while row.len() < len {
+        let to = n.min(from + len - row.len());
+        row.extend_from_slice(&increments[from..to]);
+        from = 0;
+    }
     let wide: Vec<f64> = row.windows(width).map(|cells| cells.iter().sum()).collect();
     let [a, b, c, d, e] = std::array::from_fn(|cell| &wide[cell * width..][..count]);
     let residual = |k: usize| c[k] - 4.0 / 6.0 * (b[k] + d[k]) + 1.0 / 6.0 * (a[k] + e[k]);
