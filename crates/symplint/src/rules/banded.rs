@@ -110,6 +110,10 @@ pub(super) fn integrate(q: &[f64], p: &[f64], gain: f64) -> Option<RowIntegral> 
     let of_mean = gain.abs() * of_p.noise / root;
     let of_jump = SQRT_2 * of_p.deviation * of_q.jump(q_size);
     let hidden = folded + of_mean + of_jump;
+    let most = MOST_ERROR * scale + 2.0 * stored;
+    if hidden.is_nan() || hidden > most {
+        return None;
+    }
 
     let mut sums = [0.0; REACH];
     // By the lower order if it is enough.
@@ -117,7 +121,7 @@ pub(super) fn integrate(q: &[f64], p: &[f64], gain: f64) -> Option<RowIntegral> 
         add_lags(q, p, pass * LAGS, &mut sums);
         let [coarse, value] = [lower, higher].map(|stencil| weighted(stencil, &sums));
         let error = (value - coarse).abs() + hidden;
-        if error <= MOST_ERROR * scale + 2.0 * stored {
+        if error <= most {
             let turned = if gain == 0.0 { 0.0 } else { gain * mean(p) };
             return Some(RowIntegral {
                 value: value + turned,
@@ -259,7 +263,8 @@ fn add_windows(
         for lane in 0..LANES {
             let size = differences[lane].abs();
             // What is not a number is not within a limit.
-            exceeds[lane] = u64::from(!(size <= limit));
+            let within = size <= limit;
+            exceeds[lane] = u64::from(!within);
             sums.largest[lane] = larger(size, sums.largest[lane]);
             sums.differences[lane] += size * size;
             sums.steps[lane] += steps[lane] * steps[lane];

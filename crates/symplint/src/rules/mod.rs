@@ -192,7 +192,7 @@ pub struct LoopIntegral {
     pub omitted: Option<Vec<OmittedCell>>,
     /// The largest s for which all coordinates are in the Sobolev space H^s, as the decay of their Fourier
     /// coefficients has it: ½ for a jump, 3/2 for a kink. Of a loop whose coefficients fall to round-off it is
-    /// a lower bound. `None` where the rule has no coefficients, or too few.
+    /// a lower bound. `None` where the rule has no coefficients, or too few, and of rows that [`Rule::Auto`] integrates without them.
     pub regularity: Option<f64>,
 }
 

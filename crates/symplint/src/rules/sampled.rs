@@ -1,5 +1,7 @@
 //! The rules that integrate equispaced samples: pseudospectral and finite differences.
 
+use multiversion::multiversion;
+
 use super::{
     Defect, LoopAfterStep, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject,
 };
@@ -133,19 +135,38 @@ pub(crate) fn cells_apart(ensemble: &Ensemble, coordinates: &Coordinates) -> f64
             (0.0, other) | (other, 0.0) => other,
             (grid, half) => grid.min(half),
         };
-        let distance = |a: f64, b: f64| {
-            let direct = (b - a).abs();
-            if period > 0.0 {
-                direct.min((direct - period).abs())
-            } else {
-                direct
-            }
-        };
-        let closing = distance(row[row.len() - 1], row[0]);
-        let steps = row.windows(2).map(|pair| distance(pair[0], pair[1]));
-        steps.fold(closing, f64::max) / spacing
+        furthest_step(row, period) / spacing
     };
     (0..ensemble.dof()).map(furthest).fold(0.0, f64::max)
+}
+
+/// The largest distance of neighbouring samples, round the loop; that of nearest images if there is a period.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn furthest_step(row: &[f64], period: f64) -> f64 {
+    /// Enough lanes that none waits for the one before.
+    const LANES: usize = 16;
+    let period = if period > 0.0 { period } else { f64::INFINITY };
+    let distance = |a: f64, b: f64| {
+        let direct = (b - a).abs();
+        let round = (direct - period).abs();
+        if round < direct { round } else { direct }
+    };
+    let (groups, rest) = row[..row.len() - 1].as_chunks::<LANES>();
+    let (next_groups, next_rest) = row[1..].as_chunks::<LANES>();
+    let mut lanes = [0.0; LANES];
+    for (group, next) in groups.iter().zip(next_groups) {
+        for lane in 0..LANES {
+            let step = distance(group[lane], next[lane]);
+            lanes[lane] = if step > lanes[lane] {
+                step
+            } else {
+                lanes[lane]
+            };
+        }
+    }
+    let closing = distance(row[row.len() - 1], row[0]);
+    let rest = rest.iter().zip(next_rest).map(|(&a, &b)| distance(a, b));
+    rest.chain(lanes).fold(closing, f64::max)
 }
 
 #[cfg(test)]
@@ -295,6 +316,10 @@ mod tests {
         assert_eq!(cells_apart(&far, &grid), 4.0);
         // From 3 to 0 is one with a period of 4.
         let periodic = |c: Coordinates| c.with_periods(vec![4.0]).unwrap();
+        let long: Vec<f64> = (0..50).map(|k| (f64::from(k) * 0.3).sin()).collect();
+        let expected = long.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let expected = expected.fold((long[49] - long[0]).abs(), f64::max);
+        assert_eq!(furthest_step(&long, 0.0), expected);
         let wrapped = states([3.0, 0.0, 0.5, 3.5]);
         assert_eq!(cells_apart(&wrapped, &periodic(plain)), 0.5);
         assert_eq!(cells_apart(&wrapped, &periodic(grid.clone())), 2.0);
