@@ -60,9 +60,11 @@ def loop_integral(
     Parameters
     ----------
     q, p : array_like of shape (samples, dof)
-        Row k is the state at s = k/samples.
+        Row k is the state at s = k/samples. Arrays of double precision in Fortran order are read where they are; others are
+        copied.
     rule : {"auto", "pseudospectral", "finite-difference"}
-        How it is computed; "auto", or None, is pseudospectral.
+        How it is computed; "auto", or None, is pseudospectral, by central differences of order 10 or 20 where the samples of
+        a degree of freedom are smooth to rounding.
     cutoff : float or (float, float), optional
         λ of the finite-difference rule, as that of `check`.
     period, momentum_period, weight : float or array_like, optional

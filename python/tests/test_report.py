@@ -209,6 +209,27 @@ def test_loop_integrals():
         symplint.loop_integral(q, p, rule="piecewise")
 
 
+def test_arrays_of_any_order_have_one_loop_integral():
+    q, p = symplint.circle([0.0, 2.0], [1.0, 0.0], radius=([1.0, 2.0], [3.0, 1.0]), samples=1024)
+    expected = symplint.loop_integral(q, p)
+    assert abs(expected.value - 5.0 * np.pi) <= expected.roundoff + expected.quadrature_error
+    for order in (
+        np.asfortranarray,
+        np.ascontiguousarray,
+        lambda x: np.repeat(x, 2, axis=1)[:, ::2],
+        lambda x: np.asfortranarray(np.repeat(x, 2, axis=0))[::2],
+        lambda x: np.asfortranarray(x[::-1])[::-1],
+    ):
+        assert symplint.loop_integral(order(q), order(p)) == expected
+        assert symplint.loop_integral(order(q), p) == expected
+        lost = order(q).copy(order="K")
+        lost[5, 1] = np.nan
+        with pytest.raises(symplint.InputError, match="NaN|nan"):
+            symplint.loop_integral(lost, p)
+    one = [np.ascontiguousarray(x[:, 0]) for x in (q, p)]
+    assert symplint.loop_integral(*one).value == expected.contributions[0]
+
+
 def test_loops():
     step_sizes = [0.5, 0.25]
     circle = symplint.Circle([1.0, 0.2], [0.5, 0.1], radius=0.5, dofs=[0])
