@@ -134,7 +134,7 @@ unsafe fn of_each(
             let integral = || LoopIntegral::of_rows(q, p, &Rule::Auto, &coordinates);
             parts.push(pool.install(integral).map_err(of_row)?);
         }
-        Ok(())
+        Ok::<(), Failure>(())
     };
     for first in (0..layout.dof).step_by(ROWS_TOGETHER) {
         let dofs = first..layout.dof.min(first + ROWS_TOGETHER);
