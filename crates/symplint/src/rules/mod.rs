@@ -35,7 +35,7 @@ use crate::state::{Coordinates, Ensemble, Rows, first_not_finite};
 pub enum Rule {
     /// Chosen by what the advanced loop of the largest step size is like: pseudospectral where it is smooth
     /// enough to reach round-off that way; piecewise where it is broken, or has kinks; streaming where
-    /// ensembles would take more than 512 MiB. Of samples alone, pseudospectral. Rows that are smooth to rounding have their
+    /// ensembles would take more than 512 MiB. Of samples alone, pseudospectral; rows that are smooth to rounding have their
     /// pseudospectral integral by central differences of order 10 or 20, which takes half of the time.
     #[default]
     Auto,
@@ -161,9 +161,9 @@ impl Rule {
     /// What integrates loops by this rule; [`Rule::Auto`] stands for the pseudospectral rule.
     pub(crate) fn integrator(&self) -> Box<dyn LoopIntegrator> {
         match *self {
-            Rule::Auto | Rule::Pseudospectral | Rule::FiniteDifference(_) => {
-                Box::new(SampledRule(*self))
-            }
+            // By the transform alone: it states smaller errors than the band, and how regular a loop is.
+            Rule::Auto => Box::new(SampledRule(Rule::Pseudospectral)),
+            Rule::Pseudospectral | Rule::FiniteDifference(_) => Box::new(SampledRule(*self)),
             Rule::Piecewise(piecewise) => Box::new(piecewise),
             Rule::Streaming(streaming) => Box::new(streaming),
         }

@@ -14,12 +14,8 @@ use crate::state::{Coordinates, Ensemble};
 pub(super) struct SampledRule(pub Rule);
 
 impl LoopIntegrator for SampledRule {
-    /// Rows that the band integrates have the value of the transform.
     fn kind(&self) -> RuleKind {
-        match self.0 {
-            Rule::Auto => RuleKind::Pseudospectral,
-            rule => rule.kind(),
-        }
+        self.0.kind()
     }
 
     fn before(&self, subject: &Subject<'_>, samples: Samples<'_>) -> Result<LoopIntegral, Error> {
