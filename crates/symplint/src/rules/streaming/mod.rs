@@ -1,6 +1,6 @@
 //! The streaming rule: ∮ p·dq of ensembles that do not fit into memory.
 //!
-//! A centred difference of order 2m ([`stencil`]) needs the m samples on either side. So samples are
+//! A centred difference of order 2m ([`Stencil`]) needs the m samples on either side. So samples are
 //! made, advanced and used up in their order ([`window`]), with no more kept of each degree of freedom
 //! than a few sums ([`row`]): memory is O(m d), not O(N_s d). The first m samples are made again at the
 //! end, to close the loop.
