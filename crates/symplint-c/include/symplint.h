@@ -221,7 +221,7 @@ typedef struct {
    */
   int32_t symmetric;
   /**
-   * Settings that have no field here, as a JSON object with the keys of [diagnostic] in configuration files, such as
+   * Settings that have no field here, as a JSON object with the keys of `diagnostic` in configuration files, such as
    * "{\"cutoff_q\": 10.0, \"closure\": \"chords\"}"; or NULL. They replace the fields that say the same.
    */
   const char *settings;

@@ -74,7 +74,7 @@ pub struct SymplintOptions {
     pub properties: i32,
     /// Whether a step of size -h is tested to undo a step of size h: 1, or 0, the default. The step is called with negative h then.
     pub symmetric: i32,
-    /// Settings that have no field here, as a JSON object with the keys of [diagnostic] in configuration files, such as
+    /// Settings that have no field here, as a JSON object with the keys of `diagnostic` in configuration files, such as
     /// "{\"cutoff_q\": 10.0, \"closure\": \"chords\"}"; or NULL. They replace the fields that say the same.
     pub settings: *const c_char,
 }
