@@ -6,8 +6,9 @@
         symplectic(step, q0, p0, digits=10)
 
 The options ``--symplectic-budget`` and ``--symplectic-digits`` set how many evaluations each check may take and how many
-digits it asks for; the marker ``@pytest.mark.symplectic(budget=…, digits=…)`` sets them for a test. Arguments of the call
-come first, then the marker, then the options.
+digits it asks for. ``symplectic_budget`` and ``symplectic_digits`` in the configuration of pytest do so for all runs, and the marker
+``@pytest.mark.symplectic(budget=…, digits=…)`` for one test. Arguments of the call come first, then the marker, the options and the
+configuration.
 """
 
 from __future__ import annotations
@@ -22,10 +23,12 @@ SETTINGS: dict[str, type] = {"budget": int, "digits": float}
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Options for budget and digits."""
+    """Options for budget and digits, of the command line and of the configuration."""
     group = parser.getgroup("symplint")
-    group.addoption("--symplectic-budget", type=int, default=None, help="evaluations of a map in each check, at most")
-    group.addoption("--symplectic-digits", type=float, default=None, help="digits that each check asks for, at least")
+    texts = {"budget": "evaluations of a map in each check, at most", "digits": "digits that each check asks for, at least"}
+    for name, text in texts.items():
+        group.addoption(f"--symplectic-{name}", type=SETTINGS[name], default=None, help=text)
+        parser.addini(f"symplectic_{name}", text, default=None)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -42,7 +45,13 @@ def symplectic(request: pytest.FixtureRequest) -> Callable[..., Any]:
 
     settings: dict[str, Any] = {}
     for name in SETTINGS:
-        if (value := request.config.getoption(f"symplectic_{name}")) is not None:
+        value = request.config.getoption(f"symplectic_{name}")
+        if value is None and (text := request.config.getini(f"symplectic_{name}")):
+            try:
+                value = SETTINGS[name](text)
+            except ValueError:
+                raise pytest.UsageError(f"symplectic_{name} is {text!r} in the configuration; give a number") from None
+        if value is not None:
             settings[name] = value
     for marker in reversed(list(request.node.iter_markers("symplectic"))):
         unknown = set(marker.kwargs) - set(SETTINGS)

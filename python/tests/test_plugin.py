@@ -96,3 +96,17 @@ def test_unknown(symplectic):
 def test_the_marker_is_listed(pytester, words):
     result = pytester.runpytest_subprocess("--markers")
     assert words in result.stdout.str()
+
+
+def test_the_configuration_of_pytest_sets_digits(pytester):
+    text = """
+def test_all(symplectic):
+    symplectic(step, 1.0, 0.5)
+"""
+    for digits, outcome in (("10", {"passed": 1}), ("16", {"failed": 1})):
+        pytester.makeini(f"[pytest]\nsymplectic_digits = {digits}\n")
+        run(pytester, text).assert_outcomes(**outcome)
+    # An option of the command line comes first.
+    run(pytester, text, "--symplectic-digits", "10").assert_outcomes(passed=1)
+    pytester.makeini("[pytest]\nsymplectic_digits = many\n")
+    run(pytester, text).stdout.fnmatch_lines(["*symplectic_digits is 'many'*give a number*"])
