@@ -25,7 +25,7 @@ fn commit(git: &Path) -> Option<String> {
     let Some(branch) = head.strip_prefix("ref:").map(str::trim) else {
         return hash(&head);
     };
-    // A packed branch gets a file of its own with its next commit.
+    // A packed branch gets its own file with its next commit.
     println!(
         "cargo::rerun-if-changed={}",
         common.join("refs/heads").display()

@@ -84,7 +84,7 @@ impl Steps {
     ) {
         self.serve(|h, dof, samples, q, p| {
             let (q, p) = (q.as_mut_ptr(), p.as_mut_ptr());
-            // SAFETY: both have dof × samples values, nobody else uses them meanwhile, and the caller promises the rest.
+            // SAFETY: both have dof × samples values, no other code uses them meanwhile, and the caller promises the rest.
             unsafe { step(user, h, dof, samples, q, p) }
         });
     }

@@ -117,7 +117,7 @@ unsafe fn of_each(
             let i = first + row;
             let of_row = |error: symplint::Error| {
                 let Failure { status, text } = error.into();
-                // The row is an ensemble of its own, which has no other degree of freedom.
+                // The row is a separate ensemble, which has no other degree of freedom.
                 Failure::new(
                     status,
                     text.replace("degree of freedom 0", &format!("degree of freedom {i}")),

@@ -53,7 +53,8 @@ pub struct SymplintOptions {
     pub seed: u64,
     /// Tolerance of the piecewise rule, relative. 1e-12 by default.
     pub tolerance: f64,
-    /// Threads for the work of this library, at most one for each processor, 0 for all; the step is called on the calling thread alone. 1 by default.
+    /// Threads for the work of this library, at most one for each processor, 0 for all; the step is called on the calling thread alone. 1
+    /// by default.
     pub threads: usize,
     /// Whether the Jacobian of a step is checked, too: 1, the default, or 0.
     pub jacobian: i32,
@@ -198,14 +199,14 @@ impl Settings {
         let mut read = SymplintOptions::default();
         if !options.is_null() {
             let mut size = 0_usize;
-            // SAFETY: the struct begins with its size, and has so many bytes; integers, numbers and pointers may have any.
+            // SAFETY: the struct begins with its size, and has this number of bytes; integers, numbers and pointers may have any.
             unsafe {
                 overlay("options", options.cast(), size_of::<usize>(), &mut size)?;
                 check_size(size)?;
                 overlay("options", options, size, &mut read)?;
             }
         }
-        // SAFETY: the caller promises so many values, or null.
+        // SAFETY: the caller promises this number of values, or null.
         unsafe {
             let of_each = |what, pointer| optional_values(what, pointer, dof);
             let radius = |what, pointer| {
@@ -289,7 +290,7 @@ unsafe fn settings(read: &SymplintOptions, dof: usize) -> Result<BTreeMap<String
         .map(|(name, value)| (name.to_owned(), value)),
     );
     let mut give = |name: &str, value| settings.insert(name.to_owned(), value);
-    // SAFETY: the caller promises so many values, or null.
+    // SAFETY: the caller promises this number of values, or null.
     let (rule, sizes, reversal, more) = unsafe {
         (
             text("rule", read.rule)?,

@@ -80,10 +80,10 @@ pub enum Failure {
     AfterCalls {
         /// What.
         failure: Box<Failure>,
-        /// The command that goes on.
+        /// The command that continues the run.
         goes_on: String,
     },
-    /// A folder that holds no run to go on with.
+    /// A folder that holds no run to continue.
     #[error("{} holds no run of `symplint check`: {reason}", folder.display())]
     NoRun {
         /// The folder.
@@ -100,7 +100,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// What to do about it, where the text does not say so itself.
+    /// What to do about it, if the message does not name it itself.
     pub fn remedy(&self) -> Option<String> {
         Some(match self {
             Failure::Config(error) => error.remedy.clone(),

@@ -25,7 +25,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Status {
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(said) => {
-            // Help is no failure. Where it cannot be printed nothing can be.
+            // Help is not a failure. If it cannot be printed, no other message can be printed either.
             let _ = said.print();
             return Status::try_from(said.exit_code()).unwrap_or(FAILED);
         }

@@ -11,10 +11,10 @@ use crate::output::{go_on, tell};
 /// The exit status of a program that was interrupted.
 const INTERRUPTED: i32 = 130;
 
-/// How long to wait for standard error: a pipe that nobody reads takes nothing.
+/// How long to wait for standard error: a pipe without a reader accepts no text.
 const TO_TELL: Duration = Duration::from_secs(1);
 
-/// How to go on after an end by a signal.
+/// How to continue after an end by a signal.
 static GOES_ON: OnceLock<String> = OnceLock::new();
 
 /// From now on the run in this folder can be resumed.
@@ -46,14 +46,14 @@ fn end() {
     std::process::exit(INTERRUPTED);
 }
 
-/// Does so at signals, but for those that this program was started to ignore, as by `nohup`. Where it cannot, the signals end
+/// Does so at signals, but for those that this program was started to ignore, as by `nohup`. If it cannot, the signals end
 /// this program, which then cleans up at its next run.
 #[cfg(unix)]
 pub fn handle() {
     use signal_hook::consts::{SIGCHLD, SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     // At a limit of file sizes the write fails, with a message, and what was written before is kept.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
-    // Where this signal is ignored, the system forgets how programs ended.
+    // If this signal is ignored, the system forgets how programs ended.
     if ignores(SIGCHLD) {
         let _ = signal_hook::flag::register(SIGCHLD, Arc::new(AtomicBool::new(false)));
     }
@@ -65,7 +65,7 @@ pub fn handle() {
     }
 }
 
-/// Whether this program was started to ignore a signal. What cannot be found out counts as ignored for SIGHUP and SIGCHLD alone.
+/// Whether this program was started to ignore a signal. If this cannot be determined, only SIGHUP and SIGCHLD count as ignored.
 #[cfg(unix)]
 fn ignores(signal: i32) -> bool {
     use signal_hook::consts::{SIGCHLD, SIGHUP};
@@ -78,7 +78,7 @@ fn ignores(signal: i32) -> bool {
     }
 }
 
-/// Does so at Ctrl-C. Where it cannot, that ends this program, which then cleans up at its next run.
+/// Does so at Ctrl-C. If it cannot, Ctrl-C ends this program, which then cleans up at its next run.
 #[cfg(not(unix))]
 pub fn handle() {
     let _ = ctrlc::set_handler(end);

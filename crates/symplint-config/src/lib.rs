@@ -39,7 +39,7 @@ pub struct Config {
     pub map: Arc<dyn TimeAdvance>,
     /// The loop.
     pub phase_loop: Box<dyn Loop>,
-    /// Its radii in words and the evaluations that they took, where they were looked for.
+    /// Its radii in words and the evaluations that the search for them took, if there was a search.
     pub radii: Option<(String, usize)>,
     /// Settings of `check`.
     pub diagnostic: Diagnostic,

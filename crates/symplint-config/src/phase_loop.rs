@@ -43,7 +43,7 @@ const RADII: [Key; 2] = [
 /// The loop of a configuration.
 pub struct ReadLoop {
     pub phase_loop: Box<dyn Loop>,
-    /// Its radii in words and the evaluations that they took, where they were looked for.
+    /// Its radii in words and the evaluations that the search for them took, if there was a search.
     pub radii: Option<(String, usize)>,
 }
 
@@ -58,7 +58,7 @@ pub struct LoopSettings {
     seed: u64,
 }
 
-/// Reads `[loop]` of a system with so many degrees of freedom.
+/// Reads `[loop]` of a system with `dof` degrees of freedom.
 pub fn read(node: Option<&Node>, dof: usize) -> Result<LoopSettings, ConfigError> {
     let section = Section::new("loop", node, KEYS.to_vec())?;
     let shape = section.choice("shape", &["circle", "fourier"])?;
@@ -89,7 +89,7 @@ impl LoopSettings {
         self.section.recorded()
     }
 
-    /// The loop round the initial state of a system; radii are looked for at a step of the map.
+    /// The loop round the initial state of a system; radii are determined at a step of the map.
     pub fn build(
         &self,
         system: &System,

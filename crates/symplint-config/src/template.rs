@@ -14,7 +14,7 @@ const WIDTH: usize = 80;
 /// Where comments begin.
 const COLUMN: usize = 28;
 
-/// Keys of a system that a short configuration has, beside those that must be given.
+/// Keys of a system that a short configuration has, in addition to those that must be given.
 const FEW: usize = 4;
 
 /// Keys of the other sections that a short configuration has.

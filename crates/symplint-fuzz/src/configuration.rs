@@ -36,7 +36,7 @@ pub fn configuration(data: &[u8]) {
     let Ok(config) = load(file, &settings) else {
         return;
     };
-    // That of a run folder, from which a run goes on.
+    // That of a run folder, from which a run continues.
     let resolved = config.resolved.to_string();
     if let Err(error) = load(&resolved, &[]) {
         panic!(
@@ -60,7 +60,7 @@ fn load(text: &str, settings: &[String]) -> Result<Config, ConfigError> {
     })
 }
 
-/// Whether it builds nothing large, and calls no program: radii are looked for by evaluating the map.
+/// Whether it builds nothing large, and calls no program: the search for radii evaluates the map.
 fn is_harmless(table: &Table) -> bool {
     let section = |name: &str| match table.entries.get(name) {
         Some((

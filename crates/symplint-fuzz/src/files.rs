@@ -8,7 +8,7 @@ use tempfile::TempDir;
 /// A file system in memory, where there is one: disks take milliseconds to keep a journal.
 const IN_MEMORY: &str = "/dev/shm";
 
-/// Calls `read` with the path of a file of these bytes, in a folder of its own that is removed afterwards.
+/// Calls `read` with the path of a file of these bytes, in a separate folder that is removed afterwards.
 pub fn with_file<R>(name: &str, bytes: &[u8], read: impl FnOnce(&Path) -> R) -> R {
     let folder = match Path::new(IN_MEMORY).is_dir() {
         true => TempDir::new_in(IN_MEMORY),

@@ -12,7 +12,7 @@
 //! | [`integrals`] | loops, coordinates and rules |
 //! | [`check`] | a map of a few operations, a loop and a diagnostic |
 //!
-//! Where a whole file is refused early, as a journal with one wrong checksum is, the target also makes a valid file of the
+//! If a whole file is refused early, as a journal with one wrong checksum is, the target also makes a valid file of the
 //! bytes and damages it.
 
 pub mod check;

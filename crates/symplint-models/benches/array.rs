@@ -1,7 +1,7 @@
-//! A Strang step of many coupled pendula beside the time to stream what it must read and write, and
-//! beside a plain scalar control, in one interleaved run.
+//! A Strang step of many coupled pendula compared with the time to stream what it must read and write, and
+//! with a plain scalar control, in one interleaved run.
 //!
-//! `cargo bench -p symplint-models --bench array [-- PART OF A NAME]`. Beside streaming, a ratio of 0.33 or more is
+//! `cargo bench -p symplint-models --bench array [-- PART OF A NAME]`. Compared with streaming, a ratio of 0.33 or more is
 //! a step within three times the time of streaming.
 
 mod interleaved;

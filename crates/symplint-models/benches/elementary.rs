@@ -1,4 +1,4 @@
-//! Sines and cosines of a row in cache beside those of the standard library, in one interleaved run.
+//! Sines and cosines of a row in cache compared with those of the standard library, in one interleaved run.
 //!
 //! `cargo bench -p symplint-models --bench elementary [-- PART OF A NAME]`.
 
@@ -35,7 +35,7 @@ fn main() {
     kick();
 }
 
-/// A function of a row beside one of a number.
+/// A function of a row compared with a function of a number.
 fn against(name: &str, x: &[f64], function: fn(&[f64], &mut [f64]), control: fn(f64) -> f64) {
     let (mut out, mut control_out) = (vec![0.0; ROW], vec![0.0; ROW]);
     report(

@@ -162,7 +162,7 @@ fn read(pool: &ThreadPool, ensemble: &Ensemble) {
     black_box(pool.install(sum));
 }
 
-/// numpy runs by itself, between two runs of ours, not in turn.
+/// numpy runs by itself, between two of our runs, not in turn.
 fn beside_numpy(pools: &[ThreadPool], ensemble: &Ensemble) {
     let rows = ensemble.dof() as f64;
     for (of, rule) in [

@@ -41,7 +41,7 @@ pub fn weights(degree: usize, x: f64) -> CellWeights {
 }
 
 /// The recursion with a degree that the compiler can unroll. The factors 1/k of its steps are
-/// taken out: one product with 1/p! at the end in place of a division for every term.
+/// taken out: one product with 1/p! at the end instead of a division for every term.
 #[inline(always)]
 fn weights_of<const P: usize>(x: f64) -> CellWeights {
     const INVERSE_FACTORIALS: CellWeights =

@@ -246,7 +246,7 @@ macro_rules! forward_separable {
 }
 forward_separable!(&S, Box<S>, Arc<S>);
 
-/// Shared systems that are known only by what they can do. (Pointers to a [`Separable`] are
+/// Shared systems that are known only as trait objects. (Pointers to a [`Separable`] are
 /// covered by being separable.)
 impl Hamiltonian for Arc<dyn Hamiltonian> {
     fn dof(&self) -> usize {

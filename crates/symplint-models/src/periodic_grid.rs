@@ -32,7 +32,7 @@ impl PeriodicGrid {
     /// If there is no cell or more than [`MAX_CELLS`](Self::MAX_CELLS), or the length is not a
     /// finite positive number, or so large or small that the grid's arithmetic would overflow.
     pub fn new(cells: usize, length: f64) -> Result<Self, ModelError> {
-        /// Products of so many periods with half of the length's bits are exact, and quotients by
+        /// Products of this number of periods with half of the length's bits are exact, and quotients by
         /// the length off by less than an eighth of the narrowest cell.
         const NEAR_PERIODS: f64 = (1_u64 << 24) as f64;
         const LOW_BITS: u64 = (1 << 27) - 1;
@@ -120,7 +120,7 @@ impl PeriodicGrid {
     }
 
     /// [`locate`](Self::locate) for all but far positions and the closest neighbours of a node, and
-    /// whether this is none of them. Without branches, conversions or calls, so that compilers make
+    /// whether the position is not one of these. Without branches, conversions or calls, so that compilers make
     /// vectors of it.
     #[inline]
     pub fn locate_quickly(&self, q: f64) -> Place {

@@ -1,7 +1,7 @@
 //! Derivatives of forces and velocities: how tangent vectors move along with states.
 //!
 //! What a system supplies here makes the steps of all integrators [`TangentMap`](symplint::map::TangentMap)s.
-//! Where a force has jumps or kinks its derivative is that of the piece in which the state lies.
+//! If a force has jumps or kinks, its derivative is the derivative of the piece in which the state lies.
 //!
 //! As in [`DriftKick`](crate::DriftKick) and [`Hamiltonian`](crate::Hamiltonian), all methods work on
 //! rows: row i holds degree of freedom i of every sample of a block.

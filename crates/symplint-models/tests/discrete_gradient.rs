@@ -304,7 +304,7 @@ fn near_equilibria_steps_converge_and_conserve_the_energy_to_its_rounding() {
     }
 }
 
-/// e^−r + r − 1 is r²/2, rounded by ε r: more than is taken for its rounding. The step says so, and a looser tolerance helps.
+/// e^−r + r − 1 is r²/2, rounded by ε r: more than is taken for its rounding. The step reports it, and a looser tolerance helps.
 #[test]
 fn energies_whose_terms_cancel_fail_near_equilibria() {
     let toda = Chain::new(TodaBond, 8, Ends::Periodic).unwrap();

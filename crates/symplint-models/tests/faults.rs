@@ -112,7 +112,7 @@ fn a_step_size_chosen_by_the_state_is_not_symplectic() {
     }
 }
 
-/// The adaptive step follows the orbit, though in a time of its own: the energy error at a fixed
+/// The adaptive step follows the orbit, though in its own time: the energy error at a fixed
 /// number times h is of second order.
 #[test]
 fn an_adaptive_step_is_accurate_all_the_same() {

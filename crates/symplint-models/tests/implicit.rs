@@ -87,8 +87,8 @@ fn the_loop_defect_follows_the_tolerance() {
     }
 }
 
-/// Where each sample stops by itself, neighbours differ by the tolerance: the map is not continuous,
-/// and the verdict says so. After a fixed number of iterations it is smooth, and each iteration adds
+/// If each sample stops by itself, neighbours differ by the tolerance: the map is not continuous,
+/// and the verdict reports this. After a fixed number of iterations it is smooth, and each iteration adds
 /// an order to its defect.
 #[test]
 fn verdicts_on_stages_that_are_not_solved() {

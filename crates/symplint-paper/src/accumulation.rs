@@ -1,6 +1,6 @@
 //! Section 4.2: where |q| breaks the loop, and what many steps add up to.
 //!
-//! Every step breaks the loop anew, and every jump of 2h in p that is left behind goes on widening in q by
+//! Every step breaks the loop anew, and every jump of 2h in p that is left behind continues to widen in q by
 //! 2h² a step, which the integral without the jumps misses: n steps miss O(n²h²), not O(nh²).
 
 use serde::Serialize;

@@ -124,7 +124,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     ])
 }
 
-/// The integral of the loop from so many samples.
+/// The integral of the loop from `samples` samples.
 fn integral(samples: usize, rule: &Rule) -> Result<LoopIntegral, PaperError> {
     let mut ensemble = Ensemble::zeros(1, samples);
     let mut block = ensemble.block();

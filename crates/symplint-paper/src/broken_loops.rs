@@ -40,7 +40,7 @@ const MAX_PARTICLES: u64 = 1000;
 /// Samples of the paper's rule.
 const SAMPLES: usize = 1 << 15;
 
-/// The step size at which more particles are looked at.
+/// The step size at which more particles are examined.
 const STEP_SIZE: f64 = 0.1;
 
 const INTEGRATORS: [(&str, &str, &str); 2] = [

@@ -47,8 +47,8 @@ impl Judgement {
         }
     }
 
-    /// Holds where all of the interval lies within the `wanted` one, does not where nothing of it does, and
-    /// cannot be told where a part does or an end is no number.
+    /// Holds if all of the interval lies within the `wanted` one, does not if nothing of it does, and
+    /// cannot be judged if a part does or an end is not a number.
     pub fn of_interval((low, high): (f64, f64), wanted: (f64, f64)) -> Self {
         if low >= wanted.0 && high <= wanted.1 {
             Judgement::Holds

@@ -103,7 +103,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     }
     let width = power_law(&bands);
 
-    // Bounded for ever: the second half of the time is no worse than the first.
+    // Bounded for ever: the second half of the time is not worse than the first.
     let worst = |part: &[(f64, f64)]| part.iter().map(|p| p.1.abs()).fold(0.0, f64::max);
     let (first, second) = errors.split_at(errors.len() / 2);
     let (first, second) = (worst(first), worst(second));

@@ -80,7 +80,7 @@ fn rate(curves: &Curves, degree: usize) -> Claim {
     )
 }
 
-/// Where a curve whose error falls as 1/N ends for N → ∞: from its last two points, if the three last show
+/// The limit for N → ∞ of a curve whose error falls as 1/N: from its last two points, if the three last show
 /// that law.
 fn limit(signed: &[f64]) -> Option<f64> {
     let [.., a, b, c] = signed else { return None };
@@ -164,7 +164,7 @@ fn cubic_is_cheaper(curves: &Curves) -> Claim {
         quadratic.is_none_or(|quadratic| cubic.is_some_and(|cubic| cubic < quadratic))
     };
     let holds = quadratic.iter().zip(&cubic).all(fewer);
-    // Where the fewest samples are enough for both, there is nothing to compare.
+    // If the fewest samples are enough for both, there is nothing to compare.
     let fewest = PLASMAS.map(|plasma| strang(curves, plasma, 2).first().map(|r| r.samples));
     let resolved = cubic.iter().all(Option::is_some) && quadratic != fewest;
     Claim::of_paper(

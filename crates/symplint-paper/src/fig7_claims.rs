@@ -8,7 +8,7 @@ use super::pic::{Case, Curves, PLASMAS, Setup};
 use super::sweep::{Record, fitted_order, order_text, worst};
 use super::true_defect;
 
-/// What the paper says it says of so many samples of so many particles.
+/// The claims of the paper are about this number of samples and this number of particles.
 const SAMPLES: usize = 1 << 15;
 const PARTICLES: usize = 2;
 
@@ -89,7 +89,7 @@ fn cause(strang: [&[Record]; 2]) -> String {
 fn digits_claim(name: &str, says: &str, digits: f64, strang: [&[Record]; 2]) -> Claim {
     let largest = worst(strang.into_iter().flatten());
     let measured = -largest.log10();
-    // That the rule gives so many digits says nothing of the map unless the map keeps as many.
+    // The number of digits that the rule gives says nothing about the map unless the map keeps as many.
     let truth = true_defect::largest(strang.into_iter().flatten());
     claim(
         format!("{name}: Strang conserves the loop integral to {says}"),

@@ -68,7 +68,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     let steps = chosen_steps(settings)?;
     let seed = settings.whole("seed");
     let variant = settings.choice("strang");
-    // What the paper says it says of its own run, or a finer one.
+    // The claims of the paper are about its run, or a finer one.
     let paper = particles >= PARTICLES && cells == CELLS && h <= STEP_SIZE;
     let runs = (DEGREES.into_par_iter())
         .map(|(degree, _)| {
@@ -145,7 +145,7 @@ fn chosen_steps(settings: &Settings) -> Result<usize, SettingError> {
 fn steps_until(until: f64, h: f64, updates_per_step: usize) -> Result<usize, SettingError> {
     let steps = (until / h).round().max(1.0);
     let most = (MAX_UPDATES / updates_per_step as f64).floor();
-    // Not `steps > most`: a quotient that overflows is none either.
+    // Not `steps > most`: a quotient that overflows is not a valid number of steps either.
     if !matches!(
         steps.partial_cmp(&most),
         Some(Ordering::Less | Ordering::Equal)

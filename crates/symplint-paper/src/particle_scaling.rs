@@ -141,14 +141,14 @@ const MAX_EXPONENT_ERROR: f64 = 0.25;
 /// Whether both exponents, each somewhere in an interval, are about 1.
 fn linear_growth([a, b]: [(f64, f64); 2]) -> Judgement {
     let both = |wanted| {
-        // One that is elsewhere refutes the claim whatever the other one is.
+        // One that is elsewhere contradicts the claim, whatever the other one is.
         match [a, b].map(|interval| Judgement::of_interval(interval, wanted)) {
             [Judgement::Holds, Judgement::Holds] => Judgement::Holds,
             [Judgement::DoesNotHold, _] | [_, Judgement::DoesNotHold] => Judgement::DoesNotHold,
             _ => Judgement::Unresolved,
         }
     };
-    // Slower growth keeps to the bound O(N_p/N_s), but is no scaling like it.
+    // Slower growth keeps to the bound O(N_p/N_s), but is not a scaling like it.
     both((1.0 - MAX_EXPONENT_ERROR, 1.0 + MAX_EXPONENT_ERROR))
         .or_corrected(both((f64::NEG_INFINITY, 1.0)))
 }

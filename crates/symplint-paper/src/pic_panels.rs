@@ -60,8 +60,8 @@ pub fn measure_panels(
     Ok((curves, figure))
 }
 
-/// The points of linear splines at which jumps stay in the sum, so that nobody knows how far off it is: where
-/// curves bend there, it is the rule that does.
+/// The points of linear splines at which jumps stay in the sum, so that the error of the sum is unknown: if
+/// curves bend there, the reason is the rule.
 fn unknown(panel: &PanelCases, curves: &Curves, at: Place) -> Vec<(f64, f64)> {
     let records = (panel.cases.iter())
         .flat_map(|&case| INTEGRATORS.map(|integrator| curves.of(case, integrator)));

@@ -1,4 +1,4 @@
-//! Running items beside each other, and the tables of their claims.
+//! Running items in parallel, and the tables of their claims.
 
 use rayon::prelude::*;
 use symplint_report::provenance::Run;

@@ -190,7 +190,7 @@ pub enum SettingError {
         /// The largest that it takes.
         most: u64,
     },
-    /// A word that is none of those it takes.
+    /// A word that is not one of those that the setting takes.
     #[error("{key}: there is no \"{given}\"")]
     Word {
         /// The setting.

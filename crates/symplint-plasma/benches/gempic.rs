@@ -1,4 +1,4 @@
-//! A Strang step of the electromagnetic plasma beside a plain scalar control, in one interleaved run.
+//! A Strang step of the electromagnetic plasma compared with a plain scalar control, in one interleaved run.
 //!
 //! `cargo bench -p symplint-plasma --bench gempic [-- PART OF A NAME]`.
 

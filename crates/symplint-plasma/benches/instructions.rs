@@ -1,7 +1,7 @@
 //! One kernel, run as often as asked, for counting its instructions.
 //!
 //! `KERNEL TIMES` runs it, no argument names the kernels with what a run works on.
-//! `instructions.py` beside this file runs them under valgrind and writes the table.
+//! `instructions.py` next to this file runs them under valgrind and writes the table.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;

@@ -1,4 +1,4 @@
-//! The particle-in-cell force and step beside a plain scalar control, in one interleaved run.
+//! The particle-in-cell force and step compared with a plain scalar control, in one interleaved run.
 //!
 //! `cargo bench -p symplint-plasma --bench pic [-- PART OF A NAME]`.
 
@@ -178,7 +178,7 @@ fn strang_step(degree: usize, particles: usize, samples: usize) {
     );
 }
 
-/// A Strang step of an ensemble on two threads beside the same on one.
+/// A Strang step of an ensemble on two threads compared with the same on one.
 fn two_threads(degree: usize, particles: usize, samples: usize) {
     let (pic, _) = plasma(degree, particles);
     let (x, v) = TwoStream::default().sample(&pic, 1).unwrap();
@@ -202,7 +202,7 @@ fn two_threads(degree: usize, particles: usize, samples: usize) {
     );
 }
 
-/// One force of one sample on two threads beside the same on one.
+/// One force of one sample on two threads compared with the same on one.
 fn force_on_two_threads(degree: usize, particles: usize) {
     let (pic, _) = plasma(degree, particles);
     let (x, _) = TwoStream::default().sample(&pic, 1).unwrap();

@@ -1,4 +1,4 @@
-//! The piecewise rule beside the bare evaluations that it makes: what finding breaks and integrating pieces
+//! The piecewise rule compared with the bare evaluations that it makes: what finding breaks and integrating pieces
 //! costs on top.
 //!
 //! `cargo bench -p symplint-plasma --bench piecewise [-- PART OF A NAME]`. The control makes and advances as many

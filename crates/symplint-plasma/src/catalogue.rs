@@ -119,7 +119,7 @@ const SCHEMES: &[IntegratorInfo] = &[
     IntegratorInfo {
         name: "ecsim",
         variants: &[],
-        // 2 where there is no magnetic field.
+        // 2 if there is no magnetic field.
         order: 1,
         symplectic: false,
         summary: "Drifts, and velocities and fields implicitly in between, conserves the energy, for pic-1d2v only",

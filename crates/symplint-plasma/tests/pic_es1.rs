@@ -16,7 +16,7 @@ use symplint_plasma::pic::{
 const CELLS: usize = 9;
 const LENGTH: f64 = 6.3;
 const WEIGHTS: [f64; 4] = [1.0, 0.3, 2.5, 0.8];
-/// The first two are in cells beside each other: far apart, every shape has the exact field of a charged sheet.
+/// The first two are in neighbouring cells: far apart, every shape has the exact field of a charged sheet.
 const POSITIONS: [f64; 4] = [0.41, 0.83, -7.1, 11.3];
 
 fn plasma(degree: usize) -> MomentumConservingPic {
@@ -200,7 +200,7 @@ fn diagnosis(degree: usize, integrator: &str, variant: Option<&str>) -> Diagnosi
     diagnostic.run(&*step, &phase_loop.unwrap()).unwrap()
 }
 
-/// A kick changes the integral by h ∮F·dx, which is not 0 where F is no gradient: order 1, whatever the shape.
+/// A kick changes the integral by h ∮F·dx, which is not 0 if F is not a gradient: order 1, whatever the shape.
 #[test]
 fn it_is_not_symplectic_whatever_the_shape() {
     for degree in 1..=4 {

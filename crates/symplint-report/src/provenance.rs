@@ -31,7 +31,7 @@ impl Run {
         }
     }
 
-    /// The provenance of what this run, on so many threads, has found so far.
+    /// The provenance of what this run, on `threads` threads, has found so far.
     pub fn provenance(&self, threads: usize) -> Provenance {
         let since = self.date.duration_since(UNIX_EPOCH).unwrap_or_default();
         Provenance {
@@ -117,7 +117,7 @@ fn model_name(described: &str) -> Option<&str> {
     Some(line.split_once(':')?.1.trim()).filter(|name| !name.is_empty())
 }
 
-/// The date and time so many seconds after the beginning of 1970, in universal time: `2026-03-01T12:00:00Z`.
+/// The date and time this number of seconds after the beginning of 1970, in universal time: `2026-03-01T12:00:00Z`.
 fn utc(seconds: u64) -> String {
     let (days, second) = (seconds / 86_400, seconds % 86_400);
     // H. Hinnant, "chrono-compatible low-level date algorithms": years begin in March, so that the day that leap

@@ -11,7 +11,7 @@ const MAX_ROWS: usize = 16;
 /// Largest relative quadrature error of a loop integral that is known.
 const MAX_RESOLVED_ERROR: f64 = 1e-6;
 
-/// Names and what they mean, one entry for each row: the name, and the text beside it in lines of `width`
+/// Names and what they mean, one entry for each row: the name, and the text next to it in lines of `width`
 /// characters. Without a width each entry stays on one line.
 pub fn definitions(rows: &[(String, String)], width: Option<usize>) -> String {
     let longest = rows.iter().map(|(name, _)| name.chars().count()).max();

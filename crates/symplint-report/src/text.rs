@@ -13,7 +13,7 @@ use crate::wrap::wrapped;
 pub struct Shown {
     /// Characters of a line; without a width, paragraphs stay on one line each.
     pub width: Option<usize>,
-    /// Every step size and every finding, in place of what fits one screen.
+    /// Every step size and every finding, instead of what fits one screen.
     pub all: bool,
 }
 
@@ -217,7 +217,7 @@ fn change(point: &Point) -> String {
     }
 }
 
-/// A number with so many decimals, or 0.
+/// A number with `decimals` decimals, or 0.
 fn number(value: f64, decimals: usize) -> String {
     match value == 0.0 {
         true => "0".into(),

@@ -1,8 +1,8 @@
 //! Paragraphs wrapped to a width.
 
 /// The text in lines of at most `width` characters, the first after `first` and the others after `rest`. A
-/// word that is longer than a line has a line of its own. Without a width the text stays on one line. `first`
-/// may have several lines; the text goes on after the last.
+/// word that is longer than a line has its own line. Without a width the text stays on one line. `first`
+/// may have several lines; the text continues after the last.
 pub fn wrapped(first: &str, rest: &str, text: &str, width: Option<usize>) -> String {
     let Some(width) = width else {
         return format!("{first}{text}");

@@ -637,7 +637,7 @@ fn no_verdict_is_wrong() {
                     None => 2,
                 }] += 1;
                 digits.extend(report.digits);
-                // As it was computed, the force of a solver is no gradient.
+                // As it was computed, the force of a solver is not a gradient.
                 if kind.holds() && kind != Kind::Solver {
                     let errors = report.evidence.loops.iter();
                     let errors = errors.filter(|work| work.error() > 0.0);

@@ -16,7 +16,7 @@ const MEMBERS: u64 = 20;
 /// What is wrong with the variables of a map, or with the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
-    /// Velocities in place of momenta: pair forces over masses of four decades, in two to six degrees of freedom.
+    /// Velocities instead of momenta: pair forces over masses of four decades, in two to six degrees of freedom.
     Masses,
     /// The same of eight decades.
     LightMasses,
@@ -32,7 +32,7 @@ enum Kind {
     Linear,
     /// Velocities in a uniform magnetic field, with Boris's rotation or shears.
     Field,
-    /// One momentum in another unit, as δ in place of p_ζ.
+    /// One momentum in another unit, as δ instead of p_ζ.
     ScaledPair,
     /// Masses, signs, permutations or fields, all in single precision.
     Single,

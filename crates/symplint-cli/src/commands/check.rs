@@ -46,8 +46,8 @@ pub(super) enum Calls {
     ByJobs,
 }
 
-/// Diagnoses a configuration, a file and settings, or goes on where a run of it was stopped. No exit status where calls are to be
-/// made by jobs before it can go on.
+/// Diagnoses a configuration, a file and settings, or continues where a run of it was stopped. No exit status if calls are to be
+/// made by jobs before it can continue.
 pub(super) fn diagnose(
     started: &provenance::Run,
     (path, settings): (&Path, &[String]),

@@ -48,7 +48,7 @@ fn read(path: &Path) -> std::io::Result<String> {
         std::io::stdin().read_to_string(&mut text)?;
         return Ok(text);
     }
-    // A FIFO that nobody writes to has no end.
+    // A FIFO without a writer has no end.
     if !std::fs::metadata(path)?.is_file() {
         let reason = "it is no regular file; give `-` for standard input";
         return Err(std::io::Error::other(reason));

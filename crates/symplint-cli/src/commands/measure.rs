@@ -155,7 +155,7 @@ fn loops_of(before: &Path, after: &[PathBuf]) -> Vec<PathBuf> {
     names
 }
 
-/// Names the file of a step size that is none.
+/// Returns an error that names the file of an invalid step size.
 fn check_step_sizes(after: &[LoopFile]) -> Result<(), Failure> {
     for file in after {
         if let Some(h) = file.step_size.filter(|h| *h == 0.0 || !h.is_finite()) {

@@ -1,4 +1,4 @@
-//! Commands that a user is told to give.
+//! Commands that a message asks the user to run.
 
 use std::path::Path;
 

@@ -17,8 +17,8 @@ pub fn say(text: impl std::fmt::Display) -> Result<(), Failure> {
     }
 }
 
-/// Prints a text and a line break on standard error. Where that cannot be written nobody could be told, and what the program does
-/// goes on: its exit status does not depend on it.
+/// Prints a text and a line break on standard error. If it cannot be written, the user cannot be informed, and the program
+/// continues: its exit status does not depend on it.
 pub fn tell(text: impl std::fmt::Display) {
     let mut error = anstream::stderr().lock();
     let _ = writeln!(error, "{text}").and_then(|()| error.flush());

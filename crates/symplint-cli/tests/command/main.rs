@@ -64,7 +64,7 @@ fn program() {
             std::process::exit(3);
         }
         "hang" | "leave" => {
-            // With a process of its own, which has to end with it.
+            // With its own process, which has to end with it.
             let mut sleep = Command::new("sleep").arg("1000").spawn().unwrap();
             if let Ok(path) = std::env::var("SYMPLINT_TEST_PIDS") {
                 let pids = format!("{} {}", std::process::id(), sleep.id());

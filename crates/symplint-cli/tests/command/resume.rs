@@ -1,4 +1,4 @@
-//! Runs that are killed, and go on.
+//! Runs that are killed, and continue.
 
 use std::fs::{self, OpenOptions};
 use std::io::Write;
@@ -51,7 +51,7 @@ fn a_run_that_is_killed_again_and_again_ends_with_the_same_report() {
     ends(0, &check(&whole, &path("calls")).output().unwrap());
     let needed = calls(&path("calls"));
 
-    // After so many calls in all.
+    // After these numbers of calls in total.
     let kills = [1, 2, 5, needed / 3, needed / 2, needed - 2];
     for count in kills {
         let mut run = check(&killed, &path("more_calls")).spawn().unwrap();
@@ -67,7 +67,7 @@ fn a_run_that_is_killed_again_and_again_ends_with_the_same_report() {
         let of = |folder: &Path| fs::read(folder.join(file)).unwrap();
         assert!(of(&killed) == of(&whole), "{file}");
     }
-    // Two calls at a time were under way when a run was killed. They ended, and nobody took note.
+    // Two calls at a time were under way when a run was killed. They ended, and were not recorded.
     let made = calls(&path("more_calls"));
     assert!(
         made <= needed + 2 * kills.len(),

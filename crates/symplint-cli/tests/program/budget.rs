@@ -134,7 +134,7 @@ fn following_the_advice_decides() {
     assert!(followed >= 24, "{followed}");
 }
 
-/// A random loop that takes more than is left is no evidence, and costs no verdict.
+/// A random loop that takes more than is left is not evidence, and does not prevent a verdict.
 #[test]
 fn a_random_loop_that_the_budget_does_not_resolve_is_left_out() {
     let settings = ["system.epsilon=0.001", "diagnostic.samples=auto"];
@@ -159,7 +159,7 @@ fn no_number_is_given_where_none_is_known_to_be_enough() {
     assert!(!advice.contains("further evaluations"), "{advice}");
 }
 
-/// What passed its budget once: sweeps over samples, jumps that are followed, pieces beside their samples, later step
+/// What passed its budget once: sweeps over samples, jumps that are followed, pieces in addition to their samples, later step
 /// sizes, localisation.
 #[test]
 fn no_part_of_a_diagnosis_passes_the_budget() {

@@ -33,7 +33,7 @@ fn example(name: &str) -> String {
     root.join(name).to_str().unwrap().to_owned()
 }
 
-/// A configuration in a folder of its own.
+/// A configuration in its own folder.
 fn configuration(text: &str) -> (TempDir, PathBuf) {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("run.toml");

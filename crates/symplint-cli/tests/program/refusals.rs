@@ -506,7 +506,7 @@ fn keys_of_another_initial_state_are_refused() {
             let place = format!("system.{name}: applies to initial = ");
             let expected = [place.as_str(), "run.toml:4:", "leave the key out"];
             refused(&format!("{system}{file}{key}\n"), &[], &expected);
-            // Where the file is named by --set, keys of the other state are left behind.
+            // If the file is named by --set, keys of the other state are left behind.
             let (_folder, run) = configuration(&format!("{system}{key}\n"));
             let set = format!("system.{}", file.trim());
             let out = state.path().join(format!("out-{name}"));

@@ -158,7 +158,7 @@ fn a_run_that_fails_leaves_the_points_until_then() {
     let out = folder.path().join("run");
     let (path, into) = (path.to_str().unwrap(), out.to_str().unwrap());
     let arguments = ["check", path, "--out", into];
-    // An earlier run came to its end: its report must not stand beside the points of this one.
+    // An earlier run came to its end: its report must not stay next to the points of this one.
     let shorter = ["--set", "diagnostic.step_sizes=[0.5]"];
     let arguments = [&arguments[..], &["--force"]].concat();
     let output = symplint(&[&arguments[..], &shorter].concat());

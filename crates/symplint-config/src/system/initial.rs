@@ -16,7 +16,7 @@ pub enum Initial {
 }
 
 /// Reads `initial`: one of `names`, or a file with the state of `dof` degrees of freedom, its path
-/// relative to `folder` and recorded as an absolute one. The keys `of_named` describe named states, and are refused beside a
+/// relative to `folder` and recorded as an absolute one. The keys `of_named` describe named states, and are refused together with a
 /// file.
 pub fn initial(
     section: &Section,

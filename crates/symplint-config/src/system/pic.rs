@@ -216,7 +216,7 @@ fn weights(section: &Section) -> Result<ParticleWeights, ConfigError> {
     Ok(ParticleWeights::Each(weights))
 }
 
-/// The initial state of so many particles in a box of `D` axes of this length.
+/// The initial state of `particles` particles in a box of `D` axes of this length.
 fn state<const D: usize>(
     (particles, length): (usize, f64),
     section: &Section,

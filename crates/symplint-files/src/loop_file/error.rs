@@ -165,7 +165,7 @@ pub enum LoopFileError {
         /// The file.
         path: PathBuf,
     },
-    /// A word that is no number.
+    /// A word that is not a number.
     #[error("{} has `{word}`, which is no number", path.display())]
     Number {
         /// The file.

@@ -32,9 +32,9 @@ pub struct LoopFile {
     pub step_size: Option<f64>,
     /// Period of each position, 0 for none, where the file says them; one for all is allowed.
     pub period: Option<Vec<f64>>,
-    /// Period of each momentum, likewise.
+    /// Period of each momentum, in the same form.
     pub momentum_period: Option<Vec<f64>>,
-    /// Weight of each momentum, likewise.
+    /// Weight of each momentum, in the same form.
     pub weight: Option<Vec<f64>>,
 }
 
@@ -77,7 +77,7 @@ fn paths_of(path: &Path, format: Format) -> Vec<PathBuf> {
     }
 }
 
-/// Refuses what would wait for ever when it is opened or read. What is not there, whoever opens it says.
+/// Refuses what would wait for ever when it is opened or read. A missing file is reported when it is opened.
 fn check_regular(path: impl AsRef<Path>) -> Result<(), LoopFileError> {
     let path = path.as_ref();
     match fs::metadata(path) {

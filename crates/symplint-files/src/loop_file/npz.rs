@@ -10,10 +10,10 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 use super::array::{Accept, Array};
 use super::{LoopFile, LoopFileError};
 
-/// An array may unpack to so many bytes, whatever it takes in the archive: 16 MiB are two million numbers.
+/// An array may unpack to this number of bytes, whatever its size in the archive: 16 MiB are two million numbers.
 const UNPACKED: u64 = 1 << 24;
 
-/// Larger ones may unpack to so many times what they take in the archive. Samples of a loop hardly shrink: what is forged
+/// Larger ones may unpack to this multiple of their size in the archive. Samples of a loop hardly shrink: what is forged
 /// to fill the memory reaches a factor of 1000.
 const MOST_SHRUNK: u64 = 100;
 

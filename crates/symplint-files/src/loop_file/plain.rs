@@ -121,7 +121,7 @@ fn doubles(bytes: &[u8]) -> Vec<f64> {
         .collect()
 }
 
-/// Numbers between blanks, or the first word that is no number.
+/// Numbers between blanks, or the first word that is not a number.
 fn decimals(bytes: &[u8]) -> Result<Vec<f64>, String> {
     let text = String::from_utf8_lossy(bytes);
     let number = |word: &str| {

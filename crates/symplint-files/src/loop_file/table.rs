@@ -8,10 +8,10 @@ use symplint::Snapshot;
 use super::array::Array;
 use super::{FEWEST_SAMPLES, LoopFile, LoopFileError};
 
-/// From so many digits on a number is a double.
+/// From this number of digits on, a number is a double.
 const DIGITS_OF_DOUBLE: u32 = 16;
 
-/// Up to so many digits it may be a single precision number that was written out.
+/// Up to this number of digits, it may be a single precision number that was written out.
 const DIGITS_OF_SINGLE: u32 = 9;
 
 pub fn read(path: &Path) -> Result<LoopFile, LoopFileError> {

@@ -1,4 +1,4 @@
-//! A kernel beside its control, in turn, so that both see the same machine.
+//! A kernel and its control, in turn, so that both see the same machine.
 //!
 //! Times are of this machine; ratios are what can be claimed.
 
@@ -39,7 +39,7 @@ pub fn report(
     print_ratio(name, median(times), median(control_times));
 }
 
-/// As [`report`], beside a time that was measured elsewhere.
+/// As [`report`], compared with a time that was measured elsewhere.
 #[allow(dead_code, reason = "not every bench has one")]
 pub fn compare(name: &str, units: f64, mut work: impl FnMut(), control: f64) {
     let times = (0..ROUNDS).map(|_| nanoseconds(&mut work) / units);

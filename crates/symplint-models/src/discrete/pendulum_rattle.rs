@@ -9,7 +9,7 @@ use crate::error::ModelError;
 /// algorithm", J. Comput. Phys. 52 (1983) 24): H = (p_x² + p_y²)/2 + g y on x² + y² = L², x p_x + y p_y = 0.
 ///
 /// Two degrees of freedom, (x, y) and (p_x, p_y), of which the constraint leaves one. It is symplectic on the manifold of
-/// the constraint, and takes states beside it onto it (B. Leimkuhler and R. D. Skeel, J. Comput. Phys. 112 (1994) 117).
+/// the constraint, and takes states off the manifold onto it (B. Leimkuhler and R. D. Skeel, J. Comput. Phys. 112 (1994) 117).
 /// The rod pulls along its direction before the step; how hard is the root of a quadratic equation, and no iteration is
 /// needed.
 #[derive(Clone, Copy, Debug, PartialEq)]

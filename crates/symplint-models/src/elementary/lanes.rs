@@ -7,7 +7,7 @@ pub(crate) type Lanes = [f64; LANES];
 
 /// What is to be done with the numbers of `I` rows that are read and `O` that are written.
 ///
-/// A trait in place of a closure, because it must be inlined: a function of its own would be compiled
+/// A trait instead of a closure, because it must be inlined: a separate function would be compiled
 /// for any processor.
 pub(crate) trait LaneMap<const I: usize, const O: usize> {
     /// The new values of what is written; implementations are `#[inline(always)]`.

@@ -13,7 +13,7 @@ use crate::tangent::{DriftKickTangent, no_tangent};
 ///
 /// For every fixed step size Strang splitting is symplectic; with a step size that varies over phase
 /// space it is not, and the defect is of order h (HLW, chapter VIII, on the dangers of step size
-/// control). A step of size h advances a sample by a time of its own, less than h, so this is no
+/// control). A step of size h advances each sample by its own time, less than h, so this is not an
 /// approximation of the flow over a time h.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdaptiveStrang<S> {

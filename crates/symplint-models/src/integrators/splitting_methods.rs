@@ -1,7 +1,7 @@
 //! The splitting methods provided.
 //!
 //! Each comes in two variants that differ by an exchange of drifts and kicks; a variant is named
-//! by what is applied first. HLW is E. Hairer, C. Lubich & G. Wanner, Geometric Numerical
+//! by the drift or kick that is applied first. HLW is E. Hairer, C. Lubich & G. Wanner, Geometric Numerical
 //! Integration, 2nd edition.
 
 use super::splitting::{SplittingMethod, Variant};

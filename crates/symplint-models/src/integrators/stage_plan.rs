@@ -31,7 +31,7 @@ pub(super) struct Evaluation {
     pub stage: usize,
     /// The stage's positions, as increments over those at the start; nothing where not read.
     pub q_terms: Option<Vec<Term>>,
-    /// The stage's momenta likewise.
+    /// The stage's momenta, in the same form.
     pub p_terms: Option<Vec<Term>>,
 }
 

@@ -73,7 +73,7 @@ impl DoublePendulum {
         });
     }
 
-    /// Of one state, for the tangent map, whose speed is no concern.
+    /// Of one state, for the tangent map, whose speed does not matter.
     fn kinetic_at(&self, q: [f64; 2], p: [f64; 2]) -> Kinetic {
         let (sin, cos) = (q[0] - q[1]).sin_cos();
         self.kinetic(p, sin, cos)

@@ -57,7 +57,7 @@ impl PendulumArray {
     }
 }
 
-/// The neighbours i − 1 and i + 1 of pendulum i in a ring of so many.
+/// The neighbours i − 1 and i + 1 of pendulum i in a ring of `pendula` pendula.
 fn neighbours(pendula: usize, i: usize) -> (usize, usize) {
     let last = pendula - 1;
     (

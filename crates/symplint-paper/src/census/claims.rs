@@ -196,7 +196,7 @@ fn gauss(row: &SchemeResult) -> f64 {
     row.record.gauss_residual.unwrap_or(f64::NAN)
 }
 
-/// Exact energy with a defect, beside exact loops with an energy error that does not grow.
+/// Exact energy with a defect, compared with exact loops with an energy error that does not grow.
 fn headline(census: &Census<'_>) -> Claim {
     const SMOOTH_DEGREE: usize = 4;
     let smooth = |family| {

@@ -132,7 +132,7 @@ fn defect_near(diagnosis: &Diagnosis, h: f64) -> (f64, f64) {
     (nearest, defects.fold(f64::NAN, f64::max))
 }
 
-/// The names of the substeps that change the integral by more than the uncertainty, or have breaks of their own.
+/// The names of the substeps that change the integral by more than the uncertainty, or have their own breaks.
 fn faulty_substeps(localisation: &Localisation) -> String {
     let mut names: Vec<&str> = Vec::new();
     for substep in &localisation.substeps {

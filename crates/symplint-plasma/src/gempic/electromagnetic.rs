@@ -85,7 +85,7 @@ impl Default for GempicConfig {
 /// H = ½ Σ w_a m (v1_a² + v2_a²) + ½ e1ᵀ M1 e1 + ½ e2ᵀ M0 e2 + ½ bᵀ M1 b is a sum of four parts with exact flows, H_B,
 /// H_E, H_p1 and H_p2 (Kraus et al. 2017, section 5). Their Poisson bracket is canonical in the variables used here: the
 /// transverse positions y_a and the potentials A1 = Σ a1_j Λ¹_j, A2 = Σ a2_j Λ⁰_j go along, with E = −∂A/∂t, and
-/// b_j = a2_j − a2_j−1 is not a variable of its own. The rows of a state are
+/// b_j = a2_j − a2_j−1 is not a separate variable. The rows of a state are
 ///
 /// | rows | position | momentum | weight of the momentum |
 /// | --- | --- | --- | --- |

@@ -19,7 +19,7 @@ pub(super) struct MassMatrices {
     width: f64,
     /// M0 / width, from the diagonal outwards.
     zero: Vec<f64>,
-    /// M1 × width, likewise.
+    /// M1 × width, from the diagonal outwards.
     one: Vec<f64>,
     /// Half the sum and half the difference of the inverse eigenvalues of `one` and `zero`, over the number of cells.
     inverses: Vec<[f64; 2]>,
@@ -160,7 +160,7 @@ mod tests {
         }
     }
 
-    /// Matrices as they are, entry by entry, and a solve by what it means.
+    /// Matrices as they are, entry by entry, and a solve by its definition.
     #[test]
     fn solved_systems_have_their_right_hand_sides() {
         for degree in 1..=5 {

@@ -41,7 +41,7 @@ impl FieldSolver {
         Self::of_green(green(mesh, passes), mesh.cells(), mesh.components(), D)
     }
 
-    /// The solver by the matrices of G, on one or two axes of so many cells. It is not generic, so that planners of
+    /// The solver by the matrices of G, on one or two axes of `cells` cells. It is not generic, so that planners of
     /// transforms, a third of a minute to compile, are not compiled again in each crate that has a plasma.
     fn of_green(green: Vec<Complex64>, cells: usize, components: usize, axes: usize) -> Self {
         let mut planner = RealFftPlanner::new();

@@ -12,7 +12,7 @@ use super::polynomials::CellPolynomials;
 use super::portions::Portions;
 use super::runs::Runs;
 
-/// Samples whose particles are carried to their meshes together: rows are read so many values at a
+/// Samples whose particles are carried to their meshes together: rows are read this number of values at a
 /// time, and sums into different meshes do not wait for each other.
 const GROUP: usize = 8;
 

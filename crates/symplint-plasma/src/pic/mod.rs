@@ -28,9 +28,9 @@
 //! Hamiltonian. On a line there is a faster way, `line`: `place` finds the particles' cells,
 //! `polynomials` has what all particles of a cell share, `runs` does without that where cells are
 //! more than particles (`carrier` has both), and `pairs` without a mesh where there are few. In a plane, `plane` goes by
-//! `runs` on both axes. Where there are many particles, `portions` shares them out to the threads. `tangent` has the derivative of the force.
+//! `runs` on both axes. If there are many particles, `portions` shares them out to the threads. `tangent` has the derivative of the force.
 //!
-//! `momentum_conserving` is the scheme of textbooks, [`MomentumConservingPic`], whose force is no gradient. It shares nothing
+//! `momentum_conserving` is the scheme of textbooks, [`MomentumConservingPic`], whose force is not a gradient. It shares nothing
 //! with the others but the particles' weights and initial states.
 
 mod by_functions;

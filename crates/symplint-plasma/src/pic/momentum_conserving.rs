@@ -1,4 +1,4 @@
-//! The textbook scheme of electrostatic particle-in-cell codes, whose force is no gradient.
+//! The textbook scheme of electrostatic particle-in-cell codes, whose force is not a gradient.
 
 use symplint::Coordinates;
 use symplint::state::{Rows, RowsMut, scratch};
@@ -26,7 +26,7 @@ pub struct MomentumConservingConfig {
 
 impl Default for MomentumConservingConfig {
     /// Four particles of density 1 on 8 cells of a line of length 10, with linear weighting: near enough to feel that the force
-    /// is no gradient. Particles many cells apart have the exact force between charged sheets.
+    /// is not a gradient. Particles many cells apart have the exact force between charged sheets.
     fn default() -> Self {
         MomentumConservingConfig {
             weights: ParticleWeights::Equal {
@@ -51,7 +51,8 @@ impl Default for MomentumConservingConfig {
 /// * The total momentum is conserved to round-off, and no particle acts on itself.
 /// * The force on the canonical momenta is not the gradient of any energy, whatever the degree of S: with K(x, y) the
 ///   field at x of a particle at y, it would have to be ∂K/∂y = −∂K/∂x, which says that K depends on x − y alone. On a
-///   grid it does not, for particles in neighbouring cells. So a kick is not symplectic. [`Pic`](super::Pic) has the force that is a gradient.
+///   grid it does not, for particles in neighbouring cells. So a kick is not symplectic. [`Pic`](super::Pic) has the force that is a
+/// gradient.
 /// * The force has a jump where a particle passes a boundary between cells for degree 0, and is continuous otherwise.
 /// * Nodes are where cells meet for odd degrees, and in the middle of cells for even ones.
 ///
@@ -178,7 +179,7 @@ impl MomentumConservingPic {
         }
     }
 
-    /// The same with derivatives by x in place of values.
+    /// The same with derivatives by x instead of values.
     #[inline]
     fn slopes(&self, x: f64) -> Shape {
         let (cell, fraction) = self.grid.locate(x);

@@ -36,7 +36,7 @@ impl PairTable {
             && functions * polynomials.table_len() <= MOST_VALUES
     }
 
-    /// On so many cells, with the backgrounds of a charge of 1 and of none.
+    /// On `cells` cells, with the backgrounds of a charge of 1 and of none.
     pub(super) fn new<const N: usize>(
         cells: usize,
         [background, none]: &[Vec<f64>; 2],

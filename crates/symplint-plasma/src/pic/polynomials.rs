@@ -17,7 +17,7 @@ use super::mesh::Mesh;
 pub(super) struct CellPolynomials {
     cells: usize,
     /// For each function, where the row of its nodes starts for cell 0, in a table of nodes with
-    /// every row written twice: so the row goes on for all cells without being wrapped.
+    /// every row written twice: so the row continues for all cells without being wrapped.
     starts: Vec<usize>,
     /// For each function, the coefficients of its powers.
     values: Vec<f64>,

@@ -1,6 +1,6 @@
 //! Many particles shared out to threads, in portions that are the same on any number of them.
 //!
-//! Particles are halved until what is left is no more than two portions. The halves go to any thread that has
+//! Particles are halved until each part is at most two portions. The halves go to any thread that has
 //! nothing to do; sums of halves are added in the order of the particles, so that how they are added up
 //! depends on how many particles there are and on nothing else.
 

@@ -93,7 +93,7 @@ fn the_bracket_satisfies_the_identity_of_jacobi() {
             cells: 7,
         };
         let n = places.len();
-        // Λ⁰' = Cᵀ Λ¹, and the functions of V1 likewise are differences of splines of one degree less.
+        // Λ⁰' = Cᵀ Λ¹, and in the same way the functions of V1 are differences of splines of one degree less.
         let zero_slope = |x: f64| plasma.c.transpose() * plasma.one(x);
         let one_slope = |x: f64| plasma.slope_of_one(x);
         let nothing = |_: f64| DVector::zeros(7);

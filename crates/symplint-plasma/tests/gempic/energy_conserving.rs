@@ -390,7 +390,7 @@ fn loop_defects_have_the_order_of_the_scheme_and_one() {
 }
 
 /// The step sizes of the prototype begin at 0.4. There Crank–Nicolson and ECSIM converge on every sample, with fields
-/// implicit; the discrete gradient, iterated as a whole, does not, and says so.
+/// implicit; the discrete gradient, iterated as a whole, does not, and reports it.
 #[test]
 fn at_the_largest_step_fields_have_to_be_implicit() {
     const H: f64 = 0.4;

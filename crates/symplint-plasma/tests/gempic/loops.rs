@@ -53,7 +53,7 @@ fn defect(
         .magnitude()
 }
 
-/// The defect of a step, at so many samples.
+/// The defect of a step, at `samples` samples.
 fn step_defect(degree: usize, samples: usize) -> f64 {
     let (step, phase_loop) = plasma(degree);
     defect(&step, &phase_loop, samples, |ensemble| {
@@ -113,7 +113,7 @@ fn discontinuous_forces_break_loops() {
     }
 }
 
-/// m v in place of m v + q A is not canonical, whatever the degree.
+/// m v instead of m v + q A is not canonical, whatever the degree.
 #[test]
 fn kinetic_momenta_are_not_canonical() {
     for degree in 2..=4 {

@@ -442,7 +442,7 @@ fn what_cannot_be_solved_is_refused() {
         let refused = CATALOGUE.build(none, name, None, model());
         assert!(matches!(refused, Err(ModelError::NoIterations)), "{name}");
     }
-    // One iteration is not enough for round-off, and the step says so.
+    // One iteration is not enough for round-off, and the step reports it.
     let hasty = StageSolver {
         stop: Stop::Converged {
             tolerance: 1e-15,

@@ -1,7 +1,7 @@
 //! From data to the lines and points on the page.
 //!
-//! Lines break at values an axis cannot show, are cut at the frame, and lose points that nobody
-//! could see, so that 100 000 points make a file as small as a few thousand.
+//! Lines break at values an axis cannot show, are cut at the frame, and lose points that a reader
+//! could not see, so that 100 000 points make a file as small as a few thousand.
 
 use super::geometry::{Point, Rect, distance_to_segment};
 use super::scale::Ruler;

@@ -168,7 +168,7 @@ impl Strip {
     }
 }
 
-/// The width of columns beside each other.
+/// The width of columns side by side.
 fn total(widths: &[f64]) -> f64 {
     widths.iter().sum::<f64>() + STYLE.legend_column_gap * widths.len().saturating_sub(1) as f64
 }

@@ -48,14 +48,14 @@ pub struct Figure {
     pub title: Option<String>,
     /// The panels, in reading order. Several are lettered: (a), (b), ….
     pub panels: Vec<Panel>,
-    /// Panels beside each other in one row; 0 counts as 1.
+    /// Panels side by side in one row; 0 counts as 1.
     pub columns: usize,
     /// Whether one legend below all panels names the series of all of them, each once.
     pub shared_legend: bool,
 }
 
 impl Figure {
-    /// A figure of some panels, so many beside each other, with a legend in each.
+    /// A figure of some panels, `columns` side by side, with a legend in each.
     pub fn new(panels: Vec<Panel>, columns: usize) -> Self {
         Figure {
             title: None,

@@ -3,7 +3,7 @@
 use super::scale::Span;
 use super::{Axis, Panel, Scale, Series, Style};
 
-/// Free room beside markers and lines, as a part of the range.
+/// Free room next to markers and lines, as a part of the range.
 const PADDING: f64 = 0.04;
 /// Least number of decades of a range that ends at whole decades.
 const MIN_WHOLE_DECADES: f64 = 6.0;

@@ -108,7 +108,7 @@ fn along_line(points: Vec<Point>) -> Vec<Point> {
 }
 
 /// Joins the last point to the first. A curve broken by missing values is not closed across
-/// the gap: its last run goes on with the first.
+/// the gap: its last run continues with the first.
 fn close(runs: &mut [Vec<Point>], points: usize) {
     let unbroken = runs.len() == 1 && runs.first().is_some_and(|run| run.len() == points);
     if let (true, Some(run)) = (unbroken, runs.first_mut()) {
@@ -116,7 +116,7 @@ fn close(runs: &mut [Vec<Point>], points: usize) {
     }
 }
 
-/// Continues the uncertainty level to the frame across the free room beside the data.
+/// Continues the uncertainty level to the frame across the free room next to the data.
 fn reach_frame(runs: &mut [Vec<Point>], frame: Rect) {
     let reach = STYLE.max_band_gap * frame.width();
     for run in runs {

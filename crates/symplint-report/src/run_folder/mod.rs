@@ -92,7 +92,7 @@ impl RunFolder {
     }
 
     /// Begins a diagnosis: `config.toml` says what runs, `points.csv` gets what it measures, and no report of another
-    /// configuration stands beside them. That of the same one stays until the new one takes its place: a run that fails does not
+    /// configuration stays next to them. That of the same one stays until the new one takes its place: a run that fails does not
     /// lose it.
     ///
     /// # Errors

@@ -13,7 +13,7 @@ pub struct RecordTable {
 }
 
 impl RecordTable {
-    /// Makes the file, in place of what was there.
+    /// Creates the file, and replaces an existing one.
     ///
     /// # Errors
     /// If it cannot be made.

@@ -73,7 +73,7 @@ impl Planned {
         Ok(self.journal.replay(call, block)?)
     }
 
-    /// Whether calls are missing: then the diagnosis cannot go on.
+    /// Whether calls are missing: then the diagnosis cannot continue.
     pub fn lacks_calls(&self) -> bool {
         !self.asked().missing.is_empty()
     }

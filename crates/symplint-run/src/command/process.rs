@@ -1,4 +1,4 @@
-//! A process with a time limit, in a group of its own: the processes that it starts end with it.
+//! A process with a time limit, in its own group: the processes that it starts end with it.
 
 use std::fs::File;
 use std::io;
@@ -59,7 +59,7 @@ pub fn run(
     }
 }
 
-/// Ends the process if this program is killed, and nobody would wait for it: by the kernel, on Linux.
+/// Ends the process if this program is killed and can no longer wait for it: the kernel does this, on Linux.
 fn end_with_this_program(command: &mut Command) {
     #[cfg(target_os = "linux")]
     {

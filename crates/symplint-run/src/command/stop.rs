@@ -1,4 +1,4 @@
-//! An end of this program by a signal: processes that it calls are in groups of their own, so Ctrl-C on a terminal does not reach them.
+//! An end of this program by a signal: processes that it calls are in their own groups, so Ctrl-C on a terminal does not reach them.
 
 use std::io;
 use std::path::{Path, PathBuf};

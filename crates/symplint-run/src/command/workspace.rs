@@ -2,7 +2,7 @@
 //!
 //! A temporary folder holds a file `lock`, locked as long as its program runs. The system releases the lock however the
 //! program ends, so the next run can remove what a killed one left behind, and never touches the folder of a run
-//! that goes on.
+//! that is still running.
 
 use std::fs::{self, File};
 use std::io;
@@ -52,7 +52,7 @@ impl Workspace {
         }
     }
 
-    /// In a folder that stays, after so many calls in it.
+    /// In a folder that stays, after `calls` calls in it.
     pub fn kept(path: PathBuf, calls: usize) -> Self {
         let mut workspace = Self::temporary();
         workspace.kept = Some((path, calls));
@@ -130,7 +130,7 @@ fn make_temporary() -> io::Result<Temporary> {
         // Locked before it has its name: a `lock` that is not locked belongs to a program that has ended.
         let unnamed = folder.join("unnamed");
         let lock = File::create(&unnamed)?;
-        // Where the file system has no locks, nobody can lock it either, and nothing is removed.
+        // If the file system has no locks, another run cannot lock it either, and nothing is removed.
         let _ = lock.try_lock();
         fs::rename(unnamed, folder.join(LOCK))?;
         Ok(lock)

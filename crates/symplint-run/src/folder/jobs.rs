@@ -1,4 +1,4 @@
-//! The calls that jobs of a scheduler make, in a run folder: a round of them in `round/calls`, and beside it the results of
+//! The calls that jobs of a scheduler make, in a run folder: a round of them in `round/calls`, and next to it the results of
 //! each part, `part-K-of-N`, and its calls that failed, `part-K-of-N.failed`.
 
 use std::collections::{HashMap, HashSet};

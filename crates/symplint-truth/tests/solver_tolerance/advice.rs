@@ -38,7 +38,7 @@ fn a_tolerance_that_is_the_likely_cause_is_named_with_the_size_of_the_jumps() {
     }
 }
 
-/// The implicit midpoint rule for a pendulum by chords in place of Newton's method: it stops at a residual.
+/// The implicit midpoint rule for a pendulum by chords instead of Newton's method: it stops at a residual.
 fn by_chords(tolerance: f64) -> impl TimeAdvance {
     PerSample::new(1, move |h: f64, q: &mut [f64], p: &mut [f64]| {
         let momentum = |middle: f64| p[0] - 0.5 * h * middle.sin();

@@ -52,7 +52,7 @@ pub struct Truth {
     pub jumps: Vec<f64>,
 }
 
-/// Cells in which changes of the number of iterations are looked for.
+/// Cells that are searched for changes of the number of iterations.
 const SCANNED: usize = 20_000;
 
 pub fn truth<F: Field>(circle: &Circle, h: f64, tolerance: f64) -> Truth {

@@ -101,7 +101,7 @@ fn a_stretch_too_short_to_resolve_is_covered_by_the_error() {
     assert_covered(&found.continuous, PI - 2.0 * (TAU * 0.1).sin());
 }
 
-/// A circle that is run through so many times.
+/// A circle that is run through this number of times.
 struct Turns(f64);
 
 impl Loop for Turns {
@@ -532,7 +532,7 @@ fn maps_that_round_nothing_are_not_accused_of_it() {
 
 #[test]
 fn a_state_that_fails_beside_the_samples_takes_no_verdict_back() {
-    // Sample 15 of 64, which is none of 33.
+    // Sample 15 of 64, which is not one of 33 samples.
     let hole = circle(0.1, 0.2);
     let at = symplint::Ensemble::sample(&hole, 64).unwrap();
     let hole_q = at.q().row(0)[15];

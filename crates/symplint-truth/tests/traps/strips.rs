@@ -1,4 +1,4 @@
-//! Narrow strips of friction that few samples meet: what the spectrum makes of them is no bound.
+//! Narrow strips of friction that few samples meet: what the spectrum makes of them is not a bound.
 
 use std::f64::consts::PI;
 

@@ -87,7 +87,7 @@ fn a_bump_beside_a_kink_whose_recurrence_samples_miss_is_not_called_not_symplect
         kind == VerdictKind::Symplectic
     };
     let conserved = all.par_iter().filter(|&one| is_conserved(one)).count();
-    // Undecided is no answer, but where samples meet nothing but spikes.
+    // Undecided is not an answer, except where samples meet nothing but spikes.
     assert!(conserved > 45, "{conserved} of 90");
 }
 

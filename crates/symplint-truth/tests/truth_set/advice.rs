@@ -90,7 +90,7 @@ fn few_digits(random: &mut Random) -> Member {
         budget: Some(budget),
         ..halvings(h, 4)
     };
-    // What rounding does to the loop is no truth to the last bit.
+    // The effect of rounding on the loop is not known to the last bit.
     let truth = Truth {
         change: None,
         expected: match truth.expected {

@@ -38,7 +38,7 @@ pub fn run(part: usize, first: usize, named: impl Fn(&str) -> bool) -> Vec<Found
 /// `None` for loops of another code, which have no budget, and for solvers of other families.
 fn found(family: &Family, index: usize, budget: usize) -> Option<Found> {
     let mut member = (family.member)(index);
-    // Jumps of solvers have a table of their own.
+    // Jumps of solvers have their own table.
     let of_solver = matches!(member.truth.expected, Expected::Tolerance { .. });
     if of_solver && family.name != "tolerance" {
         return None;

@@ -16,7 +16,7 @@ pub const COUNT: usize = 400;
 /// As of the family of output precision: integrals are better than a state by the root of 65,536 samples.
 const AVERAGED: f64 = 2.41;
 
-/// Radians, degrees, inches in metres, and a unit that nobody has.
+/// Radians, degrees, inches in metres, and a unit that is not in use.
 const UNITS: [f64; 4] = [1.0, std::f64::consts::PI / 180.0, 0.0254, 1.0 / 3.0];
 
 const BUDGETS: [Option<usize>; 4] = [Some(200), Some(1_000), Some(20_000), None];
@@ -75,7 +75,7 @@ fn diagnostic(random: &mut Random, h: f64) -> Diagnostic {
     }
 }
 
-/// A format in which the loop is so many levels wide, or, of significant digits, about as many.
+/// A format in which the loop is 0.3 to 10 000 levels wide, or, of significant digits, about as many.
 fn coarse(random: &mut Random, radius: f64) -> Rounding {
     let unit = 2.0 * radius / random.log_between(0.3, 1e4);
     let decimals = 10f64.powf(unit.log10().floor());

@@ -11,7 +11,7 @@ use crate::member::{Member, Subject};
 use crate::outcome::{Outcome, diagnose, outcome};
 use crate::rounding::Rounding;
 
-/// Advice is followed so many times.
+/// Advice is followed this number of times.
 const ROUNDS: usize = 3;
 
 /// What came of it.

@@ -1,4 +1,4 @@
-//! Small breaks beside a defect of any size: a force that jumps a little, and momenta that are damped.
+//! Small breaks in addition to a defect of any size: a force that jumps a little, and momenta that are damped.
 
 use std::sync::Arc;
 

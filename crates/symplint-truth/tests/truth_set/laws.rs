@@ -168,7 +168,7 @@ fn classical(random: &mut Random) -> Member {
         p[0] *= 1.0 - e;
     });
     let h = random.between(0.5, 1.0) / system.omega;
-    // One more, of terms that this loop has beside the leading one.
+    // One more, of terms that this loop has in addition to the leading one.
     let order = method.orders(1)[0];
     let truth = Truth::of(Expected::NotSymplectic).with_orders(&[order, order + 1.0]);
     let label = format!("{}, then p × (1 − {e:.0e})", method.name);

@@ -100,7 +100,7 @@ const FAMILIES: &[Family] = families![
     memory
 ];
 
-/// One in so many members runs in the normal tests.
+/// One in this number of members runs in the normal tests.
 const PART: usize = 20;
 
 fn line(family: &Family, index: usize) -> Line {

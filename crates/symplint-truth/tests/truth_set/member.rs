@@ -24,7 +24,7 @@ pub fn map_of(dof: usize, step: Step) -> Arc<dyn TimeAdvance> {
 /// What the right verdict is.
 #[derive(Clone, Copy, Debug)]
 pub enum Expected {
-    /// Symplectic; rounding allows no more than so many digits.
+    /// Symplectic; rounding allows at most this number of digits.
     Symplectic { most_digits: f64 },
     /// The loop integral changes.
     NotSymplectic,
@@ -49,7 +49,7 @@ pub enum Expected {
     },
     /// Symplectic with noise: random numbers, if it is large; else this number of digits at most.
     Noisy { most_digits: f64 },
-    /// It is no map: results depend on earlier calls or on the batch.
+    /// It is not a map: results depend on earlier calls or on the batch.
     Refused,
 }
 

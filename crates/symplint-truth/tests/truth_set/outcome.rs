@@ -126,7 +126,7 @@ pub fn outcome(member: &Member, diagnosis: &Diagnosis) -> Outcome {
         // What is changed even once closed is not symplectic between its breaks.
         (Expected::Broken { closed }, VerdictKind::NotSymplectic) => right(closed == Some(false)),
         (Expected::Broken { .. }, VerdictKind::Symplectic) => wrong(),
-        // Where the given loop is whole, random loops may break.
+        // If the given loop is whole, random loops may break.
         (Expected::Tolerance { breaks, .. }, VerdictKind::BrokenLoops) => {
             right(breaks > 0 || given_breaks(diagnosis).is_none_or(|found| found.is_empty()))
         }

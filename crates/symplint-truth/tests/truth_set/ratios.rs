@@ -8,7 +8,7 @@ use symplint::{Diagnosis, VerdictKind};
 
 use crate::member::{Expected, Member, Truth};
 
-/// Ratios by what they are of.
+/// Ratios by their quantity.
 pub type Ratios = BTreeMap<String, Vec<f64>>;
 
 /// All ratios of a member.

@@ -7,9 +7,9 @@ pub enum Rounding {
     None,
     /// To single precision.
     Single,
-    /// To so many digits behind the point.
+    /// To this number of digits after the decimal point.
     Decimals(i32),
-    /// To so many significant digits.
+    /// To this number of significant digits.
     Digits(usize),
     /// To multiples of any number.
     Multiples(f64),

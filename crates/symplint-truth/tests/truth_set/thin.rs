@@ -205,7 +205,7 @@ fn steps(sizes: &[f64]) -> Diagnostic {
     }
 }
 
-/// p (1 − f') in place of p / (1 + f'): the determinant is 1 − f'².
+/// p (1 − f') instead of p / (1 + f'): the determinant is 1 − f'².
 fn wrong_edge(
     random: &mut Random,
     size: f64,

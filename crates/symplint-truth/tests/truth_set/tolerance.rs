@@ -20,7 +20,7 @@ const SCAN: usize = 1 << 13;
 /// Narrower pieces are not asked for.
 const NARROW: f64 = 1e-7;
 
-/// Parts of a piece that are looked at for a minimum of the change.
+/// Parts of a piece that are searched for a minimum of the change.
 const LOOKS: usize = 64;
 
 /// What sums over pieces may be off, relative to the integral of the loop.

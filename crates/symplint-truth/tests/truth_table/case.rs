@@ -15,7 +15,7 @@ use symplint_truth::scaled::Scaled;
 /// The right answer.
 #[derive(Clone, Copy, Debug)]
 pub enum Truth {
-    /// Symplectic; round-off and quadrature leave so many digits at least.
+    /// Symplectic; round-off and quadrature leave at least this number of digits.
     Symplectic { digits: f64 },
     /// Not symplectic, with a defect of this order.
     Defect(Order),
@@ -254,7 +254,7 @@ impl Case {
             (Truth::Broken { closed }, VerdictKind::BrokenLoops) => {
                 let says = |text: &str| verdict.summary().contains(text);
                 match closed {
-                    // Substeps are not known, and straight chords prove nothing.
+                    // Substeps are not known, and straight chords are not evidence.
                     None => !says("change even with the breaks closed"),
                     Some(true) => says("closed its loop integrals are conserved"),
                     Some(false) => says("change even with the breaks closed"),

@@ -94,7 +94,7 @@ fn iterations() -> Vec<Case> {
     cases
 }
 
-/// Each state stops at an iteration of its own.
+/// Each state stops at its own iteration.
 fn tolerances() -> Vec<Case> {
     let because = "each state stops at an iteration of its own: neighbours come out the tolerance \
                    apart where that number changes";

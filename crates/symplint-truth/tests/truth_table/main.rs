@@ -1,7 +1,7 @@
 //! The truth table: maps, systems and loops whose right answer is known from theory, with the reason
 //! why, and what the diagnosis says of them.
 //!
-//! No verdict may be wrong. A case may be undecided only if the table says so and why, and few may.
+//! No verdict may be wrong. A case may be undecided only if the table states this and the reason, and few may.
 //! `cargo test --release --test truth_table -- --nocapture` prints the table.
 
 mod case;

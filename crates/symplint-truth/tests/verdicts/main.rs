@@ -1,4 +1,4 @@
-//! What is no line of the truth table: rules chosen by hand, what proves nothing, failures, sizes.
+//! What is not a line of the truth table: rules chosen by hand, steps that are not evidence, failures, sizes.
 
 mod failures;
 mod large;

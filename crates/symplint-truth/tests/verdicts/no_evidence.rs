@@ -1,4 +1,4 @@
-//! Steps and samples that prove nothing.
+//! Steps and samples that are not evidence.
 
 use std::sync::Arc;
 
@@ -31,7 +31,7 @@ fn a_translation_is_no_test() {
     let phase_loop = circle(&[0.0], &[1000.0], 1.0);
     let verdict = diagnose(&Diagnostic::halving(-10, -16), &*rk4, &phase_loop).verdict;
     assert_eq!(verdict.kind, VerdictKind::Undecided, "{verdict:?}");
-    // A step that is exactly a translation is no method's approximation.
+    // A step that is exactly a translation is not the approximation of any method.
     assert_eq!(verdict_of(|_, q, _| *q += 1.0).0, VerdictKind::Symplectic);
     // A kick alone deforms p as a function of q.
     assert_eq!(

@@ -1,4 +1,4 @@
-//! Rounding is no defect.
+//! Rounding is not a defect.
 
 use symplint::{Diagnostic, PerSample, Verdict, VerdictKind};
 

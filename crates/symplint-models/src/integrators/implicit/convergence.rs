@@ -7,7 +7,7 @@ const SOLVED: f64 = -1.0;
 
 /// The progress of an iteration on every sample of a block.
 ///
-/// A solved sample stays unchanged while others go on, so that its result is the same in any block.
+/// A solved sample stays unchanged while others continue, so that its result is the same in any block.
 pub(super) struct Convergence<'a> {
     /// Size of a sample's state.
     sizes: &'a mut [f64],
@@ -185,7 +185,7 @@ mod tests {
         assert_eq!(solved_after(0.0, &[1e-3; 9]), None);
         let noise = [1e-3, 1e-15, 2e-15, 1e-15, 3e-15, 1e-15];
         assert_eq!(solved_after(0.0, &noise), Some(4));
-        // What rises once goes on falling.
+        // A sequence that rises once continues to fall.
         assert_eq!(
             solved_after(1e-15, &[1e-12, 2e-12, 1e-13, 1e-14, 1e-15]),
             Some(4)

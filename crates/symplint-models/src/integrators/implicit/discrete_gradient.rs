@@ -220,7 +220,7 @@ impl<'a, H: Hamiltonian> Step<'a, H> {
 
     /// One fixed-point iteration of every sample that is open.
     fn iterate(&mut self, convergence: &mut Convergence<'_>) {
-        /// H, a sum of many terms, is rounded by so many ε|H|. Calibrated near equilibria of 1, 2 and 50 degrees of
+        /// The rounding of H, a sum of many terms, is this multiple of ε|H|. Calibrated near equilibria of 1, 2 and 50 degrees of
         /// freedom, in `tests/discrete_gradient.rs`: 1 is too
         /// little for steps to converge there, 2 is enough, and this leaves room for systems of more terms.
         const ROUNDINGS: f64 = 8.0;

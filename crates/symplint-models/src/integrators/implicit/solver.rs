@@ -29,7 +29,7 @@ pub enum Stop {
         /// At most.
         max_iterations: usize,
     },
-    /// After so many iterations of every sample, converged or not: a smooth map, whose distance
+    /// After this number of iterations of every sample, converged or not: a smooth map, whose distance
     /// from the converged one is a power of h.
     Iterations(usize),
 }

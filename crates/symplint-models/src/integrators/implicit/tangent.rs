@@ -40,7 +40,7 @@ impl<H: Hamiltonian> ImplicitRungeKutta<H> {
     }
 }
 
-/// Of steps whose stages are solved to round-off. Those that stop earlier, after so many iterations or at
+/// Of steps whose stages are solved to round-off. Those that stop earlier, after a number of iterations or at
 /// a tolerance, have no tangent map.
 impl<H: Hamiltonian> TangentMap for ImplicitRungeKutta<H> {
     fn advance_tangents(

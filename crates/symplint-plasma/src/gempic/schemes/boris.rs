@@ -150,7 +150,7 @@ impl BorisPart {
         let mut potential = state.a2.clone();
         let mut curl = vec![0.0; potential.len()];
         self.gempic.curl_of_field(&mut potential, &mut curl);
-        // The other field is no concern of Ampère's law across.
+        // Ampère's law across does not involve the other field.
         potential.fill(0.0);
         self.gempic.masses.solve(&mut potential, &mut curl);
         for (e2, curl) in state.e2.iter_mut().zip(curl) {

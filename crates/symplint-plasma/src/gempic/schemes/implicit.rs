@@ -186,7 +186,7 @@ impl MeanFieldStep {
 
     /// What particles do, and the mean fields that their currents give.
     fn solve(&self, h: f64, state: &PhysicalState) -> Result<(Pushed, [Vec<f64>; 2]), String> {
-        /// Changes of this part of the state that have not fallen for so many iterations are round-off.
+        /// Changes of this part of the state that have not fallen for `PATIENCE` iterations are round-off.
         const ROUNDOFF: f64 = 1e-12;
         const PATIENCE: usize = 3;
         let (tolerance, most) = match self.stop {

@@ -11,7 +11,7 @@ pub enum Orbit {
     /// without their sub-steps. Theirs adapt, and stop at the faces of cells, which conserves the charge as well as the
     /// energy; a step that stops nowhere conserves the energy alone.
     Midpoint,
-    /// In the middle of each of so many equal sub-steps of the particle. They do not adapt and do not stop at faces, so
+    /// In the middle of each of this number of equal sub-steps of the particle. They do not adapt and do not stop at faces, so
     /// that the charge is not conserved.
     SubStepped(NonZeroUsize),
     /// All along the straight way, exactly: the charge is conserved as well (K. Kormann & E. Sonnendrücker, J. Comput.
@@ -116,7 +116,7 @@ pub(super) fn solve_orbit(
         let felt = felt(coupling, is_averaged, fields, x, way);
         let next = mean_velocity(v, felt, half_charge);
         let change = (next[0] - mean[0]).abs();
-        // Where a particle turns round, rounding is that of the velocity before.
+        // If a particle turns around, the rounding is that of the velocity before.
         let size = [v, next]
             .into_iter()
             .flatten()
