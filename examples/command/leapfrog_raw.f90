@@ -1,4 +1,4 @@
-! The same with doubles in place of decimals: symplint check examples/command/fortran.toml --set system.format=raw
+! The same with doubles instead of decimals: symplint check examples/command/fortran.toml --set system.format=raw
 ! gfortran -O2 leapfrog_raw.f90 -o leapfrog_raw
 program leapfrog_raw
   implicit none

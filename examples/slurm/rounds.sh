@@ -5,7 +5,7 @@
 #
 # run.toml is the configuration of a program (system.name = "command"), run a folder that all nodes see, 8 the number
 # of jobs of a round. Ends with the exit status of `symplint check`, and with 2 where jobs are refused or make nothing in two
-# rounds. A round that is stopped goes on when this is started again.
+# rounds. A round that is stopped continues when this is started again.
 
 config=$1
 folder=$2

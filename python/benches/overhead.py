@@ -1,7 +1,7 @@
 """What a step in Python takes beside the step alone, in the same run.
 
 Run it with ``python python/benches/overhead.py``. For a vectorised step, the time of the whole way from the diagnostic to the
-step and back is compared with the time of the step alone on arrays of its own in C order. For a step of one state, it is the
+step and back is compared with the time of the step alone on its own arrays in C order. For a step of one state, it is the
 time per call that is added. Times are the shortest of many, as other programs make them longer.
 """
 

@@ -69,7 +69,7 @@ pub fn transpose<T: Number>(source: ArrayView2<'_, T>, rows: &mut RowsMut<'_>) -
     rows.as_rows().all_finite()
 }
 
-/// What a function returned in place of (q, p): two objects. `remedy` says what it should do.
+/// What a function returned instead of (q, p): two objects. `remedy` says what it should do.
 pub fn pair<'py>(
     result: Bound<'py, PyAny>,
     what: &str,
@@ -107,7 +107,7 @@ fn numbers<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, P
 }
 
 /// The array that an object is, if it is of this type and number of axes, aligned, and of no derived class, which may
-/// have a meaning of its own.
+/// have another meaning.
 fn plain<'a, 'py, T: Number, D: Dimension>(
     object: &'a Bound<'py, PyAny>,
 ) -> Option<&'a Bound<'py, PyArray<T, D>>> {

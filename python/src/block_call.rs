@@ -246,7 +246,7 @@ pub fn for_each_batch(
     Ok(finite)
 }
 
-/// The size of the first batch of so many states: the one of which they fill more than half, else the largest that they fill.
+/// The size of the first batch of `states` states: the one of which they fill more than half, else the largest that they fill.
 fn width(states: usize, dof: usize) -> usize {
     let rows = padded(states, dof);
     match rows < 2 * states {
@@ -255,14 +255,14 @@ fn width(states: usize, dof: usize) -> usize {
     }
 }
 
-/// The rows that a function gets for a batch of so many states.
+/// The rows that a function gets for a batch of `states` states.
 fn padded(states: usize, dof: usize) -> usize {
     let enough = sizes(dof).filter(|&rows| rows >= states);
     // More states than any size has: several batches.
     enough.min().unwrap_or(usize::MAX)
 }
 
-/// The sizes of batches in so many degrees of freedom, the largest first.
+/// The sizes of batches in `dof` degrees of freedom, the largest first.
 fn sizes(dof: usize) -> impl Iterator<Item = usize> {
     let most = (MAX_COORDINATES / dof.max(1)).max(1);
     SIZES.into_iter().filter(move |&rows| rows <= most)
@@ -283,7 +283,7 @@ struct Batch<'py, T> {
     number: std::marker::PhantomData<T>,
 }
 
-/// Where the momenta of so many positions begin.
+/// Where the momenta of `count` positions begin.
 fn of_momenta(count: usize) -> usize {
     // Half a page, so that a position and its momentum do not compete for the same cache lines.
     const APART: usize = 256;
@@ -348,7 +348,7 @@ impl<'py, T: Number> Batch<'py, T> {
     }
 }
 
-/// Memory for so many numbers, used again where no array of the user refers to it.
+/// Memory for this number of numbers, used again if no array of the user refers to it.
 fn take_memory<'py, T: Number>(
     py: Python<'py>,
     kept: &mut Option<Py<Memory>>,

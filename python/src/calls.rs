@@ -1,7 +1,7 @@
 //! Calls of Python functions from a diagnosis, all of them on the thread that started it.
 //!
-//! Simulation codes need not be safe on several threads, and Python delivers Ctrl-C to its main thread alone. Where the
-//! diagnosis has one thread, it is the thread of the user: states stay in the cache of one core. Where it has more, or the
+//! Simulation codes need not be safe on several threads, and Python delivers Ctrl-C to its main thread alone. If the
+//! diagnosis has one thread, it is the thread of the user: states stay in the cache of one core. If it has more, or the
 //! map needs no Python, it runs beside the thread of the user, which serves its calls one by one. Either way the
 //! interpreter is held only for the calls.
 
@@ -93,7 +93,7 @@ impl<S: FnMut(Python<'_>, Call) -> PyResult<()> + Send> Here<S> {
     /// Serves a call, or none, and looks for signals.
     fn serve(&self, server: &mut Server<S>, call: Option<Call>) {
         if self.stopped.load(Ordering::Relaxed) {
-            // Whoever waits for an answer is told so when the call is dropped.
+            // The thread that waits for an answer receives an error when the call is dropped.
             return;
         }
         let served = Python::attach(|py| {
@@ -174,7 +174,7 @@ impl Beside {
     }
 }
 
-/// Runs `work` beside this thread, which serves its calls meanwhile.
+/// Runs `work` in parallel with this thread, which serves its calls meanwhile.
 ///
 /// # Errors
 /// What stops the diagnosis: an exception that `serve` returns, or the one that Ctrl-C raises.
@@ -204,7 +204,7 @@ pub fn run_beside<R: Send>(
             let served = match next {
                 Ok(Call::Finished) | Err(RecvTimeoutError::Disconnected) => break,
                 Ok(call) if stopped_by.is_none() => serve(py, call),
-                // A call is dropped, which tells whoever waits for it.
+                // A call is dropped, which informs the thread that waits for it.
                 Ok(_) | Err(RecvTimeoutError::Timeout) => Ok(()),
             };
             if let Err(error) = served.and_then(|()| py.check_signals()) {

@@ -15,7 +15,7 @@ pub struct Stated {
 }
 
 impl Stated {
-    /// The coordinates of a phase space of so many degrees of freedom.
+    /// The coordinates of a phase space of `dof` degrees of freedom.
     ///
     /// # Errors
     /// If one of them is not valid.

@@ -11,7 +11,7 @@ fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyType>> {
     Ok(py.import("symplint._errors")?.getattr(name)?.cast_into()?)
 }
 
-/// An exception of that class, or why there is none.
+/// An exception of that class, or the error that prevented it.
 fn exception(py: Python<'_>, name: &str, message: &str) -> PyErr {
     match class(py, name).and_then(|class| class.call1((message,))) {
         Ok(exception) => PyErr::from_value(exception),

@@ -221,7 +221,7 @@ impl Functions {
         exception
     }
 
-    /// Answers with what a function did. Of exceptions that end programs it is told who started the diagnosis.
+    /// Answers with what a function did. Exceptions that end programs are passed to the caller of the diagnosis.
     fn answer(
         &mut self,
         py: Python<'_>,

@@ -1,7 +1,7 @@
 //! Memory that Rust and numpy arrays share, and blocks that one thread lends to another. The only file with `unsafe`.
 //!
 //! Arrays that are lent to a user's function may be kept by it, as they are or as any view of them. So they never lie
-//! in the memory of an ensemble, which is freed or used again: they lie in a [`Memory`], a Python object of its own that
+//! in the memory of an ensemble, which is freed or used again: they lie in a [`Memory`], a separate Python object that
 //! every such array keeps alive. Who wants to use a memory again asks first whether an array still holds it.
 
 use std::cell::UnsafeCell;
@@ -71,7 +71,7 @@ impl Columns {
 
     /// One row for each column.
     pub fn rows(&self) -> Rows<'_> {
-        // SAFETY: `of` found so many values there, and the array keeps them.
+        // SAFETY: `of` found this number of values there, and the array keeps them.
         let values =
             unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.count * self.len) };
         Rows::new(values, self.count, self.len, self.len)
@@ -174,7 +174,7 @@ pub struct Loan<A> {
     answer: SyncSender<A>,
 }
 
-// SAFETY: a block may be sent, and `lend` lets nobody else use it as long as the loan exists.
+// SAFETY: a block may be sent, and `lend` prevents any other use of it as long as the loan exists.
 unsafe impl<A: Send> Send for Loan<A> {}
 
 impl<A> Loan<A> {
@@ -187,7 +187,7 @@ impl<A> Loan<A> {
 
     /// Gives the block back.
     pub fn answer(self, answer: A) {
-        // The lender may have panicked meanwhile; then nobody waits.
+        // The lender may have panicked meanwhile; then no thread waits.
         let _ = self.answer.send(answer);
     }
 }

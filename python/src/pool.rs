@@ -2,7 +2,7 @@
 //!
 //! Never those of rayon's global pool. A process that was forked, as `multiprocessing` and web servers fork, has the pool of its
 //! parent without the threads, and waits for them for ever. And a step that calls the library would wait for threads that
-//! all wait for the step: so a diagnosis has threads of its own, or that of the user alone, and everything else shares some.
+//! all wait for the step: so a diagnosis has its own threads, or that of the user alone, and everything else shares some.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -62,7 +62,7 @@ pub fn shared(py: Python<'_>) -> PyResult<&'static ThreadPool> {
     }
 }
 
-/// Runs `work` on the shared threads. Ctrl-C ends the wait for it: then it goes on, and what it finds is dropped.
+/// Runs `work` on the shared threads. Ctrl-C ends the wait for it: then it continues, and what it finds is dropped.
 ///
 /// # Errors
 /// If there are no threads; the exception that a signal raises.

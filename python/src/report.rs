@@ -28,7 +28,7 @@ pub struct Report {
     provenance: Provenance,
 }
 
-/// What a report has beside evidence and what follows from it.
+/// What a report has in addition to evidence and what follows from it.
 #[derive(Deserialize)]
 struct Rest {
     config: serde_json::Value,
@@ -36,7 +36,7 @@ struct Rest {
 }
 
 impl Report {
-    /// The report on what `run` found, on so many threads.
+    /// The report on what `run` found, on this number of threads.
     pub fn new(
         diagnosis: Diagnosis,
         title: String,
@@ -59,13 +59,13 @@ impl Report {
         }
     }
 
-    /// The same of a run that took so many evaluations from a journal.
+    /// The same of a run that took this number of evaluations from a journal.
     pub fn replaying(mut self, evaluations: usize) -> Self {
         self.provenance.replayed = evaluations;
         self
     }
 
-    /// The same of a run whose steps so many processes took.
+    /// The same of a run whose steps were taken by this number of processes.
     pub fn by_workers(mut self, count: usize) -> Self {
         self.provenance.workers = count;
         self

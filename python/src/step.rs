@@ -195,7 +195,7 @@ pub struct PythonLoop<'a> {
 }
 
 impl<'a> PythonLoop<'a> {
-    /// The loop in a phase space of so many degrees of freedom.
+    /// The loop in a phase space of `dof` degrees of freedom.
     pub fn new(caller: &'a dyn Caller, dof: usize) -> Self {
         PythonLoop { caller, dof }
     }

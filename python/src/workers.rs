@@ -17,7 +17,7 @@ use crate::error::{input_error, other_error};
 type Failed = (usize, PyErr);
 
 /// Advances states by a function of the user in the process of a worker. What it returned, or how it failed: the rest of the
-/// work of a worker goes on.
+/// work of a worker continues.
 #[pyfunction]
 pub fn advance<'py>(
     function: Bound<'py, PyAny>,
@@ -100,7 +100,7 @@ pub fn open(py: Python<'_>, path: &Path, of: &str) -> PyResult<Arc<Journal>> {
     Ok(Arc::new(journal))
 }
 
-/// What was found out about workers.
+/// What was recorded about workers.
 #[derive(Default)]
 pub struct Found {
     /// Processes that took steps.

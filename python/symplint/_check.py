@@ -729,7 +729,7 @@ def _of_form(
 
 
 def _check_none(step_sizes: str, make: bool) -> None:
-    """Refuse texts for step sizes that do not say that there is none."""
+    """Reject texts for step sizes other than "none"."""
     if step_sizes != "none":
         raise InputError(f'step_sizes is "{step_sizes}"; give step sizes, or "none" for a map without one')
     if make:

@@ -31,7 +31,7 @@ class Composition:
         return q, p
 
     def part(self, number: int) -> Callable[..., Any]:
-        """One part as a step of its own."""
+        """One part as a separate step."""
         function = self.parts[number][1]
         return lambda q, p, *h: self._advanced(function, q, p, *h)
 

@@ -10,6 +10,6 @@ __all__ = ["main"]
 
 def main() -> None:
     """Run the command line of this process, and exit with the status of the program."""
-    # Ctrl-C ends the program, which says how to go on. Python would only notice it afterwards.
+    # Ctrl-C ends the program, which reports how to continue. Python would only notice it afterwards.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.exit(_native.program(["symplint", *sys.argv[1:]]))

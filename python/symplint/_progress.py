@@ -16,7 +16,7 @@ WIDTH = 40
 
 @contextlib.contextmanager
 def bar(progress: Any) -> Iterator[Watch | None]:
-    """A function that is told of progress, if there is one to tell."""
+    """A function that receives the progress, if there is one."""
     if callable(progress):
         yield progress
     elif progress in (None, False, True):

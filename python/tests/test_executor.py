@@ -1,4 +1,4 @@
-"""Steps that workers take: the same bits, whoever takes them, and whatever happens to workers."""
+"""Steps that workers take: the same bits, whichever worker takes them, and whatever happens to workers."""
 
 import json
 import multiprocessing
@@ -72,7 +72,7 @@ def test_the_same_bits_by_any_workers(per_sample):
     for step, arguments in ((make, {"make": True}), (in_place, {})):
         with ProcessPoolExecutor(2) as executor:
             assert bits(check(step, executor, per_sample=per_sample, **arguments)) == expected
-    # It has apply_async in place of submit.
+    # It has apply_async instead of submit.
     with multiprocessing.Pool(2) as pool:
         assert bits(check(verlet, pool, per_sample=per_sample)) == expected
 

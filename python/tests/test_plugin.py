@@ -1,4 +1,4 @@
-"""The plugin of pytest, in a pytest of its own."""
+"""The plugin of pytest, in a separate pytest."""
 
 import pytest
 

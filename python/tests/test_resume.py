@@ -1,4 +1,4 @@
-"""Checks that were stopped, and go on. `tools/kill_and_resume.py` kills them in earnest."""
+"""Checks that were stopped, and continue. `tools/kill_and_resume.py` kills them in earnest."""
 
 import functools
 import importlib

@@ -1,6 +1,6 @@
 """Kills diagnoses at random moments, resumes them, and compares: `python python/tools/kill_and_resume.py --runs 200`.
 
-Each run is killed once by SIGKILL, from its start to its end with equal chance, and goes on then. Its report has to be that of a
+Each run is killed once by SIGKILL, from its start to its end with equal chance, and then continues. Its report has to be that of a
 run that was never stopped, but for the provenance, and the map may not have been called again for states that it had
 advanced before. The map counts its calls itself, at their ends. A call that ended in the instant of the kill, and was not noted yet,
 is made again: these are told.
@@ -77,7 +77,7 @@ def check(kind: str, folder: Path, counts: Path) -> None:
 
     settings = {"step_sizes": [0.5, 0.25], "budget": 300, "loops": 3, "out": folder}
     if kind == "executor":
-        # Threads end with the process: what is under way is lost. Both are one process: it compares itself with nobody.
+        # Threads end with the process: what is under way is lost. Both are one process: it does not compare itself with another process.
         with ThreadPoolExecutor(2) as executor:
             symplint.check(step, 1.0, 0.5, executor=executor, per_sample=True, **settings)
     else:
@@ -109,7 +109,7 @@ def finish(kind: str, folder: Path, counts: Path) -> float:
 def report(folder: Path) -> dict:
     found = json.loads((folder / "report.json").read_text())
     del found["provenance"]
-    # The program of every run lies in a folder of its own.
+    # The program of every run lies in a separate folder.
     found["config"].get("system", {}).pop("folder", None)
     return found
 

@@ -50,7 +50,7 @@ pub struct Trace {
     pub step_size: f64,
     /// Number of steps.
     pub steps: usize,
-    /// Keep the whole loop after so many steps (0 is the initial loop).
+    /// Keep the whole loop after this number of steps (0 is the initial loop).
     pub snapshots: Vec<usize>,
 }
 
@@ -101,7 +101,7 @@ impl Trace {
         self.run_watched(map, phase_loop, orbit, &|_| {})
     }
 
-    /// The same; `watch` is told of each point.
+    /// The same; `watch` receives each point.
     ///
     /// # Errors
     /// Those of [`run`](Self::run).

@@ -163,7 +163,7 @@ fn a_method_that_is_projected_is_convicted_by_its_own_loop() {
     }
 }
 
-/// Twenty rods beside each other: random tangent vectors, projected.
+/// Twenty rods side by side: random tangent vectors, projected.
 #[test]
 fn many_constraints() {
     fn each(step: impl Fn(&mut [f64], &mut [f64]), q: &mut [f64], p: &mut [f64]) {
@@ -205,7 +205,7 @@ fn many_constraints() {
     }
 }
 
-/// A random loop still convicts a map that is not singular, however strong its friction: here the given loop lies in a
+/// For a map that is not singular, a random loop still shows a defect, however strong its friction: here the given loop lies in a
 /// plane that the map keeps.
 #[test]
 fn elsewhere_a_random_loop_convicts() {

@@ -169,7 +169,7 @@ fn groups_follow_the_actions() {
     assert!(alike.evidence.groups.is_empty() && bounds(&alike).is_empty());
 }
 
-/// With few evaluations the damping is found, or the verdict is undecided and says how many more would tell.
+/// With few evaluations the damping is found, or the verdict is undecided and reports how many more would be enough.
 #[test]
 fn in_a_tight_budget_no_group_is_forgotten() {
     for budget in [300, 1_000, 3_000, 10_000] {

@@ -1,4 +1,4 @@
-//! Arguments that no one means to give, found by fuzzing: an error says what is wrong with them.
+//! Arguments that are given by mistake, found by fuzzing: an error says what is wrong with them.
 
 use symplint::{Circle, Diagnostic, Error, PerSample, TimeAdvance, judge};
 

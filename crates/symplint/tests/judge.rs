@@ -62,7 +62,7 @@ fn of_map(steps: Vec<StepEvidence>) -> Evidence {
     evidence
 }
 
-/// A step that advances the motions on its loop by so many radians.
+/// A step that advances the motions on its loop by `phase_advance` radians.
 fn motion(phase_advance: f64) -> Motion {
     let mut motion = Motion::default();
     motion.phase_advance = phase_advance;
@@ -204,7 +204,7 @@ fn the_largest_step_has_to_advance_the_motions_by_a_twentieth_of_a_radian() {
     for (found, expected) in [
         (motion(0.049), Undecided),
         (motion(0.051), Symplectic),
-        // A kick alone is no method's approximation: it has to deform the loop.
+        // A kick alone is not the approximation of any method: it has to deform the loop.
         (shear(0.19), Undecided),
         (shear(0.21), Symplectic),
     ] {
@@ -214,7 +214,7 @@ fn the_largest_step_has_to_advance_the_motions_by_a_twentieth_of_a_radian() {
             assert_eq!(kind(&evidence), expected, "{found:?}");
         }
     }
-    // One loop is enough, and a shear beside it does no harm.
+    // One loop is enough, and a shear in addition to it does no harm.
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
     evidence.loops[0].steps[0].motion = Some(shear(0.3));
     evidence.loops[1].steps[0].motion = Some(motion(0.04));
@@ -293,7 +293,7 @@ fn a_break_of_any_loop_breaks_and_closing_says_whether_that_is_all() {
             .contains("conserved once breaks are closed");
         assert_eq!(told, conserved == Some(true));
     }
-    // By straight chords across the whole step a change proves nothing.
+    // By straight chords across the whole step a change is not evidence.
     assert_eq!(closing(11e-14, 1e-14, true).conserved_once_closed, None);
     assert_eq!(
         closing(9e-14, 1e-14, true).conserved_once_closed,
@@ -406,7 +406,7 @@ fn beside_a_manifold_that_a_map_projects_onto_nothing_convicts() {
     assert_eq!(decides(&evidence), expected);
     assert_eq!(judge(&evidence).advice, [Advice::Project]);
 
-    // The given loop convicts, unless what comes of it, which lies on the manifold, is conserved.
+    // The given loop shows a defect of the map, unless what comes of it, which lies on the manifold, is conserved.
     let mut evidence = of_map(vec![step(0.5, 0.1, 1e-12)]);
     evidence.survey.singular = Some(singular);
     assert_eq!(kind(&evidence), NotSymplectic);
@@ -424,7 +424,7 @@ fn beside_a_manifold_that_a_map_projects_onto_nothing_convicts() {
             assert_eq!(decides(&evidence), because);
         }
     }
-    // One that bounds nothing acquits nobody.
+    // A loop that bounds nothing does not change the verdict.
     let image = of_loop(9, LoopKind::Image, vec![step(0.5, 0.0, 1e-3)]);
     evidence.loops.push(image);
     assert_eq!(kind(&evidence), NotSymplectic);

@@ -198,7 +198,7 @@ impl OneForm for Spin {
     }
 }
 
-/// Turns about the x-axis, by an angle that depends on x, and about the z-axis likewise.
+/// Turns about the x-axis, by an angle that depends on x, and in the same way about the z-axis.
 fn turns(h: f64, m: &mut [f64], _: &mut [f64]) {
     for (axis, rate) in [(0, 1.0), (2, 0.4)] {
         let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -392,7 +392,7 @@ impl TimeAdvance for JumpingPotential {
 
 #[test]
 fn segments_between_sides_that_differ_in_q_and_p_prove_nothing() {
-    // Velocities between p and p − A turn round where they meet the jump: what closes the break is no straight line.
+    // Velocities between p and p − A turn round where they meet the jump: what closes the break is not a straight line.
     let circle = Circle::new(vec![0.3], vec![0.1], 0.5).unwrap();
     let (map, h) = (JumpingPotential(0.8), 0.5);
     let found = Piecewise::default().integrate(&map, &circle, h).unwrap();

@@ -1,4 +1,4 @@
-//! Maps that are told of states beforehand: whatever they are told of is asked for, in the same blocks, and each once.
+//! Maps that get states beforehand: all of those states are requested later, in the same blocks, and each once.
 
 use std::collections::HashMap;
 use std::sync::Mutex;

@@ -100,7 +100,7 @@ fn permuted_pairs_are_named() {
     });
     let swapped = cause(&map, CauseKind::PairsPermuted);
     assert_eq!(swapped.setting.as_deref(), Some("p = p[:, [1, 0]]"));
-    // Pendula that are not coupled: each pair has a factor of its own.
+    // Pendula that are not coupled: each pair has its own factor.
     let map = PerSample::new(3, |h, q, p| {
         for i in 0..3 {
             p[(i + 1) % 3] -= h * q[i].sin();

@@ -164,7 +164,7 @@ fn rows_of_the_caller_are_integrated_as_those_of_an_ensemble() {
             let mut states = states.clone();
             states.block().p.row_mut(5)[17] = bad;
             let error = LoopIntegral::of_rows(states.q(), states.p(), &rule, &coordinates);
-            // By their texts: not a number is no number, not even itself.
+            // By their texts: NaN is not equal to any number, not even to itself.
             let [found, expected] = [error.map(|_| ()), states.check_finite(None)]
                 .map(|result| result.unwrap_err().to_string());
             assert_eq!(found, expected, "{rule:?}, {bad}");

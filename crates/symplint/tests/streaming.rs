@@ -446,7 +446,7 @@ fn the_grid_is_measured_in_cells() {
     let found = Streaming::default()
         .integrate(&Grid, &circle, 1.0, 64)
         .unwrap();
-    // The steepest cells lie beside s = 0 and ½: sin 2π/64.
+    // The steepest cells lie next to s = 0 and ½: sin 2π/64.
     let expected = (TAU / 64.0).sin() / 0.1;
     assert!((found.cells_apart / expected - 1.0).abs() < 1e-12);
     assert_eq!(found.evaluations, 74);

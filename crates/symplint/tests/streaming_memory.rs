@@ -31,7 +31,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Springs between neighbours, by symplectic Euler: in place, with no memory of its own.
+/// Springs between neighbours, by symplectic Euler: in place, without separate memory.
 struct Springs(usize);
 
 impl TimeAdvance for Springs {
@@ -70,7 +70,7 @@ impl TimeAdvance for Springs {
 
 #[test]
 fn a_diagnosis_takes_a_few_dozen_states() {
-    // Not even the smallest ensembles of the other rules are made of so many.
+    // Not even the smallest ensembles of the other rules are made of so many degrees of freedom.
     const DOF: usize = 530_000;
     const STATE: usize = 16 * DOF;
     let map = Springs(DOF);

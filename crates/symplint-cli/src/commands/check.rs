@@ -63,7 +63,7 @@ pub(super) fn diagnose(
         round = prepare(&mut output, system, resolved, calls)?;
         Ok::<(), Failure>(())
     });
-    // What a call could not be made for is no failure of the map, whose radii are looked for.
+    // If the system could not make a call, this is not a failure of the map for which radii are determined.
     let failure = || {
         command
             .as_ref()

@@ -27,7 +27,7 @@ pub fn resume(arguments: &ResumeArgs) -> Result<Status, Failure> {
 /// The file with the configuration of a run of `check` in a folder.
 ///
 /// # Errors
-/// If there is none.
+/// If the folder has no such file.
 pub(super) fn config_of_run(folder: &Path) -> Result<PathBuf, Failure> {
     let path = folder.join("config.toml");
     let no_run = |reason: String| Failure::NoRun {

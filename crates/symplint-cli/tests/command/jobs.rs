@@ -232,7 +232,7 @@ fn the_script_for_slurm_ends_if_jobs_are_refused_or_never_run() {
     ] {
         refused(&rounds(&Jobs::new("leapfrog"), sbatch), words);
     }
-    // A call that fails is no end.
+    // A call that fails does not end the script.
     ends(0, &rounds(&Jobs::new("crash"), SBATCH));
 }
 

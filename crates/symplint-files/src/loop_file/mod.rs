@@ -160,8 +160,8 @@ impl LoopFile {
         Format::of(&self.path) == Ok(Format::Npz)
     }
 
-    /// From arrays q and p of shape (samples, dof), or (samples) for one degree of freedom, with so many samples at
-    /// least.
+    /// From arrays q and p of shape (samples, dof), or (samples) for one degree of freedom, with at least `fewest`
+    /// samples.
     fn from_arrays(
         path: &Path,
         q: &Array,

@@ -1,4 +1,4 @@
-//! Bisection of a jump, and how a jump is told from noise and from a steep stretch.
+//! Bisection of a jump, and how a jump is distinguished from noise and from a steep stretch.
 
 use super::limits::{
     AGREES, AROUND_A_ZONE, BETWEEN, CONFIRMING, KEEPS_ITS_SIZE, LOOKS, NARROWEST, NOISES_OF_A_JUMP,
@@ -87,7 +87,7 @@ impl Bracket {
         }
     }
 
-    /// Whether so little is left of the difference of both ends that it is no jump. Counted modulo a period, that
+    /// Whether so little is left of the difference of both ends that it is not a jump. Counted modulo a period, that
     /// happens to wraps.
     pub fn is_little(&self, difference: f64) -> bool {
         difference.abs() < STAYS_ON_HALVING * self.expected
@@ -99,7 +99,7 @@ impl Bracket {
         self.high - self.low <= NARROWEST || middle <= self.low || middle >= self.high
     }
 
-    /// Parameters of the states beside the bracket that tell a jump from noise, on its `end`, from there outwards;
+    /// Parameters of the states next to the bracket that distinguish a jump from noise, on its `end`, from there outwards;
     /// the first is the end itself.
     pub fn beside(&self, end: End) -> impl Iterator<Item = f64> + use<> {
         (0..CONFIRMING).map(self.outwards(end, SPACING))
@@ -126,7 +126,7 @@ impl Bracket {
     }
 }
 
-/// Whether a `jump` stands out of the values beside it, each side from its end outwards: of their noise, and of their steps,
+/// Whether a `jump` stands out of the values next to it, each side from its end outwards: of their noise, and of their steps,
 /// which are what the slope makes of the rounding of states; and whether the values on the two sides are as far apart as the
 /// ends, which one wrong state is not.
 pub(crate) fn stands_out(jump: f64, sides: [&[f64]; 2]) -> bool {
@@ -163,7 +163,7 @@ pub(crate) fn displace(block: &mut Block<'_>, sample: usize, pattern: usize) {
 
 /// Whether a displaced end of a `jump` lands on one of its levels: it has not `moved`, or by the jump, or as far as the values on
 /// the two sides are apart, since what breaks the loop may be so close that the state is on its other side, or by two jumps, which
-/// a force with a value of its own at its threshold has. On a slope it moves by
+/// a force with a separate value at its threshold has. On a slope it moves by
 /// several times the jump, as the jump is a rounding of the state times the slope; in noise it moves by any part of it.
 pub(crate) fn lands_on_a_level(jump: f64, lasting: f64, moved: f64) -> bool {
     let off = |level: f64| (moved.abs() - level.abs()).abs();
@@ -173,7 +173,7 @@ pub(crate) fn lands_on_a_level(jump: f64, lasting: f64, moved: f64) -> bool {
 
 /// Whether the values on each side of a `jump`, from its end outwards, are on one level, apart from their slope, and the two levels as far
 /// apart as the ends: what a map does at random, or from the bits of the state, has both levels on both sides. Up to the first
-/// look, they may have values of their own, as a force that is 0 at its threshold.
+/// look, they may have separate values, as a force that is 0 at its threshold.
 pub(crate) fn keeps_its_levels(jump: f64, sides: [&[f64]; 2]) -> bool {
     let is_level = |side: &&[f64]| {
         let side = &side[LOOKS[0]..];
@@ -246,7 +246,7 @@ mod tests {
         let line = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
         assert!(!stands_out(NOISES_OF_A_JUMP - 0.1, [&line, &line]));
         assert!(stands_out(NOISES_OF_A_JUMP + 0.1, [&line, &line]));
-        // Other breaks, and a value of its own where a force jumps.
+        // Other breaks, and a separate value where a force jumps.
         for other in [
             [0.0, 1.0, 1.0, 1.0, 1.0, 1.0],
             [0.0, 0.0, 0.0, 7.0, 7.0, 7.0],

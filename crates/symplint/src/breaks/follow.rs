@@ -42,7 +42,7 @@ impl Point {
 ///
 /// The six samples around it are taken from `known`, if they are in memory. Finds a break if the two sides are
 /// still apart when no double lies between. There is no break if the sides meet (the loop is steep but continuous there), if the
-/// jump does not stand out of the noise and of the slope times the rounding of states, or if more states beside it have other
+/// jump does not stand out of the noise and of the slope times the rounding of states, or if more states next to it have other
 /// values than those of its two sides. If it stands out, its ends must land on its levels when they are displaced.
 pub(super) fn follow(
     evaluator: &Evaluator<'_>,

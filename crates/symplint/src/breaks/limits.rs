@@ -4,7 +4,7 @@
 /// large numbers inside; it bounds the digits of a verdict, and breaks no loop.
 pub(super) const LEAST_JUMP: f64 = 1e-11;
 
-/// A residual stands out if it is so many standard deviations of the noise: normally distributed noise reaches
+/// A residual stands out if it is this number of standard deviations of the noise: normally distributed noise reaches
 /// this with a chance of 2e-11.
 pub(super) const OUTSTANDING: f64 = 6.7;
 
@@ -12,19 +12,19 @@ pub(super) const OUTSTANDING: f64 = 6.7;
 /// kink, and not at all at a jump: a jump is this part of the wider residual at least.
 pub(super) const STAYS_IN_WIDE_CELLS: f64 = 0.75;
 
-/// Residuals below so many roundings of a value are rounding: 5.3 (the sum of the absolute weights) if values are
+/// Residuals below this number of roundings of a value are rounding: 5.3 (the sum of the absolute weights) if values are
 /// rounded once, and a step rounds several times.
 pub(super) const ROUNDINGS: f64 = 32.0;
 
 /// Suspected jumps of a loop that are followed.
 pub(super) const MOST_SUSPECTS: usize = 4;
 
-/// Evaluations that following one may take: 6 samples around it, fewer than 54 halvings, those beside it, and both ends
+/// Evaluations that following one may take: 6 samples around it, fewer than 54 halvings, those next to it, and both ends
 /// displaced.
 pub(super) const OF_A_SUSPECT: usize = 6 + 54 + 2 * CONFIRMING;
 
 /// The step that two smooth sides leave between them keeps its size as the map is evaluated more closely: what is
-/// smaller than this part of what was expected is none.
+/// smaller than this part of what was expected is not a step.
 pub(super) const STAYS_ON_HALVING: f64 = 0.25;
 
 /// A break keeps its size while its bracket shrinks from this width to [`NARROWEST`], over four decades: the difference of
@@ -75,7 +75,7 @@ pub(crate) const DISTANCES_AROUND: [f64; 5] = [
     SPACING * 64.0,
 ];
 
-/// A break is this many times the noise beside it, and the typical step from one of the states beside it to the next: this is the slope
+/// A break is this many times the noise next to it, and the typical step from one of the states next to it to the next: this is the slope
 /// times the rounding of states, or more.
 pub(super) const NOISES_OF_A_JUMP: f64 = 8.0;
 

@@ -1,8 +1,8 @@
 //! Breaks: jumps of an advanced loop.
 //!
-//! Samples alone cannot tell a jump from a steep but smooth stretch. Where a map can be evaluated at any s,
+//! Samples alone cannot tell a jump from a steep but smooth stretch. If a map can be evaluated at any s,
 //! every cell in which samples look discontinuous (`residual`) is followed (`follow`) by bisection
-//! (`bracket`) until no double lies between: what is still a jump there is a break. Where samples are all that is
+//! (`bracket`) until no double lies between: what is still a jump there is a break. If samples are all that is
 //! known, all cells that look so are searched for (`search`). Jumps too small to break a loop bound its digits
 //! (`little`).
 
@@ -62,8 +62,8 @@ pub struct Break {
 const PART_OF_ROUNDING: f64 = 0.05;
 
 /// How far the rounding of a state, this part of the loop, moves a break whose jump is this part of the size of the loop:
-/// a threshold is met to a rounding of what is compared with it, and where the break is that of a solver, this changes by
-/// no more than the jump along the loop. Where the break is none of a solver, positions are compared, and `jump` is 1.
+/// a threshold is met to a rounding of what is compared with it, and if a solver causes the break, this changes by
+/// no more than the jump along the loop. If no solver causes the break, positions are compared, and `jump` is 1.
 pub(crate) fn uncertainty_of_position(rounding: f64, jump: f64) -> f64 {
     (PART_OF_ROUNDING * rounding / jump.min(1.0)).min(1.0)
 }
@@ -125,7 +125,7 @@ pub(crate) fn find_break_with(
     follow_up(evaluator, phase_loop, h, &suspects, samples, Some(advanced))
 }
 
-/// The first of `suspects` that is a break, where they are cells between so many samples, which may be `known`.
+/// The first of `suspects` that is a break, if they are cells between this number of samples, which may be `known`.
 ///
 /// # Errors
 /// Those of the map where it is evaluated between the samples.

@@ -66,7 +66,7 @@ pub(crate) struct Residuals {
 }
 
 impl Residuals {
-    /// Of a row, at least a group long, that gains `gain` round the loop. In so many groups.
+    /// Of a row, at least a group long, that gains `gain` round the loop. Also returns the number of groups.
     pub fn of(row: &[f64], gain: f64) -> (Self, usize) {
         let mut residuals = Residuals::default();
         let taken = add_groups(&mut residuals, row, 0);
@@ -103,7 +103,7 @@ impl Residuals {
         }
     }
 
-    /// The cell that looks discontinuous, if one does, after one revolution of `samples` samples in so many full
+    /// The cell that looks discontinuous, if one does, after one revolution of `samples` samples in this number of full
     /// `groups`, none of which is larger than `magnitude`.
     pub fn suspect(
         &self,
@@ -161,7 +161,7 @@ fn most(values: &[f64; GROUP]) -> f64 {
     values[0]
 }
 
-/// Whether a cell of a row that does not wind may look discontinuous: its residual stands out of rounding, and is no smaller than
+/// Whether a cell of a row that does not wind may look discontinuous: its residual stands out of rounding, and is not smaller than
 /// those of the double cells around it, as [`find_jumps`](super::find_jumps) has it. Residuals below `floor` are rounding.
 pub(super) fn may_jump(row: &[f64], floor: f64) -> bool {
     let taken = row.len().saturating_sub(AROUND) / GROUP;
@@ -227,7 +227,7 @@ fn undisturbed(residuals: &[f64; GROUP]) -> f64 {
     (0..GROUP / 4).map(of_four).sum()
 }
 
-/// The standard deviation of the noise of residuals, from the sum of the undisturbed ones in so many groups.
+/// The standard deviation of the noise of residuals, from the sum of the undisturbed ones in `groups` groups.
 fn deviation(undisturbed: f64, groups: usize) -> f64 {
     /// The expected least of four absolute values of a standard normal distribution, ∫ erfc(x/√2)⁴ dx.
     const LEAST_OF_FOUR: f64 = 0.262;
@@ -303,7 +303,7 @@ mod tests {
             let x = |k: usize| row[k % n] + 0.5 * (k / n) as f64;
             let largest = |width: usize| {
                 let of_cell = |k: usize| residual([0, 1, 2, 3, 4, 5].map(|j| x(k + j * width)));
-                // Groups that are filled up go on beyond the turn.
+                // Groups that are filled up continue beyond the turn.
                 let cells = REACH - 5 * width..groups * GROUP + REACH - 5 * width;
                 cells.map(of_cell).fold(0.0, |m: f64, v| m.max(v.abs()))
             };

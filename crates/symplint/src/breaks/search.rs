@@ -104,7 +104,7 @@ impl Search<'_> {
         !found.is_empty()
     }
 
-    /// Replaces the increments of flagged cells by what their neighbours predict.
+    /// Replaces the increments of flagged cells by the values that their neighbours predict.
     fn refill(&mut self) {
         let n = self.filled.len();
         for k in (0..n).filter(|&k| self.flagged[k]) {
@@ -256,7 +256,7 @@ mod tests {
         assert!(search(4096, |s| (TAU * s).sin() + noise(s)).unresolved);
     }
 
-    /// The increments of a row with jumps, kinks and steep stretches that are none, few enough for no noise to be known.
+    /// The increments of a row with jumps, kinks and steep stretches that are not jumps, few enough for no noise to be known.
     fn rough(n: usize, seed: u64) -> Vec<f64> {
         let mut state = seed;
         let mut random = || {

@@ -63,7 +63,7 @@ pub struct Diagnostic {
     /// Step sizes h, not zero. The verdict leans on the largest.
     pub step_sizes: Vec<f64>,
     /// Whether the map has a step size. A map without one (a kicker, one turn of a ring) is tested itself: it is called with
-    /// h = 1, `step_sizes` and `typical_step` are not used, and there is no order.
+    /// h = 1, `step_sizes` and `typical_step` are not used, and no order is determined.
     pub has_step_size: bool,
     /// The map is composed with itself this number of times, 1 or more. Each state then takes this number of evaluations.
     pub repeat: usize,

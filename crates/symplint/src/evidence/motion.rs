@@ -122,7 +122,7 @@ impl Reach {
     }
 
     /// Whether the larger step moves the loop enough to show a defect above its bound; or is a kick or a free flight alone, as
-    /// this motion is; or moves no more than this: then the map is no approximation that gets worse with h.
+    /// this motion is; or moves no more than this: then the map is not an approximation that gets worse with h.
     pub(crate) fn settles(&self, motion: Motion) -> bool {
         let shows = |moved: Motion| match moved.shear {
             true => moved.deformation >= LEAST_DEFORMATION,

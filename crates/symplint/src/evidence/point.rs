@@ -56,7 +56,7 @@ pub struct Point {
     /// |E| of the integral whose breaks are closed.
     pub closed_defect: Option<f64>,
     /// How smooth the advanced loop is, by the decay of the Fourier coefficients of its samples: the Sobolev
-    /// exponent s of H^s, about ½ at jumps and 3/2 at kinks. Where the coefficients fall to round-off it is a
+    /// exponent s of H^s, about ½ at jumps and 3/2 at kinks. If the coefficients fall to round-off, it is a
     /// lower bound.
     pub regularity: Option<f64>,
     /// States that the map advanced for this point.

@@ -142,7 +142,7 @@ impl StepEvidence {
 
     /// Whether it bounds the defect well enough to call a map symplectic.
     pub fn is_bounded(&self) -> bool {
-        // Not `bound > …`: a bound that is not a number is no bound.
+        // Not `bound > …`: a bound that is not a number is not valid.
         matches!(self.bound(), 0.0..=WEAKEST_BOUND)
     }
 }

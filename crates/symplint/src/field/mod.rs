@@ -149,7 +149,8 @@ impl FieldTest {
     /// Tests a force around `q0`, on the threads of the current Rayon pool; the result does not depend on their number.
     ///
     /// # Errors
-    /// If a length, a radius, a centre, the number of loops or the budget is not valid, a stated period is not one of the force, or the force
+    /// If a length, a radius, a centre, the number of loops or the budget is not valid, a stated period is not one of the force, or the
+    /// force
     /// fails or is not finite on a loop.
     pub fn run_force(&self, force: &dyn TimeAdvance, q0: &[f64]) -> Result<FieldReport, Error> {
         self.run(force, FieldKind::Force, q0, &vec![0.0; q0.len()])
@@ -282,7 +283,7 @@ impl FieldTest {
     }
 }
 
-/// The largest component of the form, in units of the radii, at the centre and at a state beside it: many forces are zero at their
+/// The largest component of the form, in units of the radii, at the centre and at a state next to it: many forces are zero at their
 /// centre. 1 if both are zero.
 ///
 /// # Errors

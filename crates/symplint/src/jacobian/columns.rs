@@ -27,7 +27,7 @@ pub(super) struct Outcome {
     pub point: JacobianPoint,
     /// The two tangent vectors that have the worst defect.
     pub pair: (usize, usize),
-    /// What no pair of each group exceeds, its uncertainty included; `None` where there is none.
+    /// What no pair of each group exceeds, its uncertainty included; `None` for a group without pairs.
     pub bounds: Vec<Option<f64>>,
     /// What all unit vectors together show.
     pub volume: Option<PointVolume>,

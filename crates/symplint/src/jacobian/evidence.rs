@@ -124,7 +124,7 @@ pub struct JacobianPoint {
     /// The largest defect of a pair of tangent vectors, of the significant ones if there is one; `None`
     /// where the map is not differentiable.
     pub worst: Option<TangentDefect>,
-    /// What no pair that was tried exceeds, its uncertainty included; `None` likewise.
+    /// What no pair that was tried exceeds, its uncertainty included; `None` where the map is not differentiable.
     pub bound: Option<f64>,
 }
 

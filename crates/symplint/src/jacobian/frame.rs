@@ -12,7 +12,7 @@ use crate::state::{Coordinates, period};
 pub(super) struct Frame {
     /// Half the range of each coordinate.
     pub size: Vec<f64>,
-    /// Period of each coordinate; 0 where there is none.
+    /// Period of each coordinate; 0 without one.
     pub period: Vec<f64>,
     /// ω of the two unit vectors of each degree of freedom: weight × size of q × size of p.
     area: Vec<f64>,
@@ -75,7 +75,7 @@ impl Frame {
     /// ω(DΦ u, DΦ v) − ω(u, v).
     ///
     /// Its error is what the errors of the derivatives make of it; with a tangent map, what its trials show
-    /// of it, as round-off that keeps the form is none here.
+    /// of it, as round-off that keeps the form is not an error here.
     pub fn change_of_form(
         &self,
         (u, of_u): (&[f64], &Derivative),

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::signal::nearest;
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut};
 
-/// A unit vector of which no more than this is left beside those that are taken already is one of them, but for the
+/// A unit vector of which no more than this is left in addition to those that are taken already is one of them, but for the
 /// errors of differences.
 const INDEPENDENT: f64 = 1e-3;
 

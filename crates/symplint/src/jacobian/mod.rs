@@ -48,7 +48,7 @@ use volume::PointVolume;
 ///
 /// Derivatives are differences, extrapolated, so any map can be tested, to about 11 digits. A map that
 /// has a [`TangentMap`](crate::map::TangentMap) gives them to round-off; a tangent map that differs from the
-/// differences is not used, and the [evidence](JacobianEvidence::method) says so. Momenta count with the weights
+/// differences is not used, and the [evidence](JacobianEvidence::method) reports this. Momenta count with the weights
 /// of [`Coordinates`](crate::Coordinates), positions modulo their periods. States are displaced from
 /// the loop by up to an eighth of its size in every coordinate: the map must be defined there.
 ///
@@ -79,7 +79,7 @@ pub struct JacobianTest {
     pub full_up_to: usize,
     /// Random tangent vectors at each point, 2 or more, beyond that; all pairs of them are tried.
     pub directions: usize,
-    /// Evaluations at most. What is made beside [`evaluations`](Self::evaluations) where a map needs it
+    /// The maximum number of evaluations. What is made in addition to [`evaluations`](Self::evaluations) if a map needs it
     /// stays within them, or is left out.
     pub budget: usize,
     /// Seed of the random tangent vectors.
@@ -122,7 +122,7 @@ impl JacobianTest {
         self.run_with(&evaluator, phase_loop, &size, h)
     }
 
-    /// The same with the evaluations counted by `evaluator`, beside a loop of this size.
+    /// The same with the evaluations counted by `evaluator`, next to a loop of this size.
     pub(crate) fn run_with(
         &self,
         evaluator: &Evaluator<'_>,
@@ -146,7 +146,7 @@ impl JacobianTest {
         Ok(found)
     }
 
-    /// The same with the images of all unit vectors at the points at which the map is differentiable. There are none if tangent
+    /// The same with the images of all unit vectors at the points at which the map is differentiable. There are no images if tangent
     /// vectors are random or those of a manifold.
     pub(crate) fn run_keeping(
         &self,
@@ -282,7 +282,7 @@ impl JacobianTest {
     ) -> Result<(Vec<Outcome>, Vec<TangentImages>), Error> {
         let (dof, count) = (sampler.frame.dof(), sampler.s.len());
         let full = self.is_full(dof);
-        // The first group is planned for; further ones are looked at where there are evaluations to spare.
+        // The first group is planned for; further ones are examined if there are evaluations to spare.
         let further = match full {
             true => 0,
             false => groups.len().saturating_sub(1) * self.directions * sampler.cost(),

@@ -88,7 +88,7 @@ impl Noise {
 /// The noise at each place from what each place showed: its own, but not far from that of most
 /// places, as a break near one place looks like noise there.
 ///
-/// Where a coordinate does not respond at all, it is constant (clipped, for example) if it has many digits at another place. Otherwise
+/// If a coordinate does not respond at all, it is constant (clipped, for example) if it has many digits at another place. Otherwise
 /// its noise is as large as the loop: it is coarser than the differences.
 pub(super) fn at_each_place(shown: &[Option<f64>]) -> Vec<f64> {
     const MOST: f64 = 16.0;

@@ -112,7 +112,7 @@ impl Tables {
     }
 }
 
-/// The derivative from so many levels: for every coordinate the differences to its value at the centre, in the
+/// The derivative from this number of levels: for every coordinate the differences to its value at the centre, in the
 /// order of [`displacements`], and the noise of a value.
 ///
 /// One entry of the table serves all coordinates: if each chose its own, chance would pick

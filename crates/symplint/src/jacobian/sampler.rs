@@ -44,7 +44,7 @@ pub(super) struct Sampler<'a> {
     pub after: Vec<Vec<f64>>,
     /// Noise of the map at each point.
     pub noise: Vec<Vec<f64>>,
-    /// Evaluations that may be made beside those that every test makes.
+    /// Evaluations that may be made in addition to those that every test makes.
     spare: usize,
     /// Evaluations of the evaluator before this test.
     made_before: usize,
@@ -109,7 +109,7 @@ impl<'a> Sampler<'a> {
         enough
     }
 
-    /// Goes on without the tangent map, at as many points as `budget` allows for so many directions at each.
+    /// Continues without the tangent map, at as many points as `budget` allows for this number of directions at each.
     pub fn fall_back(&mut self, directions: usize, budget: usize) {
         self.uses_tangents = false;
         let left = budget.saturating_sub(self.made());
@@ -137,7 +137,7 @@ impl<'a> Sampler<'a> {
         noise.fold(0.0_f64, |most, x| most.max(*x)).min(f64::MAX)
     }
 
-    /// How many times so many states fit into one batch.
+    /// How many times this number of states fits into one batch.
     pub fn in_a_batch(&self, states: usize) -> usize {
         (CONSTANTS.batch_values / (states * self.coordinates())).max(1)
     }

@@ -12,7 +12,7 @@ const SHORT: f64 = 1.0 / (1 << 30) as f64;
 const STEPS: usize = 3;
 
 /// From its last point to its first a loop moves as it does on one of the two sides, or between them at a corner. It has a
-/// gap if it moves otherwise by so many times what the steps of one side differ by.
+/// gap if it moves otherwise, by this many times the difference between the steps of one side.
 const A_GAP: f64 = 64.0;
 
 /// Rounding of the loop's own arithmetic, in units in the last place. Jumps of less are no breaks either.
@@ -55,7 +55,7 @@ fn check_repeats(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<(),
 /// Checks that a loop is the same curve each time, and ends where it begins, but for whole periods.
 ///
 /// # Errors
-/// Names the coordinate that differs, or the one with the widest gap. Those of states that are not finite are left to whoever
+/// Names the coordinate that differs, or the one with the widest gap. Those of states that are not finite are left to the code that
 /// samples the loop.
 pub(crate) fn check_closed(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<(), Error> {
     check_repeats(phase_loop, coordinates)?;

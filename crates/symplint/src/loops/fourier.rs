@@ -102,7 +102,7 @@ impl FourierLoop {
         })
     }
 
-    /// The ellipse q0 + u_q cos 2πs + v_q sin 2πs, and likewise in p, for two vectors u and v of d positions and d momenta each.
+    /// The ellipse q0 + u_q cos 2πs + v_q sin 2πs, and the same in p, for two vectors u and v of d positions and d momenta each.
     pub(crate) fn ellipse(
         (q0, p0): (Vec<f64>, Vec<f64>),
         [u_q, u_p]: [&[f64]; 2],

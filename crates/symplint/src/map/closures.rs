@@ -12,7 +12,7 @@ pub trait StepOutcome {
     /// The reason of a failure, as the closure says it.
     ///
     /// # Errors
-    /// Where the step was not taken.
+    /// If the step was not taken.
     fn into_result(self) -> Result<(), String>;
 }
 

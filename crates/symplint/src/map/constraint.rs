@@ -6,7 +6,7 @@ use crate::state::Block;
 
 /// The manifold on which a map acts, such as that of rods of fixed length.
 ///
-/// A map of constrained mechanics (SHAKE, RATTLE) is symplectic on its manifold, and takes states beside it onto it: there
+/// A map of constrained mechanics (SHAKE, RATTLE) is symplectic on its manifold, and takes states off the manifold onto it: there
 /// it has no inverse, and conserves nothing. A map that says by [`TimeAdvance::constraint`] where its manifold is
 /// is tested there: the states of all loops and of the [`JacobianTest`](crate::JacobianTest) are projected.
 pub trait Constraint: Send + Sync {

@@ -57,7 +57,7 @@ pub(crate) struct EvaluationCount {
 }
 
 impl EvaluationCount {
-    /// None made, so many allowed.
+    /// No evaluations made, `budget` allowed.
     pub fn new(budget: usize) -> Self {
         EvaluationCount {
             made: AtomicUsize::new(0),
@@ -135,7 +135,7 @@ impl<'a> Evaluator<'a> {
         })
     }
 
-    /// The first `substeps` substeps as a map of their own.
+    /// The first `substeps` substeps as a separate map.
     pub fn prefix(&self, substeps: usize) -> Evaluator<'a> {
         Evaluator {
             map: self.map,

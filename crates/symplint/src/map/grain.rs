@@ -3,7 +3,7 @@
 use crate::signal::{Digits, Extent, Format, Levels, SINGLE, Turns};
 use crate::state::{Coordinates, Ensemble, coordinate, period};
 
-/// Samples that are looked at: more than the different values that tell a format.
+/// Samples that are examined: more than the different values that show a format.
 const SAMPLES: usize = 64;
 
 /// Fewer samples tell nothing.
@@ -12,11 +12,11 @@ const FEWEST: usize = 24;
 /// In more degrees of freedom a grain takes too much memory.
 const MOST_DOF: usize = 1 << 16;
 
-/// Values are few where each is that of so many samples, or more. On a circle two samples have each value; where it
+/// Values are few if each is the value of this number of samples, or more. On a circle two samples have each value; where it
 /// runs twice round, four have, but at its ends.
 const FEW: usize = 4;
 
-/// Increments of a straight line differ by so many roundings of its largest value.
+/// Increments of a straight line differ by this number of roundings of its largest value.
 const ROUNDINGS: f64 = 8.0;
 
 /// A jump of no more than this many grains may be rounding: each of several operations of a step rounds.
@@ -73,7 +73,7 @@ impl Grain {
     /// From coordinates c of states k round a loop that the map returned; `None` of too few. A map that works with
     /// fewer digits inside rounds each coordinate to `inside` at least.
     ///
-    /// `before` makes so many samples of the loop before the step. Where that has few digits itself, what comes of it
+    /// `before` makes this number of samples of the loop before the step. If that loop has few digits itself, what comes of it
     /// may have few, and is not rounded; but numbers of single precision are: a code that works in it reads such
     /// ones. And few values are rounding only where the loop had more.
     pub fn of(
@@ -112,7 +112,7 @@ impl Grain {
         })
     }
 
-    /// Whether a grain of so many degrees of freedom fits into little memory.
+    /// Whether a grain of this number of degrees of freedom fits into little memory.
     pub fn is_affordable(dof: usize) -> bool {
         dof <= MOST_DOF
     }
@@ -149,7 +149,7 @@ impl Grain {
         if widest > 0.0 { widest } else { f64::INFINITY }
     }
 
-    /// What independent rounding of so many samples makes of a loop integral, about. Each state is off by 1/√12 of a
+    /// About what independent rounding of this number of samples makes of a loop integral. Each state is off by 1/√12 of a
     /// grain; what p·dq is off in all of them adds up as the root of their number.
     pub fn of_samples(&self, samples: usize, coordinates: &Coordinates) -> f64 {
         let dof = coordinates.dof();
@@ -258,7 +258,7 @@ impl CoordinateGrain {
     }
 }
 
-/// Corrects what all coordinates show by what is known of the loop before the step.
+/// Corrects what all coordinates show with what is known of the loop before the step.
 fn correct(seen: &mut [CoordinateGrain], before: &Before) {
     let (states, written) = match before {
         Before::Unknown => (None, true),
@@ -277,7 +277,7 @@ fn correct(seen: &mut [CoordinateGrain], before: &Before) {
         seen.iter_mut()
             .for_each(|seen| (seen.unit, seen.few) = (0.0, None));
     }
-    // Of one value alone nobody knows whether it is rounded, unless the other coordinate of its kind is.
+    // A single value does not show whether it is rounded, unless the other coordinate of its kind is.
     let dof = seen.len() / 2;
     let is_rounded = |seen: &CoordinateGrain| seen.unit > 0.0 || seen.few.is_some();
     let rounded: Vec<bool> = seen.iter().map(is_rounded).collect();

@@ -1,4 +1,4 @@
-//! What a step makes of a loop, as a loop of its own.
+//! What a step makes of a loop, as a separate loop.
 
 use super::Evaluator;
 use crate::loops::Loop;

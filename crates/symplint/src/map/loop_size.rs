@@ -30,7 +30,7 @@ const SIMILAR: f64 = 1e3;
 /// Groups at most, down to actions of 1e-96 of the largest; the last one holds all smaller ones.
 const MOST_GROUPS: usize = 32;
 
-/// The motion on which a centre lies may be so many times as large as what a step shows of it.
+/// The motion on which a centre lies may be this many times as large as what a step shows of it.
 const WITHIN: f64 = 2.0;
 
 /// A state this much smaller than others is what rounding leaves of zero.
@@ -54,7 +54,7 @@ pub struct BalancedRadii {
 /// In each degree of freedom the ratio ρ of the radius in q to that in p is balanced: displaced by its radius, q changes
 /// p by as large a part of the radius of p as p changes q. The size is a tenth of that of the centre, √(q²/ρ + ρp²) with
 /// the ratio taken out, or of the motion that a step shows of it, (Δq²/ρ + ρΔp²)/(hω)² times 4, where this is smaller: an
-/// origin may be far away. Of a periodic position, one radian counts in place of q. A degree of freedom that is at the
+/// origin may be far away. Of a periodic position, one radian counts instead of q. A degree of freedom that is at the
 /// origin is given the area of the largest of the others; if all are there, radii whose product is 1. The proportions
 /// are the same in all units.
 ///
@@ -95,11 +95,12 @@ pub fn balanced_radii(
     })
 }
 
-/// Centre and half the range of every coordinate of a loop: the sizes of what tests do beside it.
+/// Centre and half the range of every coordinate of a loop: the sizes of what tests do next to it.
 ///
 /// A loop need not move all coordinates, and tests must: a map has to be symplectic in every direction. In a degree of
 /// freedom at rest the product of both radii is the largest one of the others, as actions have one unit in all of
-/// them; that of its centre, where this is much smaller. The ratio ρ of both is balanced by what the map does: displaced by a part of its radius, q changes p by as large
+/// them; that of its centre, where this is much smaller. The ratio ρ of both is balanced by what the map does: displaced by a part of its
+/// radius, q changes p by as large
 /// a part of the radius of p as p changes q. Both are the same in all units.
 #[derive(Clone, Debug)]
 pub(crate) struct LoopSize {
@@ -166,7 +167,7 @@ impl LoopSize {
     /// That of `phase_loop`; coordinates at rest are displaced, and advanced by a step of size `h`.
     ///
     /// # Errors
-    /// If the samples of the loop do not fit into memory. Where the map cannot be evaluated, coordinates at rest have
+    /// If the samples of the loop do not fit into memory. If the map cannot be evaluated, coordinates at rest have
     /// a size without it.
     pub fn of(evaluator: &Evaluator<'_>, phase_loop: &dyn Loop, h: f64) -> Result<Self, Error> {
         let dof = phase_loop.dof();
@@ -239,7 +240,7 @@ impl LoopSize {
             if repetition == REPETITIONS {
                 break;
             }
-            // Where the map fails beside the loop, what is known has to do.
+            // If the map fails next to the loop, what is known has to be enough.
             let Ok(balanced) = displaced.balanced(&self.radius) else {
                 break;
             };
@@ -305,10 +306,10 @@ impl LoopSize {
         for (k, (&i, ratio)) in open.iter().zip(ratios).enumerate() {
             let radii = match [given[0][i], given[1][i]] {
                 [0.0, 0.0] => {
-                    // A centre that is rounding beside the largest is the origin.
+                    // A centre that is rounding compared with the largest is the origin.
                     let at_origin = of_centres[k] <= ROUNDING * ROUNDING * largest;
                     let own = if at_origin { largest } else { of_centres[k] };
-                    // A body that is much lighter than those that move has an action of its own.
+                    // A body that is much lighter than those that move has its own action.
                     let is_small = !at_origin && own * SIMILAR < action;
                     let mut known = [if is_small { own } else { action }, own].into_iter();
                     let action = known.find(|&action| action > 0.0).unwrap_or(1.0);

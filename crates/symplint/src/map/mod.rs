@@ -132,7 +132,7 @@ pub trait TimeAdvance: Send + Sync {
         false
     }
 
-    /// How the map is told of states before they are asked for, if it makes use of that.
+    /// How the map gets states before they are requested, if it makes use of that.
     fn prefetch(&self) -> Option<&dyn Prefetch> {
         None
     }

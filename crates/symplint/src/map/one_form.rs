@@ -37,7 +37,7 @@ pub trait OneForm: Send + Sync {
     fn dimension(&self) -> usize;
 
     /// Reads z from the positions of `block`, one row for each coordinate, and writes ϑ(z) to its momenta. It must be smooth
-    /// on the loops and between the ends of their breaks. Where it has no value it writes NaN, which becomes an error.
+    /// on the loops and between the ends of their breaks. If it has no value, it writes NaN, which becomes an error.
     fn evaluate(&self, block: &mut Block<'_>);
 
     /// Puts the positions z of `block` on one leaf of the form, in place. By default it does nothing: dϑ has full rank.
@@ -78,7 +78,8 @@ impl<F: OneForm + ?Sized> OneForm for Box<F> {
 /// A map in non-canonical coordinates z as a canonical one of the points (z, ϑ(z)).
 ///
 /// The map takes states as all maps do: the first half of the coordinates are its "positions", the others its "momenta", such
-/// as x and v of a charged particle. [`of_positions`](Self::of_positions) is for other numbers of coordinates. What is tested has n degrees of freedom: its positions are all coordinates z, its momenta
+/// as x and v of a charged particle. [`of_positions`](Self::of_positions) is for other numbers of coordinates. What is tested has n degrees
+/// of freedom: its positions are all coordinates z, its momenta
 /// are ϑ(z). Reports number them so: degree of freedom i is the coordinate z_i.
 ///
 /// ```

@@ -186,7 +186,7 @@ struct Inspection {
 }
 
 impl Inspection {
-    /// Of a row that is no larger than `size`, from windows this far apart; `None` if one of them shows more than rounding.
+    /// Of a row that is not larger than `size`, from windows this far apart; `None` if one of them shows more than rounding.
     fn of(row: &[f64], stride: usize, size: f64) -> Option<Self> {
         /// Enough for two groups of windows.
         const ENDS: usize = 2 * LANES * P_STRIDE + WINDOW;
@@ -214,7 +214,7 @@ impl Inspection {
 
     /// The jump that the differences of a coordinate of this size may be, beyond what its rounding makes of them.
     fn jump(&self, size: f64) -> f64 {
-        // About the largest of so many differences that are noise.
+        // About the largest of this number of differences that are noise.
         let of_noise = (2.0 * (self.windows as f64).ln()).sqrt() * self.noise;
         let factor = match self.largest > of_noise {
             true => JUMP_OF_A_DIFFERENCE,
@@ -312,7 +312,8 @@ fn add_lags(q: &[f64], p: &[f64], done: usize, sums: &mut [f64; REACH]) {
         let of_run = lag_sums(q, p, from..to, done, p[0]);
         sums.iter_mut().zip(of_run).for_each(|(sum, r)| *sum += r);
     }
-    // The others go round the end of the row; where there is none, p is the one that all are counted from, and adds nothing.
+    // The others go round the end of the row; for a sample without a neighbour there, p is the one that all are counted from, and adds
+    // nothing.
     let from = end.max(START);
     let count = samples - from + START;
     let q_ends: [f64; ENDS + 2 * REACH] = round_end(q, from - REACH);

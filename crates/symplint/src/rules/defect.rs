@@ -62,7 +62,7 @@ impl Defect {
 /// exp(log |I(h)| − log |I(0)|) − 1, the logarithmic form of the defect in section 3.1 of
 /// Barham & Burby, by expm1; `None` unless both integrals are non-zero and have one sign.
 ///
-/// In floating point it is no better than the difference that [`Defect`] takes: two nearby
+/// In floating point it is not better than the difference that [`Defect`] takes: two nearby
 /// numbers are subtracted without error, while each logarithm is rounded, in absolute
 /// terms the worse the further the integral is from 1.
 pub fn logarithmic_defect(initial: f64, advanced: f64) -> Option<f64> {

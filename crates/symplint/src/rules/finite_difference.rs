@@ -92,10 +92,10 @@ const PAIRS: usize = 8;
 /// order: this many times it covers the terms that follow. In the truth set the largest ratio is 1.31.
 const MARGIN: f64 = 2.0;
 
-/// Cells of so many pairs.
+/// Cells of this number of pairs.
 const CELLS: usize = 2 * PAIRS;
 
-/// The samples of so many cells, both ends included.
+/// The samples of this number of cells, both ends included.
 type Span = [f64; CELLS + 1];
 
 /// One coordinate round the loop.
@@ -224,7 +224,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// Whether no slope is above its cut-off, of which there are so many increments round the loop.
+    /// Whether no slope is above its cut-off, for this number of increments round the loop.
     #[inline(always)]
     fn retains(&self, dq: f64, dp: f64, increments: f64) -> bool {
         (dq.abs() * increments <= self.q.most) & (dp.abs() * increments <= self.p.most)

@@ -13,7 +13,7 @@ impl LoopIntegral {
     /// loop, to the last bit. The parts must all be of one rule.
     ///
     /// # Errors
-    /// If there are none, or the integral overflows.
+    /// If there are no integrals, or the integral overflows.
     ///
     /// ```
     /// use symplint::{Circle, Ensemble, LoopIntegral, Phases, Rule};

@@ -33,8 +33,8 @@ use crate::state::{Coordinates, Ensemble, Rows, first_not_finite};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Rule {
-    /// Chosen by what the advanced loop of the largest step size is like: pseudospectral where it is smooth
-    /// enough to reach round-off that way; piecewise where it is broken, or has kinks; streaming where
+    /// Chosen from the advanced loop of the largest step size: pseudospectral if it is smooth
+    /// enough to reach round-off that way; piecewise if it is broken, or has kinks; streaming if
     /// ensembles would take more than 512 MiB. Of samples alone, pseudospectral; rows that are smooth to rounding have their
     /// pseudospectral integral by central differences of order 10 or 20, which takes half of the time.
     #[default]
@@ -293,7 +293,7 @@ impl LoopIntegral {
         Ok(Self::sum(rows, coordinates, rule))
     }
 
-    /// Adds the degrees of freedom in their order, whoever computed them.
+    /// Adds the degrees of freedom in their order, independently of the thread that computed them.
     fn sum(rows: Vec<RowIntegral>, coordinates: &Coordinates, rule: &Rule) -> Self {
         let mut total = LoopIntegral {
             value: 0.0,

@@ -3,9 +3,9 @@
 /// Formats of numbers with few digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Format {
-    /// Decimal numbers of so many significant digits.
+    /// Decimal numbers of this number of significant digits.
     Decimal(usize),
-    /// Binary numbers of so many significant digits: 24 are single precision.
+    /// Binary numbers of this number of significant digits: 24 are single precision.
     Binary(usize),
 }
 
@@ -66,7 +66,7 @@ impl Digits {
     }
 
     fn add_decimal(&mut self, value: f64) {
-        // Most doubles have more digits, which is told at once.
+        // Most doubles have more digits, which one test shows.
         if !has_digits(value, FEW.into()) {
             self.decimal = FEW + 1;
             return;
@@ -156,7 +156,7 @@ fn is_multiple(value: f64, place: i16) -> bool {
     ((value / unit).round() * unit - value).abs() <= 2.0 * f64::EPSILON * value.abs()
 }
 
-/// Whether a number is a decimal of so many digits, but for the rounding of a product or quotient.
+/// Whether a number is a decimal of `digits` digits, but for the rounding of a product or quotient.
 fn has_digits(value: f64, digits: usize) -> bool {
     let rounded: f64 = format!("{value:.*e}", digits - 1)
         .parse()

@@ -3,10 +3,10 @@
 //! Output that is rounded in one unit and returned in another (%.3f degrees in radians) lies on a lattice whose
 //! spacing has no short decimal or binary representation. It divides all differences of the numbers: Euclid's algorithm finds it.
 
-/// Numbers are on a lattice but for the rounding of a product or quotient: so many roundings of the largest.
+/// Numbers are on a lattice but for the rounding of a product or quotient: this number of roundings of the largest.
 const ROUNDINGS: f64 = 4.0;
 
-/// A remainder below this part of a spacing is none. Of numbers on no lattice one in 32 has such a remainder: that
+/// A remainder below this part of a spacing counts as 0. Of numbers on no lattice one in 32 has such a remainder: that
 /// all of [`FEWEST`] differences and more do has a chance of 1e-7.
 const REMAINDER: f64 = 1.0 / 64.0;
 

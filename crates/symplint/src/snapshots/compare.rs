@@ -45,7 +45,7 @@ pub(super) struct Initial<'a> {
     snapshot: &'a Snapshot,
     coordinates: &'a Coordinates,
     pub integral: LoopIntegral,
-    /// A jump of the loop before any step: it is no closed loop, or not unwrapped.
+    /// A jump of the loop before any step: it is not a closed loop, or not unwrapped.
     pub broken: Option<Break>,
     pub wrapped: Option<Wrap>,
     windings: Vec<f64>,

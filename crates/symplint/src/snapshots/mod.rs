@@ -81,7 +81,7 @@ impl Snapshot {
 /// taken from `before`.
 ///
 /// Rows may be spaced unequally, and some may be missing, the same before and after. A last row that repeats the first one is
-/// left out. Where the samples are smooth the rule is pseudospectral, or piecewise if they are not equally spaced. Where they jump
+/// left out. If the samples are smooth, the rule is pseudospectral, or piecewise if they are not equally spaced. If they jump,
 /// it is [`RuleKind::JumpDetecting`]: the
 /// advanced integral is then the absolutely continuous part.
 ///

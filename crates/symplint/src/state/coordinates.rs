@@ -10,7 +10,7 @@ use crate::error::Error;
 /// * The canonical momentum of degree of freedom i is `weight(i)` × p_i: a code that
 ///   carries velocities states its masses or particle weights here.
 /// * `grid_spacing()` is the cell width of the grid on which the map interpolates positions, or 0
-///   where there is none. Samples of a loop that are cells apart do not see the grid.
+///   without a grid. Samples of a loop that are cells apart do not see the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coordinates {
     dof: usize,
@@ -32,7 +32,7 @@ impl Coordinates {
         }
     }
 
-    /// States the period of every position; 0 where there is none.
+    /// States the period of every position; 0 without one.
     ///
     /// # Errors
     /// If the number of periods is not d, or one is negative or not finite.
@@ -42,7 +42,7 @@ impl Coordinates {
         Ok(self)
     }
 
-    /// States the period of every momentum; 0 where there is none.
+    /// States the period of every momentum; 0 without one.
     ///
     /// # Errors
     /// If the number of periods is not d, or one is negative or not finite.
@@ -87,7 +87,7 @@ impl Coordinates {
         Ok(self)
     }
 
-    /// States the cell width of the grid that all positions live on; 0 if there is none.
+    /// States the cell width of the grid that all positions live on; 0 without a grid.
     ///
     /// # Errors
     /// If it is negative or not finite.
@@ -103,7 +103,7 @@ impl Coordinates {
         Ok(self)
     }
 
-    /// The same, if they are those of so many degrees of freedom.
+    /// The same, if they are those of `dof` degrees of freedom.
     pub(crate) fn of_dof(self, dof: usize) -> Result<Self, Error> {
         Error::check_length("coordinates", dof, self.dof)?;
         Ok(self)
@@ -117,7 +117,7 @@ impl Coordinates {
     /// Period of q_i, 0 where it is not periodic.
     ///
     /// # Panics
-    /// If periods are stated and `i` is none of the degrees of freedom.
+    /// If periods are stated and `i` is not one of the degrees of freedom.
     pub fn period(&self, i: usize) -> f64 {
         self.periods.as_ref().map_or(0.0, |periods| periods[i])
     }
@@ -125,7 +125,7 @@ impl Coordinates {
     /// Period of p_i, 0 where it is not periodic.
     ///
     /// # Panics
-    /// If periods of momenta are stated and `i` is none of the degrees of freedom.
+    /// If periods of momenta are stated and `i` is not one of the degrees of freedom.
     pub fn momentum_period(&self, i: usize) -> f64 {
         self.momentum_periods
             .as_ref()
@@ -141,12 +141,12 @@ impl Coordinates {
     /// Weight of p_i.
     ///
     /// # Panics
-    /// If weights are stated and `i` is none of the degrees of freedom.
+    /// If weights are stated and `i` is not one of the degrees of freedom.
     pub fn weight(&self, i: usize) -> f64 {
         self.weights.as_ref().map_or(1.0, |weights| weights[i])
     }
 
-    /// Cell width of the grid of the positions, 0 if there is none.
+    /// Cell width of the grid of the positions, 0 without a grid.
     pub fn grid_spacing(&self) -> f64 {
         self.grid_spacing
     }

@@ -143,7 +143,7 @@ pub fn judge_jacobian(evidence: &JacobianEvidence) -> JacobianVerdict {
     if exceeds(UNEXPLAINED) {
         return undecided(Inconclusive::Unexplained { worst });
     }
-    // Not `bound > …`: a bound that is NaN is none.
+    // Not `bound > …`: a bound that is NaN is not valid.
     if !matches!(bound, 0.0..=WEAKEST_BOUND) {
         return undecided(Inconclusive::WeakBound {
             bound,

@@ -30,7 +30,7 @@ use crate::rules::Defect;
 /// significant defect proves that a map is not symplectic, and so does one break; the absence of both bounds the
 /// defect for the loops and steps that were tried.
 pub fn judge(evidence: &Evidence) -> Verdict {
-    // Beside the manifold that a map projects onto it conserves nothing, and need not; nor beside a leaf of its form.
+    // Off the manifold that a map projects onto it conserves nothing, and need not; nor off a leaf of its form.
     let survey = &evidence.survey;
     let counted = match survey.singular.is_some() || survey.degenerate_form.is_some() {
         true => &evidence.loops[..evidence.loops.len().min(1)],

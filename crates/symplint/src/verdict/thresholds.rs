@@ -1,7 +1,7 @@
 //! The numbers that the judge decides by. Those that measuring needs, too, stand in `evidence/step.rs` and
 //! `evidence/motion.rs`.
 
-/// Advice to take steps more than this many times as large is none: such a small phase advance may be rounding, which
+/// No advice is given to take steps more than this many times as large: such a small phase advance may be rounding, which
 /// makes 1e-8 of a shear that is one in neither coordinate.
 pub(super) const MOST_LARGER: f64 = 1e6;
 

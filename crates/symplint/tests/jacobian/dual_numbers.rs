@@ -1,4 +1,4 @@
-//! Differences beside the exact Jacobians of the same steps by dual numbers.
+//! Differences compared with the exact Jacobians of the same steps by dual numbers.
 
 use symplint::JacobianTest;
 use symplint::jacobian::{JacobianEvidence, JacobianMethod};

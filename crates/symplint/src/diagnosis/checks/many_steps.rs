@@ -115,7 +115,7 @@ fn exponent(defects: &[f64]) -> Option<f64> {
     (n >= 2 * BLOCKS && exponent.is_finite()).then_some(exponent)
 }
 
-/// The relative change of the area after all steps, from those of the first half: the logarithm of the area goes on as it did, and its
+/// The relative change of the area after all steps, from those of the first half: the logarithm of the area continues as before, and its
 /// error is twice what blocks of the first half differ by.
 fn predicted(signed: &[f64]) -> Option<[f64; 2]> {
     let (n, half) = (signed.len(), signed.len() / 2);

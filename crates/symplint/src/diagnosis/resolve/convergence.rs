@@ -34,15 +34,15 @@ impl Convergence {
         }
     }
 
-    /// Takes in what the samples, twice as many as the last ones, show. Where the map rounds, independent errors of so
-    /// many samples leave `of_rounding` of the integral, relative to it: twice the samples gain √2.
+    /// Takes in what the samples, twice as many as the last ones, show. If the map rounds, independent errors of this
+    /// number of samples leave `of_rounding` of the integral, relative to it: twice the samples gain √2.
     pub fn proceed(
         &mut self,
         advanced: &LoopAfterStep,
         of_rounding: Option<f64>,
     ) -> ConvergenceState {
         let error = advanced.defect.quadrature_error.unwrap_or(f64::INFINITY);
-        // Where the map rounds, any error that does not fall is noise.
+        // If the map rounds, any error that does not fall is noise.
         let (noise, most_stalls) = match of_rounding {
             Some(_) => (f64::INFINITY, 1),
             None => (LARGEST_NOISE, 2),

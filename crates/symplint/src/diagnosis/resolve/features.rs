@@ -80,7 +80,7 @@ pub(in crate::diagnosis) fn feature_between_samples(
     let Some((j, size)) = outstanding(&missed, least) else {
         return Ok(None);
     };
-    // The interpolant is off beside a sample that is off, and the state between is not.
+    // The interpolant is off next to a sample that is off, and the state between is not.
     let count = after.samples();
     let sizes = roughness(after, coordinates);
     let closest = (s[j] * count as f64).round() as usize;

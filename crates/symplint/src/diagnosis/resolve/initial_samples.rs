@@ -31,8 +31,8 @@ impl<'a> InitialSamples<'a> {
         }
     }
 
-    /// Tells the map that a step of each of these sizes is sure to be asked for of `samples` samples. Where they cannot be made,
-    /// whoever asks for them is told so.
+    /// Tells the map that a step of each of these sizes is sure to be asked for of `samples` samples. If they cannot be made,
+    /// the later request for them reports it.
     pub fn prefetch(&mut self, samples: usize, sizes: impl Iterator<Item = f64>) {
         let evaluator = self.subject.evaluator;
         if evaluator.has_prefetch()

@@ -69,7 +69,7 @@ impl<'a> Probe<'a> {
         self
     }
 
-    /// With a quadrature error of the step of size `h` that is at least this part of the initial integral; not known if there is none.
+    /// With a quadrature error of the step of size `h` that is at least this part of the initial integral; not known without one.
     pub fn known_to(mut self, error: Option<f64>, h: f64) -> Self {
         let size = self.initial.value.abs();
         if let Some(known) = self.known.as_mut().filter(|known| known.h == h) {

@@ -19,7 +19,7 @@ struct Uncertain {
     index: usize,
     /// How far it may be moved along s.
     distance: f64,
-    /// So far outwards of its sides there is no other break.
+    /// The distance outwards of its sides without another break.
     free: f64,
 }
 

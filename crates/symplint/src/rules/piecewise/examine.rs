@@ -145,7 +145,7 @@ impl<'a> View<'a> {
     }
 
     /// What an interpolant may be off: the tolerance, and what the rounding of the state that the map got
-    /// becomes where the loop is steep. A straight line may be off by what a kink makes of its length.
+    /// becomes where the loop is steep. A straight line may be off by the change that a kink makes of its length.
     pub fn allowed(&self, c: usize, fit: &Fit) -> f64 {
         let length = self.piece.length();
         let rounded = self.scales.input_rounding * fit.range() / length;

@@ -4,7 +4,7 @@ use super::limits::{CHECKS, DECAYS, DEGREES, FULL, OF_A_CHECK, OF_A_JUMP, SMOOTH
 use super::lobatto::{DEGREE, LOBATTO, NODES, Values, derivative, evaluate, tail_squared};
 use crate::signal::Extent;
 
-/// States of a piece that are looked at: nodes, then checks.
+/// States of a piece that are examined: nodes, then checks.
 pub(super) const POINTS: usize = NODES + CHECKS.len();
 
 /// The interpolant of one coordinate on a piece.

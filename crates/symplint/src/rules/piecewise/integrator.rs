@@ -1,4 +1,4 @@
-//! The piecewise rule in a diagnosis: pieces beside equispaced samples, which show what pieces may miss.
+//! The piecewise rule in a diagnosis: pieces in addition to equispaced samples, which show what pieces may miss.
 
 use super::{Closure, Piecewise, PiecewiseIntegral};
 use crate::breaks::{Search, little_jumps};

@@ -22,18 +22,18 @@ pub(super) struct Jump {
     /// The gap between two nodes that it was in at first.
     pub gap: [f64; 2],
     pub bracket: Bracket,
-    /// Images of the states beside it, from each end of the bracket outwards.
+    /// Images of the states next to it, from each end of the bracket outwards.
     beside: [Vec<PointImage>; 2],
     /// How often these were looked at.
     pub looks: usize,
     /// Images of the states round the zone in which the map may flicker, from each end outwards.
     around: [Vec<PointImage>; 2],
-    /// Which of [`DISTANCES_AROUND`] they have, if the map flickers beside it.
+    /// Which of [`DISTANCES_AROUND`] they have, if the map flickers next to it.
     zone: Option<usize>,
     confirmation: Confirmation,
     /// Whether states that were to confirm it are on both of its levels.
     flickers: bool,
-    /// States used of those that were granted with it, beside the bracket.
+    /// States used of those that were granted with it, in addition to the bracket.
     used: usize,
     /// Where the jump points, for each coordinate.
     direction: Vec<f64>,
@@ -53,14 +53,14 @@ pub(super) struct Jump {
 enum Confirmation {
     /// Not asked for, or not given by the states around a zone: nearer ones may give it.
     None,
-    /// By this number of states on each side, if there is no zone.
+    /// By this number of states on each side, if no zone was found.
     Wanted(usize),
     Made {
         is_break: bool,
     },
 }
 
-/// States that a jump may ask for beside it, and its ends displaced.
+/// States that a jump may ask for next to it, and its ends displaced.
 const BESIDE: usize = 2 * CONFIRMING;
 
 impl Jump {
@@ -134,7 +134,7 @@ impl Jump {
         self.bracket.halve(end, difference)
     }
 
-    /// The states beside it, or around its zone, that the next look needs and that are not known yet. The last of each side that
+    /// The states next to it, or around its zone, that the next look needs and that are not known yet. The last of each side that
     /// confirm a jump without a zone is its end, displaced.
     pub fn surroundings(&self) -> impl Iterator<Item = CurvePoint> {
         let curve = self.piece.curve;
@@ -293,12 +293,12 @@ impl Jump {
         self.zone.is_some()
     }
 
-    /// Whether rounding decides on which side of it the states beside it are.
+    /// Whether rounding decides on which side of it the states next to it are.
     pub fn flickers(&self) -> bool {
         self.zone.is_some()
     }
 
-    /// The states of each side in the direction of the jump, from its own end, so that a wrap in between is none
+    /// The states of each side in the direction of the jump, from its own end, so that a wrap in between is not a part
     /// of it.
     fn projected(&self, sides: &[Vec<PointImage>; 2], coordinates: &Coordinates) -> [Vec<f64>; 2] {
         sides.each_ref().map(|side| {
@@ -309,7 +309,7 @@ impl Jump {
         })
     }
 
-    /// What the states beside it say of it.
+    /// What the states next to it show of it.
     pub fn judge(&self, scales: &Scales, coordinates: &Coordinates) -> Judgement {
         let jump = self.jump(coordinates);
         match self.confirmation {
@@ -330,7 +330,7 @@ impl Jump {
         let is_rounding = (scales.grain.as_ref())
             .is_some_and(|grain| !all.clone().any(|c| grain.is_exceeded(c, apart(c))));
         let large = self.is_large(scales, coordinates);
-        // The steps of a grid are jumps with nothing beside them, and noise all the same.
+        // The steps of a grid are jumps with nothing next to them, and noise all the same.
         let no_step = all.any(|c| apart(c) > self.piece.allowance(c, scales));
         let [left, right] = self.projected(&self.beside, coordinates);
         let sides = [&left[..], &right[..]];
@@ -365,7 +365,7 @@ impl Jump {
         (0..2 * coordinates.dof()).map(jump).collect()
     }
 
-    /// How far each coordinate scatters beside it.
+    /// How far each coordinate scatters next to it.
     pub fn noise(&self, coordinates: &Coordinates) -> Vec<f64> {
         let origin = self.ends()[0].after();
         let of_coordinate = |c: usize| {
@@ -396,7 +396,7 @@ pub(super) enum Judgement {
     Wrap,
     /// It may be noise: more states tell.
     LookAgain,
-    /// Rounding decides on which side of it the states beside it are: those further away tell.
+    /// Rounding decides on which side of it the states next to it are: those further away show the side.
     LookAround,
     Noise,
 }

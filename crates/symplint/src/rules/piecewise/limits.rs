@@ -7,7 +7,7 @@
 /// one before.
 pub(super) const DEGREES: [usize; 3] = [3, 6, 12];
 
-/// The level of [`DEGREES`] at which breaks are told from other reasons.
+/// The level of [`DEGREES`] at which breaks are distinguished from other reasons.
 pub(super) const FULL: usize = DEGREES.len() - 1;
 
 /// An interpolant below the full degree is accepted on fewer states, and has to be so much better.
@@ -17,18 +17,18 @@ pub(super) const BELOW_FULL: f64 = 0.1;
 /// level.
 pub(super) const CHECKS: [f64; 2] = [-0.618, 0.267];
 
-/// The error of an interpolant is estimated by so many times what it misses the checks by: it is 1.0 to 1.5 times that
+/// The error of an interpolant is estimated as this many times what it misses the checks by: it is 1.0 to 1.5 times that
 /// where the next coefficient dominates.
 pub(super) const OF_A_CHECK: f64 = 2.0;
 
-/// Every so many-th sample of the loop makes an estimate of its own of what the interpolants miss: where they disagree,
+/// Every `ESTIMATES`-th sample of the loop makes a separate estimate of what the interpolants miss: where they disagree,
 /// the samples do not resolve it.
 pub(super) const ESTIMATES: usize = 4;
 
-/// The error of the integral is so many times the largest of those estimates.
+/// The error of the integral is this many times the largest of those estimates.
 pub(super) const OF_AN_ESTIMATE: f64 = 2.0;
 
-/// A jump is so many times what an interpolant misses the states beside it by.
+/// A jump exceeds the interpolation error of its neighbours by this factor.
 pub(super) const OF_A_MISS: f64 = 2.0;
 
 /// Coefficients from here on are small on a smooth piece; what a break leaves there gives it away.
@@ -41,7 +41,7 @@ pub(super) const TERMS: usize = 3;
 /// round-off.
 pub(super) const SHORTEST: f64 = 1e-11;
 
-/// A jump on a straight line leaves a point at least 1/`OF_A_JUMP` of it beside the line through the ends: the
+/// A jump on a straight line leaves a point at least 1/`OF_A_JUMP` of it away from the line through the ends: the
 /// widest gap between two points is two fifths of a piece.
 pub(super) const OF_A_JUMP: f64 = 2.5;
 
@@ -65,7 +65,7 @@ pub(super) const KINK_SAFETY: f64 = 16.0;
 /// A jump is this many times what rounding and tolerance allow for.
 pub(super) const NOISES: f64 = 4.0;
 
-/// An unresolved piece may hide a jump of its range, and what the coordinate moves back beside it.
+/// An unresolved piece may hide a jump of its range, and what the coordinate moves back next to it.
 pub(super) const AND_MOTION: f64 = 1.1;
 
 /// An interpolant may be off at other points by this many times what its own estimate allows.
@@ -117,7 +117,7 @@ pub(super) const NOISE_SPACING_OF_PIECE: f64 = 2e-5;
 /// Where most jumps are noise, a break is this many times the largest of them.
 pub(super) const OF_NOISE: f64 = 2.0;
 
-/// A jump of this part of the loop's size is not noise. What looks like noise beside it are other breaks, or states in
+/// A jump of this part of the loop's size is not noise. What looks like noise next to it are other breaks, or states in
 /// which rounding decides on which side of a threshold they are.
 pub(super) const LARGE: f64 = 1e-3;
 
@@ -135,7 +135,7 @@ pub(super) const BORN: f64 = 1e-4;
 /// rounding of where it is, and not at all on the scale of the loop.
 pub(super) const AROUND: f64 = 1e-10;
 
-/// A piece is cut at so many crossings of grid lines at most, and in halves where there are more.
+/// A piece is cut at up to this number of crossings of grid lines, and in halves if there are more.
 pub(super) const MOST_CROSSINGS: usize = 16;
 
 /// Parameters no further apart than this are a few doubles apart.
@@ -144,11 +144,11 @@ pub(super) const NEIGHBOURS: f64 = 4.0 * f64::EPSILON;
 /// Breaks looked at on either side of one for the break that undoes it.
 pub(super) const REACH: usize = 8;
 
-/// From where the slopes beside a break are taken: far beyond the few doubles in which a map may not know on which
+/// From where the slopes next to a break are taken: far beyond the few doubles in which a map may not know on which
 /// side of its threshold it is, where jumps would be taken for slopes.
 pub(super) const FAR: f64 = 1e-6;
 
-/// A piece this many distances of samples long has two samples, so that one can tell how the loop goes on beyond it.
+/// A piece this many distances of samples long has two samples, which show how the loop continues beyond it.
 pub(super) const CALM: f64 = 2.0;
 
 /// So many distances of samples may lie between two such pieces: a feature of one, and on both sides of it shorter

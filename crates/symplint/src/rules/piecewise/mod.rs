@@ -1,7 +1,7 @@
 //! The piecewise rule: ∮ p·dq of a loop that a map may have broken, to near round-off.
 //!
 //! A map can be evaluated at any s. So the advanced loop is cut into pieces, each the image of a
-//! polynomial to the tolerance ([`piece`], [`examine`]); jumps are found by what they do to the Chebyshev
+//! polynomial to the tolerance ([`piece`], [`examine`]); jumps are found by their effect on the Chebyshev
 //! coefficients of a piece ([`lobatto`]) and closed in on until no double lies between
 //! ([`jump`]), kinks are cut at. States are evaluated in large batches, all pieces at once
 //! ([`refinement`]), and none twice.
@@ -201,7 +201,7 @@ impl Piecewise {
         self.integrate_beside(&evaluator, phase_loop, h, samples.as_ref())
     }
 
-    /// The same beside equispaced `samples` of the advanced loop. Every piece has to agree with them, so that nothing
+    /// The same in addition to equispaced `samples` of the advanced loop. Every piece has to agree with them, so that nothing
     /// as wide as their distance is missed; and where they show, or pieces find, narrower features, the error says
     /// so. The regularity of the integral is that of the samples.
     pub(crate) fn integrate_beside(

@@ -46,7 +46,7 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// Of which so many were made.
+    /// A budget of `most` evaluations, of which `made` were made.
     pub fn new(most: usize, made: usize) -> Self {
         Budget {
             made,
@@ -55,7 +55,7 @@ impl Budget {
         }
     }
 
-    /// Grants so many evaluations, if they may be made.
+    /// Grants this number of evaluations, if they may be made.
     pub fn grant(&mut self, evaluations: usize) -> bool {
         let within = evaluations <= self.most - self.granted;
         if within {
@@ -72,7 +72,7 @@ pub(super) struct CurveBreak {
     pub sides: [f64; 2],
     /// Their images.
     pub images: [PointImage; 2],
-    /// Whether rounding decides on which side of it the states beside it are, and not that of the states themselves.
+    /// Whether rounding decides on which side of it the states next to it are, and not that of the states themselves.
     pub flickers: bool,
     /// How far from there it may be along the curve, if that is more than a jump of its size may.
     pub uncertainty: f64,
@@ -237,7 +237,7 @@ impl<'a> Refinement<'a> {
         tasks.extend(outcome.next);
     }
 
-    /// Goes on with what waits and may go on now. If nothing may, nothing will: the pieces are taken unchanged.
+    /// Continues with what waits and may continue now. If nothing may continue, nothing will: the pieces are taken unchanged.
     fn wake(&mut self, tasks: &mut Vec<Task>) {
         for outcome in std::mem::take(&mut self.waiting) {
             if self.admit(&outcome) {

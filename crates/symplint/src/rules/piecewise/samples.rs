@@ -78,8 +78,8 @@ pub(super) fn missed_sample(view: &View<'_>) -> Option<f64> {
 }
 
 /// ∫ (δp dq − δq dp) over the piece, where δq and δp are what the interpolants miss the loop by, by the trapezoidal rule on
-/// every so many-th sample: the error of the interpolated integral to first order, as δq vanishes at both ends. A jump
-/// of q is no part of the integral, but of that of the interpolant.
+/// every `ESTIMATES`-th sample: the error of the interpolated integral to first order, as δq vanishes at both ends. A jump
+/// of q is not a part of the integral, but of the integral of the interpolant.
 pub(super) fn missed(view: &View<'_>) -> Option<InterpolationMiss> {
     let inside = Inside::of(view)?;
     let all = inside.x.len();

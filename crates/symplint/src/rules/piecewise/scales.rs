@@ -67,7 +67,7 @@ impl Scales {
         }
     }
 
-    /// Weight of a coordinate beside the others.
+    /// Weight of a coordinate compared with the others.
     pub fn weight(&self, c: usize) -> f64 {
         1.0 / self.size[c]
     }

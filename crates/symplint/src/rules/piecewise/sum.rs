@@ -136,7 +136,7 @@ pub(super) fn sum(
         breaks.push(summary);
     }
     breaks.sort_by(|a, b| a.s.total_cmp(&b.s));
-    // A force that has a value of its own where it jumps breaks the loop twice round one double.
+    // A force that has a separate value where it jumps breaks the loop twice round one double.
     breaks.dedup_by(|next, found| {
         let one = next.dof == found.dof && next.s - found.s < NEIGHBOURS;
         if one {

@@ -9,7 +9,7 @@
 //! piece across them shows it. A feature is under-resolved where the samples on both
 //! sides of it continue each other as if there was nothing in between.
 //!
-//! Without this, bumps beside a kink and narrow jumps of which one is missed are called not symplectic (tests in
+//! Without this, bumps next to a kink and narrow jumps of which one is missed are called not symplectic (tests in
 //! `traps/under_resolved.rs`).
 
 use super::limits::{CALM, NEIGHBOURING_SAMPLES, OF_SPIKES, WIDEST_FEATURE};
@@ -166,7 +166,7 @@ impl Stretch<'_> {
 
 /// What the integral of the samples says of the error of that of the pieces, and the Sobolev exponent that it shows.
 ///
-/// Where the samples show features that are narrower than their distance, another one may lie between two of them, and no
+/// If the samples show features that are narrower than their distance, another one may lie between two of them, and no
 /// piece has met it: then the integral is known as the samples have it, and not at all where these do not tell. (Fourier
 /// coefficients of many breaks look like those of spikes, but breaks are known.) A smooth loop may be known better by its
 /// samples than by its pieces.

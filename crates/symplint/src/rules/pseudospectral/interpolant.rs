@@ -79,7 +79,7 @@ pub(crate) fn misses(
             let off = nearest(coordinate(between, c)[j] - expected, period(coordinates, c));
             (off / size).abs()
         };
-        // Of a coordinate at rest, whose size is 0, and next to a sample, there is no number.
+        // For a coordinate at rest, whose size is 0, and next to a sample, the quotient is not a number.
         let finite = rows
             .iter()
             .enumerate()

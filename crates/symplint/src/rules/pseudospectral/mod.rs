@@ -121,7 +121,7 @@ const JUMPING: Range<f64> = 0.25..1.0;
 const NOT_FOLLOWED: f64 = 1e-10;
 
 /// Whether the Sobolev exponent that an octave and the one before tell is that of jumps of this `size`. Larger ones are followed where
-/// samples show them, and states may have a noise under which kinks look like jumps. For those too small to be followed, beside which
+/// samples show them, and states may have a noise under which kinks look like jumps. For those too small to be followed, besides which
 /// there is the rounding of double precision alone, it need only be nearer to that of jumps than to that of noise, by how much that
 /// scatters.
 fn looks_like_jumps(exponent: f64, octave: usize, size: f64) -> bool {
@@ -135,30 +135,32 @@ fn looks_like_jumps(exponent: f64, octave: usize, size: f64) -> bool {
 /// thirty-six equal ones that all add up.
 const OF_JUMPS: f64 = 6.0;
 
-/// Jumps of this part of the size of a coordinate are looked for between the samples, and no part of an error.
+/// Jumps of this part of the size of a coordinate are searched for between the samples, and are not part of an error.
 const LITTLE: f64 = 1e-3;
 
 /// By how much an exponent scatters that is a difference of the logarithms of the energies of octaves: those of the modes of each
-/// add up to 3 times those of the highest `octave` if it is of two octaves, and the difference of two such exponents has 13. (An energy of n independent
+/// add up to 3 times those of the highest `octave` if it is of two octaves, and the difference of two such exponents has 13. (An energy of
+/// n independent
 /// modes scatters by 1/√n of itself, and an octave has half as many modes as the next.)
 fn scatter(octave: usize, variance: f64) -> f64 {
     0.5 * std::f64::consts::LOG2_E * (variance / f64::from(1u32 << octave)).sqrt()
 }
 
-/// From one octave to the next the Sobolev exponent of jumps stays, or falls to theirs, but for how much it scatters; the exponent of a smooth
+/// From one octave to the next the Sobolev exponent of jumps stays, or falls to theirs, but for how much it scatters; the exponent of a
+/// smooth
 /// feature as narrow as the samples are apart grows. Derived: from ¼ to 1, those of [`JUMPING`], by 0.36 or more if its modes fall
 /// exponentially, and by 0.56 or more if they fall as those of a Gaussian. So does the exponent of two jumps that are near each other,
 /// which are followed if they are large enough.
 const GROWTH_OF_A_FEATURE: f64 = 0.3;
 
 /// √(Σ J²) of the jumps J of a function from the energy Σ |c_k|² of its octave `first` ≤ k < 2 `first`: far up, c_k is a sum
-/// of J/(2πik), each with a phase of its own, and Σ 1/k² over an octave is about 1/(2 first).
+/// of J/(2πik), each with its own phase, and Σ 1/k² over an octave is about 1/(2 first).
 fn jump_size(first: usize, energy: f64) -> f64 {
     PI * (8.0 * first as f64 * energy).sqrt()
 }
 
 /// The last octave that stands clear of rounding, from the energies of the octaves and what rounding makes of a mode: there a
-/// smooth function is the smallest beside jumps.
+/// smooth function is the smallest compared with jumps.
 fn last_clear(energies: &[f64], noise: f64) -> Option<usize> {
     let is_clear = |&j: &usize| energies[j].sqrt() > noise * f64::from(1u32 << j).sqrt();
     (0..energies.len()).rev().find(is_clear)

@@ -70,7 +70,7 @@ mod tests {
     use rustfft::num_complex::Complex64;
     use std::f64::consts::TAU;
 
-    /// Of a function on [0, 1) with so many samples.
+    /// Of a function on [0, 1) with `samples` samples.
     fn exponent(samples: usize, f: impl Fn(f64) -> f64) -> f64 {
         let at = |k: usize| Complex64::new(f(k as f64 / samples as f64), 0.0);
         let mut modes: Vec<Complex64> = (0..samples).map(at).collect();

@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use rustfft::{Fft, FftPlanner};
 
-/// The transform of so many samples; nothing is normalised.
+/// The transform of a number of samples; nothing is normalised.
 pub(super) type Transform = Arc<dyn Fft<f64>>;
 
 /// Plans that are kept at most: those of long odd lengths take megabytes.
@@ -14,13 +14,13 @@ const MOST_PLANS: usize = 64;
 /// Planning takes longer than a transform, and the same few lengths come again and again.
 static PLANS: LazyLock<Mutex<HashMap<usize, Transform>>> = LazyLock::new(Mutex::default);
 
-/// The transform of so many samples.
+/// The transform of `samples` samples.
 pub(super) fn transform(samples: usize) -> Transform {
     let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
     if plans.len() >= MOST_PLANS && !plans.contains_key(&samples) {
         plans.clear();
     }
-    // A planner of its own for each: one that has planned other lengths builds on those, with other last bits.
+    // A separate planner for each: a planner that has planned other lengths builds on those, with other last bits.
     let plan = || FftPlanner::new().plan_fft_forward(samples);
     Arc::clone(plans.entry(samples).or_insert_with(plan))
 }

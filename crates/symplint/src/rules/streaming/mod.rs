@@ -44,7 +44,7 @@ use window::{Source, Window};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Streaming {
-    /// m: neighbours on either side in the stencil, from 8 to 16. Jumps are looked for with 10 samples, so
+    /// m: neighbours on either side in the stencil, from 8 to 16. The search for jumps uses 10 samples, so
     /// narrower stencils save no memory.
     pub half_width: usize,
 }

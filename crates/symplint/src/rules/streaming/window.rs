@@ -84,7 +84,7 @@ impl Window {
     ) -> Result<(), Error> {
         let stride = self.history + self.new;
         let width = (self.new / BLOCKS).clamp(NARROWEST, Ensemble::block_width(self.dof));
-        // Without degrees of freedom there is no memory.
+        // Without degrees of freedom the memory is empty.
         let column = column.min(self.q.len());
         let q = RowsMut::new(&mut self.q[column..], self.dof, stride, count);
         let p = RowsMut::new(&mut self.p[column..], self.dof, stride, count);

@@ -25,12 +25,12 @@ const ON_TRAJECTORY: f64 = 0.02;
 pub(in crate::verdict) struct JumpLaw {
     /// Of the jump of the position; infinite if it does not jump.
     pub q: f64,
-    /// Of the jump of the momentum, likewise.
+    /// Of the jump of the momentum; infinite if it does not jump.
     pub p: f64,
 }
 
 impl JumpLaw {
-    /// From the jumps at the largest and at the smallest step size of the loop whose break was looked at, in degrees of freedom that
+    /// From the jumps at the largest and at the smallest step size of the loop whose break was examined, in degrees of freedom that
     /// jump there.
     pub fn of(evidence: &Evidence) -> Option<Self> {
         let sides = evidence.break_sides.as_ref()?;
@@ -380,7 +380,8 @@ fn where_it_jumps(sides: &BreakSides) -> String {
     format!(" at {name} = {before} before the step and {after} after it")
 }
 
-/// The distance of which those of all values are multiples, 0 if all are equal; `None` if there is none, or there are too few to tell.
+/// The distance of which those of all values are multiples, 0 if all are equal; `None` if the values have none, or there are too few to
+/// tell.
 fn spacing(values: &[f64], least: f64) -> Option<f64> {
     let from_first = || values.iter().map(|value| (value - values[0]).abs());
     if values.len() < 2 {
@@ -416,7 +417,7 @@ fn not_below(value: f64, least: f64) -> String {
     significant(if value.abs() <= least { 0.0 } else { value })
 }
 
-/// The part of a loop beside a break.
+/// The part of a loop next to a break.
 fn place(sides: &BreakSides, side: usize) -> String {
     let beside = ["below", "above"][side];
     let (s, found) = (significant(sides.s), loop_name(sides.loop_index));

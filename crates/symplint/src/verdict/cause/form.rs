@@ -1,4 +1,4 @@
-//! The constant two-form that a map preserves in place of the canonical one.
+//! The constant two-form that a map preserves instead of the canonical one.
 
 use super::{Cause, CauseKind, Clues};
 use crate::evidence::{FormEntry, FormOnLoop, PreservedForm, SIGNIFICANT};

@@ -29,7 +29,7 @@ pub struct Cause {
     pub digits: Option<f64>,
 }
 
-/// The causes that are told apart.
+/// The causes that symplint distinguishes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -52,7 +52,7 @@ pub enum CauseKind {
     NoConvergence,
     /// The step projects, as one does that removes the motion of the centre of mass.
     Projection,
-    /// The step gives the same result for every step size: a right-hand side is no step.
+    /// The step gives the same result for every step size: a right-hand side is not a step.
     IgnoresStepSize,
     /// All areas change their sign: q and p are swapped.
     Swapped,

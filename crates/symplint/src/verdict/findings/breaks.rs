@@ -14,7 +14,7 @@ use crate::verdict::number::{capitalised, jumping, loop_name, two_digits};
 #[non_exhaustive]
 pub enum BreakFinding {
     /// The map is discontinuous: an advanced loop jumps, by more than the rounding of the map, where no double lies
-    /// between the two sides, and the jump stands out of the noise beside it.
+    /// between the two sides, and the jump stands out of the noise next to it.
     Discontinuous {
         /// The largest jump of the loop that shows it.
         jump: Break,

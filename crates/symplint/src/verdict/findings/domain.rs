@@ -37,7 +37,7 @@ pub enum DomainFinding {
         /// What no defect of the Jacobian exceeds.
         bound: f64,
     },
-    /// Only loops that were not given change, and whether the map projects onto a manifold, beside which that proves
+    /// Only loops that were not given change, and whether the map projects onto a manifold, outside which that proves
     /// nothing, is not known.
     ManifoldUnknown {
         /// Which loop.

@@ -69,7 +69,7 @@ impl Runner<'_> {
     }
 }
 
-/// States beside the break, and the images on its two sides. `None` if they do not show the jump: there may be another break beside it.
+/// States next to the break, and the images on its two sides. `None` if they do not show the jump: there may be another break next to it.
 fn look(
     subject: Subject<'_>,
     h: f64,

@@ -1,4 +1,4 @@
-//! Whether the map projects onto a manifold, or its form is degenerate: what leaves the manifold, or the leaf, proves nothing.
+//! Whether the map projects onto a manifold, or its form is degenerate: what leaves the manifold, or the leaf, is not evidence.
 
 mod singular;
 

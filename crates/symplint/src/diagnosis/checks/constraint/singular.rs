@@ -25,7 +25,7 @@ const DOFS_OF_STRETCH: usize = 16;
 const STRETCHES: usize = 4;
 
 /// A direction that one step shrinks to this part, beyond what the step's expansion of another one explains, is
-/// projected away. A symplectic step shrinks one direction by what it expands another: their product is 1.
+/// projected away. A symplectic step shrinks one direction as much as it expands another: their product is 1.
 const PROJECTED: f64 = 1e-5;
 
 /// Differences whose errors are larger than this part do not show it.

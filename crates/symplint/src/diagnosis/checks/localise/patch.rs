@@ -17,7 +17,7 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    /// Its boundary is smooth between so many corners. A sector has three.
+    /// Its boundary is smooth between this number of corners. A sector has three.
     pub fn sides(&self) -> usize {
         if self.r[0] == 0.0 { 3 } else { 4 }
     }

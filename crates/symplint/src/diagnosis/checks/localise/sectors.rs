@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn sectors_add_up_and_find_where_areas_change() {
-        // Areas change by what the friction does round (0.8, 0.6), and rotate elsewhere.
+        // The friction changes areas around (0.8, 0.6), and areas rotate elsewhere.
         let map = PerSample::new(1, |h: f64, q: &mut [f64], p: &mut [f64]| {
             let (x, y) = (q[0] - 0.7, p[0] - 0.5);
             p[0] *= 1.0 - h * (-20.0 * (x * x + y * y)).exp();

@@ -3,7 +3,7 @@
 //!
 //! Results that differ are *rounding* if they do so by no more than sums in another order, in the precision of the map; *noise* if
 //! nothing explains the difference; and a *dependence* on earlier calls, or on other rows of the batch, if it follows the states
-//! that were advanced before or beside it, drifts, or comes again with the same batch.
+//! that were advanced before or together with it, drifts, or comes again with the same batch.
 
 use super::repeats::{Mismatch, Repeats, in_order};
 use super::rounding::roundings_inside;
@@ -25,7 +25,7 @@ const BATCH_AGAIN: usize = 8;
 /// Differences up to this many standard deviations are explained by scatter.
 const EXPLAINED: f64 = 16.0;
 
-/// Noise larger than this many roundings of single precision is no rounding of any arithmetic in use: random numbers, or
+/// Noise larger than this many roundings of single precision is not rounding of any arithmetic in use: random numbers, or
 /// a solver that starts at random. Sums add up some roundings.
 const ROUNDINGS_OF_SINGLE: f64 = 4.0;
 
@@ -134,7 +134,7 @@ pub(super) fn check_purity(
     explain(evaluator, &repeats, None)
 }
 
-/// Advances states that were kept once more, those of the given loop or all of them, in another order and beside others, as far as
+/// Advances states that were kept once more, those of the given loop or all of them, in another order and together with others, as far as
 /// the budget allows.
 ///
 /// # Errors

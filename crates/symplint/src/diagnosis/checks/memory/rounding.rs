@@ -9,7 +9,7 @@ use crate::map::Evaluator;
 use crate::signal::{nearest, unit};
 use crate::state::{Ensemble, coordinate, coordinate_mut, period};
 
-/// States are moved by this many roundings, so that noise of the map is small beside the motion.
+/// States are moved by this many roundings, so that noise of the map is small compared with the motion.
 const MOVED_BY: f64 = 4096.0;
 
 /// Directions in which each state is moved.

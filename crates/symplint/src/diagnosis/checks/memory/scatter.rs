@@ -10,7 +10,7 @@ use crate::state::{Ensemble, coordinate, period};
 const REPETITIONS: usize = 8;
 
 /// Means of two histories further apart than this many standard deviations of one value, and changes along all
-/// repetitions, are not random: they have 6 and 3.5 standard deviations of their own.
+/// repetitions, are not random: they have 6 and 3.5 of their own standard deviations.
 const DEVIATIONS: f64 = 3.0;
 
 /// Repetitions drift if straight lines explain this part of their squares: of independent values with a probability of 1e-6.
@@ -79,7 +79,7 @@ pub(super) fn repetitions(
             .collect();
         alone.sort_by(f64::total_cmp);
         on_earlier_calls |= alone[2] - alone[0] > tolerance;
-        // A state that is advanced alone has a batch of its own. The median of three differs from the mean of 16 by 0.7
+        // A state that is advanced alone has a separate batch. The median of three differs from the mean of 16 by 0.7
         // standard deviations.
         let differs_alone = deviation <= tolerance
             && (alone[1] - mean(&values.concat())).abs() > tolerance.max(DEVIATIONS * deviation);

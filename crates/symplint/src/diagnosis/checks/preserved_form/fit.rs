@@ -165,7 +165,7 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
         let relative = column.iter().zip(errors.iter()).map(|(x, e)| (x / e).abs());
         relative.fold(1.0, f64::max)
     };
-    // Where the Jacobian shows a weight well, its unit may be small.
+    // If the Jacobian shows a weight well, its unit may be small.
     let norms: Vec<f64> = (0..pairs.len()).map(norm).collect();
     let largest = norms.iter().copied().fold(0.0, f64::max);
     let mut units: Vec<f64> = norms

@@ -24,7 +24,7 @@ pub(super) const FURTHER_VECTORS: usize = 4;
 /// A component of the Jacobian shows that two coordinates are coupled if it is this many times its error.
 pub(super) const COUPLED: f64 = 10.0;
 
-/// A change of a form is no defect up to this many times what the errors of the Jacobian make of it. Derived: they are bounds.
+/// A change of a form is not a defect up to this many times what the errors of the Jacobian make of it. Derived: they are bounds.
 pub(super) const WITHIN_ERRORS: f64 = 1.0;
 
 /// It is one beyond this many times. Conventional.
@@ -67,7 +67,8 @@ pub(super) const FIRST_SAMPLES: usize = 64;
 /// More samples are not taken if the change of a loop integral is known to this. Derived: a few hundred roundings.
 pub(super) const KNOWN: f64 = 1e-13;
 
-/// More samples of a loop help if they made the uncertainty of its integral fall by this factor. Conventional: those of a smooth loop make it fall
+/// More samples of a loop help if they made the uncertainty of its integral fall by this factor. Conventional: those of a smooth loop make
+/// it fall
 /// by far more, noise by √2.
 pub(super) const FALLS: f64 = 4.0;
 

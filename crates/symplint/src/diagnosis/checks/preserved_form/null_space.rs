@@ -15,7 +15,7 @@ pub(super) struct Equations {
 pub(super) enum Solutions {
     /// A space of solutions.
     Space(NullSpace),
-    /// There is none: the residual of the unknowns that come nearest to one, whose largest one is 1.
+    /// There is no solution: the residual of the unknowns that come nearest to one, whose largest one is 1.
     None { residual: f64 },
     /// The errors leave it open.
     Open,
@@ -32,7 +32,7 @@ pub(super) struct NullSpace {
 impl Equations {
     /// The solutions, in these units of the unknowns.
     ///
-    /// Rows are divided by what errors of their coefficients make of them, if no unknown is beyond its unit. So a solution has no
+    /// Rows are divided by the errors that their coefficients cause, if no unknown is beyond its unit. So a solution has no
     /// residual above 1.
     pub fn solve(&self, units: &[f64]) -> Solutions {
         let (rows, count) = self.values.shape();
