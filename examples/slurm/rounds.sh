@@ -23,7 +23,7 @@ idle=0
 # 4: there is a round of calls.
 while [ "$status" = 4 ]; do
     before=$(progress)
-    # Ends with the exit status of the jobs; without a number, there are none.
+    # Ends with the exit status of the jobs; without a number, there are no jobs.
     job=$(sbatch --parsable --wait --array="1-$jobs" --job-name=symplint --output=/dev/null \
         --wrap="symplint advance '$folder' --part \$SLURM_ARRAY_TASK_ID/$jobs")
     if [ -z "$job" ]; then

@@ -2,7 +2,7 @@
 //!
 //! Simulation codes need not be safe on several threads, and Python delivers Ctrl-C to its main thread alone. If the
 //! diagnosis has one thread, it is the thread of the user: states stay in the cache of one core. If it has more, or the
-//! map needs no Python, it runs beside the thread of the user, which serves its calls one by one. Either way the
+//! map needs no Python, it runs in parallel with the thread of the user, which serves its calls one by one. Either way the
 //! interpreter is held only for the calls.
 
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -53,8 +53,7 @@ pub struct SymplintOptions {
     pub seed: u64,
     /// Tolerance of the piecewise rule, relative. 1e-12 by default.
     pub tolerance: f64,
-    /// Threads for the work of this library, at most one for each processor, 0 for all; the step is called on the calling thread alone. 1
-    /// by default.
+    /// Threads for the work of this library, at most one for each processor, 0 for all; the step is called on the calling thread alone. 1 by default.
     pub threads: usize,
     /// Whether the Jacobian of a step is checked, too: 1, the default, or 0.
     pub jacobian: i32,

@@ -147,7 +147,7 @@ fn header(title: &str, verdict: &Verdict) -> String {
     )
 }
 
-/// A section of sentences; nothing if there are none.
+/// A section of sentences; nothing without sentences.
 fn section(title: &str, sentences: &[String]) -> String {
     if sentences.is_empty() {
         return String::new();

@@ -52,7 +52,7 @@ impl Default for MomentumConservingConfig {
 /// * The force on the canonical momenta is not the gradient of any energy, whatever the degree of S: with K(x, y) the
 ///   field at x of a particle at y, it would have to be ∂K/∂y = −∂K/∂x, which says that K depends on x − y alone. On a
 ///   grid it does not, for particles in neighbouring cells. So a kick is not symplectic. [`Pic`](super::Pic) has the force that is a
-/// gradient.
+///   gradient.
 /// * The force has a jump where a particle passes a boundary between cells for degree 0, and is continuous otherwise.
 /// * Nodes are where cells meet for odd degrees, and in the middle of cells for even ones.
 ///

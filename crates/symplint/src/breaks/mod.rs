@@ -125,7 +125,7 @@ pub(crate) fn find_break_with(
     follow_up(evaluator, phase_loop, h, &suspects, samples, Some(advanced))
 }
 
-/// The first of `suspects` that is a break, if they are cells between this number of samples, which may be `known`.
+/// The first break among `suspects`: these are cells between `samples` samples, which may be `known`.
 ///
 /// # Errors
 /// Those of the map where it is evaluated between the samples.

@@ -57,7 +57,7 @@ pub(crate) struct EvaluationCount {
 }
 
 impl EvaluationCount {
-    /// No evaluations made, `budget` allowed.
+    /// No evaluations made, at most `budget` allowed.
     pub fn new(budget: usize) -> Self {
         EvaluationCount {
             made: AtomicUsize::new(0),

@@ -409,7 +409,7 @@ mod tests {
         let grain =
             Grain::of(64, &Coordinates::plain(2), None, value, |_| Before::Unknown).unwrap();
         assert!(grain.is_exceeded(0, 1e-5), "{grain:?}");
-        // Not even of its own degree of freedom, but small ones.
+        // It does not hide jumps of the same degree of freedom either, except small ones.
         let value = |c: usize, k: usize| match c {
             0 => 1e-2 * (0.37 * k as f64).sin(),
             _ => f64::from((50.0 + 1e-5 * (0.37 * k as f64).cos()) as f32),

@@ -99,9 +99,8 @@ pub fn balanced_radii(
 ///
 /// A loop need not move all coordinates, and tests must: a map has to be symplectic in every direction. In a degree of
 /// freedom at rest the product of both radii is the largest one of the others, as actions have one unit in all of
-/// them; that of its centre, where this is much smaller. The ratio ρ of both is balanced by what the map does: displaced by a part of its
-/// radius, q changes p by as large
-/// a part of the radius of p as p changes q. Both are the same in all units.
+/// them; that of its centre, where this is much smaller. The ratio ρ of both is balanced by the response of the map: displaced by a part
+/// of its radius, q changes p by as large a part of the radius of p as p changes q. Both are the same in all units.
 #[derive(Clone, Debug)]
 pub(crate) struct LoopSize {
     /// Of all positions, then of all momenta.

@@ -138,7 +138,7 @@ mod tests {
         loop_integral.roundoff = 0.031;
         let error = Defect::between(&loop_integral, &exactly(3.0)).unwrap_err();
         assert!(matches!(error, Error::LostInRounding { .. }), "{error}");
-        // Of what cancels to less than a tenth, the area itself is none.
+        // If the terms of the integral cancel to less than a tenth, the error is that the loop has no area.
         for (scale, is_lost) in [(29.0, true), (31.0, false)] {
             loop_integral.scale = scale;
             let error = Defect::between(&loop_integral, &exactly(3.0)).unwrap_err();

@@ -438,7 +438,7 @@ mod tests {
                     (retained - 2.0 * 7.0).abs() < 0.1,
                     "{n}, {cell}: {retained}"
                 );
-                // Left out, it is none.
+                // A cell that is left out has no uncertainty.
                 for q_steps in [true, false] {
                     let omitted = uncertain(n, cell, q_steps, 10.0);
                     assert_eq!(omitted, 0.0, "{n}, {cell}, {q_steps}");

@@ -19,7 +19,7 @@ struct Uncertain {
     index: usize,
     /// How far it may be moved along s.
     distance: f64,
-    /// The distance outwards of its sides without another break.
+    /// Outwards of its sides, there is no other break up to this distance.
     free: f64,
 }
 

@@ -24,7 +24,7 @@ pub(super) struct Jump {
     pub bracket: Bracket,
     /// Images of the states next to it, from each end of the bracket outwards.
     beside: [Vec<PointImage>; 2],
-    /// How often these were looked at.
+    /// How often these were examined.
     pub looks: usize,
     /// Images of the states round the zone in which the map may flicker, from each end outwards.
     around: [Vec<PointImage>; 2],

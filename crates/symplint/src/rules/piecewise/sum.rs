@@ -149,7 +149,7 @@ pub(super) fn sum(
         breaks.retain(is_substantial);
     }
     let broken = breaks.iter().any(is_substantial);
-    // Rounding decides beside the breaks of a solver: their positions are known to a factor of two of the width of that zone,
+    // Rounding decides next to the breaks of a solver: their positions are known to a factor of two of the width of that zone,
     // and pairs of them in narrow stretches are missed. There may be as many of them as were found.
     let break_uncertainty = match flickering {
         0 => break_uncertainty,

@@ -97,7 +97,7 @@ impl Clues<'_> {
         Self::choice_inside,
     ];
 
-    /// The causes of changes of loop integrals, likewise.
+    /// The causes of changes of loop integrals, those that the evidence shows most surely first.
     const OF_CHANGES: [fn(&Self) -> Option<Cause>; 8] = [
         Self::ignores_step_size,
         Self::swapped,
