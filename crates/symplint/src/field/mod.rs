@@ -150,8 +150,7 @@ impl FieldTest {
     ///
     /// # Errors
     /// If a length, a radius, a centre, the number of loops or the budget is not valid, a stated period is not one of the force, or the
-    /// force
-    /// fails or is not finite on a loop.
+    /// force fails or is not finite on a loop.
     pub fn run_force(&self, force: &dyn TimeAdvance, q0: &[f64]) -> Result<FieldReport, Error> {
         self.run(force, FieldKind::Force, q0, &vec![0.0; q0.len()])
     }

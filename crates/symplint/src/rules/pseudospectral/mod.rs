@@ -140,15 +140,13 @@ const LITTLE: f64 = 1e-3;
 
 /// By how much an exponent scatters that is a difference of the logarithms of the energies of octaves: those of the modes of each
 /// add up to 3 times those of the highest `octave` if it is of two octaves, and the difference of two such exponents has 13. (An energy of
-/// n independent
-/// modes scatters by 1/√n of itself, and an octave has half as many modes as the next.)
+/// n independent modes scatters by 1/√n of itself, and an octave has half as many modes as the next.)
 fn scatter(octave: usize, variance: f64) -> f64 {
     0.5 * std::f64::consts::LOG2_E * (variance / f64::from(1u32 << octave)).sqrt()
 }
 
 /// From one octave to the next the Sobolev exponent of jumps stays, or falls to theirs, but for how much it scatters; the exponent of a
-/// smooth
-/// feature as narrow as the samples are apart grows. Derived: from ¼ to 1, those of [`JUMPING`], by 0.36 or more if its modes fall
+/// smooth feature as narrow as the samples are apart grows. Derived: from ¼ to 1, those of [`JUMPING`], by 0.36 or more if its modes fall
 /// exponentially, and by 0.56 or more if they fall as those of a Gaussian. So does the exponent of two jumps that are near each other,
 /// which are followed if they are large enough.
 const GROWTH_OF_A_FEATURE: f64 = 0.3;

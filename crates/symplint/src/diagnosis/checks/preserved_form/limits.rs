@@ -68,8 +68,7 @@ pub(super) const FIRST_SAMPLES: usize = 64;
 pub(super) const KNOWN: f64 = 1e-13;
 
 /// More samples of a loop help if they made the uncertainty of its integral fall by this factor. Conventional: those of a smooth loop make
-/// it fall
-/// by far more, noise by √2.
+/// it fall by far more, noise by √2.
 pub(super) const FALLS: f64 = 4.0;
 
 /// A number with this many digits fewer than its error supports was chosen by a person: one in a thousand others would be as short.
