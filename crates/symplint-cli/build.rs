@@ -1,4 +1,4 @@
-//! The commit that the program is built from, for the provenance of reports, where it is built from a repository.
+//! The commit that the program is built from, for the provenance of reports, if it is built from a repository.
 
 use std::fs;
 use std::path::{Path, PathBuf};

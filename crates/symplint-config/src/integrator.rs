@@ -233,7 +233,7 @@ fn stop(section: &Section) -> Result<Stop, ConfigError> {
     }
 }
 
-/// The map with deliberate faults, where the keys ask for them.
+/// The map with deliberate faults, if the keys ask for them.
 fn with_faults(
     section: &Section,
     full_name: &mut String,

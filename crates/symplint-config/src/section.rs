@@ -355,7 +355,7 @@ impl Section {
         })
     }
 
-    /// Records the value of a key, where it differs from what was written.
+    /// Records the value of a key, if it differs from what was written.
     pub fn record(&self, key: &str, value: impl Into<toml::Value>) {
         self.resolved
             .borrow_mut()

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-/// A file system in memory, where there is one: disks take milliseconds to keep a journal.
+/// A file system in memory, if there is one: disks take milliseconds to keep a journal.
 const IN_MEMORY: &str = "/dev/shm";
 
 /// Calls `read` with the path of a file of these bytes, in a separate folder that is removed afterwards.

@@ -41,7 +41,7 @@ pub trait Separable: Send + Sync {
     /// A drift, a kick and a drift for the times `taus`, to the last bit as one after the other. By
     /// default it is just that; a system whose forces are local can do it in one pass over memory.
     ///
-    /// Says whether all states are finite then, where it has looked.
+    /// Says whether all states are finite then, if it has checked.
     fn drift_kick_drift(
         &self,
         taus: [f64; 3],
@@ -97,7 +97,7 @@ pub trait DriftKick: Send + Sync {
     /// A drift, a kick and a drift for the times `taus`, to the last bit as one after the other. By
     /// default it is just that; a system whose forces are local can do it in one pass over memory.
     ///
-    /// Says whether all states are finite then, where it has looked.
+    /// Says whether all states are finite then, if it has checked.
     fn drift_kick_drift(
         &self,
         taus: [f64; 3],

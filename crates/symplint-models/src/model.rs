@@ -38,7 +38,7 @@ impl Model {
         }
     }
 
-    /// The Hamiltonian, where there is one that is known.
+    /// The Hamiltonian, if there is one that is known.
     pub fn hamiltonian(&self) -> Option<&dyn Hamiltonian> {
         match self {
             Model::Separable(system) => Some(system),

@@ -74,7 +74,7 @@ fn measure_here(name: &str, size: usize) {
     println!("{} {}", time.as_nanos(), peak_bytes() - before);
 }
 
-/// The largest resident size so far, where the system tells.
+/// The largest resident size so far, if the system tells.
 fn peak_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with("VmHWM:"));

@@ -79,7 +79,7 @@ struct Row {
     error: f64,
     /// The largest error of one component, times their number.
     errors_added: f64,
-    /// The bound of section 2.4, where it has no unknown constant.
+    /// The bound of section 2.4, if it has no unknown constant.
     bound: Option<f64>,
 }
 

@@ -168,7 +168,7 @@ fn trend(case: &str, rk2: &[Record]) -> Claim {
     )
 }
 
-/// Linear splines: the points of both integrators that exceed their uncertainty clearly, where it is known.
+/// Linear splines: the points of both integrators that exceed their uncertainty clearly, if it is known.
 fn clear_pairs(curves: &Curves) -> Vec<(&Record, &Record)> {
     let clear = |r: &Record| r.defect() > 3.0 * r.uncertainty();
     (PLASMAS.into_iter())

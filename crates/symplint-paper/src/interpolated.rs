@@ -22,7 +22,7 @@ pub struct Case {
     pub title: &'static str,
     /// Whether the paper uses finite differences, because loops break.
     pub broken: bool,
-    /// Rate of convergence in the samples, where there is one to show.
+    /// Rate of convergence in the samples, if there is one to show.
     pub sample_order: Option<f64>,
 }
 

@@ -41,7 +41,7 @@ pub struct Record {
     pub roundoff: f64,
     /// Cells left out.
     pub omitted_cells: Option<usize>,
-    /// (I(h) − I(0)) / |I(0)| by the piecewise rule, where it was asked.
+    /// (I(h) − I(0)) / |I(0)| by the piecewise rule, if it was asked.
     pub true_defect: Option<f64>,
     /// How far off that may be.
     pub true_defect_error: Option<f64>,

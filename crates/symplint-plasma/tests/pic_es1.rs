@@ -239,7 +239,7 @@ fn the_nearest_grid_point_breaks_loops_too() {
     assert_ne!(found.verdict.conserved_once_closed, Some(true));
 }
 
-/// Between v(t − h/2) and v(t) lies half a kick at fixed positions: where the force is a gradient, the loop integral of
+/// Between v(t − h/2) and v(t) lies half a kick at fixed positions: if the force is a gradient, the loop integral of
 /// staggered states is that of synchronised ones.
 #[test]
 fn staggered_velocities_need_no_synchronising_where_the_force_is_a_gradient() {

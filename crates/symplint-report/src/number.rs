@@ -2,7 +2,7 @@
 
 use crate::figure::superscript;
 
-/// k of 2^k, where that reads better than the number; 1 does not.
+/// k of 2^k, if that reads better than the number; 1 does not.
 fn exponent(value: f64) -> Option<f64> {
     Some(value.log2()).filter(|exponent| exponent.fract() == 0.0 && *exponent != 0.0)
 }

@@ -21,7 +21,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// A run that starts now, of a program of this version and, where that is known, this commit.
+    /// A run that starts now, of a program of this version and, if that is known, this commit.
     pub fn start(version: &str, commit: Option<&str>) -> Self {
         Run {
             version: version.to_owned(),
@@ -54,7 +54,7 @@ impl Run {
 pub struct Provenance {
     /// Version of the program.
     pub version: String,
-    /// Its commit, where it was built from a repository.
+    /// Its commit, if it was built from a repository.
     pub commit: Option<String>,
     /// When the run started, in universal time.
     pub date: String,
@@ -99,7 +99,7 @@ impl Provenance {
     }
 }
 
-/// The name of the processor, where the system reports it, with the architecture that the program was built for.
+/// The name of the processor, if the system reports it, with the architecture that the program was built for.
 fn processor() -> String {
     let architecture = std::env::consts::ARCH;
     // Linux.

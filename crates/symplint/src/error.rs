@@ -175,7 +175,7 @@ pub enum Error {
         dof: usize,
         /// Which state.
         at: StateAt,
-        /// The step size, where a map made the state.
+        /// The step size, if a map made the state.
         step_size: Option<f64>,
         /// NaN or an infinity.
         value: f64,

@@ -37,7 +37,7 @@
 //!
 //! # What is promised
 //!
-//! * No false verdict: where the numbers do not decide, the verdict is undecided and says what to change.
+//! * No false verdict: if the numbers do not decide, the verdict is undecided and says what to change.
 //! * Every loop integral comes with an estimate of its quadrature error and with its round-off.
 //! * Results do not depend on the number of threads, to the last bit. Work is spread over the
 //!   current Rayon pool.

@@ -28,9 +28,9 @@ pub struct LoopFile {
     pub states: Ensemble,
     /// Relative rounding error of the values as they were stored.
     pub unit_roundoff: f64,
-    /// The step that made the states, where the file says it.
+    /// The step that made the states, if the file says it.
     pub step_size: Option<f64>,
-    /// Period of each position, 0 for none, where the file says them; one for all is allowed.
+    /// Period of each position, 0 for none, if the file says them; one for all is allowed.
     pub period: Option<Vec<f64>>,
     /// Period of each momentum, in the same form.
     pub momentum_period: Option<Vec<f64>>,

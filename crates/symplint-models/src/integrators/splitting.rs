@@ -206,7 +206,7 @@ impl<S: DriftKick> Splitting<S> {
         &self.system
     }
 
-    /// One step; says whether all states are finite then, where the system has looked.
+    /// One step; says whether all states are finite then, if the system has checked.
     fn step(&self, h: f64, block: &mut Block<'_>) -> Option<bool> {
         let mut finite = None;
         let mut substeps = self.method.substeps.as_slice();

@@ -22,7 +22,7 @@ pub enum Plasma {
 pub struct Invariants {
     /// The energy.
     pub energy: f64,
-    /// How far Gauss' law is from being satisfied, where the field is not computed from it in every step.
+    /// How far Gauss' law is from being satisfied, if the field is not computed from it in every step.
     pub gauss: Option<f64>,
     /// The momentum along x.
     pub momentum: f64,

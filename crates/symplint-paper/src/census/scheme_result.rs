@@ -31,9 +31,9 @@ pub struct TableRow {
     pub degree: usize,
     /// The verdict in a few words.
     pub verdict: String,
-    /// k of defect ~ h^k, where the verdict has one.
+    /// k of defect ~ h^k, if the verdict has one.
     pub order: Option<f64>,
-    /// The same of small loops together, at the two smallest step sizes, where no loop breaks.
+    /// The same of small loops together, at the two smallest step sizes, if no loop breaks.
     pub slope: Option<f64>,
     /// Digits to which loop integrals are conserved.
     pub digits: Option<f64>,
@@ -51,7 +51,7 @@ pub struct TableRow {
     pub energy_error: f64,
     /// That in its second half, over that in its first.
     pub energy_growth: f64,
-    /// The largest residual of Gauss' law over the run, where it is not solved for in each step.
+    /// The largest residual of Gauss' law over the run, if it is not solved for in each step.
     pub gauss_residual: Option<f64>,
     /// The largest change of the momentum along x over the run.
     pub momentum_change: f64,

@@ -32,7 +32,7 @@ const FIGURES: &str = "figures";
 /// An empty file, which is locked while a run writes to the folder.
 pub const LOCK: &str = ".lock";
 
-/// A folder for what a run leaves behind. No other run can have it at the same time, where the file system has locks.
+/// A folder for what a run leaves behind. No other run can have it at the same time, if the file system has locks.
 pub struct RunFolder {
     path: PathBuf,
     /// Locked until it is closed.

@@ -19,7 +19,7 @@ fn circle(q0: f64, p0: f64) -> Circle {
     Circle::new(vec![q0], vec![p0], 1.0).unwrap()
 }
 
-/// A kick by any force of q alone and a drift: symplectic, where the force is continuous.
+/// A kick by any force of q alone and a drift: symplectic, if the force is continuous.
 fn kick_drift(force: impl Fn(f64) -> f64 + Send + Sync) -> impl TimeAdvance {
     PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
         p[0] -= h * force(q[0]);

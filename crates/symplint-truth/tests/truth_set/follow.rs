@@ -282,7 +282,7 @@ fn followed(member: &Member, diagnosis: &Diagnosis, wanted: impl Fn(&Advice) -> 
     let (mut member, mut found) = (member.clone(), diagnosis.clone());
     let mut exact = false;
     for _ in 0..ROUNDS {
-        // What lifts a limit comes first, where it is wanted.
+        // What lifts a limit comes first, if it is wanted.
         let mut advice: Vec<Advice> = found.verdict.advice.clone();
         advice.retain(&wanted);
         advice.sort_by_key(|advice| !lifts_a_limit(advice));

@@ -34,7 +34,7 @@ pub enum Expected {
     /// The loop integral changes by this much, in a feature so narrow that few samples meet it: a symplectic verdict is right if its digits
     /// are not too many.
     Hidden(f64),
-    /// The map breaks loops. Once closed, they keep their integrals or do not, where that is known.
+    /// The map breaks loops. Once closed, they keep their integrals or do not, if that is known.
     Broken { closed: Option<bool> },
     /// Symplectic, with a period that is not the map's: symplectic, or an error that names it.
     WrongPeriod,
@@ -86,7 +86,7 @@ pub struct KnownBreak {
 #[derive(Clone)]
 pub struct Truth {
     pub expected: Expected,
-    /// Change of the integral of the given loop, of a broken one between its breaks, where it is known to round-off.
+    /// Change of the integral of the given loop, of a broken one between its breaks, if it is known to round-off.
     pub change: Option<ChangeLaw>,
     /// Whether that is the change of every other loop, too.
     pub of_all_loops: bool,
@@ -133,7 +133,7 @@ pub enum Subject {
         map: Arc<dyn TimeAdvance>,
         on: Arc<dyn Loop>,
         diagnostic: Box<Diagnostic>,
-        /// The same map in double precision, where it works with fewer digits; solved to round-off, where a solver
+        /// The same map in double precision, if it works with fewer digits; solved to round-off, where a solver
         /// stops at a tolerance.
         full: Option<Arc<dyn TimeAdvance>>,
         /// The same map with a projection onto its manifold.

@@ -135,7 +135,7 @@ pub fn outcome(member: &Member, diagnosis: &Diagnosis) -> Outcome {
     }
 }
 
-/// Whether the order is the right one, where one is known.
+/// Whether the order is the right one, if one is known.
 pub fn order(truth: &Truth, diagnosis: &Diagnosis) -> Option<Order> {
     if truth.orders.is_empty() || diagnosis.verdict.kind != VerdictKind::NotSymplectic {
         return None;

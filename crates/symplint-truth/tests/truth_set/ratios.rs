@@ -131,7 +131,7 @@ pub fn may_be_more(diagnosis: &Diagnosis) -> bool {
     largest_step(diagnosis).is_some_and(|step| step.flickering > 0)
 }
 
-/// The breaks of the given loop after the largest step, where it could be closed.
+/// The breaks of the given loop after the largest step, if it could be closed.
 pub fn given_breaks(diagnosis: &Diagnosis) -> Option<Vec<Break>> {
     let step = largest_step(diagnosis)?;
     step.closing?;

@@ -96,7 +96,7 @@ pub fn member(index: usize) -> Member {
     let width = random.log_between(1e-9, 1e-1);
     let h = random.between(0.3, 0.6);
     let strength = random.sign() * random.between(0.3, 1.5);
-    // Noise of this size, where the mean over all samples is far below it.
+    // Noise of this size, if the mean over all samples is far below it.
     let noisy = |size: f64| Expected::Symplectic {
         most_digits: 3.0 - size.log10(),
     };

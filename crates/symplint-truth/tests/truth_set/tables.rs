@@ -14,7 +14,7 @@ pub struct Line {
     pub outcome: Outcome,
     pub followed: Option<Followed>,
     pub order: Option<Order>,
-    /// Breaks: true ones, and those found, where all are said to be known.
+    /// Breaks: true ones, and those found, if all are said to be known.
     pub breaks: Option<(usize, Option<usize>)>,
     pub ratios: Vec<(String, f64)>,
     pub seconds: f64,

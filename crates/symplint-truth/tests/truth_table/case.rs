@@ -21,7 +21,7 @@ pub enum Truth {
     Defect(Order),
     /// The map is discontinuous on the loop, or on those tried with it.
     Broken {
-        /// Whether loops keep their integral once their breaks are closed, where that is known.
+        /// Whether loops keep their integral once their breaks are closed, if that is known.
         closed: Option<bool>,
     },
 }

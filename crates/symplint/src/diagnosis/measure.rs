@@ -25,7 +25,7 @@ impl Diagnostic {
     /// # Errors
     /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, there is no loop or too many, results depend on
     /// earlier calls or on the batch, the loop is random, the loop is not closed or encloses no area, or the map fails on the given loop or
-    /// returns states that are not finite at every step size: where it does so at some of them, the others are measured and
+    /// returns states that are not finite at every step size: if it does so at some of them, the others are measured and
     /// those are noted ([`Omission`](crate::evidence::Omission)).
     pub fn measure(
         &self,

@@ -67,7 +67,7 @@ pub struct Diagnostic {
     pub has_step_size: bool,
     /// The map is composed with itself this number of times, 1 or more. Each state then takes this number of evaluations.
     pub repeat: usize,
-    /// A typical step size, where there are no `step_sizes`: those tried are the largest that advances the motions on
+    /// A typical step size, if there are no `step_sizes`: those tried are the largest that advances the motions on
     /// the loop by about a radian and that the map can take, and seven halvings of it; all of them are this one times
     /// a power of two.
     pub typical_step: Option<f64>,
@@ -81,7 +81,7 @@ pub struct Diagnostic {
     /// Seed of the random loops.
     pub seed: u64,
     /// Whether loops, the given one included, and the states of the Jacobian are put on the
-    /// [manifold](crate::map::Constraint) that a map acts on, where it names one.
+    /// [manifold](crate::map::Constraint) that a map acts on, if it names one.
     pub project: bool,
     /// So many steps of the largest size of the given loop, to see whether a defect adds up; 0 for none.
     pub long_time: usize,

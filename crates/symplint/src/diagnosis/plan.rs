@@ -10,7 +10,7 @@ use super::{Diagnostic, SampleCount};
 use crate::jacobian::JacobianTest;
 use crate::map::Evaluator;
 
-/// The budget where none is given. It allows the many steps that are asked for and, where the number of samples is
+/// The budget if none is given. It allows the many steps that are asked for and, if the number of samples is
 /// given, the sweeps.
 pub(super) fn default_budget(diagnostic: &Diagnostic) -> usize {
     let measurements = diagnostic.step_sizes.len() + diagnostic.loops;
@@ -91,7 +91,7 @@ impl Plan {
         self.tolerance > 0.0
     }
 
-    /// The most samples of the given loop, where this many evaluations are left for loops.
+    /// The most samples of the given loop, if this many evaluations are left for loops.
     pub fn most_samples(&self, diagnostic: &Diagnostic, budget: usize, left: usize) -> usize {
         if !self.is_tight() {
             return share(diagnostic, budget).min(left);

@@ -55,7 +55,7 @@ pub struct Evidence {
     /// Both sides of a break.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub break_sides: Option<BreakSides>,
-    /// Degrees of freedom in groups of similar action, the largest first, where there are several.
+    /// Degrees of freedom in groups of similar action, the largest first, if there are several.
     #[serde(default)]
     pub groups: Vec<DofGroup>,
     /// Results about the map apart from loop integrals.

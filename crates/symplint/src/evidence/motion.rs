@@ -70,7 +70,7 @@ impl Motion {
         }
     }
 
-    /// The strongest motion of the loops that count, and the step size that makes it, where it is known. Of shears, the
+    /// The strongest motion of the loops that count, and the step size that makes it, if it is known. Of shears, the
     /// one that deforms its loop most.
     pub(crate) fn strongest(loops: &[LoopEvidence]) -> Option<(Motion, Option<f64>)> {
         // Loops that wind, or bound no defect, do not count, unless there are no others.

@@ -24,7 +24,7 @@ pub struct StepEvidence {
     pub defect: Defect,
     /// The largest break of the advanced loop that is known.
     pub jump: Option<Break>,
-    /// What closing the breaks gives, where all of them are known.
+    /// What closing the breaks gives, if all of them are known.
     pub closing: Option<Closing>,
     /// Those of its breaks at which rounding decides on which side of them a state is.
     #[serde(default)]

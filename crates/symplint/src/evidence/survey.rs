@@ -16,7 +16,7 @@ pub struct Survey {
     /// Whether all samples of the given loop came out at one state.
     #[serde(default)]
     pub one_state: bool,
-    /// The relative rounding error of the states, where it was stated and is above that of double precision.
+    /// The relative rounding error of the states, if it was stated and is above that of double precision.
     #[serde(default)]
     pub stated_roundoff: Option<f64>,
     /// By how much results of one state differ, if they do.

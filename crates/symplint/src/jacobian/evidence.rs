@@ -13,7 +13,7 @@ pub enum JacobianMethod {
     TangentMap,
     /// Central differences, extrapolated.
     CentralDifferences {
-        /// Why the tangent map is not used, where the map has one.
+        /// Why the tangent map is not used, if the map has one.
         rejected: Option<TangentRejection>,
     },
 }

@@ -14,7 +14,7 @@ use crate::state::{Block, Ensemble, coordinate, coordinate_mut};
 const INDEPENDENT: f64 = 1e-3;
 
 impl Sampler<'_> {
-    /// Columns along these directions at a point; where the map acts on a manifold, along tangent vectors of it: a basis
+    /// Columns along these directions at a point; if the map acts on a manifold, along tangent vectors of it: a basis
     /// of the tangent space if the directions are all unit vectors, else the directions projected.
     pub(super) fn columns(
         &self,

@@ -37,7 +37,7 @@ pub(super) fn displacements(levels: Range<usize>) -> impl Iterator<Item = f64> {
     levels.map(distance).flat_map(|t| [t, -t])
 }
 
-/// Whether finer levels can improve a derivative from the first ones: where its error is of interest, and noise
+/// Whether finer levels can improve a derivative from the first ones: if its error is of interest, and noise
 /// over the finer distances is not as large.
 pub(super) fn finer_levels_help(derivative: &Derivative, noise: f64) -> bool {
     let of_interest = CONSTANTS.least_defect_of_differences * derivative.largest();

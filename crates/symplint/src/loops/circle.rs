@@ -30,7 +30,7 @@ pub struct Circle {
     p0: Vec<f64>,
     /// a_i.
     radii_q: Vec<f64>,
-    /// b_i, where they differ from a_i.
+    /// b_i, if they differ from a_i.
     radii_p: Option<Vec<f64>>,
     phases: Phases,
     /// (sin 2πφ_i, cos 2πφ_i) of random phases. Others are computed when they are needed.

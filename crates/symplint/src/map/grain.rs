@@ -29,7 +29,7 @@ const STAIRS: f64 = 4.0;
 /// What is rounded in other coordinates hides no jump larger than sixteen times this part of a coordinate's range.
 const MOST_OF_OTHERS: f64 = 3e-3;
 
-/// By how much rounding moves each coordinate, where a map returns numbers of fewer digits than double precision:
+/// By how much rounding moves each coordinate, if a map returns numbers of fewer digits than double precision:
 /// single precision, decimals, or multiples of anything.
 ///
 /// That is the distance of its neighbouring values, or more: what is rounded in one coordinate moves the others in the
@@ -191,7 +191,7 @@ impl Grain {
         STAIRS * (of(i, dof + i) + of(dof + i, i))
     }
 
-    /// What rounding makes of the integral of a degree of freedom, without its weight, where it leaves a coordinate so
+    /// What rounding makes of the integral of a degree of freedom, without its weight, if it leaves a coordinate so
     /// few values that samples do not show their scatter; else 0.
     pub fn of_unresolved(&self, i: usize) -> f64 {
         match self.unresolved[i] || self.unresolved[self.dof() + i] {
@@ -238,7 +238,7 @@ impl CoordinateGrain {
         }
     }
 
-    /// Takes few values, where the loop had `before` them, for rounded ones.
+    /// Takes few values, if the loop had `before` them, for rounded ones.
     fn compare(&mut self, before: &[f64], written: bool) {
         let every = before.len().div_ceil(SAMPLES).max(1);
         let had = Levels::of(before.iter().step_by(every).copied()).count();

@@ -4,7 +4,7 @@ use super::Evaluator;
 use crate::loops::Loop;
 use crate::state::{Block, coordinate, coordinate_mut};
 
-/// The image of a loop under one step of size `h`. Each of its samples is an evaluation; where the map fails it is NaN,
+/// The image of a loop under one step of size `h`. Each of its samples is an evaluation; if the map fails it is NaN,
 /// which becomes an error.
 pub(crate) struct ImageLoop<'a> {
     pub inner: &'a dyn Loop,

@@ -19,7 +19,7 @@ const REPETITIONS: usize = 4;
 /// too large still larger; and not so small that the rounding of single precision shows.
 const DISTANCE: f64 = 1.0 / 64.0;
 
-/// A degree of freedom at rest at a centre (q, p) is given this part of √(q²/ρ + ρp²) for a radius, where no other
+/// A degree of freedom at rest at a centre (q, p) is given this part of √(q²/ρ + ρp²) for a radius, if no other
 /// one tells.
 const PART_OF_CENTRE: f64 = 0.1;
 
@@ -53,7 +53,7 @@ pub struct BalancedRadii {
 ///
 /// In each degree of freedom the ratio ρ of the radius in q to that in p is balanced: displaced by its radius, q changes
 /// p by as large a part of the radius of p as p changes q. The size is a tenth of that of the centre, √(q²/ρ + ρp²) with
-/// the ratio taken out, or of the motion that a step shows of it, (Δq²/ρ + ρΔp²)/(hω)² times 4, where this is smaller: an
+/// the ratio taken out, or of the motion that a step shows of it, (Δq²/ρ + ρΔp²)/(hω)² times 4, if this is smaller: an
 /// origin may be far away. Of a periodic position, one radian counts instead of q. A degree of freedom that is at the
 /// origin is given the area of the largest of the others; if all are there, radii whose product is 1. The proportions
 /// are the same in all units.
@@ -99,7 +99,7 @@ pub fn balanced_radii(
 ///
 /// A loop need not move all coordinates, and tests must: a map has to be symplectic in every direction. In a degree of
 /// freedom at rest the product of both radii is the largest one of the others, as actions have one unit in all of
-/// them; that of its centre, where this is much smaller. The ratio ρ of both is balanced by the response of the map: displaced by a part
+/// them; that of its centre, if this is much smaller. The ratio ρ of both is balanced by the response of the map: displaced by a part
 /// of its radius, q changes p by as large a part of the radius of p as p changes q. Both are the same in all units.
 #[derive(Clone, Debug)]
 pub(crate) struct LoopSize {
@@ -252,7 +252,7 @@ impl LoopSize {
     }
 
     /// The action, without the weight, of a loop of a tenth of the size of the centre: of its distance from the origin, or
-    /// of the motion that a step of (hω)² = `squared_advance` moves along, where this is smaller. An origin may be far
+    /// of the motion that a step of (hω)² = `squared_advance` moves along, if this is smaller. An origin may be far
     /// away.
     fn of_centre(
         &self,

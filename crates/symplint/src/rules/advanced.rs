@@ -36,7 +36,7 @@ impl<'a> Subject<'a> {
         self.evaluator.coordinates()
     }
 
-    /// Samples that are advanced to learn the grain of the map, where no others stay in memory.
+    /// Samples that are advanced to learn the grain of the map, if no others stay in memory.
     pub const SAMPLES_OF_GRAIN: usize = 32;
 
     /// Learns the grain of the map on this loop from a few samples, if it is not known and the budget allows it.
@@ -122,7 +122,7 @@ pub(crate) struct LoopAfterStep {
     pub defect: Defect,
     /// All that the rule finds, or the one that samples led to.
     pub breaks: Vec<Break>,
-    /// What closing all breaks gives, where all are known.
+    /// What closing all breaks gives, if all are known.
     pub closed: Option<BreakClosure>,
     /// States that make up the integral.
     pub samples: usize,

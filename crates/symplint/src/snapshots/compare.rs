@@ -93,7 +93,7 @@ struct Row {
     largest: [f64; 2],
     /// Rounding errors of the stored values.
     rounding: [f64; 2],
-    /// What rounding makes of the integral, where it leaves few values.
+    /// What rounding makes of the integral, if it leaves few values.
     unresolved: f64,
 }
 

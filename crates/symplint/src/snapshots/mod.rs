@@ -34,7 +34,7 @@ pub struct Snapshot {
     /// Relative rounding error of the stored values, as a part of the largest: 2^-53 of double precision,
     /// 2^-24 of single precision, 5e-7 of seven decimal digits.
     pub unit_roundoff: f64,
-    /// The size of the step that made the states, where that is known. Not zero.
+    /// The size of the step that made the states, if that is known. Not zero.
     pub step_size: Option<f64>,
 }
 

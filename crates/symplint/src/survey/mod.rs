@@ -17,7 +17,7 @@ use precision::Precision;
 /// Samples that the survey looks at, of those that were advanced anyway.
 const SAMPLES: usize = 64;
 
-/// Samples that are advanced for the survey alone, where no others stay in memory.
+/// Samples that are advanced for the survey alone, if no others stay in memory.
 const FEW_SAMPLES: usize = 32;
 
 /// Surveys the map by samples of a loop that were advanced.

@@ -70,9 +70,9 @@ pub enum Advice {
     DefectDoesNotFall,
     /// Take larger steps.
     LargerSteps {
-        /// So many times the largest one, where it can be told.
+        /// This multiple of the largest one, if it is known.
         factor: Option<f64>,
-        /// The largest one, where it is known.
+        /// The largest one, if it is known.
         step_size: Option<f64>,
     },
     /// Take a larger loop: its integral changes.

@@ -615,7 +615,7 @@ impl<'a> Case<'a> {
         })
     }
 
-    /// The strongest motion of a loop, and the step size that makes it, where it is known.
+    /// The strongest motion of a loop, and the step size that makes it, if it is known.
     fn strongest_motion(&self) -> Option<(Motion, Option<f64>)> {
         Motion::strongest(self.loops)
     }

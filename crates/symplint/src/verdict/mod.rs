@@ -59,9 +59,9 @@ impl std::fmt::Display for VerdictKind {
 pub struct Verdict {
     /// The answer.
     pub kind: VerdictKind,
-    /// Digits to which the loop integral is conserved, where the verdict is symplectic.
+    /// Digits to which the loop integral is conserved, if the verdict is symplectic.
     pub digits: Option<f64>,
-    /// k of defect ~ h^k, where the defects have a trend that is a whole number within its uncertainty or 0.15.
+    /// k of defect ~ h^k, if the defects have a trend that is a whole number within its uncertainty or 0.15.
     pub order: Option<f64>,
     /// Whether the loop integrals are conserved once breaks are closed, where loops are broken and that is
     /// known.

@@ -134,7 +134,7 @@ fn parabola(x: f64) -> f64 {
     if x < 0.5 { hill } else { -hill }
 }
 
-/// Zero and first order interpolation of that force from a grid of so many cells.
+/// Zero and first order interpolation of that force from a grid of `cells` cells.
 fn interpolated(cells: f64, degree: u8) -> Box<dyn TimeAdvance> {
     let coordinates = Coordinates::plain(1).with_periods(vec![1.0]).unwrap();
     let coordinates = coordinates.with_grid_spacing(1.0 / cells).unwrap();

@@ -77,7 +77,7 @@ impl<'a> Convergence<'a> {
         self.sizes[sample]
     }
 
-    /// Says that changes of a sample up to `change` may be round-off, where that is more than its state's.
+    /// Says that changes of a sample up to `change` may be round-off, if that is more than its state's.
     pub(super) fn raise_floor(&mut self, sample: usize, change: f64) {
         self.floors[sample] = self.floors[sample].max(change);
     }

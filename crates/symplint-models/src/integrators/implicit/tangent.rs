@@ -1,6 +1,6 @@
 //! Tangent vectors through an implicit step.
 //!
-//! By the implicit function theorem: where the stages Y_i solve their equations, the changes κ_i of the
+//! By the implicit function theorem: if the stages Y_i solve their equations, the changes κ_i of the
 //! slopes along a tangent vector u solve the linear ones κ_i = Df(Y_i)(u + h Σ_j a_ij κ_j), by the same
 //! iteration, which contracts as fast.
 

@@ -376,7 +376,7 @@ impl Diagnostic {
     }
 
     /// The streaming rule, samples doubled from `from` where their number is not given; and the quadrature
-    /// error that it leaves, where that was measured.
+    /// error that it leaves, if that was measured.
     fn streamed<'a>(
         &self,
         subject: Subject<'a>,

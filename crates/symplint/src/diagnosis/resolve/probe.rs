@@ -119,7 +119,7 @@ impl<'a> Probe<'a> {
         .map(|advanced| self.rounded(advanced))
     }
 
-    /// What rounding of as many samples leaves of the integral, relative to it, where the map rounds.
+    /// What rounding of as many samples leaves of the integral, relative to it, if the map rounds.
     pub fn of_rounding(&self) -> Option<f64> {
         let grain = self.subject.evaluator.grain()?;
         let of_samples = grain.of_samples(self.samples, self.subject.coordinates());

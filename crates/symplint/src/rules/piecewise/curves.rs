@@ -24,7 +24,7 @@ pub(super) struct Curves<'a> {
     pub lift: Lift,
 }
 
-/// A straight segment of states, t in [0, 1], between substeps of the map; where the map has a manifold that it does not leave
+/// A straight segment of states, t in [0, 1], between substeps of the map; if the map has a manifold that it does not leave
 /// there, one that is put onto it.
 pub(super) struct Segment {
     /// Both ends, from where the segment begins on.

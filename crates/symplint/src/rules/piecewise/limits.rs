@@ -21,7 +21,7 @@ pub(super) const CHECKS: [f64; 2] = [-0.618, 0.267];
 /// where the next coefficient dominates.
 pub(super) const OF_A_CHECK: f64 = 2.0;
 
-/// Every `ESTIMATES`-th sample of the loop makes a separate estimate of what the interpolants miss: where they disagree,
+/// Every `ESTIMATES`-th sample of the loop makes a separate estimate of what the interpolants miss: if they disagree,
 /// the samples do not resolve it.
 pub(super) const ESTIMATES: usize = 4;
 

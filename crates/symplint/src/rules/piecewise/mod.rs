@@ -120,7 +120,7 @@ impl Default for Piecewise {
 pub struct PiecewiseIntegral {
     /// I_ac: the absolutely continuous part, what the paper's rules aim at.
     pub continuous: LoopIntegral,
-    /// The part of its quadrature error that stands for breaks whose position is uncertain: where the loop only
+    /// The part of its quadrature error that stands for breaks whose position is uncertain: if the loop only
     /// grazes what breaks it, rounding moves the breaks along s. The closed integral has none of it.
     pub break_uncertainty: f64,
     /// What breaks contribute at most that are so small that rounding inside the map may be their cause.

@@ -76,7 +76,7 @@ pub(super) struct CurveBreak {
     pub flickers: bool,
     /// How far from there it may be along the curve, if that is more than a jump of its size may.
     pub uncertainty: f64,
-    /// The substep that breaks the curve, where the step has several.
+    /// The substep that breaks the curve, if the step has several.
     pub substep: Option<usize>,
 }
 

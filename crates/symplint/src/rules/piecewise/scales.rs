@@ -16,7 +16,7 @@ pub(super) struct Scales {
     pub tolerance: Vec<f64>,
     /// What it may be off because of the noise that the map has all along the loop.
     pub noise: Vec<f64>,
-    /// The grain of the map, where it is known.
+    /// The grain of the map, if it is known.
     pub grain: Option<Grain>,
     /// Largest absolute value of each coordinate.
     pub magnitude: Vec<f64>,

@@ -7,7 +7,7 @@ use super::noise;
 use super::piece::{Piece, Smooth};
 use super::refinement::CurveBreak;
 
-/// States of a closing segment whose ends are known, where it is straight: inner nodes and checks.
+/// States of a closing segment whose ends are known, if it is straight: inner nodes and checks.
 const OF_A_SEGMENT: usize = 4;
 
 /// States that tell how well the position of a break is known.

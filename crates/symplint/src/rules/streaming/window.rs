@@ -17,7 +17,7 @@ const NEW_BYTES: usize = 16 << 20;
 /// New samples of a window at most.
 const MOST_NEW: usize = 4096;
 
-/// New samples are made in this many blocks, by as many threads, where the blocks are not too narrow.
+/// New samples are made in this many blocks, by as many threads, if the blocks are not too narrow.
 const BLOCKS: usize = 16;
 
 /// Samples of the narrowest block: a cache line.

@@ -88,7 +88,7 @@ pub enum BoundFinding {
         /// The step.
         step: Step,
     },
-    /// All samples came out at one state, which may be rounding: where its numbers are 0, or larger than the loop is wide.
+    /// All samples came out at one state, which may be rounding: if its numbers are 0, or larger than the loop is wide.
     OneState,
     /// The map fails on every random loop.
     RandomLoopsFail,

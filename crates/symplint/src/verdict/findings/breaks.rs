@@ -18,7 +18,7 @@ pub enum BreakFinding {
     Discontinuous {
         /// The largest jump of the loop that shows it.
         jump: Break,
-        /// Whether the closed integrals are conserved, where that is known.
+        /// Whether the closed integrals are conserved, if that is known.
         conserved: Option<bool>,
     },
     /// The place of the largest jump.
@@ -27,9 +27,9 @@ pub enum BreakFinding {
         loop_index: usize,
         /// The step.
         step: Step,
-        /// Breaks of that loop that were found, where they can be closed.
+        /// Breaks of that loop that were found, if they can be closed.
         breaks: Option<usize>,
-        /// Whether there may be more: where a solver stops at a tolerance, two may be too close to each other to be seen.
+        /// Whether there may be more: if a solver stops at a tolerance, two may be too close to each other to be seen.
         at_least: bool,
         /// The largest jump.
         jump: Break,
@@ -174,7 +174,7 @@ fn fmt_jump(
     }
 }
 
-/// How breaks are closed, where it is not in the substeps that cause them.
+/// How breaks are closed, if it is not in the substeps that cause them.
 fn by_chords(straight: bool) -> &'static str {
     match straight {
         true => " by straight chords (substeps unknown)",

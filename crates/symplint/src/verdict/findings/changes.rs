@@ -20,7 +20,7 @@ pub enum ChangeFinding {
         defect: f64,
         /// The step.
         step: Step,
-        /// How it falls with h, where that is known.
+        /// How it falls with h, if that is known.
         law: Option<Fit>,
     },
     /// The largest significant defect.

@@ -39,7 +39,7 @@ pub enum MapFinding {
     LittleMotion {
         /// The strongest motion of a loop.
         motion: Motion,
-        /// The group of degrees of freedom whose loops these are, where it is not all.
+        /// The group of degrees of freedom whose loops these are, if it is not all.
         #[serde(default)]
         group: Option<usize>,
     },

@@ -6,7 +6,7 @@ use crate::verdict::advice::Advice;
 use crate::verdict::findings::{BoundFinding, Finding};
 
 impl Case<'_> {
-    /// What no defect in each group exceeds, where there are several.
+    /// What no defect in each group exceeds, if there are several.
     pub(super) fn groups(&self) -> Vec<Finding> {
         let groups = self.evidence.groups.iter().enumerate();
         groups.map(|(index, _)| self.group(index)).collect()

@@ -28,7 +28,7 @@ const OF_A_WRAP: f64 = 1e-6;
 
 impl Runner<'_> {
     /// Tests whether results depend on earlier calls, and how they are rounded. The error of the map near the given loop, if it fails
-    /// there: where the given loop fails, too, its samples tell more of where that is.
+    /// there: if the given loop fails, too, its samples tell more of where that is.
     pub(super) fn look_first(&mut self, subject: Subject<'_>) -> Result<Option<Error>, Error> {
         let Subject {
             evaluator,

@@ -6,7 +6,7 @@ use crate::loops::FourierLoop;
 use crate::map::LoopSize;
 use crate::state::Coordinates;
 
-/// The kind of random loop `index`: where the given loop leaves degrees of freedom at rest, every second one moves
+/// The kind of random loop `index`: if the given loop leaves degrees of freedom at rest, every second one moves
 /// them, too, the first of all: a plane that the map keeps can hide terms of lower order.
 pub(super) fn random_kind(size: &LoopSize, index: usize) -> LoopKind {
     match !index.is_multiple_of(2) && size.at_rest.contains(&true) {

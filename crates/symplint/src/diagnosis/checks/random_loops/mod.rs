@@ -230,7 +230,7 @@ impl Runner<'_> {
         }
     }
 
-    /// A random loop round the period of a position, where there is one.
+    /// A random loop round the period of a position, if there is one.
     fn winding_loop(&mut self, subject: Subject<'_>, size: &LoopSize) -> Result<(), Error> {
         let (index, seed) = (
             self.diagnostic.loops,
