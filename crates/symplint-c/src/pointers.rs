@@ -180,6 +180,8 @@ impl Layout {
         self.check()?;
         check(what, values)?;
         assert!(dofs.end <= self.dof, "{dofs:?} of {}", self.dof);
+        // Rows are transformed one by one.
+        self.check_memory(1)?;
         let (count, last) = (dofs.len(), self.samples - 1);
         if self.sample_stride != 1 || (count > 1 && self.dof_stride < self.samples) {
             return Ok(None);
@@ -191,6 +193,23 @@ impl Layout {
         };
         let stride = self.dof_stride.max(self.samples);
         Ok(Some(Rows::new(values, count, stride, self.samples)))
+    }
+
+    /// Refuses samples of `dof` degrees of freedom for whose copies there is no memory. Values that are read many times, by a stride of 0,
+    /// need none of the caller, but copies and transforms do.
+    fn check_memory(&self, dof: usize) -> Result<(), Failure> {
+        let mut reserved: Vec<f64> = Vec::new();
+        let values = (self.samples.checked_mul(2)).and_then(|of_each| of_each.checked_mul(dof));
+        if values.is_none_or(|values| reserved.try_reserve_exact(values).is_err()) {
+            return Err(symplint::Error::TooLarge {
+                dof,
+                samples: self.samples,
+                bytes: 16.0 * dof as f64 * self.samples as f64,
+            }
+            .into());
+        }
+        drop(std::hint::black_box(reserved));
+        Ok(())
     }
 
     /// A copy of some degrees of freedom, sample by sample.
@@ -207,19 +226,7 @@ impl Layout {
         check("q", q)?;
         check("p", p)?;
         assert!(dofs.end <= self.dof, "{dofs:?} of {}", self.dof);
-        // Values that are read many times, by a stride of 0, need no memory of the caller, but here they do.
-        let mut reserved: Vec<f64> = Vec::new();
-        let values =
-            (self.samples.checked_mul(2)).and_then(|of_each| of_each.checked_mul(dofs.len()));
-        if values.is_none_or(|values| reserved.try_reserve_exact(values).is_err()) {
-            return Err(symplint::Error::TooLarge {
-                dof: dofs.len(),
-                samples: self.samples,
-                bytes: 16.0 * dofs.len() as f64 * self.samples as f64,
-            }
-            .into());
-        }
-        drop(std::hint::black_box(reserved));
+        self.check_memory(dofs.len())?;
         let mut states = Ensemble::zeros(dofs.len(), self.samples);
         let block = states.block();
         for (from, mut to) in [(q, block.q), (p, block.p)] {
