@@ -101,7 +101,7 @@ typedef struct SymplintReport SymplintReport;
  * Advances `samples` states by one step of size `h`, in place, and returns 0; any other number says that the step cannot
  * be taken, and is named in the report.
  *
- * q[i * samples + k] is the position i of the sample k, and p likewise: one row for each of the `dof` degrees of freedom. In
+ * q[i * samples + k] is the position i of the sample k, and p[i * samples + k] its momentum: one row for each of the `dof` degrees of freedom. In
  * Fortran they are q(samples, dof). What is done to a sample must depend on nothing but h and the sample itself. `samples`
  * may be any number from 1. The function is called on the thread that called `symplint_check`, one call at a time; it
  * must return (no longjmp, no C++ exception).
@@ -162,7 +162,7 @@ typedef struct {
    */
   size_t samples;
   /**
-   * States that are advanced by one step in all, 200 at least. 20000 by default.
+   * The largest number of evaluations (states advanced by one step), at least 200. 20000 by default.
    */
   size_t budget;
   /**
@@ -486,9 +486,9 @@ SymplintStatus symplint_loop_integral(size_t dof,
 /**
  * The same for each degree of freedom apart: `parts` has room for `dof` of them.
  *
- * Where the state of a code is spread over processes, each calls this for its degrees of freedom; all parts together, in
- * the order of the degrees of freedom, go to `symplint_merge_integrals`. The result is the same on any number of processes,
- * to the last bit, and that of `symplint_loop_integral`.
+ * If the state of a code is distributed over processes, each process calls this function for its degrees of freedom. Pass all parts,
+ * in the order of the degrees of freedom, to `symplint_merge_integrals`. The result equals the result of `symplint_loop_integral`
+ * to the last bit, on any number of processes.
  *
  * # Safety
  * That of `symplint_loop_integral`; `parts` has room for `dof` values.
@@ -516,7 +516,7 @@ SymplintStatus symplint_merge_integrals(size_t count,
 /**
  * The relative change of a loop integral over a step.
  *
- * A change within quadrature_error + roundoff is none; one above ten times that is significant.
+ * A change below quadrature_error + roundoff is not distinguishable from zero. A change above ten times this sum is significant.
  *
  * # Safety
  * Pointers that are not null point to valid values.
@@ -550,7 +550,7 @@ SymplintVerdict symplint_report_verdict(const SymplintReport *report);
 double symplint_report_digits(const SymplintReport *report);
 
 /**
- * The k of defect ~ h^k; NaN where there is none.
+ * The order k of defect ~ h^k; NaN if no order is stated.
  *
  * # Safety
  * `report` is NULL or was not freed.

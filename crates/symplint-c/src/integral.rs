@@ -195,9 +195,9 @@ pub unsafe extern "C" fn symplint_loop_integral(
 
 /// The same for each degree of freedom apart: `parts` has room for `dof` of them.
 ///
-/// Where the state of a code is spread over processes, each calls this for its degrees of freedom; all parts together, in
-/// the order of the degrees of freedom, go to `symplint_merge_integrals`. The result is the same on any number of processes,
-/// to the last bit, and that of `symplint_loop_integral`.
+/// If the state of a code is distributed over processes, each process calls this function for its degrees of freedom. Pass all parts,
+/// in the order of the degrees of freedom, to `symplint_merge_integrals`. The result equals the result of `symplint_loop_integral`
+/// to the last bit, on any number of processes.
 ///
 /// # Safety
 /// That of `symplint_loop_integral`; `parts` has room for `dof` values.
@@ -250,7 +250,7 @@ pub unsafe extern "C" fn symplint_merge_integrals(
 
 /// The relative change of a loop integral over a step.
 ///
-/// A change within quadrature_error + roundoff is none; one above ten times that is significant.
+/// A change below quadrature_error + roundoff is not distinguishable from zero. A change above ten times this sum is significant.
 ///
 /// # Safety
 /// Pointers that are not null point to valid values.

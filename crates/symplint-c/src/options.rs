@@ -43,7 +43,7 @@ pub struct SymplintOptions {
     pub rule: *const c_char,
     /// Samples of a loop; 0, the default, finds how many are needed.
     pub samples: usize,
-    /// States that are advanced by one step in all, 200 at least. 20000 by default.
+    /// The largest number of evaluations (states advanced by one step), at least 200. 20000 by default.
     pub budget: usize,
     /// Loops in all; those after the first are random. 8 by default.
     pub loops: usize,

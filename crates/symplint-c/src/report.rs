@@ -86,7 +86,7 @@ pub unsafe extern "C" fn symplint_report_digits(report: *const SymplintReport) -
     unsafe { of(report, f64::NAN, |report| report.digits) }
 }
 
-/// The k of defect ~ h^k; NaN where there is none.
+/// The order k of defect ~ h^k; NaN if no order is stated.
 ///
 /// # Safety
 /// `report` is NULL or was not freed.

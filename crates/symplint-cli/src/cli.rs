@@ -33,7 +33,7 @@ failed run; 3 undecided; 130 interrupted.";
 
 const JOBS: &str = "Example:
   symplint plan run.toml --out run                  a round of calls
-  symplint advance run --part 1/8                   a part of it; likewise 2/8 to 8/8
+  symplint advance run --part 1/8                   the first of eight parts; also make 2/8 to 8/8
   symplint collect run                              the next round, or the verdict
 
 Exit status of `plan` and `collect`: 4 there is a round of calls to make; else that of `check`. Of `advance`: 0 all calls of the \
@@ -74,8 +74,8 @@ pub enum Command {
     /// Go on with a run of `check` that was stopped.
     ///
     /// With --out DIR, `check` notes every call of a program (system.name = "command") in DIR/journal, as soon as the call
-    /// ends. The same command, or this one, goes on where the run was stopped, and makes no call again that was
-    /// noted: the report is the same as that of a run that was never stopped. Runs of other systems begin anew.
+    /// ends. The same command, or this one, continues the run and does not repeat these calls. The report equals the report of a
+    /// run without an interruption. Runs of other systems start again from the beginning.
     #[command(after_help = EXIT_STATUS)]
     Resume(ResumeArgs),
     /// Write the next calls of a program as files, for the jobs of a scheduler.

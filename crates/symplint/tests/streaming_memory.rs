@@ -70,7 +70,7 @@ impl TimeAdvance for Springs {
 
 #[test]
 fn a_diagnosis_takes_a_few_dozen_states() {
-    // Not even the smallest ensembles of the other rules are made of so many degrees of freedom.
+    // With this number of degrees of freedom, the other rules refuse even their smallest ensembles.
     const DOF: usize = 530_000;
     const STATE: usize = 16 * DOF;
     let map = Springs(DOF);

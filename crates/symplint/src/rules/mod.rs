@@ -131,7 +131,7 @@ impl std::fmt::Display for RuleKind {
     }
 }
 
-/// λ_q and λ_p where a finite-difference rule is named without cut-offs: that of the paper for particle-in-cell codes.
+/// λ_q and λ_p of a finite-difference rule that is named without cut-offs. The paper uses this value for particle-in-cell codes.
 const CUTOFF: f64 = 1000.0;
 
 impl Rule {

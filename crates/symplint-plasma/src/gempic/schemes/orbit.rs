@@ -116,7 +116,7 @@ pub(super) fn solve_orbit(
         let felt = felt(coupling, is_averaged, fields, x, way);
         let next = mean_velocity(v, felt, half_charge);
         let change = (next[0] - mean[0]).abs();
-        // If a particle turns around, the rounding is that of the velocity before.
+        // If a particle turns around, the velocity before sets the rounding.
         let size = [v, next]
             .into_iter()
             .flatten()

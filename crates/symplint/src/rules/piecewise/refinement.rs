@@ -72,7 +72,7 @@ pub(super) struct CurveBreak {
     pub sides: [f64; 2],
     /// Their images.
     pub images: [PointImage; 2],
-    /// Whether rounding decides on which side of it the states next to it are, and not that of the states themselves.
+    /// Whether rounding inside the map, and not rounding of the states, decides on which side of the jump neighbouring states are.
     pub flickers: bool,
     /// How far from there it may be along the curve, if that is more than a jump of its size may.
     pub uncertainty: f64,
