@@ -318,7 +318,7 @@ impl Shared {
                 Box::new(circle.with_phases(self.phases))
             }
         };
-        let phase_loop: Box<dyn Loop + '_> = match map.constraint() {
+        let phase_loop: Box<dyn Loop + '_> = match map.capabilities().constraint {
             Some(_) => Box::new(ProjectedLoop::new(phase_loop, &map)),
             None => phase_loop,
         };

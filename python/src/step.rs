@@ -1,6 +1,6 @@
 //! Functions of the user as maps, manifolds and loops: what the threads of a diagnosis see of them.
 
-use symplint::map::{Constraint, Energy, Prefetch, TangentMap};
+use symplint::map::{Capabilities, Constraint, Parts, Prefetch, Substeps, TangentMap};
 use symplint::state::Rows;
 use symplint::{Block, Coordinates, Ensemble, Loop, StepFailure, TimeAdvance};
 
@@ -65,19 +65,30 @@ impl TimeAdvance for PythonMap<'_> {
     }
 
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
-        self.advance_and_look(h, block).map(|_| ())
+        call(self.caller, block, |loan| Call::Step(h, loan)).map(|_| ())
     }
 
-    fn advance_and_look(&self, h: f64, block: &mut Block<'_>) -> Result<bool, StepFailure> {
-        call(self.caller, block, |loan| Call::Step(h, loan))
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            block_width: (MOST_VALUES / self.dof().max(1)).max(1),
+            substeps: (!self.parts.is_empty()).then_some(self),
+            tangent: self.has_tangent.then_some(self),
+            constraint: self.projection.as_ref().map(|found| found as _),
+            energy: self.has_energy.then(|| {
+                Box::new(|q: Rows<'_>, p: Rows<'_>, energies: &mut [f64]| {
+                    self.energies(q, p, energies);
+                }) as _
+            }),
+            prefetch: self.has_workers.then_some(self),
+            is_stopped: Some(Box::new(|| self.caller.is_stopped())),
+            ..Capabilities::of_coordinates(self.coordinates.clone())
+        }
     }
+}
 
-    fn block_width(&self) -> usize {
-        (MOST_VALUES / self.dof().max(1)).max(1)
-    }
-
+impl Substeps for PythonMap<'_> {
     fn substeps(&self) -> usize {
-        self.parts.len().max(1)
+        self.parts.len()
     }
 
     fn advance_substep(
@@ -86,42 +97,11 @@ impl TimeAdvance for PythonMap<'_> {
         h: f64,
         block: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
-        if self.parts.is_empty() {
-            return self.advance(h, block);
-        }
         call(self.caller, block, |loan| Call::Part(substep, h, loan)).map(|_| ())
     }
 
     fn substep_name(&self, substep: usize) -> String {
         self.parts[substep].clone()
-    }
-
-    fn coordinates(&self) -> Coordinates {
-        self.coordinates.clone()
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.caller.is_stopped()
-    }
-
-    fn prefetch(&self) -> Option<&dyn Prefetch> {
-        self.has_workers.then_some(self)
-    }
-
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        self.has_tangent.then_some(self)
-    }
-
-    fn energy(&self) -> Option<Energy<'_>> {
-        self.has_energy.then(|| {
-            Box::new(|q: Rows<'_>, p: Rows<'_>, energies: &mut [f64]| self.energies(q, p, energies))
-                as _
-        })
-    }
-
-    fn constraint(&self) -> Option<&dyn Constraint> {
-        let projection = self.projection.as_ref()?;
-        Some(projection)
     }
 }
 
@@ -250,17 +230,18 @@ impl TimeAdvance for Stoppable<'_> {
         self.map.advance(h, block)
     }
 
-    fn advance_and_look(&self, h: f64, block: &mut Block<'_>) -> Result<bool, StepFailure> {
-        self.check()?;
-        self.map.advance_and_look(h, block)
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            substeps: Some(self),
+            is_stopped: Some(Box::new(|| self.caller.is_stopped())),
+            ..self.map.capabilities()
+        }
     }
+}
 
-    fn block_width(&self) -> usize {
-        self.map.block_width()
-    }
-
+impl Substeps for Stoppable<'_> {
     fn substeps(&self) -> usize {
-        self.map.substeps()
+        Parts::of(self.map).count()
     }
 
     fn advance_substep(
@@ -270,30 +251,10 @@ impl TimeAdvance for Stoppable<'_> {
         block: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
         self.check()?;
-        self.map.advance_substep(substep, h, block)
+        Parts::of(self.map).advance(substep, h, block)
     }
 
     fn substep_name(&self, substep: usize) -> String {
-        self.map.substep_name(substep)
-    }
-
-    fn known_breaks(&self, phase_loop: &dyn Loop, h: f64) -> Vec<f64> {
-        self.map.known_breaks(phase_loop, h)
-    }
-
-    fn coordinates(&self) -> Coordinates {
-        self.map.coordinates()
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.caller.is_stopped()
-    }
-
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        self.map.tangent()
-    }
-
-    fn constraint(&self) -> Option<&dyn Constraint> {
-        self.map.constraint()
+        Parts::of(self.map).name(substep)
     }
 }

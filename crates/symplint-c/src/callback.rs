@@ -7,6 +7,7 @@ use std::ffi::{c_int, c_void};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Mutex, PoisonError};
 
+use symplint::map::Capabilities;
 use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 /// Advances `samples` states by one step of size `h`, in place, and returns 0; any other number says that the step cannot
@@ -140,7 +141,7 @@ impl TimeAdvance for CallbackMap {
         Ok(())
     }
 
-    fn coordinates(&self) -> Coordinates {
-        self.coordinates.clone()
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities::of_coordinates(self.coordinates.clone())
     }
 }

@@ -133,7 +133,7 @@ impl LoopSettings {
             Box::new(fourier.map_err(|error| self.refused("radius", error))?)
         };
         // A loop of a constrained system lies on its manifold.
-        let phase_loop: Box<dyn Loop> = match map.constraint() {
+        let phase_loop: Box<dyn Loop> = match map.capabilities().constraint {
             Some(_) => Box::new(ProjectedLoop::new(phase_loop, Arc::clone(map))),
             None => phase_loop,
         };

@@ -60,7 +60,7 @@ fn keep_their_verdicts(settings: &[String]) {
         for seed in 0..scalings {
             let mut random = ChaCha8Rng::seed_from_u64(seed);
             // A grid has one spacing for all positions.
-            let factors = match config.map.coordinates().grid_spacing() > 0.0 {
+            let factors = match config.map.capabilities().coordinates.grid_spacing() > 0.0 {
                 true => vec![factor(&mut random); dof],
                 false => (0..dof).map(|_| factor(&mut random)).collect(),
             };

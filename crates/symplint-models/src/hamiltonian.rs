@@ -40,18 +40,10 @@ pub trait Separable: Send + Sync {
 
     /// A drift, a kick and a drift for the times `taus`, to the last bit as one after the other. By
     /// default it is just that; a system whose forces are local can do it in one pass over memory.
-    ///
-    /// Says whether all states are finite then, if it has checked.
-    fn drift_kick_drift(
-        &self,
-        taus: [f64; 3],
-        q: &mut RowsMut<'_>,
-        p: &mut RowsMut<'_>,
-    ) -> Option<bool> {
+    fn drift_kick_drift(&self, taus: [f64; 3], q: &mut RowsMut<'_>, p: &mut RowsMut<'_>) {
         self.drift(taus[0], p.as_rows(), q);
         self.kick(taus[1], q.as_rows(), p);
         self.drift(taus[2], p.as_rows(), q);
-        None
     }
 
     /// Writes T of every sample into `out`. By default T = |p|²/2.
@@ -96,18 +88,10 @@ pub trait DriftKick: Send + Sync {
 
     /// A drift, a kick and a drift for the times `taus`, to the last bit as one after the other. By
     /// default it is just that; a system whose forces are local can do it in one pass over memory.
-    ///
-    /// Says whether all states are finite then, if it has checked.
-    fn drift_kick_drift(
-        &self,
-        taus: [f64; 3],
-        q: &mut RowsMut<'_>,
-        p: &mut RowsMut<'_>,
-    ) -> Option<bool> {
+    fn drift_kick_drift(&self, taus: [f64; 3], q: &mut RowsMut<'_>, p: &mut RowsMut<'_>) {
         self.drift(taus[0], p.as_rows(), q);
         self.kick(taus[1], q.as_rows(), p);
         self.drift(taus[2], p.as_rows(), q);
-        None
     }
 
     /// Which positions are periodic, and what makes momenta canonical. By default nothing is
@@ -135,13 +119,8 @@ impl<S: Separable + ?Sized> DriftKick for S {
         Separable::kick(self, tau, q, p);
     }
 
-    fn drift_kick_drift(
-        &self,
-        taus: [f64; 3],
-        q: &mut RowsMut<'_>,
-        p: &mut RowsMut<'_>,
-    ) -> Option<bool> {
-        Separable::drift_kick_drift(self, taus, q, p)
+    fn drift_kick_drift(&self, taus: [f64; 3], q: &mut RowsMut<'_>, p: &mut RowsMut<'_>) {
+        Separable::drift_kick_drift(self, taus, q, p);
     }
 
     fn coordinates(&self) -> Coordinates {
@@ -226,8 +205,8 @@ macro_rules! forward_separable {
             fn kick(&self, tau: f64, q: Rows<'_>, p: &mut RowsMut<'_>) {
                 Separable::kick(&**self, tau, q, p);
             }
-            fn drift_kick_drift(&self, taus: [f64; 3], q: &mut RowsMut<'_>, p: &mut RowsMut<'_>) -> Option<bool> {
-                Separable::drift_kick_drift(&**self, taus, q, p)
+            fn drift_kick_drift(&self, taus: [f64; 3], q: &mut RowsMut<'_>, p: &mut RowsMut<'_>) {
+                Separable::drift_kick_drift(&**self, taus, q, p);
             }
             fn kinetic_energy(&self, p: Rows<'_>, out: &mut [f64]) {
                 (**self).kinetic_energy(p, out);
@@ -287,13 +266,8 @@ impl DriftKick for Arc<dyn DriftKick> {
         (**self).kick(tau, q, p);
     }
 
-    fn drift_kick_drift(
-        &self,
-        taus: [f64; 3],
-        q: &mut RowsMut<'_>,
-        p: &mut RowsMut<'_>,
-    ) -> Option<bool> {
-        (**self).drift_kick_drift(taus, q, p)
+    fn drift_kick_drift(&self, taus: [f64; 3], q: &mut RowsMut<'_>, p: &mut RowsMut<'_>) {
+        (**self).drift_kick_drift(taus, q, p);
     }
 
     fn coordinates(&self) -> Coordinates {

@@ -162,7 +162,7 @@ fn repetition_is_step_after_step() {
 fn coordinates_are_passed_on() {
     let strang = splitting_methods::strang(Variant::PositionFirst);
     let rotor = Splitting::new(strang, Rotor(Pendulum::default()));
-    let of_rotor = rotor.coordinates();
+    let of_rotor = rotor.capabilities().coordinates;
     assert_ne!(of_rotor, Coordinates::plain(1));
     let maps: [&dyn TimeAdvance; 7] = [
         &Inverse(&rotor),
@@ -174,7 +174,7 @@ fn coordinates_are_passed_on() {
         &RungeKutta::separable(tableaus::rk4(), Rotor(Pendulum::default())).unwrap(),
     ];
     for map in maps {
-        assert_eq!(map.coordinates(), of_rotor);
+        assert_eq!(map.capabilities().coordinates, of_rotor);
         assert_eq!(map.dof(), 1);
     }
 }

@@ -274,7 +274,7 @@ fn a_shared_system_works_in_every_family() {
     ];
     let state = (vec![1.0], vec![0.5]);
     for map in &maps {
-        assert_eq!(map.coordinates().period(0), TAU);
+        assert_eq!(map.capabilities().coordinates.period(0), TAU);
         assert!(distance(&stepped(map, 0.2, &state), &stepped(&maps[0], 0.2, &state)) < 1e-15);
     }
 }

@@ -289,7 +289,7 @@ fn the_standard_map_is_symplectic_euler_on_a_cylinder() {
     let map = StandardMap::new(1.0).unwrap();
     let method = splitting_methods::lie_trotter(Variant::MomentumFirst);
     let euler = Splitting::new(method, Pendulum::default());
-    assert_eq!(map.coordinates().period(0), TAU);
+    assert_eq!(map.capabilities().coordinates.period(0), TAU);
     for k in 0..40 {
         let state = (
             vec![0.5 * f64::from(k) - 10.0],

@@ -115,7 +115,7 @@ fn measure(
     let (system, circle) = loop_of(particles)?;
     let map = step_of(name, variant, &system)?;
     let rule = Rule::FiniteDifference(Cutoffs::relative(1000.0));
-    let coordinates = map.coordinates();
+    let coordinates = map.capabilities().coordinates;
     let mut ensemble = Ensemble::sample(&circle, SAMPLES)?;
     let initial = LoopIntegral::in_coordinates(&ensemble, &Rule::Pseudospectral, &coordinates)?;
     ensemble.advance(&*map, h)?;

@@ -13,6 +13,7 @@ use crate::gempic::{Boris1d2v, Gempic, Orbit, PlasmaStep};
 /// The integrators of [`symplint_models`], and the schemes for electromagnetic plasmas.
 ///
 /// ```
+/// use symplint::map::Parts;
 /// use symplint_models::Model;
 /// use symplint_models::integrators::StageSolver;
 /// use symplint_plasma::CATALOGUE;
@@ -20,7 +21,7 @@ use crate::gempic::{Boris1d2v, Gempic, Orbit, PlasmaStep};
 ///
 /// let plasma = Model::from(Gempic::new(GempicConfig::default())?);
 /// let step = CATALOGUE.build(StageSolver::default(), "boris-pic", Some("staggered"), plasma)?;
-/// assert_eq!(step.substep_name(0), "kick of 0.5 h");
+/// assert_eq!(Parts::of(&step).name(0), "kick of 0.5 h");
 /// # Ok::<(), symplint_models::ModelError>(())
 /// ```
 pub const CATALOGUE: Catalogue = Catalogue::with(SCHEMES);

@@ -53,7 +53,7 @@ fn plasma(particles: usize, cells: usize, degree: usize, filter_passes: u32) -> 
 }
 
 fn integral(ensemble: &Ensemble, rule: &Rule, map: &dyn TimeAdvance) -> LoopIntegral {
-    LoopIntegral::in_coordinates(ensemble, rule, &map.coordinates()).unwrap()
+    LoopIntegral::in_coordinates(ensemble, rule, &map.capabilities().coordinates).unwrap()
 }
 
 const MAPS: [(&str, &str, &str); 4] = [

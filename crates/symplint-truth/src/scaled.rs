@@ -1,6 +1,6 @@
 //! Maps and loops in other units: the canonical scaling (q_i, p_i) → (a_i q_i, p_i / a_i).
 
-use symplint::map::Constraint;
+use symplint::map::{Capabilities, Constraint, Parts, Substeps};
 use symplint::{Block, Coordinates, Loop, StepFailure, TimeAdvance};
 
 /// Something in scaled coordinates.
@@ -48,8 +48,31 @@ impl<M: TimeAdvance> TimeAdvance for Scaled<M> {
         Ok(())
     }
 
+    fn capabilities(&self) -> Capabilities<'_> {
+        let of_inner = self.inner.capabilities();
+        let inner = of_inner.coordinates;
+        let dofs = 0..self.dof();
+        let periods = dofs
+            .clone()
+            .map(|i| inner.period(i) * self.factors[i])
+            .collect();
+        let weights = dofs.map(|i| inner.weight(i)).collect();
+        let coordinates = Coordinates::plain(self.dof())
+            .with_periods(periods)
+            .and_then(|found| found.with_weights(weights))
+            .and_then(|found| found.with_grid_spacing(inner.grid_spacing() * self.factors[0]))
+            .unwrap();
+        Capabilities {
+            substeps: Some(self),
+            constraint: of_inner.constraint.map(|_| self as &dyn Constraint),
+            ..Capabilities::of_coordinates(coordinates)
+        }
+    }
+}
+
+impl<M: TimeAdvance> Substeps for Scaled<M> {
     fn substeps(&self) -> usize {
-        self.inner.substeps()
+        Parts::of(&self.inner).count()
     }
 
     fn advance_substep(
@@ -59,28 +82,9 @@ impl<M: TimeAdvance> TimeAdvance for Scaled<M> {
         block: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
         self.scale(block, true);
-        self.inner.advance_substep(substep, h, block)?;
+        Parts::of(&self.inner).advance(substep, h, block)?;
         self.scale(block, false);
         Ok(())
-    }
-
-    fn coordinates(&self) -> Coordinates {
-        let inner = self.inner.coordinates();
-        let dofs = 0..self.dof();
-        let periods = dofs
-            .clone()
-            .map(|i| inner.period(i) * self.factors[i])
-            .collect();
-        let weights = dofs.map(|i| inner.weight(i)).collect();
-        Coordinates::plain(self.dof())
-            .with_periods(periods)
-            .and_then(|found| found.with_weights(weights))
-            .and_then(|found| found.with_grid_spacing(inner.grid_spacing() * self.factors[0]))
-            .unwrap()
-    }
-
-    fn constraint(&self) -> Option<&dyn Constraint> {
-        self.inner.constraint().map(|_| self as &dyn Constraint)
     }
 }
 
@@ -88,7 +92,8 @@ impl<M: TimeAdvance> Constraint for Scaled<M> {
     fn project(&self, block: &mut Block<'_>) {
         let constraint = self
             .inner
-            .constraint()
+            .capabilities()
+            .constraint
             .expect("asked for by a map that has one");
         self.scale(block, true);
         constraint.project(block);

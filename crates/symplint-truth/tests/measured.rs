@@ -60,7 +60,7 @@ fn measured(
         }
         Snapshot::new(ensemble)
     };
-    let of_map = map.coordinates();
+    let of_map = map.capabilities().coordinates;
     let coordinates = Coordinates::plain(of_map.dof())
         .with_periods((0..of_map.dof()).map(|i| of_map.period(i)).collect())
         .unwrap()
@@ -194,8 +194,12 @@ fn no_wrong_verdict_on_smooth_systems() {
 fn small_jumps_are_within_the_error() {
     let (map, circle) = two_particles(1);
     let fine = Ensemble::sample(&circle, 64).unwrap();
-    let initial =
-        LoopIntegral::in_coordinates(&fine, &Rule::Pseudospectral, &map.coordinates()).unwrap();
+    let initial = LoopIntegral::in_coordinates(
+        &fine,
+        &Rule::Pseudospectral,
+        &map.capabilities().coordinates,
+    )
+    .unwrap();
     for h in [0.5, 0.03, 0.01, 0.003, 1e-3] {
         let exact = Piecewise::default().integrate(&*map, &circle, h).unwrap();
         let truth = Defect::between(&initial, &exact.continuous).unwrap();

@@ -388,7 +388,7 @@ pub enum Error {
         /// Degrees of freedom of the map.
         dof: usize,
     },
-    /// The map asked to end the diagnosis ([`TimeAdvance::is_stopped`](crate::TimeAdvance::is_stopped)).
+    /// The map asked to end the diagnosis ([`Capabilities::is_stopped`](crate::map::Capabilities::is_stopped)).
     #[error("the diagnosis was stopped before it was over")]
     Stopped,
     /// Map and loop live in different phase spaces.

@@ -2,6 +2,7 @@
 
 use std::sync::Mutex;
 
+use symplint::map::Capabilities;
 use symplint::{Block, Circle, Ensemble, StepFailure, TimeAdvance};
 
 /// A kick and a drift that take note of how many samples they are given.
@@ -30,9 +31,13 @@ impl TimeAdvance for Noted {
         Ok(())
     }
 
-    fn block_width(&self) -> usize {
-        self.width
-            .unwrap_or_else(|| Ensemble::block_width(self.dof()))
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            block_width: self
+                .width
+                .unwrap_or_else(|| Ensemble::block_width(self.dof())),
+            ..Capabilities::plain(self.dof())
+        }
     }
 }
 

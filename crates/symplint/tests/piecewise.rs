@@ -2,10 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use symplint::map::{Capabilities, Substeps};
 use symplint::rules::{Closure, Piecewise, PiecewiseIntegral};
 use symplint::{
-    Block, Circle, Coordinates, Diagnostic, Ensemble, Error, FourierLoop, Loop, LoopIntegral,
-    PerSample, Rule, StepFailure, TimeAdvance, VerdictKind,
+    Block, Circle, Coordinates, Diagnostic, Ensemble, Error, FourierLoop, LoopIntegral, PerSample,
+    Rule, StepFailure, TimeAdvance, VerdictKind,
 };
 
 fn unit_circle() -> Circle {
@@ -36,9 +37,20 @@ impl TimeAdvance for Wedge {
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         (0..self.substeps()).try_for_each(|k| self.advance_substep(k, h, block))
     }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            substeps: Some(self),
+            ..Capabilities::plain(self.dof())
+        }
+    }
+}
+
+impl Substeps for Wedge {
     fn substeps(&self) -> usize {
         self.0.len()
     }
+
     fn advance_substep(&self, k: usize, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         let (flow, fraction) = self.0[k];
         for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
@@ -228,11 +240,14 @@ impl TimeAdvance for Cylinder {
         }
         Ok(())
     }
-    fn coordinates(&self) -> Coordinates {
-        Coordinates::plain(1)
-            .with_periods(vec![1.0])
-            .and_then(|plain| plain.with_weights(vec![self.weight]))
-            .unwrap()
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities::of_coordinates(
+            Coordinates::plain(1)
+                .with_periods(vec![1.0])
+                .and_then(|plain| plain.with_weights(vec![self.weight]))
+                .unwrap(),
+        )
     }
 }
 
@@ -290,77 +305,6 @@ fn failures_say_where_on_the_loop_they_are() {
     assert!(error.to_string().contains("tolerance"), "{error}");
 }
 
-/// A map that says where it breaks loops, rightly or not.
-struct Offers<'a> {
-    map: &'a dyn TimeAdvance,
-    breaks: Vec<f64>,
-}
-
-impl TimeAdvance for Offers<'_> {
-    fn dof(&self) -> usize {
-        self.map.dof()
-    }
-    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
-        self.map.advance(h, block)
-    }
-    fn known_breaks(&self, _: &dyn Loop, _: f64) -> Vec<f64> {
-        self.breaks.clone()
-    }
-}
-
-#[test]
-fn known_breaks_save_evaluations_and_wrong_ones_do_no_harm() {
-    let h = 0.5;
-    let blind = integrate(
-        &Offers {
-            map: &LIE_TROTTER_Q,
-            breaks: vec![],
-        },
-        h,
-    );
-    // q + h p = 0 on the unit circle: tan 2πs = −h.
-    let at = 0.5 - h.atan() / TAU;
-    let right = vec![at, at + 0.5];
-    let told = integrate(
-        &Offers {
-            map: &LIE_TROTTER_Q,
-            breaks: right.clone(),
-        },
-        h,
-    );
-    assert!(
-        told.evaluations < blind.evaluations,
-        "{} and {}",
-        told.evaluations,
-        blind.evaluations
-    );
-    for (found, known) in told.breaks.iter().zip(&right) {
-        assert!((found.s - known).abs() < 1e-15);
-    }
-    let wrong = vec![
-        0.1,
-        0.1 + 1e-11,
-        0.25,
-        1.0,
-        7.5,
-        -3.0,
-        f64::NAN,
-        f64::INFINITY,
-        0.0,
-    ];
-    let misled = integrate(
-        &Offers {
-            map: &LIE_TROTTER_Q,
-            breaks: wrong,
-        },
-        h,
-    );
-    for found in [&blind, &told, &misled] {
-        assert_eq!(found.breaks.len(), 2);
-        assert!((found.continuous.value - PI).abs() < 1e-12);
-    }
-}
-
 /// H = (p − A(q))²/2 + q²/2 with a vector potential that jumps at q = 0.3: both parts take their exact flows.
 struct JumpingPotential(f64);
 
@@ -371,9 +315,20 @@ impl TimeAdvance for JumpingPotential {
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         (0..2).try_for_each(|k| self.advance_substep(k, h, block))
     }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            substeps: Some(self),
+            ..Capabilities::plain(self.dof())
+        }
+    }
+}
+
+impl Substeps for JumpingPotential {
     fn substeps(&self) -> usize {
         2
     }
+
     fn advance_substep(&self, k: usize, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         let a = |q: f64| if q < 0.3 { 0.0 } else { self.0 };
         for j in 0..block.len() {
@@ -424,8 +379,9 @@ impl TimeAdvance for Miscounted {
     fn advance(&self, _: f64, _: &mut Block<'_>) -> Result<(), StepFailure> {
         Ok(())
     }
-    fn coordinates(&self) -> Coordinates {
-        Coordinates::plain(1)
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities::of_coordinates(Coordinates::plain(1))
     }
 }
 

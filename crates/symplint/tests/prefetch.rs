@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-use symplint::map::Prefetch;
+use symplint::map::{Capabilities, Prefetch};
 use symplint::{Block, Circle, Diagnosis, Diagnostic, Rule, StepFailure, TimeAdvance};
 
 /// A step size and the states of a block, bit by bit.
@@ -44,12 +44,12 @@ impl TimeAdvance for Told {
         Ok(())
     }
 
-    fn block_width(&self) -> usize {
-        100
-    }
-
-    fn prefetch(&self) -> Option<&dyn Prefetch> {
-        Some(self)
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            block_width: 100,
+            prefetch: Some(self),
+            ..Capabilities::plain(self.dof())
+        }
     }
 }
 

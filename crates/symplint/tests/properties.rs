@@ -1,6 +1,6 @@
 //! Properties of maps whose properties are known: in closed form, from papers, or by construction.
 
-use symplint::map::Energy;
+use symplint::map::Capabilities;
 use symplint::verdict::{Property, PropertyName};
 use symplint::{
     Block, Circle, Diagnostic, PerSample, StepFailure, TimeAdvance, Verdict, VerdictKind,
@@ -333,12 +333,15 @@ impl TimeAdvance for Quartic {
         Ok(())
     }
 
-    fn energy(&self) -> Option<Energy<'_>> {
-        Some(Box::new(|q, p, energies| {
-            for ((energy, q), p) in energies.iter_mut().zip(q.row(0)).zip(p.row(0)) {
-                *energy = 0.5 * p * p + 0.25 * q.powi(4);
-            }
-        }))
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            energy: Some(Box::new(|q, p, energies| {
+                for ((energy, q), p) in energies.iter_mut().zip(q.row(0)).zip(p.row(0)) {
+                    *energy = 0.5 * p * p + 0.25 * q.powi(4);
+                }
+            })),
+            ..Capabilities::plain(self.dof())
+        }
     }
 }
 
@@ -404,8 +407,12 @@ fn an_energy_that_is_not_finite_is_named() {
         fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
             Quartic(average_vector_field).advance(h, block)
         }
-        fn energy(&self) -> Option<Energy<'_>> {
-            Some(Box::new(|_, _, energies| energies.fill(f64::NAN)))
+
+        fn capabilities(&self) -> Capabilities<'_> {
+            Capabilities {
+                energy: Some(Box::new(|_, _, energies| energies.fill(f64::NAN))),
+                ..Capabilities::plain(self.dof())
+            }
         }
     }
     let found = verdict(&Singular, false);

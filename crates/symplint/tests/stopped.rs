@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use symplint::map::Capabilities;
 use symplint::{Block, Circle, Diagnostic, Error, StepFailure, TimeAdvance};
 
 /// Symplectic Euler of the pendulum, which asks to stop once it was evaluated so often.
@@ -24,8 +25,13 @@ impl TimeAdvance for Stopping {
         Ok(())
     }
 
-    fn is_stopped(&self) -> bool {
-        self.evaluated.load(Ordering::Relaxed) >= self.after
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            is_stopped: Some(Box::new(|| {
+                self.evaluated.load(Ordering::Relaxed) >= self.after
+            })),
+            ..Capabilities::plain(self.dof())
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use proptest::prelude::*;
 use symplint::error::StateAt;
+use symplint::map::Capabilities;
 use symplint::rules::Streaming;
 use symplint::{
     Block, Circle, Coordinates, Ensemble, Error, FourierLoop, Loop, LoopIntegral, PerSample, Rule,
@@ -436,9 +437,10 @@ fn the_grid_is_measured_in_cells() {
         fn advance(&self, _h: f64, _block: &mut Block<'_>) -> Result<(), StepFailure> {
             Ok(())
         }
-        fn coordinates(&self) -> Coordinates {
+
+        fn capabilities(&self) -> Capabilities<'_> {
             let periodic = Coordinates::plain(1).with_periods(vec![10.0]).unwrap();
-            periodic.with_grid_spacing(0.1).unwrap()
+            Capabilities::of_coordinates(periodic.with_grid_spacing(0.1).unwrap())
         }
     }
     // q runs ten times as far as it needs to go in half a turn.

@@ -96,7 +96,7 @@ fn integrals_are_those_of_the_map_on_the_plane() {
     let kept = |map: &dyn TimeAdvance, rule: Rule| {
         let mut samples = symplint::Ensemble::sample(&circle, 512).unwrap();
         samples.advance(map, 1.0).unwrap();
-        LoopIntegral::in_coordinates(&samples, &rule, &map.coordinates()).unwrap()
+        LoopIntegral::in_coordinates(&samples, &rule, &map.capabilities().coordinates).unwrap()
     };
     for rule in [Rule::Pseudospectral, rules()[2]] {
         let [on_plane, on_torus] = [kept(&plane, rule), kept(&torus, rule)];

@@ -121,7 +121,7 @@ fn sampled_loop(arguments: &LoopArgs) -> Result<(Box<dyn Loop>, Coordinates, usi
             SampleCount::Fixed(count) => count,
             SampleCount::Auto => SAMPLES,
         });
-    let coordinates = config.map.coordinates();
+    let coordinates = config.map.capabilities().coordinates;
     Ok((config.phase_loop, coordinates, samples))
 }
 

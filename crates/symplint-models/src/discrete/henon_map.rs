@@ -1,6 +1,6 @@
 //! The quadratic map of the plane.
 
-use symplint::map::TangentMap;
+use symplint::map::{Capabilities, TangentMap};
 use symplint::{Block, StepFailure, TimeAdvance};
 
 use crate::error::ModelError;
@@ -45,8 +45,11 @@ impl TimeAdvance for HenonMap {
         Ok(())
     }
 
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        Some(self)
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            tangent: Some(self),
+            ..Capabilities::plain(self.dof())
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! A pendulum in Cartesian coordinates, on a rod of fixed length.
 
-use symplint::map::Constraint;
+use symplint::map::{Capabilities, Constraint};
 use symplint::{Block, StepFailure, TimeAdvance};
 
 use crate::error::ModelError;
@@ -87,8 +87,11 @@ impl TimeAdvance for PendulumRattle {
         Ok(())
     }
 
-    fn constraint(&self) -> Option<&dyn Constraint> {
-        Some(self)
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            constraint: Some(self),
+            ..Capabilities::plain(self.dof())
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use symplint::map::TangentMap;
+use symplint::map::{Capabilities, TangentMap};
 use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use crate::elementary::add_sin;
@@ -13,7 +13,7 @@ use crate::error::ModelError;
 /// h = 1).
 ///
 /// It is symplectic Euler, kick first, on the pendulum H = p²/2 + K cos q. The angle is stored
-/// wrapped, 0 ≤ q' < 2π, and its period is stated in the [coordinates](TimeAdvance::coordinates); on the torus, so is
+/// wrapped, 0 ≤ q' < 2π, and its period is stated in the [coordinates](Capabilities::coordinates); on the torus, so is
 /// the momentum.
 /// One degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,16 +69,16 @@ impl TimeAdvance for StandardMap {
         Ok(())
     }
 
-    fn coordinates(&self) -> Coordinates {
+    fn capabilities(&self) -> Capabilities<'_> {
         let of_momentum = if self.torus { TAU } else { 0.0 };
-        Coordinates::plain(1)
+        let coordinates = Coordinates::plain(1)
             .with_periods(vec![TAU])
             .and_then(|periodic| periodic.with_momentum_periods(vec![of_momentum]))
-            .expect("one finite period for one degree of freedom")
-    }
-
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        Some(self)
+            .expect("one finite period for one degree of freedom");
+        Capabilities {
+            tangent: Some(self),
+            ..Capabilities::of_coordinates(coordinates)
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Strang splitting that chooses its own step.
 
-use symplint::map::TangentMap;
+use symplint::map::{Capabilities, TangentMap};
 use symplint::state::{Rows, RowsMut, scratch};
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::{Block, StepFailure, TimeAdvance};
 
 use super::splitting::{Flow, Variant};
 use crate::hamiltonian::DriftKick;
@@ -63,12 +63,11 @@ impl<S: DriftKick> TimeAdvance for AdaptiveStrang<S> {
         Ok(())
     }
 
-    fn coordinates(&self) -> Coordinates {
-        self.system.coordinates()
-    }
-
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        self.system.tangent().map(|_| self as &dyn TangentMap)
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            tangent: self.system.tangent().map(|_| self as &dyn TangentMap),
+            ..Capabilities::of_coordinates(self.system.coordinates())
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The Boris method for a charge in a magnetic field.
 
-use symplint::map::TangentMap;
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::map::{Capabilities, TangentMap};
+use symplint::{Block, StepFailure, TimeAdvance};
 
 use crate::hamiltonian::Hamiltonian;
 use crate::systems::ChargedParticle;
@@ -98,12 +98,11 @@ impl TimeAdvance for Boris {
         Ok(())
     }
 
-    fn coordinates(&self) -> Coordinates {
-        self.particle.coordinates()
-    }
-
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        Some(self)
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            tangent: Some(self),
+            ..Capabilities::of_coordinates(self.particle.coordinates())
+        }
     }
 }
 

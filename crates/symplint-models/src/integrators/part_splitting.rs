@@ -1,6 +1,7 @@
 //! Splitting methods for Hamiltonians of more than two parts.
 
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::map::{Capabilities, Substeps};
+use symplint::{Block, StepFailure, TimeAdvance};
 
 use super::splitting::{SplittingMethod, Variant};
 use crate::maps::Invertible;
@@ -82,6 +83,15 @@ impl<S: SplitHamiltonian> TimeAdvance for PartSplitting<S> {
         Ok(())
     }
 
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            substeps: Some(self),
+            ..Capabilities::of_coordinates(self.system.coordinates())
+        }
+    }
+}
+
+impl<S: SplitHamiltonian> Substeps for PartSplitting<S> {
     fn substeps(&self) -> usize {
         self.substeps.len()
     }
@@ -104,10 +114,6 @@ impl<S: SplitHamiltonian> TimeAdvance for PartSplitting<S> {
             1.0 => format!("{part} for h"),
             _ => format!("{part} for {} h", (fraction * 1e4).round() / 1e4),
         }
-    }
-
-    fn coordinates(&self) -> Coordinates {
-        self.system.coordinates()
     }
 }
 

@@ -1,8 +1,8 @@
 //! Explicit Runge–Kutta methods, ordinary and partitioned.
 
-use symplint::map::TangentMap;
+use symplint::map::{Capabilities, TangentMap};
 use symplint::state::{Rows, RowsMut, scratch};
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::{Block, StepFailure, TimeAdvance};
 
 use super::stage_plan::{Dependence, Slope, StagePlan, Term};
 use super::tableau::TableauPair;
@@ -98,12 +98,11 @@ impl<H: Hamiltonian> TimeAdvance for RungeKutta<H> {
         Ok(())
     }
 
-    fn coordinates(&self) -> Coordinates {
-        self.system.coordinates()
-    }
-
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        self.system.tangent().map(|_| self as &dyn TangentMap)
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            tangent: self.system.tangent().map(|_| self as &dyn TangentMap),
+            ..Capabilities::of_coordinates(self.system.coordinates())
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Splitting methods: the exact flows of T and V in turn.
 
-use symplint::map::TangentMap;
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::map::{Capabilities, Substeps, TangentMap};
+use symplint::{Block, StepFailure, TimeAdvance};
 
 use crate::error::ModelError;
 use crate::hamiltonian::DriftKick;
@@ -206,23 +206,19 @@ impl<S: DriftKick> Splitting<S> {
         &self.system
     }
 
-    /// One step; says whether all states are finite then, if the system has checked.
-    fn step(&self, h: f64, block: &mut Block<'_>) -> Option<bool> {
-        let mut finite = None;
+    fn step(&self, h: f64, block: &mut Block<'_>) {
         let mut substeps = self.method.substeps.as_slice();
         while let [first, others @ ..] = substeps {
             // Kicks and drifts alternate: a drift, a kick and a drift are taken at once.
             if let (Flow::Drift, [kick, drift, rest @ ..]) = (first.flow, others) {
                 let taus = [first, kick, drift].map(|substep| substep.fraction * h);
-                finite = (self.system).drift_kick_drift(taus, &mut block.q, &mut block.p);
+                (self.system).drift_kick_drift(taus, &mut block.q, &mut block.p);
                 substeps = rest;
             } else {
                 self.follow(first, h, block);
-                finite = None;
                 substeps = others;
             }
         }
-        finite
     }
 
     fn follow(&self, substep: &Substep, h: f64, block: &mut Block<'_>) {
@@ -244,10 +240,16 @@ impl<S: DriftKick> TimeAdvance for Splitting<S> {
         Ok(())
     }
 
-    fn advance_and_look(&self, h: f64, block: &mut Block<'_>) -> Result<bool, StepFailure> {
-        Ok(self.step(h, block).unwrap_or_else(|| block.all_finite()))
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            substeps: Some(self),
+            tangent: self.system.tangent().map(|_| self as &dyn TangentMap),
+            ..Capabilities::of_coordinates(self.system.coordinates())
+        }
     }
+}
 
+impl<S: DriftKick> Substeps for Splitting<S> {
     fn substeps(&self) -> usize {
         self.method.substeps.len()
     }
@@ -272,14 +274,6 @@ impl<S: DriftKick> TimeAdvance for Splitting<S> {
             1.0 => format!("{flow} of h"),
             _ => format!("{flow} of {} h", (fraction * 1e4).round() / 1e4),
         }
-    }
-
-    fn coordinates(&self) -> Coordinates {
-        self.system.coordinates()
-    }
-
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        self.system.tangent().map(|_| self as &dyn TangentMap)
     }
 }
 

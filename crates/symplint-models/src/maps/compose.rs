@@ -1,7 +1,7 @@
 //! Maps one after the other.
 
-use symplint::map::{Constraint, TangentMap};
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::map::{Capabilities, Parts, Substeps, TangentMap};
+use symplint::{Block, StepFailure, TimeAdvance};
 
 use super::Invertible;
 use crate::error::ModelError;
@@ -37,7 +37,7 @@ impl<M: TimeAdvance> Compose<M> {
         let Some((_, first)) = parts.first() else {
             return Err(ModelError::EmptyComposition);
         };
-        let (dof, coordinates) = (first.dof(), first.coordinates());
+        let (dof, coordinates) = (first.dof(), first.capabilities().coordinates);
         for (part, (fraction, map)) in parts.iter().enumerate() {
             ModelError::check_finite("the fraction of a composed map", *fraction)?;
             if map.dof() != dof {
@@ -47,7 +47,7 @@ impl<M: TimeAdvance> Compose<M> {
                     got: map.dof(),
                 });
             }
-            if map.coordinates() != coordinates {
+            if map.capabilities().coordinates != coordinates {
                 return Err(ModelError::ComposedCoordinates { part });
             }
         }
@@ -58,7 +58,7 @@ impl<M: TimeAdvance> Compose<M> {
     fn part(&self, substep: usize) -> (f64, &M, usize) {
         let mut before = 0;
         for (fraction, map) in &self.parts {
-            let substeps = map.substeps();
+            let substeps = Parts::of(map).count();
             if substep < before + substeps {
                 return (*fraction, map, substep - before);
             }
@@ -79,8 +79,23 @@ impl<M: TimeAdvance> TimeAdvance for Compose<M> {
             .try_for_each(|(fraction, map)| map.advance(fraction * h, block))
     }
 
+    fn capabilities(&self) -> Capabilities<'_> {
+        let has_tangent = |(_, map): &(f64, M)| map.capabilities().tangent.is_some();
+        let each = self.parts.iter().all(has_tangent);
+        Capabilities {
+            substeps: Some(self),
+            tangent: each.then_some(self as &dyn TangentMap),
+            ..self.parts[0].1.capabilities().for_another_step()
+        }
+    }
+}
+
+impl<M: TimeAdvance> Substeps for Compose<M> {
     fn substeps(&self) -> usize {
-        self.parts.iter().map(|(_, map)| map.substeps()).sum()
+        self.parts
+            .iter()
+            .map(|(_, map)| Parts::of(map).count())
+            .sum()
     }
 
     fn advance_substep(
@@ -90,29 +105,16 @@ impl<M: TimeAdvance> TimeAdvance for Compose<M> {
         block: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
         let (fraction, map, substep) = self.part(substep);
-        map.advance_substep(substep, fraction * h, block)
+        Parts::of(map).advance(substep, fraction * h, block)
     }
 
     fn substep_name(&self, substep: usize) -> String {
         let (fraction, map, substep) = self.part(substep);
-        let name = map.substep_name(substep);
+        let name = Parts::of(map).name(substep);
         match fraction {
             1.0 => name,
             _ => format!("{name} with h times {fraction:.4}"),
         }
-    }
-
-    fn coordinates(&self) -> Coordinates {
-        self.parts[0].1.coordinates()
-    }
-
-    fn constraint(&self) -> Option<&dyn Constraint> {
-        self.parts[0].1.constraint()
-    }
-
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        let each = self.parts.iter().all(|(_, map)| map.tangent().is_some());
-        each.then_some(self as &dyn TangentMap)
     }
 }
 
@@ -125,7 +127,7 @@ impl<M: TimeAdvance> TangentMap for Compose<M> {
         tangents: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
         self.parts.iter().try_for_each(|(fraction, map)| {
-            let of_map = map.tangent().ok_or_else(no_tangent)?;
+            let of_map = map.capabilities().tangent.ok_or_else(no_tangent)?;
             of_map.advance_tangents(fraction * h, states, tangents)
         })
     }

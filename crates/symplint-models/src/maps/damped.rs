@@ -1,7 +1,7 @@
 //! A map with a friction that does not belong there.
 
-use symplint::map::{Constraint, TangentMap};
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::map::{Capabilities, Parts, Substeps, TangentMap};
+use symplint::{Block, StepFailure, TimeAdvance};
 
 use crate::error::ModelError;
 use crate::tangent::no_tangent;
@@ -48,8 +48,19 @@ impl<M: TimeAdvance> TimeAdvance for Damped<M> {
         Ok(())
     }
 
+    fn capabilities(&self) -> Capabilities<'_> {
+        let of_map = self.map.capabilities();
+        Capabilities {
+            substeps: Some(self),
+            tangent: of_map.tangent.map(|_| self as &dyn TangentMap),
+            ..of_map.for_another_step()
+        }
+    }
+}
+
+impl<M: TimeAdvance> Substeps for Damped<M> {
     fn substeps(&self) -> usize {
-        self.map.substeps() + 1
+        Parts::of(&self.map).count() + 1
     }
 
     fn advance_substep(
@@ -58,30 +69,20 @@ impl<M: TimeAdvance> TimeAdvance for Damped<M> {
         h: f64,
         block: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
-        if substep < self.map.substeps() {
-            return self.map.advance_substep(substep, h, block);
+        let parts = Parts::of(&self.map);
+        if substep < parts.count() {
+            return parts.advance(substep, h, block);
         }
         self.damp(h, block);
         Ok(())
     }
 
     fn substep_name(&self, substep: usize) -> String {
-        if substep < self.map.substeps() {
-            return self.map.substep_name(substep);
+        let parts = Parts::of(&self.map);
+        if substep < parts.count() {
+            return parts.name(substep);
         }
         "friction".into()
-    }
-
-    fn coordinates(&self) -> Coordinates {
-        self.map.coordinates()
-    }
-
-    fn constraint(&self) -> Option<&dyn Constraint> {
-        self.map.constraint()
-    }
-
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        self.map.tangent().map(|_| self as &dyn TangentMap)
     }
 }
 
@@ -92,7 +93,7 @@ impl<M: TimeAdvance> TangentMap for Damped<M> {
         states: &mut Block<'_>,
         tangents: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
-        let of_map = self.map.tangent().ok_or_else(no_tangent)?;
+        let of_map = self.map.capabilities().tangent.ok_or_else(no_tangent)?;
         of_map.advance_tangents(h, states, tangents)?;
         self.damp(h, states);
         // The friction is linear.

@@ -1,7 +1,7 @@
 //! The inverse of a map.
 
-use symplint::map::Constraint;
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::map::Capabilities;
+use symplint::{Block, StepFailure, TimeAdvance};
 
 use super::Invertible;
 
@@ -18,12 +18,8 @@ impl<M: Invertible> TimeAdvance for Inverse<M> {
         self.0.advance_inverse(h, block)
     }
 
-    fn coordinates(&self) -> Coordinates {
-        self.0.coordinates()
-    }
-
-    fn constraint(&self) -> Option<&dyn Constraint> {
-        self.0.constraint()
+    fn capabilities(&self) -> Capabilities<'_> {
+        self.0.capabilities().for_another_step()
     }
 }
 

@@ -1,8 +1,8 @@
 //! A map whose states are kept in single precision.
 
-use symplint::map::Constraint;
+use symplint::map::Capabilities;
 use symplint::state::RowsMut;
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::{Block, StepFailure, TimeAdvance};
 
 /// A map between states in single precision: the state is rounded to 24 bits before the step and
 /// after it, as in a code that stores `f32` and computes in double precision.
@@ -27,12 +27,8 @@ impl<M: TimeAdvance> TimeAdvance for SinglePrecision<M> {
         Ok(())
     }
 
-    fn coordinates(&self) -> Coordinates {
-        self.0.coordinates()
-    }
-
-    fn constraint(&self) -> Option<&dyn Constraint> {
-        self.0.constraint()
+    fn capabilities(&self) -> Capabilities<'_> {
+        self.0.capabilities().for_another_step()
     }
 }
 

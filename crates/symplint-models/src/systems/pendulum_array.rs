@@ -102,47 +102,41 @@ dispatched! {
     }
 }
 
-/// Lets pendulum i drift, and says by a bit whether a state of it is not finite then: where the momentum
-/// is not, the position is not either.
+/// Lets pendulum i drift.
 #[inline(always)]
-fn drift_row(tau: f64, i: usize, p: Rows<'_>, q: &mut RowsMut<'_>) -> u64 {
-    let mut found = 0;
+fn drift_row(tau: f64, i: usize, p: Rows<'_>, q: &mut RowsMut<'_>) {
     for (q, p) in q.row_mut(i).iter_mut().zip(p.row(i)) {
         *q += tau * p;
-        found |= u64::from(!q.is_finite());
     }
-    found
 }
 
 dispatched! {
     /// Drift, kick and drift of three pendula or more in one sweep along the ring, so that only a few
     /// rows are in use at a time: a pendulum is kicked as soon as its right neighbour has drifted,
-    /// and drifts on when that neighbour is kicked. Says whether all states are finite then.
+    /// and drifts on when that neighbour is kicked.
     fn sweep_ring<M>(
         drifts: [f64; 2],
         kick: &RingKick,
         q: &mut RowsMut<'_>,
         p: &mut RowsMut<'_>,
-    ) -> bool {
+    ) {
         let ([before, after], last) = (drifts, q.count() - 1);
         // Pendulum 0 needs the last one drifted, and is needed by it unchanged until the end.
         for i in [last, 0, 1] {
             drift_row(before, i, p.as_rows(), q);
         }
-        let mut found = 0;
         for i in 0..=last {
             if (2..last).contains(&(i + 1)) {
                 drift_row(before, i + 1, p.as_rows(), q);
             }
             kick_row::<M>(kick, i, q.as_rows(), p);
             if i > 1 {
-                found |= drift_row(after, i - 1, p.as_rows(), q);
+                drift_row(after, i - 1, p.as_rows(), q);
             }
         }
         for i in [last, 0] {
-            found |= drift_row(after, i, p.as_rows(), q);
+            drift_row(after, i, p.as_rows(), q);
         }
-        found == 0
     }
 }
 
@@ -186,14 +180,14 @@ impl Separable for PendulumArray {
         [before, tau, after]: [f64; 3],
         q: &mut RowsMut<'_>,
         p: &mut RowsMut<'_>,
-    ) -> Option<bool> {
+    ) {
         if self.pendula < 3 {
             self.drift(before, p.as_rows(), q);
             self.kick(tau, q.as_rows(), p);
             self.drift(after, p.as_rows(), q);
-            return None;
+            return;
         }
-        Some(sweep_ring([before, after], &self.ring_kick(tau), q, p))
+        sweep_ring([before, after], &self.ring_kick(tau), q, p);
     }
 
     fn potential_energy(&self, q: Rows<'_>, out: &mut [f64]) {

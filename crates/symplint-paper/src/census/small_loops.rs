@@ -23,7 +23,7 @@ impl SmallLoops {
     /// Measures them at every step size.
     pub fn of(scheme: &Scheme) -> Result<Self, PaperError> {
         const SAMPLES: usize = 512;
-        let coordinates = scheme.map.coordinates();
+        let coordinates = scheme.map.capabilities().coordinates;
         let integral = |ensemble: &Ensemble| {
             LoopIntegral::in_coordinates(ensemble, &Rule::Pseudospectral, &coordinates)
         };

@@ -91,7 +91,12 @@ fn defects(map: &dyn TimeAdvance, phase_loop: &FourierLoop, steps: [f64; 3]) -> 
     // At half as many, quadrature errors are 4e-12.
     const SAMPLES: usize = 1024;
     let integral = |ensemble: &Ensemble| {
-        LoopIntegral::in_coordinates(ensemble, &Rule::Pseudospectral, &map.coordinates()).unwrap()
+        LoopIntegral::in_coordinates(
+            ensemble,
+            &Rule::Pseudospectral,
+            &map.capabilities().coordinates,
+        )
+        .unwrap()
     };
     steps.map(|h| {
         let mut ensemble = Ensemble::sample(phase_loop, SAMPLES).unwrap();

@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
+use symplint::map::Parts;
 use symplint::state::RowsMut;
 use symplint::{Block, TimeAdvance};
 use symplint_models::integrators::{PartSplitting, Variant, catalogue, splitting_methods};
@@ -132,7 +133,7 @@ fn the_magnetic_field_stays_that_of_the_potential() {
                     }
                 }
                 with_block(&mut q, &mut p, |block| {
-                    step.advance_substep(substep, H, block).unwrap();
+                    Parts::of(&step).advance(substep, H, block).unwrap();
                 });
             }
         }
@@ -173,8 +174,8 @@ fn passes_are_flows_one_after_the_other() {
                 for (sample, (q, p)) in states.iter().enumerate() {
                     let (mut q, mut p) = (q.clone(), p.clone());
                     with_block(&mut q, &mut p, |block| {
-                        for substep in 0..step.substeps() {
-                            step.advance_substep(substep, 0.3, block).unwrap();
+                        for substep in 0..Parts::of(&step).count() {
+                            Parts::of(&step).advance(substep, 0.3, block).unwrap();
                         }
                     });
                     for i in 0..dof {

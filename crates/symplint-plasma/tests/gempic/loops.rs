@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use symplint::loops::FourierLoop;
+use symplint::map::Parts;
 use symplint::state::Rows;
 use symplint::{Defect, Ensemble, LoopIntegral, Rule, TimeAdvance};
 use symplint_models::Model;
@@ -42,7 +43,7 @@ fn defect(
     advance: impl FnOnce(&mut Ensemble),
 ) -> f64 {
     let mut ensemble = Ensemble::sample(phase_loop, samples).unwrap();
-    let coordinates = map.coordinates();
+    let coordinates = map.capabilities().coordinates;
     let integral = |ensemble: &Ensemble| {
         LoopIntegral::in_coordinates(ensemble, &Rule::Pseudospectral, &coordinates).unwrap()
     };
@@ -64,13 +65,14 @@ fn step_defect(degree: usize, samples: usize) -> f64 {
 /// Of every substep taken alone.
 fn substep_defects(degree: usize) -> Vec<(String, f64)> {
     let (step, phase_loop) = plasma(degree);
-    (0..step.substeps())
+    (0..Parts::of(&step).count())
         .map(|substep| {
             let alone = defect(&step, &phase_loop, SAMPLES, |ensemble| {
-                step.advance_substep(substep, H, &mut ensemble.block())
+                Parts::of(&step)
+                    .advance(substep, H, &mut ensemble.block())
                     .unwrap();
             });
-            (step.substep_name(substep), alone)
+            (Parts::of(&step).name(substep), alone)
         })
         .collect()
 }
@@ -137,7 +139,7 @@ fn kinetic_momenta_are_not_canonical() {
         after.advance(&step, H).unwrap();
         let [before, after] = [&mut before, &mut after].map(|ensemble| {
             kinetic(ensemble);
-            let coordinates = step.coordinates();
+            let coordinates = step.capabilities().coordinates;
             LoopIntegral::in_coordinates(ensemble, &Rule::Pseudospectral, &coordinates).unwrap()
         });
         let defect = Defect::between(&before, &after).unwrap().magnitude();
@@ -233,7 +235,7 @@ fn the_form_on_the_leaf_is_conserved() {
         let mut ensemble = sampled();
         let before = leaf_integral(gempic, &mut ensemble);
         let canonical = |ensemble: &Ensemble| {
-            let coordinates = step.coordinates();
+            let coordinates = step.capabilities().coordinates;
             LoopIntegral::in_coordinates(ensemble, &Rule::Pseudospectral, &coordinates).unwrap()
         };
         // Both are the same on the leaf.

@@ -1,6 +1,7 @@
 //! Schemes that are no splitting: the equations they solve, what they conserve, and the order of their defects.
 
 use symplint::TimeAdvance;
+use symplint::map::Parts;
 use symplint_models::integrators::{Solver, StageSolver, Stop};
 use symplint_models::{Model, ModelError, SplitHamiltonian};
 use symplint_plasma::CATALOGUE;
@@ -186,7 +187,7 @@ fn ecsim_solves_its_equations() {
             let of = |q: &[f64], p: &[f64]| plasma.fields(&gempic.physical(q, p));
             let before = of(&q, &p);
             crate::flows::with_block(&mut q, &mut p, |block| {
-                map.advance_substep(1, H, block).unwrap();
+                Parts::of(&map).advance(1, H, block).unwrap();
             });
             let after = of(&q, &p);
             assert_eq!((&before.x, &before.y), (&after.x, &after.y));
@@ -515,7 +516,7 @@ fn electric_substeps_of_boris_are_flows_of_the_splitting() {
                     });
                     let mut found = begin.clone();
                     crate::flows::with_block(&mut found.0, &mut found.1, |block| {
-                        map.advance_substep(substep, H, block).unwrap();
+                        Parts::of(&map).advance(substep, H, block).unwrap();
                     });
                     let off = distance(&found, &expected);
                     assert!(off < 1e-14, "{variant}, {fields:?}, {degree}: {off:e}");

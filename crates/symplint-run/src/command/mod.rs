@@ -17,7 +17,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
-use symplint::map::Prefetch;
+use symplint::map::{Capabilities, Prefetch};
 use symplint::{Block, Coordinates, Ensemble, StepFailure, TimeAdvance};
 
 pub use call::FileFormat;
@@ -335,18 +335,17 @@ impl TimeAdvance for CommandMap {
         Ok(())
     }
 
-    fn coordinates(&self) -> Coordinates {
-        self.coordinates.clone()
-    }
-
-    fn is_stopped(&self) -> bool {
-        // Calls that cannot be noted would be lost.
-        let lost = (self.journal.get()).is_some_and(|journal| journal.failure().is_some());
-        lost || self.failure().is_some() || self.planned.get().is_some_and(Planned::lacks_calls)
-    }
-
-    fn prefetch(&self) -> Option<&dyn Prefetch> {
-        self.planned.get().map(|_| self as &dyn Prefetch)
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            prefetch: self.planned.get().map(|_| self as &dyn Prefetch),
+            is_stopped: Some(Box::new(|| {
+                // Calls that cannot be noted would be lost.
+                let lost = (self.journal.get()).is_some_and(|journal| journal.failure().is_some());
+                let lacks_calls = self.planned.get().is_some_and(Planned::lacks_calls);
+                lost || self.failure().is_some() || lacks_calls
+            })),
+            ..Capabilities::of_coordinates(self.coordinates.clone())
+        }
     }
 }
 

@@ -83,11 +83,12 @@ fn given_maps() {
 
 #[test]
 fn what_has_no_derivative_has_no_tangent_map() {
-    assert!(SinglePrecision(strang()).tangent().is_none());
+    assert!(SinglePrecision(strang()).capabilities().tangent.is_none());
     assert!(
         Repeat::new(SinglePrecision(strang()), 3)
             .unwrap()
-            .tangent()
+            .capabilities()
+            .tangent
             .is_none()
     );
     // A system that supplies no derivative of its force.
@@ -96,7 +97,8 @@ fn what_has_no_derivative_has_no_tangent_map() {
         assert!(
             build(name, None, rotor.clone())
                 .unwrap()
-                .tangent()
+                .capabilities()
+                .tangent
                 .is_none(),
             "{name}"
         );
@@ -120,7 +122,7 @@ fn stages_that_are_not_solved_to_round_off_leave_no_tangent_map() {
         let has = |stop| {
             let pendulum = Arc::new(Pendulum::default());
             let map = CATALOGUE.build(StageSolver { solver, stop }, "gauss4", None, pendulum);
-            map.unwrap().tangent().is_some()
+            map.unwrap().capabilities().tangent.is_some()
         };
         assert!(has(to(0.0)) && has(to(1e-15)));
         assert!(!has(to(1e-12)) && !has(to(1e-6)) && !has(Stop::Iterations(3)));

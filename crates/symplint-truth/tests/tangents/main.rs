@@ -23,7 +23,10 @@ pub fn direction(dof: usize, seed: usize) -> State {
 
 /// The state after a step and DΦ u.
 pub fn with_tangent(map: &dyn TimeAdvance, h: f64, at: &State, along: &State) -> (State, State) {
-    let tangent = map.tangent().expect("the map has a tangent map");
+    let tangent = map
+        .capabilities()
+        .tangent
+        .expect("the map has a tangent map");
     let (mut state, mut along) = (at.clone(), along.clone());
     let dof = at.0.len();
     let mut z = Block::new(
@@ -41,7 +44,7 @@ pub fn with_tangent(map: &dyn TimeAdvance, h: f64, at: &State, along: &State) ->
 
 /// ω(u, v), momenta counted with their weights.
 fn form(map: &dyn TimeAdvance, u: &State, v: &State) -> f64 {
-    let coordinates = map.coordinates();
+    let coordinates = map.capabilities().coordinates;
     let plane = |i: usize| coordinates.weight(i) * (u.0[i] * v.1[i] - u.1[i] * v.0[i]);
     (0..u.0.len()).map(plane).sum()
 }
@@ -152,7 +155,7 @@ fn a_tangent_does_not_depend_on_its_block() {
             let mut states = Block::new(rows(q), rows(p));
             let rows = |table| RowsMut::new(table, dof, WIDTH, WIDTH);
             let mut tangents = Block::new(rows(dq), rows(dp));
-            let tangent = map.tangent().unwrap();
+            let tangent = map.capabilities().tangent.unwrap();
             tangent
                 .advance_tangents(0.4, &mut states, &mut tangents)
                 .unwrap();

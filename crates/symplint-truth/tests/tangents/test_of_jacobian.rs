@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 use symplint::jacobian::{JacobianEvidence, JacobianMethod};
+use symplint::map::Capabilities;
 use symplint::verdict::JacobianVerdict;
-use symplint::{Block, Circle, Coordinates, JacobianTest, StepFailure, TimeAdvance};
+use symplint::{Block, Circle, JacobianTest, StepFailure, TimeAdvance};
 
 use crate::systems::{Subject, all};
 
@@ -17,8 +18,9 @@ impl<M: TimeAdvance> TimeAdvance for Bare<M> {
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         self.0.advance(h, block)
     }
-    fn coordinates(&self) -> Coordinates {
-        self.0.coordinates()
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities::of_coordinates(self.0.capabilities().coordinates)
     }
 }
 

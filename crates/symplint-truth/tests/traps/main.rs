@@ -9,6 +9,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use symplint::error::StateAt;
+use symplint::map::{Capabilities, Parts, Substeps};
 use symplint::rules::Piecewise;
 use symplint::{
     Block, Circle, Coordinates, Diagnostic, Error, Loop, LoopIntegral, PerSample, StepFailure,
@@ -135,9 +136,20 @@ impl TimeAdvance for Kicks {
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         (0..self.substeps()).try_for_each(|k| self.advance_substep(k, h, block))
     }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            substeps: Some(self),
+            ..Capabilities::plain(self.dof())
+        }
+    }
+}
+
+impl Substeps for Kicks {
     fn substeps(&self) -> usize {
         self.0.len()
     }
+
     fn advance_substep(&self, k: usize, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
             match self.0[k] {
@@ -249,9 +261,20 @@ impl TimeAdvance for OpensWide {
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         (0..self.substeps()).try_for_each(|k| self.advance_substep(k, h, block))
     }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            substeps: Some(self),
+            ..Capabilities::of_coordinates(Coordinates::plain(1).with_periods(vec![1.0]).unwrap())
+        }
+    }
+}
+
+impl Substeps for OpensWide {
     fn substeps(&self) -> usize {
         4
     }
+
     fn advance_substep(&self, k: usize, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         for (q, p) in block.q.row_mut(0).iter_mut().zip(block.p.row_mut(0)) {
             let sin = (TAU * *q).sin();
@@ -263,9 +286,6 @@ impl TimeAdvance for OpensWide {
             }
         }
         Ok(())
-    }
-    fn coordinates(&self) -> Coordinates {
-        Coordinates::plain(1).with_periods(vec![1.0]).unwrap()
     }
 }
 
@@ -469,7 +489,7 @@ fn no_more_states_are_advanced_than_may_be() {
                 found.evaluations
             );
             // Starts of closing segments go through the rest of the step only.
-            if map.substeps() == 1 {
+            if Parts::of(map).count() == 1 {
                 assert_eq!(found.evaluations, advanced.into_inner(), "{name}");
             }
             // And they are put to use.
@@ -495,14 +515,22 @@ impl TimeAdvance for Counted<'_> {
         self.advanced.fetch_add(block.len(), Ordering::Relaxed);
         self.map.advance(h, block)
     }
-    fn substeps(&self) -> usize {
-        self.map.substeps()
-    }
-    fn advance_substep(&self, k: usize, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
-        if self.map.substeps() == 1 {
-            return self.advance(h, block);
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            substeps: (self.map.capabilities().substeps).map(|_| self as &dyn Substeps),
+            ..Capabilities::plain(self.dof())
         }
-        self.map.advance_substep(k, h, block)
+    }
+}
+
+impl Substeps for Counted<'_> {
+    fn substeps(&self) -> usize {
+        Parts::of(self.map).count()
+    }
+
+    fn advance_substep(&self, k: usize, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        Parts::of(self.map).advance(k, h, block)
     }
 }
 

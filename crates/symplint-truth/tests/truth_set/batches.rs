@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
+use symplint::map::Capabilities;
 use symplint::{Block, StepFailure, TimeAdvance};
 
 use crate::random::Random;
@@ -38,9 +39,11 @@ impl<F: FnMut(f64, &mut RowsOfBatch) + Send> TimeAdvance for Batches<F> {
         Ok(())
     }
 
-    /// One call has all rows.
-    fn block_width(&self) -> usize {
-        1 << 20
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            block_width: 1 << 20,
+            ..Capabilities::plain(self.dof())
+        }
     }
 }
 

@@ -71,7 +71,7 @@ pub fn diagnose(subject: &Subject) -> Result<Diagnosis, symplint::Error> {
                     snapshot(states).after_step(h)
                 })
                 .collect();
-            measure(&snapshot(before), &after, &map.coordinates())
+            measure(&snapshot(before), &after, &map.capabilities().coordinates)
         }
     }
 }

@@ -185,7 +185,7 @@ impl Case {
     /// Whether the verdict stays, and its digits to one, in units of length from 2^-30 to 2^30 times as large, of each
     /// degree of freedom apart; else what it is then.
     fn in_other_units(&self, verdict: &Verdict) -> Result<(), String> {
-        let coordinates = self.map.coordinates();
+        let coordinates = self.map.capabilities().coordinates;
         let exponent = |i: usize| match i % 4 {
             // A grid has one unit.
             _ if coordinates.grid_spacing() > 0.0 => -30,

@@ -1,5 +1,6 @@
 //! Maps that are given by a formula.
 
+use symplint::map::Capabilities;
 use symplint::{Block, Coordinates, PerSample, StepFailure, TimeAdvance};
 use symplint_models::discrete::{HenonMap, StandardMap};
 use symplint_models::maps::SinglePrecision;
@@ -451,8 +452,9 @@ impl TimeAdvance for Pair {
         }
         Ok(())
     }
-    fn coordinates(&self) -> Coordinates {
-        self.0.clone()
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities::of_coordinates(self.0.clone())
     }
 }
 

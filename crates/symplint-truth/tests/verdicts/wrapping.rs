@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use symplint::diagnosis::SampleCount;
+use symplint::map::Capabilities;
 use symplint::rules::Streaming;
 use symplint::{Block, Coordinates, Diagnostic, Rule, StepFailure, TimeAdvance, VerdictKind};
 
@@ -27,8 +28,9 @@ impl TimeAdvance for Wrapping {
         }
         Ok(())
     }
-    fn coordinates(&self) -> Coordinates {
-        self.coordinates.clone()
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities::of_coordinates(self.coordinates.clone())
     }
 }
 
@@ -68,8 +70,9 @@ fn steep_stretches_near_a_wrap_are_no_breaks() {
             }
             Ok(())
         }
-        fn coordinates(&self) -> Coordinates {
-            Coordinates::plain(1).with_periods(vec![1.0]).unwrap()
+
+        fn capabilities(&self) -> Capabilities<'_> {
+            Capabilities::of_coordinates(Coordinates::plain(1).with_periods(vec![1.0]).unwrap())
         }
     }
     for width in [1e-2, 1e-4] {
@@ -133,8 +136,11 @@ fn a_torque_on_the_cylinder_is_symplectic_but_not_exact() {
             }
             Ok(())
         }
-        fn coordinates(&self) -> Coordinates {
-            Coordinates::plain(1).with_periods(vec![2.0 * PI]).unwrap()
+
+        fn capabilities(&self) -> Capabilities<'_> {
+            Capabilities::of_coordinates(
+                Coordinates::plain(1).with_periods(vec![2.0 * PI]).unwrap(),
+            )
         }
     }
     struct Around;

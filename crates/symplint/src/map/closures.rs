@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::fmt::Display;
 
-use super::{Constraint, StepFailure, TimeAdvance};
+use super::{Capabilities, Constraint, StepFailure, TimeAdvance};
 use crate::error::Error;
 use crate::state::{Block, Coordinates, scratch};
 
@@ -59,7 +59,7 @@ impl<E: Display> StepOutcome for Result<(), E> {
 /// });
 /// let periods = vec![std::f64::consts::TAU];
 /// let midpoint = midpoint.with_coordinates(Coordinates::plain(1).with_periods(periods)?)?;
-/// assert_eq!(midpoint.coordinates().period(0), std::f64::consts::TAU);
+/// assert_eq!(midpoint.capabilities().coordinates.period(0), std::f64::consts::TAU);
 /// # Ok::<(), symplint::Error>(())
 /// ```
 pub struct PerSample<F> {
@@ -189,12 +189,11 @@ where
             .map_err(|(sample, reason)| StepFailure { sample, reason })
     }
 
-    fn coordinates(&self) -> Coordinates {
-        self.coordinates.clone()
-    }
-
-    fn constraint(&self) -> Option<&dyn Constraint> {
-        self.projection.as_deref()
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            constraint: self.projection.as_deref(),
+            ..Capabilities::of_coordinates(self.coordinates.clone())
+        }
     }
 }
 
@@ -279,11 +278,10 @@ where
         (self.step)(h, block)
     }
 
-    fn coordinates(&self) -> Coordinates {
-        self.coordinates.clone()
-    }
-
-    fn constraint(&self) -> Option<&dyn Constraint> {
-        self.projection.as_deref()
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            constraint: self.projection.as_deref(),
+            ..Capabilities::of_coordinates(self.coordinates.clone())
+        }
     }
 }

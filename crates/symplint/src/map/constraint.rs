@@ -7,7 +7,7 @@ use crate::state::Block;
 /// The manifold on which a map acts, such as that of rods of fixed length.
 ///
 /// A map of constrained mechanics (SHAKE, RATTLE) is symplectic on its manifold, and takes states off the manifold onto it: there
-/// it has no inverse, and conserves nothing. A map that says by [`TimeAdvance::constraint`] where its manifold is
+/// it has no inverse, and conserves nothing. A map that says by [`Capabilities::constraint`](super::Capabilities::constraint) where its manifold is
 /// is tested there: the states of all loops and of the [`JacobianTest`](crate::JacobianTest) are projected.
 pub trait Constraint: Send + Sync {
     /// Puts every state of `block` on the manifold, in place.
@@ -61,7 +61,7 @@ struct ManifoldOf<M>(M);
 
 impl<M: TimeAdvance> Constraint for ManifoldOf<M> {
     fn project(&self, block: &mut Block<'_>) {
-        if let Some(constraint) = self.0.constraint() {
+        if let Some(constraint) = self.0.capabilities().constraint {
             constraint.project(block);
         }
     }

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use super::witnesses::Recorder;
 use super::{
-    Before, Constraint, Energy, Grain, ProjectedLoop, StepFailure, TangentMap, TimeAdvance,
-    Witnesses,
+    Before, Capabilities, Constraint, Energy, Grain, Parts, ProjectedLoop, StepFailure,
+    TimeAdvance, Witnesses,
 };
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
@@ -27,7 +27,8 @@ pub(crate) struct Feature {
 /// One evaluation is one state advanced by one step, or by the last substeps of one.
 pub(crate) struct Evaluator<'a> {
     map: &'a dyn TimeAdvance,
-    coordinates: Coordinates,
+    capabilities: Arc<Capabilities<'a>>,
+    parts: Parts<'a, dyn TimeAdvance + 'a>,
     constraint: Option<&'a dyn Constraint>,
     /// Substeps that make up the step; fewer than the map has for [`prefix`](Self::prefix).
     substeps: usize,
@@ -118,13 +119,15 @@ impl<'a> Evaluator<'a> {
     /// # Errors
     /// If the coordinates of the map have other degrees of freedom than the map.
     pub fn new(map: &'a dyn TimeAdvance, count: &'a EvaluationCount) -> Result<Self, Error> {
-        let coordinates = map.coordinates();
-        Error::check_length("coordinates of the map", map.dof(), coordinates.dof())?;
+        let (capabilities, parts) = (Arc::new(map.capabilities()), Parts::of(map));
+        let of_coordinates = capabilities.coordinates.dof();
+        Error::check_length("coordinates of the map", map.dof(), of_coordinates)?;
         Ok(Evaluator {
             map,
-            coordinates,
-            constraint: map.constraint(),
-            substeps: map.substeps(),
+            constraint: capabilities.constraint,
+            substeps: parts.count(),
+            parts,
+            capabilities,
             count,
             grain: RwLock::default(),
             inside: RwLock::default(),
@@ -139,7 +142,8 @@ impl<'a> Evaluator<'a> {
     pub fn prefix(&self, substeps: usize) -> Evaluator<'a> {
         Evaluator {
             map: self.map,
-            coordinates: self.coordinates.clone(),
+            capabilities: Arc::clone(&self.capabilities),
+            parts: self.parts,
             constraint: self.constraint,
             substeps,
             count: self.count,
@@ -159,7 +163,7 @@ impl<'a> Evaluator<'a> {
 
     /// Periods, weights and grid of the map.
     pub fn coordinates(&self) -> &Coordinates {
-        &self.coordinates
+        &self.capabilities.coordinates
     }
 
     /// Number of substeps.
@@ -169,14 +173,7 @@ impl<'a> Evaluator<'a> {
 
     /// Name of a substep.
     pub fn substep_name(&self, substep: usize) -> String {
-        self.map.substep_name(substep)
-    }
-
-    /// Breaks that the map can tell beforehand, and features of the present loop that were noted.
-    pub fn known_breaks(&self, phase_loop: &dyn Loop, h: f64) -> Vec<f64> {
-        let mut known = self.map.known_breaks(phase_loop, h);
-        known.extend(self.features().iter().map(|feature| feature.s));
-        known
+        self.parts.name(substep)
     }
 
     /// Takes note of a feature of the present loop after a step of size `h`.
@@ -194,7 +191,7 @@ impl<'a> Evaluator<'a> {
 
     /// The tangent map, if the map has one. It is called by [`advance_tangents`](Self::advance_tangents).
     pub fn has_tangent(&self) -> bool {
-        self.map.tangent().is_some()
+        self.capabilities.tangent.is_some()
     }
 
     /// The manifold on which the map acts, if it names one.
@@ -203,8 +200,8 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The energy of states, if the map has it.
-    pub fn energy(&self) -> Option<Energy<'_>> {
-        self.map.energy()
+    pub fn energy(&self) -> Option<&Energy<'a>> {
+        self.capabilities.energy.as_ref()
     }
 
     /// A loop on that manifold.
@@ -252,9 +249,9 @@ impl<'a> Evaluator<'a> {
     /// # Errors
     /// If it does.
     pub fn check_not_stopped(&self) -> Result<(), Error> {
-        match self.map.is_stopped() {
-            true => Err(Error::Stopped),
-            false => Ok(()),
+        match &self.capabilities.is_stopped {
+            Some(is_stopped) if is_stopped() => Err(Error::Stopped),
+            _ => Ok(()),
         }
     }
 
@@ -283,17 +280,27 @@ impl<'a> Evaluator<'a> {
         self.advance_from(states, h, |_, _| Ok(()))
     }
 
+    /// Whether a step of this evaluator is a step of the map, not the first part of one.
+    fn is_whole(&self) -> bool {
+        self.substeps == self.parts.count()
+    }
+
+    /// Samples that the map is given at once, at most.
+    fn block_width(&self) -> usize {
+        self.capabilities.block_width.max(1)
+    }
+
     /// Whether [`prefetch`](Self::prefetch) does anything.
     pub fn has_prefetch(&self) -> bool {
-        self.substeps == self.map.substeps() && self.map.prefetch().is_some()
+        self.is_whole() && self.capabilities.prefetch.is_some()
     }
 
     /// Tells the map of states that are sure to be advanced by a step of size `h`. They are counted when they are.
     pub fn prefetch(&self, states: &mut Ensemble, h: f64) {
         if self.has_prefetch()
-            && let Some(prefetch) = self.map.prefetch()
+            && let Some(prefetch) = self.capabilities.prefetch
         {
-            for block in states.blocks_of(self.map.block_width().max(1)) {
+            for block in states.blocks_of(self.block_width()) {
                 prefetch.begin(h, &block);
             }
         }
@@ -311,7 +318,7 @@ impl<'a> Evaluator<'a> {
         fill: impl Fn(usize, &mut Block<'_>) -> Result<(), Error> + Sync,
     ) -> Result<(), Error> {
         self.check_dof(states.dof())?;
-        let width = self.map.block_width().max(1);
+        let width = self.block_width();
         self.advance_blocks(states.blocks_of(width), width, 0, h, fill)
     }
 
@@ -330,7 +337,7 @@ impl<'a> Evaluator<'a> {
             };
             let found = Grain::of(
                 samples,
-                &self.coordinates,
+                self.coordinates(),
                 inside.as_deref().map(Vec::as_slice),
                 value,
                 before,
@@ -405,14 +412,11 @@ impl<'a> Evaluator<'a> {
             let first = first + b * width;
             fill(first, &mut block)?;
             let taken = (b == 0).then(|| self.recorder.take(&block)).flatten();
-            let finite = if self.substeps == self.map.substeps() {
-                self.map.advance_and_look(h, &mut block)
-            } else {
-                (0..self.substeps)
-                    .try_for_each(|k| self.map.advance_substep(k, h, &mut block))
-                    .map(|()| block.all_finite())
+            let advanced = match self.is_whole() {
+                true => self.map.advance(h, &mut block),
+                false => (0..self.substeps).try_for_each(|k| self.parts.advance(k, h, &mut block)),
             };
-            checked(finite, self.stated(h), first, &block)?;
+            checked(advanced, self.stated(h), first, &block)?;
             if let Some(taken) = taken {
                 self.recorder.keep(taken, h, &block);
             }
@@ -435,11 +439,10 @@ impl<'a> Evaluator<'a> {
         if substep + 1 == self.substeps {
             self.take(states.samples())?;
         }
-        let width = self.map.block_width().max(1);
+        let width = self.block_width();
         let each = |(b, mut block): (usize, Block<'_>)| {
-            let advanced = self.map.advance_substep(substep, h, &mut block);
-            let finite = advanced.map(|()| block.all_finite());
-            checked(finite, self.stated(h), b * width, &block)
+            let advanced = self.parts.advance(substep, h, &mut block);
+            checked(advanced, self.stated(h), b * width, &block)
         };
         let blocks = states.blocks_of(width).into_par_iter().enumerate();
         first_error(blocks.map(each).collect())
@@ -460,7 +463,7 @@ impl<'a> Evaluator<'a> {
         h: f64,
         fill: impl Fn(usize, &mut Block<'_>, &mut Block<'_>) + Sync,
     ) -> Result<(), Error> {
-        let tangent: &dyn TangentMap = self.map.tangent().expect("the map has a tangent map");
+        let tangent = (self.capabilities.tangent).expect("the map has a tangent map");
         assert_eq!(states.samples(), tangents.samples());
         self.check_dof(states.dof())?;
         self.take(states.samples())?;
@@ -470,8 +473,7 @@ impl<'a> Evaluator<'a> {
             let first = b * width;
             fill(first, &mut states, &mut tangents);
             let advanced = tangent.advance_tangents(h, &mut states, &mut tangents);
-            let finite = advanced.map(|()| states.all_finite());
-            checked(finite, self.stated(h), first, &states)
+            checked(advanced, self.stated(h), first, &states)
         };
         first_error(pairs.enumerate().map(each).collect())
     }
@@ -497,17 +499,17 @@ pub(crate) fn states_at(phase_loop: &dyn Loop, s: &[f64]) -> Ensemble {
 
 /// What came of advancing a block that begins with sample `first`.
 fn checked(
-    finite: Result<bool, StepFailure>,
+    advanced: Result<(), StepFailure>,
     h: Option<f64>,
     first: usize,
     block: &Block<'_>,
 ) -> Result<(), Error> {
-    let finite = finite.map_err(|failure| Error::StepFailed {
+    advanced.map_err(|failure| Error::StepFailed {
         at: StateAt::Sample(first + failure.sample),
         step_size: h,
         reason: failure.reason,
     })?;
-    let not_finite = (!finite)
+    let not_finite = (!block.all_finite())
         .then(|| first_not_finite(block.q.as_rows(), block.p.as_rows()))
         .flatten();
     match not_finite {

@@ -5,7 +5,7 @@
 //! form is ω. A map of z is a map of this manifold, so that all that is known of canonical coordinates and of constraints
 //! holds.
 
-use super::{Constraint, StepFailure, TimeAdvance};
+use super::{Capabilities, Constraint, Parts, StepFailure, Substeps, TimeAdvance};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::state::{Block, Coordinates};
@@ -142,7 +142,7 @@ impl<M: TimeAdvance, F: OneForm> NonCanonical<M, F> {
             let dimension = form.dimension();
             return Err(Error::FormDimension { dimension, dof });
         }
-        let of_map = map.coordinates();
+        let of_map = map.capabilities().coordinates;
         let periods = (0..dof).map(|i| of_map.period(i));
         let periods = periods.chain((0..n - dof).map(|i| of_map.momentum_period(i)));
         let coordinates = Coordinates::plain(n).with_periods(periods.collect())?;
@@ -191,12 +191,22 @@ impl<M: TimeAdvance, F: OneForm> TimeAdvance for NonCanonical<M, F> {
         self.on_states(block, |states| self.map.advance(h, states))
     }
 
-    fn block_width(&self) -> usize {
-        self.map.block_width()
+    fn capabilities(&self) -> Capabilities<'_> {
+        let of_map = self.map.capabilities();
+        Capabilities {
+            coordinates: self.coordinates.clone(),
+            block_width: of_map.block_width,
+            substeps: of_map.substeps.map(|_| self as &dyn Substeps),
+            constraint: Some(self),
+            is_stopped: of_map.is_stopped,
+            ..Capabilities::plain(self.dof())
+        }
     }
+}
 
+impl<M: TimeAdvance, F: OneForm> Substeps for NonCanonical<M, F> {
     fn substeps(&self) -> usize {
-        self.map.substeps()
+        Parts::of(&self.map).count()
     }
 
     fn advance_substep(
@@ -205,23 +215,13 @@ impl<M: TimeAdvance, F: OneForm> TimeAdvance for NonCanonical<M, F> {
         h: f64,
         block: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
-        self.on_states(block, |states| self.map.advance_substep(substep, h, states))
+        self.on_states(block, |states| {
+            Parts::of(&self.map).advance(substep, h, states)
+        })
     }
 
     fn substep_name(&self, substep: usize) -> String {
-        self.map.substep_name(substep)
-    }
-
-    fn coordinates(&self) -> Coordinates {
-        self.coordinates.clone()
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.map.is_stopped()
-    }
-
-    fn constraint(&self) -> Option<&dyn Constraint> {
-        Some(self)
+        Parts::of(&self.map).name(substep)
     }
 }
 

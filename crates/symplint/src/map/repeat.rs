@@ -1,8 +1,8 @@
 //! Several steps of one map.
 
-use super::{Constraint, Energy, StepFailure, TangentMap, TimeAdvance};
+use super::{Capabilities, Parts, StepFailure, Substeps, TangentMap, TimeAdvance};
 use crate::error::Error;
-use crate::state::{Block, Coordinates};
+use crate::state::Block;
 
 /// The map Φ_h ∘ … ∘ Φ_h of n steps of size h each: it advances by a time n h.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,12 +47,19 @@ impl<M: TimeAdvance> TimeAdvance for Repeat<M> {
         (0..self.steps).try_for_each(|_| self.map.advance(h, block))
     }
 
-    fn block_width(&self) -> usize {
-        self.map.block_width()
+    fn capabilities(&self) -> Capabilities<'_> {
+        let of_map = self.map.capabilities();
+        Capabilities {
+            substeps: Some(self),
+            tangent: of_map.tangent.map(|_| self as &dyn TangentMap),
+            ..of_map.for_another_step()
+        }
     }
+}
 
+impl<M: TimeAdvance> Substeps for Repeat<M> {
     fn substeps(&self) -> usize {
-        self.steps.saturating_mul(self.map.substeps())
+        self.steps.saturating_mul(Parts::of(&self.map).count())
     }
 
     fn advance_substep(
@@ -61,32 +68,14 @@ impl<M: TimeAdvance> TimeAdvance for Repeat<M> {
         h: f64,
         block: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
-        (self.map).advance_substep(substep % self.map.substeps(), h, block)
+        let parts = Parts::of(&self.map);
+        parts.advance(substep % parts.count(), h, block)
     }
 
     fn substep_name(&self, substep: usize) -> String {
-        let (step, substep) = (substep / self.map.substeps(), substep % self.map.substeps());
-        format!("{} of step {}", self.map.substep_name(substep), step + 1)
-    }
-
-    fn coordinates(&self) -> Coordinates {
-        self.map.coordinates()
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.map.is_stopped()
-    }
-
-    fn constraint(&self) -> Option<&dyn Constraint> {
-        self.map.constraint()
-    }
-
-    fn energy(&self) -> Option<Energy<'_>> {
-        self.map.energy()
-    }
-
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        self.map.tangent().map(|_| self as &dyn TangentMap)
+        let parts = Parts::of(&self.map);
+        let (step, substep) = (substep / parts.count(), substep % parts.count());
+        format!("{} of step {}", parts.name(substep), step + 1)
     }
 }
 
@@ -98,7 +87,7 @@ impl<M: TimeAdvance> TangentMap for Repeat<M> {
         states: &mut Block<'_>,
         tangents: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
-        let of_map = self.map.tangent().ok_or_else(|| StepFailure {
+        let of_map = self.map.capabilities().tangent.ok_or_else(|| StepFailure {
             sample: 0,
             reason: "the map has no tangent map".into(),
         })?;

@@ -9,7 +9,7 @@ use crate::state::Block;
 /// This is forward-mode differentiation: every operation of the step is followed by its derivative, and
 /// no matrix is formed. [`JacobianTest`](crate::JacobianTest) then has the Jacobian to
 /// round-off where differences have about 11 digits. A map says that it has one by
-/// [`TimeAdvance::tangent`](crate::TimeAdvance::tangent).
+/// [`Capabilities::tangent`](super::Capabilities::tangent).
 ///
 /// At jumps and kinks the derivative is that of the piece in which the state lies, so it exists almost
 /// everywhere, and knows nothing of the jumps.
@@ -17,7 +17,7 @@ use crate::state::Block;
 /// ```
 /// use symplint::{Block, Circle, JacobianTest, StepFailure, TimeAdvance};
 /// use symplint::jacobian::JacobianMethod;
-/// use symplint::map::TangentMap;
+/// use symplint::map::{Capabilities, TangentMap};
 ///
 /// /// The pendulum H = p²/2 − cos q, kicked first.
 /// struct Pendulum;
@@ -33,8 +33,8 @@ use crate::state::Block;
 ///         }
 ///         Ok(())
 ///     }
-///     fn tangent(&self) -> Option<&dyn TangentMap> {
-///         Some(self)
+///     fn capabilities(&self) -> Capabilities<'_> {
+///         Capabilities { tangent: Some(self), ..Capabilities::plain(1) }
 ///     }
 /// }
 ///

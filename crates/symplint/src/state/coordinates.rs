@@ -1,5 +1,7 @@
 //! What the coordinates of a phase space mean: periods, weights and grids.
 
+use std::sync::Arc;
+
 use crate::error::Error;
 
 /// Periods and grids of the positions and weights of the momenta.
@@ -14,9 +16,9 @@ use crate::error::Error;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coordinates {
     dof: usize,
-    periods: Option<Vec<f64>>,
-    momentum_periods: Option<Vec<f64>>,
-    weights: Option<Vec<f64>>,
+    periods: Option<Arc<[f64]>>,
+    momentum_periods: Option<Arc<[f64]>>,
+    weights: Option<Arc<[f64]>>,
     grid_spacing: f64,
 }
 
@@ -38,7 +40,7 @@ impl Coordinates {
     /// If the number of periods is not d, or one is negative or not finite.
     pub fn with_periods(mut self, periods: Vec<f64>) -> Result<Self, Error> {
         self.check_periods("periods", &periods)?;
-        self.periods = Some(periods);
+        self.periods = Some(periods.into());
         Ok(self)
     }
 
@@ -48,7 +50,7 @@ impl Coordinates {
     /// If the number of periods is not d, or one is negative or not finite.
     pub fn with_momentum_periods(mut self, periods: Vec<f64>) -> Result<Self, Error> {
         self.check_periods("periods of momenta", &periods)?;
-        self.momentum_periods = Some(periods);
+        self.momentum_periods = Some(periods.into());
         Ok(self)
     }
 
@@ -83,7 +85,7 @@ impl Coordinates {
                 });
             }
         }
-        self.weights = Some(weights);
+        self.weights = Some(weights.into());
         Ok(self)
     }
 

@@ -4,7 +4,7 @@
 //! carry one tangent vector along, as the tangent map of that map.
 
 use num_dual::{Dual64, DualNum};
-use symplint::map::TangentMap;
+use symplint::map::{Capabilities, TangentMap};
 use symplint::state::RowsMut;
 use symplint::{Block, StepFailure, TimeAdvance};
 
@@ -141,8 +141,11 @@ impl TimeAdvance for Step {
         Ok(())
     }
 
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        Some(self)
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            tangent: Some(self),
+            ..Capabilities::plain(self.dof())
+        }
     }
 }
 

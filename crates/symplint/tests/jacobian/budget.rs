@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::sync::Mutex;
 
 use symplint::jacobian::{JacobianEvidence, JacobianMethod};
+use symplint::map::Capabilities;
 use symplint::verdict::{Agreement, Inconclusive, JacobianVerdict, compare_jacobian};
 use symplint::{Block, JacobianTest, StepFailure, TimeAdvance, VerdictKind};
 
@@ -12,7 +13,7 @@ use crate::{Bare, circle, kick_drift, pendula, run, single_precision};
 
 /// The evidence within a budget, of which no evaluation is too many.
 fn within(map: &dyn TimeAdvance, budget: usize) -> Option<JacobianEvidence> {
-    let test = JacobianTest::within(budget, map.dof(), map.tangent().is_some())?;
+    let test = JacobianTest::within(budget, map.dof(), map.capabilities().tangent.is_some())?;
     let phase_loop = circle(map.dof()).with_phases(symplint::Phases::Random { seed: 3 });
     let evidence = test.run(map, &phase_loop, 0.5).unwrap();
     assert!(
@@ -118,8 +119,12 @@ fn a_budget_that_a_wrong_tangent_map_used_up_leaves_no_verdict() {
         fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
             self.0.advance(2.0 * h, block)
         }
-        fn tangent(&self) -> Option<&dyn symplint::map::TangentMap> {
-            self.0.tangent()
+
+        fn capabilities(&self) -> Capabilities<'_> {
+            Capabilities {
+                tangent: self.0.capabilities().tangent,
+                ..Capabilities::plain(self.dof())
+            }
         }
     }
     let map = Wrong(Step(System::Pendulum, Method::Strang));

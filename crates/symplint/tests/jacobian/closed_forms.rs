@@ -1,5 +1,6 @@
 //! Maps whose Jacobians have closed forms.
 
+use symplint::map::Capabilities;
 use symplint::state::RowsMut;
 use symplint::verdict::{Agreement, Inconclusive, JacobianVerdict, compare_jacobian};
 use symplint::{
@@ -84,12 +85,13 @@ impl TimeAdvance for Masses {
         }
         Ok(())
     }
-    fn coordinates(&self) -> Coordinates {
+
+    fn capabilities(&self) -> Capabilities<'_> {
         let plain = Coordinates::plain(2);
-        match self.weights {
+        Capabilities::of_coordinates(match self.weights {
             None => plain,
             Some(weights) => plain.with_weights(weights.to_vec()).unwrap(),
-        }
+        })
     }
 }
 
@@ -118,9 +120,10 @@ impl TimeAdvance for Wrapped {
         }
         Ok(())
     }
-    fn coordinates(&self) -> Coordinates {
+
+    fn capabilities(&self) -> Capabilities<'_> {
         let plain = Coordinates::plain(1);
-        plain.with_periods(vec![std::f64::consts::TAU]).unwrap()
+        Capabilities::of_coordinates(plain.with_periods(vec![std::f64::consts::TAU]).unwrap())
     }
 }
 

@@ -3,6 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use symplint::map::{Capabilities, Substeps};
 use symplint::{
     Block, Circle, Coordinates, FourierLoop, Loop, PerSample, StepFailure, TimeAdvance,
 };
@@ -27,15 +28,24 @@ impl TimeAdvance for Parts {
     fn dof(&self) -> usize {
         self.coordinates.dof()
     }
-    fn coordinates(&self) -> Coordinates {
-        self.coordinates.clone()
-    }
+
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         (0..self.substeps()).try_for_each(|k| self.advance_substep(k, h, block))
     }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            substeps: Some(self),
+            ..Capabilities::of_coordinates(self.coordinates.clone())
+        }
+    }
+}
+
+impl Substeps for Parts {
     fn substeps(&self) -> usize {
         self.parts.len()
     }
+
     fn advance_substep(&self, k: usize, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
         let part = &self.parts[k];
         PerSample::new(self.dof(), |h, q: &mut [f64], p: &mut [f64]| part(h, q, p))

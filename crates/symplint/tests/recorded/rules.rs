@@ -129,7 +129,7 @@ fn of_samples() {
                     Rule::FiniteDifference(Cutoffs::relative(10.0)),
                 ),
             ] {
-                let coordinates = case.map.coordinates();
+                let coordinates = case.map.capabilities().coordinates;
                 match LoopIntegral::in_coordinates(&ensemble, &rule, &coordinates) {
                     Ok(integral) => write_integral(&mut text, what, &integral),
                     Err(error) => writeln!(text, "  {what}: {error}").unwrap(),

@@ -18,7 +18,7 @@ fn of_samples_alone() {
                 states.advance(&*case.map, part * case.h).unwrap();
                 Snapshot::new(states).after_step(part * case.h)
             });
-            let coordinates = case.map.coordinates();
+            let coordinates = case.map.capabilities().coordinates;
             let heading = format!("{}, {samples} samples", case.name);
             match measure_snapshots(&Snapshot::new(before), &after, &coordinates) {
                 Ok(evidence) => write(&mut text, &heading, &judge(&evidence), &evidence),

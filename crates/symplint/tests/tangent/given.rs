@@ -1,6 +1,6 @@
 //! Maps of one degree of freedom with their tangent maps, given as functions.
 
-use symplint::map::TangentMap;
+use symplint::map::{Capabilities, TangentMap};
 use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 /// One degree of freedom, by functions of one state and of a state with its tangent vector.
@@ -24,12 +24,13 @@ where
         }
         Ok(())
     }
-    fn coordinates(&self) -> Coordinates {
+
+    fn capabilities(&self) -> Capabilities<'_> {
         let plain = Coordinates::plain(1);
-        plain.with_periods(vec![self.period]).unwrap()
-    }
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        Some(self)
+        Capabilities {
+            tangent: Some(self),
+            ..Capabilities::of_coordinates(plain.with_periods(vec![self.period]).unwrap())
+        }
     }
 }
 

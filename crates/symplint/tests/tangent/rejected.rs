@@ -2,7 +2,7 @@
 
 use symplint::error::StateAt;
 use symplint::jacobian::{JacobianMethod, TangentRejection};
-use symplint::map::TangentMap;
+use symplint::map::{Capabilities, TangentMap};
 use symplint::verdict::JacobianVerdict;
 use symplint::{Block, Error, JacobianTest, StepFailure, TimeAdvance};
 
@@ -146,8 +146,12 @@ fn a_step_that_fails_for_tangents_is_an_error_that_says_where() {
         fn advance(&self, _h: f64, _block: &mut Block<'_>) -> Result<(), StepFailure> {
             Ok(())
         }
-        fn tangent(&self) -> Option<&dyn TangentMap> {
-            Some(self)
+
+        fn capabilities(&self) -> Capabilities<'_> {
+            Capabilities {
+                tangent: Some(self),
+                ..Capabilities::plain(self.dof())
+            }
         }
     }
     impl TangentMap for Failing {

@@ -1,8 +1,9 @@
 //! The midpoint discrete gradient of Gonzalez.
 
+use symplint::map::Capabilities;
 use symplint::state::Rows;
 use symplint::state::scratch::with_buffer;
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::{Block, StepFailure, TimeAdvance};
 
 use super::convergence::{Convergence, Unsolved};
 use super::field::{OfSystem, Place, SlopeField};
@@ -85,8 +86,8 @@ impl<H: Hamiltonian> TimeAdvance for DiscreteGradient<H> {
         })
     }
 
-    fn coordinates(&self) -> Coordinates {
-        self.system.coordinates()
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities::of_coordinates(self.system.coordinates())
     }
 }
 

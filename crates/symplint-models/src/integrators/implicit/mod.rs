@@ -11,9 +11,9 @@ mod tangent;
 pub use discrete_gradient::DiscreteGradient;
 pub use solver::{Solver, StageSolver, Stop};
 
-use symplint::map::TangentMap;
+use symplint::map::{Capabilities, TangentMap};
 use symplint::state::scratch;
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::{Block, StepFailure, TimeAdvance};
 
 use super::tableau::TableauPair;
 use crate::error::ModelError;
@@ -150,12 +150,12 @@ impl<H: Hamiltonian> TimeAdvance for ImplicitRungeKutta<H> {
         })
     }
 
-    fn coordinates(&self) -> Coordinates {
-        self.system.coordinates()
-    }
-
-    fn tangent(&self) -> Option<&dyn TangentMap> {
-        self.solves_exactly().then_some(())?;
-        self.system.tangent().map(|_| self as &dyn TangentMap)
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            tangent: (self.system.tangent())
+                .filter(|_| self.solves_exactly())
+                .map(|_| self as &dyn TangentMap),
+            ..Capabilities::of_coordinates(self.system.coordinates())
+        }
     }
 }

@@ -14,7 +14,8 @@ mod orbit;
 
 use std::sync::Arc;
 
-use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
+use symplint::map::{Capabilities, Substeps};
+use symplint::{Block, StepFailure, TimeAdvance};
 
 use super::electromagnetic::Gempic;
 use super::physical::PhysicalState;
@@ -183,6 +184,15 @@ impl TimeAdvance for PlasmaStep {
         })
     }
 
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            substeps: Some(self),
+            ..Capabilities::of_coordinates(self.gempic.coordinates())
+        }
+    }
+}
+
+impl Substeps for PlasmaStep {
     fn substeps(&self) -> usize {
         self.substeps.len()
     }
@@ -199,9 +209,5 @@ impl TimeAdvance for PlasmaStep {
 
     fn substep_name(&self, substep: usize) -> String {
         self.substeps[substep].0.to_owned()
-    }
-
-    fn coordinates(&self) -> Coordinates {
-        self.gempic.coordinates()
     }
 }

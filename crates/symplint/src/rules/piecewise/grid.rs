@@ -2,8 +2,8 @@
 //!
 //! A map that interpolates on a grid breaks or bends a loop where a position crosses from one cell to the next. The
 //! positions that a substep meets are smooth long before the states after the step are, so where they cross is known
-//! from the states of a piece. These are guesses, as [`TimeAdvance::known_breaks`](crate::TimeAdvance::known_breaks)
-//! are: a wrong one costs a few evaluations.
+//! from the states of a piece. These are guesses: a wrong one costs a few
+//! evaluations.
 
 use super::examine::View;
 use super::limits::{AROUND, MOST_CROSSINGS};

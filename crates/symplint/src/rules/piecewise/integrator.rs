@@ -3,7 +3,7 @@
 use super::{Closure, Piecewise, PiecewiseIntegral};
 use crate::breaks::{Search, little_jumps};
 use crate::error::Error;
-use crate::map::{EvaluationCount, Evaluator, StepFailure, TimeAdvance};
+use crate::map::{Capabilities, EvaluationCount, Evaluator, StepFailure, TimeAdvance};
 use crate::rules::sampled::{cells_apart, jumps, ranges_of};
 use crate::rules::{
     BreakClosure, Defect, LoopAfterStep, LoopIntegral, LoopIntegrator, RuleKind, Samples, Subject,
@@ -103,7 +103,8 @@ impl TimeAdvance for Identity<'_> {
     fn advance(&self, _h: f64, _block: &mut Block<'_>) -> Result<(), StepFailure> {
         Ok(())
     }
-    fn coordinates(&self) -> Coordinates {
-        self.0.clone()
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities::of_coordinates(self.0.clone())
     }
 }

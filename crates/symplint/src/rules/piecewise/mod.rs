@@ -221,7 +221,8 @@ impl Piecewise {
             segments: Vec::new(),
             lift: samples.map_or_else(Lift::default, |samples| Lift::new(samples, coordinates)),
         };
-        let known = evaluator.known_breaks(phase_loop, h);
+        let features = evaluator.features();
+        let known: Vec<f64> = features.iter().map(|feature| feature.s).collect();
         let mut pieces = self.first_pieces(&known, most_evaluations);
         let points: Vec<Vec<CurvePoint>> = pieces
             .iter()
