@@ -31,7 +31,10 @@ pub fn other_error(py: Python<'_>, message: &str) -> PyErr {
 
 /// An error of a configuration: the message and the remedy.
 pub fn config_error(py: Python<'_>, error: &ConfigError) -> PyErr {
-    input_error(py, &format!("{}; {}", error.message, error.remedy))
+    match &error.remedy {
+        Some(remedy) => input_error(py, &format!("{}; {remedy}", error.message)),
+        None => input_error(py, &error.message),
+    }
 }
 
 /// Where and with which step size a map failed.

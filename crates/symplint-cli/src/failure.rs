@@ -49,6 +49,9 @@ pub enum Failure {
         /// The known names.
         suggestion: String,
     },
+    /// An option that the library refuses.
+    #[error(transparent)]
+    Option(symplint::Error),
     /// Options that are missing, out of range or contradict each other.
     #[error("{message}")]
     Usage {
@@ -103,7 +106,7 @@ impl Failure {
     /// What to do about it, if the message does not name it itself.
     pub fn remedy(&self) -> Option<String> {
         Some(match self {
-            Failure::Config(error) => error.remedy.clone(),
+            Failure::Config(error) => return error.remedy.clone(),
             Failure::Folder(error) => return error.remedy().map(str::to_owned),
             Failure::LoopFile(error) => error.remedy(),
             Failure::Write { .. } => "give a path that can be written".into(),
@@ -118,7 +121,11 @@ impl Failure {
             Failure::Read { remedy, .. } => (*remedy).into(),
             Failure::NoRun { .. } => "give the folder of --out".into(),
             Failure::Threads { .. } => "try --threads 1".into(),
-            Failure::Run(_) | Failure::Model(_) | Failure::Figure(_) | Failure::Report { .. } => {
+            Failure::Run(_)
+            | Failure::Option(_)
+            | Failure::Model(_)
+            | Failure::Figure(_)
+            | Failure::Report { .. } => {
                 return None;
             }
         })
@@ -131,18 +138,6 @@ impl Failure {
                 .as_ref()
                 .map(|(place, label)| (place, label.as_str())),
             _ => None,
-        }
-    }
-
-    /// An error of the library that is caused by an option. Its text ends with the remedy.
-    pub fn from_input(error: symplint::Error) -> Self {
-        let text = error.to_string();
-        let (message, remedy) = text
-            .split_once("; ")
-            .unwrap_or((&text, "give another value"));
-        Failure::Usage {
-            message: message.to_owned(),
-            remedy: remedy.to_owned(),
         }
     }
 }

@@ -11,8 +11,8 @@ pub struct ConfigError {
     pub message: String,
     /// Where, and the label of that place; none for what is missing.
     pub position: Option<(Place, String)>,
-    /// What to do.
-    pub remedy: String,
+    /// What to do, if the message does not say it.
+    pub remedy: Option<String>,
 }
 
 impl ConfigError {
@@ -21,7 +21,16 @@ impl ConfigError {
         ConfigError {
             message: message.into(),
             position: None,
-            remedy: remedy.into(),
+            remedy: Some(remedy.into()),
+        }
+    }
+
+    /// An error whose message names the remedy.
+    pub fn with_its_remedy(message: impl Into<String>) -> Self {
+        ConfigError {
+            message: message.into(),
+            position: None,
+            remedy: None,
         }
     }
 

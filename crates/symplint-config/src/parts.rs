@@ -104,7 +104,7 @@ mod tests {
     fn wrong_keys_are_named() {
         let error = |text| {
             let error = read_system(keys(text), Path::new("")).err().unwrap();
-            (error.message, error.remedy)
+            (error.message, error.remedy.unwrap_or_default())
         };
         let (message, _) = error("name = \"pendulum\"\nomega = 2.0");
         assert!(message.contains("omega"), "{message}");

@@ -101,7 +101,7 @@ impl LoopSettings {
             Some((q, p)) => (q.clone(), p.clone(), None),
             None => {
                 let found = balanced_radii(map, &q0, &p0, step_size);
-                let found = found.map_err(|error| self.refused("radius", error))?;
+                let found = found.map_err(|error| self.section.refused_by("radius", &error))?;
                 // A run of a program is resumed from its configuration, and has to make the same calls again.
                 if system.command.is_none() {
                     self.record_radii(&found.q, &found.p);
@@ -112,10 +112,11 @@ impl LoopSettings {
         };
         let phase_loop: Box<dyn Loop> = if self.shape == "circle" {
             let circle = Circle::with_radii(q0, p0, radii_q, radii_p);
-            let mut circle = circle.map_err(|error| self.refused("radius", error))?;
+            let mut circle = circle.map_err(|error| self.section.refused_by("radius", &error))?;
             if let Some(dofs) = &self.dofs {
                 let dofs: Vec<usize> = dofs.iter().map(|&dof| dof as usize).collect();
-                circle = (circle.on(&dofs)).map_err(|error| self.refused("dofs", error))?;
+                circle =
+                    (circle.on(&dofs)).map_err(|error| self.section.refused_by("dofs", &error))?;
             }
             Box::new(circle.with_phases(self.phases))
         } else {
@@ -130,7 +131,7 @@ impl LoopSettings {
                 ));
             }
             let fourier = FourierLoop::random(q0, p0, &radii_q, &radii_p, self.seed);
-            Box::new(fourier.map_err(|error| self.refused("radius", error))?)
+            Box::new(fourier.map_err(|error| self.section.refused_by("radius", &error))?)
         };
         // A loop of a constrained system lies on its manifold.
         let phase_loop: Box<dyn Loop> = match map.capabilities().constraint {
@@ -144,14 +145,6 @@ impl LoopSettings {
         let radii = [("q", q), ("p", p)]
             .map(|(name, radii)| (name.to_owned(), toml::Value::from(radii.to_vec())));
         (self.section).record("radius", toml::Table::from_iter(radii));
-    }
-
-    fn refused(&self, key: &'static str, error: symplint::Error) -> ConfigError {
-        let text = error.to_string();
-        match text.split_once("; ") {
-            Some((message, remedy)) => self.section.error(key, message, remedy),
-            None => (self.section).error(key, text, "name degrees of freedom from 0 on"),
-        }
     }
 }
 

@@ -153,7 +153,17 @@ impl Section {
         message: impl Into<String>,
         help: impl Into<String>,
     ) -> ConfigError {
-        let error = ConfigError::new(format!("{}: {}", self.dotted(key), message.into()), help);
+        let message = format!("{}: {}", self.dotted(key), message.into());
+        self.placed(key, ConfigError::new(message, help))
+    }
+
+    /// The error of a library that refuses the value of a key. It names its remedy.
+    pub fn refused_by(&self, key: &str, error: &impl std::error::Error) -> ConfigError {
+        let message = format!("{}: {error}", self.dotted(key));
+        self.placed(key, ConfigError::with_its_remedy(message))
+    }
+
+    fn placed(&self, key: &str, error: ConfigError) -> ConfigError {
         match self.place(key) {
             Some(place) => error.at(&place, "set here"),
             None => error,

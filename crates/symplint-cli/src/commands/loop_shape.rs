@@ -55,7 +55,7 @@ pub fn build(options: &LoopShape) -> Result<(Box<dyn Loop>, Coordinates), Failur
                 Some(cli::Phases::Equal) => Phases::Equal,
                 Some(cli::Phases::Random) => Phases::Random { seed },
             };
-            let circle = Circle::new(q0, p0, radius).map_err(Failure::from_input)?;
+            let circle = Circle::new(q0, p0, radius).map_err(Failure::Option)?;
             Box::new(circle.with_phases(phases))
         }
         (Shape::Fourier, Some(_)) => {
@@ -67,19 +67,15 @@ pub fn build(options: &LoopShape) -> Result<(Box<dyn Loop>, Coordinates), Failur
         (Shape::Fourier, None) => {
             let radii = vec![radius; dof];
             let random = FourierLoop::random(q0, p0, &radii, &radii, seed);
-            Box::new(random.map_err(Failure::from_input)?)
+            Box::new(random.map_err(Failure::Option)?)
         }
     };
     let mut coordinates = Coordinates::plain(dof);
     if let Some(period) = per_dof("--period", &options.period, dof)? {
-        coordinates = coordinates
-            .with_periods(period)
-            .map_err(Failure::from_input)?;
+        coordinates = coordinates.with_periods(period).map_err(Failure::Option)?;
     }
     if let Some(weight) = per_dof("--weight", &options.weight, dof)? {
-        coordinates = coordinates
-            .with_weights(weight)
-            .map_err(Failure::from_input)?;
+        coordinates = coordinates.with_weights(weight).map_err(Failure::Option)?;
     }
     Ok((phase_loop, coordinates))
 }

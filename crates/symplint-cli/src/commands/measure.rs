@@ -115,17 +115,17 @@ fn coordinates(
     if let Some(period) = &period {
         coordinates = coordinates
             .with_periods(period.clone())
-            .map_err(Failure::from_input)?;
+            .map_err(Failure::Option)?;
     }
     if let Some(period) = &momentum_period {
         coordinates = coordinates
             .with_momentum_periods(period.clone())
-            .map_err(Failure::from_input)?;
+            .map_err(Failure::Option)?;
     }
     if let Some(weight) = &weight {
         coordinates = coordinates
             .with_weights(weight.clone())
-            .map_err(Failure::from_input)?;
+            .map_err(Failure::Option)?;
     }
     Ok((
         coordinates,

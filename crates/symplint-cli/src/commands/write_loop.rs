@@ -43,7 +43,7 @@ pub fn write_loop(arguments: &LoopArgs) -> Result<Status, Failure> {
     let folder = arguments.out.clone().unwrap_or_default();
     let file = LoopFile {
         path: folder.join(&arguments.output),
-        states: Ensemble::sample(&*phase_loop, samples).map_err(Failure::from_input)?,
+        states: Ensemble::sample(&*phase_loop, samples).map_err(Failure::Option)?,
         unit_roundoff: Snapshot::DOUBLE,
         step_size: None,
         period: of_each(&|i| coordinates.period(i), 0.0),

@@ -7,7 +7,7 @@ use symplint_models::Model;
 use symplint_models::systems::PendulumArray;
 
 use super::initial::{Initial, initial};
-use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
+use super::{MOST_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
@@ -39,7 +39,7 @@ fn pendulum_array(section: &Section, folder: &Path) -> Result<System, ConfigErro
     let alpha = section.number("alpha", Accept::Finite)?;
     let k = section.number("k", Accept::Finite)?;
     let array =
-        PendulumArray::new(pendula, alpha, k).map_err(|e| refused(section, "pendula", e))?;
+        PendulumArray::new(pendula, alpha, k).map_err(|e| section.refused_by("pendula", &e))?;
     let kinds = (&["uniform"][..], &["seed"][..]);
     let (q0, p0) = match initial(section, folder, kinds, pendula)? {
         Initial::Named(_) => array.uniform_state(section.whole("seed", 0)?),

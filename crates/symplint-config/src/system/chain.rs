@@ -7,7 +7,7 @@ use symplint_models::Model;
 use symplint_models::systems::{Bond, Chain, Ends, FputBond, TodaBond};
 
 use super::initial::{Initial, initial};
-use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
+use super::{MOST_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
@@ -42,7 +42,7 @@ pub const FPUT: SystemInfo = SystemInfo {
     build: |section, folder| {
         let alpha = section.number("alpha", Accept::Finite)?;
         let beta = section.number("beta", Accept::Finite)?;
-        let bond = FputBond::new(alpha, beta).map_err(|e| refused(section, "alpha", e))?;
+        let bond = FputBond::new(alpha, beta).map_err(|e| section.refused_by("alpha", &e))?;
         chain("fput", bond, section, folder)
     },
 };
@@ -67,7 +67,7 @@ fn chain(
         "periodic" => Ends::Periodic,
         _ => Ends::Fixed,
     };
-    let chain = Chain::new(bond, masses, ends).map_err(|e| refused(section, "masses", e))?;
+    let chain = Chain::new(bond, masses, ends).map_err(|e| section.refused_by("masses", &e))?;
     let kinds = (&["mode"][..], &["mode", "amplitude"][..]);
     let (q0, p0) = match initial(section, folder, kinds, masses)? {
         Initial::Named(_) => {

@@ -101,13 +101,8 @@ pub const COMMAND: SystemInfo = SystemInfo {
             section.record("folder", path);
         }
         let command = section.texts("command")?;
-        let refused = |key: &'static str, error: symplint_run::CommandError| {
-            let text = error.to_string();
-            let (message, remedy) = text.split_once("; ").unwrap_or((&text, "change it"));
-            section.error(key, message, remedy)
-        };
         let mut map = CommandMap::new(command, &runs_in, coordinates, limits(section)?)
-            .map_err(|error| refused("command", error))?;
+            .map_err(|error| section.refused_by("command", &error))?;
         let format = section.choice("format", &FileFormat::NAMES)?;
         map = map.with_format(FileFormat::named(format).unwrap_or_default());
         map = map.identified_by(section.texts("files")?);
@@ -117,7 +112,7 @@ pub const COMMAND: SystemInfo = SystemInfo {
             if let Some(path) = keep.to_str() {
                 section.record("keep", path);
             }
-            map = (map.keeping(keep)).map_err(|error| refused("keep", error))?;
+            map = (map.keeping(keep)).map_err(|error| section.refused_by("keep", &error))?;
         }
         let map = Arc::new(map);
         Ok(System {
@@ -148,19 +143,14 @@ fn coordinates(section: &Section, dof: usize) -> Result<Coordinates, ConfigError
         Some(_) => section.numbers(key, dof).map(Some),
         None => Ok(None),
     };
-    let refused = |key: &'static str| {
-        move |error: symplint::Error| {
-            let text = error.to_string();
-            let (message, remedy) = text.split_once("; ").unwrap_or((&text, "change it"));
-            section.error(key, message, remedy)
-        }
-    };
     let mut coordinates = Coordinates::plain(dof);
     if let Some(periods) = of_each("period")? {
-        coordinates = (coordinates.with_periods(periods)).map_err(refused("period"))?;
+        coordinates = (coordinates.with_periods(periods))
+            .map_err(|error| section.refused_by("period", &error))?;
     }
     if let Some(weights) = of_each("weight")? {
-        coordinates = (coordinates.with_weights(weights)).map_err(refused("weight"))?;
+        coordinates = (coordinates.with_weights(weights))
+            .map_err(|error| section.refused_by("weight", &error))?;
     }
     Ok(coordinates)
 }

@@ -6,7 +6,7 @@ use symplint::TimeAdvance;
 use symplint_models::Model;
 use symplint_models::discrete::{HenonMap, PendulumRattle, StandardMap};
 
-use super::{System, SystemInfo, refused};
+use super::{System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
@@ -35,7 +35,7 @@ pub const HENON_MAP: SystemInfo = SystemInfo {
     build: |section, _| {
         let angle = section.number("angle", Accept::Finite)?;
         let contraction = section.number("contraction", Accept::Positive)?;
-        let map = HenonMap::new(angle, contraction).map_err(|e| refused(section, "angle", e))?;
+        let map = HenonMap::new(angle, contraction).map_err(|e| section.refused_by("angle", &e))?;
         given(section, "henon-map", map)
     },
 };
@@ -62,7 +62,7 @@ pub const STANDARD_MAP: SystemInfo = SystemInfo {
     budget: None,
     build: |section, _| {
         let strength = section.number("strength", Accept::Finite)?;
-        let map = StandardMap::new(strength).map_err(|e| refused(section, "strength", e))?;
+        let map = StandardMap::new(strength).map_err(|e| section.refused_by("strength", &e))?;
         let map = match section.flag("torus")? {
             true => map.on_torus(),
             false => map,
@@ -95,7 +95,7 @@ pub const PENDULUM_RATTLE: SystemInfo = SystemInfo {
         let length = section.number("length", Accept::Positive)?;
         let gravity = section.number("gravity", Accept::Finite)?;
         let map =
-            PendulumRattle::new(length, gravity).map_err(|e| refused(section, "length", e))?;
+            PendulumRattle::new(length, gravity).map_err(|e| section.refused_by("length", &e))?;
         let angle = section.number("angle", Accept::Finite)?;
         let (q0, p0) = map.state(angle, section.number("momentum", Accept::Finite)?);
         Ok(System {

@@ -8,7 +8,7 @@ use symplint_models::systems::{
 };
 use symplint_models::{Model, ModelError, Separable};
 
-use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
+use super::{MOST_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
@@ -51,7 +51,7 @@ pub const ABSOLUTE_VALUE: SystemInfo = SystemInfo {
     budget: None,
     build: |section, _| {
         let epsilon = section.number("epsilon", Accept::NotNegative)?;
-        let system = AbsoluteValue::new(epsilon).map_err(|e| refused(section, "epsilon", e))?;
+        let system = AbsoluteValue::new(epsilon).map_err(|e| section.refused_by("epsilon", &e))?;
         plane(section, "absolute-value", system)
     },
 };
@@ -80,7 +80,7 @@ pub const INTERPOLATED_PENDULUM: SystemInfo = SystemInfo {
             } else {
                 "cells"
             };
-            refused(section, key, error)
+            section.refused_by(key, &error)
         })?;
         plane(section, "interpolated-pendulum", system)
     },
@@ -104,7 +104,7 @@ pub const HARMONIC_OSCILLATOR: SystemInfo = SystemInfo {
     build: |section, _| {
         let dof = section.whole_between("dof", 1, MOST_DOF)? as usize;
         let omega = section.numbers("omega", dof)?;
-        let system = HarmonicOscillator::new(omega).map_err(|e| refused(section, "omega", e))?;
+        let system = HarmonicOscillator::new(omega).map_err(|e| section.refused_by("omega", &e))?;
         space(section, "harmonic-oscillator", system)
     },
 };
@@ -137,7 +137,7 @@ pub const TWO_CELL: SystemInfo = SystemInfo {
     budget: None,
     build: |section, _| {
         let length = section.number("length", Accept::Positive)?;
-        let system = TwoCell::new(length).map_err(|e| refused(section, "length", e))?;
+        let system = TwoCell::new(length).map_err(|e| section.refused_by("length", &e))?;
         plane(section, "two-cell", system)
     },
 };

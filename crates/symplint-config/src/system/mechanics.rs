@@ -5,7 +5,7 @@ use std::sync::Arc;
 use symplint_models::Model;
 use symplint_models::systems::{ChargedParticle, DoublePendulum, Kepler, RotationalForce};
 
-use super::{STRANG, System, SystemInfo, refused};
+use super::{STRANG, System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
@@ -35,7 +35,7 @@ pub const KEPLER: SystemInfo = SystemInfo {
     build: |section, _| {
         let mu = section.number("mu", Accept::Finite)?;
         let softening = section.number("softening", Accept::NotNegative)?;
-        let kepler = Kepler::new(mu, softening).map_err(|e| refused(section, "mu", e))?;
+        let kepler = Kepler::new(mu, softening).map_err(|e| section.refused_by("mu", &e))?;
         space(section, "kepler", Model::Separable(Arc::new(kepler)))
     },
 };
@@ -66,7 +66,7 @@ pub const DOUBLE_PENDULUM: SystemInfo = SystemInfo {
             } else {
                 "masses"
             };
-            refused(section, key, error)
+            section.refused_by(key, &error)
         })?;
         space(
             section,
@@ -98,7 +98,7 @@ pub const CHARGED_PARTICLE: SystemInfo = SystemInfo {
         let gradient = section.number("gradient", Accept::Finite)?;
         let omega = section.number("omega", Accept::Finite)?;
         let particle = ChargedParticle::new(field, gradient, omega)
-            .map_err(|e| refused(section, "omega", e))?;
+            .map_err(|e| section.refused_by("omega", &e))?;
         space(section, "charged-particle", Model::Charged(particle))
     },
 };
@@ -119,7 +119,8 @@ pub const ROTATIONAL_FORCE: SystemInfo = SystemInfo {
     budget: None,
     build: |section, _| {
         let strength = section.number("strength", Accept::Finite)?;
-        let force = RotationalForce::new(strength).map_err(|e| refused(section, "strength", e))?;
+        let force =
+            RotationalForce::new(strength).map_err(|e| section.refused_by("strength", &e))?;
         space(section, "rotational-force", Model::Forced(Arc::new(force)))
     },
 };

@@ -13,7 +13,7 @@ mod pic_1d2v;
 use std::path::Path;
 use std::sync::Arc;
 
-use symplint_models::{Model, ModelError};
+use symplint_models::Model;
 use symplint_run::CommandMap;
 
 pub use given_map::NOTHING;
@@ -128,13 +128,4 @@ pub fn read(
     section.text("name")?;
     let system = (info.build)(&section, folder)?;
     Ok((info, system, section))
-}
-
-/// The error of a model, at the key that caused it.
-fn refused(section: &Section, key: &str, error: ModelError) -> ConfigError {
-    let text = error.to_string();
-    match text.split_once("; ") {
-        Some((message, remedy)) => section.error(key, message, remedy),
-        None => section.error(key, text, "change the value of this key"),
-    }
 }

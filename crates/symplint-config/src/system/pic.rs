@@ -10,7 +10,7 @@ use symplint_plasma::pic::{
 };
 
 use super::initial::{Initial, initial, refuse_unused};
-use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
+use super::{MOST_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
@@ -145,7 +145,7 @@ fn es1(section: &Section, folder: &Path) -> Result<System, ConfigError> {
         degree: section.whole("degree", 0)? as usize,
     };
     let plasma = MomentumConservingPic::new(config)
-        .map_err(|error| refused(section, key_of(section, &error), error))?;
+        .map_err(|error| section.refused_by(key_of(section, &error), &error))?;
     let (q0, p0) = state::<1>((plasma.particles(), plasma.length()), section, folder)?;
     Ok(System {
         name: "pic-es1",
@@ -186,8 +186,8 @@ fn pic<const D: usize>(
         degree: section.whole("degree", 0)? as usize,
         filter_passes: section.whole_between("filter", 0, MOST_PASSES)? as u32,
     };
-    let pic =
-        Pic::<D>::new(config).map_err(|error| refused(section, key_of(section, &error), error))?;
+    let pic = Pic::<D>::new(config)
+        .map_err(|error| section.refused_by(key_of(section, &error), &error))?;
     let (q0, p0) = state::<D>((pic.particles(), pic.length()), section, folder)?;
     Ok(System {
         name,
@@ -262,5 +262,5 @@ fn state<const D: usize>(
         };
         two_stream.sample_box::<D>(particles, length, seed)
     };
-    drawn.map_err(|error| refused(section, "amplitude", error))
+    drawn.map_err(|error| section.refused_by("amplitude", &error))
 }

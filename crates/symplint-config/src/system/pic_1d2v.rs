@@ -7,7 +7,7 @@ use symplint_plasma::gempic::{Fields, Gempic, GempicConfig, InitialPlasma};
 use symplint_plasma::pic::ParticleWeights;
 
 use super::initial::{Initial, initial};
-use super::{MOST_DOF, STRANG, System, SystemInfo, refused};
+use super::{MOST_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
@@ -91,7 +91,7 @@ fn build(section: &Section, folder: &Path) -> Result<System, ConfigError> {
         ModelError::OutOfRange { .. } => "length",
         _ => "particles",
     };
-    let gempic = Gempic::new(config).map_err(|error| refused(section, key_of(&error), error))?;
+    let gempic = Gempic::new(config).map_err(|error| section.refused_by(key_of(&error), &error))?;
     let (q0, p0) = match state {
         Some(state) => state,
         None => {
@@ -100,7 +100,7 @@ fn build(section: &Section, folder: &Path) -> Result<System, ConfigError> {
             let amplitude = amplitude.unwrap_or(plasma.amplitude());
             section.record("amplitude", amplitude);
             let drawn = plasma.sample(&gempic, amplitude, seed);
-            drawn.map_err(|error| refused(section, "amplitude", error))?
+            drawn.map_err(|error| section.refused_by("amplitude", &error))?
         }
     };
     debug_assert_eq!(q0.len(), Hamiltonian::dof(&gempic));
