@@ -259,9 +259,8 @@ impl Subject {
             (outcome, pool.current_num_threads())
         };
         match outcome {
-            Ok((result, evaluations)) => Ok(Ran {
+            Ok(result) => Ok(Ran {
                 result,
-                evaluations,
                 threads,
                 functions,
             }),
@@ -273,8 +272,6 @@ impl Subject {
 /// What came of some work with a map and a loop.
 pub struct Ran<R> {
     pub result: R,
-    /// Evaluations that were made for radii that the map suggests, before the work.
-    evaluations: usize,
     /// Threads of the work.
     threads: usize,
     /// The Python functions, which know what they raised.
@@ -282,13 +279,13 @@ pub struct Ran<R> {
 }
 
 impl Shared {
-    /// Calls `work` with the map and the loop, and says how many evaluations were made for radii that the map suggests.
+    /// Calls `work` with the map and the loop.
     fn with<R>(
         &self,
         caller: &dyn Caller,
         step_size: f64,
         work: impl FnOnce(&dyn Caller, &dyn TimeAdvance, &dyn Loop) -> Result<R, Error>,
-    ) -> Result<(R, usize), Error> {
+    ) -> Result<R, Error> {
         let map: Box<dyn TimeAdvance + '_> = match &self.integrator {
             Some(map) => Box::new(Stoppable::new(&**map, caller)),
             None => {
@@ -300,29 +297,29 @@ impl Shared {
                 Box::new(map)
             }
         };
-        let mut evaluations = 0;
         let phase_loop: Box<dyn Loop + '_> = match &self.native_loop {
             Some(given) => Box::new(&**given),
             None if self.has_loop => Box::new(PythonLoop::new(caller, self.coordinates.dof())),
             None => {
-                let (radii_q, radii_p) = match &self.radii {
-                    Some(radii) => radii.clone(),
+                let circle = |radii_q, radii_p| {
+                    let (q0, p0) = (self.q0.clone(), self.p0.clone());
+                    let circle = Circle::with_radii(q0, p0, radii_q, radii_p)?;
+                    Ok::<_, Error>(circle.with_phases(self.phases))
+                };
+                match &self.radii {
+                    Some((q, p)) => Box::new(circle(q.clone(), p.clone())?),
                     None => {
                         let found = balanced_radii(&*map, &self.q0, &self.p0, step_size)?;
-                        evaluations = found.evaluations;
-                        (found.q, found.p)
+                        Box::new(found.counted(circle(found.q.clone(), found.p.clone())?))
                     }
-                };
-                let (q0, p0) = (self.q0.clone(), self.p0.clone());
-                let circle = Circle::with_radii(q0, p0, radii_q, radii_p)?;
-                Box::new(circle.with_phases(self.phases))
+                }
             }
         };
         let phase_loop: Box<dyn Loop + '_> = match map.capabilities().constraint {
             Some(_) => Box::new(ProjectedLoop::new(phase_loop, &map)),
             None => phase_loop,
         };
-        Ok((work(caller, &*map, &*phase_loop)?, evaluations))
+        work(caller, &*map, &*phase_loop)
     }
 }
 
@@ -362,14 +359,9 @@ pub fn check(
     };
     let Ran {
         result: mut diagnosis,
-        evaluations,
         threads,
         functions,
     } = subject.run(py, (progress, journal), step_size, measure)?;
-    if evaluations > 0 {
-        diagnosis.evidence.evaluations.add_radii(evaluations);
-        diagnosis.verdict = judge(&diagnosis.evidence);
-    }
     let failed = (failed.get()).map(|error| functions.exception(py, error));
     let replayed = (functions.journal.as_ref()).map_or(0, |journal| journal.replayed());
     let found = functions.workers.as_ref().map(|workers| workers.found(py));

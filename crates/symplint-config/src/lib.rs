@@ -39,8 +39,8 @@ pub struct Config {
     pub map: Arc<dyn TimeAdvance>,
     /// The loop.
     pub phase_loop: Box<dyn Loop>,
-    /// Its radii in words and the evaluations that the search for them took, if there was a search.
-    pub radii: Option<(String, usize)>,
+    /// Its radii in words, if the map chose them.
+    pub radii: Option<String>,
     /// Settings of `check`.
     pub diagnostic: Diagnostic,
     /// Settings of `trace`.

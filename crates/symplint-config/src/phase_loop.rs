@@ -43,8 +43,8 @@ const RADII: [Key; 2] = [
 /// The loop of a configuration.
 pub struct ReadLoop {
     pub phase_loop: Box<dyn Loop>,
-    /// Its radii in words and the evaluations that the search for them took, if there was a search.
-    pub radii: Option<(String, usize)>,
+    /// Its radii in words, if the map chose them.
+    pub radii: Option<String>,
 }
 
 /// `[loop]` as it is written, before the map is called.
@@ -97,7 +97,7 @@ impl LoopSettings {
         step_size: f64,
     ) -> Result<ReadLoop, ConfigError> {
         let (q0, p0) = (system.q0.clone(), system.p0.clone());
-        let (radii_q, radii_p, radii) = match &self.radii {
+        let (radii_q, radii_p, found) = match &self.radii {
             Some((q, p)) => (q.clone(), p.clone(), None),
             None => {
                 let found = balanced_radii(map, &q0, &p0, step_size);
@@ -106,8 +106,7 @@ impl LoopSettings {
                 if system.command.is_none() {
                     self.record_radii(&found.q, &found.p);
                 }
-                let text = format!("radius q {}, p {}", range(&found.q), range(&found.p));
-                (found.q, found.p, Some((text, found.evaluations)))
+                (found.q.clone(), found.p.clone(), Some(found))
             }
         };
         let phase_loop: Box<dyn Loop> = if self.shape == "circle" {
@@ -134,6 +133,12 @@ impl LoopSettings {
             Box::new(fourier.map_err(|error| self.section.refused_by("radius", &error))?)
         };
         // A loop of a constrained system lies on its manifold.
+        let radii = (found.as_ref())
+            .map(|found| format!("radius q {}, p {}", range(&found.q), range(&found.p)));
+        let phase_loop: Box<dyn Loop> = match found {
+            Some(found) => Box::new(found.counted(phase_loop)),
+            None => phase_loop,
+        };
         let phase_loop: Box<dyn Loop> = match map.capabilities().constraint {
             Some(_) => Box::new(ProjectedLoop::new(phase_loop, Arc::clone(map))),
             None => phase_loop,

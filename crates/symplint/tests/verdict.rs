@@ -1,5 +1,7 @@
 //! Verdicts on evidence that is written by hand.
 
+use symplint::evidence::Check;
+use symplint::map::balanced_radii;
 use symplint::verdict::{Finding, MapFinding};
 use symplint::{Block, Circle, Diagnostic, Evidence, Loop, PerSample, VerdictKind, judge};
 
@@ -87,5 +89,34 @@ fn a_loop_with_a_momentum_at_rest_is_not_rough() {
         };
         let found = diagnostic.run(&free, &Flat(at_rest)).unwrap().verdict;
         assert!(!is_rough(&found), "{at_rest:e}: {found}");
+    }
+}
+
+#[test]
+fn evaluations_that_choose_radii_are_counted_beside_the_budget() {
+    let map = PerSample::new(1, |h, q: &mut [f64], p: &mut [f64]| {
+        p[0] -= h * 1e4 * q[0];
+        q[0] += h * p[0];
+    });
+    let found = balanced_radii(&map, &[0.3], &[0.0], 1e-3).unwrap();
+    let circle =
+        || Circle::with_radii(vec![0.3], vec![0.0], found.q.clone(), found.p.clone()).unwrap();
+    let diagnostic = Diagnostic {
+        step_sizes: vec![1e-3, 5e-4, 2.5e-4],
+        ..Diagnostic::default()
+    };
+    for repeat in [1, 3] {
+        let diagnostic = Diagnostic {
+            repeat,
+            ..diagnostic.clone()
+        };
+        let run = |phase_loop: &dyn Loop| diagnostic.run(&map, phase_loop).unwrap();
+        let (plain, counted) = (run(&circle()), run(&found.counted(circle())));
+        let (before, after) = (&plain.evidence.evaluations, &counted.evidence.evaluations);
+        assert!(found.evaluations > 0);
+        assert_eq!(after.made, before.made + found.evaluations);
+        assert_eq!(after.budget, before.budget + found.evaluations);
+        assert_eq!(after.of(Check::Radii), found.evaluations);
+        assert_eq!(plain.verdict.kind, counted.verdict.kind);
     }
 }

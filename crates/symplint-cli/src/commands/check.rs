@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use symplint::{VerdictKind, judge};
+use symplint::VerdictKind;
 use symplint_config::{Config, System};
 use symplint_report::figures::check_figures;
 use symplint_report::report::Report;
@@ -109,11 +109,7 @@ pub(super) fn diagnose(
             kept.display()
         ));
     }
-    let mut diagnosis = outcome?;
-    if let Some((_, evaluations)) = &config.radii {
-        diagnosis.evidence.evaluations.add_radii(*evaluations);
-        diagnosis.verdict = judge(&diagnosis.evidence);
-    }
+    let diagnosis = outcome?;
     // What is written from here on can be written again from the calls that are noted.
     let written = |result: Result<(), Failure>| match (result, &journal, &output) {
         (Err(failure), Some(_), Some(output)) => Err(Failure::AfterCalls {
@@ -168,7 +164,7 @@ pub(super) fn diagnose(
             config.integrator,
             degrees_of_freedom(config.map.dof())
         );
-        if let Some((radii, _)) = &config.radii {
+        if let Some(radii) = &config.radii {
             title += &format!(" · {radii}");
         }
         say(diagnosis_text(

@@ -33,16 +33,28 @@ impl Diagnostic {
         phase_loop: &dyn Loop,
         watch: &dyn Fn(Event<'_>),
     ) -> Result<Evidence, Error> {
-        if self.repeat != 1 {
-            return self.measure_repeated(map, phase_loop, watch);
-        }
+        let mut evidence = match self.repeat {
+            1 => self.measure_once(map, phase_loop, watch)?,
+            _ => self.measure_repeated(map, phase_loop, watch)?,
+        };
+        evidence.evaluations.add_radii(phase_loop.evaluations());
+        Ok(evidence)
+    }
+
+    /// Measures the map itself.
+    fn measure_once(
+        &self,
+        map: &dyn TimeAdvance,
+        phase_loop: &dyn Loop,
+        watch: &dyn Fn(Event<'_>),
+    ) -> Result<Evidence, Error> {
         if !self.has_step_size && (self.step_sizes != [ONLY_STEP] || self.typical_step.is_some()) {
             let only = Diagnostic {
                 step_sizes: vec![ONLY_STEP],
                 typical_step: None,
                 ..self.clone()
             };
-            return only.measure(map, phase_loop, watch);
+            return only.measure_once(map, phase_loop, watch);
         }
         check_step_sizes(self)?;
         let budget = self.budget.unwrap_or_else(|| plan::default_budget(self));
@@ -117,7 +129,7 @@ impl Diagnostic {
                 remedy: "give at least 200 times the number of repetitions",
             });
         }
-        let mut evidence = once.measure(&map, phase_loop, watch)?;
+        let mut evidence = once.measure_once(&map, phase_loop, watch)?;
         evidence.evaluations = evidence.evaluations.times(self.repeat);
         evidence.evaluations.budget = budget;
         if let Some(structure) = &mut evidence.structure {

@@ -122,7 +122,7 @@ impl Evaluations {
     }
 
     /// Counts those that were made to find radii, before the diagnosis and in addition to its budget.
-    pub fn add_radii(&mut self, evaluations: usize) {
+    pub(crate) fn add_radii(&mut self, evaluations: usize) {
         self.add(Check::Radii, evaluations);
         self.made += evaluations;
         self.budget += evaluations;

@@ -28,6 +28,12 @@ pub trait Loop: Send + Sync {
     /// `s` and `block` have the same length. What is written for one sample must not
     /// depend on the others.
     fn sample(&self, s: &[f64], block: &mut Block<'_>);
+
+    /// Evaluations of the map that were made to choose the loop, as by [`balanced_radii`](crate::map::balanced_radii). A report counts
+    /// them beside its budget. By default there are 0.
+    fn evaluations(&self) -> usize {
+        0
+    }
 }
 
 macro_rules! forward_loop {
@@ -38,6 +44,9 @@ macro_rules! forward_loop {
             }
             fn sample(&self, s: &[f64], block: &mut Block<'_>) {
                 (**self).sample(s, block);
+            }
+            fn evaluations(&self) -> usize {
+                (**self).evaluations()
             }
         }
     )*};

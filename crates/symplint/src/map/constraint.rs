@@ -102,4 +102,8 @@ impl<L: Loop> Loop for ProjectedLoop<'_, L> {
             constraint.project(block);
         }
     }
+
+    fn evaluations(&self) -> usize {
+        self.inner.evaluations()
+    }
 }

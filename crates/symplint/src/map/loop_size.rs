@@ -6,7 +6,7 @@ use super::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::error::Error;
 use crate::loops::{Circle, Loop};
 use crate::signal::{Extent, Turns, nearest};
-use crate::state::{Coordinates, Ensemble, coordinate, coordinate_mut, period};
+use crate::state::{Block, Coordinates, Ensemble, coordinate, coordinate_mut, period};
 
 /// Samples of the loop that tell its ranges.
 const SAMPLES: usize = 64;
@@ -48,6 +48,36 @@ pub struct BalancedRadii {
     pub evaluations: usize,
 }
 
+impl BalancedRadii {
+    /// A loop with these radii, for which a report counts the evaluations that found them.
+    pub fn counted<L: Loop>(&self, phase_loop: L) -> impl Loop + use<L> {
+        ChosenLoop {
+            phase_loop,
+            evaluations: self.evaluations,
+        }
+    }
+}
+
+/// A loop that was chosen by evaluations of the map.
+struct ChosenLoop<L> {
+    phase_loop: L,
+    evaluations: usize,
+}
+
+impl<L: Loop> Loop for ChosenLoop<L> {
+    fn dof(&self) -> usize {
+        self.phase_loop.dof()
+    }
+
+    fn sample(&self, s: &[f64], block: &mut Block<'_>) {
+        self.phase_loop.sample(s, block);
+    }
+
+    fn evaluations(&self) -> usize {
+        self.evaluations
+    }
+}
+
 /// Radii of a loop round (q0, p0) in the proportions that the map suggests at step size `h`, for
 /// [`Circle::with_radii`](crate::Circle::with_radii).
 ///
@@ -69,7 +99,8 @@ pub struct BalancedRadii {
 /// });
 /// let radii = balanced_radii(&map, &[0.3], &[0.0], 1e-3)?;
 /// assert!((radii.q[0] - 0.03).abs() < 1e-3 && (radii.p[0] - 3.0).abs() < 0.1);
-/// let circle = Circle::with_radii(vec![0.3], vec![0.0], radii.q, radii.p)?;
+/// let circle = Circle::with_radii(vec![0.3], vec![0.0], radii.q.clone(), radii.p.clone())?;
+/// let phase_loop = radii.counted(circle);
 /// # Ok::<(), symplint::Error>(())
 /// ```
 ///
