@@ -41,7 +41,7 @@ impl Point {
 /// Evaluates the map on ever shorter stretches round a suspected jump.
 ///
 /// The six samples around it are taken from `known`, if they are in memory. Finds a break if the two sides are
-/// still apart when no double lies between. There is no break if the sides meet (the loop is steep but continuous there), if the
+/// still apart when no double lies between. It is not a break if the sides meet (the loop is steep but continuous there), if the
 /// jump does not stand out of the noise and of the slope times the rounding of states, or if more states next to it have other
 /// values than those of its two sides. If it stands out, its ends must land on its levels when they are displaced.
 pub(super) fn follow(
@@ -52,137 +52,226 @@ pub(super) fn follow(
     samples: usize,
     known: Option<&Ensemble>,
 ) -> Result<Search, Error> {
-    let dof = suspect.dof;
-    let period = match suspect.coordinate {
-        Coordinate::Q => evaluator.coordinates().period(dof),
-        Coordinate::P => evaluator.coordinates().momentum_period(dof),
+    let stretch = Stretch {
+        evaluator,
+        phase_loop,
+        h,
+        suspect,
+        period: match suspect.coordinate {
+            Coordinate::Q => evaluator.coordinates().period(suspect.dof),
+            Coordinate::P => evaluator.coordinates().momentum_period(suspect.dof),
+        },
     };
-    let image = |s: &[f64]| -> Result<Vec<Point>, Error> {
+    let mut sides = Sides::new(stretch.around(samples, known)?, stretch.period);
+    let Some(bracket) = stretch.narrow(&mut sides)? else {
+        return Ok(Search::Clean);
+    };
+    let ends = [sides.left[0], sides.right[0]];
+    let gap = Gap {
+        stretch: &stretch,
+        bracket: &bracket,
+        sign: sides.sign,
+        ends,
+        jump: nearest(ends[1].value - ends[0].value, stretch.period),
+    };
+    let Some(found) = gap.as_break()? else {
+        return Ok(Search::Clean);
+    };
+    match gap.side_states()? {
+        SideStates::OnLevels => Ok(Search::Found(found)),
+        SideStates::Elsewhere => Ok(Search::Clean),
+        SideStates::Flickering => gap.behind_the_zone(found),
+    }
+}
+
+/// A stretch of the loop with a suspected jump, after a step.
+struct Stretch<'a> {
+    evaluator: &'a Evaluator<'a>,
+    phase_loop: &'a dyn Loop,
+    h: f64,
+    suspect: &'a Suspect,
+    /// The period of the suspected coordinate.
+    period: f64,
+}
+
+impl Stretch<'_> {
+    /// The points at the parameters `s`, which may lie outside [0, 1).
+    fn image(&self, s: &[f64]) -> Result<Vec<Point>, Error> {
         let on_loop: Vec<f64> = s.iter().map(|s| s.rem_euclid(1.0)).collect();
-        let states = evaluator.image(phase_loop, h, &on_loop)?;
+        let states = self.evaluator.image(self.phase_loop, self.h, &on_loop)?;
         let points = s.iter().enumerate();
-        Ok((points.map(|(k, &s)| Point::of(suspect, &states, k, s))).collect())
-    };
-    // A cell at the beginning of the loop has neighbours at its end.
-    let first = match suspect.cell {
-        cell if cell < 2 => cell + samples - 2,
-        cell => cell - 2,
-    };
-    let at = |k: usize| k as f64 / samples as f64;
-    let around = first..first + 6;
-    let around = match known {
-        Some(states) => around
-            .map(|k| Point::of(suspect, states, k % samples, at(k)))
-            .collect(),
-        None => image(&around.map(at).collect::<Vec<f64>>())?,
-    };
-    let mut sides = Sides::new(around, period);
-    let [low, high] = [sides.left[0], sides.right[0]];
-    let (expected, _) = sides.step_and_smooth(0.5 * (low.s + high.s));
-    let mut bracket = Bracket::new([low.s, high.s], expected);
-    while !bracket.is_narrow() {
-        let middle = bracket.middle();
-        let (step, smooth) = sides.step_and_smooth(middle);
-        let mut point = image(&[middle])?[0];
-        point.value = sides.count(point.value);
-        let end = match point.value < smooth + 0.5 * step {
-            true => End::Low,
-            false => End::High,
+        Ok((points.map(|(k, &s)| Point::of(self.suspect, &states, k, s))).collect())
+    }
+
+    /// The six samples around the jump.
+    fn around(&self, samples: usize, known: Option<&Ensemble>) -> Result<Vec<Point>, Error> {
+        // A cell at the beginning of the loop has neighbours at its end.
+        let first = match self.suspect.cell {
+            cell if cell < 2 => cell + samples - 2,
+            cell => cell - 2,
         };
-        sides.add(end, point);
-        if bracket.halve(end, step) == Progress::Continuous {
-            return Ok(Search::Clean);
+        let at = |k: usize| k as f64 / samples as f64;
+        let around = first..first + 6;
+        match known {
+            Some(states) => Ok(around
+                .map(|k| Point::of(self.suspect, states, k % samples, at(k)))
+                .collect()),
+            None => self.image(&around.map(at).collect::<Vec<f64>>()),
         }
     }
-    let ends = [sides.left[0], sides.right[0]];
-    let jump = nearest(ends[1].value - ends[0].value, period);
-    let jump_q = nearest(ends[1].q - ends[0].q, evaluator.coordinates().period(dof));
-    let jump_p = nearest(
-        ends[1].p - ends[0].p,
-        evaluator.coordinates().momentum_period(dof),
-    );
-    let dofs = evaluator.dof();
-    let is_rounding = evaluator.grain().is_some_and(|grain| {
-        !grain.is_exceeded(dof, jump_q) && !grain.is_exceeded(dofs + dof, jump_p)
-    });
-    if is_rounding || bracket.is_little(jump) || !suspect.stands_out(jump.abs()) {
-        return Ok(Search::Clean);
+
+    /// Halves the stretch until no double lies between its sides; `None` if they meet.
+    fn narrow(&self, sides: &mut Sides) -> Result<Option<Bracket>, Error> {
+        let [low, high] = [sides.left[0], sides.right[0]];
+        let (expected, _) = sides.step_and_smooth(0.5 * (low.s + high.s));
+        let mut bracket = Bracket::new([low.s, high.s], expected);
+        while !bracket.is_narrow() {
+            let middle = bracket.middle();
+            let (step, smooth) = sides.step_and_smooth(middle);
+            let mut point = self.image(&[middle])?[0];
+            point.value = sides.count(point.value);
+            let end = match point.value < smooth + 0.5 * step {
+                true => End::Low,
+                false => End::High,
+            };
+            sides.add(end, point);
+            if bracket.halve(end, step) == Progress::Continuous {
+                return Ok(None);
+            }
+        }
+        Ok(Some(bracket))
     }
-    let found = Break {
-        s: bracket.high.rem_euclid(1.0),
-        uncertainty: bracket.high - bracket.low + uncertainty(phase_loop, dof, [jump_q, jump_p])?,
-        dof,
-        jump_q,
-        jump_p,
-        substep: None,
-    };
-    // Values on one side, from its end outwards.
-    let beside = |end: End, s: &[f64]| -> Result<Vec<f64>, Error> {
-        let origin = ends[end as usize].value;
-        let points = image(s)?.into_iter();
-        let from_end = |point: Point| origin + nearest(sides.sign * point.value - origin, period);
+}
+
+/// The states on one side of a gap.
+enum SideStates {
+    /// They keep the level of their side.
+    OnLevels,
+    /// They take values of both sides.
+    Flickering,
+    /// They have other values.
+    Elsewhere,
+}
+
+/// Two sides that are apart though no double lies between them.
+struct Gap<'a> {
+    stretch: &'a Stretch<'a>,
+    bracket: &'a Bracket,
+    /// 1 if the coordinate jumps upwards, else −1.
+    sign: f64,
+    ends: [Point; 2],
+    /// Of the suspected coordinate.
+    jump: f64,
+}
+
+impl Gap<'_> {
+    /// The gap as a break, unless it is as small as rounding and slopes make it.
+    fn as_break(&self) -> Result<Option<Break>, Error> {
+        let Stretch {
+            evaluator, suspect, ..
+        } = self.stretch;
+        let (dof, dofs, coordinates) = (suspect.dof, evaluator.dof(), evaluator.coordinates());
+        let [low, high] = &self.ends;
+        let jump_q = nearest(high.q - low.q, coordinates.period(dof));
+        let jump_p = nearest(high.p - low.p, coordinates.momentum_period(dof));
+        let is_rounding = evaluator.grain().is_some_and(|grain| {
+            !grain.is_exceeded(dof, jump_q) && !grain.is_exceeded(dofs + dof, jump_p)
+        });
+        let is_little = self.bracket.is_little(self.jump);
+        if is_rounding || is_little || !suspect.stands_out(self.jump.abs()) {
+            return Ok(None);
+        }
+        let of_rounding = uncertainty(self.stretch.phase_loop, dof, [jump_q, jump_p])?;
+        Ok(Some(Break {
+            s: self.bracket.high.rem_euclid(1.0),
+            uncertainty: self.bracket.high - self.bracket.low + of_rounding,
+            dof,
+            jump_q,
+            jump_p,
+            substep: None,
+        }))
+    }
+
+    /// Values on one side, from its end outwards.
+    fn beside(&self, end: End, s: &[f64]) -> Result<Vec<f64>, Error> {
+        let origin = self.ends[end as usize].value;
+        let points = self.stretch.image(s)?.into_iter();
+        let from_end =
+            |point: Point| origin + nearest(self.sign * point.value - origin, self.stretch.period);
         Ok(points.map(from_end).collect())
-    };
-    // Whether both ends, displaced, stay on the levels of the jump.
-    let are_steady = |close: &[Vec<f64>; 2]| -> Result<bool, Error> {
-        let on_loop = ends.map(|point| point.s.rem_euclid(1.0));
-        let mut states = states_at(phase_loop, &on_loop);
+    }
+
+    /// Looks at more states next to the gap.
+    fn side_states(&self) -> Result<SideStates, Error> {
+        let mut close = self.ends.map(|point| vec![point.value]);
+        let look = |close: &mut [Vec<f64>; 2], states: usize| -> Result<(), Error> {
+            for (side, end) in close.iter_mut().zip([End::Low, End::High]) {
+                let s = self.bracket.beside(end).take(states).skip(side.len());
+                side.extend(self.beside(end, &s.collect::<Vec<f64>>())?);
+            }
+            Ok(())
+        };
+        for states in LOOKS {
+            look(&mut close, states)?;
+            if stands_out(self.jump, [&close[0], &close[1]]) {
+                look(&mut close, CONFIRMING)?;
+                if !self.are_steady(&close)? {
+                    return Ok(SideStates::Elsewhere);
+                }
+                if keeps_its_levels(self.jump, [&close[0], &close[1]]) {
+                    return Ok(SideStates::OnLevels);
+                }
+                break;
+            }
+        }
+        match flickers(self.jump, [&close[0], &close[1]]) {
+            true => Ok(SideStates::Flickering),
+            false => Ok(SideStates::Elsewhere),
+        }
+    }
+
+    /// Whether both ends, displaced, stay on the levels of the jump.
+    fn are_steady(&self, close: &[Vec<f64>; 2]) -> Result<bool, Error> {
+        let stretch = self.stretch;
+        let on_loop = self.ends.map(|point| point.s.rem_euclid(1.0));
+        let mut states = states_at(stretch.phase_loop, &on_loop);
         for end in [End::Low, End::High] {
             displace(&mut states.block(), end as usize, 1 + end as usize);
         }
-        evaluator.advance(&mut states, h)?;
-        let lasting = lasting(jump, [&close[0], &close[1]]);
+        stretch.evaluator.advance(&mut states, stretch.h)?;
+        let lasting = lasting(self.jump, [&close[0], &close[1]]);
         let is_steady = |end: End| {
-            let point = Point::of(suspect, &states, end as usize, on_loop[end as usize]);
-            let moved = sides.sign * point.value - ends[end as usize].value;
-            lands_on_a_level(jump, lasting, nearest(moved, period))
+            let k = end as usize;
+            let point = Point::of(stretch.suspect, &states, k, on_loop[k]);
+            let moved = self.sign * point.value - self.ends[k].value;
+            lands_on_a_level(self.jump, lasting, nearest(moved, stretch.period))
         };
         Ok(is_steady(End::Low) && is_steady(End::High))
-    };
-    let mut close = ends.map(|point| vec![point.value]);
-    let look = |close: &mut [Vec<f64>; 2], states: usize| -> Result<(), Error> {
-        for (side, end) in close.iter_mut().zip([End::Low, End::High]) {
-            let s: Vec<f64> = bracket.beside(end).take(states).skip(side.len()).collect();
-            side.extend(beside(end, &s)?);
-        }
-        Ok(())
-    };
-    for states in LOOKS {
-        look(&mut close, states)?;
-        if stands_out(jump, [&close[0], &close[1]]) {
-            look(&mut close, CONFIRMING)?;
-            if !are_steady(&close)? {
-                return Ok(Search::Clean);
-            }
-            if keeps_its_levels(jump, [&close[0], &close[1]]) {
-                return Ok(Search::Found(found));
-            }
-            break;
-        }
     }
-    if !flickers(jump, [&close[0], &close[1]]) {
-        return Ok(Search::Clean);
-    }
-    for distance in DISTANCES_AROUND {
-        if evaluator.count().left() < 2 * (AROUND_A_ZONE - 1 + BETWEEN) {
-            return Ok(Search::Unaffordable);
-        }
-        let mut around = ends.map(|point| vec![point.value]);
-        for (side, end) in around.iter_mut().zip([End::Low, End::High]) {
-            let s: Vec<f64> = bracket.around(end, distance).skip(1).collect();
-            side.extend(beside(end, &s)?);
-        }
-        if is_between_levels(jump, [&around[0], &around[1]]) {
+
+    /// Looks farther away, behind a zone next to the gap in which states flicker between its sides.
+    fn behind_the_zone(&self, found: Break) -> Result<Search, Error> {
+        for distance in DISTANCES_AROUND {
+            if self.stretch.evaluator.count().left() < 2 * (AROUND_A_ZONE - 1 + BETWEEN) {
+                return Ok(Search::Unaffordable);
+            }
+            let mut around = self.ends.map(|point| vec![point.value]);
             for (side, end) in around.iter_mut().zip([End::Low, End::High]) {
-                let between = beside(end, &bracket.between(end, distance).collect::<Vec<f64>>())?;
-                *side = interleaved(side, &between);
+                let s: Vec<f64> = self.bracket.around(end, distance).skip(1).collect();
+                side.extend(self.beside(end, &s)?);
             }
-            if is_between_levels(jump, [&around[0], &around[1]]) {
-                return Ok(Search::Found(found));
+            if is_between_levels(self.jump, [&around[0], &around[1]]) {
+                for (side, end) in around.iter_mut().zip([End::Low, End::High]) {
+                    let s: Vec<f64> = self.bracket.between(end, distance).collect();
+                    *side = interleaved(side, &self.beside(end, &s)?);
+                }
+                if is_between_levels(self.jump, [&around[0], &around[1]]) {
+                    return Ok(Search::Found(found));
+                }
             }
         }
+        Ok(Search::Clean)
     }
-    Ok(Search::Clean)
 }
 
 /// How far along the loop the rounding of states may move a break with these jumps of q and p.

@@ -82,25 +82,7 @@ pub(super) fn suggested(
     centre: (&[f64], &[f64]),
     seed: u64,
 ) -> Result<Reach, Error> {
-    let (q0, p0) = centre;
-    let dof = q0.len();
-    let ratio = match kind {
-        FieldKind::Force => 1.0,
-        FieldKind::Field => ratio(evaluator, centre, seed)?,
-    };
-    let size = size_of(q0).max(size_of(p0) / ratio);
-    let first = match size > 0.0 {
-        true => PART_OF_CENTRE * size,
-        false => ratio.sqrt().recip(),
-    };
-    let period = |i: usize| evaluator.coordinates().period(i);
-    let first = (0..dof)
-        .filter(|&i| period(i) > 0.0)
-        .fold(first, |first, i| first.min(PART_OF_PERIOD * period(i)));
-    let mut radius = vec![first; dof];
-    if kind == FieldKind::Field {
-        radius.extend(vec![first * ratio; dof]);
-    }
+    let dof = centre.0.len();
     let mut largest = Vec::new();
     let mut linear_from = None;
     let mut best: Option<(f64, f64)> = None;
@@ -108,7 +90,7 @@ pub(super) fn suggested(
     let integrand = Integrand {
         evaluator,
         kind,
-        radius,
+        radius: first_radii(evaluator, kind, centre, seed)?,
         unit: 1.0,
     };
     let towards = direction(2 * dof, seed, 0);
@@ -176,6 +158,35 @@ pub(super) fn suggested(
         (None, Some(error)) => Err(error),
         (None, None) => Ok(reach(1.0)),
     }
+}
+
+/// The largest radii that are tried.
+fn first_radii(
+    evaluator: &Evaluator<'_>,
+    kind: FieldKind,
+    centre: (&[f64], &[f64]),
+    seed: u64,
+) -> Result<Vec<f64>, Error> {
+    let (q0, p0) = centre;
+    let dof = q0.len();
+    let ratio = match kind {
+        FieldKind::Force => 1.0,
+        FieldKind::Field => ratio(evaluator, centre, seed)?,
+    };
+    let size = size_of(q0).max(size_of(p0) / ratio);
+    let first = match size > 0.0 {
+        true => PART_OF_CENTRE * size,
+        false => ratio.sqrt().recip(),
+    };
+    let period = |i: usize| evaluator.coordinates().period(i);
+    let first = (0..dof)
+        .filter(|&i| period(i) > 0.0)
+        .fold(first, |first, i| first.min(PART_OF_PERIOD * period(i)));
+    let mut radius = vec![first; dof];
+    if kind == FieldKind::Field {
+        radius.extend(vec![first * ratio; dof]);
+    }
+    Ok(radius)
 }
 
 /// Radius in p over radius in q.

@@ -92,15 +92,7 @@ impl Runner<'_> {
             }
         }
         self.keep_features(0, subject);
-        for FailedStep { h, error } in &self.failed {
-            self.evidence.omissions.push(Omission {
-                check: Check::GivenLoop,
-                why: Why::Failed {
-                    step_size: Some(*h),
-                    reason: error.to_string(),
-                },
-            });
-        }
+        self.note_failed_steps();
         self.moved(seen.motion);
         if omitted > 0 {
             self.omit(Check::GivenLoop, Why::Budget { missing: omitted });
@@ -114,6 +106,18 @@ impl Runner<'_> {
         }
         let size = LoopSize::of(subject.evaluator, subject.phase_loop, self.largest)?;
         Ok(GivenLoop { probe, cost, size })
+    }
+
+    /// The step sizes at which the map failed are left out.
+    fn note_failed_steps(&mut self) {
+        let failed = self.failed.iter().map(|FailedStep { h, error }| Omission {
+            check: Check::GivenLoop,
+            why: Why::Failed {
+                step_size: Some(*h),
+                reason: error.to_string(),
+            },
+        });
+        self.evidence.omissions.extend(failed);
     }
 
     /// The step sizes that the budget allows, in the order in which they were given: all, or the largest ones, so
