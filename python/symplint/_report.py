@@ -78,6 +78,8 @@ class Property(NamedTuple):
         The rate γ of uniform damping e^(−γh).
     text : str
         The property as a sentence.
+    growth : str or None
+        The change of the energy in many steps, if `steps` is given: "none", "bounded", "grows" or "undecided".
     """
 
     holds: bool | None
@@ -88,6 +90,7 @@ class Property(NamedTuple):
     rate: float | None
     rate_uncertainty: float | None
     text: str
+    growth: str | None = None
 
 
 class Report:
@@ -325,4 +328,5 @@ def _property(found: dict[str, Any]) -> Property:
         rate=rate,
         rate_uncertainty=rate_uncertainty,
         text=found["text"],
+        growth=found.get("growth"),
     )

@@ -113,16 +113,17 @@ impl Trace {
         watch: &dyn Fn(&TracePoint),
     ) -> Result<TraceRecord, Error> {
         let count = EvaluationCount::unlimited();
-        self.run_with(&Evaluator::new(map, &count)?, phase_loop, orbit, watch)
+        let evaluator = Evaluator::new(map, &count)?;
+        self.run_with(&evaluator, phase_loop, orbit, &mut |point, _| watch(point))
     }
 
-    /// The same with the evaluations counted by `evaluator`.
+    /// The same with the evaluations counted by `evaluator`; `watch` receives the loop, too.
     pub(crate) fn run_with(
         &self,
         evaluator: &Evaluator<'_>,
         phase_loop: &dyn Loop,
         orbit: Option<Orbit<'_>>,
-        watch: &dyn Fn(&TracePoint),
+        watch: &mut dyn FnMut(&TracePoint, &Ensemble),
     ) -> Result<TraceRecord, Error> {
         if !self.step_size.is_finite() || self.step_size == 0.0 {
             return Err(Error::OutOfRange {
@@ -167,7 +168,7 @@ impl Trace {
                 energy: energy.map(|(value, _)| value),
                 energy_error: energy.map(|(_, error)| error),
             };
-            watch(&point);
+            watch(&point, &ensemble);
             record.points.push(point);
             if self.snapshots.contains(&step) {
                 record.snapshots.push((step, ensemble.clone()));

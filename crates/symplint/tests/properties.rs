@@ -1,7 +1,7 @@
 //! Properties of maps whose properties are known: in closed form, from papers, or by construction.
 
 use symplint::map::Capabilities;
-use symplint::verdict::{Property, PropertyName};
+use symplint::verdict::{Growth, Property, PropertyName};
 use symplint::{
     Block, Circle, Diagnostic, PerSample, StepFailure, TimeAdvance, Verdict, VerdictKind,
 };
@@ -59,6 +59,133 @@ fn the_boris_push_preserves_volume_and_is_symmetric_but_not_symplectic_in_veloci
                 .all(|of| of.name != PropertyName::Conformal || of.holds == Some(false))
         );
     }
+}
+
+/// A push of a relativistic velocity u = γv in the fields E and B at the place, between half drifts, with m = e = c = 1.
+fn relativistic(push: fn(f64, [f64; 3], [f64; 3], [f64; 3]) -> [f64; 3]) -> impl TimeAdvance {
+    PerSample::new(3, move |h, x: &mut [f64], u: &mut [f64]| {
+        let drift = |x: &mut [f64], u: &[f64]| {
+            let gamma = (1.0 + u.iter().map(|u| u * u).sum::<f64>()).sqrt();
+            (0..3).for_each(|i| x[i] += 0.5 * h * u[i] / gamma);
+        };
+        drift(x, u);
+        let e = [-x[0] - 0.3 * x[1] * x[2], -x[1], 0.5 * x[0] * x[1] - x[2]];
+        let b = [0.3 * x[1], 0.2 * x[2], 0.7 + 0.3 * x[0]];
+        u.copy_from_slice(&push(h, [u[0], u[1], u[2]], e, b));
+        drift(x, u);
+    })
+}
+
+fn plus(a: [f64; 3], factor: f64, b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] + factor * b[i])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
+}
+
+fn relativistic_boris(h: f64, u: [f64; 3], e: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    let u = plus(u, 0.5 * h, e);
+    let t = plus([0.0; 3], 0.5 * h / (1.0 + dot(u, u)).sqrt(), b);
+    let prime = plus(u, 1.0, cross(u, t));
+    let turned = plus(u, 2.0 / (1.0 + dot(t, t)), cross(prime, t));
+    plus(turned, 0.5 * h, e)
+}
+
+/// The rotation of Vay, and of Higuera and Cary, with the factor γ that solves their quadratic equation.
+fn rotated(u: [f64; 3], tau: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+    let sigma = 1.0 + dot(u, u) - dot(tau, tau);
+    let along = dot(u, tau);
+    let root = (sigma * sigma + 4.0 * (dot(tau, tau) + along * along)).sqrt();
+    let t = plus([0.0; 3], 1.0 / (0.5 * (sigma + root)).sqrt(), tau);
+    let sum = plus(plus(u, dot(u, t), t), 1.0, cross(u, t));
+    (plus([0.0; 3], 1.0 / (1.0 + dot(t, t)), sum), t)
+}
+
+fn vay(h: f64, u: [f64; 3], e: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    let v = plus([0.0; 3], 1.0 / (1.0 + dot(u, u)).sqrt(), u);
+    let half = plus(plus(u, 0.5 * h, e), 0.5 * h, cross(v, b));
+    rotated(plus(half, 0.5 * h, e), plus([0.0; 3], 0.5 * h, b)).0
+}
+
+fn higuera_cary(h: f64, u: [f64; 3], e: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    let (turned, t) = rotated(plus(u, 0.5 * h, e), plus([0.0; 3], 0.5 * h, b));
+    plus(plus(turned, 0.5 * h, e), 1.0, cross(turned, t))
+}
+
+#[test]
+fn relativistic_pushers_preserve_volume_as_published() {
+    // J.-L. Vay, Phys. Plasmas 15, 056701 (2008); A. V. Higuera & J. R. Cary, Phys. Plasmas 24, 052104 (2017), which shows that Boris's
+    // push and the new one preserve volume, and that Vay's does not.
+    for (push, preserves_volume) in [
+        (
+            relativistic_boris as fn(f64, [f64; 3], [f64; 3], [f64; 3]) -> [f64; 3],
+            true,
+        ),
+        (vay, false),
+        (higuera_cary, true),
+    ] {
+        let found = verdict(&relativistic(push), true);
+        assert_eq!(found.kind, VerdictKind::NotSymplectic);
+        assert_eq!(
+            holds(&found, PropertyName::Volume),
+            Some(preserves_volume),
+            "{found:?}"
+        );
+        assert_eq!(holds(&found, PropertyName::Symmetric), Some(true));
+        assert_eq!(holds(&found, PropertyName::Conformal), Some(false));
+    }
+}
+
+#[test]
+fn the_push_of_boris_has_order_three_in_canonical_momenta() {
+    // B = 0.7 + 0.3 x − 0.2 y of A = (0, 0.7 x + 0.15 x² − 0.2 x y).
+    let map = PerSample::new(2, |h, x: &mut [f64], p: &mut [f64]| {
+        let potential = |x: &[f64]| 0.7 * x[0] + 0.15 * x[0] * x[0] - 0.2 * x[0] * x[1];
+        let mut v = [p[0], p[1] - potential(x)];
+        (0..2).for_each(|i| x[i] += 0.5 * h * v[i]);
+        let kick = [-x[0] - 2.0 * x[0] * x[1], -x[1] - x[0] * x[0] + x[1] * x[1]];
+        (0..2).for_each(|i| v[i] += 0.5 * h * kick[i]);
+        let t = 0.5 * h * (0.7 + 0.3 * x[0] - 0.2 * x[1]);
+        let s = 2.0 * t / (1.0 + t * t);
+        let turned = [v[0] + t * v[1], v[1] - t * v[0]];
+        v = [v[0] + s * turned[1], v[1] - s * turned[0]];
+        (0..2).for_each(|i| v[i] += 0.5 * h * kick[i]);
+        (0..2).for_each(|i| x[i] += 0.5 * h * v[i]);
+        (p[0], p[1]) = (v[0], v[1] + potential(x));
+    });
+    let found = verdict(&map, true);
+    assert_eq!(found.kind, VerdictKind::NotSymplectic);
+    assert_eq!(found.order, Some(3.0), "{found}");
+    assert_eq!(holds(&found, PropertyName::Volume), Some(true));
+    assert_eq!(holds(&found, PropertyName::Symmetric), Some(true));
+}
+
+#[test]
+fn langevin_dynamics_without_noise_are_conformal_with_the_friction_to_twelve_digits() {
+    // BAOAB of Leimkuhler and Matthews at temperature 0.
+    let gamma = 0.3;
+    let map = PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+        let kick = |q: &[f64], p: &mut [f64]| {
+            p[0] -= 0.5 * h * (q[0].sin() + (q[0] - q[1]).sin());
+            p[1] -= 0.5 * h * (q[1] - (q[0] - q[1]).sin());
+        };
+        kick(q, p);
+        (0..2).for_each(|i| q[i] += 0.5 * h * p[i]);
+        p.iter_mut().for_each(|p| *p *= (-gamma * h).exp());
+        (0..2).for_each(|i| q[i] += 0.5 * h * p[i]);
+        kick(q, p);
+    });
+    let found = verdict(&map, false);
+    let [rate, uncertainty] = property(&found, PropertyName::Conformal).rate.unwrap();
+    assert!(
+        (rate - gamma).abs() <= uncertainty && uncertainty < 1e-12,
+        "{rate} ± {uncertainty:e}"
+    );
 }
 
 /// Leapfrog in Hénon and Heiles' potential, with factors that multiply the momenta.
@@ -395,6 +522,62 @@ fn leapfrog_changes_energy_by_what_its_formula_gives() {
             .to_string()
             .starts_with("not energy conserving (a step changes the energy by up to")
     );
+}
+
+#[test]
+fn many_steps_tell_a_bounded_energy_from_one_that_drifts() {
+    fn leapfrog(h: f64, q: f64, p: f64) -> (f64, f64) {
+        let p = p - 0.5 * h * q.powi(3);
+        let q = q + h * p;
+        (q, p - 0.5 * h * q.powi(3))
+    }
+    fn runge_kutta(h: f64, q: f64, p: f64) -> (f64, f64) {
+        let (q_half, p_half) = (q + 0.5 * h * p, p - 0.5 * h * q.powi(3));
+        (q + h * p_half, p - h * q_half.powi(3))
+    }
+    fn damped(h: f64, q: f64, p: f64) -> (f64, f64) {
+        leapfrog(h, q, p * (-0.3 * h).exp())
+    }
+    for (step, growth, words) in [
+        (
+            leapfrog as fn(f64, f64, f64) -> (f64, f64),
+            Growth::Bounded,
+            "the change stays bounded",
+        ),
+        (average_vector_field, Growth::None, "it is conserved"),
+        (runge_kutta, Growth::Grows, "the energy drifts"),
+        // The energy is gone after a quarter of the steps, and stays away.
+        (damped, Growth::Undecided, "neither a bound nor a drift"),
+    ] {
+        let map = Quartic(step);
+        let circle = Circle::new(vec![0.3], vec![0.5], 0.3).unwrap();
+        let few = Diagnostic::halving(-2, -4);
+        let many = Diagnostic {
+            long_time: 400,
+            ..few.clone()
+        };
+        let [few, many] = [few, many].map(|of| of.run(&map, &circle).unwrap());
+        assert_eq!(property(&few.verdict, PropertyName::Energy).in_time, None);
+        let energy = property(&many.verdict, PropertyName::Energy);
+        let (found, of_energy) = energy.in_time.unwrap();
+        assert_eq!(of_energy, growth, "{energy}: {found:?}");
+        assert!(energy.to_string().contains(words), "{energy}");
+        // The states of the loop are used, and no others: the evaluations are those of many steps without an energy.
+        let without = PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+            (q[0], p[0]) = step(h, q[0], p[0]);
+        });
+        let many_without = Diagnostic {
+            long_time: 400,
+            ..Diagnostic::halving(-2, -4)
+        };
+        let without = many_without
+            .run(&without, &circle)
+            .unwrap()
+            .evidence
+            .evaluations;
+        let of = |of: &symplint::evidence::Evaluations| of.of(symplint::evidence::Check::ManySteps);
+        assert_eq!(of(&many.evidence.evaluations), of(&without));
+    }
 }
 
 #[test]

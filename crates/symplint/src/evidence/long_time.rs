@@ -1,4 +1,4 @@
-//! The defect in many steps.
+//! The defect, and the energy, in many steps.
 
 use serde::{Deserialize, Serialize};
 
@@ -31,4 +31,25 @@ pub struct LongTime {
     /// The same as the first half of the steps predicts it, with its error.
     #[serde(default)]
     pub predicted: Option<[f64; 2]>,
+    /// The energy of the states of the loop, if the map has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<EnergyInTime>,
+}
+
+/// How the energies of the states of a loop change in many steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct EnergyInTime {
+    /// All steps that were made.
+    pub steps: usize,
+    /// Largest |H(n) − H(0)| of any state in the first quarter of the steps.
+    pub early: f64,
+    /// The same in the last quarter.
+    pub late: f64,
+    /// The largest |H(n) − H(0)| of each state in all steps, in the mean over the states.
+    pub most: f64,
+    /// The least |H(n) − H(0)| of each state in the second half of the steps, in the mean over the states.
+    pub least: f64,
+    /// H(n) − H(0) after all steps, in the mean over the states.
+    pub change: f64,
 }

@@ -17,7 +17,7 @@ mod survey;
 pub use break_sides::{AlongFlow, BreakSides, CoordinateAtBreak, PositionAtBreak};
 pub use checks::{Check, Evaluations, Omission, Why};
 pub use localisation::{Contraction, Localisation, Sector, SubstepDefect};
-pub use long_time::LongTime;
+pub use long_time::{EnergyInTime, LongTime};
 pub(crate) use motion::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, defect_of_order_4};
 pub use motion::{Motion, Reach};
 pub use point::{BreakAt, Point, Sweep};

@@ -35,6 +35,9 @@ pub struct EnergyChange {
     pub change: f64,
     /// The change that rounding and noise of the map and of the energy explain.
     pub uncertainty: f64,
+    /// The range of the energy of all states that were tested, in its own unit.
+    #[serde(default)]
+    pub range: f64,
 }
 
 /// The largest distance between a state and the state to which the map returns it, in units of half the range of the coordinate on

@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use super::thresholds::{FEWEST_STEPS, GROWN, NO_DEFECT, RETURNS, STAYED};
-use crate::evidence::LongTime;
+use crate::evidence::{EnergyInTime, LongTime};
 
 /// What becomes of a defect in many steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -21,6 +21,22 @@ pub enum Growth {
     Grows,
     /// The steps that the samples resolve do not tell.
     Undecided,
+}
+
+/// Judges the energies of many steps, in units of their range. States of a symplectic map come back to their energies; if all of them stay away, a drift has come
+/// to an end.
+pub(super) fn growth_of_energy(found: &EnergyInTime) -> Growth {
+    if found.steps < FEWEST_STEPS {
+        Growth::Undecided
+    } else if found.early.max(found.late) < NO_DEFECT {
+        Growth::None
+    } else if found.late > GROWN * found.early {
+        Growth::Grows
+    } else if found.late < STAYED * found.early && found.least < RETURNS * found.most {
+        Growth::Bounded
+    } else {
+        Growth::Undecided
+    }
 }
 
 /// Judges the defects of many steps.

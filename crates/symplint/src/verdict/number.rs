@@ -63,9 +63,10 @@ pub(super) fn significant(value: f64) -> String {
     plain(value, &format!("{value:.5e}"))
 }
 
-/// A number with the digits that its uncertainty leaves, and one more.
+/// A number with the digits that its uncertainty leaves, and one more, as far as a double has them.
 pub(super) fn within(value: f64, uncertainty: f64) -> String {
-    let decimals = 1.0 - uncertainty.abs().log10().floor();
+    let of_double = 15.0 - value.abs().max(f64::MIN_POSITIVE).log10().floor();
+    let decimals = (1.0 - uncertainty.abs().log10().floor()).min(of_double);
     let decimals = if decimals > 0.0 {
         decimals.min(17.0) as usize
     } else {

@@ -6,10 +6,11 @@ use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
 use super::VerdictKind;
+use super::long_time::{Growth, growth_of_energy};
 use super::number::{one_digit, two_digits, within};
 use crate::evidence::{
-    Evidence, LoopEvidence, SIGNIFICANT, StepEvidence, StructureEvidence, UNEXPLAINED,
-    WEAKEST_BOUND,
+    EnergyInTime, Evidence, LoopEvidence, SIGNIFICANT, StepEvidence, StructureEvidence,
+    UNEXPLAINED, WEAKEST_BOUND,
 };
 use crate::jacobian::TangentDefect;
 
@@ -53,6 +54,8 @@ pub struct Property {
     pub place: Option<(char, usize)>,
     /// Whether the user gave the signs that reverse time.
     pub given_reversal: bool,
+    /// The energy in many steps, if they were asked for, in units of its range on the loop.
+    pub in_time: Option<(EnergyInTime, Growth)>,
     /// Whether it follows from the verdict or is not known, so that reports need not print it.
     pub implied: bool,
 }
@@ -88,6 +91,7 @@ impl Property {
             rate: None,
             place: None,
             given_reversal: false,
+            in_time: None,
             implied: false,
         }
     }
@@ -164,8 +168,20 @@ pub(super) fn properties(evidence: &Evidence, kind: VerdictKind) -> Vec<Property
             None => Property::implied(name, None),
         });
     }
-    properties.extend(structure.energy.map(|found| {
-        Property::measured(
+    let in_time = evidence.long_time.and_then(|steps| steps.energy);
+    properties.extend(structure.energy.map(|found| Property {
+        in_time: in_time.filter(|_| found.range > 0.0).map(|of| {
+            let relative = EnergyInTime {
+                early: of.early / found.range,
+                late: of.late / found.range,
+                most: of.most / found.range,
+                least: of.least / found.range,
+                change: of.change / found.range,
+                ..of
+            };
+            (relative, growth_of_energy(&relative))
+        }),
+        ..Property::measured(
             PropertyName::Energy,
             found.change,
             found.uncertainty,
@@ -204,27 +220,34 @@ fn conformal(
         jacobian.method.least_defect(),
     );
     let worst = found.from_conformal;
-    let of_loops = loops_of(evidence, h).map(|step| {
-        let of_loop = 1.0 + step.defect.signed * step.initial.signum();
-        let difference = (of_loop - found.factor).abs();
-        (
-            difference,
-            step.defect.uncertainty() + found.factor_uncertainty,
-        )
+    let of_loops = || {
+        let factors = loops_of(evidence, h).map(|step| {
+            let factor = 1.0 + step.defect.signed * step.initial.signum();
+            (factor, step.defect.uncertainty())
+        });
+        factors.filter(|(_, uncertainty)| uncertainty.is_finite())
+    };
+    let differences = of_loops().map(|(factor, uncertainty)| {
+        let difference = (factor - found.factor).abs();
+        (difference, uncertainty + found.factor_uncertainty)
     });
     let excess = |(defect, uncertainty): (f64, f64)| defect / uncertainty;
-    let (defect, uncertainty) = (of_loops.filter(|(_, uncertainty)| uncertainty.is_finite())).fold(
-        (worst.magnitude(), worst.uncertainty),
-        |a, b| {
-            if excess(b) > excess(a) { b } else { a }
-        },
-    );
+    let (defect, uncertainty) = differences.fold((worst.magnitude(), worst.uncertainty), |a, b| {
+        if excess(b) > excess(a) { b } else { a }
+    });
     let property = Property::measured(PropertyName::Conformal, defect, uncertainty, least);
     if property.holds != Some(true) {
         return Some(property);
     }
-    // Factors differ by up to the defect.
-    let (factor, of_factor) = (found.factor, found.factor_uncertainty.max(defect));
+    // Loops have more digits than differences. Factors differ by up to the defect, and those of loops by what is seen.
+    let of_jacobian = (found.factor, found.factor_uncertainty.max(defect));
+    let best = of_loops().min_by(|a, b| a.1.total_cmp(&b.1));
+    let of_best = best.map(|(factor, uncertainty)| {
+        let beyond = of_loops().map(|(other, of_other)| (other - factor).abs() - of_other);
+        (factor, beyond.fold(uncertainty, f64::max))
+    });
+    let more_certain = of_best.filter(|of_best| of_best.1 < of_jacobian.1);
+    let (factor, of_factor) = more_certain.unwrap_or(of_jacobian);
     let changes = (factor - 1.0).abs() > least.max(SIGNIFICANT * of_factor);
     // A loop that breaks has no factor, and a map with the factor 1 is symplectic.
     if kind == VerdictKind::BrokenLoops || !changes {
@@ -302,16 +325,19 @@ impl Display for Property {
                 };
             }
             PropertyName::Energy => {
-                return match self.holds {
-                    Some(true) => write!(
-                        f,
-                        " (a step changes the energy by {bound} of its range at most)"
-                    ),
-                    _ => write!(
-                        f,
-                        " (a step changes the energy by up to {value} of its range on the loop)"
-                    ),
+                let value = if self.holds == Some(true) {
+                    bound
+                } else {
+                    value
                 };
+                write!(
+                    f,
+                    " (a step changes the energy by up to {value} of its range on the loop"
+                )?;
+                if let Some((found, growth)) = &self.in_time {
+                    write!(f, "; {}", in_time(found, *growth))?;
+                }
+                return f.write_str(")");
             }
             PropertyName::Reversible => format!("a step, {signs}, and a step"),
             PropertyName::Symmetric => "a step of h and one of −h".to_owned(),
@@ -325,10 +351,32 @@ impl Display for Property {
     }
 }
 
+/// What many steps do to the energy.
+fn in_time(found: &EnergyInTime, growth: Growth) -> String {
+    let EnergyInTime {
+        steps, early, late, ..
+    } = *found;
+    let (early, late, most) = (
+        two_digits(early),
+        two_digits(late),
+        two_digits(early.max(late)),
+    );
+    match growth {
+        Growth::None => format!("{steps} steps by up to {most}: it is conserved"),
+        Growth::Bounded => format!("{steps} steps by up to {most}: the change stays bounded"),
+        Growth::Grows => format!(
+            "the energy drifts: the change grows to {late} in {steps} steps, from {early} in the first quarter"
+        ),
+        Growth::Undecided => format!(
+            "{steps} steps by up to {most}, which shows neither a bound nor a drift: take more steps"
+        ),
+    }
+}
+
 impl Serialize for Property {
     /// With `holds` as `yes`, `no` or `unknown`, and the property as a `text`.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct("Property", 8)?;
+        let mut fields = serializer.serialize_struct("Property", 9)?;
         fields.serialize_field("name", &self.name)?;
         let holds = match self.holds {
             Some(true) => "yes",
@@ -340,6 +388,7 @@ impl Serialize for Property {
         fields.serialize_field("uncertainty", &self.uncertainty)?;
         fields.serialize_field("factor", &self.factor)?;
         fields.serialize_field("rate", &self.rate)?;
+        fields.serialize_field("growth", &self.in_time.map(|(_, growth)| growth))?;
         fields.serialize_field("implied", &self.implied)?;
         fields.serialize_field("text", &self.to_string())?;
         fields.end()

@@ -5,8 +5,10 @@ use crate::diagnosis::limits::{FEWEST_SAMPLES, FINE_DEFECT, FOLDED, RESOLVED_DEF
 use crate::diagnosis::plan::{fits, power_below};
 use crate::diagnosis::resolve::probe::Probe;
 use crate::error::Error;
-use crate::evidence::{Check, LongTime, LoopEvidence, Why};
+use crate::evidence::{Check, EnergyInTime, LongTime, LoopEvidence, Why};
+use crate::map::Energy;
 use crate::rules::{Rule, Subject};
+use crate::state::Ensemble;
 use crate::trace::{Trace, TracePoint};
 
 /// Blocks of the first half of the steps, whose rates predict the second half. Conventional.
@@ -64,9 +66,102 @@ fn follow(
         snapshots: Vec::new(),
     };
     let subject = &probe.subject;
-    let record = trace.run_with(subject.evaluator, subject.phase_loop, None, &|_| {})?;
+    let mut energies = (subject.evaluator.energy()).map(|of| EnergiesInTime::new(of, steps));
+    let record = trace.run_with(
+        subject.evaluator,
+        subject.phase_loop,
+        None,
+        &mut |point, states| {
+            if let Some(energies) = &mut energies {
+                energies.add(point.step, states);
+            }
+        },
+    )?;
     let h = subject.evaluator.stated(h);
-    Ok(Ok(summary(h, samples, &record.points[1..])))
+    let mut found = summary(h, samples, &record.points[1..]);
+    found.energy = energies.and_then(EnergiesInTime::summary);
+    Ok(Ok(found))
+}
+
+/// The energies of the states of a loop, step by step.
+struct EnergiesInTime<'a> {
+    energy: &'a Energy<'a>,
+    steps: usize,
+    initial: Vec<f64>,
+    /// H(n) − H(0) at the last step that was added.
+    changes: Vec<f64>,
+    /// The largest change of each state.
+    most: Vec<f64>,
+    /// Its smallest one in the second half of the steps.
+    least: Vec<f64>,
+    early: f64,
+    late: f64,
+}
+
+impl<'a> EnergiesInTime<'a> {
+    fn new(energy: &'a Energy<'a>, steps: usize) -> Self {
+        EnergiesInTime {
+            energy,
+            steps,
+            initial: Vec::new(),
+            changes: Vec::new(),
+            most: Vec::new(),
+            least: Vec::new(),
+            early: 0.0,
+            late: 0.0,
+        }
+    }
+
+    fn add(&mut self, step: usize, states: &Ensemble) {
+        let samples = states.samples();
+        let mut energies = vec![f64::NAN; samples];
+        (self.energy)(states.q(), states.p(), &mut energies);
+        if step == 0 {
+            (self.initial, self.most) = (energies, vec![0.0; samples]);
+            self.least = vec![f64::INFINITY; samples];
+            return;
+        }
+        let pairs = energies.iter().zip(&self.initial);
+        self.changes = pairs.map(|(after, before)| after - before).collect();
+        let mut largest = 0.0f64;
+        let bounds = self.most.iter_mut().zip(&mut self.least);
+        for (change, (most, least)) in self.changes.iter().zip(bounds) {
+            let size = match change.is_nan() {
+                true => f64::INFINITY,
+                false => change.abs(),
+            };
+            (largest, *most) = (largest.max(size), most.max(size));
+            if 2 * step > self.steps {
+                *least = least.min(size);
+            }
+        }
+        if 4 * step <= self.steps {
+            self.early = self.early.max(largest);
+        } else if 4 * step > 3 * self.steps {
+            self.late = self.late.max(largest);
+        }
+    }
+
+    /// `None` if an energy is not finite.
+    fn summary(self) -> Option<EnergyInTime> {
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let found = EnergyInTime {
+            steps: self.steps,
+            early: self.early,
+            late: self.late,
+            most: mean(&self.most),
+            least: mean(&self.least),
+            change: mean(&self.changes),
+        };
+        let numbers = [
+            found.early,
+            found.late,
+            found.most,
+            found.least,
+            found.change,
+        ];
+        numbers.iter().all(|x| x.is_finite()).then_some(found)
+    }
 }
 
 fn summary(h: Option<f64>, samples: usize, points: &[TracePoint]) -> LongTime {
@@ -100,6 +195,7 @@ fn summary(h: Option<f64>, samples: usize, points: &[TracePoint]) -> LongTime {
         ),
         change: signed.last().copied().unwrap_or(0.0),
         predicted: predicted(&signed),
+        energy: None,
     }
 }
 

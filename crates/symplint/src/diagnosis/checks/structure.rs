@@ -175,6 +175,7 @@ impl Returns {
         Some(EnergyChange {
             change: largest(&mut (0..states).map(change)) / range,
             uncertainty: ROUNDINGS_OF_A_RETURN * scatter.max(rounding) / range,
+            range,
         })
     }
 
