@@ -2,9 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use symplint::map::{Capabilities, Substeps};
 use symplint::verdict::{Cause, CauseKind};
 use symplint::{
-    Circle, Coordinates, Diagnosis, Diagnostic, PerSample, TimeAdvance, Verdict, VerdictKind,
+    Block, Circle, Coordinates, Diagnosis, Diagnostic, PerSample, StepFailure, TimeAdvance,
+    Verdict, VerdictKind,
 };
 
 fn diagnose(map: &dyn TimeAdvance, q0: &[f64], p0: &[f64], radius: f64) -> Diagnosis {
@@ -297,4 +299,180 @@ fn mistakes_in_what_a_step_returns_are_named() {
         CauseKind::IgnoresStepSize,
         &["same result for every step size"],
     );
+}
+
+/// Leapfrog in Hénon and Heiles' potential, with what is done to momenta before and after it.
+fn between(
+    before: fn(f64, &[f64], &mut [f64]),
+    after: fn(f64, &[f64], &mut [f64]),
+) -> impl TimeAdvance {
+    PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+        before(h, q, p);
+        (0..2).for_each(|i| q[i] += 0.5 * h * p[i]);
+        p[0] -= h * (q[0] + 2.0 * q[0] * q[1]);
+        p[1] -= h * (q[1] + q[0] * q[0] - q[1] * q[1]);
+        (0..2).for_each(|i| q[i] += 0.5 * h * p[i]);
+        after(h, q, p);
+    })
+}
+
+#[test]
+fn the_part_of_a_step_that_changes_areas_is_named() {
+    let nothing: fn(f64, &[f64], &mut [f64]) = |_, _, _| {};
+    // In closed form: the brackets {P0, P1} = 0.2 h q0 + 0.1 h at the end, and {Q1, P1} = 1 − 0.1 h.
+    let curl: fn(f64, &[f64], &mut [f64]) = |h, q, p| p[0] += h * q[1] * (0.1 + 0.2 * q[0]);
+    let damped: fn(f64, &[f64], &mut [f64]) = |h, _, p| p[1] *= 1.0 - 0.1 * h;
+    for (map, kind, words) in [
+        (
+            between(nothing, curl),
+            CauseKind::ForceWithCurl,
+            ["qp 0 (", "the step ends with a kick"],
+        ),
+        (
+            between(curl, nothing),
+            CauseKind::ForceWithCurl,
+            ["pp 0 (", "the step begins with a kick"],
+        ),
+        (
+            between(nothing, damped),
+            CauseKind::PartialFriction,
+            [
+                "qp 0.05, pp 0 (",
+                "all in q[1], p[1]. So the step ends with friction",
+            ],
+        ),
+        (
+            between(damped, nothing),
+            CauseKind::PartialFriction,
+            [
+                "qq 0 (",
+                "all in q[1], p[1]. So the step begins with friction",
+            ],
+        ),
+    ] {
+        let found = verdict(&map, &[0.1, 0.05], &[0.1, 0.2], 0.2);
+        assert_eq!(found.kind, VerdictKind::NotSymplectic);
+        cause(&found, kind, &words);
+    }
+    // In both kicks of a step, or between drifts, no block is 0.
+    let kicks = PerSample::new(2, |h, q, p| {
+        let kick = |q: &[f64], p: &mut [f64]| {
+            let pair = (q[0] - q[1]).sin();
+            p[0] -= 0.5 * h * (q[0].sin() + pair + 0.1 * q[1]);
+            p[1] -= 0.5 * h * (q[1].sin() - pair - 0.1 * q[0]);
+        };
+        kick(q, p);
+        (0..2).for_each(|i| q[i] += h * p[i]);
+        kick(q, p);
+    });
+    let found = verdict(&kicks, &[0.1, 0.05], &[0.1, 0.2], 0.2);
+    let found = cause(&found, CauseKind::ForceWithCurl, &["The largest blocks"]);
+    assert!(found.remedy.contains("check_force"));
+}
+
+#[test]
+fn few_fixed_point_iterations_are_named_by_the_block_that_is_zero() {
+    for iterations in 1..=2 {
+        let midpoint = PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+            let force = |q: &[f64]| [-q[0] - 2.0 * q[0] * q[1], -q[1] - q[0] * q[0] + q[1] * q[1]];
+            let (q0, p0) = ([q[0], q[1]], [p[0], p[1]]);
+            for _ in 0..iterations {
+                let of_middle = force(&[0.5 * (q0[0] + q[0]), 0.5 * (q0[1] + q[1])]);
+                for i in 0..2 {
+                    q[i] = q0[i] + 0.5 * h * (p0[i] + p[i]);
+                    p[i] = p0[i] + h * of_middle[i];
+                }
+            }
+        });
+        let found = verdict(&midpoint, &[0.1, 0.05], &[0.1, 0.2], 0.2);
+        assert_eq!(found.kind, VerdictKind::NotSymplectic);
+        let words = ["qq 0 (", "one to three fixed-point iterations"];
+        cause(&found, CauseKind::FewIterations, &words);
+    }
+}
+
+#[test]
+fn a_defect_that_is_the_same_at_all_step_sizes_is_no_friction() {
+    let rescaled = PerSample::new(1, |h, q, p| {
+        p[0] -= h * q[0].sin();
+        q[0] += h * p[0];
+        p[0] *= 1.001;
+    });
+    let found = verdict(&rescaled, &[0.3], &[0.4], 0.5);
+    let words = ["by 1.0010000000", "at all step sizes, as momenta in units"];
+    cause(&found, CauseKind::Friction, &words);
+    // Of one momentum of two, and other things: no factor of all areas.
+    let rounded = PerSample::new(2, |h, q, p| {
+        q[0] += h * p[0];
+        q[1] += h * p[1];
+        let pair = (q[0] - q[1]).sin();
+        p[0] -= h * (pair + q[0].sin()) - 3e-7 * q[0].sin() * p[1];
+        p[1] += h * pair;
+    });
+    let found = verdict(&rounded, &[0.3, 1.0], &[0.4, -0.2], 0.5);
+    assert_eq!(found.kind, VerdictKind::NotSymplectic);
+    let found = found.cause.unwrap();
+    let kinds = [CauseKind::SolverTolerance, CauseKind::PartialFriction];
+    assert!(kinds.contains(&found.kind), "{}", found.text);
+}
+
+#[test]
+fn the_substep_that_changes_areas_is_named() {
+    struct Lattice;
+    impl TimeAdvance for Lattice {
+        fn dof(&self) -> usize {
+            2
+        }
+        fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+            (0..60).try_for_each(|k| self.advance_substep(k, h, block))
+        }
+        fn capabilities(&self) -> Capabilities<'_> {
+            Capabilities {
+                substeps: Some(self),
+                ..Capabilities::plain(2)
+            }
+        }
+    }
+    impl Substeps for Lattice {
+        fn substeps(&self) -> usize {
+            60
+        }
+        fn substep_name(&self, substep: usize) -> String {
+            format!("element {substep}")
+        }
+        fn advance_substep(
+            &self,
+            substep: usize,
+            _: f64,
+            block: &mut Block<'_>,
+        ) -> Result<(), StepFailure> {
+            let strength = if substep % 4 == 1 { 0.3 } else { -0.3 };
+            for k in 0..block.len() {
+                let [x, y] = [0, 1].map(|i| block.q.row(i)[k]);
+                let [px, py] = [0, 1].map(|i| block.p.row(i)[k]);
+                if substep.is_multiple_of(2) {
+                    block.q.row_mut(0)[k] = x + 0.2 * px;
+                    block.q.row_mut(1)[k] = y + 0.2 * py;
+                } else {
+                    // One fringe has the wrong sign in y.
+                    let wrong = if substep == 37 { 1e-3 * x } else { 0.0 };
+                    block.p.row_mut(0)[k] = px - strength * (x + 0.1 * x * x);
+                    block.p.row_mut(1)[k] = py + strength * y + wrong * y;
+                }
+            }
+            Ok(())
+        }
+    }
+    let circle = Circle::new(vec![0.1, 0.05], vec![0.0, 0.1], 0.3).unwrap();
+    let found = Diagnostic::without_step_size()
+        .run(&Lattice, &circle)
+        .unwrap()
+        .verdict;
+    assert_eq!(found.kind, VerdictKind::NotSymplectic, "{found}");
+    let words = [
+        "Of the 60 substeps",
+        "substep 38 (element 37)",
+        "the others conserve it",
+    ];
+    cause(&found, CauseKind::Substep, &words);
 }

@@ -488,6 +488,7 @@ fn symplectic_jacobian(bound: f64) -> JacobianEvidence {
     };
     JacobianEvidence {
         volume: None,
+        blocks: None,
         step_size: Some(0.5),
         loop_index: 0,
         method: JacobianMethod::CentralDifferences { rejected: None },
@@ -883,9 +884,11 @@ fn advice_on_the_order_says_what_is_missing() {
     let mut spent = of_map(three.map(|(h, d)| step(h, d, 1e-15)).collect());
     spent.omissions = vec![self::spent(Check::GivenLoop, 1)];
     spent.evaluations.by_check.insert(Check::GivenLoop, 300);
+    // The likeliest causes come first.
+    let causes = Advice::LookForCause { order: None };
     assert_eq!(
         judge(&spent).advice,
-        [Advice::MoreEvaluations { wanted: 200 }]
+        [causes, Advice::MoreEvaluations { wanted: 200 }]
     );
     spent.omissions = vec![Omission {
         check: Check::GivenLoop,

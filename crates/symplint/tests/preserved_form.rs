@@ -190,7 +190,113 @@ fn fields_of_yee_preserve_another_form() {
     });
     let circle = Circle::new(vec![0.0; 6], vec![1.0; 6], 0.5).unwrap();
     let found = Diagnostic::halving(-1, -5).run(&map, &circle).unwrap();
-    assert_eq!(found.verdict.cause.unwrap().kind, CauseKind::OtherForm);
+    let cause = found.verdict.cause.unwrap();
+    assert_eq!(cause.kind, CauseKind::Fields, "{}", cause.text);
+    assert!(
+        cause.remedy.contains("vector potential"),
+        "{}",
+        cause.remedy
+    );
+}
+
+/// A splitting in a field B(x) along the third axis, exact in each of its parts: ∂F/∂x0 = B, ∂G/∂x1 = B.
+fn splitting_in_a_field(f: fn(&[f64]) -> f64, g: fn(&[f64]) -> f64) -> impl TimeAdvance {
+    PerSample::new(2, move |h, x: &mut [f64], v: &mut [f64]| {
+        let before = f(x);
+        x[0] += h * v[0];
+        v[1] -= f(x) - before;
+        let before = g(x);
+        x[1] += h * v[1];
+        v[0] += g(x) - before;
+        v[0] -= h * (x[0] + 2.0 * x[0] * x[1]);
+        v[1] -= h * (x[1] + x[0] * x[0]);
+    })
+}
+
+#[test]
+fn kinetic_momenta_in_a_field_that_varies_are_named_with_the_field() {
+    let linear = splitting_in_a_field(
+        |x| 0.7 * x[0] + 0.15 * x[0] * x[0] - 0.2 * x[0] * x[1],
+        |x| 0.7 * x[1] + 0.3 * x[0] * x[1] - 0.1 * x[1] * x[1],
+    );
+    let found = cause(&linear, CauseKind::KineticMomenta);
+    let form = "dq0∧dp0 + dq1∧dp1 + (−0.7 − 0.3 q0 + 0.2 q1) dq0∧dq1";
+    assert!(found.text.contains(form), "{}", found.text);
+    // The canonical momenta that it states make the map symplectic.
+    assert_eq!(
+        found.setting.as_deref(),
+        Some("p = (p[0], p[1] + 0.7 q[0] − 0.2 q[0] q[1] + 0.15 q[0]²)")
+    );
+    assert!(found.digits.unwrap() > 12.0);
+    let potential = |x: &[f64]| 0.7 * x[0] + 0.15 * x[0] * x[0] - 0.2 * x[0] * x[1];
+    let canonical = PerSample::new(2, move |h, x: &mut [f64], p: &mut [f64]| {
+        let f = |x: &[f64]| 0.7 * x[0] + 0.15 * x[0] * x[0] - 0.2 * x[0] * x[1];
+        let g = |x: &[f64]| 0.7 * x[1] + 0.3 * x[0] * x[1] - 0.1 * x[1] * x[1];
+        let mut v = [p[0], p[1] - potential(x)];
+        let before = f(x);
+        x[0] += h * v[0];
+        v[1] -= f(x) - before;
+        let before = g(x);
+        x[1] += h * v[1];
+        v[0] += g(x) - before;
+        v[0] -= h * (x[0] + 2.0 * x[0] * x[1]);
+        v[1] -= h * (x[1] + x[0] * x[0]);
+        (p[0], p[1]) = (v[0], v[1] + potential(x));
+    });
+    assert_eq!(diagnose(&canonical).verdict.kind, VerdictKind::Symplectic);
+    let quadratic = splitting_in_a_field(
+        |x| 0.5 * x[0] + 0.1 * x[0].powi(3) + 0.25 * x[0] * x[0] * x[1],
+        |x| 0.5 * x[1] + 0.3 * x[0] * x[0] * x[1] + 0.25 * x[0] * x[1] * x[1],
+    );
+    let found = cause(&quadratic, CauseKind::KineticMomenta);
+    let field = "(−0.5 − 0.3 q0² − 0.5 q0 q1) dq0∧dq1";
+    assert!(found.text.contains(field), "{}", found.text);
+}
+
+#[test]
+fn a_field_in_three_dimensions_is_named_and_is_closed() {
+    // B = (0.4 z, 0.3 x, 0.7 + 0.2 y): each velocity drifts alone, and the field turns the other two exactly.
+    let map = PerSample::new(3, |h, x: &mut [f64], v: &mut [f64]| {
+        let d = h * v[0];
+        v[1] -= (0.7 + 0.2 * x[1]) * d;
+        v[2] += 0.3 * (x[0] * d + 0.5 * d * d);
+        x[0] += d;
+        let d = h * v[1];
+        v[0] += 0.7 * d + 0.2 * (x[1] * d + 0.5 * d * d);
+        v[2] -= 0.4 * x[2] * d;
+        x[1] += d;
+        let d = h * v[2];
+        v[0] -= 0.3 * x[0] * d;
+        v[1] += 0.4 * (x[2] * d + 0.5 * d * d);
+        x[2] += d;
+        for i in 0..3 {
+            v[i] -=
+                h * (x[i].sin() + (x[i] - x[(i + 1) % 3]).sin() + (x[i] - x[(i + 2) % 3]).sin());
+        }
+    });
+    let found = cause(&map, CauseKind::KineticMomenta);
+    for field in [
+        "(−0.7 − 0.2 q1) dq0∧dq1",
+        "(0.3 q0) dq0∧dq2",
+        "(−0.4 q2) dq1∧dq2",
+    ] {
+        assert!(found.text.contains(field), "{field}: {}", found.text);
+    }
+    // The push of Boris in a field that varies preserves no such form.
+    let map = PerSample::new(2, |h, x: &mut [f64], v: &mut [f64]| {
+        (0..2).for_each(|i| x[i] += 0.5 * h * v[i]);
+        let field = 0.7 + 0.3 * x[0] - 0.2 * x[1];
+        let half = [x[0], x[1]];
+        let mut still = half;
+        boris(h, &mut still, v, field);
+        x.copy_from_slice(&half);
+        (0..2).for_each(|i| x[i] += 0.5 * h * v[i]);
+    });
+    let kind = diagnose(&map).verdict.cause.map(|cause| cause.kind);
+    assert!(
+        !matches!(kind, Some(CauseKind::KineticMomenta | CauseKind::OtherForm)),
+        "{kind:?}"
+    );
 }
 
 #[test]
@@ -201,12 +307,16 @@ fn maps_that_preserve_no_form_say_so() {
         p[0] -= h * (q[0].sin() + (q[0] - q[1]).sin() + 0.1 * q[1]);
         p[1] -= h * (q[1].sin() + (q[1] - q[0]).sin() - 0.1 * q[0]);
     });
-    cause(&curl, CauseKind::NoForm);
+    // No setting helps either, but the part of the step is known.
+    let none = |map: &dyn TimeAdvance| diagnose(map).evidence.preserved_form.unwrap().exists;
+    cause(&curl, CauseKind::ForceWithCurl);
+    assert_eq!(none(&curl), Some(false));
     let friction = PerSample::new(2, |h, q, p| {
         two_pendula(h, q, p, 1.0);
         p[0] *= 1.0 - 0.1 * h;
     });
-    cause(&friction, CauseKind::NoForm);
+    cause(&friction, CauseKind::PartialFriction);
+    assert_eq!(none(&friction), Some(false));
     let uniform = PerSample::new(2, |h, q, p| {
         two_pendula(h, q, p, 1.0);
         p.iter_mut().for_each(|p| *p *= 1.0 - 0.1 * h);

@@ -21,6 +21,7 @@ pub use long_time::{EnergyInTime, LongTime};
 pub(crate) use motion::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, defect_of_order_4};
 pub use motion::{Motion, Reach};
 pub use point::{BreakAt, Point, Sweep};
+pub(crate) use preserved_form::monomial;
 pub use preserved_form::{FormEntry, FormOnLoop, PreservedForm};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};

@@ -14,6 +14,12 @@ pub struct PreservedForm {
     pub dof: usize,
     /// Whether all constant forms were tried; otherwise those of weights and signs, Σ c_i dq_i∧dp_i.
     pub all_constant: bool,
+    /// Whether, as there is no constant form, forms were tried with a magnetic field that is a polynomial in q.
+    #[serde(default)]
+    pub with_fields: bool,
+    /// Whether the step is linear: its Jacobian is the same at all states.
+    #[serde(default)]
+    pub is_linear: bool,
     /// States whose Jacobians were used.
     pub states: usize,
     /// The answer: `None` if the Jacobians are not precise enough for one.
@@ -30,11 +36,15 @@ pub struct PreservedForm {
     pub loops: Vec<FormOnLoop>,
 }
 
-/// Ω_ab of Ω = Σ Ω_ab dz_a∧dz_b, a < b.
+/// A term of a form Ω: its value times dz_a∧dz_b, a < b; or times d(z_a q0^k q1^l q2^m dz_b)/(1 + m_a) if it has powers of q: the part of
+/// a closed form that begins with q0^k q1^l q2^m dz_a∧dz_b. Here m_a is the power of z_a.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FormEntry {
     /// The coordinates a and b.
     pub coordinates: [usize; 2],
+    /// The powers k, l, m of q0, q1 and q2.
+    #[serde(default, skip_serializing_if = "is_constant")]
+    pub powers: [u8; 3],
     /// Its value, rounded to the digits that its error supports.
     pub value: f64,
     /// The error before rounding.
@@ -53,6 +63,16 @@ pub struct FormOnLoop {
     pub canonical: [f64; 2],
     /// Of the preserved form.
     pub preserved: [f64; 2],
+}
+
+fn is_constant(powers: &[u8; 3]) -> bool {
+    *powers == [0; 3]
+}
+
+/// The product of powers of the first coordinates.
+pub(crate) fn monomial(powers: [u8; 3], q: impl Fn(usize) -> f64) -> f64 {
+    let of_q = powers.iter().enumerate().filter(|(_, power)| **power > 0);
+    of_q.map(|(i, power)| q(i).powi((*power).into())).product()
 }
 
 impl FormOnLoop {

@@ -8,6 +8,7 @@ use super::evidence::{JacobianPoint, TangentDefect};
 use super::frame::Estimate;
 use super::sampler::Sampler;
 use super::volume::PointVolume;
+use crate::state::coordinate;
 
 /// Tangent vectors at a point, in units of the frame, and the derivatives along them once they are measured.
 pub(super) struct Columns {
@@ -41,17 +42,29 @@ pub(crate) struct TangentImages {
     pub images: Vec<Vec<f64>>,
     /// Half the width of the interval in which each component of an image lies.
     pub errors: Vec<Vec<f64>>,
+    /// The positions before and after the step, from the origin.
+    pub positions: [Vec<f64>; 2],
 }
 
 impl Columns {
     /// What was measured; `None` if the map is not differentiable at the point.
-    pub fn images(&self) -> Option<TangentImages> {
+    pub fn images(&self, sampler: &Sampler<'_>) -> Option<TangentImages> {
         let converged = self.derivatives.iter().all(|of| of.converged);
         let of_each = |field: fn(&Derivative) -> &Vec<f64>| {
             let values = self.derivatives.iter().map(field);
             values.cloned().collect::<Vec<_>>()
         };
+        let positions = |state: &dyn Fn(usize) -> f64| {
+            let positions = 0..sampler.frame.dof();
+            positions
+                .map(|c| state(c) / sampler.frame.size[c])
+                .collect()
+        };
         converged.then(|| TangentImages {
+            positions: [
+                positions(&|c| coordinate(&sampler.before, c)[self.point]),
+                positions(&|c| sampler.after[self.point][c]),
+            ],
             vectors: self.directions.clone(),
             images: of_each(|of| &of.value),
             errors: of_each(|of| &of.error),
@@ -131,9 +144,8 @@ impl Columns {
         }
         let method = sampler.method();
         let worst = TangentDefect::worst(method, defects.iter().copied());
-        let changes = pairs.iter().copied().zip(defects.iter().copied());
-        let sign = |dof: usize| frame.sign(dof);
-        let volume = full.then(|| PointVolume::new(method, &self.derivatives, changes, sign));
+        let changes: Vec<_> = (pairs.iter().copied().zip(defects.iter().copied())).collect();
+        let volume = full.then(|| PointVolume::new(method, &self.derivatives, &changes, frame));
         let groups = self.groups.iter().max().map_or(0, |last| last + 1);
         let mut bounds: Vec<Option<f64>> = vec![None; groups];
         for (pair, defect) in pairs.iter().zip(&defects) {

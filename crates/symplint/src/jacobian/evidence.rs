@@ -158,6 +158,53 @@ pub struct VolumeEvidence {
     pub from_conformal: TangentDefect,
 }
 
+/// Which coordinates a defect concerns: the blocks of an antisymmetric matrix, with errors, at all points of a test.
+///
+/// An entry is significant if it is larger than noise makes it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BlockDefects {
+    /// The largest significant entry of two positions, of a position and a momentum, and of two momenta; 0 if there is none.
+    pub sizes: [f64; 3],
+    /// What no entry of these blocks exceeds, its uncertainty included.
+    pub bounds: [f64; 3],
+    /// The degrees of freedom of significant entries.
+    pub dofs: Vec<usize>,
+    /// What no entry exceeds that has another degree of freedom; 0 if there are no others.
+    pub bound_of_others: f64,
+}
+
+/// The defect of a Jacobian M by blocks, in units of the loop. A defect at the beginning of a step is seen in the first matrix as it is, and
+/// one at the end in the second.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DefectBlocks {
+    /// Of MᵀJM − J: the form on two unit vectors before the step.
+    pub before: BlockDefects,
+    /// Of MJ⁻¹Mᵀ − J⁻¹: the Poisson brackets of two coordinates after the step.
+    pub after: BlockDefects,
+}
+
+impl BlockDefects {
+    /// A block is 0 if its bound is this part of the largest entry. Conventional: three digits.
+    const ZERO: f64 = 1e-3;
+
+    /// The largest entry.
+    pub(crate) fn largest(&self) -> f64 {
+        self.sizes.into_iter().fold(0.0, f64::max)
+    }
+
+    /// Whether the entries of positions, of both and of momenta are 0.
+    pub(crate) fn zeros(&self) -> [bool; 3] {
+        let least = Self::ZERO * self.largest();
+        std::array::from_fn(|k| self.sizes[k] == 0.0 && self.bounds[k] <= least)
+    }
+
+    /// The degrees of freedom that carry the whole defect, if there are others.
+    pub(crate) fn carriers(&self) -> Option<&[usize]> {
+        let others = self.bound_of_others;
+        (others > 0.0 && others <= Self::ZERO * self.largest()).then_some(&self.dofs)
+    }
+}
+
 /// What a [`JacobianTest`](crate::JacobianTest) measured. All numbers are finite.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JacobianEvidence {
@@ -191,6 +238,9 @@ pub struct JacobianEvidence {
     /// Volumes and areas, if the test is full and the map acts on no manifold.
     #[serde(default)]
     pub volume: Option<VolumeEvidence>,
+    /// The defect by blocks, if it is significant, the test is full, and there are several degrees of freedom.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blocks: Option<DefectBlocks>,
     /// Largest change of a component of a tangent vector whose components are at most 1, where the map is
     /// differentiable.
     pub deformation: f64,

@@ -47,9 +47,9 @@ impl Frame {
         Ok(Frame { size, period, area })
     }
 
-    /// The sign of ω of the two unit vectors of a degree of freedom.
-    pub fn sign(&self, dof: usize) -> f64 {
-        self.area[dof].signum()
+    /// ω of the two unit vectors of a degree of freedom.
+    pub fn area(&self, dof: usize) -> f64 {
+        self.area[dof]
     }
 
     /// Degrees of freedom.

@@ -9,10 +9,11 @@
 //! derivatives with errors (`richardson`) that take the noise of the map into account (`noise`). A map that
 //! has a tangent map gives derivatives to round-off (`tangents`), once it is found to be that of the map
 //! (`tangent_check`). In many degrees of freedom tangent vectors are random, and a defect is traced to
-//! the two degrees of freedom that carry it (`bisection`). Of a map that acts on a manifold, states and tangent vectors are
+//! the two degrees of freedom that carry it (`bisection`), in few to blocks of its matrix (`blocks`). Of a map that acts on a manifold, states and tangent vectors are
 //! those of the manifold (`manifold`).
 
 mod bisection;
+mod blocks;
 mod columns;
 mod constants;
 mod cost;
@@ -31,8 +32,8 @@ mod volume;
 pub(crate) use columns::TangentImages;
 pub(crate) use evidence::is_given;
 pub use evidence::{
-    JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect,
-    TangentRejection, VolumeEvidence,
+    BlockDefects, DefectBlocks, JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint,
+    TangentDefect, TangentRejection, VolumeEvidence,
 };
 
 use crate::error::Error;
@@ -207,6 +208,7 @@ impl JacobianTest {
             bound,
             bounds_of_groups: bounds_of_groups(&outcomes, groups.len().max(1)),
             volume: PointVolume::together(&volumes, method),
+            blocks: blocks::together(&volumes, dof),
             deformation: (outcomes.iter().map(|o| o.deformation)).fold(0.0, f64::max),
             noise: sampler.largest_noise(),
             evaluations: sampler.made(),
@@ -238,7 +240,8 @@ impl JacobianTest {
             .map(|point| Columns::new(point, vectors(point)))
             .collect();
         sampler.differentiate(&mut columns)?;
-        Ok(columns.iter().filter_map(Columns::images).collect())
+        let images = columns.iter().filter_map(|of| of.images(&sampler));
+        Ok(images.collect())
     }
 
     /// The largest defect at the point where `found` has its largest one, after a step of size `h`. `None` if the map is not
@@ -321,7 +324,7 @@ impl JacobianTest {
                     .map(|columns| columns.outcome(sampler, units)),
             );
             if units {
-                images.extend(columns.iter().filter_map(Columns::images));
+                images.extend(columns.iter().filter_map(|of| of.images(sampler)));
             }
         }
         if sampler.uses_tangents && !compared {

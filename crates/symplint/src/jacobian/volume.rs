@@ -2,8 +2,10 @@
 
 use nalgebra::DMatrix;
 
+use super::blocks::PointBlocks;
 use super::derivative::Derivative;
 use super::evidence::{JacobianMethod, TangentDefect, VolumeEvidence};
+use super::frame::Frame;
 
 /// The change of the form on all pairs of unit vectors at a point, and the determinant there.
 #[derive(Clone)]
@@ -14,24 +16,26 @@ pub(super) struct PointVolume {
     factors: Vec<TangentDefect>,
     /// The largest change of a form that vanishes before the step.
     mixed: Option<TangentDefect>,
+    /// The changes by kind of coordinate.
+    pub blocks: PointBlocks,
 }
 
 impl PointVolume {
     /// From the derivatives along all unit vectors, and the changes of the form with the pairs that they belong to. `None` if the Jacobian
-    /// is singular to rounding. `sign` gives the sign of the area of a degree of freedom.
+    /// is singular to rounding.
     pub fn new(
         method: JacobianMethod,
         derivatives: &[Derivative],
-        changes: impl Iterator<Item = ((usize, usize), TangentDefect)>,
-        sign: impl Fn(usize) -> f64,
+        changes: &[((usize, usize), TangentDefect)],
+        frame: &Frame,
     ) -> Option<Self> {
         let dof = derivatives.len() / 2;
         let mut factors = Vec::with_capacity(dof);
         let mut mixed = Vec::new();
-        for ((i, j), change) in changes {
+        for &((i, j), change) in changes {
             match j == i + dof {
                 true => factors.push(TangentDefect {
-                    signed: sign(i) * change.signed,
+                    signed: frame.area(i).signum() * change.signed,
                     ..change
                 }),
                 false => mixed.push(change),
@@ -40,6 +44,7 @@ impl PointVolume {
         Some(PointVolume {
             determinant: determinant(derivatives, factors.first()?.s)?,
             mixed: TangentDefect::worst(method, mixed.into_iter()),
+            blocks: PointBlocks::new(method, derivatives, changes, frame),
             factors,
         })
     }

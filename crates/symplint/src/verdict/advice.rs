@@ -18,7 +18,7 @@ pub enum Advice {
     },
     /// Look for the causes that a defect of this order has.
     LookForCause {
-        /// k of defect ~ h^k, if it is known.
+        /// k of defect ~ h^k, or the slope at the smallest step sizes, if it is known.
         order: Option<f64>,
     },
     /// Measure a loop.
@@ -133,6 +133,17 @@ pub enum Advice {
 }
 
 impl Advice {
+    /// Whether it helps to learn the order of a defect, and names no cause.
+    pub(super) fn is_of_order(&self) -> bool {
+        matches!(
+            self,
+            Advice::StateStepSizes
+                | Advice::MoreStepSizes { .. }
+                | Advice::MoreEvaluations { .. }
+                | Advice::NoOrder { .. }
+        )
+    }
+
     /// Whether it stands for any cause, as the cause is not known.
     pub(super) fn is_general(&self) -> bool {
         matches!(

@@ -239,6 +239,7 @@ mod tests {
         };
         JacobianEvidence {
             volume: None,
+            blocks: None,
             step_size: Some(0.5),
             loop_index: 0,
             method: JacobianMethod::TangentMap,
@@ -267,6 +268,7 @@ mod tests {
     fn of_defect(method: JacobianMethod, signed: f64, uncertainty: f64) -> JacobianEvidence {
         JacobianEvidence {
             volume: None,
+            blocks: None,
             method,
             worst: Some(defect(signed, uncertainty)),
             bound: Some(signed.abs() + uncertainty),

@@ -12,7 +12,7 @@ use super::findings::{
     RunFinding, SampleFinding, Step, StepRange,
 };
 use super::jacobian::{JacobianVerdict, compare_jacobian};
-use super::order::{Fit, fit_order, leaves, smallest_steps_slope};
+use super::order::{Fit, fit_order, leaves, slope_of, smallest_steps_slope};
 use super::properties::{Property, properties};
 use super::thresholds::{
     CONTRADICTS, FAR, FEWEST_POINTS, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND,
@@ -45,7 +45,7 @@ pub fn judge(evidence: &Evidence) -> Verdict {
     let mut decision = case.decide();
     let properties = properties(evidence, decision.kind);
     let cause = case.cause(&decision, &properties);
-    decision.advise_on_cause(cause.as_ref());
+    decision.advise_on_cause(cause.as_ref(), evidence);
     if evidence.survey.is_rounded() && decision.kind != VerdictKind::NotSymplectic {
         decision.advise_on_digits();
     }
@@ -90,11 +90,12 @@ impl Decision {
     }
 
     /// The remedy for the likeliest cause comes first; if no cause is known, those that defects of this order have.
-    fn advise_on_cause(&mut self, cause: Option<&Cause>) {
+    fn advise_on_cause(&mut self, cause: Option<&Cause>, evidence: &Evidence) {
         let Some(cause) = cause else {
-            if self.kind == VerdictKind::NotSymplectic && self.advice.is_empty() {
-                let order = self.order;
-                self.advice.push(Advice::LookForCause { order });
+            let names_none = self.advice.iter().all(Advice::is_of_order);
+            if self.kind == VerdictKind::NotSymplectic && names_none {
+                let order = self.order.or_else(|| slope_of(&evidence.loops));
+                self.advice.insert(0, Advice::LookForCause { order });
             }
             return;
         };
@@ -593,6 +594,10 @@ impl<'a> Case<'a> {
         {
             let finding = compare_jacobian(jacobian, kind, digits);
             findings.push(Finding::Run(RunFinding::Jacobian { finding }));
+            findings.extend(
+                (jacobian.blocks.clone())
+                    .map(|blocks| Finding::Localisation(LocalisationFinding::Blocks { blocks })),
+            );
         }
         findings.extend((evidence.omissions.iter()).map(|omission| {
             Finding::Run(RunFinding::Omitted {

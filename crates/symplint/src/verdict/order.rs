@@ -125,6 +125,13 @@ pub(super) fn smallest_steps_slope(evidence: &LoopEvidence) -> Option<f64> {
     }
 }
 
+/// The slope of the first loop that shows one; `None` if it is not that of an order or of a constant.
+pub(super) fn slope_of(loops: &[LoopEvidence]) -> Option<f64> {
+    let mut contractible = loops.iter().filter(|found| !found.winds);
+    let slope = contractible.find_map(smallest_steps_slope)?;
+    (-TREND..=HIGHEST_ORDER).contains(&slope).then_some(slope)
+}
+
 /// Whether the slopes of the defects are of an order at large steps and move away from it as the steps shrink: a term of lower order
 /// takes over.
 pub(super) fn leaves(evidence: &LoopEvidence, order: f64) -> bool {

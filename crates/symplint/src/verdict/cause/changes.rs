@@ -3,9 +3,15 @@
 use super::{Cause, CauseKind, Clues};
 use crate::evidence::SIGNIFICANT;
 use crate::verdict::advice::Advice;
-use crate::verdict::findings::{ChangeFinding, DomainFinding, Finding};
+use crate::verdict::findings::{
+    ChangeFinding, DomainFinding, Finding, LocalisationFinding, Step, culprits,
+};
 use crate::verdict::number::{one_digit, within};
 use crate::verdict::properties::{Property, PropertyName};
+use crate::verdict::thresholds::TREND;
+
+/// Tolerances of solvers are smaller. Conventional.
+const LARGEST_TOLERANCE: f64 = 1e-4;
 
 impl Clues<'_> {
     /// The step projects onto a manifold.
@@ -56,6 +62,53 @@ impl Clues<'_> {
         })
     }
 
+    /// Few of the substeps change the loop.
+    pub(super) fn substep(&self) -> Option<Cause> {
+        let found = self.evidence.localisation.as_ref()?;
+        let (guilty, others) = culprits(&found.substeps);
+        let are_known = others.iter().all(|of| of.uncertainty.is_some());
+        if guilty.is_empty() || guilty.len() > others.len() || !are_known {
+            return None;
+        }
+        let finding = LocalisationFinding::Substeps {
+            substeps: found.substeps.clone(),
+            step: found.step_size.map_or(Step::Map, Step::Size),
+        };
+        let (which, them) = match guilty.len() {
+            1 => ("this substep", "it"),
+            _ => ("these substeps", "each of them"),
+        };
+        Some(Cause::new(
+            CauseKind::Substep,
+            finding.to_string(),
+            format!("Look at {which}, and check {them} alone, as a map without other substeps."),
+        ))
+    }
+
+    /// Whether the defect is the same at all step sizes.
+    fn is_constant(&self) -> bool {
+        self.slope().is_some_and(|slope| slope.abs() <= TREND)
+    }
+
+    /// A small defect that does not depend on the step size.
+    pub(super) fn level_of_a_tolerance(&self) -> Option<Cause> {
+        let steps = self.evidence.loops.iter().flat_map(|found| &found.steps);
+        let significant = steps.filter(|step| step.is_significant());
+        let largest = significant
+            .map(|step| step.defect.magnitude())
+            .reduce(f64::max)?;
+        (self.is_constant() && largest < LARGEST_TOLERANCE).then(|| {
+            Cause::new(
+                CauseKind::SolverTolerance,
+                format!(
+                    "The defect, {} at most, does not depend on the step size: it has the size of a tolerance, not that of a method.",
+                    one_digit(largest)
+                ),
+                "Tighten the tolerances of solvers inside the step, and look for constants and tables with few digits.",
+            )
+        })
+    }
+
     /// A conformally symplectic map.
     fn conformal(&self) -> Option<&Property> {
         let mut properties = self.properties.iter();
@@ -84,15 +137,23 @@ impl Clues<'_> {
         let [factor, of_factor] = conformal.factor.filter(|[factor, _]| *factor > 0.0)?;
         let (value, error) = (within(factor, of_factor), one_digit(of_factor));
         let meaning = if factor < 1.0 { "friction" } else { "growth" };
-        let rate = conformal.rate.map_or(String::new(), |[rate, of_rate]| {
-            let (rate, error) = (within(rate, of_rate), one_digit(of_rate));
-            format!(", as uniform {meaning} e^(−γh) with γ = {rate} ± {error} does")
-        });
+        let meaning = match conformal.rate {
+            // Friction in a step of any size is no friction.
+            _ if self.is_constant() => {
+                " at all step sizes, as momenta in units that the step changes do".to_owned()
+            }
+            Some([rate, of_rate]) => {
+                let (rate, error) = (within(rate, of_rate), one_digit(of_rate));
+                format!(
+                    ", as uniform {meaning} e^(−γh) with γ = {rate} ± {error} does, or momenta in units that the step changes"
+                )
+            }
+            None => ", as friction or momenta in units that the step changes do".to_owned(),
+        };
         Some(Cause::new(
             CauseKind::Friction,
             format!(
-                "A step multiplies all areas, of the Jacobian and of all loops, by {value} ± {error}{rate}, or momenta in units that \
-                 the step changes."
+                "A step multiplies all areas, of the Jacobian and of all loops, by {value} ± {error}{meaning}."
             ),
             "If the step has uniform friction on purpose, it does what it should: it is conformally symplectic. If momenta are \
              divided by a reference momentum that the step changes, multiply them by it before and after the step.",

@@ -1,4 +1,7 @@
-//! The constant two-form that a map preserves instead of the canonical one.
+//! The two-form that a map preserves instead of the canonical one.
+
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
 
 use super::{Cause, CauseKind, Clues};
 use crate::evidence::{FormEntry, FormOnLoop, PreservedForm, SIGNIFICANT};
@@ -13,6 +16,9 @@ const MOST_ENTRIES: usize = 12;
 
 /// Degrees of freedom up to which a form is written as a matrix.
 const MOST_OF_MATRIX: usize = 3;
+
+/// Degrees of freedom from which a linear step may be one of fields on a grid.
+const FEWEST_OF_FIELDS: usize = 3;
 
 /// Degrees of freedom up to which the momenta of a field are written out.
 const MOST_OF_MOMENTA: usize = 3;
@@ -43,14 +49,23 @@ impl Clues<'_> {
                 form.pairs_setting(),
                 "Give p in the order of q: as many p[i] as q[i] names here",
             ),
+            CauseKind::KineticMomenta if form.varies() => (
+                "p are kinetic momenta in a magnetic field that varies with q",
+                form.field_setting(),
+                "Give the canonical momenta p = m v + e A(q), here",
+            ),
             CauseKind::KineticMomenta => (
                 "p are kinetic momenta in a uniform magnetic field, or velocities in a rotating frame",
                 form.field_setting(),
                 "Give the canonical momenta, or this form for the step of z = (q, p)",
             ),
+            CauseKind::Fields => (
+                "the step is linear and couples each q with several p, as Yee's scheme does for the fields (E, B): B is not conjugate to E",
+                form.form_setting(),
+                "Give the vector potential A with B = curl A, which is conjugate to E, instead of B, or this form for the step of z = (q, p)",
+            ),
             _ => (
-                "q and p are not conjugate one by one: positions in other axes than momenta, or fields (E, B) for which the vector \
-                 potential A with B = curl A is conjugate to E",
+                "q and p are not conjugate one by one, as for positions in other axes than momenta",
                 form.form_setting(),
                 "Give the momenta that are conjugate to q, or this form for the step of z = (q, p)",
             ),
@@ -96,9 +111,13 @@ impl Clues<'_> {
 
     /// What defects of this order have for a cause, if no advice is better.
     fn remedy(&self) -> String {
-        match self.advice.iter().find(|advice| !advice.is_general()) {
+        let is_cause = |advice: &&Advice| !advice.is_general() && !advice.is_of_order();
+        match self.advice.iter().find(is_cause) {
             Some(advice) => advice.to_string(),
-            None => Advice::LookForCause { order: self.order }.to_string(),
+            None => Advice::LookForCause {
+                order: self.slope(),
+            }
+            .to_string(),
         }
     }
 
@@ -107,6 +126,10 @@ impl Clues<'_> {
         let form = self.evidence.preserved_form.as_ref()?;
         let change = form.change.filter(|_| form.exists == Some(false))?;
         let (family, why) = match form.all_constant {
+            true if form.with_fields => (
+                "No constant two-form, and none with a magnetic field B(q) of degree 2 at most,",
+                "No masses, signs, pairs or such field make the step symplectic",
+            ),
             true => (
                 "No constant two-form",
                 "No masses, signs, pairs or uniform field make the step symplectic",
@@ -143,6 +166,11 @@ impl PreservedForm {
         (changes.fold(0.0, f64::max) > BETTER * bound).then_some(bound)
     }
 
+    /// Whether it is not constant.
+    fn varies(&self) -> bool {
+        self.entries.iter().any(|entry| entry.powers != [0; 3])
+    }
+
     /// Whether an entry is that of a position and a momentum.
     fn is_mixed(&self, entry: &FormEntry) -> bool {
         let [a, b] = entry.coordinates;
@@ -167,7 +195,10 @@ impl PreservedForm {
 
     fn kind(&self) -> CauseKind {
         let Some(pairs) = self.pairs() else {
-            return CauseKind::OtherForm;
+            return match self.is_linear && self.dof >= FEWEST_OF_FIELDS {
+                true => CauseKind::Fields,
+                false => CauseKind::OtherForm,
+            };
         };
         let is_in_order = pairs.iter().enumerate().all(|(q, (p, _))| q == *p);
         let is_of_pairs = self.entries.iter().all(|entry| self.is_mixed(entry));
@@ -179,6 +210,32 @@ impl PreservedForm {
             (true, false) if self.entries.iter().any(is_of_positions) => CauseKind::KineticMomenta,
             _ => CauseKind::OtherForm,
         }
+    }
+
+    /// Ω_ij(q) of positions: the powers of q in each, with their factors.
+    fn fields(&self) -> BTreeMap<[usize; 2], BTreeMap<[u8; 3], f64>> {
+        let mut fields: BTreeMap<_, BTreeMap<_, f64>> = BTreeMap::new();
+        let of_positions = self
+            .entries
+            .iter()
+            .filter(|entry| entry.coordinates[1] < self.dof);
+        for entry in of_positions {
+            let [a, b] = entry.coordinates;
+            // An entry has the derivatives of this product of positions.
+            let mut product = entry.powers;
+            product[a] += 1;
+            for i in (0..product.len()).filter(|&i| product[i] > 0 && i != b) {
+                let mut powers = product;
+                powers[i] -= 1;
+                let value = entry.value * f64::from(product[i]) / f64::from(product[a]);
+                let (pair, value) = match i < b {
+                    true => ([i, b], value),
+                    false => ([b, i], -value),
+                };
+                *fields.entry(pair).or_default().entry(powers).or_default() += value;
+            }
+        }
+        fields
     }
 
     fn weights_setting(&self) -> String {
@@ -201,6 +258,7 @@ impl PreservedForm {
     /// The canonical momenta of kinetic ones, if momenta have no entries with each other.
     fn field_setting(&self) -> String {
         let of_momenta = |entry: &FormEntry| entry.coordinates[0] >= self.dof;
+        // Fields that vary are those of few positions.
         if self.dof > MOST_OF_MOMENTA || self.entries.iter().any(of_momenta) {
             return self.form_setting();
         }
@@ -213,14 +271,20 @@ impl PreservedForm {
             };
             for entry in self.entries.iter().filter(|of| !self.is_mixed(of)) {
                 let [a, b] = entry.coordinates;
-                // Half of Ω_ab dq_a∧dq_b belongs to each of the two momenta.
-                let (other, half) = match (a == i, b == i) {
-                    (true, _) => (b, 0.5 * entry.value),
-                    (_, true) => (a, -0.5 * entry.value),
+                let mut powers = entry.powers;
+                // The potential of a field that varies is a part of one momentum; half of Ω_ab dq_a∧dq_b belongs to each of the two.
+                let (value, product) = match (self.varies(), a == i, b == i) {
+                    (false, true, _) => (0.5 * entry.value, format!("q[{b}]")),
+                    (false, _, true) => (-0.5 * entry.value, format!("q[{a}]")),
+                    (true, _, true) => {
+                        powers[a] += 1;
+                        let value = -entry.value / f64::from(powers[a]);
+                        (value, product(powers, |i| format!("q[{i}]")))
+                    }
                     _ => continue,
                 };
-                let sign = if half < 0.0 { '−' } else { '+' };
-                text += &format!(" {sign} {} q[{other}]", number(half.abs()));
+                let sign = if value < 0.0 { '−' } else { '+' };
+                text += &format!(" {sign} {} {product}", number(value.abs()));
             }
             text
         };
@@ -254,7 +318,9 @@ impl PreservedForm {
 
     /// The form as a sum, its largest entries if there are many: `dq0∧dp0 + 3 dq1∧dp1`.
     fn sum(&self) -> String {
-        let mut largest: Vec<&FormEntry> = self.entries.iter().collect();
+        let is_shown = |entry: &&FormEntry| !self.varies() || self.is_mixed(entry);
+        let mut largest: Vec<&FormEntry> = self.entries.iter().filter(is_shown).collect();
+        let all = largest.len();
         if largest.len() > MOST_ENTRIES {
             largest.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
             largest.truncate(MOST_ENTRIES);
@@ -279,7 +345,12 @@ impl PreservedForm {
             let [a, b] = entry.coordinates.map(name);
             text += &format!("{sign}{factor}{a}∧{b}");
         }
-        match self.entries.len() - largest.len() {
+        if self.varies() {
+            for ([a, b], field) in self.fields() {
+                text += &format!(" + ({}) dq{a}∧dq{b}", polynomial(&field));
+            }
+        }
+        match all - largest.len() {
             0 => text,
             more => format!("{text} + {more} smaller terms"),
         }
@@ -292,6 +363,39 @@ impl PreservedForm {
             _ => "the given loop and a random one",
         }
     }
+}
+
+/// `0.7 + 0.3 q0 − 0.2 q0² q1`.
+fn polynomial(terms: &BTreeMap<[u8; 3], f64>) -> String {
+    let mut text = String::new();
+    let mut sorted: Vec<_> = terms.iter().filter(|(_, value)| **value != 0.0).collect();
+    // Lower degrees first, and q0 before q1.
+    sorted.sort_by_key(|(powers, _)| (powers.iter().sum::<u8>(), Reverse(**powers)));
+    for (powers, value) in sorted {
+        let sign = match (*value < 0.0, text.is_empty()) {
+            (true, true) => "−",
+            (true, false) => " − ",
+            (false, true) => "",
+            (false, false) => " + ",
+        };
+        text += &format!("{sign}{}", number(value.abs()));
+        if *powers != [0; 3] {
+            text += &format!(" {}", product(*powers, |i| format!("q{i}")));
+        }
+    }
+    text
+}
+
+/// `q0² q1`.
+fn product(powers: [u8; 3], name: impl Fn(usize) -> String) -> String {
+    let factor = |(i, power): (usize, &u8)| match power {
+        0 => None,
+        1 => Some(name(i)),
+        2 => Some(format!("{}²", name(i))),
+        _ => Some(format!("{}³", name(i))),
+    };
+    let factors: Vec<String> = powers.iter().enumerate().filter_map(factor).collect();
+    factors.join(" ")
 }
 
 /// All digits that a number has, and an exponent if it needs one.

@@ -1,5 +1,6 @@
 //! The likeliest cause of a failure, and what to do about it.
 
+mod blocks;
 mod breaks;
 mod changes;
 mod form;
@@ -64,10 +65,22 @@ pub enum CauseKind {
     SignOfAPair,
     /// The map is symplectic if each q is paired with another p.
     PairsPermuted,
-    /// The map is symplectic with the canonical momenta of a uniform magnetic field.
+    /// The map is symplectic with the canonical momenta of a magnetic field, uniform or a polynomial in q.
     KineticMomenta,
+    /// The map is linear, as one of fields (E, B), and symplectic with the vector potential instead of B.
+    Fields,
     /// The map preserves another constant two-form.
     OtherForm,
+    /// A kick by a force that is not a gradient.
+    ForceWithCurl,
+    /// A drift by a velocity that is not a gradient.
+    VelocityWithCurl,
+    /// Some momenta are damped, or changed by functions of momenta.
+    PartialFriction,
+    /// An explicit Runge–Kutta method, or an implicit one whose equations are solved by few fixed-point iterations.
+    FewIterations,
+    /// One of many substeps, or few of them, change loop integrals.
+    Substep,
     /// The map preserves no constant two-form, or none with constant weights.
     NoForm,
 }
@@ -98,7 +111,7 @@ impl Clues<'_> {
     ];
 
     /// The causes of changes of loop integrals, those that the evidence shows most surely first.
-    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 8] = [
+    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 11] = [
         Self::ignores_step_size,
         Self::swapped,
         Self::projection,
@@ -106,6 +119,9 @@ impl Clues<'_> {
         Self::other_form,
         Self::friction,
         Self::solver_tolerance,
+        Self::part_of_step,
+        Self::substep,
+        Self::level_of_a_tolerance,
         Self::no_form,
     ];
 

@@ -6,6 +6,8 @@ use serde::Serialize;
 
 use super::Step;
 use crate::evidence::{SIGNIFICANT, Sector, SubstepDefect};
+use crate::jacobian::{BlockDefects, DefectBlocks};
+use crate::verdict::number::{one_digit, two_digits};
 
 /// The origin of a defect.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -26,6 +28,11 @@ pub enum LocalisationFinding {
         /// The step.
         step: Step,
     },
+    /// The defect of the Jacobian by blocks.
+    Blocks {
+        /// The blocks.
+        blocks: DefectBlocks,
+    },
 }
 
 impl Display for LocalisationFinding {
@@ -33,6 +40,12 @@ impl Display for LocalisationFinding {
         match self {
             LocalisationFinding::Substeps { substeps, step } => fmt_substeps(f, substeps, step),
             LocalisationFinding::Sectors { sectors, step } => fmt_sectors(f, sectors, step),
+            LocalisationFinding::Blocks { blocks } => write!(
+                f,
+                "Defects by block: MᵀJM − J: {}; Poisson brackets after the step: {}.",
+                blocks_text(&blocks.before),
+                blocks_text(&blocks.after)
+            ),
         }
     }
 }
@@ -40,11 +53,23 @@ impl Display for LocalisationFinding {
 /// Substeps that are named, those with the largest changes.
 const NAMED: usize = 5;
 
+fn uncertainty(of: &SubstepDefect) -> f64 {
+    of.uncertainty.unwrap_or(f64::INFINITY)
+}
+
+fn changes(of: &SubstepDefect) -> bool {
+    of.change.abs() > SIGNIFICANT * uncertainty(of)
+}
+
+/// The substeps that change or break the loop, and the others.
+pub(in crate::verdict) fn culprits(
+    substeps: &[SubstepDefect],
+) -> (Vec<&SubstepDefect>, Vec<&SubstepDefect>) {
+    (substeps.iter()).partition(|of| changes(of) || of.new_breaks > 0)
+}
+
 fn fmt_substeps(f: &mut Formatter<'_>, substeps: &[SubstepDefect], step: &Step) -> Result {
-    let uncertainty = |of: &SubstepDefect| of.uncertainty.unwrap_or(f64::INFINITY);
-    let changes = |of: &SubstepDefect| of.change.abs() > SIGNIFICANT * uncertainty(of);
-    let (mut guilty, others): (Vec<&SubstepDefect>, Vec<&SubstepDefect>) =
-        (substeps.iter()).partition(|of| changes(of) || of.new_breaks > 0);
+    let (mut guilty, others) = culprits(substeps);
     let count = substeps.len();
     if guilty.is_empty() {
         return write!(
@@ -81,6 +106,27 @@ fn fmt_substeps(f: &mut Formatter<'_>, substeps: &[SubstepDefect], step: &Step) 
         false => "; the changes by the others are not known".into(),
     };
     write!(f, "Of the {count} substeps {step}, {named}{rest}.")
+}
+
+/// `qq 0.031, qp 0.0041, pp 0 (to 2e-12), all in q[1], p[1]`.
+pub(in crate::verdict) fn blocks_text(side: &BlockDefects) -> String {
+    let zeros = side.zeros();
+    let block = |k: usize| {
+        let (name, bound) = (["qq", "qp", "pp"][k], side.bounds[k]);
+        match (zeros[k], side.sizes[k] == 0.0) {
+            (true, _) => format!("{name} 0 (to {})", one_digit(bound)),
+            (_, true) => format!("{name} below {}", one_digit(bound)),
+            _ => format!("{name} {}", two_digits(side.sizes[k])),
+        }
+    };
+    let text = [0, 1, 2].map(block).join(", ");
+    match side.carriers() {
+        Some(dofs) => {
+            let names = dofs.iter().map(|i| format!("q[{i}], p[{i}]"));
+            format!("{text}, all in {}", names.collect::<Vec<_>>().join(", "))
+        }
+        None => text,
+    }
 }
 
 /// A sector that makes this part of all changes is named. Conventional.

@@ -25,7 +25,7 @@ use std::fmt::{Display, Formatter, Result};
 use serde::Serialize;
 
 use super::number::size;
-pub(super) use localisation::largest_sector;
+pub(super) use localisation::{blocks_text, culprits, largest_sector};
 pub(super) use map::roughness;
 
 /// One statement about the evidence. Its sentence is its `Display`, and each variant says under which condition it is made;

@@ -1,15 +1,25 @@
-//! The constant two-form that Jacobians preserve.
+//! The closed two-form that Jacobians preserve: a constant one, or one with a field that is a polynomial in q.
 
 use nalgebra::DMatrix;
 
-use super::limits::{COUPLED, DEGENERATE, LEAST_FACTOR, NEAR_ONE, NO_ENTRY, ROUNDING, ROUNDS};
+use super::limits::{
+    COUPLED, DEGENERATE, DEGREE, LEAST_FACTOR, NEAR_ONE, NO_ENTRY, ROUNDING, ROUNDS,
+};
 use super::null_space::{Equations, NullSpace, Solutions};
+use crate::evidence::monomial;
 use crate::jacobian::TangentImages;
 
-/// An entry Ω_ab of a form, in units of the loop.
+/// dz_a∧dz_b, or d(z_a q^m dz_b)/(1 + m_a) with powers m of the first three coordinates, which is closed, too.
+#[derive(Clone, Copy)]
+pub(super) struct Term {
+    pub pair: (usize, usize),
+    pub powers: [u8; 3],
+}
+
+/// A term of a form, in units of the loop.
 #[derive(Clone, Copy)]
 pub(super) struct Entry {
-    pub pair: (usize, usize),
+    pub term: Term,
     pub value: f64,
     pub error: f64,
     /// The group of coordinates: the factor of its entries is free.
@@ -80,10 +90,10 @@ pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool
 /// Whether a form is preserved at states, to within its errors and those of the images.
 pub(super) fn holds(images: &[TangentImages], dof: usize, entries: &[Entry]) -> bool {
     let all: Vec<usize> = (0..2 * dof).collect();
-    let pairs: Vec<(usize, usize)> = entries.iter().map(|entry| entry.pair).collect();
+    let terms: Vec<Term> = entries.iter().map(|entry| entry.term).collect();
     let values: Vec<f64> = entries.iter().map(|entry| entry.value).collect();
     let errors: Vec<f64> = entries.iter().map(|entry| entry.error).collect();
-    equations(images, &all, &pairs).hold(&values, &errors)
+    equations(images, &all, &terms).hold(&values, &errors)
 }
 
 /// The coordinates in parts that the Jacobians do not couple; both coordinates of a degree of freedom are in one part if `of_pairs`, or if
@@ -117,13 +127,34 @@ fn parts(images: &[TangentImages], dof: usize, of_pairs: bool) -> Vec<Vec<usize>
     all.filter(|members| !members.is_empty()).collect()
 }
 
-/// Σ_k Ω_k (dz_a∧dz_b (DΦ u, DΦ v) − dz_a∧dz_b (u, v)) = 0 for all entries k of these pairs, and for all tangent vectors u and v that
-/// move these coordinates alone.
-fn equations(
-    images: &[TangentImages],
-    coordinates: &[usize],
-    pairs: &[(usize, usize)],
-) -> Equations {
+impl Term {
+    fn constant(pair: (usize, usize)) -> Self {
+        Term {
+            pair,
+            powers: [0; 3],
+        }
+    }
+
+    /// The derivatives of z_a q^m/(1 + m_a) at these positions that are not 0, each with its coordinate.
+    fn gradient(self, q: &[f64]) -> Vec<(usize, f64)> {
+        let ((a, _), Term { mut powers, .. }) = (self.pair, self);
+        if powers == [0; 3] {
+            return vec![(a, 1.0)];
+        }
+        powers[a] += 1;
+        let derivative = |i: usize| {
+            let mut lower = powers;
+            lower[i] -= 1;
+            let factor = f64::from(powers[i]) / f64::from(powers[a]);
+            (i, factor * monomial(lower, |i| q[i]))
+        };
+        let of_q = (0..powers.len()).filter(|&i| powers[i] > 0);
+        of_q.map(derivative).collect()
+    }
+}
+
+/// Σ_k Ω_k (T_k (DΦ u, DΦ v) − T_k (u, v)) = 0 for all terms T_k, and for all tangent vectors u and v that move these coordinates alone.
+fn equations(images: &[TangentImages], coordinates: &[usize], terms: &[Term]) -> Equations {
     let mut rows = Vec::new();
     for of in images {
         let is_within = |k: &usize| {
@@ -136,18 +167,28 @@ fn equations(
         }
     }
     let coefficient = |r: usize, k: usize| {
-        let ((of, i, j), (a, b)) = (&rows[r], pairs[k]);
+        let ((of, i, j), term) = (&rows[r], terms[k]);
         let (u, v) = (&of.vectors[*i], &of.vectors[*j]);
         let (x, y) = (&of.images[*i], &of.images[*j]);
         let (e, f) = (&of.errors[*i], &of.errors[*j]);
-        let value = x[a] * y[b] - x[b] * y[a] - (u[a] * v[b] - u[b] * v[a]);
-        let terms = (x[a] * y[b]).abs() + (x[b] * y[a]).abs() + (u[a] * v[b]).abs();
-        let of_product = |a: usize, b: usize| e[a] * (y[b].abs() + f[b]) + x[a].abs() * f[b];
-        let rounding = ROUNDING * (terms + (u[b] * v[a]).abs());
-        let error = of_product(a, b) + of_product(b, a) + rounding;
-        (value, error + f64::MIN_POSITIVE)
+        let [before, after] = of.positions.each_ref().map(|q| term.gradient(q));
+        // The derivative of z_a q^m along a vector, and its error.
+        let along = |gradient: &[(usize, f64)], w: &[f64]| -> f64 {
+            gradient.iter().map(|&(c, factor)| factor * w[c]).sum()
+        };
+        let error =
+            |w: &[f64]| -> f64 { after.iter().map(|&(c, factor)| factor.abs() * w[c]).sum() };
+        let b = term.pair.1;
+        let (ux, vy) = (along(&before, u), along(&before, v));
+        let (xa, ya, ea, fa) = (along(&after, x), along(&after, y), error(e), error(f));
+        let value = xa * y[b] - x[b] * ya - (ux * v[b] - u[b] * vy);
+        let terms = (xa * y[b]).abs() + (x[b] * ya).abs() + (ux * v[b]).abs();
+        let rounding = ROUNDING * (terms + (u[b] * vy).abs());
+        let of_first = ea * (y[b].abs() + f[b]) + xa.abs() * f[b];
+        let of_second = e[b] * (ya.abs() + fa) + x[b].abs() * fa;
+        (value, of_first + of_second + rounding + f64::MIN_POSITIVE)
     };
-    let (count, unknowns) = (rows.len(), pairs.len());
+    let (count, unknowns) = (rows.len(), terms.len());
     Equations {
         values: DMatrix::from_fn(count, unknowns, |r, k| coefficient(r, k).0),
         errors: DMatrix::from_fn(count, unknowns, |r, k| coefficient(r, k).1),
@@ -157,8 +198,8 @@ fn equations(
 /// The weights of a preserved form Σ c_i dq_i∧dp_i of these coordinates.
 fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
     let dofs = coordinates.iter().filter(|c| **c < dof);
-    let pairs: Vec<(usize, usize)> = dofs.map(|&i| (i, dof + i)).collect();
-    let equations = equations(images, coordinates, &pairs);
+    let terms: Vec<Term> = dofs.map(|&i| Term::constant((i, dof + i))).collect();
+    let equations = equations(images, coordinates, &terms);
     let norm = |k: usize| {
         let column = equations.values.column(k);
         let errors = equations.errors.column(k);
@@ -166,7 +207,7 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
         relative.fold(1.0, f64::max)
     };
     // If the Jacobian shows a weight well, its unit may be small.
-    let norms: Vec<f64> = (0..pairs.len()).map(norm).collect();
+    let norms: Vec<f64> = (0..terms.len()).map(norm).collect();
     let largest = norms.iter().copied().fold(0.0, f64::max);
     let mut units: Vec<f64> = norms
         .iter()
@@ -193,13 +234,13 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             let entry = |k: usize| {
                 let (group, value) = groups[k];
                 Entry {
-                    pair: pairs[k],
+                    term: terms[k],
                     value: value * units[k],
                     error: space.errors[k] * units[k],
                     group,
                 }
             };
-            return Fit::Preserved((0..pairs.len()).map(entry).collect());
+            return Fit::Preserved((0..terms.len()).map(entry).collect());
         }
         for (unit, factor) in units.iter_mut().zip(factors) {
             *unit *= factor.abs().max(LEAST_FACTOR);
@@ -213,7 +254,8 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
     let pairs: Vec<(usize, usize)> = (coordinates.iter().enumerate())
         .flat_map(|(k, &a)| coordinates[k + 1..].iter().map(move |&b| (a, b)))
         .collect();
-    let equations = equations(images, coordinates, &pairs);
+    let terms: Vec<Term> = pairs.iter().copied().map(Term::constant).collect();
+    let equations = equations(images, coordinates, &terms);
     let place = |c: usize| coordinates.iter().position(|of| *of == c).unwrap_or(0);
     let mut scale = vec![1.0; coordinates.len()];
     for round in 0..ROUNDS {
@@ -245,23 +287,86 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
         let largest = |k: usize| matrix(&form).row(k).amax();
         let factors: Vec<f64> = (0..coordinates.len()).map(largest).collect();
         if factors.iter().all(|x| *x >= NEAR_ONE) || round + 1 == ROUNDS {
-            let most = form.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            let (errors, part) = NO_ENTRY;
-            let entries = (0..pairs.len())
-                .filter(|&k| form[k].abs() > (errors * space.errors[k]).max(part * most))
-                .map(|k| Entry {
-                    pair: pairs[k],
-                    value: form[k] * units[k],
-                    error: space.errors[k] * units[k],
-                    group: 0,
-                });
-            return Fit::Preserved(entries.collect());
+            return Fit::Preserved(entries(&form, &space, &terms, &units));
         }
         for (scale, factor) in scale.iter_mut().zip(factors) {
             *scale *= factor.sqrt().max(LEAST_FACTOR);
         }
     }
     Fit::Open
+}
+
+/// The form Σ c_i dq_i∧dp_i + Σ B_ij(q) dq_i∧dq_j with polynomials B_ij of low degree that has no other terms: closed ones alone are tried.
+pub(super) fn with_field(images: &[TangentImages], dof: usize) -> Fit {
+    let mut terms: Vec<Term> = (0..dof).map(|i| Term::constant((i, dof + i))).collect();
+    for powers in powers(dof) {
+        // Every closed form is a sum of these: z_a is the first factor of the polynomial, and q_b not its first one.
+        let first = (0..dof).find(|&i| powers[i] > 0).unwrap_or(dof);
+        for a in 0..=first.min(dof - 1) {
+            terms.extend((a + 1..dof).map(|b| Term {
+                pair: (a, b),
+                powers,
+            }));
+        }
+    }
+    let all: Vec<usize> = (0..2 * dof).collect();
+    let units = vec![1.0; terms.len()];
+    let space = match equations(images, &all, &terms).solve(&units) {
+        Solutions::Space(space) => space,
+        Solutions::None { residual } => return Fit::None { change: residual },
+        Solutions::Open => return Fit::Open,
+    };
+    let canonical: Vec<f64> = (0..terms.len())
+        .map(|k| if k < dof { 1.0 } else { 0.0 })
+        .collect();
+    let is_form = |form: &Vec<f64>| form[..dof].iter().all(|weight| weight.abs() > DEGENERATE);
+    match candidates(&space, &canonical).into_iter().find(is_form) {
+        Some(form) => Fit::Preserved(entries(&form, &space, &terms, &units)),
+        None => Fit::Open,
+    }
+}
+
+/// All powers of the first coordinates of at most the largest degree.
+fn powers(dof: usize) -> impl Iterator<Item = [u8; 3]> {
+    let up_to = move |i: usize| 0..=if i < dof { DEGREE } else { 0 };
+    let all =
+        up_to(0).flat_map(move |a| up_to(1).flat_map(move |b| up_to(2).map(move |c| [a, b, c])));
+    all.filter(|powers| powers.iter().sum::<u8>() <= DEGREE)
+}
+
+/// The terms of a form that are not 0.
+fn entries(form: &[f64], space: &NullSpace, terms: &[Term], units: &[f64]) -> Vec<Entry> {
+    let most = form.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let (errors, part) = NO_ENTRY;
+    let is_entry = |&k: &usize| form[k].abs() > (errors * space.errors[k]).max(part * most);
+    let entry = |k: usize| Entry {
+        term: terms[k],
+        value: form[k] * units[k],
+        error: space.errors[k] * units[k],
+        group: 0,
+    };
+    (0..terms.len()).filter(is_entry).map(entry).collect()
+}
+
+/// Whether the Jacobians are the same at all states.
+pub(super) fn are_equal(images: &[TangentImages]) -> bool {
+    let mut pairs = images.windows(2);
+    pairs.all(|pair| {
+        let values = pair[0]
+            .images
+            .iter()
+            .flatten()
+            .zip(pair[1].images.iter().flatten());
+        let errors = pair[0]
+            .errors
+            .iter()
+            .flatten()
+            .zip(pair[1].errors.iter().flatten());
+        let mut both = values.zip(errors);
+        both.all(|((a, b), (of_a, of_b))| {
+            (a - b).abs() <= of_a + of_b + ROUNDING * (a.abs() + b.abs())
+        })
+    })
 }
 
 /// Forms of a space with a largest entry of 1: the one nearest to the canonical one, and others.

@@ -21,6 +21,10 @@ pub(super) const STATES_OF_WEIGHTS: usize = 2;
 /// Random tangent vectors in addition to √(2d): their pairs are 4√(2d) equations more than unknowns.
 pub(super) const FURTHER_VECTORS: usize = 4;
 
+/// The largest degree of a field B(q), and the degrees of freedom in which fields are tried. Derived: 29 unknowns in three dimensions.
+pub(super) const DEGREE: u8 = 2;
+pub(super) const DOFS_OF_FIELD: std::ops::RangeInclusive<usize> = 2..=3;
+
 /// A component of the Jacobian shows that two coordinates are coupled if it is this many times its error.
 pub(super) const COUPLED: f64 = 10.0;
 

@@ -1,4 +1,4 @@
-//! Whether a map whose loop integrals change preserves another constant two-form: that of the right variables.
+//! Whether a map whose loop integrals change preserves another closed two-form: the form of the right variables.
 
 mod fit;
 mod limits;
@@ -7,11 +7,11 @@ mod on_loops;
 mod refine;
 mod rounded;
 
-use fit::{Entry, Fit};
+use fit::{Entry, Fit, Term};
 use limits::{
-    FIRST_SAMPLES, FURTHER_VECTORS, LARGEST_ERROR, LARGEST_ERROR_OF_JACOBIAN, MOST_EVALUATIONS,
-    MOST_OF_ALL, MOST_OF_WEIGHTS, MOST_REFINING, MOST_SAMPLES, SEED_OF_REFINING, STATES,
-    STATES_OF_WEIGHTS,
+    DOFS_OF_FIELD, FIRST_SAMPLES, FURTHER_VECTORS, LARGEST_ERROR, LARGEST_ERROR_OF_JACOBIAN,
+    MOST_EVALUATIONS, MOST_OF_ALL, MOST_OF_WEIGHTS, MOST_REFINING, MOST_SAMPLES, SEED_OF_REFINING,
+    STATES, STATES_OF_WEIGHTS,
 };
 use on_loops::AdvancedLoop;
 
@@ -23,8 +23,8 @@ use crate::jacobian::{JacobianEvidence, JacobianTest, TangentImages, parameters}
 use crate::rules::Subject;
 
 impl Runner<'_> {
-    /// If the integral of a loop without breaks changes, searches for a constant form that the Jacobians preserve, and compares the
-    /// integrals of that form before and after a step.
+    /// If the integral of a loop without breaks changes, searches for a form that the Jacobians preserve, and compares the integrals of
+    /// that form before and after a step.
     pub(super) fn look_for_form(
         &mut self,
         subject: Subject<'_>,
@@ -57,6 +57,8 @@ impl Runner<'_> {
             step_size: subject.evaluator.stated(h),
             dof,
             all_constant,
+            with_fields: false,
+            is_linear: fit::are_equal(&images),
             states: images.len(),
             exists: None,
             change: None,
@@ -68,7 +70,20 @@ impl Runner<'_> {
         let [of_fit @ .., _] = &images[..] else {
             return Ok(());
         };
-        match fit::preserved(of_fit, dof, all_constant) {
+        let mut fit = fit::preserved(of_fit, dof, all_constant);
+        let has_period = (0..dof).any(|i| subject.coordinates().period(i) != 0.0);
+        if let Fit::None { .. } = fit
+            && DOFS_OF_FIELD.contains(&dof)
+            && !has_period
+        {
+            match fit::with_field(of_fit, dof) {
+                // The constant form that comes nearest stays the answer.
+                Fit::None { .. } => found.with_fields = true,
+                Fit::Open => {}
+                preserved => (fit, found.with_fields) = (preserved, true),
+            }
+        }
+        match fit {
             Fit::Open => {}
             Fit::None { change } => {
                 (found.exists, found.change) = (Some(false), Some(change));

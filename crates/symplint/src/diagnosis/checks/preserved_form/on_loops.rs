@@ -1,8 +1,8 @@
-//! Loop integrals of a constant two-form: ∮ Σ Ω_ab z_a dz_b.
+//! Loop integrals of a closed two-form: ∮ Σ Ω_ab z_a dz_b, with polynomials in q instead of z_a if it varies.
 
 use super::limits::{FALLS, FIRST_SAMPLES, KNOWN};
 use crate::error::Error;
-use crate::evidence::{FormEntry, FormOnLoop};
+use crate::evidence::{FormEntry, FormOnLoop, monomial};
 use crate::map::states_at;
 use crate::rules::{LoopIntegral, Rule, Subject};
 use crate::signal::unwrap_row;
@@ -81,6 +81,7 @@ pub(super) fn change(
     let canonical: Vec<FormEntry> = (0..subject.dof())
         .map(|i| FormEntry {
             coordinates: [i, subject.dof() + i],
+            powers: [0; 3],
             value: coordinates.weight(i),
             error: 0.0,
             group: 0,
@@ -105,8 +106,8 @@ pub(super) fn change(
     }
 }
 
-/// ∮ Σ Ω_ab z_a dz_b, as the integral of one degree of freedom z_b with the momentum z_a for each entry. `None` if a coordinate winds or
-/// the integral is beyond the range of doubles.
+/// ∮ Σ Ω_ab z_a dz_b, as the integral of one degree of freedom z_b with the momentum z_a, times powers of q, for each entry. `None` if a
+/// coordinate winds or the integral is beyond the range of doubles.
 fn integral(
     states: &Ensemble,
     form: &[FormEntry],
@@ -121,6 +122,11 @@ fn integral(
             if unwrap_row(row, period(coordinates, c)) != 0 {
                 return None;
             }
+        }
+        let powers = entry.powers;
+        let of_a = powers.get(a).map_or(0, |power| *power);
+        for (j, x) in block.p.row_mut(k).iter_mut().enumerate() {
+            *x *= monomial(powers, |i| coordinate(states, i)[j]) / f64::from(1 + of_a);
         }
     }
     let values = form.iter().map(|entry| entry.value).collect();

@@ -50,6 +50,7 @@ mod tests {
     fn loops_add_digits_to_the_entries_that_their_integrals_show() {
         let entry = |k: usize, value: f64, error: f64| FormEntry {
             coordinates: [k, 3 + k],
+            powers: [0; 3],
             value,
             error,
             group: 0,

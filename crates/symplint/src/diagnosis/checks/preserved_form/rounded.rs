@@ -1,8 +1,8 @@
 //! The entries of a form in the coordinates of the map, as a person would write them.
 
-use super::Entry;
 use super::limits::{COINCIDENCE, COINCIDENCE_OF_MEAN, FURTHER_DIGITS, MOST_UNITS, ROUNDED_WITHIN};
-use crate::evidence::FormEntry;
+use super::{Entry, Term};
+use crate::evidence::{FormEntry, monomial};
 
 /// Digits of doubles.
 const ALL_DIGITS: usize = 17;
@@ -10,9 +10,11 @@ const ALL_DIGITS: usize = 17;
 /// The entries of a form in units of the loop, `size`, in the coordinates of the map.
 pub(super) fn in_coordinates(entries: &[Entry], size: &[f64]) -> Vec<FormEntry> {
     let of_map = entries.iter().map(|entry| {
-        let area = size[entry.pair.0] * size[entry.pair.1];
+        let Term { pair, powers } = entry.term;
+        let area = size[pair.0] * size[pair.1] * monomial(powers, |i| size[i]);
         FormEntry {
-            coordinates: [entry.pair.0, entry.pair.1],
+            coordinates: [pair.0, pair.1],
+            powers,
             value: entry.value / area,
             error: entry.error / area,
             group: entry.group,
@@ -24,11 +26,15 @@ pub(super) fn in_coordinates(entries: &[Entry], size: &[f64]) -> Vec<FormEntry> 
 /// The same in units of the loop, with errors that include those of rounding.
 pub(super) fn in_units(entries: &[FormEntry], size: &[f64]) -> Vec<Entry> {
     let of_loop = entries.iter().map(|entry| {
-        let [a, b] = entry.coordinates;
+        let ([a, b], powers) = (entry.coordinates, entry.powers);
+        let area = size[a] * size[b] * monomial(powers, |i| size[i]);
         Entry {
-            pair: (a, b),
-            value: entry.value * size[a] * size[b],
-            error: (1.0 + ROUNDED_WITHIN) * entry.error * size[a] * size[b],
+            term: Term {
+                pair: (a, b),
+                powers,
+            },
+            value: entry.value * area,
+            error: (1.0 + ROUNDED_WITHIN) * entry.error * area,
             group: entry.group,
         }
     });
@@ -160,6 +166,7 @@ mod tests {
     fn entries(values: &[f64], error: f64) -> Vec<FormEntry> {
         let entry = |(k, &value): (usize, &f64)| FormEntry {
             coordinates: [k, values.len() + k],
+            powers: [0; 3],
             value,
             error: error * value.abs(),
             group: 0,

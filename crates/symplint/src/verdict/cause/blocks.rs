@@ -1,0 +1,121 @@
+//! Which part of a step changes areas, from the blocks of the defect of its Jacobian.
+//!
+//! If Q commute and Q, P have canonical brackets, P are the momenta of a symplectic map and a function of Q. So if the brackets of P alone
+//! are wrong, the step ends with a kick that is not a gradient. The other rules are the same statement for positions, for both, and for
+//! the beginning of a step.
+
+use super::{Cause, CauseKind, Clues};
+use crate::jacobian::DefectBlocks;
+use crate::verdict::findings::blocks_text;
+use crate::verdict::order::slope_of;
+use crate::verdict::thresholds::TREND;
+
+/// Defects of a model that is wrong have smaller slopes of log |defect| over log h, defects of a method larger ones. Conventional: between
+/// the orders 1 and 2.
+const OF_A_MODEL: f64 = 1.5;
+
+/// A block is the largest one if others are smaller by this factor. Conventional: the motion in a step, by which other blocks differ from
+/// it, is less than this part of a radian.
+const LARGEST: f64 = 2.0;
+
+impl Clues<'_> {
+    /// The slope of the defect against the step size, if it is known.
+    pub(super) fn slope(&self) -> Option<f64> {
+        self.order.or_else(|| slope_of(&self.evidence.loops))
+    }
+
+    /// The part of the step that the blocks of the defect show.
+    pub(super) fn part_of_step(&self) -> Option<Cause> {
+        let blocks = self.evidence.jacobian.as_ref()?.blocks.as_ref()?;
+        let of_model = self.slope().is_none_or(|slope| slope < OF_A_MODEL);
+        // In other variables blocks are others.
+        let form = self.evidence.preserved_form.as_ref();
+        if of_model && form.is_none_or(|form| form.exists != Some(false)) {
+            return None;
+        }
+        let sides = [(&blocks.after, true), (&blocks.before, false)];
+        let found = sides.into_iter().find_map(|(side, is_end)| {
+            let mut is_zero = side.zeros();
+            // A kick changes the brackets of momenta at the end of a step, and the areas of positions at its beginning.
+            if is_end {
+                is_zero.reverse();
+            }
+            let kind = match is_zero {
+                [false, true, true] => CauseKind::ForceWithCurl,
+                [true, true, false] => CauseKind::VelocityWithCurl,
+                [true, false, true] if of_model => CauseKind::PartialFriction,
+                [_, false, true] if !of_model => CauseKind::FewIterations,
+                _ => return None,
+            };
+            Some((kind, side, is_end))
+        });
+        let Some((kind, side, is_end)) = found else {
+            return self.largest_block(blocks).filter(|_| of_model);
+        };
+        let (matrix, verb) = match is_end {
+            true => ("the Poisson brackets after the step", "ends"),
+            false => ("MᵀJM − J", "begins"),
+        };
+        let part = match kind {
+            CauseKind::ForceWithCurl => format!("So the step {verb} with a kick by a force F(q) that is not a gradient"),
+            CauseKind::VelocityWithCurl => {
+                format!("So the step {verb} with a drift by a velocity v(p) that is not a gradient")
+            }
+            CauseKind::PartialFriction => {
+                format!("So the step {verb} with friction, or another change of p that depends on p")
+            }
+            _ => "So stages use old values of each other, as in explicit Runge–Kutta methods, and in implicit methods after one to three \
+                  fixed-point iterations"
+                .to_owned(),
+        };
+        let text = format!(
+            "Defects of {matrix} by block: {}. {part}.",
+            blocks_text(side)
+        );
+        Some(Cause::new(kind, text, remedy(kind)))
+    }
+
+    /// If no block is 0, the largest one of a defect that falls with h.
+    fn largest_block(&self, blocks: &DefectBlocks) -> Option<Cause> {
+        // Without a trend chance decides about the largest block.
+        self.slope().filter(|slope| *slope > TREND)?;
+        let [qq, qp, _] = blocks.before.sizes;
+        let [_, other_qp, pp] = blocks.after.sizes;
+        let (kind, meaning) = match () {
+            () if qq > LARGEST * qp && pp > LARGEST * other_qp => (
+                CauseKind::ForceWithCurl,
+                "kicks by a force F(q) that is not a gradient",
+            ),
+            () if qp > LARGEST * qq && other_qp > LARGEST * pp => {
+                (CauseKind::PartialFriction, "friction on some momenta")
+            }
+            () => return None,
+        };
+        let text = format!(
+            "Defects by block: MᵀJM − J: {}; Poisson brackets after the step: {}. The largest blocks are those of {meaning}.",
+            blocks_text(&blocks.before),
+            blocks_text(&blocks.after)
+        );
+        Some(Cause::new(kind, text, remedy(kind)))
+    }
+}
+
+fn remedy(kind: CauseKind) -> &'static str {
+    match kind {
+        CauseKind::ForceWithCurl => {
+            "Test the force without the step: `check_force(F, q0)`. Look for a pair force without its reaction, a coupling with a wrong \
+             sign, a force from a table or a network that predicts forces instead of an energy."
+        }
+        CauseKind::VelocityWithCurl => {
+            "Test how positions are advanced: dq/dt has to be the gradient of a kinetic energy in p, with a symmetric mass matrix."
+        }
+        CauseKind::PartialFriction => {
+            "Look for friction, a thermostat, a filter or a limit on these momenta, and for momenta that the step rescales. With friction \
+             on purpose, the step is not symplectic."
+        }
+        _ => {
+            "Iterate until the stages are solved to rounding error. If the method is an explicit Runge–Kutta method, use a symplectic \
+             one of its order, such as a splitting."
+        }
+    }
+}
