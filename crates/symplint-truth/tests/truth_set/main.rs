@@ -52,7 +52,7 @@ use rayon::prelude::*;
 use follow::{follow, follow_error};
 use member::{Expected, Member};
 use outcome::{Outcome, diagnose, order, outcome, outcome_of_error};
-use symplint::Error;
+use symplint::{Error, Verdict, VerdictKind};
 use symplint_truth::kept;
 use tables::Line;
 
@@ -116,6 +116,7 @@ fn line(family: &Family, index: usize) -> Line {
         order: None,
         breaks: None,
         ratios: Vec::new(),
+        cause: None,
         seconds: 0.0,
     };
     match &found {
@@ -133,6 +134,7 @@ fn line(family: &Family, index: usize) -> Line {
                 .map(|breaks| breaks.iter().flatten().count());
             line.breaks = known.map(|known| (known, counted));
             line.ratios = ratios::ratios(&member, found);
+            line.cause = cause(&found.verdict);
         }
         Err(Error::NotAPeriod { .. }) if matches!(member.truth.expected, Expected::WrongPeriod) => {
             line.outcome = Outcome::Right;
@@ -147,6 +149,22 @@ fn line(family: &Family, index: usize) -> Line {
     }
     line.seconds = started.elapsed().as_secs_f64();
     line
+}
+
+/// The cause of a failure, or what its first advice begins with.
+fn cause(verdict: &Verdict) -> Option<String> {
+    let failed = matches!(
+        verdict.kind,
+        VerdictKind::NotSymplectic | VerdictKind::BrokenLoops
+    );
+    failed.then(|| match (&verdict.cause, verdict.advice().first()) {
+        (Some(cause), _) => format!("{:?}", cause.kind),
+        (None, Some(advice)) => {
+            let words = advice.split_whitespace().take(5);
+            format!("none; {} …", words.collect::<Vec<_>>().join(" "))
+        }
+        (None, None) => String::new(),
+    })
 }
 
 /// Every `part`-th member of the families named.
@@ -166,6 +184,7 @@ fn run(part: usize, named: impl Fn(&str) -> bool) -> Vec<Line> {
 fn print(lines: &[Line]) {
     println!("{}", tables::confusion(lines));
     println!("{}", tables::counts(lines));
+    println!("{}", tables::causes(lines));
     println!("{}", tables::quantiles(lines));
     println!("{}", tables::faults(lines));
     let seconds: f64 = lines.iter().map(|line| line.seconds).sum();

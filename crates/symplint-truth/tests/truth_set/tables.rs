@@ -1,5 +1,6 @@
 //! What came of all members, as markdown.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::follow::Followed;
@@ -17,6 +18,8 @@ pub struct Line {
     /// Breaks: true ones, and those found, if all are said to be known.
     pub breaks: Option<(usize, Option<usize>)>,
     pub ratios: Vec<(String, f64)>,
+    /// The cause of a failure, or its first advice; `Some("")` if there is neither.
+    pub cause: Option<String>,
     pub seconds: f64,
 }
 
@@ -26,6 +29,7 @@ impl Line {
         matches!(self.outcome, Outcome::Wrong(_))
             || matches!(self.followed, Some(Followed::Wrong(_)))
             || matches!(self.order, Some(Order::Wrong(_)))
+            || self.cause.as_deref() == Some("")
     }
 }
 
@@ -59,6 +63,21 @@ pub fn confusion(lines: &[Line]) -> String {
             count(&|line| matches!(line.outcome, Outcome::Wrong(_))),
         )
         .unwrap();
+    }
+    text
+}
+
+/// Causes of failures by family, with the advice if no cause is stated.
+pub fn causes(lines: &[Line]) -> String {
+    let mut counts: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for line in lines {
+        if let Some(cause) = &line.cause {
+            *counts.entry((line.family, cause)).or_default() += 1;
+        }
+    }
+    let mut text = "| family | cause of a failure | members |\n|---|---|---|\n".to_string();
+    for ((family, cause), count) in counts {
+        writeln!(text, "| {family} | {cause} | {count} |").unwrap();
     }
     text
 }
