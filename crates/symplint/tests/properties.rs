@@ -1,7 +1,7 @@
 //! Properties of maps whose properties are known: in closed form, from papers, or by construction.
 
 use symplint::map::Capabilities;
-use symplint::verdict::{Growth, Property, PropertyName};
+use symplint::verdict::{CauseKind, Growth, Property, PropertyName};
 use symplint::{
     Block, Circle, Diagnostic, PerSample, StepFailure, TimeAdvance, Verdict, VerdictKind,
 };
@@ -219,6 +219,38 @@ fn uniform_damping_is_conformal_with_its_rate() {
     let [factor, uncertainty] = conformal.factor.unwrap();
     assert!((factor - (-0.05f64).exp()).abs() <= uncertainty);
     assert_eq!(holds(&found, PropertyName::Reversible), Some(false));
+}
+
+#[test]
+fn uniform_damping_of_many_degrees_of_freedom_is_conformal_by_its_loops() {
+    let ring = |damped: usize| {
+        PerSample::new(12, move |h, q: &mut [f64], p: &mut [f64]| {
+            (0..12).for_each(|i| q[i] += h * p[i]);
+            for i in 0..12 {
+                p[i] -=
+                    h * (q[i] + (q[i] - q[(i + 1) % 12]).sin() + (q[i] - q[(i + 11) % 12]).sin());
+            }
+            p[..damped].iter_mut().for_each(|p| *p *= (-0.2 * h).exp());
+        })
+    };
+    let found = verdict(&ring(12), false);
+    let [rate, uncertainty] = property(&found, PropertyName::Conformal).rate.unwrap();
+    assert!(
+        (rate - 0.2).abs() <= uncertainty && uncertainty < 1e-11,
+        "{rate} ± {uncertainty:e}"
+    );
+    let cause = found.cause.unwrap();
+    assert_eq!(cause.kind, CauseKind::Friction);
+    assert!(cause.text.contains("of all loops,"), "{}", cause.text);
+    for damped in [1, 11] {
+        let found = verdict(&ring(damped), false);
+        assert_eq!(found.kind, VerdictKind::NotSymplectic);
+        assert_eq!(
+            holds(&found, PropertyName::Conformal),
+            Some(false),
+            "{damped}"
+        );
+    }
 }
 
 #[test]

@@ -64,6 +64,9 @@ pub struct Property {
 /// Calibrated: as the least defect of a tangent map, which has the same cause.
 const LEAST_RETURN: f64 = 1e-12;
 
+/// As many loops that change by one factor show that all do. Conventional: loops are random, and a factor of each has ten digits or more.
+const MANY_LOOPS: usize = 5;
+
 /// A property that is not known to this uncertainty is not worth a line. Conventional.
 const LARGEST_UNKNOWN: f64 = 1e-2;
 
@@ -214,12 +217,7 @@ fn conformal(
     kind: VerdictKind,
 ) -> Option<Property> {
     let jacobian = evidence.jacobian.as_ref()?;
-    let (h, found, least) = (
-        jacobian.step_size,
-        jacobian.volume?,
-        jacobian.method.least_defect(),
-    );
-    let worst = found.from_conformal;
+    let (h, least) = (jacobian.step_size, jacobian.method.least_defect());
     let of_loops = || {
         let factors = loops_of(evidence, h).map(|step| {
             let factor = 1.0 + step.defect.signed * step.initial.signum();
@@ -227,21 +225,33 @@ fn conformal(
         });
         factors.filter(|(_, uncertainty)| uncertainty.is_finite())
     };
+    let best = of_loops().min_by(|a, b| a.1.total_cmp(&b.1));
+    // Random tangent vectors in many degrees of freedom show no factor: many loops do.
+    let by_loops_alone = !jacobian.full && !jacobian.projected && of_loops().count() >= MANY_LOOPS;
+    let (of_jacobian, of_factor, worst) = match jacobian.volume {
+        Some(found) => {
+            let worst = found.from_conformal;
+            let worst = (worst.magnitude(), worst.uncertainty);
+            (found.factor, found.factor_uncertainty, worst)
+        }
+        None => {
+            let (factor, uncertainty) = best.filter(|_| by_loops_alone)?;
+            (factor, uncertainty, (0.0, uncertainty))
+        }
+    };
     let differences = of_loops().map(|(factor, uncertainty)| {
-        let difference = (factor - found.factor).abs();
-        (difference, uncertainty + found.factor_uncertainty)
+        let difference = (factor - of_jacobian).abs();
+        (difference, uncertainty + of_factor)
     });
     let excess = |(defect, uncertainty): (f64, f64)| defect / uncertainty;
-    let (defect, uncertainty) = differences.fold((worst.magnitude(), worst.uncertainty), |a, b| {
-        if excess(b) > excess(a) { b } else { a }
-    });
+    let (defect, uncertainty) =
+        differences.fold(worst, |a, b| if excess(b) > excess(a) { b } else { a });
     let property = Property::measured(PropertyName::Conformal, defect, uncertainty, least);
     if property.holds != Some(true) {
         return Some(property);
     }
     // Loops have more digits than differences. Factors differ by up to the defect, and those of loops by what is seen.
-    let of_jacobian = (found.factor, found.factor_uncertainty.max(defect));
-    let best = of_loops().min_by(|a, b| a.1.total_cmp(&b.1));
+    let of_jacobian = (of_jacobian, of_factor.max(defect));
     let of_best = best.map(|(factor, uncertainty)| {
         let beyond = of_loops().map(|(other, of_other)| (other - factor).abs() - of_other);
         (factor, beyond.fold(uncertainty, f64::max))

@@ -64,8 +64,8 @@ impl Clues<'_> {
             CauseKind::PartialFriction => {
                 format!("So the step {verb} with friction, or another change of p that depends on p")
             }
-            _ => "So stages use old values of each other, as in explicit Runge–Kutta methods, and in implicit methods after one to three \
-                  fixed-point iterations"
+            _ => "So stages may use old values of each other, as in explicit Runge–Kutta methods, and in implicit methods after one to \
+                  three fixed-point iterations"
                 .to_owned(),
         };
         let text = format!(

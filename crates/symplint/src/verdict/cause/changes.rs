@@ -137,6 +137,11 @@ impl Clues<'_> {
         let [factor, of_factor] = conformal.factor.filter(|[factor, _]| *factor > 0.0)?;
         let (value, error) = (within(factor, of_factor), one_digit(of_factor));
         let meaning = if factor < 1.0 { "friction" } else { "growth" };
+        let jacobian = self.evidence.jacobian.as_ref();
+        let by = match jacobian.is_some_and(|of| of.volume.is_some()) {
+            true => ", of the Jacobian and of all loops,",
+            false => ", of all loops,",
+        };
         let meaning = match conformal.rate {
             // Friction in a step of any size is no friction.
             _ if self.is_constant() => {
@@ -152,9 +157,7 @@ impl Clues<'_> {
         };
         Some(Cause::new(
             CauseKind::Friction,
-            format!(
-                "A step multiplies all areas, of the Jacobian and of all loops, by {value} ± {error}{meaning}."
-            ),
+            format!("A step multiplies all areas{by} by {value} ± {error}{meaning}."),
             "If the step has uniform friction on purpose, it does what it should: it is conformally symplectic. If momenta are \
              divided by a reference momentum that the step changes, multiply them by it before and after the step.",
         ))
