@@ -45,6 +45,23 @@ def test_energy_is_conserved_or_changes(per_sample):
     assert "energy" not in symplint.check(leapfrog, *CENTRE, **SIZES).properties
 
 
+def test_many_steps_show_whether_the_energy_drifts():
+    def runge_kutta(q, p, h):
+        q_half, p_half = q + 0.5 * h * p, p - 0.5 * h * q**3
+        return q + h * p_half, p - h * q_half**3
+
+    for step, growth, words in (
+        (leapfrog, "bounded", "the change stays bounded"),
+        (runge_kutta, "grows", "the energy drifts"),
+        (average_vector_field, "none", "it is conserved"),
+    ):
+        arguments = SIZES | {"radius": 0.3, "steps": 400}
+        report = symplint.check(step, *CENTRE, **arguments, energy=energy)
+        found = report.properties["energy"]
+        assert found.growth == growth and words in found.text, found.text
+        assert report.evaluations == symplint.check(step, *CENTRE, **arguments).evaluations
+
+
 def test_it_takes_no_evaluation():
     with_energy = symplint.check(leapfrog, *CENTRE, **SIZES, energy=energy)
     assert with_energy.evaluations == symplint.check(leapfrog, *CENTRE, **SIZES).evaluations
