@@ -5,7 +5,7 @@ after are compared: W. Barham and J. W. Burby, "Diagnosing symplecticity in simu
 systems" (2025), arXiv:2512.13951.
 """
 
-from . import integrators, systems
+from . import adapters, integrators, systems
 from ._check import assert_structure, assert_symplectic, check
 from ._compose import Composition, compose
 from ._errors import InputError, NotSymplecticError, StepError, StructureError, SymplintError, UndecidedError
@@ -36,6 +36,7 @@ __all__ = [
     "SymplintError",
     "UndecidedError",
     "__version__",
+    "adapters",
     "assert_structure",
     "assert_symplectic",
     "check",

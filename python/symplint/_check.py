@@ -29,6 +29,7 @@ from ._report import Report, States
 from ._names import Coordinates, WithArguments, WithoutStepSize, executor_of, one_of, seed_of
 from ._signature import check_signature, hint
 from ._workers import Workers
+from .adapters import AdaptedStep
 from .integrators import Integrator, of_system
 from .systems import System
 
@@ -45,7 +46,7 @@ LONGEST = 16
 
 
 def check(
-    step: Callable[..., Any] | Integrator | System | None = None,
+    step: Callable[..., Any] | Integrator | System | AdaptedStep | None = None,
     q0: npt.ArrayLike | None = None,
     p0: npt.ArrayLike | None = None,
     *,
@@ -54,7 +55,7 @@ def check(
     step_sizes: npt.ArrayLike | None = None,
     typical_step: float | None = None,
     repeat: int = 1,
-    radius: Any = 1.0,
+    radius: Any = None,
     phases: str = "staggered",
     loop: Loop | Callable[..., Any] | None = None,
     loops: int = 8,
@@ -106,10 +107,10 @@ def check(
         they are not used again then. The arrays are in Fortran order. Their lengths are 1, 4, 16, 64, 256 or 1024, so that JAX
         compiles few versions: a batch may end with copies of its last row, which are no evaluations. Results may be arrays of any order and library, torch
         and JAX among them. An integrator of `symplint.integrators` runs without Python, and so does a system of
-        `symplint.systems`, with its default integrator.
+        `symplint.systems`, with its default integrator. A step of `symplint.adapters` states its centre, weights and step sizes.
     q0, p0 : array_like
-        Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library, and if
-        `loop` is one of the library.
+        Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library or a step of
+        `symplint.adapters`, and if `loop` is one of the library.
     substeps : list of (str, callable), optional
         In place of `step`, its parts with their names, the first to be applied first: see `compose`. If the whole step has a
         defect, one pass of a loop through all parts tells which of them cause it.
@@ -123,9 +124,9 @@ def check(
         halved.
     repeat : int
         The step is composed with itself this number of times.
-    radius : float, array_like, pair of them or "auto"
+    radius : float, array_like, pair of them or "auto", optional
         Radius of the loop: one for all degrees of freedom, one for each, a tuple of those for q and for p, or as the map
-        suggests. Not together with `loop`.
+        suggests. By default 1, and what it states for a step of `symplint.adapters`. Not together with `loop`.
     phases : {"staggered", "equal", "random"}
         Where each degree of freedom starts on its circle: at multiples of the golden ratio, all at the same phase (the circle of
         the paper, on which forces between pairs of particles do not change), or at random. Not together with `loop`.
@@ -285,6 +286,20 @@ def check(
     }  # fmt: skip
     if coordinates is not None:
         canonical = Coordinates.merged(coordinates, canonical)
+    if isinstance(step, AdaptedStep):
+        q0 = step.q0 if q0 is None else q0
+        p0 = step.p0 if p0 is None else p0
+        if canonical["weight"] is None:
+            canonical["weight"] = step.weight
+        if step_sizes is None and typical_step is None:
+            step_sizes, typical_step = step.step_sizes, step.typical_step
+        if radius is None and loop is None:
+            radius = step.radius
+        per_sample = step.per_sample
+        dtype = step.dtype if dtype is None else dtype
+        if run_dir is not None and key is None:
+            raise InputError(f'run_dir is given, and {step.__name__} has no source text; identify it by a text of yours, as in key="3 bodies, version 2"')
+    radius = 1.0 if radius is None else radius
     if substeps is not None:
         if step is not None:
             raise InputError("both step and substeps are given; a step is either one whole or has parts")
@@ -355,7 +370,7 @@ def _check(
     _check_signature(step, form is not None, step_sizes, make, len(args))
     name, functions = _name(step), {"step": step, "jvp": jvp, "form": form, "project": project, "reset": reset, "energy": energy}
     if args:
-        if not callable(step) or isinstance(step, Integrator | Composition):
+        if not callable(step) or isinstance(step, Integrator | Composition | AdaptedStep):
             raise InputError("args are for a function; give it, or leave args out")
         step = WithArguments(step, args)
     if form is not None:
@@ -663,7 +678,7 @@ def _subject(
 
 def _check_signature(step: Any, has_form: bool, step_sizes: Any, make: bool, extra: int) -> None:
     """Refuse a step with the arguments of another convention."""
-    if not callable(step) or isinstance(step, Integrator | Composition):
+    if not callable(step) or isinstance(step, Integrator | Composition | AdaptedStep):
         return
     if make:
         return check_signature(step, ("h",), extra)
@@ -673,6 +688,8 @@ def _check_signature(step: Any, has_form: bool, step_sizes: Any, make: bool, ext
 
 def _parts(step: Any, make: bool) -> list[tuple[str, Callable[..., Any]]]:
     """The names and functions of the parts of a step, if it has any."""
+    if isinstance(step, AdaptedStep):
+        return step.parts
     if not isinstance(step, Composition):
         return []
     if make:
@@ -741,8 +758,8 @@ def _without_step_size(step: Any) -> Any:
     """The same step, for a map that has no step size."""
     if isinstance(step, Composition):
         return step.without_step_size()
-    # An integrator of the library, or what `_subject` refuses.
-    return step if isinstance(step, Integrator) or not callable(step) else WithoutStepSize(step)
+    # An integrator of the library, a step of an adapter, or what `_subject` refuses.
+    return step if isinstance(step, Integrator | AdaptedStep) or not callable(step) else WithoutStepSize(step)
 
 
 def _absolute(run_dir: str | os.PathLike[str]) -> str:

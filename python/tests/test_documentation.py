@@ -15,7 +15,7 @@ def test_there_are_doctests():
 
 
 def test_everything_public_has_a_docstring():
-    for module in (symplint, symplint.systems, symplint.integrators):
+    for module in (symplint, symplint.systems, symplint.integrators, symplint.adapters):
         for name in module.__all__:
             found = getattr(module, name)
             if name.startswith("__") or inspect.ismodule(found):

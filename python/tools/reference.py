@@ -121,11 +121,15 @@ def python() -> Iterator[str]:
     functions = {name: value for name, value in values.items() if inspect.isfunction(value)}
     classes = {name: value for name, value in values.items() if inspect.isclass(value)}
     errors = {name: value for name, value in classes.items() if issubclass(value, BaseException)}
-    yield "## Functions\n"
-    for name in sorted(functions):
-        value = functions[name]
-        arguments = ", ".join(argument_text(argument) for argument in inspect.signature(value).parameters.values())
-        yield f"### {name}\n\n`symplint.{name}({arguments})`\n\n{described(inspect.getdoc(value) or '')}"
+    adapters = {f"adapters.{name}": getattr(symplint.adapters, name) for name in symplint.adapters.__all__}
+    classes |= {name: value for name, value in adapters.items() if inspect.isclass(value)}
+    adapters = {name: value for name, value in adapters.items() if inspect.isfunction(value)}
+    for title, listed in (("Functions", functions), ("Adapters", adapters)):
+        yield f"## {title}\n"
+        for name in sorted(listed):
+            value = listed[name]
+            arguments = ", ".join(argument_text(argument) for argument in inspect.signature(value).parameters.values())
+            yield f"### {name}\n\n`symplint.{name}({arguments})`\n\n{described(inspect.getdoc(value) or '')}"
     yield "## Classes\n"
     for name in sorted(set(classes) - set(errors)):
         value = classes[name]
