@@ -21,14 +21,14 @@ SHEARS = [(random(DOF, WIDTH), random(WIDTH), 0.2 * random(WIDTH)) for _ in rang
 
 
 def residual_network(q, p, h):
-    z = torch.hstack([torch.from_numpy(q), torch.from_numpy(p)])
+    z = torch.hstack([torch.as_tensor(q), torch.as_tensor(p)])
     for inward, bias, outward in RESIDUAL:
         z = z + h * torch.tanh(z @ inward + bias) @ outward
     return z[:, :DOF], z[:, DOF:]
 
 
 def sympnet(q, p, h):
-    q, p = torch.from_numpy(q), torch.from_numpy(p)
+    q, p = torch.as_tensor(q), torch.as_tensor(p)
     for layer, (weights, bias, scale) in enumerate(SHEARS):
         # The gradient of the sum of scale * log(cosh(weights' x + bias)).
         if layer % 2 == 0:
@@ -39,7 +39,7 @@ def sympnet(q, p, h):
 
 
 def report(network):
-    return symplint.check(network, [0.3, -0.2], [0.1, 0.4], step_sizes=[0.5, 0.25, 0.125])
+    return symplint.check(network, [0.3, -0.2], [0.1, 0.4], step_sizes=[0.5, 0.25, 0.125], jacobian="auto")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from . import _native
 from ._arrays import coordinates, cutoffs, vector, whole
 from ._compose import Composition, compose
-from ._derivatives import Tangents, derivatives_of_jax, given
+from ._derivatives import Tangents, derivatives_of_jax, given, traced
 from ._energy import EnergyOfRows
 from ._errors import InputError, NotSymplecticError, StepError, StructureError, UndecidedError
 from ._form import CircleOfForm, FormOfRows, Leaf, LoopOfForm, MapOfForm, Projection, one_form
@@ -75,7 +75,7 @@ def check(
     make: bool = False,
     reset: Callable[[], object] | None = None,
     dtype: npt.DTypeLike | None = None,
-    jacobian: bool = True,
+    jacobian: bool | str = True,
     jvp: Callable[..., Any] | None = None,
     properties: bool = True,
     reversal: npt.ArrayLike | None = None,
@@ -176,8 +176,10 @@ def check(
         on which these functions are constant. ``project(z)`` does the same if the leaf is known in another way.
     dtype : "float32", optional
         Where the map computes in single precision: `step` then gets arrays of it.
-    jacobian : bool
-        Whether the Jacobian of one step is also checked.
+    jacobian : bool or "auto"
+        Whether the Jacobian of one step is also checked. With "auto", a step that takes and returns arrays of JAX or tensors of torch is
+        also called with them: ``jax.jvp`` or ``torch.func.jvp`` then gives the exact Jacobian, in double precision. There is a warning
+        if the step cannot be traced. A step that ``jax.jit`` compiled needs no "auto".
     jvp : callable, optional
         ``jvp(q, p, h, dq, dp)`` returns the derivative of the step at q, p along dq, dp: two arrays, as `step` does. The Jacobian is
         then exact, and costs fewer evaluations than differences, by which it is checked. Not needed for a step that
@@ -344,7 +346,7 @@ def _check(
     make: bool,
     reset: Any,
     dtype: Any,
-    jacobian: bool,
+    jacobian: bool | str,
     jvp: Any,
     properties: bool,
     reversal: Any,
@@ -393,11 +395,13 @@ def _check(
             raise InputError("energy is given, and properties is False; leave one of them out")
         subject["energy"] = EnergyOfRows(energy, form is not None)
     has_step_size = not (isinstance(step_sizes, str) and step_sizes == "none")
+    if isinstance(jacobian, str) and jacobian != "auto":
+        raise InputError(f'jacobian is "{jacobian}"; give True, False or "auto"')
     others = {"an integrator of the library": compiled, "make": make, "form": form, "project": project}
     if jvp is not None:
         jvp = given(jvp, others, args, has_step_size)
     elif jacobian and executor is None and not (subject["single"] or any(others.values())):
-        jvp = derivatives_of_jax(step, subject["dof"], bool(per_sample))
+        jvp = (traced if jacobian == "auto" else derivatives_of_jax)(step, subject["dof"], bool(per_sample))
     if jvp is not None:
         subject["tangents"] = Tangents(step, jvp)
     if step_sizes is not None and typical_step is not None:

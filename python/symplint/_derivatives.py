@@ -1,19 +1,22 @@
-"""Derivatives of a step: those of the user, or those that JAX finds."""
+"""Derivatives of a step: those of the user, or those that JAX or torch finds."""
 
 from __future__ import annotations
 
 import functools
+import importlib
 import sys
+import warnings
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from ._arrays import numbers
 from ._errors import InputError
 from ._names import WithArguments, WithoutStepSize
 from .adapters import AdaptedStep
 
-__all__ = ["Tangents", "derivatives_of_jax", "given"]
+__all__ = ["Tangents", "derivatives_of_jax", "given", "traced"]
 
 
 class Tangents:
@@ -76,24 +79,82 @@ def _is_compiled(step: Any) -> bool:
 def derivatives_of_jax(step: Callable[..., Any], dof: int, per_sample: bool) -> Callable[..., Any] | None:
     """The derivative ``jvp(q, p, h, dq, dp)`` of a step that ``jax.jit`` compiled, in double precision; None for others.
 
-    The step is traced with abstract arrays, which takes no evaluation. A step that is not compiled may keep what it is called with,
-    and must not get such arrays. In single precision, derivatives tell no more than differences of results.
+    A step that is not compiled may keep what it is called with, and must not get abstract arrays unasked. In single precision,
+    derivatives tell no more than differences of results.
     """
     jax = sys.modules.get("jax")
     if jax is None or not jax.config.jax_enable_x64 or not _is_compiled(step):
         return None
+    try:
+        return _traced_by_jax(jax, step, dof, per_sample)
+    except Exception:  # Whatever a step raises that cannot be traced.
+        return None
+
+
+def traced(step: Callable[..., Any], dof: int, per_sample: bool) -> Callable[..., Any] | None:
+    """The derivative ``jvp(q, p, h, dq, dp)`` of a step that JAX or torch can trace; None, with a warning that has the reasons, for others."""
+    libraries = [(sys.modules[name], trace) for name, trace in (("jax", _traced_by_jax), ("torch", _traced_by_torch)) if name in sys.modules]
+    reasons = []
+    for library, trace in libraries:
+        try:
+            return trace(library, step, dof, per_sample)
+        except Exception as error:  # Whatever a step raises that cannot be traced.
+            lines = str(error).strip().splitlines() or [type(error).__name__]
+            reasons.append(f"{library.__name__}: {lines[0]}")
+    reason = "; ".join(reasons) or "neither JAX nor torch is imported"
+    warnings.warn(
+        f'jacobian="auto": the step cannot be traced, and differences give the Jacobian ({reason}); let the step take and return arrays '
+        "of JAX, or tensors of torch, in double precision (torch.as_tensor(q), not torch.from_numpy(q))",
+        stacklevel=4,
+    )
+    return None
+
+
+def _image(step: Callable[..., Any], h: float) -> Callable[..., Any]:
+    """A step of this size as a function of q and p that returns both."""
+
+    def image(q: Any, p: Any) -> tuple[Any, Any]:
+        found = step(q, p, h)
+        if found is not None:
+            q, p = found
+        return q, p
+
+    return image
+
+
+def _check_traced(found: Any, shape: tuple[int, ...]) -> None:
+    """Refuse derivatives of another shape or precision."""
+    for rows in found:
+        precision = str(rows.dtype).rsplit(".", 1)[-1]
+        if tuple(rows.shape) != shape or precision != "float64":
+            raise TypeError(f"the results have the shape {tuple(rows.shape)} and the type {precision}, for states of shape {shape} in double precision")
+
+
+def _traced_by_jax(jax: Any, step: Callable[..., Any], dof: int, per_sample: bool) -> Callable[..., Any]:
+    """The derivative by JAX. The step is traced with abstract arrays, which takes no evaluation."""
 
     def jvp(q: Any, p: Any, h: float, dq: Any, dp: Any) -> Any:
-        def image(q: Any, p: Any) -> tuple[Any, Any]:
-            q, p = step(q, p, h)
-            return q, p
-
-        return jax.jvp(image, (q, p), (dq, dp))[1]
+        return jax.jvp(_image(step, h), (q, p), (dq, dp))[1]
 
     shape = (dof,) if per_sample else (2, dof)
     state = jax.ShapeDtypeStruct(shape, np.float64)
-    try:
-        found = jax.eval_shape(lambda q, p, dq, dp: jvp(q, p, 0.5, dq, dp), state, state, state, state)
-    except Exception:  # Whatever a step raises that cannot be traced.
-        return None
-    return jvp if all(rows.shape == shape and rows.dtype == np.float64 for rows in found) else None
+    _check_traced(jax.eval_shape(lambda q, p, dq, dp: jvp(q, p, 0.5, dq, dp), state, state, state, state), shape)
+    return jvp
+
+
+def _traced_by_torch(torch: Any, step: Callable[..., Any], dof: int, per_sample: bool) -> Callable[..., Any]:
+    """The derivative by torch. The step is traced with tensors that have no values, which takes no evaluation."""
+    # Parameters of a network have values.
+    without_values = importlib.import_module("torch._subclasses.fake_tensor").FakeTensorMode(allow_non_fake_inputs=True)
+
+    def derivative(h: float, q: Any, p: Any, dq: Any, dp: Any) -> Any:
+        return torch.func.jvp(_image(step, h), (q, p), (dq, dp))[1]
+
+    def jvp(q: Any, p: Any, h: float, dq: Any, dp: Any) -> Any:
+        found = derivative(h, *(torch.as_tensor(rows) for rows in (q, p, dq, dp)))
+        return tuple(numbers(rows, name) for rows, name in zip(found, ("dq", "dp"), strict=True))
+
+    shape = (dof,) if per_sample else (2, dof)
+    with without_values:
+        _check_traced(derivative(0.5, *(torch.ones(shape, dtype=torch.float64) for _ in range(4))), shape)
+    return jvp

@@ -130,3 +130,64 @@ def test_jax_finds_derivatives():
         assert not has_exact_jacobian(stopped) and stopped.kind in ("symplectic", "undecided")
     finally:
         jax.config.update("jax_enable_x64", before)
+
+
+def test_a_step_that_is_not_compiled_is_traced_if_asked():
+    jax = pytest.importorskip("jax")
+    before = jax.config.jax_enable_x64
+    jax.config.update("jax_enable_x64", True)
+
+    def step(q, p, h):
+        p = p - h * jax.numpy.sin(q)
+        return q + h * p, p
+
+    try:
+        assert not has_exact_jacobian(symplint.check(step, *CENTRE, **SIZES))
+        report = symplint.check(step, *CENTRE, **SIZES, jacobian="auto")
+        assert report.kind == "symplectic" and has_exact_jacobian(report)
+    finally:
+        jax.config.update("jax_enable_x64", before)
+
+
+def test_torch_finds_derivatives():
+    torch = pytest.importorskip("torch")
+    weights = torch.randn(2, 8, dtype=torch.float64, generator=torch.Generator().manual_seed(1))
+
+    def sympnet(q, p, h):
+        q, p = torch.as_tensor(q), torch.as_tensor(p)
+        p = p - h * torch.tanh(q @ weights) @ weights.T
+        return q + h * p, p
+
+    def in_place(q, p, h):
+        q, p = torch.as_tensor(q), torch.as_tensor(p)
+        p -= h * torch.sin(q)
+        q += h * p
+
+    def residual(q, p, h):
+        z = torch.hstack([torch.as_tensor(q), torch.as_tensor(p)])
+        z = z + h * torch.tanh(z @ torch.ones(4, 4, dtype=torch.float64))
+        return z[:, :2], z[:, 2:]
+
+    for step, kind in ((sympnet, "symplectic"), (in_place, "symplectic"), (torch.compile(sympnet, backend="eager"), "symplectic"), (residual, "not-symplectic")):
+        by_differences = symplint.check(step, *CENTRE, **SIZES)
+        report = symplint.check(step, *CENTRE, **SIZES, jacobian="auto")
+        assert report.kind == by_differences.kind == kind
+        assert has_exact_jacobian(report) and not has_exact_jacobian(by_differences)
+    one = symplint.check(lambda q, p, h: sympnet(q, p, h), *CENTRE, **SIZES, jacobian="auto", per_sample=True)
+    assert one.kind == "symplectic" and has_exact_jacobian(one)
+    # torch takes the derivative of what is detached as 0.
+    detached = symplint.check(lambda q, p, h: sympnet(torch.as_tensor(q).detach(), p, h), *CENTRE, **SIZES, jacobian="auto")
+    assert not has_exact_jacobian(detached) and detached.kind in ("symplectic", "undecided")
+    with pytest.warns(UserWarning, match=r"torch: expected np.ndarray .*torch.as_tensor"):
+        from_numpy = symplint.check(lambda q, p, h: sympnet(torch.from_numpy(q), p, h), *CENTRE, **SIZES, jacobian="auto")
+    assert from_numpy.kind == "symplectic" and not has_exact_jacobian(from_numpy)
+    with pytest.warns(UserWarning, match="the type float32"):
+        symplint.check(lambda q, p, h: tuple(rows.float() for rows in sympnet(q, p, h)), *CENTRE, **SIZES, jacobian="auto")
+
+
+def test_a_step_of_numpy_is_not_traced():
+    with pytest.warns(UserWarning, match="cannot be traced"):
+        report = symplint.check(leapfrog, *CENTRE, **SIZES, jacobian="auto")
+    assert report.kind == "symplectic" and not has_exact_jacobian(report)
+    with pytest.raises(symplint.InputError, match='True, False or "auto"'):
+        symplint.check(leapfrog, *CENTRE, **SIZES, jacobian="exact")
