@@ -1,6 +1,6 @@
 //! Numbers from Python objects, and blocks from arrays of any order.
 
-use numpy::ndarray::{Array2, ArrayView1, ArrayView2, Dimension, Ix1, Ix2};
+use numpy::ndarray::{Array2, ArrayView1, ArrayView2, Dimension, Ix1, Ix2, s};
 use numpy::{
     PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyUntypedArray, PyUntypedArrayMethods,
@@ -14,8 +14,9 @@ use symplint::state::RowsMut;
 use crate::error::input_error;
 use crate::memory::Number;
 
-/// Rows and columns that are copied together, so that both lie in the cache.
-const TILE: usize = 64;
+/// Degrees of freedom and samples that are copied together: a cache line of each. Larger tiles of arrays in C order whose rows are a
+/// power of two apart push their own lines out of the cache.
+const TILE: (usize, usize) = (8, 16);
 
 /// Copies numbers, and says whether all of them are finite.
 pub fn copy<T: Number>(to: &mut [f64], from: &[T]) -> bool {
@@ -53,20 +54,37 @@ pub fn transpose<T: Number>(source: ArrayView2<'_, T>, rows: &mut RowsMut<'_>) -
         };
         return (0..dof).fold(true, of_row);
     }
-    for first in (0..dof).step_by(TILE) {
-        let dofs = first..dof.min(first + TILE);
-        for begin in (0..samples).step_by(TILE) {
-            let end = samples.min(begin + TILE);
-            for i in dofs.clone() {
-                let column = source.column(i);
-                let from = column.slice(numpy::ndarray::s![begin..end]);
-                for (to, from) in rows.row_mut(i)[begin..end].iter_mut().zip(from) {
-                    *to = from.value();
+    let mut finite = true;
+    let mut tile = [[0.0; TILE.1]; TILE.0];
+    for begin in (0..samples).step_by(TILE.1) {
+        let of_tile = begin..samples.min(begin + TILE.1);
+        for first in (0..dof).step_by(TILE.0) {
+            let dofs = first..dof.min(first + TILE.0);
+            let numbers = source.slice(s![of_tile.clone(), dofs.clone()]);
+            for (k, sample) in numbers.outer_iter().enumerate() {
+                // Of a known length, the copy has no loop.
+                match sample.to_slice().and_then(|line| line.first_chunk()) {
+                    Some(line) => of_line(&mut tile, k, line),
+                    None => {
+                        for (row, value) in tile.iter_mut().zip(sample) {
+                            row[k] = value.value();
+                        }
+                    }
                 }
+            }
+            for (i, row) in dofs.zip(&tile) {
+                finite &= copy(&mut rows.row_mut(i)[of_tile.clone()], &row[..of_tile.len()]);
             }
         }
     }
-    rows.as_rows().all_finite()
+    finite
+}
+
+/// Copies a cache line of a sample into the rows of a tile.
+fn of_line<T: Number>(tile: &mut [[f64; TILE.1]; TILE.0], k: usize, line: &[T; TILE.0]) {
+    for (row, value) in tile.iter_mut().zip(line) {
+        row[k] = value.value();
+    }
 }
 
 /// What a function returned instead of (q, p): two objects. `remedy` says what it should do.
@@ -161,7 +179,7 @@ fn read_array<T: Number>(
     if view.dim() != expected {
         return Err(wrong_shape(name, array.as_any(), expected));
     }
-    let samples = numpy::ndarray::s![..rows.len(), ..];
+    let samples = s![..rows.len(), ..];
     Ok(transpose(view.slice(samples), rows))
 }
 

@@ -8,7 +8,7 @@ use std::cell::UnsafeCell;
 use std::ptr::NonNull;
 use std::sync::mpsc::SyncSender;
 
-use numpy::ndarray::{ArrayView, Dimension, ShapeBuilder, StrideShape};
+use numpy::ndarray::{ArrayView, ArrayView2, Dimension, ShapeBuilder, StrideShape};
 use numpy::{Element, PyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use symplint::Block;
@@ -40,41 +40,48 @@ impl Number for f32 {
     }
 }
 
-/// The columns of a numpy array, each a row in its memory, for as long as this exists. Who made the array may write to it meanwhile,
+/// The numbers of a numpy array, one row for each sample, for as long as this exists. Who made the array may write to it meanwhile,
 /// as numpy's own functions let him: what is read then is of no use.
-pub struct Columns {
+pub struct Samples {
     start: NonNull<f64>,
-    count: usize,
-    len: usize,
+    /// Samples and degrees of freedom.
+    shape: (usize, usize),
+    /// Distances of samples and of degrees of freedom, in numbers.
+    strides: (usize, usize),
     _array: Py<PyArray2<f64>>,
 }
 
 // SAFETY: the memory is only read, and belongs to the array, which any thread may keep alive.
-unsafe impl Send for Columns {}
+unsafe impl Send for Samples {}
+// SAFETY: as above.
+unsafe impl Sync for Samples {}
 
-impl Columns {
-    /// Of an array in Fortran order, or of one column; `None` if the values of a column do not lie side by side.
+impl Samples {
+    /// Of an array; `None` if its numbers are not aligned, or an axis is reversed.
     pub fn of(array: &PyReadonlyArray2<'_, f64>) -> Option<Self> {
         let view = array.as_array();
-        let (len, count) = view.dim();
-        let values = view.reversed_axes().to_slice()?;
-        if !values.as_ptr().is_aligned() {
-            return None;
-        }
-        Some(Columns {
-            start: NonNull::from(values).cast(),
-            count,
-            len,
+        let (samples, dofs) = (view.strides()[0], view.strides()[1]);
+        let strides = (usize::try_from(samples).ok()?, usize::try_from(dofs).ok()?);
+        let start = NonNull::new(view.as_ptr().cast_mut())?;
+        start.is_aligned().then(|| Samples {
+            start,
+            shape: view.dim(),
+            strides,
             _array: (**array).clone().unbind(),
         })
     }
 
-    /// One row for each column.
-    pub fn rows(&self) -> Rows<'_> {
-        // SAFETY: `of` found this number of values there, and the array keeps them.
-        let values =
-            unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.count * self.len) };
-        Rows::new(values, self.count, self.len, self.len)
+    /// The array.
+    pub fn view(&self) -> ArrayView2<'_, f64> {
+        // SAFETY: `of` found this number of values at these distances, and the array keeps them.
+        unsafe { ArrayView2::from_shape_ptr(self.shape.strides(self.strides), self.start.as_ptr()) }
+    }
+
+    /// One row for each degree of freedom; `None` if the values of one do not lie side by side.
+    pub fn rows(&self) -> Option<Rows<'_>> {
+        let values = self.view().reversed_axes().to_slice()?;
+        let (samples, dof) = self.shape;
+        Some(Rows::new(values, dof, samples, samples))
     }
 }
 

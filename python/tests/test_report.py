@@ -230,6 +230,25 @@ def test_arrays_of_any_order_have_one_loop_integral():
     assert symplint.loop_integral(*one).value == expected.contributions[0]
 
 
+def test_arrays_in_c_order_are_integrated_in_parts():
+    # 70 degrees of freedom are two parts and a rest, 37 samples two tiles and a rest.
+    s = np.arange(37)[:, None] / 37
+    q, p = np.sin(2 * np.pi * s + np.arange(70)), (1 + np.arange(70)) * np.cos(2 * np.pi * s + np.arange(70))
+    stated = {"period": np.where(np.arange(70) == 40, 2.5, 0.0), "weight": 1.0 + np.arange(70) / 70}
+    expected = symplint.loop_integral(np.asfortranarray(q), np.asfortranarray(p), **stated)
+    for in_order in (np.ascontiguousarray, lambda x: np.repeat(x, 3, axis=1)[:, ::3], lambda x: np.repeat(x, 2, axis=0)[::2]):
+        found = symplint.loop_integral(in_order(q), in_order(p), **stated)
+        assert found.value == expected.value and found.contributions == expected.contributions
+        assert found.quadrature_error == pytest.approx(expected.quadrature_error, rel=1e-12, abs=0)
+        assert found.roundoff == pytest.approx(expected.roundoff, rel=1e-12, abs=0)
+    periodic = {"momentum_period": np.where(np.arange(70) == 69, 1000.0, 0.0)}
+    assert symplint.loop_integral(q, p, **periodic).value == pytest.approx(symplint.loop_integral(np.asfortranarray(q), p, **periodic).value)
+    lost = q.copy()
+    lost[20, 65] = np.inf
+    with pytest.raises(symplint.InputError, match="degree of freedom 65"):
+        symplint.loop_integral(lost, p)
+
+
 def test_loops():
     step_sizes = [0.5, 0.25]
     circle = symplint.Circle([1.0, 0.2], [0.5, 0.1], radius=0.5, dofs=[0])
