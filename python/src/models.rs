@@ -162,7 +162,8 @@ impl Integrator {
     }
 }
 
-/// All systems and integrators: (name, summary, default, keys) of each, with keys as (name, default or None, help).
+/// All systems as (name, summary, keys), with keys as (name, default or None, help); integrators as (name, summary, reference, variants,
+/// whether stages are solved); and aliases as (name, integrator, variants).
 #[pyfunction]
 pub fn catalogue(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let of_python = SYSTEMS.iter().filter(|info| info.name != NOT_HERE);
@@ -172,9 +173,18 @@ pub fn catalogue(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
             .collect();
         (info.name, info.summary, keys)
     });
-    let integrators =
-        (CATALOGUE.iter()).map(|info| (info.name, info.summary, info.variants.to_vec()));
-    let aliases = (ALIASES.iter()).map(|alias| (alias.name, alias.integrator));
+    let integrators = CATALOGUE.iter().map(|info| {
+        let variants = info.variants.to_vec();
+        (
+            info.name,
+            info.summary,
+            info.reference,
+            variants,
+            info.is_implicit(),
+        )
+    });
+    let aliases =
+        (ALIASES.iter()).map(|alias| (alias.name, alias.integrator, alias.variants.to_vec()));
     let all = PyDict::new(py);
     all.set_item("systems", systems.collect::<Vec<_>>())?;
     all.set_item("integrators", integrators.collect::<Vec<_>>())?;

@@ -125,8 +125,8 @@ class Report:
 @type_check_only
 class _Catalogue(TypedDict):
     systems: list[tuple[str, str, list[tuple[str, str | None, str]]]]
-    integrators: list[tuple[str, str, list[str]]]
-    aliases: list[tuple[str, str]]
+    integrators: list[tuple[str, str, str, list[str], bool]]
+    aliases: list[tuple[str, str, list[str]]]
 
 def catalogue() -> _Catalogue: ...
 def check(

@@ -7,6 +7,7 @@ a name is an underscore here.
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._arrays import Array, numbers
+from ._catalogue import Argument, choice, docstring, sentence, signature
 from ._errors import InputError
 from .systems import System
 
@@ -67,27 +69,64 @@ class Integrator:
 
 
 def of_system(system: System) -> Integrator:
-    """The default integrator of a system; of a system that is a map, the map itself."""
+    """The default integrator of a system; of a system that is a map, the map itself.
+
+    Parameters
+    ----------
+    system : System
+        One of `symplint.systems`.
+
+    Returns
+    -------
+    Integrator
+        One step of the method.
+    """
     return Integrator(None, system, {})
 
 
-def _maker(name: str, doc: str) -> Callable[..., Integrator]:
+def __dir__() -> list[str]:
+    # Without what the module imports.
+    return [name for name in __all__ if name not in ("Integrator", "of_system")]
+
+
+#: Options of methods that solve equations.
+OF_SOLVER = [
+    choice("solver", ["fixed-point", "newton"], 'solver of the equations, "fixed-point" if left out; some methods have no other'),
+    Argument("tolerance", "float | None", "float", None, "tolerance of the solver, rounding error if left out"),
+    Argument("max_iterations", "int | None", "int", None, "iterations after which the solver fails, 1000 if left out"),
+    Argument("iterations", "int | None", "int", None, "fixed number of iterations instead of a tolerance"),
+]
+#: Deliberate faults, for tests.
+FAULTS = [
+    Argument("damping", "float | None", "float", None, "deliberate fault: multiplies momenta by exp(-damping h) after the step"),
+    choice("precision", ["single", "double"], 'deliberate fault: "single" rounds states before and after the step'),
+]
+SYSTEM = inspect.Parameter("system", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation="System")
+
+
+def _maker(name: str, summary: str, variants: list[str], is_implicit: bool, after: str = "") -> Callable[..., Integrator]:
     def make(system: System, **keys: Any) -> Integrator:
         return Integrator(name, system, keys)
 
+    arguments = [choice("variant", variants, "form of the method", default=variants[0])] if len(variants) > 1 else []
+    arguments += [*(OF_SOLVER if is_implicit else []), *FAULTS]
     make.__name__ = make.__qualname__ = name.replace("-", "_")
-    make.__doc__ = doc + "\n"
+    make.__signature__ = signature([SYSTEM], arguments, "Integrator")  # type: ignore[attr-defined]
+    before = "system : System\n    One of `symplint.systems`."
+    make.__doc__ = docstring(f"The integrator {name}: {sentence(summary, capital=False)}", arguments, "Integrator", "One step of the method.", before, after)
     return make
 
 
-def _add(name: str, doc: str) -> None:
-    function = _maker(name, doc)
+def _add(function: Callable[..., Integrator]) -> None:
     globals()[function.__name__] = function
     __all__.append(function.__name__)
 
 
-for _name, _summary, _variants in _native.catalogue()["integrators"]:
-    _choices = f"\n\nParameters\n----------\nvariant : one of {', '.join(_variants)}" if _variants else ""
-    _add(_name, _summary + _choices)
-for _name, _integrator in _native.catalogue()["aliases"]:
-    _add(_name, f"Another name for `{_integrator.replace('-', '_')}`, or for one of its variants.")
+_KNOWN = {}
+for _name, _summary, _reference, _variants, _is_implicit in _native.catalogue()["integrators"]:
+    _KNOWN[_name] = _variants, _is_implicit
+    _add(_maker(_name, _summary, _variants, _is_implicit, f"\nReferences\n----------\n{_reference}\n" if _reference else ""))
+for _name, _integrator, _variants in _native.catalogue()["aliases"]:
+    _of_integrator, _is_implicit = _KNOWN[_integrator]
+    _form = f" in the form {_variants[0]}" if _variants else ""
+    _add(_maker(_name, f"another name for `{_integrator.replace('-', '_')}`{_form}", _variants or _of_integrator, _is_implicit))

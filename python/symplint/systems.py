@@ -11,6 +11,7 @@ from typing import Any
 
 from . import _native
 from ._arrays import Array
+from ._catalogue import docstring, of_key, sentence, signature
 
 __all__ = ["System"]
 
@@ -45,14 +46,19 @@ class System:
         return repr(self._native)
 
 
+def __dir__() -> list[str]:
+    # Without what the module imports.
+    return [name for name in __all__ if name != "System"]
+
+
 def _maker(name: str, summary: str, keys: list[tuple[str, str | None, str]]) -> Callable[..., System]:
     def make(**keys: Any) -> System:
         return System(_native.System(name, keys))
 
+    arguments = [of_key(*key) for key in keys]
     make.__name__ = make.__qualname__ = name.replace("-", "_")
-    lines = [f"{key} : {help}" + (f" (default {default})" if default else "") for key, default, help in keys]
-    parameters = "\n\nParameters\n----------\n" + "\n".join(lines) if lines else ""
-    make.__doc__ = f"{summary}{parameters}\n"
+    make.__signature__ = signature([], arguments, "System")  # type: ignore[attr-defined]
+    make.__doc__ = docstring(f"The system {name}: {sentence(summary, capital=False)}", arguments, "System", "The system with its initial state.")
     return make
 
 

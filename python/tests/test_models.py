@@ -1,7 +1,9 @@
 """Systems and integrators of the library."""
 
+import inspect
 import json
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -33,6 +35,57 @@ def test_every_name_of_the_program_is_there():
     assert "omega" in symplint.systems.harmonic_oscillator.__doc__
     assert "position-first" in symplint.integrators.strang.__doc__
     assert symplint.integrators.velocity_verlet(symplint.systems.pendulum()).name.startswith("strang")
+
+
+def choices(argument):
+    """The texts that a signature allows."""
+    return re.findall(r'"([^"]+)"', argument.annotation)
+
+
+def test_dir_shows_systems_and_integrators_only():
+    catalogue = symplint._native.catalogue()
+    assert set(dir(symplint.systems)) == {name.replace("-", "_") for name, *_ in catalogue["systems"]}
+    names = {name.replace("-", "_") for kind in ("integrators", "aliases") for name, *_ in catalogue[kind]}
+    assert set(dir(symplint.integrators)) == names
+
+
+@pytest.mark.parametrize("name", dir(symplint.systems))
+def test_the_library_takes_what_the_signature_of_a_system_states(name):
+    make = getattr(symplint.systems, name)
+    of_defaults = make()
+    arguments = inspect.signature(make).parameters
+    for argument in arguments.values():
+        if argument.default is not None:
+            stated = make(**{argument.name: argument.default})
+            assert np.array_equal(stated.q0, of_defaults.q0) and np.array_equal(stated.p0, of_defaults.p0), argument
+        for choice in choices(argument):
+            make(**{argument.name: choice})
+        if choices(argument):
+            with pytest.raises(symplint.InputError):
+                make(**{argument.name: "no-such-choice"})
+    assert any(choices(argument) for argument in arguments.values()) == ("Literal" in str(inspect.signature(make)))
+
+
+@pytest.mark.parametrize("name", dir(symplint.integrators))
+def test_the_library_takes_what_the_signature_of_an_integrator_states(name):
+    make = getattr(symplint.integrators, name)
+    of = {"boris": "charged_particle"} | dict.fromkeys(("boris_pic", "crank_nicolson", "ecsim"), "pic_1d2v")
+    system = getattr(symplint.systems, of.get(name, "pendulum"))()
+    numbers = {"tolerance": 1e-9, "max_iterations": 100, "iterations": 3, "damping": 0.01}
+    arguments = dict(inspect.signature(make).parameters)
+    assert arguments.pop("system").default is inspect.Parameter.empty
+    for argument in arguments.values():
+        for value in choices(argument) or [numbers[argument.name]]:
+            if value == "newton" and name in ("crank_nicolson", "discrete_gradient", "ecsim"):
+                with pytest.raises(symplint.InputError, match="fixed-point iteration alone"):
+                    make(system, solver=value)
+                continue
+            made = make(system, **{argument.name: value})
+            if argument.name == "variant" and value == argument.default:
+                assert made.name.startswith(make(system).name)
+    if "tolerance" not in arguments:
+        with pytest.raises(symplint.InputError, match="tolerance"):
+            make(system, tolerance=1e-9)
 
 
 def test_a_step_is_that_of_the_formula():

@@ -1,20 +1,26 @@
-"""Writes systems.pyi and integrators.pyi: their functions are made of the catalogue of the native module.
+"""Writes systems.pyi and integrators.pyi: their functions are made of the catalogue of the library.
 
 Run it with ``python python/tools/stubs.py`` after a system, a key or an integrator was added. With ``--check`` it writes
 nothing, and fails if the files differ.
 """
 
 import argparse
+import inspect
+import json
 import sys
 from pathlib import Path
+from typing import Any
 
-from symplint import _native
+from symplint import integrators, systems
 
 FOLDER = Path(__file__).parent.parent / "symplint"
 NOTE = "# Made by tools/stubs.py.\n"
 
 SYSTEMS = """
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import numpy.typing as npt
 
 from . import _native as native
 from ._arrays import Array
@@ -36,7 +42,7 @@ class System:
 """
 
 INTEGRATORS = """
-from typing import Any
+from typing import Any, Literal
 
 import numpy.typing as npt
 
@@ -66,28 +72,28 @@ def header(template: str, names: list[str]) -> str:
     return NOTE + template.lstrip("\n").replace("{names}", listed)
 
 
-def systems() -> str:
-    found = [(name.replace("-", "_"), keys) for name, _, keys in _native.catalogue()["systems"]]
-    lines = [header(SYSTEMS, ["System", *(name for name, _ in found)])]
-    for name, keys in found:
-        arguments = ", ".join(f"{key}: Any = ..." for key, *_ in keys)
-        lines.append(f"def {name}({'*, ' if keys else ''}{arguments}) -> System: ...\n")
-    return "".join(lines)
+def definition(function: Any) -> str:
+    """A function as a stub has it, with the annotations of its signature as they are."""
+    signature = inspect.signature(function)
+    arguments = []
+    for argument in signature.parameters.values():
+        if argument.kind is argument.KEYWORD_ONLY and "*" not in arguments:
+            arguments.append("*")
+        default = "" if argument.default is argument.empty else f" = {json.dumps(argument.default)}".replace("null", "None").replace("false", "False")
+        arguments.append(f"{argument.name}: {argument.annotation}{default}")
+    return f"def {function.__name__}({', '.join(arguments)}) -> {signature.return_annotation}: ...\n"
 
 
-def integrators() -> str:
-    catalogue = _native.catalogue()
-    names = [name.replace("-", "_") for name, *_ in catalogue["integrators"] + catalogue["aliases"]]
-    lines = [header(INTEGRATORS, ["Integrator", "of_system", *names])]
-    lines += [f"def {name}(system: System, **keys: Any) -> Integrator: ...\n" for name in names]
-    return "".join(lines)
+def stub(template: str, module: Any) -> str:
+    names = dir(module)
+    return header(template, module.__all__) + "".join(definition(getattr(module, name)) for name in names)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true")
     check = parser.parse_args().check
-    for name, text in (("systems.pyi", systems()), ("integrators.pyi", integrators())):
+    for name, text in (("systems.pyi", stub(SYSTEMS, systems)), ("integrators.pyi", stub(INTEGRATORS, integrators))):
         path = FOLDER / name
         if not check:
             path.write_text(text, encoding="utf-8")

@@ -1,6 +1,6 @@
 """A file as users write it: type checkers accept it, and know every type in it."""
 
-from typing import Any, assert_type
+from typing import TYPE_CHECKING, Any, assert_type
 
 import numpy as np
 import numpy.typing as npt
@@ -42,6 +42,11 @@ assert_type(symplint.measure((q, p), step(q, p, 0.1), h=0.1), symplint.Report)
 strang = symplint.integrators.strang(symplint.systems.pendulum(p0=0.25), variant="position-first")
 assert_type(strang, symplint.integrators.Integrator)
 assert_type(strang.system.q0, Array)
+if TYPE_CHECKING:
+    # Choices are types.
+    symplint.systems.pendulum(potential="tan")  # type: ignore[arg-type]
+    symplint.integrators.strang(symplint.systems.pendulum(), variant="kick-first")  # type: ignore[arg-type]
+    symplint.integrators.euler(symplint.systems.pendulum(), tolerance=1e-9)  # type: ignore[call-arg]
 assert_type(strang([1.0], [0.5], 0.1), tuple[Array, Array])
 assert_type(symplint.check(strang, h=0.1).order, float | None)
 
