@@ -140,7 +140,7 @@ def check(
     rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}, optional
         How loop integrals are computed; None is "auto".
     cutoff : float or (float, float), optional
-        λ of the finite-difference rule, or λ_q and λ_p: a cell of the loop is left out where q changes faster than λ_q times
+        The λ of the finite-difference rule, or λ_q and λ_p: a cell of the loop is left out where q changes faster than λ_q times
         the largest absolute value of q, or p likewise.
     samples : int or "auto"
         Samples of each loop.
@@ -156,12 +156,6 @@ def check(
         no value there.
     weight : float or array_like, optional
         The canonical momentum is weight × p: masses, where p are velocities.
-    per_sample : bool
-        Whether `step` (and `project`, `form` and `casimir`) takes and returns one state: arrays of shape (dof,).
-    make : bool
-        Whether ``step(h)`` returns ``advance(q, p)``; it is called once for each h.
-    reset : callable, optional
-        Called before every call of `step`, for codes that keep state.
     project : callable, optional
         ``project(q, p)`` puts states on the constraint manifold of the map, and returns or changes them as `step` does. With
         `form`, ``project(z)``.
@@ -174,6 +168,12 @@ def check(
         With `form`: the Casimir functions of a degenerate (Lie–Poisson) form, such as the lengths of spins. Each gets an array of
         shape (samples, n) and returns one of shape (samples,). All loops and tangent vectors are kept to the leaf through `q0`,
         on which these functions are constant. ``project(z)`` does the same if the leaf is known in another way.
+    per_sample : bool
+        Whether `step` (and `project`, `form` and `casimir`) takes and returns one state: arrays of shape (dof,).
+    make : bool
+        Whether ``step(h)`` returns ``advance(q, p)``; it is called once for each h.
+    reset : callable, optional
+        Called before every call of `step`, for codes that keep state.
     dtype : "float32", optional
         Where the map computes in single precision: `step` then gets arrays of it.
     jacobian : bool or "auto"
@@ -223,6 +223,7 @@ def check(
     Returns
     -------
     Report
+        The verdict with all the numbers that led to it.
 
     Other Parameters
     ----------------
@@ -287,7 +288,7 @@ def check(
         "casimir": casimir,
     }  # fmt: skip
     if coordinates is not None:
-        canonical = Coordinates.merged(coordinates, canonical)
+        canonical = Coordinates._merged(coordinates, canonical)
     if isinstance(step, AdaptedStep):
         q0 = step.q0 if q0 is None else q0
         p0 = step.p0 if p0 is None else p0
@@ -471,14 +472,19 @@ def assert_symplectic(
 
     Parameters
     ----------
-    step, q0, p0, **arguments
-        As those of `check`.
+    step : callable
+        The map, as `check` takes it.
+    q0, p0 : array_like
+        The centre of the loops, as in `check`.
     digits : float, optional
         To how many digits the loop integral has to be conserved, at least.
+    **arguments
+        Further arguments of `check`.
 
     Returns
     -------
     Report
+        The report of the check.
 
     Raises
     ------
@@ -536,14 +542,19 @@ def assert_structure(
 
     Parameters
     ----------
-    step, q0, p0, **arguments
-        As those of `check`.
+    step : callable
+        The map, as `check` takes it.
+    q0, p0 : array_like
+        The centre of the loops, as in `check`.
     symplectic, conformal, volume, reversible, symmetric : bool, optional
         Whether the map should have this property: see `Report.properties`. None, the default, allows both. At least one is given.
+    **arguments
+        Further arguments of `check`.
 
     Returns
     -------
     Report
+        The report of the check.
 
     Raises
     ------

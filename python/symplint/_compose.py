@@ -31,12 +31,29 @@ class Composition:
         return q, p
 
     def part(self, number: int) -> Callable[..., Any]:
-        """One part as a separate step."""
+        """One part as a separate step.
+
+        Parameters
+        ----------
+        number : int
+            Its number, from 0.
+
+        Returns
+        -------
+        callable
+            A step as `check` takes it.
+        """
         function = self.parts[number][1]
         return lambda q, p, *h: self._advanced(function, q, p, *h)
 
     def without_step_size(self) -> Composition:
-        """The same for parts that get no step size."""
+        """The same for parts that get no step size.
+
+        Returns
+        -------
+        Composition
+            The composition of ``f(q, p)``.
+        """
         return Composition(self.parts, has_step_size=False)
 
     def _advanced(self, function: Callable[..., Any], q: Any, p: Any, *h: float) -> tuple[Any, Any]:

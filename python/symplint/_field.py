@@ -94,7 +94,7 @@ class FieldReport:
 
     @property
     def curl(self) -> Curl | None:
-        """λ with its error; None if no pairs of directions were tested, or the force is constant."""
+        """The ratio λ with its error; None if no pairs of directions were tested, or the force is constant."""
         found = self._dict["evidence"]["curl"]
         return None if found is None else Curl(**found)
 
@@ -145,11 +145,23 @@ class FieldReport:
         return list(self._dict["advice"])
 
     def to_json(self) -> str:
-        """The report as JSON, schema ``symplint/field/1``."""
+        """The report as JSON, schema ``symplint/field/1``.
+
+        Returns
+        -------
+        str
+            Its text.
+        """
         return self._json
 
     def to_dict(self) -> dict[str, Any]:
-        """The report as a dictionary, with the keys of the JSON."""
+        """The report as a dictionary, with the keys of the JSON.
+
+        Returns
+        -------
+        dict
+            The contents of the JSON.
+        """
         return self._dict
 
     def __bool__(self) -> NoReturn:
@@ -224,12 +236,13 @@ def check_force(
         Processes or an executor that evaluate the force, as in `check`.
     threads : int, optional
         Threads for the work of the library, as in `check`.
-    maxfev, seed, executor
+    maxfev, seed, executor : optional
         Other names of `budget`, `rng` and `workers`.
 
     Returns
     -------
     FieldReport
+        The verdict, whose `holds` is True, False or None.
 
     Raises
     ------
@@ -303,17 +316,22 @@ def check_field(
         and of p.
     q0, p0 : array_like
         The centre of the loops, two arrays of one shape.
+    args : tuple
+        Further arguments of `field`.
     radius : float, array_like, pair of them or "auto"
         How far loops reach: one for all coordinates, an array like `q0` for positions and momenta, or a tuple of those for q and for p.
         "auto" is the distance on which the field is nearly linear; q and p are in proportion as the field suggests.
+    loops, budget, period : optional
+        As in `check_force`.
     weight : float or array_like, optional
         The canonical momentum is weight × p: masses, if p are velocities.
-    args, loops, budget, period, per_sample, dtype, rng, workers, threads, maxfev, seed, executor
+    per_sample, dtype, rng, workers, threads, maxfev, seed, executor : optional
         As in `check_force`.
 
     Returns
     -------
     FieldReport
+        The verdict, whose `holds` is True, False or None.
 
     Raises
     ------

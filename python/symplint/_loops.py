@@ -56,7 +56,7 @@ class Loop:
         return self._native.dof
 
     def sample(self, samples: int = 256) -> tuple[Array, Array]:
-        """Samples at s = k/samples.
+        """Sample the loop at s = k/samples.
 
         Parameters
         ----------
@@ -65,7 +65,10 @@ class Loop:
 
         Returns
         -------
-        q, p : ndarray of shape (samples, dof)
+        q : ndarray of shape (samples, dof)
+            The positions.
+        p : ndarray of shape (samples, dof)
+            The momenta.
         """
         return self._native.sample(whole(samples, "samples", 3))
 
@@ -81,7 +84,7 @@ class Circle(Loop):
     q0, p0 : array_like
         Its centre, one number for each degree of freedom.
     radius : float, array_like, or a pair of them
-        r: one for all, one for each degree of freedom, or a tuple of those for q and for p.
+        Radius r: one for all, one for each degree of freedom, or a tuple of those for q and for p.
     dofs : sequence of int, optional
         Degrees of freedom that the loop moves; the others stay at their centres.
     phases : {"staggered", "equal", "random"}
@@ -166,20 +169,27 @@ def circle(
     phases: str = "staggered",
     seed: int = 1,
 ) -> tuple[Array, Array]:
-    """Samples of a circle, for a code that advances them elsewhere: see `measure`.
+    """Sample a circle, for a code that advances its states elsewhere: see `measure`.
 
     Parameters
     ----------
-    q0, p0, radius
-        As those of `Circle`.
+    q0, p0 : array_like
+        The centre, one number for each degree of freedom.
+    radius : float, array_like, or a pair of them
+        As in `Circle`.
     samples : int
         How many.
-    phases, seed
-        As those of `Circle`.
+    phases : {"staggered", "equal", "random"}
+        As in `Circle`.
+    seed : int
+        Seed of random phases.
 
     Returns
     -------
-    q, p : ndarray of shape (samples, dof)
+    q : ndarray of shape (samples, dof)
+        The positions.
+    p : ndarray of shape (samples, dof)
+        The momenta.
 
     Examples
     --------

@@ -66,13 +66,14 @@ def loop_integral(
         How it is computed; "auto", or None, is pseudospectral, by central differences of order 10 or 20 where the samples of
         a degree of freedom are smooth to rounding.
     cutoff : float or (float, float), optional
-        λ of the finite-difference rule, as that of `check`.
+        The λ of the finite-difference rule, as in `check`.
     period, momentum_period, weight : float or array_like, optional
         As those of `check`.
 
     Returns
     -------
     LoopIntegral
+        The integral with its errors.
 
     Examples
     --------
@@ -118,6 +119,7 @@ def measure(
     Returns
     -------
     Report
+        The verdict with all the numbers that led to it.
 
     Examples
     --------

@@ -53,7 +53,7 @@ class Coordinates:
     form: Callable[..., Any] | None = None
     casimir: Callable[..., Any] | list[Callable[..., Any]] | None = None
 
-    def merged(self, stated: dict[str, Any]) -> dict[str, Any]:
+    def _merged(self, stated: dict[str, Any]) -> dict[str, Any]:
         """These coordinates and what is stated besides, as arguments of `check`."""
         if not isinstance(self, Coordinates):
             raise InputError(f"coordinates is an object of type {type(self).__name__}; give symplint.Coordinates(...)")

@@ -203,22 +203,46 @@ class Report:
         return _table(self.to_dict()["evidence"]["breaks"], BREAKS)
 
     def to_json(self) -> str:
-        """The report as JSON, schema ``symplint/report/3``."""
+        """The report as JSON, schema ``symplint/report/3``.
+
+        Returns
+        -------
+        str
+            Its text.
+        """
         return self._native.to_json()
 
     def to_dict(self) -> dict[str, Any]:
-        """The report as a dictionary, with the keys of the JSON."""
+        """The report as a dictionary, with the keys of the JSON.
+
+        Returns
+        -------
+        dict
+            The contents of the JSON.
+        """
         if self._dict is None:
             self._dict = json.loads(self.to_json())
         return self._dict
 
     def to_dataframe(self) -> Any:
-        """The measured points as a ``pandas.DataFrame`` with the columns of `points`. Needs pandas."""
+        """The measured points as a table of pandas, which has to be installed.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row for each point, with the columns of `points`.
+        """
         # It need not be installed where types are checked.
         return importlib.import_module("pandas").DataFrame(self.points)
 
     def to_html(self) -> str:
-        """The report as a page of HTML, without references to other files."""
+        """The report as a page of HTML, without references to other files.
+
+        Returns
+        -------
+        str
+            The page.
+        """
         return self._native.to_html()
 
     def save(self, folder: str | os.PathLike[str]) -> None:
@@ -244,6 +268,7 @@ class Report:
         Returns
         -------
         matplotlib.axes.Axes
+            The axes with the figure.
         """
         from ._plot import plot_defects
 
@@ -266,6 +291,7 @@ class Report:
         Returns
         -------
         matplotlib.axes.Axes
+            The axes with the figure.
         """
         from ._plot import plot_loop
 
@@ -277,7 +303,13 @@ class Report:
         return plot_loop(before, after, largest, dof, ax)
 
     def reasons(self) -> str:
-        """What the verdict rests on, as a text."""
+        """The summary and the findings as one text, as exceptions show it.
+
+        Returns
+        -------
+        str
+            The text, of several lines.
+        """
         return self._native.reasons()
 
     def __copy__(self) -> Report:

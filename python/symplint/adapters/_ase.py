@@ -18,7 +18,7 @@ FEMTOSECOND = 0.09822694788464063
 
 
 def ase(atoms: Any, dynamics: Callable[..., Any], **options: Any) -> AdaptedStep:
-    """Dynamics of ASE.
+    """Molecular dynamics of ASE.
 
     Parameters
     ----------
