@@ -24,6 +24,7 @@ from ._errors import InputError, NotSymplecticError, StepError, StructureError, 
 from ._form import CircleOfForm, FormOfRows, Leaf, LoopOfForm, MapOfForm, Projection, one_form
 from ._identity import identity
 from ._loops import Loop, centre, phases_and_seed, radii
+from ._mass_matrix import EnergyOfVelocities, MassMatrix, StepOfVelocities
 from ._progress import bar
 from ._report import Report, States
 from ._names import Coordinates, WithArguments, WithoutStepSize, executor_of, one_of, seed_of
@@ -71,6 +72,7 @@ def check(
     project: Callable[..., Any] | None = None,
     form: Callable[..., Any] | None = None,
     casimir: Callable[..., Any] | list[Callable[..., Any]] | None = None,
+    mass_matrix: Callable[..., Any] | npt.ArrayLike | None = None,
     per_sample: bool = False,
     make: bool = False,
     reset: Callable[[], object] | None = None,
@@ -148,7 +150,7 @@ def check(
         The most evaluations, states advanced by one step: 200 or more. By default 20,000; "auto" is 1,000,000 for integrators of
         the library.
     coordinates : Coordinates, optional
-        The next six arguments in one object.
+        The next seven arguments in one object.
     period : float or array_like, optional
         Periods of the positions, 0 where a position is not periodic.
     momentum_period : float or array_like, optional
@@ -168,6 +170,10 @@ def check(
         With `form`: the Casimir functions of a degenerate (Lie–Poisson) form, such as the lengths of spins. Each gets an array of
         shape (samples, n) and returns one of shape (samples,). All loops and tangent vectors are kept to the leaf through `q0`,
         on which these functions are constant. ``project(z)`` does the same if the leaf is known in another way.
+    mass_matrix : callable or array_like, optional
+        If the canonical momentum is M(q) v and `step` is ``step(q, v, h)``: ``mass_matrix(q)`` returns an array of shape (samples, dof, dof),
+        or ``mass_matrix`` is one matrix. `p0` is a velocity then, and so is the second argument of `energy`. Loops are laid in q and M(q) v, and `radius` and
+        `loop` describe these momenta.
     per_sample : bool
         Whether `step` (and `project`, `form` and `casimir`) takes and returns one state: arrays of shape (dof,).
     make : bool
@@ -285,7 +291,7 @@ def check(
     run_dir = one_of("run_dir", run_dir, "out", out, None)
     canonical = {
         "period": period, "momentum_period": momentum_period, "weight": weight, "project": project, "form": form,
-        "casimir": casimir,
+        "casimir": casimir, "mass_matrix": mass_matrix,
     }  # fmt: skip
     if coordinates is not None:
         canonical = Coordinates._merged(coordinates, canonical)
@@ -343,6 +349,7 @@ def _check(
     project: Any,
     form: Any,
     casimir: Any,
+    mass_matrix: Any,
     per_sample: bool,
     make: bool,
     reset: Any,
@@ -372,10 +379,15 @@ def _check(
         _check_none(step_sizes, make)
     _check_signature(step, form is not None, step_sizes, make, len(args))
     name, functions = _name(step), {"step": step, "jvp": jvp, "form": form, "project": project, "reset": reset, "energy": energy}
+    if callable(mass_matrix):
+        functions["mass_matrix"] = mass_matrix
     if args:
         if not callable(step) or isinstance(step, Integrator | Composition | AdaptedStep):
             raise InputError("args are for a function; give it, or leave args out")
         step = WithArguments(step, args)
+    if mass_matrix is not None:
+        others = {"form": form, "weight": weight, "project": project, "momentum_period": momentum_period, "jvp": jvp, "dtype": dtype}
+        step, p0, energy = _of_velocities(mass_matrix, step, q0, p0, energy, make, others)
     if form is not None:
         step, q0, p0, radius, loop, project = _of_form(
             form, step, q0, p0, radius=radius, phases=phases, loop=loop, project=project, casimir=casimir,
@@ -431,7 +443,10 @@ def _check(
         "steps": steps,
     } | further
     settings = {setting: value for setting, value in settings.items() if value is not None}
-    config = _config(name, subject, settings | ({"args": repr(args)} if args else {}), loop)
+    stated = {"args": repr(args)} if args else {}
+    if mass_matrix is not None and not callable(mass_matrix):
+        stated["mass_matrix"] = hashlib.sha256(np.asarray(mass_matrix, dtype=np.float64).tobytes()).hexdigest()[:16]
+    config = _config(name, subject, settings | stated, loop)
     dof = subject["dof"]
     of_states = "coordinates" if form is not None else f"degree{'' if dof == 1 else 's'} of freedom"
     title = f"{name} · {dof} {of_states}"
@@ -710,6 +725,25 @@ def _parts(step: Any, make: bool) -> list[tuple[str, Callable[..., Any]]]:
     if make:
         raise InputError("make is for steps that are one whole; give parts as functions f(q, p, h)")
     return [(name, step.part(number)) for number, (name, _) in enumerate(step.parts)]
+
+
+def _of_velocities(
+    mass_matrix: Any, step: Any, q0: Any, v0: Any, energy: Any, make: bool, others: dict[str, Any]
+) -> tuple[Any, Any, Any]:
+    """What is tested if a mass matrix is given: step, p0 and energy in the canonical momenta."""
+    if refused := [name for name, value in others.items() if value is not None]:
+        raise InputError(f"{refused[0]} is for steps in q and p; with mass_matrix, p is M(q) v, and {refused[0]} has no meaning")
+    if not callable(step) or isinstance(step, Integrator | AdaptedStep):
+        raise InputError("mass_matrix is for a function step(q, v, h); give it, or leave mass_matrix out")
+    if q0 is None or v0 is None:
+        raise InputError("q0 and p0 are missing; with mass_matrix, give positions and velocities")
+    matrix = MassMatrix(mass_matrix)
+    q0, v0 = centre(q0, v0)
+    if isinstance(step, Composition):
+        step = compose(*((name, StepOfVelocities(part, matrix)) for name, part in step.parts))
+    else:
+        step = StepOfVelocities(step, matrix, make)
+    return step, matrix.momenta(q0, v0), EnergyOfVelocities(energy, matrix) if callable(energy) else energy
 
 
 def _of_form(

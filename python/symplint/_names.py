@@ -34,6 +34,8 @@ class Coordinates:
         The one-form of non-canonical coordinates.
     casimir : callable or list of callables, optional
         The Casimir functions of a degenerate form.
+    mass_matrix : callable or array_like, optional
+        ``mass_matrix(q)``, if p are velocities v and the canonical momentum is M(q) v.
 
     Examples
     --------
@@ -52,6 +54,7 @@ class Coordinates:
     project: Callable[..., Any] | None = None
     form: Callable[..., Any] | None = None
     casimir: Callable[..., Any] | list[Callable[..., Any]] | None = None
+    mass_matrix: Callable[..., Any] | npt.ArrayLike | None = None
 
     def _merged(self, stated: dict[str, Any]) -> dict[str, Any]:
         """These coordinates and what is stated besides, as arguments of `check`."""
