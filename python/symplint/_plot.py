@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,20 +27,20 @@ def _axes(ax: Axes | None) -> Axes:
     return plt.figure(layout="constrained").add_subplot()
 
 
-def plot_defects(report: Report, ax: Axes | None) -> Axes:
-    """Defects against step sizes, with their uncertainty and the fitted order."""
+def plot_defects(report: Report, ax: Axes | None, style: dict[str, Any]) -> Axes:
+    """Defects against step sizes, with their uncertainty and the fitted order; `style` is that of the given loop."""
     ax = _axes(ax)
     points = report.points
     points = points[(points["sweep"] == "step-size") & np.isfinite(points["step_size"])]
     points = points[np.argsort(points["step_size"])]
     given, others = points[points["loop"] == 0], points[points["loop"] > 0]
 
-    def draw(rows: np.ndarray, field: str, style: str, label: str) -> None:
+    def draw(rows: np.ndarray, field: str, marks: str, label: str, own: dict[str, Any] | None = None) -> None:
         known = rows[np.isfinite(rows[field])]
         if known.size:
-            ax.loglog(np.abs(known["step_size"]), np.maximum(known[field], FLOOR), style, label=label)
+            ax.loglog(np.abs(known["step_size"]), np.maximum(known[field], FLOOR), marks, **{"label": label} | (own or {}))
 
-    draw(given, "defect", "o-", "given loop")
+    draw(given, "defect", "o-", "given loop", style)
     draw(given, "closed_defect", "d-", "given loop, breaks closed")
     draw(others, "defect", "x", "random loops")
     uncertainty = np.nan_to_num(given["quadrature_error"]) + given["roundoff"]
@@ -61,13 +61,18 @@ def plot_defects(report: Report, ax: Axes | None) -> Axes:
 
 
 def plot_loop(
-    before: tuple[Array, Array], after: tuple[Array, Array], h: float, dof: int, ax: Axes | None
+    before: tuple[Array, Array], after: tuple[Array, Array], h: float, dof: int, breaks: Array, ax: Axes | None, style: dict[str, Any]
 ) -> Axes:
-    """A loop before and after a step. Points, because a line would hide that a loop is broken."""
+    """A loop before and after a step, with the chords over its breaks; `style` is that of the states after the step."""
     ax = _axes(ax)
     label = f"after one step of h = {h:g}" if np.isfinite(h) else "after the step"
     ax.plot(before[0][:, dof], before[1][:, dof], "-", color="0.6", label="before")
-    ax.plot(after[0][:, dof], after[1][:, dof], ".", label=label)
+    # Points, because a line would hide that a loop is broken.
+    ax.plot(after[0][:, dof], after[1][:, dof], **{"marker": ".", "linestyle": "", "label": label} | style)
+    for number, s in enumerate(breaks):
+        samples = len(after[0])
+        ends = [int(s * samples) % samples, (int(s * samples) + 1) % samples]
+        ax.plot(after[0][ends, dof], after[1][ends, dof], ":", color="tab:red", label="" if number else "breaks")
     ax.set_xlabel(f"q[{dof}]")
     ax.set_ylabel(f"p[{dof}]")
     ax.legend()

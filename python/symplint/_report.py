@@ -257,13 +257,15 @@ class Report:
         """
         self._native.save(os.fsdecode(folder))
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
         """Draw the defects of all loops against step sizes.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
             Where; new ones by default.
+        **kwargs
+            The style of the line of the given loop, as ``matplotlib.axes.Axes.plot`` takes it.
 
         Returns
         -------
@@ -272,10 +274,10 @@ class Report:
         """
         from ._plot import plot_defects
 
-        return plot_defects(self, ax)
+        return plot_defects(self, ax, kwargs)
 
-    def plot_loop(self, ax: Axes | None = None, *, dof: int = 0, samples: int = 256) -> Axes:
-        """Draw the given loop before and after one step of the largest size.
+    def plot_loop(self, ax: Axes | None = None, *, dof: int = 0, samples: int = 256, **kwargs: Any) -> Axes:
+        """Draw the given loop before and after one step of the largest size, with its breaks.
 
         Advances `samples` states by one step.
 
@@ -287,6 +289,8 @@ class Report:
             The degree of freedom whose plane is shown.
         samples : int
             How many states are drawn. Of a measurement, all are.
+        **kwargs
+            The style of the states after the step, as ``matplotlib.axes.Axes.plot`` takes it.
 
         Returns
         -------
@@ -300,7 +304,9 @@ class Report:
         known = sizes[np.isfinite(sizes)]
         largest = float(known[np.argmax(np.abs(known))]) if known.size else float("nan")
         before, after = self._image(largest, samples)
-        return plot_loop(before, after, largest, dof, ax)
+        breaks = self.breaks
+        broken = breaks["s"][(breaks["loop"] == 0) & (breaks["step_size"] == largest) & (breaks["dof"] == dof)]
+        return plot_loop(before, after, largest, dof, broken, ax, kwargs)
 
     def reasons(self) -> str:
         """The summary and the findings as one text, as exceptions show it.

@@ -104,6 +104,29 @@ def test_figures(report):
     ax = measured.plot_loop()
     assert np.array_equal(ax.get_lines()[1].get_xdata(), q[:, 0])
     assert measured.plot() is not None
+    assert report.plot(color="k", label="mine").get_lines()[0].get_color() == "k"
+    assert report.plot_loop(marker="x").get_lines()[1].get_marker() == "x"
+    plt.close("all")
+
+
+def test_breaks_are_drawn():
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    def kinked(q, p, h):
+        return q + h * p, p - h * np.sign(q)
+
+    report = symplint.check(kinked, 0.3, 0.1, step_sizes=[0.5, 0.25], budget=4000)
+    assert report.kind == "broken-loops"
+    labels = [line.get_label() for line in report.plot_loop().get_lines()]
+    broken = report.breaks
+    assert labels.count("breaks") == 1
+    assert len(labels) == 2 + len(broken[(broken["loop"] == 0) & (broken["step_size"] == 0.5)])
+    for line in plt.gca().get_lines()[2:]:
+        (q0, q1), (p0, p1) = line.get_data()
+        # A chord over a jump of the force, 2 h, where q is 0 before the step.
+        assert abs(abs(p1 - p0) - 1.0) < 0.1 and abs(q1 - q0) < 0.1
     plt.close("all")
 
 
