@@ -104,12 +104,12 @@ def check(
     Parameters
     ----------
     step : callable
-        ``step(q, p, h)`` gets arrays of shape (samples, dof), and returns two, or changes them in place and returns
-        None. A row is one state; what happens to it must depend on nothing but this row and h. Arrays may be kept:
-        they are not used again then. The arrays are in Fortran order. Their lengths are 1, 4, 16, 64, 256 or 1024, so that JAX
-        compiles few versions: a batch may end with copies of its last row, which are no evaluations. Results may be arrays of any order and library, torch
-        and JAX among them. An integrator of `symplint.integrators` runs without Python, and so does a system of
-        `symplint.systems`, with its default integrator. A step of `symplint.adapters` states its centre, weights and step sizes.
+        ``step(q, p, h)`` gets arrays of shape (samples, dof), and returns two, or changes them in place and returns None. A row is one
+        state; what happens to it must depend on nothing but this row and h. Arrays may be kept: they are not used again then. The arrays
+        are in Fortran order. Their lengths are 1, 4, 16, 64, 256 or 1024, so that JAX compiles few versions: a batch may end with copies
+        of its last row, which are no evaluations. Results may be arrays of any order and library, torch and JAX among them. An integrator
+        of `symplint.integrators` runs without Python, and so does a system of `symplint.systems`, with its default integrator. A step of
+        `symplint.adapters` states its centre, weights and step sizes.
     q0, p0 : array_like
         Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library or a step of
         `symplint.adapters`, and if `loop` is one of the library.
@@ -171,9 +171,9 @@ def check(
         shape (samples, n) and returns one of shape (samples,). All loops and tangent vectors are kept to the leaf through `q0`,
         on which these functions are constant. ``project(z)`` does the same if the leaf is known in another way.
     mass_matrix : callable or array_like, optional
-        If the canonical momentum is M(q) v and `step` is ``step(q, v, h)``: ``mass_matrix(q)`` returns an array of shape (samples, dof, dof),
-        or ``mass_matrix`` is one matrix. `p0` is a velocity then, and so is the second argument of `energy`. Loops are laid in q and M(q) v, and `radius` and
-        `loop` describe these momenta.
+        If the canonical momentum is M(q) v and `step` is ``step(q, v, h)``: ``mass_matrix(q)`` returns an array of shape (samples, dof,
+        dof), or ``mass_matrix`` is one matrix. `p0` is a velocity then, and so is the second argument of `energy`. Loops are laid in q
+        and M(q) v, and `radius` and `loop` describe these momenta.
     per_sample : bool
         Whether `step` (and `project`, `form` and `casimir`) takes and returns one state: arrays of shape (dof,).
     make : bool
@@ -247,8 +247,8 @@ def check(
         If an argument is not valid.
     StepError
         If the map fails on the given loop, or returns states that are not finite, or its results depend on earlier calls or on the other
-        rows of the batch. Exceptions of `step` are the cause. Where it fails at some of the step sizes only, the others are measured first: the exception has the
-        report on them.
+        rows of the batch. Exceptions of `step` are the cause. Where it fails at some of the step sizes only, the others are measured
+        first: the exception has the report on them.
 
     Examples
     --------
@@ -307,7 +307,8 @@ def check(
         per_sample = step.per_sample
         dtype = step.dtype if dtype is None else dtype
         if run_dir is not None and key is None:
-            raise InputError(f'run_dir is given, and {step.__name__} has no source text; identify it by a text of yours, as in key="3 bodies, version 2"')
+            remedy = 'identify it by a text of yours, as in key="3 bodies, version 2"'
+            raise InputError(f"run_dir is given, and {step.__name__} has no source text; {remedy}")
     radius = 1.0 if radius is None else radius
     if substeps is not None:
         if step is not None:

@@ -93,14 +93,16 @@ def derivatives_of_jax(step: Callable[..., Any], dof: int, per_sample: bool) -> 
 
 def traced(step: Callable[..., Any], dof: int, per_sample: bool) -> Callable[..., Any] | None:
     """The derivative ``jvp(q, p, h, dq, dp)`` of a step that JAX or torch can trace; None, with a warning that has the reasons, for others."""
-    libraries = [(sys.modules[name], trace) for name, trace in (("jax", _traced_by_jax), ("torch", _traced_by_torch)) if name in sys.modules]
     reasons = []
-    for library, trace in libraries:
+    for name, trace in (("jax", _traced_by_jax), ("torch", _traced_by_torch)):
+        library = sys.modules.get(name)
+        if library is None:
+            continue
         try:
             return trace(library, step, dof, per_sample)
         except Exception as error:  # Whatever a step raises that cannot be traced.
             lines = str(error).strip().splitlines() or [type(error).__name__]
-            reasons.append(f"{library.__name__}: {lines[0]}")
+            reasons.append(f"{name}: {lines[0]}")
     reason = "; ".join(reasons) or "neither JAX nor torch is imported"
     warnings.warn(
         f'jacobian="auto": the step cannot be traced, and differences give the Jacobian ({reason}); let the step take and return arrays '
@@ -127,7 +129,8 @@ def _check_traced(found: Any, shape: tuple[int, ...]) -> None:
     for rows in found:
         precision = str(rows.dtype).rsplit(".", 1)[-1]
         if tuple(rows.shape) != shape or precision != "float64":
-            raise TypeError(f"the results have the shape {tuple(rows.shape)} and the type {precision}, for states of shape {shape} in double precision")
+            found_as = f"the shape {tuple(rows.shape)} and the type {precision}"
+            raise TypeError(f"the results have {found_as}, for states of shape {shape} in double precision")
 
 
 def _traced_by_jax(jax: Any, step: Callable[..., Any], dof: int, per_sample: bool) -> Callable[..., Any]:

@@ -113,7 +113,8 @@ def _maker(name: str, summary: str, variants: list[str], is_implicit: bool, afte
     make.__name__ = make.__qualname__ = name.replace("-", "_")
     make.__signature__ = signature([SYSTEM], arguments, "Integrator")  # type: ignore[attr-defined]
     before = "system : System\n    One of `symplint.systems`."
-    make.__doc__ = docstring(f"The integrator {name}: {sentence(summary, capital=False)}", arguments, "Integrator", "One step of the method.", before, after)
+    text = f"The integrator {name}: {sentence(summary, capital=False)}"
+    make.__doc__ = docstring(text, arguments, "Integrator", "One step of the method.", before, after)
     return make
 
 

@@ -58,7 +58,8 @@ def _maker(name: str, summary: str, keys: list[tuple[str, str | None, str]]) -> 
     arguments = [of_key(*key) for key in keys]
     make.__name__ = make.__qualname__ = name.replace("-", "_")
     make.__signature__ = signature([], arguments, "System")  # type: ignore[attr-defined]
-    make.__doc__ = docstring(f"The system {name}: {sentence(summary, capital=False)}", arguments, "System", "The system with its initial state.")
+    text = f"The system {name}: {sentence(summary, capital=False)}"
+    make.__doc__ = docstring(text, arguments, "System", "The system with its initial state.")
     return make
 
 

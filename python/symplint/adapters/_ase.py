@@ -25,15 +25,16 @@ def ase(atoms: Any, dynamics: Callable[..., Any], **options: Any) -> AdaptedStep
     atoms : ase.Atoms
         Atoms with a calculator. They are not changed.
     dynamics : callable
-        A class of molecular dynamics such as ``ase.md.verlet.VelocityVerlet``, or a function ``dynamics(atoms, timestep=…)`` that returns one.
+        A class of molecular dynamics such as ``ase.md.verlet.VelocityVerlet``, or a function ``dynamics(atoms, timestep=…)`` that returns
+        one.
     **options
         Further arguments of `dynamics`.
 
     Returns
     -------
     AdaptedStep
-        One step of size h in the unit of time of ASE; a typical step is √m fs for a lightest atom of mass m. States are positions and momenta, x, y and z of the first
-        atom first, without atoms that ``FixAtoms`` holds. They are canonical.
+        One step of size h in the unit of time of ASE; a typical step is √m fs for a lightest atom of mass m. States are positions and
+        momenta, x, y and z of the first atom first, without atoms that ``FixAtoms`` holds. They are canonical.
 
     Raises
     ------

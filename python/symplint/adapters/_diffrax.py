@@ -23,7 +23,8 @@ def diffrax(
     Parameters
     ----------
     terms : diffrax term or tuple of terms
-        The vector field, as ``diffrax.diffeqsolve`` takes it, on y = (q, p): a pair of arrays of shape (dof,). For ``SemiImplicitEuler``, a pair of terms.
+        The vector field, as ``diffrax.diffeqsolve`` takes it, on y = (q, p): a pair of arrays of shape (dof,). For ``SemiImplicitEuler``,
+        a pair of terms.
     solver : diffrax.AbstractSolver
         The method.
     q0, p0 : array_like

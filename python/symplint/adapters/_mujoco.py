@@ -36,8 +36,8 @@ def mujoco(model: Any, data: Any) -> AdaptedStep:
 
     Notes
     -----
-    Set up once: a copy of the model and of the data. For each state: the data are copied into the working data, and ``qpos`` and ``qvel`` are set, the
-    latter by a solution with M(q). Warm starts of the solver begin as in `data`.
+    Set up once: a copy of the model and of the data. For each state: the data are copied into the working data, and ``qpos`` and ``qvel``
+    are set, the latter by a solution with M(q). Warm starts of the solver begin as in `data`.
 
     Examples
     --------

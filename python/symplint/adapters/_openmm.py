@@ -33,9 +33,10 @@ def openmm(context: Any) -> AdaptedStep:
 
     Notes
     -----
-    Set up once: the context and a checkpoint of it. For each state: the checkpoint is loaded, and positions and velocities are set. If the
-    integrator draws random numbers, the context is initialized again instead, so that each state gets the same noise. ``VerletIntegrator`` is the leapfrog method with velocities half a step
-    before the positions. (q(t), v(t - h/2)) is a canonical pair also.
+    Set up once: the context and a checkpoint of it. For each state: the checkpoint is loaded, and positions and velocities are set. If
+    the integrator draws random numbers, the context is initialized again instead, so that each state gets the same noise.
+    ``VerletIntegrator`` is the leapfrog method with velocities half a step before the positions. (q(t), v(t - h/2)) is a canonical pair
+    also.
 
     Examples
     --------
@@ -68,7 +69,8 @@ def openmm(context: Any) -> AdaptedStep:
     if draws and integrator.getRandomNumberSeed() == 0:
         # 0 is a new seed for each initialization.
         integrator.setRandomNumberSeed(1)
-    beginning = context.getState(positions=True, velocities=True, parameters=True, integratorParameters=True) if draws else context.createCheckpoint()
+    everything = {"positions": True, "velocities": True, "parameters": True, "integratorParameters": True}
+    beginning = context.getState(**everything) if draws else context.createCheckpoint()
 
     def step(q: Any, v: Any, h: float) -> tuple[Any, Any]:
         if draws:

@@ -31,8 +31,8 @@ def pyat(lattice: Any, orbit: npt.ArrayLike | None = None) -> AdaptedStep:
     Returns
     -------
     AdaptedStep
-        A map without a step size; radii are 1e-3. Its positions are (x, y, δ) and its momenta (px, py, ct): ct is the momentum of δ. Its parts are the
-        elements.
+        A map without a step size; radii are 1e-3. Its positions are (x, y, δ) and its momenta (px, py, ct): ct is the momentum of δ. Its
+        parts are the elements.
 
     Raises
     ------
@@ -41,7 +41,8 @@ def pyat(lattice: Any, orbit: npt.ArrayLike | None = None) -> AdaptedStep:
 
     Notes
     -----
-    Set up once: nothing but the lattice. All states are tracked at once. Pass methods with a memory (wakes, beam loading) depend on earlier calls.
+    Set up once: nothing but the lattice. All states are tracked at once. Pass methods with a memory (wakes, beam loading) depend on
+    earlier calls.
 
     Examples
     --------

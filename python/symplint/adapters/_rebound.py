@@ -30,8 +30,8 @@ def rebound(simulation: Any, *, prepare: Callable[[Any], object] | None = None) 
     Returns
     -------
     AdaptedStep
-        One step of size h; the integrators "ias15" and "bs" integrate over h and choose their steps, the first of which is dt. States are positions and velocities
-        in the inertial frame, x, y and z of the first body first. The masses are weights.
+        One step of size h; the integrators "ias15" and "bs" integrate over h and choose their steps, the first of which is dt. States are
+        positions and velocities in the inertial frame, x, y and z of the first body first. The masses are weights.
 
     Raises
     ------
@@ -40,8 +40,9 @@ def rebound(simulation: Any, *, prepare: Callable[[Any], object] | None = None) 
 
     Notes
     -----
-    Set up once for each h: a copy of the simulation with its options. MERCURIUS also computes its critical radii once, from the
-    bodies of `simulation`: radii that follow the state would make it lose its symplecticity. For each state: a copy of this copy, which gets positions and velocities.
+    Set up once for each h: a copy of the simulation with its options. MERCURIUS also computes its critical radii once, from the bodies of
+    `simulation`: radii that follow the state would make it lose its symplecticity. For each state: a copy of this copy, which gets
+    positions and velocities.
 
     Examples
     --------

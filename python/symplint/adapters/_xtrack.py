@@ -25,8 +25,9 @@ def xtrack(line: Any) -> AdaptedStep:
     Returns
     -------
     AdaptedStep
-        A map without a step size; radii are 1e-3. Its positions are (x, y, zeta) and its momenta (px, py, pzeta), with pzeta = ptau / beta0. (delta is not
-        canonical to zeta.) The momenta are multiplied by the reference momentum at the end over that at the beginning. Its parts are the elements.
+        A map without a step size; radii are 1e-3. Its positions are (x, y, zeta) and its momenta (px, py, pzeta), with pzeta = ptau /
+        beta0. (delta is not canonical to zeta.) The momenta are multiplied by the reference momentum at the end over that at the
+        beginning. Its parts are the elements.
 
     Raises
     ------
@@ -35,8 +36,8 @@ def xtrack(line: Any) -> AdaptedStep:
 
     Notes
     -----
-    Set up once: the tracker of the line. For each call: new particles, all states at once. Radiation with random numbers, and elements with a memory, depend on
-    earlier calls.
+    Set up once: the tracker of the line. For each call: new particles, all states at once. Radiation with random numbers, and elements
+    with a memory, depend on earlier calls.
 
     Examples
     --------
