@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use serde::Deserialize;
 use symplint::{Diagnosis, Ensemble};
 use symplint_report::figures::{measure_figures, sizes};
-use symplint_report::page::Page;
+use symplint_report::page::{Page, Repeat};
 use symplint_report::provenance::{Provenance, Run};
 use symplint_report::report::{Report as JsonReport, read_evidence};
 use symplint_report::run_folder::RunFolder;
@@ -89,6 +89,7 @@ impl Report {
             config: &config_text(&self.config),
             provenance: &self.provenance,
             json: &self.json(),
+            repeat: Repeat::Python,
         })
     }
 }

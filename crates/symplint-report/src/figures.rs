@@ -1,6 +1,6 @@
 //! The figures of a diagnosis, of a trace and of loops from files.
 
-use symplint::evidence::{Point, Sweep};
+use symplint::evidence::{Point, Sector, Sweep};
 use symplint::trace::{Observable, TraceRecord};
 use symplint::{Diagnosis, Ensemble, Loop, TimeAdvance};
 
@@ -12,7 +12,7 @@ use crate::plot::{
 };
 
 /// The figures of a diagnosis of `map` by `phase_loop` with their names, and a line on the one that was left
-/// out, if any. The loop is drawn after a step of size `h`, which takes 720 evaluations, and not where `is_costly` says that they
+/// out, if any. The loop is drawn after a step of size `h`, which takes 720 evaluations, unless `is_costly` states that they
 /// are too many.
 pub fn check_figures(
     title: &str,
@@ -32,7 +32,7 @@ pub fn check_figures(
     }
     let drawn = match is_costly {
         true => Err(format!("it would take {DRAWN_SAMPLES} more evaluations")),
-        false => advanced_loop(title, map, phase_loop, h),
+        false => advanced_loop(title, diagnosis, map, phase_loop, h),
     };
     let note = match drawn {
         Ok(figure) => {
@@ -58,6 +58,10 @@ const DRAWN_SAMPLES: usize = 720;
 const GIVEN_COLORS: [usize; 2] = [0, 2];
 /// The same for random loops.
 const RANDOM_COLORS: [usize; 2] = [1, 3];
+/// The colour of the sector of a loop that changes most.
+const SECTOR_COLOR: usize = 4;
+/// The colour of breaks, and a marker that differs from other markers.
+const BREAK_COLOR: usize = 3;
 
 fn single(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Figure {
     Figure::new(
@@ -160,7 +164,7 @@ fn plane(ensemble: &Ensemble, dof: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The loop before and after the largest step, in the plane of the first degree of freedom.
+/// The loop before and after the largest step, in the plane of the degree of freedom that jumps first, or else of the first.
 ///
 /// Drawn as points, because a line would hide that a loop is broken.
 ///
@@ -168,6 +172,7 @@ fn plane(ensemble: &Ensemble, dof: usize) -> Vec<(f64, f64)> {
 /// Why it is not available, as a sentence. The verdict does not need it, so the run has not failed.
 fn advanced_loop(
     title: &str,
+    diagnosis: &Diagnosis,
     map: &dyn TimeAdvance,
     phase_loop: &dyn Loop,
     h: f64,
@@ -189,7 +194,54 @@ fn advanced_loop(
     };
     let (before, after) =
         advanced().map_err(|error| format!("of its {DRAWN_SAMPLES} samples one fails; {error}"))?;
-    Ok(two_loops(title, &before, &after, 0, Some(h)))
+    let plane_of = jumping_dof(diagnosis);
+    let mut figure = two_loops(title, &before, &after, plane_of, Some(h));
+    for panel in &mut figure.panels {
+        panel.series.extend(marks(diagnosis, &before, plane_of, h));
+    }
+    Ok(figure)
+}
+
+/// The degree of freedom of the first break of the given loop; 0 without breaks.
+fn jumping_dof(diagnosis: &Diagnosis) -> usize {
+    let mut breaks = diagnosis.evidence.breaks.iter();
+    breaks
+        .find(|at| at.loop_index == 0)
+        .map_or(0, |at| at.found.dof)
+}
+
+/// A sector that makes this part of all changes is marked; the findings name it by the same limit. Conventional.
+const LARGE_SHARE: f64 = 0.4;
+
+/// What the evidence locates on the given loop before the step: its breaks by a step of size `h`, and
+/// the sector that changes most if it stands out.
+fn marks(diagnosis: &Diagnosis, before: &Ensemble, dof: usize, h: f64) -> Vec<Series> {
+    let evidence = &diagnosis.evidence;
+    let points = plane(before, dof);
+    let sample = |s: f64| (s * points.len() as f64).round() as usize % points.len();
+    let breaks: Vec<(f64, f64)> = (evidence.breaks.iter())
+        .filter(|at| at.loop_index == 0 && at.step_size.is_none_or(|size| size == h))
+        .map(|at| points[sample(at.found.s)])
+        .collect();
+    let mut marks = Vec::new();
+    let localisation = evidence.localisation.as_ref();
+    if let Some(of) = localisation.filter(|of| of.loop_index == 0) {
+        let size = |sector: &&Sector| sector.change.abs();
+        let all: f64 = of.sectors.iter().map(|sector| size(&sector)).sum();
+        let largest = (of.sectors.iter()).max_by(|a, b| size(a).total_cmp(&size(b)));
+        if let Some(sector) = largest.filter(|of| size(of) >= LARGE_SHARE * all && all > 0.0) {
+            let (from, to) = (sample(sector.from), sample(sector.to));
+            // The last sector ends where the first one begins.
+            let to = if to <= from { points.len() } else { to };
+            let arc = (from..=to).map(|k| points[k % points.len()]).collect();
+            let label = format!("largest change: s = {} to {}", sector.from, sector.to);
+            marks.push(series(&label, arc, Style::Line, SECTOR_COLOR));
+        }
+    }
+    if !breaks.is_empty() {
+        marks.push(series("torn here", breaks, Style::Points, BREAK_COLOR));
+    }
+    marks
 }
 
 /// A loop before and after a step, in the plane of one degree of freedom.
@@ -245,11 +297,7 @@ pub fn measure_figures(
     h: Option<f64>,
 ) -> Vec<(&'static str, Figure)> {
     let mut figures = sizes(title, diagnosis);
-    let dof = diagnosis
-        .evidence
-        .breaks
-        .first()
-        .map_or(0, |at| at.found.dof);
+    let dof = jumping_dof(diagnosis);
     figures.push(("loop", two_loops(title, before, after, dof, h)));
     figures
 }
@@ -330,6 +378,40 @@ mod tests {
         assert!(defects_of(&figure, "given loop, breaks closed").all(|defect| defect < 1e-12));
         assert!(defects_of(&figure, "random loops, breaks closed").all(|defect| defect < 1e-12));
         assert_eq!(figure.panels[0].title, diagnosis.verdict.headline());
+    }
+
+    #[test]
+    fn breaks_are_marked_on_the_loop_before_the_step() {
+        let step = PerSample::new(1, |h, q, p| {
+            p[0] -= h * q[0].signum();
+            q[0] += h * p[0];
+        });
+        let circle = Circle::new(vec![0.1], vec![0.3], 1.0).unwrap();
+        let diagnosis = Diagnostic::halving(-1, -3).run(&step, &circle).unwrap();
+        let figure = advanced_loop("|q|", &diagnosis, &step, &circle, 0.5).unwrap();
+        let series = &figure.panels[0].series;
+        let torn = series.iter().find(|series| series.label == "torn here");
+        let torn = &torn.expect("breaks are marked").points;
+        // The force jumps at q = 0, which is crossed twice.
+        assert_eq!(torn.len(), 2);
+        assert!(torn.iter().all(|point| point.0.abs() < 0.01), "{torn:?}");
+    }
+
+    #[test]
+    fn the_sector_with_the_largest_change_is_marked() {
+        // A leak where q > 0.8.
+        let step = PerSample::new(1, |h, q, p| {
+            p[0] -= h * q[0];
+            p[0] *= 1.0 - 0.1 * h * (20.0 * (q[0] - 0.8)).tanh().mul_add(0.5, 0.5);
+            q[0] += h * p[0];
+        });
+        let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
+        let diagnosis = Diagnostic::halving(-1, -3).run(&step, &circle).unwrap();
+        let figure = advanced_loop("leak", &diagnosis, &step, &circle, 0.5).unwrap();
+        let series = &figure.panels[0].series;
+        let marked = (series.iter()).find(|series| series.label.starts_with("largest change"));
+        let arc = &marked.expect("a sector stands out").points;
+        assert!(arc.iter().all(|point| point.0 > 0.0), "{arc:?}");
     }
 
     #[test]

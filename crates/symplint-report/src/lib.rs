@@ -15,7 +15,7 @@
 //! | [`report`] | reports as JSON |
 //! | [`provenance`] | where a report comes from: program, processor, date, seeds, files |
 //! | [`run_folder`] | the folder of a run: reports, points and samples as files |
-//! | [`number`] | powers of two in figures |
+//! | [`number`] | powers of two and counts in figures and texts |
 //! | [`wrap`] | paragraphs wrapped to a width |
 
 pub mod figure;

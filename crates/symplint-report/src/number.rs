@@ -1,4 +1,4 @@
-//! Powers of two as people read them.
+//! Powers of two and counts as people read them.
 
 use crate::figure::superscript;
 
@@ -23,6 +23,19 @@ pub fn raised_power_of_two(value: f64) -> String {
     }
 }
 
+/// `36,289`.
+pub fn in_thousands(count: usize) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -34,5 +47,13 @@ mod tests {
         assert_eq!(short_power(0.1), "0.100");
         assert_eq!(raised_power_of_two(1.0), "1");
         assert_eq!(raised_power_of_two(2f64.powi(-10)), "2⁻¹⁰");
+    }
+
+    #[test]
+    fn counts_have_commas() {
+        assert_eq!(
+            [7, 999, 1000, 1234567].map(in_thousands),
+            ["7", "999", "1,000", "1,234,567"]
+        );
     }
 }

@@ -6,6 +6,7 @@ use symplint::rules::RuleKind;
 use symplint::verdict::{Property, step_size_text};
 use symplint::{Diagnosis, Verdict};
 
+use crate::number::in_thousands;
 use crate::wrap::wrapped;
 
 /// How a diagnosis is shown.
@@ -233,19 +234,6 @@ fn step_size(h: f64) -> String {
     }
 }
 
-/// `36,289`.
-fn in_thousands(count: usize) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use symplint::{Circle, Diagnostic, PerSample};
@@ -296,13 +284,5 @@ mod tests {
             let all = diagnosis_text("step", &diagnosis, Shown { all: true, ..shown });
             assert!(all.contains("0.000977") && !all.contains('⋮'), "{all}");
         }
-    }
-
-    #[test]
-    fn counts_have_commas() {
-        assert_eq!(
-            [7, 999, 1000, 1234567].map(in_thousands),
-            ["7", "999", "1,000", "1,234,567"]
-        );
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use symplint::VerdictKind;
 use symplint_config::{Config, System};
 use symplint_report::figures::check_figures;
+use symplint_report::page::Repeat;
 use symplint_report::report::Report;
 use symplint_report::run_folder::PointLog;
 use symplint_report::table::degrees_of_freedom;
@@ -144,7 +145,9 @@ pub(super) fn diagnose(
             largest,
             config.system.command.is_some(),
         );
-        let page = output.write_page(&title, &diagnosis, &report, &figures);
+        let again = go_on("check", &output.folder.path().join("config.toml"));
+        let repeat = Repeat::Command(&again);
+        let page = output.write_page(&title, &diagnosis, &report, &figures, repeat);
         written(page.map_err(Failure::from))?;
         written(output.write_figures(figures, &[]).map_err(Failure::from))?;
         // On standard error: standard output may be JSON.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use symplint::{Coordinates, Snapshot, measure as compare};
 use symplint_files::loop_file::{LoopFile, is_partner};
 use symplint_report::figures::measure_figures;
+use symplint_report::page::Repeat;
 use symplint_report::provenance::Provenance;
 use symplint_report::report::Report;
 use symplint_report::table::degrees_of_freedom;
@@ -75,7 +76,7 @@ pub fn measure(arguments: &MeasureArgs) -> Result<Status, Failure> {
         if let Some(largest) = largest {
             let (states, h) = (&largest.states, largest.step_size);
             let figures = measure_figures(&title, &diagnosis, &before.states, states, h);
-            output.write_page(&title, &diagnosis, &report, &figures)?;
+            output.write_page(&title, &diagnosis, &report, &figures, Repeat::Files)?;
             output.write_figures(figures, &[])?;
         }
     }

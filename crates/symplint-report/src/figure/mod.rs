@@ -71,6 +71,15 @@ impl Figure {
         Figure { title, ..self }
     }
 
+    /// The same without titles, for a page that names the run itself.
+    pub fn without_titles(mut self) -> Self {
+        self.title = None;
+        for panel in &mut self.panels {
+            panel.title.clear();
+        }
+        self
+    }
+
     /// The same with one legend for all panels.
     pub fn with_shared_legend(self) -> Self {
         Figure {

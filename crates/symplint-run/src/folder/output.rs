@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use symplint::Diagnosis;
 use symplint_report::figure::Figure;
-use symplint_report::page::Page;
+use symplint_report::page::{Page, Repeat};
 use symplint_report::report::Report;
 use symplint_report::run_folder::RunFolder;
 
@@ -134,7 +134,7 @@ impl RunOutput {
         Ok(())
     }
 
-    /// Writes `report.html`, which shows these figures, too.
+    /// Writes `report.html`, which also shows these figures and how to repeat the run.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -144,9 +144,11 @@ impl RunOutput {
         diagnosis: &Diagnosis,
         report: &Report<'_, C>,
         figures: &[(&'static str, Figure)],
+        repeat: Repeat<'_>,
     ) -> Result<(), RunError> {
         let figures: Vec<(&'static str, String)> = (figures.iter())
-            .filter_map(|(name, figure)| Some((*name, figure.to_svg().ok()?)))
+            .map(|(name, figure)| (*name, figure.clone().without_titles()))
+            .filter_map(|(name, figure)| Some((name, figure.to_svg().ok()?)))
             .collect();
         let page = Page {
             title,
@@ -155,6 +157,7 @@ impl RunOutput {
             config: &self.config,
             provenance: report.provenance(),
             json: &report.to_json(),
+            repeat,
         };
         Ok(self.folder.write_text("report.html", &page.to_html())?)
     }
