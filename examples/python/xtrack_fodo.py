@@ -13,7 +13,7 @@ PROTON = {"mass0": xt.PROTON_MASS_EV, "p0c": 2e9}
 
 
 def make(h, momentum="pzeta"):
-    """One passage of the cell, with `momentum` as that of zeta."""
+    """One passage of the cell, with `momentum` as the momentum of zeta."""
     focusing, defocusing = (xt.Quadrupole(length=0.5 * h, k1=k1) for k1 in (0.6, -0.6))
     line = xt.Line(elements=[focusing, xt.Drift(length=2.0 * h), defocusing, xt.Drift(length=2.0 * h)])
     line.particle_ref = xt.Particles(**PROTON)

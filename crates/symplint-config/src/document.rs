@@ -18,7 +18,7 @@ pub const SETTING: &str = "--set";
 pub struct Node {
     /// The value.
     pub value: Value,
-    /// Where it is written.
+    /// The place of the value.
     pub place: Place,
 }
 

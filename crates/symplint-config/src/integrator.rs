@@ -47,7 +47,7 @@ pub fn keys(default: &'static str) -> [Key; 8] {
         Key::optional(
             "iterations",
             "2",
-            "a fixed number of iterations, converged or not, in place of a tolerance",
+            "a fixed number of iterations, converged or not, instead of a tolerance",
         ),
         Key::optional(
             "damping",

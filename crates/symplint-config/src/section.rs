@@ -170,7 +170,7 @@ impl Section {
         }
     }
 
-    /// What was written for a key, or its default; `None` for a key without a default that is left out.
+    /// The written value of a key, or its default; `None` for a key without a default that is left out.
     pub fn node(&self, key: &str) -> Result<Option<Node>, ConfigError> {
         let spec = (self.keys.iter().find(|spec| spec.name == key))
             .unwrap_or_else(|| panic!("section {} reads the unlisted key {key}", self.path));
@@ -191,7 +191,7 @@ impl Section {
         Ok(Some(node))
     }
 
-    /// What was written for a key, or its default.
+    /// The written value of a key, or its default.
     ///
     /// # Errors
     /// If it has none and was left out.

@@ -26,7 +26,7 @@ struct Case {
     sizes: &'static [usize],
     /// Processor time of one run of this size.
     time: fn(usize) -> Duration,
-    /// What the time should be proportional to.
+    /// The quantity that the time should be proportional to.
     cost: fn(f64) -> f64,
 }
 

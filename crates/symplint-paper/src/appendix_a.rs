@@ -29,7 +29,7 @@ pub const ITEM: Item = Item {
 /// Offset between the kinks of q and those of p, in turns: not on any grid.
 pub(super) const OFFSET: f64 = 0.297_531_4;
 
-/// Where the kinks of q lie.
+/// The places of the kinks of q.
 pub(super) const START: f64 = 0.123_456_7;
 
 /// The Bernoulli polynomials of degree m on [0, 1): their periodic continuation has Fourier coefficients

@@ -23,7 +23,7 @@ pub const BLOCKS: usize = 10;
 /// Least standard errors of a rise that stands out.
 const MIN_STANDARD_ERRORS: f64 = 4.0;
 
-/// Where the error of an energy tends.
+/// The trend of the error of an energy.
 pub struct Drift {
     /// Its mean.
     pub mean: f64,

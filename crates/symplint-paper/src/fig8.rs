@@ -180,7 +180,9 @@ fn steps_until(until: f64, h: f64, updates_per_step: usize) -> Result<usize, Set
             key,
             steps,
             step_size: h,
-            remedy: format!("at most {most:.1e} steps with so many particles and cells: {remedy}"),
+            remedy: format!(
+                "at most {most:.1e} steps with this number of particles and cells: {remedy}"
+            ),
         });
     }
     Ok(steps as usize)

@@ -13,7 +13,7 @@ pub type SettingsCheck = fn(&Settings) -> Result<(), SettingError>;
 pub struct Item {
     /// Its name.
     pub id: &'static str,
-    /// What it shows.
+    /// Its contents.
     pub title: &'static str,
     /// About how much processor time it takes, as `time` counts it.
     pub cost: &'static str,

@@ -48,7 +48,7 @@ fn check(settings: &Settings) -> Result<(), SettingError> {
     check_steps(time, 0.5f64.powi(FINEST), [0.0, most])
 }
 
-/// What is followed, with what the section says of it.
+/// The quantities that are followed, and the section's statements about them.
 const METHODS: [(&str, Option<&str>); 5] = [
     ("trapezoidal", None),
     ("averaged-vector-field", None),

@@ -1,4 +1,4 @@
-//! What a plasma physicist checks first: the particle-in-cell system against linear theory.
+//! The first check of a plasma physicist: the particle-in-cell system against linear theory.
 //!
 //! Not in the paper, which takes the physics of the method for granted.
 

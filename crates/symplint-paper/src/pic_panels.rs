@@ -74,7 +74,7 @@ fn unknown(panel: &PanelCases, curves: &Curves, at: Place) -> Vec<(f64, f64)> {
 /// Series index of a black cross.
 const BLACK_CROSS: usize = 34;
 
-/// Where a record lies in a panel.
+/// The place of a record in a panel.
 type Place = fn(&Record) -> (f64, f64);
 
 fn draw(panel: &PanelCases, curves: &Curves, over: &SweepRange) -> Panel {

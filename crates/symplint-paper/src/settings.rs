@@ -5,13 +5,13 @@
 pub struct Key {
     /// Its name.
     pub name: &'static str,
-    /// What it takes, with the default.
+    /// The accepted values, with the default.
     pub kind: Kind,
-    /// What it is, in one line.
+    /// Its description in one line.
     pub help: &'static str,
 }
 
-/// What a setting takes.
+/// The values that a setting accepts.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     /// A finite number.
@@ -165,7 +165,7 @@ pub enum SettingError {
     /// The item has no such setting.
     #[error("{key} is not a setting")]
     Unknown {
-        /// What was given.
+        /// The given value.
         key: String,
         /// The settings that there are.
         known: Vec<&'static str>,
@@ -175,9 +175,9 @@ pub enum SettingError {
     Value {
         /// The setting.
         key: &'static str,
-        /// What was given.
+        /// The given value.
         value: String,
-        /// What it takes.
+        /// The accepted values.
         expected: String,
     },
     /// A number that would take too much time or memory.
@@ -185,7 +185,7 @@ pub enum SettingError {
     TooMany {
         /// The setting.
         key: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
         /// The largest that it takes.
         most: u64,
@@ -195,9 +195,9 @@ pub enum SettingError {
     Word {
         /// The setting.
         key: &'static str,
-        /// What was given.
+        /// The given value.
         given: String,
-        /// What it takes.
+        /// The accepted values.
         words: &'static [&'static str],
     },
     /// Settings that together would not end, or hardly begin.

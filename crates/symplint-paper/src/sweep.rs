@@ -86,7 +86,7 @@ pub fn step_of(
     build(name, Some(variant), Arc::clone(system))
 }
 
-/// What is swept.
+/// The variable of the sweep.
 pub struct Sweep<'a> {
     /// Label of the case.
     pub case: &'a str,
@@ -297,7 +297,7 @@ impl Line {
         }
     }
 
-    /// Where the slope lies with 95 % confidence.
+    /// The interval of the slope with 95 % confidence.
     pub fn interval(&self) -> (f64, f64) {
         // Student's t of 2, 3, … degrees of freedom: four points are the fewest of a trend.
         const STUDENT: [f64; 8] = [4.30, 3.18, 2.78, 2.57, 2.45, 2.36, 2.31, 2.26];

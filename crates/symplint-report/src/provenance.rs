@@ -1,4 +1,4 @@
-//! Where a report comes from: the program, the machine's processor, when the run was, its seeds and files.
+//! The origin of a report: the program, the machine's processor, when the run was, its seeds and files.
 //!
 //! None of it is a result. Reports keep it apart from what was measured, which is the same to the last bit
 //! in every run.
@@ -49,7 +49,7 @@ impl Run {
     }
 }
 
-/// Where a report comes from.
+/// The origin of a report.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Version of the program.

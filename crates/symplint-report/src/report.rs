@@ -11,7 +11,7 @@ use crate::provenance::Provenance;
 /// The schema of the report on a diagnosis.
 const SCHEMA: &str = "symplint/report/3";
 
-/// What a diagnosis found: schema `symplint/report/3`. `C` is the configuration that it belongs to.
+/// The result of a diagnosis: schema `symplint/report/3`. `C` is the configuration that it belongs to.
 #[derive(Serialize)]
 pub struct Report<'a, C> {
     schema: &'static str,
@@ -44,7 +44,7 @@ impl<'a, C: Serialize> Report<'a, C> {
         }
     }
 
-    /// Where it comes from.
+    /// Its origin.
     pub fn provenance(&self) -> &Provenance {
         &self.provenance
     }
@@ -101,7 +101,7 @@ pub fn read_evidence(text: &str) -> Result<Evidence, ReportError> {
     serde_json::from_value(evidence).map_err(|error| ReportError::BadEvidence(error.to_string()))
 }
 
-/// What a trace followed: schema `symplint/trace/1`.
+/// The result of a trace: schema `symplint/trace/1`.
 #[derive(Serialize)]
 pub struct TraceReport<'a, C> {
     schema: &'static str,

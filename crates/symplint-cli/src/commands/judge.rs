@@ -50,7 +50,7 @@ fn read(path: &Path) -> std::io::Result<String> {
     }
     // A FIFO without a writer has no end.
     if !std::fs::metadata(path)?.is_file() {
-        let reason = "it is no regular file; give `-` for standard input";
+        let reason = "it is not a regular file; give `-` for standard input";
         return Err(std::io::Error::other(reason));
     }
     std::fs::read_to_string(path)

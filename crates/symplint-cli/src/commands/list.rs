@@ -42,7 +42,7 @@ pub fn list(what: What) -> Result<Status, Failure> {
     Ok(SUCCESS)
 }
 
-/// What the list says of an integrator.
+/// The line of an integrator in the list.
 fn integrator(info: &IntegratorInfo) -> String {
     let symplectic = if info.symplectic {
         "symplectic"

@@ -92,7 +92,7 @@ fn degrees_of_freedom(options: &LoopShape) -> Result<usize, Failure> {
     };
     match dof {
         0 => Err(usage(
-            "there is no configuration, and the number of degrees of freedom is not given",
+            "neither a configuration nor the number of degrees of freedom is given",
             "name a configuration, or give --dof: symplint loop --dof 3 --radius 0.5 -o before.npz",
         )),
         dof if dof > MOST_DOF => Err(usage(

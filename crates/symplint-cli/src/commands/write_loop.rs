@@ -101,7 +101,7 @@ fn sampled_loop(arguments: &LoopArgs) -> Result<(Box<dyn Loop>, Coordinates, usi
     let Some(path) = &arguments.config else {
         if !arguments.settings.set.is_empty() {
             return Err(Failure::Usage {
-                message: "--set changes a configuration, and there is none".into(),
+                message: "--set changes a configuration, and no configuration is given".into(),
                 remedy: "name a configuration, or describe the loop by --dof, --q0, --p0, --radius"
                     .into(),
             });

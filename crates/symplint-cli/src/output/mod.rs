@@ -1,4 +1,4 @@
-//! What the program prints.
+//! Texts that the program prints.
 
 mod failure_message;
 mod go_on;

@@ -1,4 +1,4 @@
-//! What a diagnosis costs, and what it says when that is limited.
+//! The cost of a diagnosis, and verdicts when the cost is limited.
 
 use serde_json::Value;
 

@@ -254,7 +254,7 @@ fn a_run_folder_holds_everything() {
             .count(),
         4
     );
-    // What was resolved can be run again, and gives the same bits.
+    // The resolved configuration runs again, and gives the same bits.
     let resolved = out.join("config.toml");
     let again = report(&["check", resolved.to_str().unwrap()]);
     let first: Value =
@@ -437,7 +437,7 @@ fn verdict(name: &str, settings: &[&str]) -> (i32, String) {
     (output.status.code().unwrap(), said)
 }
 
-/// What the comments of the examples say.
+/// The verdicts that the comments of the examples name.
 #[test]
 fn examples_of_mechanics_have_their_verdicts() {
     let of_order = |order: usize| {

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::{configuration, example, symplint, text};
 
-/// What a report on standard output says before its provenance, byte by byte.
+/// The part of a report on standard output before its provenance, byte by byte.
 pub fn results(output: &[u8]) -> String {
     let report = text(output);
     // At the top level: it is indented by two blanks, and ends the report.

@@ -1,4 +1,4 @@
-//! What is refused, and with which words: the place, the reason, the remedy.
+//! Bad input is refused with the place, the reason and the remedy.
 
 use std::fs;
 
@@ -698,6 +698,6 @@ fn what_is_no_regular_file_is_not_waited_for() {
         assert_eq!(output.status.code(), Some(2), "{name}");
         let said = text(&output.stderr);
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(said.contains("no regular file"), "{said}");
+        assert!(said.contains("not a regular file"), "{said}");
     }
 }

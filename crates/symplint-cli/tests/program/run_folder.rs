@@ -141,7 +141,7 @@ fn a_short_trace_drops_the_default_snapshots_that_it_does_not_reach() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(out.join("loop_40.csv").exists());
     assert!(!out.join("loop_80.csv").exists());
-    // What was resolved can be run again.
+    // The resolved configuration runs again.
     let again = report(&["trace", out.join("config.toml").to_str().unwrap()]);
     assert_eq!(again["points"].as_array().unwrap().len(), 51);
 }

@@ -77,7 +77,7 @@ pub const COMMAND: SystemInfo = SystemInfo {
         Key::optional(
             "keep",
             "\"symplint-calls\"",
-            "a folder that keeps the files of all calls, new but for a run that goes on; they are removed if left out",
+            "a folder that keeps the files of all calls, new unless a run continues; they are removed if left out",
         ),
     ],
     integrator: NONE,

@@ -80,7 +80,7 @@ const PARTICLE_KEYS: [Key; 9] = [
     Key::optional(
         "weights",
         "[10.0, 40.0]",
-        "one for each particle, in place of particles and density; p = weight × v",
+        "one for each particle, instead of particles and density; p = weight × v",
     ),
     Key::new(
         "initial",

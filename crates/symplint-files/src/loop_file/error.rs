@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// What is wrong with a file of a loop.
+/// A problem of a file of a loop.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LoopFileError {
     /// The name does not end in that of a format.
@@ -20,9 +20,9 @@ pub enum LoopFileError {
         reason: String,
     },
     /// A FIFO, a device or a folder, which may have no end.
-    #[error("{} is no regular file", path.display())]
+    #[error("{} is not a regular file", path.display())]
     NotRegular {
-        /// What is there.
+        /// The file.
         path: PathBuf,
     },
     /// The file cannot be written.
@@ -142,7 +142,7 @@ pub enum LoopFileError {
         array: &'static str,
         /// Values there are.
         got: usize,
-        /// What is wanted.
+        /// The expected shape.
         expected: &'static str,
     },
     /// A state that is not finite.
@@ -197,7 +197,7 @@ pub enum LoopFileError {
         path: PathBuf,
         /// Line, from 1.
         line: u64,
-        /// What is wrong.
+        /// The problem.
         message: String,
     },
 }

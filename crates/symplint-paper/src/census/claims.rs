@@ -1,4 +1,4 @@
-//! What the census says, as claims that numbers decide.
+//! The results of the census, as claims that numbers decide.
 
 use symplint::VerdictKind;
 

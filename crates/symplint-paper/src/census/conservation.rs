@@ -1,4 +1,4 @@
-//! What a scheme conserves over a run.
+//! Quantities that a scheme conserves over a run.
 
 use symplint::state::Rows;
 use symplint::{Ensemble, TimeAdvance};

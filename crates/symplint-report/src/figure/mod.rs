@@ -98,7 +98,7 @@ pub struct Panel {
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
-    /// What is drawn. Later series lie above earlier ones of the same style.
+    /// The curves. Later series lie above earlier ones of the same style.
     pub series: Vec<Series>,
     /// Whether one unit of x is drawn as long as one unit of y, as a phase portrait needs.
     pub equal_aspect: bool,

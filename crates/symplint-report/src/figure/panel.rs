@@ -27,7 +27,7 @@ pub(super) struct PanelDrawing<'a> {
     /// One for each series of the panel.
     pub shapes: Vec<Shapes>,
     pub legend: Legend,
-    /// Where a legend below the panel starts.
+    /// The top of a legend below the panel.
     pub below: f64,
 }
 

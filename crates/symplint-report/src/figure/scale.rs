@@ -67,14 +67,14 @@ pub(super) struct Ruler {
 }
 
 impl Ruler {
-    /// Where a mapped value lies on the page; far outside of it, somewhere far outside, so
+    /// The place of a mapped value on the page; far outside of it, somewhere far outside, so
     /// that cutting lines at the frame never meets an infinity.
     pub fn place(&self, mapped: f64) -> f64 {
         let part = (mapped - self.span.low) / self.span.length();
         self.start + part.clamp(-1e9, 1e9) * (self.end - self.start)
     }
 
-    /// Where a value lies on the page, if the scale can show it.
+    /// The place of a value on the page, if the scale can show it.
     pub fn place_value(&self, value: f64) -> Option<f64> {
         self.scale.map(value).map(|mapped| self.place(mapped))
     }

@@ -1,4 +1,4 @@
-//! Where an axis has ticks and what is written there.
+//! The ticks of an axis and their labels.
 //!
 //! Candidates are tried from fine to coarse; the first whose labels keep their distance wins.
 

@@ -20,17 +20,17 @@ const STYLE: &str = include_str!("page.css");
 /// A longer report as JSON is not repeated in the page, so that it stays below half a megabyte.
 const LONGEST_JSON: usize = 200_000;
 
-/// What a page shows.
+/// The contents of a page.
 pub struct Page<'a> {
-    /// What was tested: `pendulum, strang`.
+    /// The name of the map: `pendulum, strang`.
     pub title: &'a str,
-    /// What was found.
+    /// The result.
     pub diagnosis: &'a Diagnosis,
     /// The figures with their names, as SVG.
     pub figures: &'a [(&'static str, String)],
     /// The configuration as TOML.
     pub config: &'a str,
-    /// Where the report comes from.
+    /// The origin of the report.
     pub provenance: &'a Provenance,
     /// The report as JSON.
     pub json: &'a str,
@@ -87,7 +87,7 @@ impl Page<'_> {
         )
     }
 
-    /// What a notebook shows: the page without its frame, in the style of the notebook.
+    /// The page for a notebook: without its frame, in the style of the notebook.
     pub fn fragment(&self) -> String {
         let header = header(&escaped(self.title), &self.diagnosis.verdict);
         format!(

@@ -54,7 +54,7 @@ impl<'a> PointLog<'a> {
         Ok(())
     }
 
-    /// Where the points are, if there are any.
+    /// The file of the points, if there are any.
     pub fn measured(&self) -> Option<PathBuf> {
         (self.points.get() > 0).then(|| self.folder.points())
     }

@@ -29,7 +29,7 @@ impl From<CallsError> for CallFailure {
 /// The status of a shell whose last program was killed.
 const OF_KILLED_SHELL: i32 = 128 + 9;
 
-/// What is run, and where.
+/// The program of a call, and its folder.
 pub struct Program {
     /// The program and its arguments, with placeholders.
     pub command: Vec<String>,
@@ -121,7 +121,7 @@ impl Call<'_> {
             Ended::Exited(_) => match fs::metadata(&after) {
                 Err(_) => Some("wrote no {after}".to_owned()),
                 Ok(there) if !there.is_file() => {
-                    Some("made something of {after} that is no regular file".to_owned())
+                    Some("wrote {after}, which is not a regular file".to_owned())
                 }
                 Ok(_) => None,
             },

@@ -21,7 +21,7 @@ const LOCK: &str = "lock";
 /// How the names of the folders of calls begin.
 const OF_CALL: &str = "call-";
 
-/// Where the files of calls lie.
+/// The folder of the files of calls.
 pub struct Workspace {
     /// The folder for files that are kept, and the number of the last call that it has from before.
     kept: Option<(PathBuf, usize)>,

@@ -36,7 +36,7 @@ pub enum JournalError {
         path.display()
     )]
     File {
-        /// What was tried: `"read"` or `"write"`.
+        /// The operation: `"read"` or `"write"`.
         action: &'static str,
         /// The journal.
         path: PathBuf,

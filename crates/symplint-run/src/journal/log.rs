@@ -120,7 +120,7 @@ pub struct Record {
 pub struct Reader<R> {
     file: BufReader<R>,
     length: u64,
-    /// Where the last complete record ends.
+    /// The end of the last complete record.
     pub end: u64,
 }
 

@@ -65,9 +65,9 @@ pub struct Journal {
 struct Records {
     /// Locked until it is closed.
     file: File,
-    /// Where the next record begins.
+    /// The start of the next record.
     end: u64,
-    /// Where the numbers of each call begin, and how many there are.
+    /// The start of the numbers of each call, and their count.
     found: HashMap<Call, (u64, usize)>,
     /// How often each call was asked for in this run.
     asked: HashMap<Key, u32>,
