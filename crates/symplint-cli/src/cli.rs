@@ -119,7 +119,28 @@ pub enum Command {
         #[arg(long)]
         all: bool,
     },
+    /// Print a completion script for a shell.
+    #[command(after_help = COMPLETIONS)]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages: symplint.1, and a page for each command.
+    #[command(after_help = MAN)]
+    Man {
+        /// The folder to write to; it is made if it does not exist
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
 }
+
+const COMPLETIONS: &str = "Examples:
+  symplint completions bash > ~/.local/share/bash-completion/completions/symplint
+  symplint completions zsh > ~/.zfunc/_symplint     with ~/.zfunc in $fpath
+  symplint completions fish > ~/.config/fish/completions/symplint.fish";
+
+const MAN: &str = "Example:
+  symplint man ~/.local/share/man/man1";
 
 impl Command {
     /// The number of threads, if it is given.
@@ -135,7 +156,9 @@ impl Command {
             Command::Advance(_)
             | Command::Judge(_)
             | Command::List { .. }
-            | Command::Init { .. } => None,
+            | Command::Init { .. }
+            | Command::Completions { .. }
+            | Command::Man { .. } => None,
         }
     }
 }
@@ -301,7 +324,7 @@ pub struct ReproduceArgs {
     /// Print the claims as JSON on standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
-    /// No progress bar
+    /// No progress bar; print only the numbers of claims
     #[arg(short, long)]
     pub quiet: bool,
     /// Number of threads; all cores if left out. Results do not depend on it

@@ -55,7 +55,7 @@ pub enum Failure {
     /// Options that are missing, out of range or contradict each other.
     #[error("{message}")]
     Usage {
-        /// What is wrong.
+        /// The mistake.
         message: String,
         /// The remedy.
         remedy: String,
@@ -75,10 +75,10 @@ pub enum Failure {
     Report {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The problem.
         error: ReportError,
     },
-    /// What a run whose calls are noted could not write at its end.
+    /// A file that could not be written at the end of a run whose calls are in a journal.
     #[error("{failure}")]
     AfterCalls {
         /// What.
@@ -91,7 +91,7 @@ pub enum Failure {
     NoRun {
         /// The folder.
         folder: PathBuf,
-        /// What is missing.
+        /// The missing file.
         reason: String,
     },
     /// The thread pool.
@@ -114,7 +114,7 @@ impl Failure {
                 "give a path that can be written".into()
             }
             Failure::AfterCalls { goes_on, .. } => format!(
-                "all calls are noted: once the cause is gone, `{goes_on}` goes on from them"
+                "all calls are kept: remove the cause, then `{goes_on}` continues from them"
             ),
             Failure::Unknown { suggestion, .. } => suggestion.clone(),
             Failure::Usage { remedy, .. } => remedy.clone(),

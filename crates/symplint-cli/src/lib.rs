@@ -75,5 +75,7 @@ fn execute(cli: &Cli) -> Result<Status, Failure> {
         Command::Reproduce(arguments) => commands::reproduce(arguments),
         Command::List { what } => commands::list(*what),
         Command::Init { system, all } => commands::init(system, *all),
+        Command::Completions { shell } => commands::completions(*shell),
+        Command::Man { folder } => commands::man(folder),
     })
 }

@@ -14,29 +14,45 @@ const INTERRUPTED: i32 = 130;
 /// How long to wait for standard error: a pipe without a reader accepts no text.
 const TO_TELL: Duration = Duration::from_secs(1);
 
-/// How to continue after an end by a signal.
-static GOES_ON: OnceLock<String> = OnceLock::new();
+/// The results that a run keeps if a signal ends it, and how to continue.
+static KEPT: OnceLock<String> = OnceLock::new();
 
 /// From now on the run in this folder can be resumed.
 pub fn note_folder(path: &Path) {
-    let _ = GOES_ON.set(format!("`{}` goes on", go_on("resume", path)));
+    let resume = go_on("resume", path);
+    let _ = KEPT.set(format!(
+        "all finished calls are kept: `{resume}` continues from them"
+    ));
 }
 
-/// From now on this part of the round of calls in a folder can be gone on with.
+/// From now on the points of the run are written to a folder, and its evaluations are not.
+pub fn note_points(path: &Path) {
+    let _ = KEPT.set(format!(
+        "the points measured so far are in {}; the same command starts again from the beginning",
+        path.join("points.csv").display()
+    ));
+}
+
+/// From now on the run has something to lose, and no folder to keep it in.
+pub fn note_nothing() {
+    let _ = KEPT.set("nothing is kept; with --out DIR, results are written as they come".into());
+}
+
+/// From now on this part of the round of calls in a folder can be continued.
 pub fn note_part(path: &Path, (k, n): (usize, usize)) {
     let advance = go_on("advance", path);
-    let _ = GOES_ON.set(format!(
-        "`{advance} --part {k}/{n}` goes on, and makes no call again that was noted"
+    let _ = KEPT.set(format!(
+        "`{advance} --part {k}/{n}` continues, and repeats no finished call"
     ));
 }
 
 /// Ends the programs that are called as maps and removes their files, then ends this program.
 fn end() {
     symplint_run::stop_all();
-    if let Some(goes_on) = GOES_ON.get() {
+    if let Some(kept) = KEPT.get() {
         let (said, heard) = mpsc::channel();
         let say = move || {
-            tell(format!("\nstopped; {goes_on}"));
+            tell(format!("\nstopped; {kept}"));
             let _ = said.send(());
         };
         if std::thread::Builder::new().spawn(say).is_ok() {

@@ -3,16 +3,18 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What is wrong with a configuration, where, and what to do.
+/// A mistake in a configuration, its place, and the remedy.
 #[derive(Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct ConfigError {
-    /// What is wrong.
+    /// The mistake.
     pub message: String,
-    /// Where, and the label of that place; none for what is missing.
+    /// The place and its label; `None` for a missing key.
     pub position: Option<(Place, String)>,
-    /// What to do, if the message does not say it.
+    /// The remedy, if the message does not name it.
     pub remedy: Option<String>,
+    /// The other errors of the same configuration, in their order in the file.
+    pub others: Vec<ConfigError>,
 }
 
 impl ConfigError {
@@ -22,6 +24,7 @@ impl ConfigError {
             message: message.into(),
             position: None,
             remedy: Some(remedy.into()),
+            others: Vec::new(),
         }
     }
 
@@ -31,7 +34,16 @@ impl ConfigError {
             message: message.into(),
             position: None,
             remedy: None,
+            others: Vec::new(),
         }
+    }
+
+    /// The first of several errors, with the others.
+    pub(crate) fn joined(errors: Vec<ConfigError>) -> Option<Self> {
+        let mut errors = errors.into_iter();
+        let mut first = errors.next()?;
+        first.others.extend(errors);
+        Some(first)
     }
 
     /// Adds the position.

@@ -1,5 +1,6 @@
 //! Configurations: a file and `--set` settings give a map, a loop and a diagnostic.
 
+mod collect;
 mod diagnostic;
 pub mod document;
 mod error;
@@ -16,6 +17,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use symplint::{Diagnostic, Loop, TimeAdvance};
+use symplint_report::table::degrees_of_freedom;
 
 pub use error::{ConfigError, Place, Source};
 pub use parts::{Integrator, read_integrator, read_system};
@@ -54,7 +56,7 @@ impl Config {
     /// and builds the map and the loop.
     ///
     /// # Errors
-    /// The first error, with its position and the remedy.
+    /// All errors in the sections, with their positions and remedies; or else the first one when the loop is built.
     pub fn load(path: &Path, settings: &[String]) -> Result<Self, ConfigError> {
         Self::load_with(path, settings, |_, _| Ok(()))
     }
@@ -63,7 +65,7 @@ impl Config {
     /// as it is where it suggests the radii of the loop.
     ///
     /// # Errors
-    /// The first error, also of `before_calls`.
+    /// The same, and the errors of `before_calls`.
     pub fn load_with<E: From<ConfigError>>(
         path: &Path,
         settings: &[String],
@@ -82,32 +84,52 @@ impl Config {
         Self::build(document::load(source, settings)?, folder, before_calls)
     }
 
+    /// Reads the text of a configuration. `name` is the source in messages, and relative paths start at the working folder.
+    ///
+    /// # Errors
+    /// All errors in the sections.
+    pub fn parse(name: &str, text: &str) -> Result<Self, ConfigError> {
+        let source = (name.to_owned(), text.to_owned());
+        Self::build(document::load(source, &[])?, Path::new(""), |_, _| Ok(()))
+    }
+
+    /// The system and the integrator: `pendulum, strang`.
+    pub fn title(&self) -> String {
+        format!("{}, {}", self.system.name, self.integrator)
+    }
+
+    /// The same with the degrees of freedom, and the radii if they were searched for, for a line of text.
+    pub fn heading(&self) -> String {
+        let dof = degrees_of_freedom(self.map.dof());
+        let mut heading = format!("{} · {} · {dof}", self.system.name, self.integrator);
+        if let Some((radii, _)) = &self.radii {
+            heading += &format!(" · {radii}");
+        }
+        heading
+    }
+
     /// Relative paths of initial states start at `folder`.
     fn build<E: From<ConfigError>>(
         table: Table,
         folder: &Path,
         before_calls: impl FnOnce(&System, &toml::Table) -> Result<(), E>,
     ) -> Result<Self, E> {
-        section::check_keys("", &table, SECTIONS.into_iter())?;
-        let node = |name: &str| table.entries.get(name).map(|(_, node)| node);
-        let mut resolved = toml::Table::new();
-
-        let (info, system, section) = system::read(node("system"), folder)?;
-        resolved.insert("system".into(), section.resolved().into());
-        let (integrator, map, section) =
-            integrator::read(node("integrator"), info.integrator, &system.model)?;
-        resolved.insert("integrator".into(), section.resolved().into());
-        let map: Arc<dyn TimeAdvance> = Arc::from(map);
-        let (mut diagnostic, section) = diagnostic::read(node("diagnostic"))?;
-        diagnostic.budget = diagnostic.budget.or(info.budget);
-        resolved.insert("diagnostic".into(), section.resolved().into());
+        let read = match Sections::read(&table, folder) {
+            Ok(read) => read,
+            Err(first) => return Err(collect::errors(table, folder).unwrap_or(first).into()),
+        };
+        let Sections {
+            system,
+            integrator,
+            map,
+            settings,
+            diagnostic,
+            trace,
+            mut resolved,
+        } = read;
         let typical = || diagnostic.typical_step.unwrap_or(0.0);
         let largest = (diagnostic.step_sizes.iter().copied()).reduce(f64::max);
         let step_size = largest.unwrap_or_else(typical);
-        let settings = phase_loop::read(node("loop"), system.q0.len())?;
-        resolved.insert("loop".into(), settings.resolved().into());
-        let (trace, section) = trace::read(node("trace"))?;
-        resolved.insert("trace".into(), section.resolved().into());
         before_calls(&system, &resolved)?;
         let read = settings.build(&system, &map, step_size)?;
         resolved.insert("loop".into(), settings.resolved().into());
@@ -117,6 +139,51 @@ impl Config {
             map,
             phase_loop: read.phase_loop,
             radii: read.radii,
+            diagnostic,
+            trace,
+            resolved,
+        })
+    }
+}
+
+/// A configuration as it is written, before the map is called.
+struct Sections {
+    system: System,
+    integrator: String,
+    map: Arc<dyn TimeAdvance>,
+    settings: phase_loop::LoopSettings,
+    diagnostic: Diagnostic,
+    trace: TraceSettings,
+    /// Every key with its value.
+    resolved: toml::Table,
+}
+
+impl Sections {
+    /// Reads all sections.
+    ///
+    /// # Errors
+    /// The first error.
+    fn read(table: &Table, folder: &Path) -> Result<Self, ConfigError> {
+        section::check_keys("", table, SECTIONS.into_iter())?;
+        let node = |name: &str| table.entries.get(name).map(|(_, node)| node);
+        let mut resolved = toml::Table::new();
+        let (info, system, section) = system::read(node("system"), folder)?;
+        resolved.insert("system".into(), section.resolved().into());
+        let (integrator, map, section) =
+            integrator::read(node("integrator"), info.integrator, &system.model)?;
+        resolved.insert("integrator".into(), section.resolved().into());
+        let (mut diagnostic, section) = diagnostic::read(node("diagnostic"))?;
+        diagnostic.budget = diagnostic.budget.or(info.budget);
+        resolved.insert("diagnostic".into(), section.resolved().into());
+        let settings = phase_loop::read(node("loop"), system.q0.len())?;
+        resolved.insert("loop".into(), settings.resolved().into());
+        let (trace, section) = trace::read(node("trace"))?;
+        resolved.insert("trace".into(), section.resolved().into());
+        Ok(Sections {
+            system,
+            integrator,
+            map: Arc::from(map),
+            settings,
             diagnostic,
             trace,
             resolved,

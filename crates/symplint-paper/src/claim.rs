@@ -95,11 +95,11 @@ pub struct Claim {
     pub item: &'static str,
     /// Who claims it.
     pub origin: Origin,
-    /// Where it is said.
+    /// The place of the statement.
     pub place: &'static str,
-    /// What is said.
+    /// The statement.
     pub says: String,
-    /// What was measured, and how.
+    /// The measured value, and how it was measured.
     pub measured: String,
     /// The judgement.
     pub judgement: Judgement,
@@ -178,8 +178,9 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
 
-/// A summary for the terminal: how many hold, and which do not as they are said.
-pub fn claims_summary(claims: &[Claim]) -> String {
+/// A summary for the terminal: the number of claims by judgement and, unless `counts_only`, the claims that do not hold as they are
+/// stated.
+pub fn claims_summary(claims: &[Claim], counts_only: bool) -> String {
     let mut lines = Vec::new();
     for (origin, _, name) in TABLES {
         let rows: Vec<&Claim> = (claims.iter()).filter(|c| c.origin == origin).collect();
@@ -195,7 +196,8 @@ pub fn claims_summary(claims: &[Claim]) -> String {
             count(Judgement::DoesNotHold),
             count(Judgement::Unresolved)
         ));
-        for claim in rows.iter().filter(|c| c.judgement != Judgement::Holds) {
+        let is_told = |claim: &&&Claim| !counts_only && claim.judgement != Judgement::Holds;
+        for claim in rows.iter().filter(is_told) {
             lines.push(format!(
                 "  · {} ({}): {}\n    measured: {}",
                 claim.judgement.text(),

@@ -11,6 +11,13 @@ use crate::plot::{
     uncertainty_in_time,
 };
 
+/// The step size that [`check_figures`] draws the loop for: the largest one of a diagnosis. A map without a step size is called with 1.
+pub fn drawn_step(diagnosis: &Diagnosis) -> f64 {
+    let sizes = diagnosis.points().into_iter().map(|point| point.step_size);
+    let largest = sizes.filter(|h| h.is_finite()).reduce(f64::max);
+    largest.unwrap_or(1.0)
+}
+
 /// The figures of a diagnosis of `map` by `phase_loop` with their names, and a line on the one that was left
 /// out, if any. The loop is drawn after a step of size `h`, which takes 720 evaluations, unless `is_costly` states that they
 /// are too many.
@@ -213,7 +220,7 @@ fn jumping_dof(diagnosis: &Diagnosis) -> usize {
 /// A sector that makes this part of all changes is marked; the findings name it by the same limit. Conventional.
 const LARGE_SHARE: f64 = 0.4;
 
-/// What the evidence locates on the given loop before the step: its breaks by a step of size `h`, and
+/// The places on the given loop before the step that the evidence names: its breaks by a step of size `h`, and
 /// the sector that changes most if it stands out.
 fn marks(diagnosis: &Diagnosis, before: &Ensemble, dof: usize, h: f64) -> Vec<Series> {
     let evidence = &diagnosis.evidence;

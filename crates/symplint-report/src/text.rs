@@ -27,6 +27,13 @@ const FEW_ROWS: usize = 4;
 /// A change of more times its uncertainty is written with a sign and two digits. That of a verdict.
 const SIGNIFICANT: f64 = 10.0;
 
+/// The headline of a verdict with the answer in capitals: the answer, and the rest.
+pub fn headline(verdict: &Verdict) -> (String, String) {
+    let (words, headline) = (verdict.kind.words(), verdict.headline());
+    let rest = headline.strip_prefix(words).unwrap_or(&headline);
+    (words.to_uppercase(), rest.to_owned())
+}
+
 /// What stands below the headline of a verdict: its summary, the title, a table of the given loop, and the findings by subject.
 pub fn diagnosis_text(title: &str, diagnosis: &Diagnosis, shown: Shown) -> String {
     let verdict = &diagnosis.verdict;

@@ -37,7 +37,7 @@ pub fn advance(arguments: &AdvanceArgs) -> Result<Status, Failure> {
     let needed: Vec<&Request> = (part.iter().copied())
         .filter(|request| !made.contains(&request.call))
         .collect();
-    let progress = Progress::new("calls", arguments.quiet);
+    let progress = Progress::steady("calls", arguments.quiet);
     progress.plan(needed.len());
     let (failed, made) = map.make(&needed, &journal, &|| progress.step());
     progress.finish();

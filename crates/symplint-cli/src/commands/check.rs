@@ -4,11 +4,10 @@ use std::path::Path;
 
 use symplint::VerdictKind;
 use symplint_config::{Config, System};
-use symplint_report::figures::check_figures;
+use symplint_report::figures::{check_figures, drawn_step};
 use symplint_report::page::Repeat;
 use symplint_report::report::Report;
 use symplint_report::run_folder::PointLog;
-use symplint_report::table::degrees_of_freedom;
 use symplint_run::{Round, RunError, RunOutput};
 
 use super::plan::say_round;
@@ -111,7 +110,7 @@ pub(super) fn diagnose(
         ));
     }
     let diagnosis = outcome?;
-    // What is written from here on can be written again from the calls that are noted.
+    // All files from here on can be written again from the calls in the journal.
     let written = |result: Result<(), Failure>| match (result, &journal, &output) {
         (Err(failure), Some(_), Some(output)) => Err(Failure::AfterCalls {
             failure: Box::new(failure),
@@ -132,17 +131,13 @@ pub(super) fn diagnose(
     if let Some(output) = &output {
         let json = output.folder.write_json("report.json", &report);
         written(json.map_err(Failure::from))?;
-        let title = format!("{}, {}", config.system.name, config.integrator);
-        let sizes = diagnosis.points().into_iter().map(|point| point.step_size);
-        // A map without a step size is called with 1.
-        let largest = sizes.filter(|h| h.is_finite()).reduce(f64::max);
-        let largest = largest.unwrap_or(1.0);
+        let title = config.title();
         let (figures, note) = check_figures(
             &title,
             &diagnosis,
             &*config.map,
             &*config.phase_loop,
-            largest,
+            drawn_step(&diagnosis),
             config.system.command.is_some(),
         );
         let again = go_on("check", &output.folder.path().join("config.toml"));
@@ -161,15 +156,7 @@ pub(super) fn diagnose(
     if run.shown.json {
         say(report.to_json())?;
     } else {
-        let mut title = format!(
-            "{} · {} · {}",
-            config.system.name,
-            config.integrator,
-            degrees_of_freedom(config.map.dof())
-        );
-        if let Some(radii) = &config.radii {
-            title += &format!(" · {radii}");
-        }
+        let title = config.heading();
         say(diagnosis_text(
             &title,
             &diagnosis,
@@ -205,9 +192,17 @@ fn prepare(
         }
         (Calls::Here, None, Some(command)) => {
             (command.check_keeps_no_earlier_calls()).map_err(RunError::from)?;
+            signals::note_nothing();
             Ok(None)
         }
-        (Calls::Here, _, None) => Ok(None),
+        (Calls::Here, Some(output), None) => {
+            signals::note_points(output.folder.path());
+            Ok(None)
+        }
+        (Calls::Here, None, None) => {
+            signals::note_nothing();
+            Ok(None)
+        }
         (Calls::ByJobs, Some(output), Some(command)) => {
             if resolved["loop"]["radius"].as_str() == Some("auto") {
                 return refused(

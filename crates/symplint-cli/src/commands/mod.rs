@@ -3,6 +3,7 @@
 mod advance;
 mod check;
 mod init;
+mod installed;
 mod item_settings;
 mod judge;
 mod list;
@@ -24,6 +25,7 @@ use crate::failure::Failure;
 pub use advance::advance;
 pub use check::check;
 pub use init::init;
+pub use installed::{completions, man};
 pub use judge::judge;
 pub use list::list;
 pub use measure::measure;

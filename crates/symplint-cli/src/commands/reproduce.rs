@@ -46,11 +46,11 @@ pub fn reproduce(arguments: &ReproduceArgs) -> Result<Status, Failure> {
     if arguments.json {
         say(to_json(&claims))?;
     } else {
-        say(claims_summary(&claims))?;
-        say(format!(
-            "\nFigures, data and claims.md are in {}",
-            folder.path().display()
-        ))?;
+        say(claims_summary(&claims, arguments.quiet))?;
+        if !arguments.quiet {
+            let path = folder.path().display();
+            say(format!("\nFigures, data and claims.md are in {path}"))?;
+        }
     }
     Ok(SUCCESS)
 }

@@ -28,7 +28,7 @@ pub fn trace(arguments: &TraceArgs) -> Result<Status, Failure> {
     })?;
     let trace = settings(&config)?;
     let output = run_output("trace", &config.resolved, run)?;
-    let progress = Progress::new("steps", run.shown.quiet || run.shown.json);
+    let progress = Progress::steady("steps", run.shown.quiet || run.shown.json);
     let record = follow(&trace, &config, &progress)?;
     progress.finish();
 
@@ -45,7 +45,7 @@ pub fn trace(arguments: &TraceArgs) -> Result<Status, Failure> {
         for (step, ensemble) in &record.snapshots {
             folder.write_samples(&loop_file(*step), ensemble)?;
         }
-        let title = format!("{}, {}", config.system.name, config.integrator);
+        let title = config.title();
         let hamiltonian = config.system.model.hamiltonian();
         let energy = hamiltonian.map(|hamiltonian| {
             |q: Rows<'_>, p: Rows<'_>, out: &mut [f64]| hamiltonian.energy(q, p, out)

@@ -3,6 +3,7 @@
 use std::error::Error;
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use symplint_config::{ConfigError, Place};
 use symplint_report::wrap::wrapped;
 
 use crate::failure::Failure;
@@ -16,11 +17,28 @@ const BEFORE_TITLE: usize = "error: ".len();
 /// Columns before the remedy: a line number of up to four digits, and the sign that it belongs to the error.
 const BEFORE_REMEDY: usize = "1234 = help: ".len();
 
-/// What went wrong, the setting that caused it, and the remedy.
+/// What went wrong, the setting that caused it, and the remedy; of a configuration, all its errors.
 pub fn failure_message(failure: &Failure) -> String {
-    let title = folded(&with_causes(failure), BEFORE_TITLE);
-    let remedy = failure.remedy().map(|text| folded(&text, BEFORE_REMEDY));
-    let snippet = failure.position().map(|(place, label)| {
+    let position = failure.position();
+    let first = message(&with_causes(failure), position, failure.remedy().as_deref());
+    let others: &[ConfigError] = match failure {
+        Failure::Config(error) => &error.others,
+        _ => &[],
+    };
+    let others = others.iter().map(|error| {
+        let position = error.position.as_ref();
+        let position = position.map(|(place, label)| (place, label.as_str()));
+        message(&error.message, position, Some(&error.remedy))
+    });
+    let all: Vec<String> = std::iter::once(first).chain(others).collect();
+    all.join("\n\n")
+}
+
+/// One error, with its line and its remedy.
+fn message(text: &str, position: Option<(&Place, &str)>, remedy: Option<&str>) -> String {
+    let title = folded(text, BEFORE_TITLE);
+    let remedy = remedy.map(|text| folded(text, BEFORE_REMEDY));
+    let snippet = position.map(|(place, label)| {
         let underlined = AnnotationKind::Primary.span(place.span.clone());
         Snippet::source(&place.source.text)
             .path(&place.source.name)
@@ -44,9 +62,13 @@ fn with_causes(error: &dyn Error) -> String {
     text
 }
 
-/// The text in lines that fit after `before` columns.
+/// The text in lines that fit after `before` columns. Lines with an indent, which another program printed, stay as they are.
 fn folded(text: &str, before: usize) -> String {
-    wrapped("", "", text, Some(WIDTH - before))
+    let line = |line: &str| match line.starts_with(' ') {
+        true => line.to_owned(),
+        false => wrapped("", "", line, Some(WIDTH - before)),
+    };
+    text.split('\n').map(line).collect::<Vec<_>>().join("\n")
 }
 
 #[cfg(test)]
@@ -55,7 +77,7 @@ mod tests {
     use symplint_config::document::parse;
 
     /// The message of a configuration that is not valid, without colours.
-    fn message(text: &str) -> Option<String> {
+    fn parse_error(text: &str) -> Option<String> {
         let error = parse("run.toml", text.to_owned()).err()?;
         let styled = failure_message(&error.into());
         Some(anstream::adapter::strip_str(&styled).to_string())
@@ -71,7 +93,24 @@ error: dates are not accepted
   |        ^^^^^^^^^^ a date
   |
   = help: write a number or a string";
-        assert_eq!(message("a = 1\nwhen = 2026-01-01 # ∮\n").unwrap(), expected);
+        assert_eq!(
+            parse_error("a = 1\nwhen = 2026-01-01 # ∮\n").unwrap(),
+            expected
+        );
+    }
+
+    #[test]
+    fn lines_of_other_programs_stay_whole() {
+        let long =
+            "it ended with exit status 1, which is not a success at all; its standard error:";
+        let traceback = format!(
+            "{long}\n  File \"advance.py\", line 8, in <module>{}",
+            " word".repeat(20)
+        );
+        let folded = folded(&traceback, 7);
+        let lines: Vec<&str> = folded.lines().collect();
+        assert_eq!(lines.len(), 3, "{folded}");
+        assert!(lines[2].starts_with("  File") && lines[2].ends_with("word"));
     }
 
     #[test]
@@ -81,7 +120,7 @@ error: dates are not accepted
             format!("x = [{numbers} 1999-01-01]"),
             format!("{}x = [", "\n".repeat(1000)),
         ] {
-            let said = message(&text).unwrap();
+            let said = parse_error(&text).unwrap();
             for line in said.lines() {
                 assert!(line.chars().count() <= WIDTH, "{line}");
             }
@@ -104,8 +143,8 @@ error: dates are not accepted
                 "\\",
                 "\\u00",
             ] {
-                message(&format!("{}{added}", &whole[..cut]));
-                message(&format!("{}{added}{}", &whole[..cut], &whole[cut..]));
+                parse_error(&format!("{}{added}", &whole[..cut]));
+                parse_error(&format!("{}{added}{}", &whole[..cut], &whole[cut..]));
             }
         }
     }

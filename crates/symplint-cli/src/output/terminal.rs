@@ -43,7 +43,6 @@ fn headline(verdict: &Verdict) -> String {
         VerdictKind::Undecided => AnsiColor::Yellow,
     };
     let style = Style::new().bold().fg_color(Some(color.into()));
-    let (words, headline) = (verdict.kind.words(), verdict.headline());
-    let rest = headline.strip_prefix(words).unwrap_or(&headline);
-    format!("{style}{}{rest}{style:#}", words.to_uppercase())
+    let (answer, rest) = text::headline(verdict);
+    format!("{style}{answer}{rest}{style:#}")
 }

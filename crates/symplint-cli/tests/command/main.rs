@@ -192,7 +192,7 @@ fn refused(output: &Output, words: &str) {
     assert!(text.contains(words), "{words}: {text}");
 }
 
-/// What it said, without line breaks, which fit it to the terminal.
+/// Its message without the line breaks that fit it to the terminal.
 fn in_one_line(output: &Output) -> String {
     let text = said(output);
     text.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -256,7 +256,7 @@ fn one_bad_step_size_is_named_and_the_others_are_measured() {
         ("killed", &["ended with signal: 9"]),
         ("half", &["cannot be used", "{after}"]),
         ("nothing", &["wrote no {after}"]),
-        ("fifo", &["{after} that is no regular file"]),
+        ("fifo", &["{after}, which is not a regular file"]),
         ("nan", &["p = NaN of degree of freedom 0"]),
         (
             "count",

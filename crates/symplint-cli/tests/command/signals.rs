@@ -1,4 +1,4 @@
-//! What is left after signals, and what they leave alone.
+//! Signals end programs and remove their files, and nothing else.
 
 use super::*;
 
@@ -63,7 +63,11 @@ fn nothing_is_left_behind_after_a_signal() {
         send(signal, &child.id().to_string());
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(130), "{signal}");
-        assert_eq!(said(&output), "", "{signal}");
+        let note = in_one_line(&output);
+        assert!(
+            note.contains("stopped; nothing is kept"),
+            "{signal}: {note}"
+        );
         assert!(bench.left_behind().is_empty(), "{signal}");
         wait_until("the program ends", || !pids.iter().any(|pid| runs(pid)));
     }
@@ -80,6 +84,33 @@ fn a_signal_ends_it_where_nothing_can_be_said() {
     wait_until("the run ends", || child.try_wait().unwrap().is_some());
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert!(bench.left_behind().is_empty());
+}
+
+#[test]
+#[cfg(unix)]
+fn a_run_without_calls_names_the_points_that_it_keeps() {
+    if is_ignored(15) {
+        return;
+    }
+    let folder = tempfile::TempDir::new().unwrap();
+    let out = folder.path().join("run");
+    let child = Command::new(env!("CARGO_BIN_EXE_symplint"))
+        .args(["check", "henon-heiles", "--threads", "1", "--out"])
+        .arg(&out)
+        // Long enough to be stopped.
+        .args(["--set", "diagnostic.budget=1000000000"])
+        .args(["--set", "diagnostic.samples=2^20"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    wait_until("it runs", || out.join("points.csv").exists());
+    send("-TERM", &child.id().to_string());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let note = in_one_line(&output);
+    assert!(note.contains("points measured so far are in"), "{note}");
+    assert!(note.contains("run/points.csv"), "{note}");
 }
 
 #[test]
@@ -108,7 +139,7 @@ fn a_job_that_is_stopped_says_how_to_go_on() {
     assert_eq!(output.status.code(), Some(130));
     let text = in_one_line(&output);
     assert!(text.contains("symplint advance"), "{text}");
-    assert!(text.contains("--part 1/1` goes on"), "{text}");
+    assert!(text.contains("--part 1/1` continues"), "{text}");
 }
 
 #[test]

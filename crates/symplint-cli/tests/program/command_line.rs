@@ -192,7 +192,7 @@ fn bad_options_of_a_loop_are_refused() {
     for (options, says) in [
         (&[][..], "give --dof"),
         (&["--center", "0"], "give --dof"),
-        (&["--set", "loop.radius=2"], "there is none"),
+        (&["--set", "loop.radius=2"], "no configuration is given"),
         (&["--dof", "0"], "at least 1"),
         (&["--dof", "1e12"], "too large"),
         (
@@ -394,4 +394,64 @@ fn short_options_write_a_folder_with_a_page() {
     let page = fs::read_to_string(out.join("report.html")).unwrap();
     assert!(page.contains("<header class=\"not-symplectic\">") && page.contains("<svg"));
     assert!(page.len() < 500_000);
+}
+
+#[test]
+fn shells_get_completions_and_man_gets_pages() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let output = symplint(&["completions", shell]);
+        assert_eq!(output.status.code(), Some(0));
+        let script = text(&output.stdout);
+        for word in ["reproduce", "measure"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
+    let folder = TempDir::new().unwrap();
+    let pages = folder.path().join("man1");
+    let output = symplint(&["man", pages.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    for (name, word) in [
+        ("symplint.1", "Poincaré"),
+        ("symplint-check.1", "Also take N steps"),
+        ("symplint-init.1", "configuration"),
+    ] {
+        let page = fs::read_to_string(pages.join(name)).unwrap();
+        assert!(
+            page.contains(".TH symplint") && page.contains(word),
+            "{name}: {page}"
+        );
+    }
+}
+
+#[test]
+fn all_errors_of_a_configuration_are_printed() {
+    let (_folder, path) = configuration(
+        "[system]\nname = \"pendulum\"\nmass = 2\n\n[diagnostic]\nloops = \"many\"\nbudget = 1\n",
+    );
+    let output = symplint(&["check", path.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = text(&output.stderr);
+    assert_eq!(said.matches("error: ").count(), 3, "{said}");
+    for line in ["run.toml:3:1", "run.toml:6:9", "run.toml:7:10"] {
+        assert!(said.contains(line), "{line}: {said}");
+    }
+}
+
+#[test]
+fn a_quiet_reproduction_prints_numbers_only() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let item = [
+        "reproduce",
+        "fig2",
+        "--set",
+        "steps=80",
+        "--set",
+        "samples=512",
+    ];
+    let output = symplint(&[&item[..], &["--out", out, "--quiet"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let said = text(&output.stdout);
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(said.contains("hold: "), "{said}");
 }
