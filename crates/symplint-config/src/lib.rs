@@ -102,7 +102,7 @@ impl Config {
     pub fn heading(&self) -> String {
         let dof = degrees_of_freedom(self.map.dof());
         let mut heading = format!("{} · {} · {dof}", self.system.name, self.integrator);
-        if let Some((radii, _)) = &self.radii {
+        if let Some(radii) = &self.radii {
             heading += &format!(" · {radii}");
         }
         heading

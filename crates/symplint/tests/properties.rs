@@ -61,8 +61,11 @@ fn the_boris_push_preserves_volume_and_is_symmetric_but_not_symplectic_in_veloci
     }
 }
 
+/// The momentum after a step of size h: of h, the momentum u and the fields e and b.
+type Push = fn(f64, [f64; 3], [f64; 3], [f64; 3]) -> [f64; 3];
+
 /// A push of a relativistic velocity u = γv in the fields E and B at the place, between half drifts, with m = e = c = 1.
-fn relativistic(push: fn(f64, [f64; 3], [f64; 3], [f64; 3]) -> [f64; 3]) -> impl TimeAdvance {
+fn relativistic(push: Push) -> impl TimeAdvance {
     PerSample::new(3, move |h, x: &mut [f64], u: &mut [f64]| {
         let drift = |x: &mut [f64], u: &[f64]| {
             let gamma = (1.0 + u.iter().map(|u| u * u).sum::<f64>()).sqrt();

@@ -28,7 +28,7 @@ pub fn failure_message(failure: &Failure) -> String {
     let others = others.iter().map(|error| {
         let position = error.position.as_ref();
         let position = position.map(|(place, label)| (place, label.as_str()));
-        message(&error.message, position, Some(&error.remedy))
+        message(&error.message, position, error.remedy.as_deref())
     });
     let all: Vec<String> = std::iter::once(first).chain(others).collect();
     all.join("\n\n")
