@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use symplint::VerdictKind;
+use symplint::{Diagnosis, VerdictKind};
 use symplint_config::{Config, System};
 use symplint_report::figures::{check_figures, drawn_step};
 use symplint_report::page::Repeat;
@@ -12,7 +12,7 @@ use symplint_run::{Round, RunError, RunOutput};
 
 use super::plan::say_round;
 use super::run_output;
-use crate::cli::{CheckArgs, Run};
+use crate::cli::{CheckArgs, Run, Shown};
 use crate::failure::Failure;
 use crate::output::{Progress, diagnosis_text, go_on, say, tell};
 use crate::status::{SUCCESS, Status};
@@ -129,48 +129,60 @@ pub(super) fn diagnose(
     provenance.replayed = (journal.as_ref()).map_or(0, |journal| journal.replayed());
     let report = Report::new(&config.resolved, &diagnosis, provenance);
     if let Some(output) = &output {
-        let json = output.folder.write_json("report.json", &report);
-        written(json.map_err(Failure::from))?;
-        let title = config.title();
-        let (figures, note) = check_figures(
-            &title,
-            &diagnosis,
-            &*config.map,
-            &*config.phase_loop,
-            drawn_step(&diagnosis),
-            config.system.command.is_some(),
-        );
-        let again = go_on("check", &output.folder.path().join("config.toml"));
-        let repeat = Repeat::Command(&again);
-        let page = output.write_page(&title, &diagnosis, &report, &figures, repeat);
-        written(page.map_err(Failure::from))?;
-        written(output.write_figures(figures, &[]).map_err(Failure::from))?;
-        // On standard error: standard output may be JSON.
-        if let Some(note) = note {
-            tell(format!("note: {note}"));
-        }
+        written(write_report(&config, &diagnosis, &report, output))?;
     }
     if let Some(round) = &round {
         round.end()?;
     }
-    if run.shown.json {
-        say(report.to_json())?;
-    } else {
-        let title = config.heading();
-        say(diagnosis_text(
-            &title,
-            &diagnosis,
-            (run.shown.quiet, run.shown.all),
-        ))?;
-        match &output {
-            Some(output) if !run.shown.quiet => {
-                say(format!("  Written to {}.", output.folder.path().display()))?;
-            }
-            None if !run.shown.quiet => say("  Figures and the whole report: -o DIR")?,
-            _ => {}
-        }
+    match run.shown.json {
+        true => say(report.to_json())?,
+        false => show(&config, &diagnosis, &run.shown, output.as_ref())?,
     }
     Ok(Some(exit_status(diagnosis.verdict.kind)))
+}
+
+/// Writes the report, its page and the figures to the folder of the run.
+fn write_report(
+    config: &Config,
+    diagnosis: &Diagnosis,
+    report: &Report<'_, toml::Table>,
+    output: &RunOutput,
+) -> Result<(), Failure> {
+    output.folder.write_json("report.json", report)?;
+    let title = config.title();
+    let (figures, note) = check_figures(
+        &title,
+        diagnosis,
+        &*config.map,
+        &*config.phase_loop,
+        drawn_step(diagnosis),
+        config.system.command.is_some(),
+    );
+    let again = go_on("check", &output.folder.path().join("config.toml"));
+    let repeat = Repeat::Command(&again);
+    output.write_page(&title, diagnosis, report, &figures, repeat)?;
+    output.write_figures(figures, &[])?;
+    // On standard error: standard output may be JSON.
+    if let Some(note) = note {
+        tell(format!("note: {note}"));
+    }
+    Ok(())
+}
+
+/// Prints the verdict, and names the folder of the run or the option for one.
+fn show(
+    config: &Config,
+    diagnosis: &Diagnosis,
+    shown: &Shown,
+    output: Option<&RunOutput>,
+) -> Result<(), Failure> {
+    let title = config.heading();
+    say(diagnosis_text(&title, diagnosis, (shown.quiet, shown.all)))?;
+    match output {
+        _ if shown.quiet => Ok(()),
+        Some(output) => say(format!("  Written to {}.", output.folder.path().display())),
+        None => say("  Figures and the whole report: -o DIR"),
+    }
 }
 
 /// Opens the journal of a program; a round of calls where jobs make them.

@@ -154,45 +154,118 @@ impl Advice {
                 | Advice::DefectDoesNotFall
         )
     }
+
+    /// The sentence of advice without numbers.
+    fn fixed(&self) -> Option<&str> {
+        Some(match self {
+            Advice::Remedy { text } => text,
+            Advice::LookForCause { order } => look_for_cause(*order),
+            Advice::MeasureLoop => "Measure one loop or more.",
+            Advice::StatePeriod => {
+                "State the period of the position, as an array `period` in the file or as an option."
+            }
+            Advice::PeriodIfPeriodic => {
+                "If a coordinate is periodic (an angle, a position in a periodic box, a momentum on a torus), keep it unwrapped or state its period."
+            }
+            Advice::OrderOfSamples => {
+                "Give all samples, in their order along a closed loop, the same before and after the step; state \
+                 the period of wrapped positions."
+            }
+            Advice::MoreSamplesOfFile => {
+                "Take more samples, four times as many or more: a jump keeps its size, a steep slope fades."
+            }
+            Advice::SmootherForce => {
+                "Use a smoother interpolation: a force that is continuous where particles cross cells."
+            }
+            Advice::TightenSolver => "If a solver inside the map stops at a tolerance, tighten it.",
+            Advice::StateStepSizes => "State the step sizes to learn the order.",
+            Advice::DefectDoesNotFall => {
+                "The defect does not fall with h: look for a wrong sign, momenta that are not canonical, or a \
+                 missing weight."
+            }
+            Advice::LoopWithForces => {
+                "Take much larger step sizes, or a loop on which forces differ: a step that is nearly a free flight, \
+                 or a kick, is right by every method."
+            }
+            Advice::CheckCopies => {
+                "Check that the files after the step are not copies of the one before it."
+            }
+            Advice::ReturnStates => {
+                "Check that the step returns the states that it advanced, or writes them into the arrays that it gets; \
+                 if it does, take larger step sizes, or step_sizes = \"none\" for a map that is no step in time."
+            }
+            Advice::SamplesInCells => {
+                "Take more samples or a smaller loop: two samples or more in each cell that it crosses."
+            }
+            Advice::MoreSamplesAndLargerSteps => {
+                "Take more samples and larger step sizes: a true defect grows with h, an error does not."
+            }
+            Advice::ContractibleLoops => "Add loops that can be contracted: set loops to 8.",
+            Advice::LoopBesidePoint => {
+                "Take a smaller loop, or one elsewhere, that does not run round that point."
+            }
+            Advice::LargerRadiiOfGroup => {
+                "Give larger radii to these degrees of freedom, well above the rounding of their states, or leave them at rest."
+            }
+            Advice::LoopOnManifold => {
+                "Give a projection onto the constraint manifold (`with_projection`, `project`), which puts all loops there, or \
+                 a loop that lies on it."
+            }
+            Advice::Project => {
+                "Give a projection onto the constraint manifold (`with_projection`, `project`), which keeps random loops and \
+                 the Jacobian on it; or judge the given loop alone: loops = 1, jacobian = false."
+            }
+            Advice::KeepToLeaf => {
+                "State all Casimir functions of the form (`casimir`, `OneForm::project`), or a projection onto a leaf \
+                 (`project`): they keep all loops and the Jacobian on one leaf."
+            }
+            Advice::SmallerLoopInDomain => {
+                "Take a smaller loop, well inside the domain of the map, or set loops to 1."
+            }
+            Advice::LargerLoopOrMoreSamples => {
+                "Take a larger loop or more samples: the loop integral averages over the rounding of the states."
+            }
+            Advice::MoreSamplesOrSmallerLoop => "Take more samples or a smaller loop.",
+            Advice::RuleAuto => {
+                "Set rule to \"auto\": finite differences are of first order, and only good to a few digits."
+            }
+            Advice::LargerLoop => {
+                "Round-off makes most of the bound: take a larger loop, nearer to the origin, and states in double \
+                 precision."
+            }
+            Advice::MoreDigits => {
+                "Return more digits to learn more: compute in double precision, and do not round (17 digits, if \
+                 states are printed)."
+            }
+            Advice::SameRandomNumbers => {
+                "If the step draws random numbers: give every row and every call the same ones (one seed at the start of \
+                 every step, and one draw for all rows). If it starts a solver at random: start it from the state."
+            }
+            Advice::OtherLoops => {
+                "Take other loops: one that is off the symmetries of the system, and a larger one."
+            }
+            Advice::MoreLoops => {
+                "One loop tests one region of phase space: set loops to 8 for more certainty."
+            }
+            Advice::MoreLoopsOfFile => {
+                "One loop tests one region of phase space: also measure others (loop.shape = \"fourier\", another loop.seed)."
+            }
+            Advice::MoreStepSizes { .. }
+            | Advice::NoOrder { .. }
+            | Advice::LargerSteps { .. }
+            | Advice::LargerRadii { .. }
+            | Advice::BalancedRadii { .. }
+            | Advice::LetStepConverge { .. }
+            | Advice::SmallerSteps { .. }
+            | Advice::SmallerLoop { .. }
+            | Advice::MoreEvaluations { .. } => return None,
+        })
+    }
 }
 
 impl Display for Advice {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
-            Advice::Remedy { text } => f.write_str(text),
-            Advice::LookForCause { order } => f.write_str(match order {
-                Some(order) if *order >= 2.0 => {
-                    "Look for a method that is not symplectic, such as a Runge–Kutta method of one or two orders less (use a \
-                     symplectic one of its order), and for a solver or a force that is less accurate than the step (a force that is \
-                     no gradient: `check_force`)."
-                }
-                Some(order) if *order > 0.0 => {
-                    "Look for friction, a force that is no gradient (`check_force`), momenta that are not canonical (velocities: \
-                     `weight`; a magnetic field), and for the explicit Euler method."
-                }
-                _ => {
-                    "Look for friction, a force that is no gradient (`check_force`), momenta that are not canonical, and for a method \
-                     that is not symplectic."
-                }
-            }),
-            Advice::MeasureLoop => f.write_str("Measure one loop or more."),
-            Advice::StatePeriod => f.write_str("State the period of the position, as an array `period` in the file or as an option."),
-            Advice::PeriodIfPeriodic => f.write_str(
-                "If a coordinate is periodic (an angle, a position in a periodic box, a momentum on a torus), keep it unwrapped or state its period.",
-            ),
-            Advice::OrderOfSamples => f.write_str(
-                "Give all samples, in their order along a closed loop, the same before and after the step; state \
-                 the period of wrapped positions.",
-            ),
-            Advice::MoreSamplesOfFile => f.write_str(
-                "Take more samples, four times as many or more: a jump keeps its size, a steep slope fades.",
-            ),
-            Advice::SmootherForce => f.write_str(
-                "Use a smoother interpolation: a force that is continuous where particles cross cells.",
-            ),
-            Advice::TightenSolver => {
-                f.write_str("If a solver inside the map stops at a tolerance, tighten it.")
-            }
             Advice::MoreStepSizes { given } => write!(
                 f,
                 "Give four or more step sizes, each half of the one before, to learn the order ({given} given)."
@@ -209,13 +282,6 @@ impl Display for Advice {
                      each half of the one before, to learn the order."
                 ),
             },
-            Advice::StateStepSizes => {
-                f.write_str("State the step sizes to learn the order.")
-            }
-            Advice::DefectDoesNotFall => f.write_str(
-                "The defect does not fall with h: look for a wrong sign, momenta that are not canonical, or a \
-                 missing weight.",
-            ),
             Advice::LargerSteps { factor, step_size } => {
                 f.write_str("Take larger step sizes")?;
                 match (factor, step_size) {
@@ -232,47 +298,6 @@ impl Display for Advice {
                 "Take a loop {} times as large: the map changes the integral of such a loop.",
                 short(*factor)
             ),
-            Advice::LoopWithForces => f.write_str(
-                "Take much larger step sizes, or a loop on which forces differ: a step that is nearly a free flight, \
-                 or a kick, is right by every method.",
-            ),
-            Advice::CheckCopies => f.write_str(
-                "Check that the files after the step are not copies of the one before it.",
-            ),
-            Advice::ReturnStates => f.write_str(
-                "Check that the step returns the states that it advanced, or writes them into the arrays that it gets; \
-                 if it does, take larger step sizes, or step_sizes = \"none\" for a map that is no step in time.",
-            ),
-            Advice::SamplesInCells => f.write_str(
-                "Take more samples or a smaller loop: two samples or more in each cell that it crosses.",
-            ),
-            Advice::MoreSamplesAndLargerSteps => f.write_str(
-                "Take more samples and larger step sizes: a true defect grows with h, an error does not.",
-            ),
-            Advice::ContractibleLoops => {
-                f.write_str("Add loops that can be contracted: set loops to 8.")
-            }
-            Advice::LoopBesidePoint => f.write_str(
-                "Take a smaller loop, or one elsewhere, that does not run round that point.",
-            ),
-            Advice::LargerRadiiOfGroup => f.write_str(
-                "Give larger radii to these degrees of freedom, well above the rounding of their states, or leave them at rest.",
-            ),
-            Advice::LoopOnManifold => f.write_str(
-                "Give a projection onto the constraint manifold (`with_projection`, `project`), which puts all loops there, or \
-                 a loop that lies on it.",
-            ),
-            Advice::Project => f.write_str(
-                "Give a projection onto the constraint manifold (`with_projection`, `project`), which keeps random loops and \
-                 the Jacobian on it; or judge the given loop alone: loops = 1, jacobian = false.",
-            ),
-            Advice::KeepToLeaf => f.write_str(
-                "State all Casimir functions of the form (`casimir`, `OneForm::project`), or a projection onto a leaf \
-                 (`project`): they keep all loops and the Jacobian on one leaf.",
-            ),
-            Advice::SmallerLoopInDomain => f.write_str(
-                "Take a smaller loop, well inside the domain of the map, or set loops to 1.",
-            ),
             Advice::BalancedRadii { imbalance } => write!(
                 f,
                 "Set radius = \"auto\" (in Rust, `map::balanced_radii`): the radii of q and p differ by a factor of {} from the \
@@ -284,9 +309,6 @@ impl Display for Advice {
                 "Take step sizes of {} and below, or make the iteration inside the step converge at larger ones.",
                 size(*converges)
             ),
-            Advice::LargerLoopOrMoreSamples => f.write_str(
-                "Take a larger loop or more samples: the loop integral averages over the rounding of the states.",
-            ),
             Advice::SmallerSteps { deformation } => write!(
                 f,
                 "Take smaller step sizes: one step deforms this loop by {} times its size.",
@@ -297,37 +319,30 @@ impl Display for Advice {
                 "Take a loop ten times smaller, or smaller step sizes: one step deforms this loop by {} times its size.",
                 short(*deformation)
             ),
-            Advice::MoreSamplesOrSmallerLoop => f.write_str(
-                "Take more samples or a smaller loop.",
-            ),
-            Advice::RuleAuto => f.write_str(
-                "Set rule to \"auto\": finite differences are of first order, and only good to a few digits.",
-            ),
-            Advice::LargerLoop => f.write_str(
-                "Round-off makes most of the bound: take a larger loop, nearer to the origin, and states in double \
-                 precision.",
-            ),
-            Advice::MoreDigits => f.write_str(
-                "Return more digits to learn more: compute in double precision, and do not round (17 digits, if \
-                 states are printed).",
-            ),
-            Advice::SameRandomNumbers => f.write_str(
-                "If the step draws random numbers: give every row and every call the same ones (one seed at the start of \
-                 every step, and one draw for all rows). If it starts a solver at random: start it from the state.",
-            ),
-            Advice::OtherLoops => f.write_str(
-                "Take other loops: one that is off the symmetries of the system, and a larger one.",
-            ),
-            Advice::MoreLoops => {
-                f.write_str("One loop tests one region of phase space: set loops to 8 for more certainty.")
-            }
-            Advice::MoreLoopsOfFile => f.write_str(
-                "One loop tests one region of phase space: also measure others (loop.shape = \"fourier\", another loop.seed).",
-            ),
             Advice::MoreEvaluations { wanted } => write!(
                 f,
                 "Raise the budget: at most about {wanted} further evaluations would be enough for a verdict."
             ),
+            fixed => f.write_str(fixed.fixed().unwrap_or_default()),
+        }
+    }
+}
+
+/// The likeliest causes of a defect of this order.
+fn look_for_cause(order: Option<f64>) -> &'static str {
+    match order {
+        Some(order) if order >= 2.0 => {
+            "Look for a method that is not symplectic, such as a Runge–Kutta method of one or two orders less (use a \
+             symplectic one of its order), and for a solver or a force that is less accurate than the step (a force that is \
+             no gradient: `check_force`)."
+        }
+        Some(order) if order > 0.0 => {
+            "Look for friction, a force that is no gradient (`check_force`), momenta that are not canonical (velocities: \
+             `weight`; a magnetic field), and for the explicit Euler method."
+        }
+        _ => {
+            "Look for friction, a force that is no gradient (`check_force`), momenta that are not canonical, and for a method \
+             that is not symplectic."
         }
     }
 }

@@ -129,15 +129,7 @@ impl Display for BoundFinding {
                         but_failed(*failed)
                     )?,
                 }
-                if let Some([q, p]) = radii {
-                    write!(
-                        f,
-                        ", with radii up to {} in q and {} in p",
-                        short(*q),
-                        short(*p)
-                    )?;
-                }
-                f.write_str(".")
+                write!(f, "{}.", with_radii(*radii))
             }
             BoundFinding::Bound {
                 loop_index,
@@ -214,6 +206,13 @@ impl Display for BoundFinding {
             ),
         }
     }
+}
+
+/// `, with radii up to 0.1 in q and 2 in p`.
+fn with_radii(radii: Option<[f64; 2]>) -> String {
+    radii.map_or(String::new(), |[q, p]| {
+        format!(", with radii up to {} in q and {} in p", short(q), short(p))
+    })
 }
 
 /// `, and the bound of a range`, for random loops.

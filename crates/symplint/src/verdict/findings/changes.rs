@@ -133,23 +133,7 @@ impl Display for ChangeFinding {
             ChangeFinding::Law {
                 fit,
                 between_breaks,
-            } => {
-                let what = match between_breaks {
-                    true => "what is left between the breaks".to_owned(),
-                    false => loop_name(fit.loop_index),
-                };
-                let constant = fit.constant.map_or(String::new(), |constant| {
-                    format!(" and a constant part of {constant:+.1e}")
-                });
-                write!(
-                    f,
-                    "The defect of {what} goes as h^({:.2} ± {:.2}){constant} between h = {} and h = {}.",
-                    fit.slope,
-                    fit.uncertainty,
-                    size(fit.from),
-                    size(fit.to)
-                )
-            }
+            } => f.write_str(&slope(fit, *between_breaks)),
             ChangeFinding::OrdersDiffer {
                 by_jacobian,
                 by_loops,
@@ -201,6 +185,24 @@ impl Display for ChangeFinding {
             ),
         }
     }
+}
+
+/// The sentence about the slope of defects against h.
+fn slope(fit: &Fit, between_breaks: bool) -> String {
+    let what = match between_breaks {
+        true => "what is left between the breaks".to_owned(),
+        false => loop_name(fit.loop_index),
+    };
+    let constant = fit.constant.map_or(String::new(), |constant| {
+        format!(" and a constant part of {constant:+.1e}")
+    });
+    format!(
+        "The defect of {what} goes as h^({:.2} ± {:.2}){constant} between h = {} and h = {}.",
+        fit.slope,
+        fit.uncertainty,
+        size(fit.from),
+        size(fit.to)
+    )
 }
 
 /// `in proportion to h³`.
