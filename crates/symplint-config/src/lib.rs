@@ -3,6 +3,7 @@
 mod collect;
 mod diagnostic;
 pub mod document;
+mod energy;
 mod error;
 mod integrator;
 mod parts;
@@ -28,6 +29,7 @@ pub use template::template;
 pub use trace::TraceSettings;
 
 use document::Table;
+use energy::WithEnergy;
 
 const SECTIONS: [&str; 5] = ["system", "integrator", "loop", "diagnostic", "trace"];
 
@@ -179,10 +181,17 @@ impl Sections {
         resolved.insert("loop".into(), settings.resolved().into());
         let (trace, section) = trace::read(node("trace"))?;
         resolved.insert("trace".into(), section.resolved().into());
+        let map: Arc<dyn TimeAdvance> = match diagnostic.long_time {
+            0 => Arc::from(map),
+            _ => Arc::new(WithEnergy {
+                map,
+                model: system.model.clone(),
+            }),
+        };
         Ok(Sections {
             system,
             integrator,
-            map: Arc::from(map),
+            map,
             settings,
             diagnostic,
             trace,
