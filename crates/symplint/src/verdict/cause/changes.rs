@@ -10,8 +10,8 @@ use crate::verdict::number::{one_digit, within};
 use crate::verdict::properties::{Property, PropertyName};
 use crate::verdict::thresholds::TREND;
 
-/// Tolerances of solvers are smaller. Conventional.
-const LARGEST_TOLERANCE: f64 = 1e-4;
+/// Larger defects are not taken for those of a tolerance. Conventional: the largest that solvers have by default.
+const LARGEST_TOLERANCE: f64 = 1e-6;
 
 impl Clues<'_> {
     /// The step projects onto a manifold.
@@ -101,7 +101,7 @@ impl Clues<'_> {
             Cause::new(
                 CauseKind::SolverTolerance,
                 format!(
-                    "The defect, {} at most, does not depend on the step size: it has the size of a tolerance, not that of a method.",
+                    "The defect, {} at most, does not depend on the step size: it has the size of a tolerance or of a rounded constant, not of a method.",
                     one_digit(largest)
                 ),
                 "Tighten the tolerances of solvers inside the step, and look for constants and tables with few digits.",

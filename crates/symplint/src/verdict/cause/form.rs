@@ -127,7 +127,7 @@ impl Clues<'_> {
         let change = form.change.filter(|_| form.exists == Some(false))?;
         let (family, why) = match form.all_constant {
             true if form.with_fields => (
-                "No constant two-form, and none with a magnetic field B(q) of degree 2 at most,",
+                "No constant two-form, and none with a magnetic field B(q) of at most degree 2,",
                 "No masses, signs, pairs or such field make the step symplectic",
             ),
             true => (
