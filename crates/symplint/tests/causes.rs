@@ -319,34 +319,32 @@ fn between(
 #[test]
 fn the_part_of_a_step_that_changes_areas_is_named() {
     let nothing: fn(f64, &[f64], &mut [f64]) = |_, _, _| {};
-    // In closed form: the brackets {P0, P1} = 0.2 h q0 + 0.1 h at the end, and {Q1, P1} = 1 − 0.1 h.
+    // In closed form: the brackets {P0, P1} = h (0.1 + 0.2 q0) at the end, and {Q1, P1} = 1 − 0.1 h.
     let curl: fn(f64, &[f64], &mut [f64]) = |h, q, p| p[0] += h * q[1] * (0.1 + 0.2 * q[0]);
     let damped: fn(f64, &[f64], &mut [f64]) = |h, _, p| p[1] *= 1.0 - 0.1 * h;
     for (map, kind, words) in [
         (
             between(nothing, curl),
             CauseKind::ForceWithCurl,
-            ["qp 0 (", "the step ends with a kick"],
+            ["qq 0 (", "qp 0 (", "The step ends with a kick"],
         ),
         (
             between(curl, nothing),
             CauseKind::ForceWithCurl,
-            ["pp 0 (", "the step begins with a kick"],
+            ["qp 0 (", "pp 0 (", "The step begins with a kick"],
         ),
         (
             between(nothing, damped),
             CauseKind::PartialFriction,
-            [
-                "qp 0.05, pp 0 (",
-                "all in q[1], p[1]. So the step ends with friction",
-            ],
+            ["The step ends with friction", "qq 0 (", "qp 0.05, pp 0 ("],
         ),
         (
             between(damped, nothing),
             CauseKind::PartialFriction,
             [
-                "qq 0 (",
-                "all in q[1], p[1]. So the step begins with friction",
+                "The step begins with friction",
+                "qp 0.05, pp 0 (",
+                "all in q[1], p[1].",
             ],
         ),
     ] {

@@ -51,7 +51,16 @@ pub fn judge(evidence: &Evidence) -> Verdict {
     }
     let mut findings = vec![decision.because];
     findings.append(&mut decision.findings);
-    findings.extend(case.further_findings(decision.kind, decision.digits));
+    let further = case.further_findings(decision.kind, decision.digits);
+    // A cause that blocks show states them.
+    let is_new = |finding: &Finding| {
+        let blocks = matches!(
+            finding,
+            Finding::Localisation(LocalisationFinding::Blocks { .. })
+        );
+        !blocks || !cause.as_ref().is_some_and(Cause::is_of_blocks)
+    };
+    findings.extend(further.into_iter().filter(is_new));
     Verdict {
         kind: decision.kind,
         digits: decision.digits,

@@ -1,6 +1,6 @@
 //! The given loop in many steps.
 
-use super::{GivenLoop, Runner};
+use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::limits::{FEWEST_SAMPLES, FINE_DEFECT, FOLDED, RESOLVED_DEFECT};
 use crate::diagnosis::plan::{fits, power_below};
 use crate::diagnosis::resolve::probe::Probe;
@@ -31,9 +31,13 @@ impl Runner<'_> {
         if steps == 0 || is_broken {
             return Ok(());
         }
-        match follow(&given.probe, self.largest, steps, self.left())? {
-            Ok(found) => self.evidence.long_time = Some(found),
-            Err(why) => self.omit(Check::ManySteps, why),
+        match follow(&given.probe, self.largest, steps, self.left()) {
+            // States that escape grow beyond doubles.
+            Err(error @ Error::Overflow { .. }) => self.omit(Check::ManySteps, failed(&error)),
+            found => match found? {
+                Ok(found) => self.evidence.long_time = Some(found),
+                Err(why) => self.omit(Check::ManySteps, why),
+            },
         }
         Ok(())
     }

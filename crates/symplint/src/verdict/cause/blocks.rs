@@ -53,23 +53,23 @@ impl Clues<'_> {
             return self.largest_block(blocks).filter(|_| of_model);
         };
         let (matrix, verb) = match is_end {
-            true => ("the Poisson brackets after the step", "ends"),
-            false => ("MᵀJM − J", "begins"),
+            true => ("Poisson brackets after the step", "ends"),
+            false => ("MᵀJM − J of the Jacobian M", "begins"),
         };
         let part = match kind {
-            CauseKind::ForceWithCurl => format!("So the step {verb} with a kick by a force F(q) that is not a gradient"),
+            CauseKind::ForceWithCurl => format!("The step {verb} with a kick by a force F(q) that is not a gradient"),
             CauseKind::VelocityWithCurl => {
-                format!("So the step {verb} with a drift by a velocity v(p) that is not a gradient")
+                format!("The step {verb} with a drift by a velocity v(p) that is not a gradient")
             }
             CauseKind::PartialFriction => {
-                format!("So the step {verb} with friction, or another change of p that depends on p")
+                format!("The step {verb} with friction, or another change of p that depends on p")
             }
-            _ => "So stages may use old values of each other, as in explicit Runge–Kutta methods, and in implicit methods after one to \
+            _ => "Stages may use old values of each other, as in explicit Runge–Kutta methods, and in implicit methods after one to \
                   three fixed-point iterations"
                 .to_owned(),
         };
         let text = format!(
-            "Defects of {matrix} by block: {}. {part}.",
+            "{part}. Defects of {matrix} by block: {}.",
             blocks_text(side)
         );
         Some(Cause::new(kind, text, remedy(kind)))
@@ -92,7 +92,7 @@ impl Clues<'_> {
             () => return None,
         };
         let text = format!(
-            "Defects by block: MᵀJM − J: {}; Poisson brackets after the step: {}. The largest blocks are those of {meaning}.",
+            "The largest blocks of the defect are those of {meaning}: MᵀJM − J: {}; Poisson brackets after the step: {}.",
             blocks_text(&blocks.before),
             blocks_text(&blocks.after)
         );

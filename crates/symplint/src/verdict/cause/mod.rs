@@ -145,6 +145,17 @@ impl Cause {
         }
     }
 
+    /// Whether blocks of the defect of the Jacobian show it, so that its text has them.
+    pub(super) fn is_of_blocks(&self) -> bool {
+        matches!(
+            self.kind,
+            CauseKind::ForceWithCurl
+                | CauseKind::VelocityWithCurl
+                | CauseKind::PartialFriction
+                | CauseKind::FewIterations
+        )
+    }
+
     /// Without a setting.
     fn new(kind: CauseKind, text: String, remedy: impl Into<String>) -> Self {
         Cause {
