@@ -53,9 +53,8 @@ def test_many_steps_show_whether_the_energy_drifts():
     for step, growth, words in (
         (leapfrog, "bounded", "the change stays bounded"),
         (runge_kutta, "grows", "the energy drifts"),
-        (average_vector_field, "none", "it is conserved"),
     ):
-        arguments = SIZES | {"radius": 0.3, "steps": 400}
+        arguments = SIZES | {"radius": 0.3, "steps": 200, "loops": 1}
         report = symplint.check(step, *CENTRE, **arguments, energy=energy)
         found = report.properties["energy"]
         assert found.growth == growth and words in found.text, found.text

@@ -71,10 +71,10 @@ def curl(q, p, h):
         (other_sign, TWO, "sign-of-a-pair", "weight = [1, -1]"),
         (permuted, TWO, "pairs-permuted", "p = p[:, [1, 0]]"),
         (in_field, TWO, "kinetic-momenta", None),
-        (yee, (np.zeros(6), np.ones(6)), "other-form", None),
+        (yee, (np.zeros(6), np.ones(6)), "fields", None),
         (over_reference, TWO, "friction", None),
         (friction, TWO, "friction", None),
-        (curl, TWO, "no-form", None),
+        (curl, TWO, "force-with-curl", None),
     ],
 )
 def test_the_form_is_named(step, centre, kind, setting):
