@@ -4,6 +4,9 @@ A method is symplectic if it composes flows of Hamiltonians (Verlet, Wisdom–Ho
 or is exact; comments state the reason where it is another one. What a user writes is the line with `adapters`, besides the system.
 """
 
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 import symplint
@@ -137,6 +140,8 @@ def test_fixed_atoms_are_left_out():
     atoms.set_constraint(constraints.FixBondLength(0, 1))
     with pytest.raises(symplint.InputError, match="FixBondLength"):
         adapters.ase(atoms, verlet.VelocityVerlet)
+    with pytest.raises(symplint.InputError, match="VelocityVerlet"):
+        adapters.ase(atoms, "verlet")
     atoms.calc = None
     with pytest.raises(symplint.InputError, match="calculator"):
         adapters.ase(atoms, verlet.VelocityVerlet)
@@ -275,6 +280,19 @@ def test_the_momenta_of_mujoco_are_canonical():
         return q, p
 
     agrees(flow, True, q0=step.q0, p0=step.p0, step_sizes=[0.01], radius="auto", per_sample=True)
+
+
+def test_threads_take_turns():
+    step = adapters.mujoco(*pendulum("RK4", 2))
+    serial = agrees(step, False)
+    with ThreadPoolExecutor(4) as threads:
+        assert np.array_equal(agrees(step, False, workers=threads).points["final"], serial.points["final"])
+
+
+def test_steps_may_be_pickled():
+    step = adapters.AdaptedStep(np.add, "sum", [0.0], [1.0])
+    again = pickle.loads(pickle.dumps(step))
+    assert repr(again) == repr(step) and again(1.0, 2.0, None) == 3.0
 
 
 def test_quaternions_are_refused():

@@ -39,7 +39,7 @@ def ase(atoms: Any, dynamics: Callable[..., Any], **options: Any) -> AdaptedStep
     Raises
     ------
     InputError
-        If `atoms` has no calculator, or a constraint other than ``FixAtoms``.
+        If `dynamics` is not a class or function, `atoms` has no calculator, or a constraint other than ``FixAtoms``.
 
     Notes
     -----
@@ -58,6 +58,8 @@ def ase(atoms: Any, dynamics: Callable[..., Any], **options: Any) -> AdaptedStep
     """
     if not hasattr(atoms, "get_positions"):
         raise InputError(f"atoms is an object of type {type(atoms).__name__}; give ase.Atoms")
+    if not callable(dynamics):
+        raise InputError(f"dynamics is an object of type {type(dynamics).__name__}; give a class such as ase.md.verlet.VelocityVerlet")
     if atoms.calc is None:
         raise InputError("the atoms have no calculator; set atoms.calc")
     free = np.ones(len(atoms), dtype=bool)

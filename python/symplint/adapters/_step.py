@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -72,10 +73,19 @@ class AdaptedStep:
         self.radius = radius
         self.per_sample, self.step_sizes, self.typical_step, self.dtype = per_sample, step_sizes, typical_step, dtype
         self.parts = list(parts)
+        self._lock = threading.Lock()
 
     def __call__(self, q: Any, p: Any, h: float | None = None) -> Any:
         """The states after one step."""
-        return self.step(q, p, h)
+        # Threads would share the object of the package that takes the step.
+        with self._lock:
+            return self.step(q, p, h)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if name != "_lock"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state, _lock=threading.Lock())
 
     def __repr__(self) -> str:
         return f"<step: {self.__name__}, {self.q0.size} degrees of freedom>"
