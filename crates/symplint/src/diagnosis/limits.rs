@@ -229,8 +229,11 @@ pub(super) const STRETCHED: f64 = 12.0;
 /// parts. Calibrated: one loop takes up to 900 evaluations.
 pub(super) const OF_PIECES: usize = 2_000;
 
-/// Budgets that are tried: no estimate is larger.
-pub(super) const LARGEST_BUDGET: usize = 1 << 40;
+/// Budgets that are tried: no estimate is larger. 2^40, or the largest number of a processor with short addresses.
+pub(super) const LARGEST_BUDGET: usize = match 1_usize.checked_shl(40) {
+    Some(budget) => budget,
+    None => usize::MAX,
+};
 
 // Many steps.
 
