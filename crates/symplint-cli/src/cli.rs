@@ -103,7 +103,7 @@ pub enum Command {
     Trace(TraceArgs),
     /// Reproduce the paper: figures, data, and whether its claims hold.
     ///
-    /// Writes figures (SVG, PNG), data (CSV) and the judged claims into one folder. --set changes the settings
+    /// Writes figures (SVG, PDF, PNG), data (CSV) and the judged claims into one folder. --set changes the settings
     /// of a single item.
     Reproduce(ReproduceArgs),
     /// List systems, integrators, rules or figures.

@@ -1,11 +1,12 @@
-//! Figures of a numerics paper, each written as SVG and as PNG from one description.
+//! Figures of a numerics paper, each written as SVG, PDF and PNG from one description.
 //!
 //! A [`Figure`] is data: panels with axes and series. [`Figure::save`] decides ranges, ticks and
-//! the place of the legends, lays everything out as a list of marks (`scene`), and two
-//! painters (`svg`, `png`) turn the same marks into files.
+//! the place of the legends, lays everything out as a list of marks (`scene`), and three
+//! painters (`svg`, `pdf`, `png`) turn the same marks into files.
 //!
 //! ```text
 //! Figure ──range, ticks, legend──▶ Layout ──▶ Scene (marks in units) ──▶ name.svg
+//!                                                                    ├──▶ name.pdf
 //!                                                                    └──▶ name.png
 //! ```
 //!
@@ -24,6 +25,7 @@ mod marker;
 mod number;
 mod palette;
 mod panel;
+mod pdf;
 mod png;
 mod range;
 mod save;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use ::png::{ColorType, Encoder, EncodingError};
+use ::png::{ColorType, Encoder, EncodingError, PixelDimensions, Unit};
 use tiny_skia::{
     FillRule, LineJoin, Paint, Path as Outline, PathBuilder, Pixmap, Stroke, Transform,
 };
@@ -16,6 +16,8 @@ use symplint_files::write_whole;
 
 /// Pixels of the file for each page unit.
 const PIXELS: f64 = 2.0;
+/// Pixels of a metre of paper, for a panel of 650 units that is printed 3.5 inches wide.
+const PIXELS_OF_METRE: u32 = 14_623;
 /// Most pixels of a file: 256 MiB in memory.
 const MAX_PIXELS: u64 = 1 << 26;
 
@@ -60,6 +62,11 @@ fn encoded(picture: &Pixmap) -> Result<Vec<u8>, EncodingError> {
     let mut file = Vec::new();
     let mut encoder = Encoder::new(&mut file, picture.width(), picture.height());
     encoder.set_color(ColorType::Rgb);
+    encoder.set_pixel_dims(Some(PixelDimensions {
+        xppu: PIXELS_OF_METRE,
+        yppu: PIXELS_OF_METRE,
+        unit: Unit::Meter,
+    }));
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&colors)?;
     writer.finish()?;
@@ -109,7 +116,7 @@ fn draw(picture: &mut Pixmap, mark: &Mark, face: &Typeface) {
 }
 
 /// The outline of a text and its way from the start of its baseline to its place on the page.
-fn placed(text: &Text, face: &Typeface) -> (Option<Outline>, Transform) {
+pub(super) fn placed(text: &Text, face: &Typeface) -> (Option<Outline>, Transform) {
     let part = match text.align {
         Align::Start => 0.0,
         Align::Middle => 0.5,

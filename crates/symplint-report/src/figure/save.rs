@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::font::Typeface;
-use super::{Figure, FigureError, draw, png, svg};
+use super::{Figure, FigureError, draw, pdf, png, svg};
 use symplint_files::write_whole;
 
 impl Figure {
@@ -25,9 +25,9 @@ impl Figure {
         Ok(svg::paint(&draw::scene(self, &face)))
     }
 
-    /// Writes `name.svg` and `name.png` into `folder`, making the folder if need be and
+    /// Writes `name.svg`, `name.pdf` and `name.png` into `folder`, making the folder if need be and
     /// replacing older files. The PNG has two pixels for each unit of the SVG: 1300 for the
-    /// width of one panel.
+    /// width of one panel, which PDF and PNG print 3.5 inches wide.
     ///
     /// # Errors
     ///
@@ -50,6 +50,11 @@ impl Figure {
 
         let path = folder.join(format!("{name}.svg"));
         write_whole(&path, svg::paint(&scene).as_bytes())
+            .map_err(|reason| FigureError::Write { path, reason })?;
+
+        let path = folder.join(format!("{name}.pdf"));
+        pdf::paint(&scene, &face)
+            .and_then(|file| write_whole(&path, &file))
             .map_err(|reason| FigureError::Write { path, reason })?;
 
         let path = folder.join(format!("{name}.png"));

@@ -180,8 +180,8 @@ impl RunOutput {
 }
 
 /// The files of a figure.
-pub(super) fn figure_files(name: &str) -> [String; 2] {
-    ["svg", "png"].map(|extension| format!("figures/{name}.{extension}"))
+pub(super) fn figure_files(name: &str) -> [String; 3] {
+    ["svg", "pdf", "png"].map(|extension| format!("figures/{name}.{extension}"))
 }
 
 /// The file of the loop of a trace after this number of steps.
