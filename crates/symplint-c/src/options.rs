@@ -180,7 +180,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Reads options, or takes the defaults where there are none.
+    /// Reads options, or takes the defaults if there are no options.
     ///
     /// # Safety
     /// Arrays that are not null have as many values as the header says.
@@ -258,7 +258,7 @@ impl Settings {
         Ok(coordinates)
     }
 
-    /// What is measured.
+    /// The diagnosis that the options describe.
     pub fn diagnostic(&self) -> Result<Diagnostic, Failure> {
         Diagnostic::from_settings(&self.settings)
             .map_err(|error| Failure::bad_argument(error.to_string()))

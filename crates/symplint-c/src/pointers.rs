@@ -24,7 +24,7 @@ fn check<T>(what: &str, pointer: *const T) -> Result<(), Failure> {
 /// The values of an array.
 ///
 /// # Safety
-/// If it is not null, so many values are there and do not change during `'a`.
+/// If it is not null, this number of values is there and does not change during `'a`.
 pub unsafe fn values<'a, T>(
     what: &str,
     pointer: *const T,
@@ -102,7 +102,7 @@ pub unsafe fn overlay<T>(
 /// Copies the first `size` bytes of `source` to a struct of the caller, which may be an older one.
 ///
 /// # Safety
-/// There is memory for so many bytes.
+/// There is memory for this number of bytes.
 pub unsafe fn write_prefix<T>(
     what: &str,
     target: *mut T,
@@ -134,7 +134,7 @@ pub unsafe fn text<'a>(what: &str, pointer: *const c_char) -> Result<Option<&'a 
 /// Samples of some degrees of freedom that are copied together.
 const SAMPLES_TOGETHER: usize = 64;
 
-/// Where the values of an array of states lie.
+/// The places of the values of an array of states.
 #[derive(Clone, Copy)]
 pub struct Layout {
     pub dof: usize,

@@ -1,4 +1,4 @@
-//! What a diagnosis found.
+//! The result of a diagnosis.
 
 use std::ffi::{CString, c_char};
 

@@ -46,7 +46,7 @@ impl Failure {
         Self::new(SymplintStatus::NullPointer, format!("{what} is null"))
     }
 
-    /// What a panic said.
+    /// The message of a panic.
     pub fn of_panic(panic: &(dyn Any + Send)) -> Self {
         let said = (panic.downcast_ref::<&str>().copied())
             .or_else(|| panic.downcast_ref::<String>().map(String::as_str));

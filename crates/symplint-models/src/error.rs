@@ -21,7 +21,7 @@ pub enum ModelError {
     Empty {
         /// Which system.
         system: &'static str,
-        /// What it consists of.
+        /// Its parts.
         parts: &'static str,
     },
     /// A spline degree that is not provided.
@@ -89,7 +89,7 @@ pub enum ModelError {
     /// A list of a state with too few or too many entries.
     #[error("there are {got} {what} where {expected} are needed; give one for each")]
     StateLength {
-        /// What the list holds.
+        /// The contents of the list.
         what: &'static str,
         /// Entries given.
         got: usize,
@@ -168,7 +168,7 @@ pub enum ModelError {
         integrator: &'static str,
         /// Which systems it advances.
         needs: &'static str,
-        /// What the system is.
+        /// The kind of the system.
         kind: &'static str,
         /// The integrators that do advance it.
         known: Vec<&'static str>,

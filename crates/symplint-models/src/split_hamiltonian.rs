@@ -32,7 +32,7 @@ pub trait SplitHamiltonian: Hamiltonian + Any {
     /// Number of parts n.
     fn parts(&self) -> usize;
 
-    /// What a part is called in a report: `H_E`, say.
+    /// The name of a part in a report: `H_E`, say.
     fn part_name(&self, part: usize) -> &str;
 
     /// The exact flow of one part for a time `tau`, in place.

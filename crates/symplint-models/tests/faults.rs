@@ -100,7 +100,7 @@ fn a_step_size_chosen_by_the_state_is_not_symplectic() {
     for variant in VARIANTS {
         let map = AdaptiveStrang::new(variant, HenonHeiles);
         let fixed = strang(variant, HenonHeiles);
-        // What it does to one state is what Strang splitting does with that state's step.
+        // It advances one state as Strang splitting does with the step of this state.
         let (x, y) = (0.2_f64, -0.3_f64);
         let force = [x + 2.0 * x * y, y + x * x - y * y];
         let step = 0.5 / (1.0 + force[0] * force[0] + force[1] * force[1]).sqrt();

@@ -61,7 +61,7 @@ struct Row {
     continuous: f64,
     /// With the breaks closed.
     closed: f64,
-    /// What the estimates leave uncertain of the last two.
+    /// The uncertainty of the estimates of the last two.
     uncertainty: f64,
 }
 

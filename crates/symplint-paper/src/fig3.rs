@@ -161,7 +161,7 @@ fn samples_needed(records: &[Record]) -> Claim {
         "section 4.5",
         "a modest number of samples resolves smooth Hamiltonians to machine precision, rough ones need many",
         format!(
-            "quadrature error below 1e-13 from so many samples on: {}",
+            "quadrature error below 1e-13 from this number of samples on: {}",
             text.join("; ")
         ),
         Judgement::of(needed[0].is_some_and(|smooth| {

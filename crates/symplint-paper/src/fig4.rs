@@ -211,7 +211,7 @@ fn linear_resolution(records: &[Record]) -> [Claim; 2] {
     let paper = strang.first().is_some_and(|r| r.samples == PAPER_ROUGH);
     let bound = strang.iter().map(|r| r.uncertainty()).fold(0.0, f64::max);
     let digits = -bound.log10();
-    // What is left of a defect without the quadrature error must exceed that.
+    // The rest of a defect without the quadrature error must exceed that.
     let trusted = (strang
         .iter()
         .take_while(|r| r.defect() > 2.0 * r.uncertainty()))

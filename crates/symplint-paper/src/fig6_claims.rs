@@ -4,7 +4,7 @@ use super::claim::{Claim, Judgement};
 use super::pic::{Case, Curves, PLASMAS, Setup};
 use super::sweep::{Record, line_text, power_law_line};
 
-/// What the paper says it says of these settings.
+/// The paper's statements are about these settings.
 const LAMBDA: f64 = 1000.0;
 const PARTICLES: usize = 128;
 const STEP_SIZE: f64 = 0.1;

@@ -74,7 +74,7 @@ fn of_both(strang: [&[Record]; 2]) -> Vec<(f64, Estimate)> {
         .collect()
 }
 
-/// What the piecewise rule says of these defects: that they are the error of the quadrature, or not.
+/// Whether these defects are the error of the quadrature, by the piecewise rule.
 fn cause(strang: [&[Record]; 2]) -> String {
     let truth = true_defect::largest(strang.into_iter().flatten());
     let of_rule = strang.into_iter().flatten();

@@ -185,7 +185,7 @@ fn faster(counts: &Curves, degree: usize, name: &str) -> Claim {
             .collect()
     });
     let rates = [0, 1, 2].map(|k| power_law(&curves[k]));
-    // Where the unfiltered error is above round-off.
+    // The points at which the unfiltered error is above round-off.
     let gains: Vec<f64> = (curves[0].iter().zip(&curves[2]))
         .filter(|(plain, filtered)| plain.1 > 1e-13 && filtered.1 > 1e-13)
         .map(|(plain, filtered)| plain.1 / filtered.1)

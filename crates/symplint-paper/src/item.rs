@@ -19,7 +19,7 @@ pub struct Item {
     pub cost: &'static str,
     /// What can be set.
     pub keys: &'static [Key],
-    /// What is to be checked of all settings together, if anything.
+    /// The check of all settings together, if there is one.
     pub check: Option<SettingsCheck>,
     /// Measures, draws and judges.
     pub run: fn(&Settings, &RunFolder) -> Result<Vec<Claim>, PaperError>,

@@ -75,7 +75,7 @@ pub const DEGREES: [(usize, &str); 3] = [(1, "linear"), (2, "quadratic"), (3, "c
 /// The integrators of the figures, in the order of their curves.
 pub const INTEGRATORS: [&str; 2] = ["Strang", "RK2"];
 
-/// What the settings of a figure say of all its simulations.
+/// The settings that all simulations of a figure share.
 #[derive(Clone)]
 pub struct Setup {
     /// N_p.

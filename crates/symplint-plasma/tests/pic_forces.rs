@@ -189,7 +189,7 @@ fn mirror_images_push_each_other_equally() {
     }
 }
 
-/// What is left of the total force falls with the width of the filter and the degree.
+/// The remaining total force falls with the width of the filter and the degree.
 #[test]
 fn smooth_shapes_nearly_conserve_momentum() {
     let force = |degree, passes| {

@@ -36,7 +36,7 @@ pub fn keep(name: &str, evidence: &Evidence, verdict: &Verdict) {
     fs::write(folder.join(file + ".json"), kept.to_string()).unwrap();
 }
 
-/// What a verdict says.
+/// The contents of a verdict.
 pub fn words(verdict: &Verdict) -> Value {
     let findings: Vec<String> = verdict.findings.iter().map(ToString::to_string).collect();
     json!({

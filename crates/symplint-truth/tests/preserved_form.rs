@@ -13,7 +13,7 @@ use symplint::{Circle, Coordinates, Diagnosis, Diagnostic, PerSample, VerdictKin
 
 const MEMBERS: u64 = 20;
 
-/// What is wrong with the variables of a map, or with the map.
+/// The fault of the variables of a map, or of the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     /// Velocities instead of momenta: pair forces over masses of four decades, in two to six degrees of freedom.

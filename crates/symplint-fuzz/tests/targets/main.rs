@@ -92,7 +92,7 @@ fn archive_bomb() -> Vec<u8> {
     zip.finish().expect("an archive").into_inner()
 }
 
-/// What was found before.
+/// Inputs that failed before.
 fn kept(target: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("findings")

@@ -3,7 +3,7 @@
 /// A function of which there is one version for each kind of processor; the best is chosen at run
 /// time, once. In its body the type parameter is the [`Arithmetic`] of that kind.
 ///
-/// What it calls must be `#[inline(always)]`: anything else is compiled for any processor.
+/// All functions that it calls must be `#[inline(always)]`: anything else is compiled for any processor.
 ///
 /// [`Arithmetic`]: super::Arithmetic
 macro_rules! dispatched {

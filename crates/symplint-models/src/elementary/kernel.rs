@@ -85,7 +85,7 @@ struct Reduced {
 
 #[inline(always)]
 fn reduced<M: Arithmetic>(x: f64) -> Reduced {
-    // What is added to this has its units in the last bit.
+    // A number added to this has its units in the last bit.
     const ROUNDER: f64 = 6_755_399_441_055_744.0;
     let x = x.abs();
     let shifted = M::mul_add(x, std::f64::consts::FRAC_2_PI, ROUNDER);

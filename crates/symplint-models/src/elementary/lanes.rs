@@ -5,7 +5,7 @@ use super::kernel::{Arithmetic, LANES};
 /// A number of each sample, of a few samples.
 pub(crate) type Lanes = [f64; LANES];
 
-/// What is to be done with the numbers of `I` rows that are read and `O` that are written.
+/// The operation on the numbers of `I` rows that are read and `O` that are written.
 ///
 /// A trait instead of a closure, because it must be inlined: a separate function would be compiled
 /// for any processor.
@@ -14,7 +14,7 @@ pub(crate) trait LaneMap<const I: usize, const O: usize> {
     fn apply<M: Arithmetic>(&self, read: [Lanes; I], written: [Lanes; O]) -> [Lanes; O];
 }
 
-/// Does it for whole rows. What is left at their ends is filled up with zeros, so that every number
+/// Does it for whole rows. The remainder at their ends is filled up with zeros, so that every number
 /// goes the same way.
 ///
 /// # Panics

@@ -21,9 +21,9 @@ pub struct IntegratorInfo {
     /// Whether its step is symplectic for the Hamiltonians it is for, with a continuous force and
     /// stages, if there are any to solve, solved exactly.
     pub symplectic: bool,
-    /// What it is, in one line.
+    /// Its description in one line.
     pub summary: &'static str,
-    /// Where it is from.
+    /// Its source.
     pub reference: &'static str,
     /// One maker, or one for each variant.
     pub makers: &'static [Maker],

@@ -117,7 +117,7 @@ impl Maker {
         }
     }
 
-    /// What it is for, in words that complete "this is for …".
+    /// Its purpose, in words that complete "this is for …".
     pub(super) fn needs(self) -> &'static str {
         match self {
             Maker::Splitting(..) => {

@@ -42,7 +42,7 @@ impl<S: SplitHamiltonian> PartSplitting<S> {
 
 /// The flows of `method` for `parts` parts.
 fn flows(method: &SplittingMethod, parts: usize) -> Vec<PartFlow> {
-    /// What is left of a fraction after subtractions of numbers around 1: rounding errors.
+    /// The remainder of a fraction after subtractions of numbers around 1: rounding errors.
     const ROUNDOFF: f64 = 1e-13;
     let flow = |part, fraction| PartFlow { part, fraction };
     let forth = |fraction| (0..parts).map(move |part| flow(part, fraction));

@@ -149,7 +149,7 @@ impl SplittingMethod {
         &self.substeps
     }
 
-    /// Where the method is from.
+    /// The source of the method.
     pub fn reference(&self) -> &'static str {
         self.reference
     }

@@ -3,7 +3,7 @@
 use super::tableau::{Tableau, TableauPair};
 use crate::error::ModelError;
 
-/// What the derivatives of a Hamiltonian depend on.
+/// The variables that the derivatives of a Hamiltonian depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Dependence {
     /// Velocities on momenta only and forces on positions only.
@@ -12,7 +12,7 @@ pub(super) enum Dependence {
     General,
 }
 
-/// What is evaluated at a stage.
+/// The functions that are evaluated at a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Slope {
     /// ∂H/∂p, from which positions are made.

@@ -138,7 +138,7 @@ impl Tableau {
         self.a[i].iter().sum()
     }
 
-    /// Where the method is from.
+    /// The source of the method.
     pub fn reference(&self) -> &str {
         &self.reference
     }
@@ -300,7 +300,7 @@ mod tests {
     use super::*;
 
     impl Tableau {
-        /// The largest coefficient, 1 at least: what rounding errors are relative to.
+        /// The largest coefficient, at least 1: rounding errors are relative to it.
         pub(in super::super) fn largest(&self) -> f64 {
             let sizes = self.a.iter().flatten().map(|a| a.abs());
             sizes.fold(1.0, f64::max)

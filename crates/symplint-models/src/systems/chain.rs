@@ -20,7 +20,7 @@ pub trait Bond: Send + Sync {
     fn stiffness(&self, elongation: f64) -> f64;
 }
 
-/// What the first and the last mass of a chain are joined to.
+/// The neighbours of the first and the last mass of a chain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ends {
     /// To walls, by one spring each: N + 1 springs.

@@ -1,4 +1,4 @@
-//! What a map does to areas and volumes, from its Jacobian by differences.
+//! The change of areas and volumes by a map, from its Jacobian by differences.
 
 use nalgebra::DMatrix;
 use symplint::TimeAdvance;

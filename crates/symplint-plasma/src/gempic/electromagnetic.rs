@@ -39,7 +39,7 @@ impl Fields {
     ];
 }
 
-/// What a [`Gempic`] is made of. c = ε0 = 1.
+/// The parameters of a [`Gempic`]. c = ε0 = 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GempicConfig {
     /// p, the degree of the splines of V0, 1 to 5; those of V1 have degree p − 1.

@@ -20,7 +20,7 @@ pub(super) struct Sample<'a> {
     pub(super) a2: &'a [f64],
 }
 
-/// What a Hamiltonian asks of the particles.
+/// The quantities of the particles that a Hamiltonian needs.
 pub(super) trait ParticleSlopes {
     /// Σ ½ w m v1² and Σ ½ w m v2².
     fn kinetic_energies(&self, sample: Sample<'_>) -> [f64; 2];

@@ -9,5 +9,5 @@ pub(super) const ALONG: usize = 2;
 /// H_p2 = Σ ½ w m v2².
 pub(super) const ACROSS: usize = 3;
 
-/// What they are called in reports, by their numbers.
+/// Their names in reports, by their numbers.
 pub(super) const NAMES: [&str; 4] = ["H_E", "H_B", "H_p1", "H_p2"];

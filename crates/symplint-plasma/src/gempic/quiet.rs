@@ -116,7 +116,7 @@ mod tests {
         assert!(normal_quantile(0.0).is_finite() && normal_quantile(1.0_f64.next_down()) > 8.0);
     }
 
-    /// With as many random places, 4,000 at least, the moments would be off by 0.016, 0.02, 0.06 and 0.15.
+    /// With as many random places, at least 4,000, the moments would be off by 0.016, 0.02, 0.06 and 0.15.
     #[test]
     fn moments_are_those_of_the_distribution() {
         const N: usize = 48_000;

@@ -9,7 +9,7 @@ use super::system::Pic;
 use symplint_models::ModelError;
 use symplint_models::random::Uniform;
 
-/// What is meant by a thermal velocity.
+/// The meaning of a thermal velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VelocityConvention {
     /// f ∝ exp(−v²/v_th²), of variance v_th²/2: the text of Barham & Burby.

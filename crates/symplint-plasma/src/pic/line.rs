@@ -22,7 +22,7 @@ const PARTICLES_PER_CELL: usize = 1;
 /// Values of all tables of a group at most.
 const MOST_VALUES: usize = 1 << 16;
 
-/// What a plasma on a line needs for its force, apart from the field solver.
+/// The parts that a plasma on a line needs for its force, apart from the field solver.
 #[derive(Clone, Debug)]
 pub(super) struct LineForce {
     locator: Locator,

@@ -112,7 +112,7 @@ impl<const D: usize> Mesh<D> {
         &self.grid
     }
 
-    /// What the position `x` along `axis` touches.
+    /// The nodes that the position `x` along `axis` touches.
     #[inline]
     pub(super) fn stencil(&self, axis: usize, x: f64) -> AxisStencil {
         let (cell, fraction) = self.grid.locate(x);

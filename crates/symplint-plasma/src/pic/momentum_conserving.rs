@@ -10,7 +10,7 @@ use symplint_models::ModelError;
 use symplint_models::PeriodicGrid;
 use symplint_models::bspline::{self, CellWeights, MAX_DEGREE};
 
-/// What a [`MomentumConservingPic`] is made of.
+/// The parameters of a [`MomentumConservingPic`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct MomentumConservingConfig {
     /// Number and weights of the particles.

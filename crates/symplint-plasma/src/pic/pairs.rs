@@ -1,6 +1,6 @@
 //! The force between few particles, pair by pair, without a mesh or a transform.
 //!
-//! What a particle does to another depends on the distance of their cells and on the fractions of
+//! The force between two particles depends on the distance of their cells and on the fractions of
 //! those at which they sit: on the second by one polynomial, for each of the first's moments.
 
 use symplint::state::{Rows, RowsMut};

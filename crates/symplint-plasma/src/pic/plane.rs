@@ -9,7 +9,7 @@ use super::place::{Locator, RunPlaces};
 use super::portions::Portions;
 use super::runs::{RunFunctions, Runs};
 
-/// What a plasma in a plane needs for its force, apart from the field solver.
+/// The parts that a plasma in a plane needs for its force, apart from the field solver.
 ///
 /// Its table has a row of nodes and ghosts for each node and ghost of the first axis.
 #[derive(Clone, Debug)]

@@ -77,7 +77,7 @@ impl Runs {
         self.nodes() + self.functions - self.step
     }
 
-    /// What a value for each node of a cell is in a row, if it is the same in all cells; ghosts have none.
+    /// A value for each node of a cell as a row, if it is the same in all cells; ghosts have no value.
     pub(super) fn in_all_cells(&self, of_cell: &[f64]) -> Vec<f64> {
         let mut row = of_cell.repeat(self.cells);
         row.resize(self.len(), 0.0);

@@ -13,7 +13,7 @@ use symplint_models::DriftKickTangent;
 use symplint_models::ModelError;
 use symplint_models::Separable;
 
-/// What a particle-in-cell system is made of.
+/// The parameters of a particle-in-cell system.
 ///
 /// The default is that of Barham & Burby, section 5.2: two particles of density 1 on 128 cells
 /// of a box of length 50, here with cubic splines and no filter.

@@ -5,7 +5,7 @@ use symplint_plasma::gempic::Gempic;
 
 use crate::reference::{Plasma, config, random_state, shifted};
 
-/// Where the variables begin: x, v1, v2, e1, e2, b.
+/// The first index of each variable: x, v1, v2, e1, e2, b.
 struct Places {
     particles: usize,
     cells: usize,

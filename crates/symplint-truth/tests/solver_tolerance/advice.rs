@@ -1,4 +1,4 @@
-//! What the advice says of a tolerance, and of forces that jump.
+//! The advice about a tolerance, and about forces that jump.
 
 use std::f64::consts::PI;
 

@@ -12,7 +12,7 @@ use symplint::{Diagnosis, Diagnostic, Rule};
 use midpoint::{Field, map};
 use truth::Circle;
 
-/// What the given loop shows in one step.
+/// The evidence of the given loop in one step.
 fn diagnose<F: Field>(circle: &Circle, h: f64, tolerance: f64, rule: Rule) -> Diagnosis {
     let diagnostic = Diagnostic {
         rule,

@@ -41,12 +41,12 @@ impl Circle {
     }
 }
 
-/// What is true of one step.
+/// The truth about one step.
 #[derive(Clone, Debug)]
 pub struct Truth {
     /// I_ac/I(0) − 1.
     pub defect: f64,
-    /// Where the number of iterations changes.
+    /// The places at which the number of iterations changes.
     pub breaks: Vec<f64>,
     /// The largest change of a coordinate at each.
     pub jumps: Vec<f64>,

@@ -306,7 +306,7 @@ fn breaks_that_open_by_more_than_half_a_period_are_closed_all_the_same() {
 /// between the breaks of the unit circle.
 fn two_jumps(j: f64, a: f64, gap: f64) -> (impl TimeAdvance, f64) {
     let map = kick_drift(move |q| j * (f64::from(q > a) + f64::from(q > a + gap) - 1.0));
-    // What is between the two jumps is lost in rounding.
+    // The distance of the two jumps is lost in rounding.
     let half_square = |x: f64| 0.5 * x * x;
     let (p, j) = ((1.0 - a * a).sqrt(), 0.5 * j);
     let lost = half_square(p - j) - half_square(p + j) + half_square(-p + j) - half_square(-p - j);

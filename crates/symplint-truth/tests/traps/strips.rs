@@ -75,7 +75,7 @@ fn in_a_strip(
     .unwrap()
 }
 
-/// Where the second sample of eight of the circle is.
+/// The place of the second sample of eight of the circle.
 const MET: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 #[test]

@@ -73,7 +73,7 @@ fn found(family: &Family, index: usize, budget: usize) -> Option<Found> {
     })
 }
 
-/// What is wrong, in words.
+/// The mistake in words.
 pub fn wrong(found: &[Found]) -> Vec<String> {
     let wrong = found.iter().filter_map(|found| match &found.outcome {
         Some(Outcome::Wrong(text)) => Some(format!("{}, {}: {text}", found.label, found.budget)),

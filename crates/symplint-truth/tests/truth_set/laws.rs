@@ -207,7 +207,7 @@ pub fn member(index: usize) -> Member {
     let h = random.between(0.5, 1.0) / system.omega;
     let step = of_law(&system, &law, h);
     let change = law.change.clone();
-    // What is left of 1 + d in doubles.
+    // 1 + d rounded to doubles.
     let truth = Truth::of(Expected::NotSymplectic)
         .with_change(move |at| 1.0 + change(at / h) - 1.0)
         .with_orders(&law.orders);

@@ -21,7 +21,7 @@ pub fn map_of(dof: usize, step: Step) -> Arc<dyn TimeAdvance> {
     ))
 }
 
-/// What the right verdict is.
+/// The right verdict.
 #[derive(Clone, Copy, Debug)]
 pub enum Expected {
     /// Symplectic; rounding allows at most this number of digits.
@@ -82,7 +82,7 @@ pub struct KnownBreak {
     pub rounding: f64,
 }
 
-/// What is known.
+/// The known answer.
 #[derive(Clone)]
 pub struct Truth {
     pub expected: Expected,
@@ -125,7 +125,7 @@ impl Truth {
     }
 }
 
-/// What is diagnosed.
+/// The diagnosed map.
 #[derive(Clone)]
 pub enum Subject {
     /// A map.

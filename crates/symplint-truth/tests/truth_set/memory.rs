@@ -141,7 +141,7 @@ fn depends_on_calls(random: &mut Random, size: f64) -> (String, After) {
     }
 }
 
-/// What the batch does to momenta of a leapfrog step, or earlier calls do.
+/// The effect of the batch, or of earlier calls, on momenta of a leapfrog step.
 fn of_leapfrog(random: &mut Random, on_batch: bool) -> Member {
     let system = small_system(random);
     let size = random.log_between(1e-7, 1e-1);

@@ -21,7 +21,7 @@ pub struct Network {
     pub on: Circle,
 }
 
-/// What is wrong with it.
+/// Its fault.
 #[derive(Clone, Copy, PartialEq)]
 enum Fault {
     None,

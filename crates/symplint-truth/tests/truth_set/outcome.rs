@@ -12,7 +12,7 @@ use crate::rounding::Rounding;
 /// a hundred operations.
 pub const FAINT: f64 = 1e-12;
 
-/// What a verdict is.
+/// The outcome of a verdict.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     Right,
@@ -123,7 +123,7 @@ pub fn outcome(member: &Member, diagnosis: &Diagnosis) -> Outcome {
             let said = verdict.conserved_once_closed;
             right(said.is_none() || closed.is_none() || said == closed)
         }
-        // What is changed even once closed is not symplectic between its breaks.
+        // A loop whose integral changes even once it is closed is not symplectic between its breaks.
         (Expected::Broken { closed }, VerdictKind::NotSymplectic) => right(closed == Some(false)),
         (Expected::Broken { .. }, VerdictKind::Symplectic) => wrong(),
         // If the given loop is whole, random loops may break.

@@ -36,7 +36,7 @@ impl Pair {
     }
 }
 
-/// What the forces are, besides those of a pair potential.
+/// The forces, besides the forces of a pair potential.
 #[derive(Clone, Copy)]
 enum Extra {
     Nothing,

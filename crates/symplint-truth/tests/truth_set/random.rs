@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// What a member is made from.
+/// The random numbers that a member is made from.
 pub struct Random(ChaCha8Rng);
 
 impl Random {

@@ -15,7 +15,7 @@ use crate::systems;
 
 pub const COUNT: usize = 360;
 
-/// Where the rows of a loop are.
+/// The places of the rows of a loop.
 #[derive(Clone, Copy, Debug)]
 pub enum Spacing {
     /// s = k/N.

@@ -22,7 +22,7 @@ pub fn member(index: usize) -> Member {
     let delta = random.sign() * size;
     let power = random.whole(0, 2) as i32;
     let largest = random.between(0.5, 1.0) / system.omega;
-    // What is left of 1 + δ in doubles.
+    // 1 + δ rounded to doubles.
     let law = move |h: f64| 1.0 + delta * (h / largest).powi(power) - 1.0;
     let leap = leapfrog(&system);
     let step: Step = Arc::new(move |h, q, p| {

@@ -254,7 +254,7 @@ impl Counted<'_> {
     }
 }
 
-/// What a step gives.
+/// The result of a step.
 struct After {
     count: usize,
     change: f64,

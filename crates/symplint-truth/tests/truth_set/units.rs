@@ -101,7 +101,7 @@ pub fn member(index: usize) -> Member {
     let units = Units::random(random, system.dof());
     let (name, step, truth) = method(random, &system);
     let map = map_of(system.dof(), units.step(step));
-    // What a step advances the fastest motion by, in radians.
+    // The angle by which a step advances the fastest motion, in radians.
     let phase = random.log_between(0.3, 1.0);
     let h = phase / system.omega * units.time;
     let (kind, diagnostic) = match random.unit() {

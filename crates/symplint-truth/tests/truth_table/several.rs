@@ -27,7 +27,7 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// What is known of an integrator on any smooth system.
+/// The known properties of an integrator on any smooth system.
 fn usual(dof: usize, step: &str) -> (Truth, &'static str) {
     let known = known(dof).into_iter();
     let found = known.map(|(name, truth, why)| (name == step, truth, why));

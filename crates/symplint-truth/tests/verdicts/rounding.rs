@@ -93,7 +93,7 @@ fn rounding_breaks_no_loop() {
                 let kind = found.verdict.kind;
                 let right = matches!(kind, VerdictKind::Symplectic | VerdictKind::Undecided);
                 assert!(right, "{title}: {}", found.verdict);
-                // What is undecided is so because its digits are few.
+                // A map is undecided only because its digits are few.
                 let least = match name {
                     "3 decimals" => f64::INFINITY,
                     "6 decimals" => 1.0,
@@ -258,7 +258,7 @@ fn loops_of_a_few_units_of_single_precision_convict_nobody() {
     }
 }
 
-/// What is undecided is so because of rounding, and not more than 50,000 evaluations show it.
+/// A map is undecided only because of rounding, and not more than 50,000 evaluations show it.
 fn assert_rounding_decides(found: &Diagnosis, title: &str) {
     let verdict = &found.verdict;
     assert_eq!(verdict.kind, VerdictKind::Undecided, "{title}: {verdict}");

@@ -199,7 +199,7 @@ mod tests {
         let mut room = [0.0; 5];
         let mut convergence = Convergence::new([2.0].into_iter(), &mut room);
         convergence.raise_floor(0, 1.5e-9);
-        // What is less than the rounding of the state changes nothing.
+        // A change below the rounding of the state has no effect.
         convergence.raise_floor(0, 1e-30);
         let solved = noise.iter().position(|&change| {
             convergence.note(0, change);

@@ -1,4 +1,4 @@
-//! What is to be solved for stages: the slopes of a system, or their derivatives along tangent vectors.
+//! The unknowns of stages: the slopes of a system, or their derivatives along tangent vectors.
 
 use symplint::state::{Rows, RowsMut};
 

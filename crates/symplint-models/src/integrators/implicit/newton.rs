@@ -89,7 +89,7 @@ fn differentiate<F: SlopeField>(
             }
             stages.evaluate(Place::Mean);
             for (at, entry) in column.iter_mut().enumerate() {
-                // What was added, after rounding.
+                // The added amount, after rounding.
                 let sample = at % len;
                 let added = stages.state[b * len + sample] - state[b * len + sample];
                 *entry = (stages.fresh[at] - slope[at]) / added;

@@ -26,7 +26,7 @@ pub(super) struct MeanFieldStep {
     stop: Stop,
 }
 
-/// What the particles do in a step.
+/// The motion of the particles in a step.
 struct Pushed {
     positions: Vec<[f64; 2]>,
     velocities: Vec<[f64; 2]>,
