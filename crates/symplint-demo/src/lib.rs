@@ -105,7 +105,10 @@ fn frames(config: &Config, h: f64) -> Vec<Frame> {
 fn errors(first: &ConfigError) -> String {
     let all = std::iter::once(first).chain(&first.others);
     let lines: Vec<String> = all
-        .map(|error| format!("{}: {}", error.message, error.remedy))
+        .map(|error| match &error.remedy {
+            Some(remedy) => format!("{}: {remedy}", error.message),
+            None => error.message.clone(),
+        })
         .collect();
     lines.join("\n")
 }

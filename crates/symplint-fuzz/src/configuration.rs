@@ -54,7 +54,7 @@ fn load(text: &str, settings: &[String]) -> Result<Config, ConfigError> {
         }
         let config = Config::load(path, settings);
         if let Err(error) = &config {
-            let _ = (error.message.len(), error.remedy.len());
+            let _ = (error.message.len(), error.remedy.as_ref().map(String::len));
         }
         config
     })
