@@ -87,7 +87,7 @@ fn of_line<T: Number>(tile: &mut [[f64; TILE.1]; TILE.0], k: usize, line: &[T; T
     }
 }
 
-/// What a function returned instead of (q, p): two objects. `remedy` says what it should do.
+/// The result of a function instead of (q, p): two objects. `remedy` says what it should do.
 pub fn pair<'py>(
     result: Bound<'py, PyAny>,
     what: &str,

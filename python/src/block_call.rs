@@ -21,7 +21,7 @@ const SIZES: [usize; 6] = [1024, 256, 64, 16, 4, 1];
 /// of a batch fit into the cache of a core.
 const MAX_COORDINATES: usize = 1 << 15;
 
-/// What a function should do that did something else.
+/// The remedy for a function that did something else.
 const OR_IN_PLACE: &str = "return q and p, or change both in place and return None";
 
 /// An exception, and the sample of the block that caused it; 0 where that is not known.
@@ -47,7 +47,7 @@ pub struct BlockCall<'py> {
     pub h: Option<f64>,
     /// Called before every call of the function, if there is one.
     pub reset: Option<Bound<'py, PyAny>>,
-    /// What it is called in messages.
+    /// Its name in messages.
     pub what: &'static str,
 }
 
@@ -141,7 +141,7 @@ impl<'py> BlockCall<'py> {
             }
         };
         let samples = block.len();
-        // What is wrong with the function itself shows in any state.
+        // A fault of the function itself shows in any state.
         if samples == 1 || fails(0..1)? {
             return Ok(0);
         }
@@ -283,7 +283,7 @@ struct Batch<'py, T> {
     number: std::marker::PhantomData<T>,
 }
 
-/// Where the momenta of `count` positions begin.
+/// The start of the momenta of `count` positions.
 fn of_momenta(count: usize) -> usize {
     // Half a page, so that a position and its momentum do not compete for the same cache lines.
     const APART: usize = 256;

@@ -22,7 +22,7 @@ pub const SIGNALS: Duration = Duration::from_millis(50);
 /// Whether all states are finite now, or why they were not advanced.
 pub type Answer = Result<bool, StepFailure>;
 
-/// What is asked of the thread of the user.
+/// The calls to the thread of the user.
 pub enum Call {
     /// Advance the states of a block.
     Step(f64, Loan<Answer>),
@@ -46,7 +46,7 @@ pub enum Call {
     Finished,
 }
 
-/// Where a diagnosis sends its calls.
+/// The receiver of the calls of a diagnosis.
 pub trait Caller: Sync {
     /// Makes a call, which may be served later.
     fn tell(&self, call: Call);

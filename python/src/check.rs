@@ -27,7 +27,7 @@ use crate::report::{self, Report};
 use crate::step::{Projects, PythonLoop, PythonMap, Stoppable};
 use crate::workers::{self, Workers};
 
-/// What is tested: `symplint.check` has checked the types.
+/// The tested map: `symplint.check` has checked the types.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Subject {
@@ -168,7 +168,7 @@ pub fn rule(py: Python<'_>, name: &str, cutoffs: CutoffPair) -> PyResult<Rule> {
     Ok(Settings(BTreeMap::from(given)).diagnostic(py)?.rule)
 }
 
-/// What the threads of a diagnosis need to know: no Python objects.
+/// The data that threads of a diagnosis need: no Python objects.
 struct Shared {
     integrator: Option<Arc<dyn TimeAdvance>>,
     coordinates: Coordinates,
@@ -323,7 +323,7 @@ impl Shared {
     }
 }
 
-/// Diagnoses a map. What it makes of states is noted in a journal, if a path and what the run is, as JSON, are given. With the report comes the exception for a step size of the given loop that the map could not take, if
+/// Diagnoses a map. Its results are noted in a journal, if a path and the identity of the run, as JSON, are given. With the report comes the exception for a step size of the given loop that the map could not take, if
 /// there is one.
 #[pyfunction]
 #[pyo3(signature = (subject, settings, title, config, progress=None, journal=None))]
@@ -367,7 +367,7 @@ pub fn check(
     let found = functions.workers.as_ref().map(|workers| workers.found(py));
     let found = found.transpose()?.unwrap_or_default();
     if let Some(difference) = found.difference {
-        // What they leave of each other's states is noise: the larger one counts.
+        // The difference between workers is noise: the larger one counts.
         let scatter = &mut diagnosis.evidence.survey.scatter;
         if scatter.is_none_or(|of| !of.is_random() && difference.size > of.size) {
             *scatter = Some(difference);

@@ -1,4 +1,4 @@
-//! What the coordinates of a map mean, as Python states it.
+//! The meaning of the coordinates of a map, as Python states it.
 
 use pyo3::prelude::*;
 use symplint::Coordinates;

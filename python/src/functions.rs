@@ -67,7 +67,7 @@ pub struct Functions {
     pub energy: Option<Py<PyAny>>,
     pub phase_loop: Option<Py<PyAny>>,
     pub progress: Option<Py<PyAny>>,
-    /// Where the states that the step makes are noted, if anywhere.
+    /// The journal of the states that the step makes, if there is one.
     pub journal: Option<Arc<Journal>>,
     /// Who takes the steps, if not this process.
     pub workers: Option<Workers>,
@@ -89,7 +89,7 @@ enum Of {
 }
 
 impl Of {
-    /// What it is called where its failure is that of an argument.
+    /// Its name if its failure is the fault of an argument.
     fn name(self) -> Option<&'static str> {
         match self {
             Of::Step(_) => None,

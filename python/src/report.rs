@@ -1,4 +1,4 @@
-//! What a diagnosis found, as Python sees it.
+//! The report of a diagnosis, as Python sees it.
 
 use std::path::PathBuf;
 
@@ -28,7 +28,7 @@ pub struct Report {
     provenance: Provenance,
 }
 
-/// What a report has in addition to evidence and what follows from it.
+/// The parts of a report besides evidence and its consequences.
 #[derive(Deserialize)]
 struct Rest {
     config: serde_json::Value,

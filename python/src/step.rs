@@ -24,10 +24,10 @@ pub struct PythonMap<'a> {
     pub has_energy: bool,
 }
 
-/// What a Python function that puts states on a manifold does.
+/// The kind of a Python function that puts states on a manifold.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Projects {
-    /// There is no such function.
+    /// The user gave no such function.
     Nothing,
     /// It puts states on a constraint manifold.
     OntoManifold,

@@ -16,7 +16,7 @@ use crate::error::{input_error, other_error};
 /// The sample at which a function failed, and its exception.
 type Failed = (usize, PyErr);
 
-/// Advances states by a function of the user in the process of a worker. What it returned, or how it failed: the rest of the
+/// Advances states by a function of the user in the process of a worker. Returns the result or the failure: the rest of the
 /// work of a worker continues.
 #[pyfunction]
 pub fn advance<'py>(
@@ -100,7 +100,7 @@ pub fn open(py: Python<'_>, path: &Path, of: &str) -> PyResult<Arc<Journal>> {
     Ok(Arc::new(journal))
 }
 
-/// What was recorded about workers.
+/// Records about workers.
 #[derive(Default)]
 pub struct Found {
     /// Processes that took steps.
@@ -133,7 +133,7 @@ impl Workers {
         Ok(())
     }
 
-    /// What is known of them.
+    /// Facts about them.
     pub fn found(&self, py: Python<'_>) -> PyResult<Found> {
         let found = self.0.bind(py).call_method0("found")?;
         type Difference = Option<(char, usize, f64)>;
@@ -149,7 +149,7 @@ impl Workers {
         })
     }
 
-    /// What they make of states, or the sample at which that failed and why.
+    /// The advanced states, or the sample at which the step failed and why.
     pub fn advance<'py>(
         &self,
         py: Python<'py>,

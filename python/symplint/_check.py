@@ -133,17 +133,17 @@ def check(
         Where each degree of freedom starts on its circle: at multiples of the golden ratio, all at the same phase (the circle of
         the paper, on which forces between pairs of particles do not change), or at random. Not together with `loop`.
     loop : Circle, FourierLoop, SampledLoop or callable, optional
-        The loop, in place of a circle round (q0, p0): also a function that gets an array of s in [0, 1) and returns (q, p)
+        The loop, instead of a circle round (q0, p0): also a function that gets an array of s in [0, 1) and returns (q, p)
         of shape (len(s), dof).
     loops : int
-        Loops in all, the given one included; the others are random. 10,000 at most.
+        Loops in all, the given one included; the others are random. At most 10,000.
     rng : int or numpy.random.Generator, optional
         For the random loops and random phases, as SPEC 7 has it, but 1 by default, so that results repeat.
     rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}, optional
         How loop integrals are computed; None is "auto".
     cutoff : float or (float, float), optional
         The λ of the finite-difference rule, or λ_q and λ_p: a cell of the loop is left out where q changes faster than λ_q times
-        the largest absolute value of q, or p likewise.
+        the largest absolute value of q, or p in the same way.
     samples : int or "auto"
         Samples of each loop.
     budget : int or "auto", optional
@@ -154,7 +154,7 @@ def check(
     period : float or array_like, optional
         Periods of the positions, 0 where a position is not periodic.
     momentum_period : float or array_like, optional
-        Periods of the momenta, as those of the standard map on the torus. Loops must not wind round such a torus: ∮ p·dq has
+        Periods of the momenta, as for the standard map on the torus. Loops must not wind round such a torus: ∮ p·dq has
         no value there.
     weight : float or array_like, optional
         The canonical momentum is weight × p: masses, where p are velocities.
@@ -419,7 +419,7 @@ def _check(
     if jvp is not None:
         subject["tangents"] = Tangents(step, jvp)
     if step_sizes is not None and typical_step is not None:
-        raise InputError("both step_sizes and typical_step are given; step sizes are looked for from a typical one")
+        raise InputError("both step_sizes and typical_step are given; step sizes are searched from a typical one")
     steps, repeat = whole(steps, "steps", 0), whole(repeat, "repeat", 1)
     if budget is None:
         budget = BUDGET + BUDGET_OF_A_STEP * steps
@@ -668,7 +668,7 @@ def _subject(
         if found is not None and found.dof != dof:
             raise InputError(f"q0 has {dof} values and {other} {found.dof} degrees of freedom; they must agree")
     if loop is not None and not (isinstance(radius, int | float) and radius == 1.0):
-        raise InputError("both loop and radius are given; the loop has a size of its own")
+        raise InputError("both loop and radius are given; the loop has its size")
     start = phases_and_seed(phases, seed)
     if loop is not None and phases != "staggered":
         raise InputError("both loop and phases are given; the loop has its own")

@@ -75,7 +75,7 @@ def compose(*parts: Part) -> Composition:
     Parameters
     ----------
     *parts : (str, callable)
-        The name of each part, such as that of a lattice element, and its function: ``f(q, p, h)`` as `check` takes a step, or
+        The name of each part, such as a lattice element, and its function: ``f(q, p, h)`` as `check` takes a step, or
         ``f(q, p)`` for maps without a step size. The first is applied first.
 
     Returns

@@ -288,7 +288,7 @@ class Report:
         dof : int
             The degree of freedom whose plane is shown.
         samples : int
-            How many states are drawn. Of a measurement, all are.
+            How many states are drawn. A measurement draws all.
         **kwargs
             The style of the states after the step, as ``matplotlib.axes.Axes.plot`` takes it.
 

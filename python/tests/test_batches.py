@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import symplint
 
-#: What a step gets.
+#: The arguments of a step.
 ROWS = {1, 4, 16, 64, 256, 1024}
 CENTRE = ([1.0, 0.3], [0.5, -0.2])
 

@@ -1,4 +1,4 @@
-"""The examples, with their verdicts. What they need in addition to NumPy may be missing."""
+"""The examples, with their verdicts. Their other packages besides NumPy may be missing."""
 
 import importlib.util
 from pathlib import Path

@@ -518,7 +518,7 @@ def test_the_message_of_a_failed_assertion():
 
     with pytest.raises(symplint.UndecidedError, match="not enough for a verdict"):
         symplint.assert_symplectic(hidden, 1.0, 0.5, step_sizes=[1e-9])
-    # A larger step shows that there is no loss to find.
+    # A larger step shows no loss.
     symplint.assert_symplectic(verlet, 1.0, 0.5, step_sizes=[1e-9])
     report = symplint.assert_symplectic(verlet, 1.0, 0.5, digits=12)
     assert report.digits >= 12

@@ -110,7 +110,7 @@ def test_an_accurate_method_at_small_steps_is_not_called_symplectic():
 
     report = symplint.check(rk4, 1.0, 0.5, step_sizes=[1e-3, 5e-4])
     assert report.kind == "undecided", report
-    # What is named decides.
+    # A given name decides.
     near = float(report.advice[0].split("near ")[1].split(":")[0])
     assert symplint.check(rk4, 1.0, 0.5, step_sizes=[near, near / 2]).kind == "not-symplectic"
 

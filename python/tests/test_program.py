@@ -12,7 +12,7 @@ import pytest
 def run(*arguments):
     program = shutil.which("symplint", path=Path(sys.executable).parent)
     if program is None:
-        pytest.skip("the package is not installed beside this Python")
+        pytest.skip("the package is not installed with this Python")
     return subprocess.run([program, *arguments], capture_output=True, text=True, check=False)
 
 

@@ -143,7 +143,7 @@ def test_periods_of_momenta():
     report = symplint.check(contracted, 3.0, 6.0, momentum_period=TURN, **arguments)
     assert report.kind != "symplectic", str(report)
 
-    # The same numbers as those of the system of the library.
+    # The same numbers as for the system of the library.
     torus = symplint.systems.standard_map(strength=0.9, torus=True, q0=3.0, p0=6.0)
     ours = symplint.check(torus, step_sizes=[2.0, 1.0], radius=0.5, loops=1, jacobian=False)
     theirs = symplint.check(standard_map, 3.0, 6.0, momentum_period=TURN, **arguments, loops=1, jacobian=False)

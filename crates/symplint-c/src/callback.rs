@@ -14,7 +14,7 @@ use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 /// be taken, and is named in the report.
 ///
 /// q[i * samples + k] is the position i of the sample k, and p[i * samples + k] its momentum: one row for each of the `dof` degrees of freedom. In
-/// Fortran they are q(samples, dof). What is done to a sample must depend on nothing but h and the sample itself. `samples`
+/// Fortran they are q(samples, dof). The result for a sample must depend on nothing but h and the sample itself. `samples`
 /// may be any number from 1. The function is called on the thread that called `symplint_check`, one call at a time; it
 /// must return (no longjmp, no C++ exception).
 pub type SymplintStep = Option<

@@ -99,7 +99,7 @@ pub struct FieldSettings {
 }
 
 impl FieldSettings {
-    /// Reads options, or takes the defaults if there are none. A field has a `p0`.
+    /// Reads options, or takes the defaults if the pointer is null. A field has a `p0`.
     ///
     /// # Safety
     /// Arrays that are not null have as many values as the header says.

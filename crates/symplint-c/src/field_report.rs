@@ -21,7 +21,7 @@ pub struct SymplintFieldReport {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SymplintFieldVerdict {
-    /// There is no report.
+    /// The report is missing.
     None = -1,
     /// The force is a gradient, or the field Hamiltonian, down to the stated number of digits.
     Holds = 0,

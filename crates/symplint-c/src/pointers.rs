@@ -195,7 +195,7 @@ impl Layout {
         Ok(Some(Rows::new(values, count, stride, self.samples)))
     }
 
-    /// Refuses samples of `dof` degrees of freedom for whose copies there is no memory. Values that are read many times, by a stride of 0,
+    /// Refuses samples of `dof` degrees of freedom whose copies do not fit into memory. Values that are read many times, by a stride of 0,
     /// need none of the caller, but copies and transforms do.
     fn check_memory(&self, dof: usize) -> Result<(), Failure> {
         let mut reserved: Vec<f64> = Vec::new();

@@ -9,7 +9,7 @@ use symplint_report::report::Report;
 use crate::options::Settings;
 use crate::status::text_of;
 
-/// What a diagnosis found. Made by `symplint_check`, and to be freed by `symplint_report_free`.
+/// The report of a diagnosis. `symplint_check` makes it, and `symplint_report_free` frees it.
 pub struct SymplintReport {
     verdict: SymplintVerdict,
     digits: f64,
@@ -22,7 +22,7 @@ pub struct SymplintReport {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SymplintVerdict {
-    /// There is no report.
+    /// The report is missing.
     None = -1,
     /// No defect was found, down to the stated number of digits.
     Symplectic = 0,
@@ -56,7 +56,7 @@ impl SymplintReport {
 /// A property of a report, or a value for none.
 ///
 /// # Safety
-/// The report is null or one that `symplint_check` made and nobody freed.
+/// The report is null or one that `symplint_check` made and that was not freed.
 unsafe fn of<T>(
     report: *const SymplintReport,
     none: T,

@@ -60,7 +60,7 @@ pub enum Command {
     ///
     /// Each file after the step holds the states of BEFORE advanced by one step. Files are as `symplint loop`
     /// writes them; an .npz file may also hold `h`, `period` (of each position, 0 if it is not periodic),
-    /// `momentum_period` and `weight` (canonical momentum = weight × p), or, in place of `q` and `p`, non-canonical coordinates `z`
+    /// `momentum_period` and `weight` (canonical momentum = weight × p), or, instead of `q` and `p`, non-canonical coordinates `z`
     /// and the one-form `theta` there, whose derivative is the symplectic form. Options replace values in the files. Samples alone cannot
     /// prove that a loop is broken, but they are evidence for it.
     #[command(after_help = EXIT_STATUS)]
@@ -363,7 +363,7 @@ pub struct LoopArgs {
     /// Print the names of the files as JSON on standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
-    /// Print the names of the files only, not how to go on
+    /// Print only the names of the files, not the next command
     #[arg(short, long)]
     pub quiet: bool,
     /// Number of threads; all cores if left out. Results do not depend on it
@@ -462,7 +462,7 @@ pub struct Run {
     pub shown: Shown,
 }
 
-/// What a run shows on the terminal, and its threads.
+/// Output on the terminal, and the number of threads.
 #[derive(Args, Clone)]
 pub struct Shown {
     /// Print the report as JSON on standard output, and nothing else there

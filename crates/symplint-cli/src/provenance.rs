@@ -1,4 +1,4 @@
-//! Where the reports of this program come from.
+//! The origin of the reports of this program.
 
 use symplint_report::provenance::Provenance;
 pub use symplint_report::provenance::Run;

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes a file next to its place, through to the disk, and puts it there then. What a program that was killed left behind
+/// Writes a file next to its place, through to the disk, and puts it there then. A file that a killed program left behind
 /// is overwritten the next time.
 ///
 /// # Errors

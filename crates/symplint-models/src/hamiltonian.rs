@@ -74,7 +74,7 @@ pub trait Separable: Send + Sync {
 /// Drifts q += τ v(p) and kicks p += τ F(q), whether or not F is the gradient of an energy.
 ///
 /// Every [`Separable`] system is one of these, with v = ∂T/∂p and F = −∂V/∂q. Implement it for a
-/// force that has no potential: there is no energy then, and a kick is not symplectic. Import only
+/// force that has no potential: no energy exists then, and a kick is not symplectic. Import only
 /// the trait that is meant, as both have the same methods.
 pub trait DriftKick: Send + Sync {
     /// Degrees of freedom d.

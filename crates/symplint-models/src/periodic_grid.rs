@@ -29,7 +29,7 @@ impl PeriodicGrid {
     /// A grid of `cells` cells on the period `length`.
     ///
     /// # Errors
-    /// If there is no cell or more than [`MAX_CELLS`](Self::MAX_CELLS), or the length is not a
+    /// If the number of cells is 0 or more than [`MAX_CELLS`](Self::MAX_CELLS), or the length is not a
     /// finite positive number, or so large or small that the grid's arithmetic would overflow.
     pub fn new(cells: usize, length: f64) -> Result<Self, ModelError> {
         /// Products of this number of periods with half of the length's bits are exact, and quotients by

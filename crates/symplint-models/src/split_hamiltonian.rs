@@ -20,7 +20,7 @@ pub struct PartFlow {
 
 /// A Hamiltonian H = H_0 + … + H_n−1 whose parts have exact flows.
 ///
-/// [`PartSplitting`](crate::integrators::PartSplitting) makes steps of them, in canonical variables as those of any
+/// [`PartSplitting`](crate::integrators::PartSplitting) makes steps of them, in canonical variables like the steps of any
 /// [`Hamiltonian`]. It is `Any`, so that an integrator for one type of system recognises it: see
 /// [`Maker::For`](crate::integrators::catalogue::Maker::For).
 pub trait SplitHamiltonian: Hamiltonian + Any {

@@ -1,6 +1,6 @@
 //! Derivatives of forces and velocities: how tangent vectors move along with states.
 //!
-//! What a system supplies here makes the steps of all integrators [`TangentMap`](symplint::map::TangentMap)s.
+//! The derivatives that a system supplies here make the steps of all integrators [`TangentMap`](symplint::map::TangentMap)s.
 //! If a force has jumps or kinks, its derivative is the derivative of the piece in which the state lies.
 //!
 //! As in [`DriftKick`](crate::DriftKick) and [`Hamiltonian`](crate::Hamiltonian), all methods work on

@@ -82,7 +82,7 @@ fn the_double_pendulum_has_its_two_small_swings() {
 
 /// Hénon's third integral of the periodic lattice of three,
 /// p_1 p_2 p_3 − p_1 e^{q_2 − q_3} − p_2 e^{q_3 − q_1} − p_3 e^{q_1 − q_2}. Here springs push with
-/// e^{−(q_{i+1} − q_i)}, as those of Toda.
+/// e^{−(q_{i+1} − q_i)}, as in a Toda chain.
 #[test]
 fn toda_of_three_has_a_third_integral() {
     let third = |(q, p): &State| {

@@ -151,7 +151,7 @@ fn measure(case: &Case, size: usize) -> Point {
     }
 }
 
-/// What the largest size takes more than the one before it, for each of what it has more.
+/// The extra time of the largest size over the one before it, for each extra unit.
 fn bytes_each(points: &[Point]) -> f64 {
     match points {
         [.., before, last] => (last.bytes - before.bytes) / (last.size - before.size) as f64,

@@ -154,7 +154,7 @@ mod tests {
     use super::super::sweep::step_of;
     use super::*;
 
-    /// What the exact flow leaves in the jumps for h → 0: a state that crosses q = 0 upwards at time t from
+    /// The jumps of the exact flow for h → 0: a state that crosses q = 0 upwards at time t from
     /// (q0, p0) on the circle ends with p = p0 + 2t − T between jumps that fill the width 2(T − t) dt of q;
     /// the same again downwards.
     fn missed() -> f64 {

@@ -277,7 +277,7 @@ impl Settings {
     /// Sets one of them.
     ///
     /// # Errors
-    /// If there is no such setting, or it does not take that value.
+    /// If no setting has this name, or it does not take that value.
     pub fn set(&mut self, key: &str, value: Value) -> Result<(), SettingError> {
         let Some(index) = self.keys.iter().position(|known| known.name == key) else {
             return Err(SettingError::Unknown {

@@ -120,7 +120,7 @@ const SCHEMES: &[IntegratorInfo] = &[
     IntegratorInfo {
         name: "ecsim",
         variants: &[],
-        // 2 if there is no magnetic field.
+        // 2 without a magnetic field.
         order: 1,
         symplectic: false,
         summary: "Drifts, and velocities and fields implicitly in between, conserves the energy, for pic-1d2v only",

@@ -66,7 +66,7 @@ impl fmt::Display for StateAt {
                 "t = {t:?} of a segment that closes a break of the loop (0 is the one side of the break, 1 the \
                  other; between them the map need not be defined, and Closure::Chords stays away from there)"
             ),
-            StateAt::Orbit => f.write_str("the orbit beside the loop"),
+            StateAt::Orbit => f.write_str("the orbit next to the loop"),
         }
     }
 }

@@ -77,7 +77,7 @@ pub struct TracePoint {
     pub energy_error: Option<f64>,
 }
 
-/// What a [`Trace`] recorded.
+/// The record of a [`Trace`].
 #[derive(Clone, Debug)]
 pub struct TraceRecord {
     /// One point for each step, the initial loop first.

@@ -770,7 +770,7 @@ fn a_small_break_hides_no_large_change() {
         (5.2e-4, 0.0, BrokenLoops),
     ] {
         let verdict = judge(&broken(signed, reach));
-        assert_eq!(verdict.kind, expected, "{signed:e} beside {reach:e}");
+        assert_eq!(verdict.kind, expected, "{signed:e} and {reach:e}");
         assert!(matches!(
             (&verdict.findings[0], expected),
             (

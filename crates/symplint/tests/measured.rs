@@ -477,7 +477,7 @@ fn decimals_break_no_loop() {
     assert!(decided > 140, "{decided} of 320");
 }
 
-/// What a step does to a circle with rows at these parameters.
+/// The image of a circle with rows at these parameters.
 fn at_rows(step: Step, circle: &Circle, s: &[f64], h: f64) -> Diagnosis {
     let mut before = Ensemble::zeros(1, s.len());
     circle.sample(s, &mut before.block());

@@ -116,7 +116,7 @@ fn repetitions_are_counted_as_evaluations() {
     let found = diagnostic.run(&map, &circle).unwrap();
     let Evaluations { made, budget, .. } = found.evidence.evaluations;
     assert_eq!((made, budget), (calls.load(Ordering::Relaxed), 30_000));
-    // The same numbers as those of the composition.
+    // The same numbers as for the composition.
     let once = Diagnostic {
         repeat: 1,
         budget: Some(30_000 / 7),

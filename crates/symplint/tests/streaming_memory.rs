@@ -1,4 +1,4 @@
-//! What a diagnosis by the streaming rule takes of memory, counted by the allocator.
+//! The memory of a diagnosis by the streaming rule, counted by the allocator.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -8,7 +8,7 @@ use terminal_size::{Width, terminal_size_of};
 /// Longer lines are hard to read.
 const WIDEST: usize = 100;
 
-/// Characters of a line: `COLUMNS` of the environment, or else the width of the terminal, and 100 at most.
+/// Characters of a line: `COLUMNS` of the environment, or else the width of the terminal, but at most 100.
 /// None where standard output is not a terminal: paragraphs stay on one line each, for `grep` and the like.
 pub fn width() -> Option<usize> {
     let columns = std::env::var("COLUMNS")

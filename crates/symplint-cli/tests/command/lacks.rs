@@ -1,4 +1,4 @@
-//! What the system cannot do for a call, which is not a failure of the map: the run ends, and continues later.
+//! Calls that the system cannot serve, which is not a failure of the map: the run ends, and continues later.
 
 use std::fs;
 use std::process::Command;

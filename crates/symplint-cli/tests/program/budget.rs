@@ -93,7 +93,7 @@ fn too_small_a_budget_is_undecided_and_says_how_many_evaluations_more_would_tell
     assert!(made(&report) <= 400, "{}", made(&report));
 }
 
-/// What the advice says must be enough, and not much more than enough. (A break can be met by far fewer: breaks are
+/// The advised number must be enough, and not much more than enough. (A break can be met by far fewer: breaks are
 /// tested for the first part alone.)
 #[test]
 fn following_the_advice_decides() {

@@ -160,7 +160,7 @@ fn a_loop_without_a_configuration() {
     assert_ne!(fourier("1"), random("1"));
 }
 
-/// What a configuration and options describe alike is the same loop; periods and weights go into the file.
+/// A configuration and options that describe one loop give the same loop; periods and weights go into the file.
 #[test]
 fn options_and_configuration_describe_the_same_loop() {
     let folder = TempDir::new().unwrap();

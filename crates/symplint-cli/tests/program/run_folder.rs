@@ -43,7 +43,7 @@ fn a_figure_that_cannot_be_drawn_costs_no_verdict() {
         "step_sizes = [1e-10]\nlocalise = false",
     ));
     let (path, out) = (path.to_str().unwrap(), folder.path().join("run"));
-    // The circle is moved so that it meets the centre, where there is no force, at s = 77/720 to the last bit:
+    // The circle is moved so that it meets the centre, where the force vanishes, at s = 77/720 to the last bit:
     // none of 64 samples is there.
     let samples = folder.path().join("samples.csv");
     let output = samples.to_str().unwrap();

@@ -29,7 +29,7 @@ fn threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// What a target may allocate at once: a constant, and a number of bytes for each byte of the input. Of archives, by the factor up to
+/// The most that a target may allocate at once: a constant, and a number of bytes for each byte of the input. Of archives, by the factor up to
 /// which entries are unpacked; of reports, a number in two bytes becomes a value of JSON and then one of the evidence.
 fn allowed(target: &str, input: usize) -> usize {
     let (constant, factor) = match target {

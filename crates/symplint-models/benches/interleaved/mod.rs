@@ -20,7 +20,7 @@ pub fn heading(what: &str) {
     );
 }
 
-/// Prints the time of both, each divided by what it works on, and the ratio of the two.
+/// Prints the time of both, each divided by the size of its data, and the ratio of the two.
 pub fn report(
     name: &str,
     units: f64,

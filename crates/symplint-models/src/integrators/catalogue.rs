@@ -304,7 +304,7 @@ impl Catalogue {
     /// The entry of the integrator `name`, and the variant if one is given or implied by an alias.
     ///
     /// # Errors
-    /// If there is no integrator of this name, it has no such variant, or the alias stands for another one.
+    /// If no integrator has this name, it has no such variant, or the alias stands for another one.
     pub fn resolve(
         self,
         name: &str,
@@ -333,7 +333,7 @@ impl Catalogue {
     /// be one of the [`aliases`]. Stages of implicit methods are solved by `solver`.
     ///
     /// # Errors
-    /// If there is no integrator of this name, it has no such variant, or it cannot advance such a system (the error
+    /// If no integrator has this name, it has no such variant, or it cannot advance such a system (the error
     /// lists those that can); or as [`ImplicitRungeKutta::new`](super::ImplicitRungeKutta::new).
     pub fn build(
         self,

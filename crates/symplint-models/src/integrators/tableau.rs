@@ -59,7 +59,7 @@ impl Tableau {
     /// The order is taken on trust; the reference says where the method is from.
     ///
     /// # Errors
-    /// If `a` is not a square matrix of the length of `b`, there is no stage, or an entry is not
+    /// If `a` is not a square matrix of the length of `b`, the number of stages is 0, or an entry is not
     /// finite.
     pub fn new(
         name: impl Into<String>,
@@ -120,7 +120,7 @@ impl Tableau {
     /// Coefficient a_ij.
     ///
     /// # Panics
-    /// If there is no such stage.
+    /// If the method has fewer stages.
     pub fn a(&self, i: usize, j: usize) -> f64 {
         self.a[i][j]
     }
@@ -133,7 +133,7 @@ impl Tableau {
     /// Node c_i = Σ_j a_ij, the time of stage i in units of h.
     ///
     /// # Panics
-    /// If there is no such stage.
+    /// If the method has fewer stages.
     pub fn c(&self, i: usize) -> f64 {
         self.a[i].iter().sum()
     }

@@ -8,7 +8,7 @@ use symplint::{Block, StepFailure, TimeAdvance};
 /// after it, as in a code that stores `f32` and computes in double precision.
 ///
 /// Rounding is a staircase, so loops are torn by 6e-8 of the size of a coordinate everywhere. A
-/// state beyond the range of `f32` becomes infinite. There is no tangent map: the derivative of a
+/// state beyond the range of `f32` becomes infinite. It has no tangent map: the derivative of a
 /// staircase says nothing of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SinglePrecision<M>(pub M);

@@ -18,7 +18,7 @@ impl HarmonicOscillator {
     /// One oscillator for each angular frequency; 0 is a free particle.
     ///
     /// # Errors
-    /// If there is no frequency, or the square of a frequency is not finite.
+    /// If the list of frequencies is empty, or the square of a frequency is not finite.
     pub fn new(frequencies: Vec<f64>) -> Result<Self, ModelError> {
         if frequencies.is_empty() {
             return Err(ModelError::Empty {

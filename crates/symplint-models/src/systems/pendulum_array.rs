@@ -26,7 +26,7 @@ impl PendulumArray {
     /// A ring of `pendula` pendula of strength `alpha`, with springs of stiffness `k`.
     ///
     /// # Errors
-    /// If there is no pendulum, or `alpha` or `k` is not finite.
+    /// If the number of pendula is 0, or `alpha` or `k` is not finite.
     pub fn new(pendula: usize, alpha: f64, k: f64) -> Result<Self, ModelError> {
         if pendula == 0 {
             return Err(ModelError::Empty {

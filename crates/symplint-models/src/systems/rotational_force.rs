@@ -9,7 +9,7 @@ use crate::tangent::DriftKickTangent;
 
 /// The Hénon–Heiles system with a further, rotational force: q̇ = p, ṗ = −∇V + κ (−q_2, q_1).
 ///
-/// The turning part has the curl 2κ and no potential, so there is no energy, and a kick by it maps
+/// The turning part has the curl 2κ and no potential, so no energy exists, and a kick by it maps
 /// dq ∧ dp to something else: dp_1 ∧ dq_1 + dp_2 ∧ dq_2 gains 2κτ dq_1 ∧ dq_2. Splitting methods
 /// can be applied, Störmer–Verlet among them, and none is symplectic; they still conserve volumes.
 /// Two degrees of freedom.

@@ -9,7 +9,7 @@ use crate::error::PaperError;
 /// The largest changes of energy and momentum in a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Conservation {
-    /// Of the energy, relative to the initial one, in the first and in the second half of the run.
+    /// The spread of the energy, relative to the initial one, in the first and in the second half of the run.
     pub energy: [f64; 2],
     /// The largest residual of Gauss' law.
     pub gauss: Option<f64>,

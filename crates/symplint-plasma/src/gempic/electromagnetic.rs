@@ -126,8 +126,8 @@ impl Gempic {
     /// The system that `config` describes.
     ///
     /// # Errors
-    /// If the degree is not 1 to 5, there is no cell or more than memory is meant to be spent on, the length or the mass
-    /// is not positive and finite, the charge is not finite, there is no particle, or a weight is zero or not finite.
+    /// If the degree is not 1 to 5, the number of cells is 0 or more than memory is meant to be spent on, the length or the mass
+    /// is not positive and finite, the charge is not finite, the number of particles is 0, or a weight is zero or not finite.
     pub fn new(config: GempicConfig) -> Result<Self, ModelError> {
         let GempicConfig {
             degree,

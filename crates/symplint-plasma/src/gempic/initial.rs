@@ -185,7 +185,7 @@ impl Gempic {
         let half_cell = PI / cells as f64;
         let smoothing = (libm::sin(half_cell) / half_cell).powi(degree as i32 + 1);
         let size = match cells {
-            // One function is constant: there is no field.
+            // One function is constant: the field vanishes.
             1 => 0.0,
             _ => amplitude / (k * smoothing),
         };

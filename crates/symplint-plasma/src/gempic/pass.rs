@@ -25,7 +25,7 @@ struct Pass<'a> {
     group: Range<usize>,
 }
 
-/// Where the tables of one sample begin, in polynomials: first A1 and A2 on the cells, then moments of the charge
+/// The start of the tables of one sample, in polynomials: first A1 and A2 on the cells, then moments of the charge
 /// before and after every flow along x, then moments of the current of every flow across, then displacements.
 #[derive(Clone, Copy)]
 struct Layout {
@@ -38,7 +38,7 @@ struct Layout {
 impl Layout {
     fn new(cells: usize, sequence: &[PartFlow]) -> Self {
         let along = sequence.iter().filter(|flow| flow.part == ALONG).count();
-        // Without a flow along x there is no charge to follow.
+        // Without a flow along x no charge moves.
         let positions = if along > 0 { along + 1 } else { 0 };
         let charges = 2 * cells;
         let currents = charges + positions * cells;

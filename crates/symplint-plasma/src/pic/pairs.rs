@@ -48,7 +48,7 @@ impl PairTable {
         for moment in 0..N {
             let mut table = vec![0.0; polynomials.table_len()];
             table[moment] = 1.0;
-            // Of the powers, only the zeroth has a charge: the functions sum to 1.
+            // Only the zeroth power has a charge: the functions sum to 1.
             let mut nodes = if moment == 0 { background } else { none }.clone();
             polynomials.deposit::<N>(&table, &mut nodes, &mut work);
             solver.solve(&mut nodes);

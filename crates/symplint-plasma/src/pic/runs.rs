@@ -138,7 +138,7 @@ impl<const N: usize> RunFunctions<'_, N> {
     }
 }
 
-/// Polynomials of the fraction of a cell, one coefficient after the other, as those of its distance from ½.
+/// Polynomials of the fraction of a cell, one coefficient after the other, like polynomials of its distance from ½.
 fn about_the_middle<const R: usize, const C: usize>(mut powers: [[f64; C]; R]) -> [[f64; C]; R] {
     // Horner's division by x − ½, again and again.
     for lowest in 0..R {

@@ -114,7 +114,7 @@ impl<const D: usize> Pic<D> {
     ///
     /// # Errors
     /// If there is no particle, a weight or the density is zero or not finite, the degree does
-    /// not exist in the family, there is no cell or more than memory is meant to be spent on, or the
+    /// not exist in the family, the number of cells is 0 or more than memory is meant to be spent on, or the
     /// length is not positive and finite.
     pub fn new(config: PicConfig) -> Result<Self, ModelError> {
         const { assert!(D == 1 || D == 2, "there are boxes of 1 and 2 axes") };

@@ -354,7 +354,7 @@ fn schemes_have_their_orders() {
         let gempic = plasma(5, fields);
         let mut physical = random_state(&gempic, 10);
         check_orders(&gempic, &gempic.state(&physical).unwrap(), 1.0);
-        // Without transverse motion there is no magnetic field.
+        // Without transverse motion the magnetic field vanishes.
         for rest in [&mut physical.v2, &mut physical.a2, &mut physical.e2] {
             rest.fill(0.0);
         }
@@ -538,7 +538,7 @@ fn huge_steps_fail() {
         for h in [1e9, 1e150, 1e300, -1e300] {
             let (mut q, mut p) = start(&gempic, 5);
             crate::flows::with_block(&mut q, &mut p, |block| {
-                // Whatever comes out, it comes.
+                // Any result will do.
                 let _ = map.advance(h, block);
             });
         }

@@ -1,7 +1,7 @@
 //! Legends that hide no data.
 //!
 //! The legend of a panel goes to the first place inside the frame that no line, marker or zero touches;
-//! if there is none, into a strip below the panel. One legend for all panels is a strip below them.
+//! if the panel has no free place, into a strip below it. One legend for all panels is a strip below them.
 
 use super::font::{CAPITAL, Typeface};
 use super::geometry::{Point, Rect};

@@ -8,7 +8,7 @@ use crate::journal::JournalError;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CommandError {
-    /// There is no program.
+    /// The program is missing.
     #[error("the list is empty; give the program and its arguments")]
     Empty,
     /// An argument that every command needs is missing.

@@ -64,7 +64,7 @@ impl CommandMap {
     /// The map that `command` is: a program and its arguments, run in `folder`.
     ///
     /// # Errors
-    /// If there is no program, or no argument names the files.
+    /// If the program is missing, or no argument names the files.
     pub fn new(
         command: Vec<String>,
         folder: &Path,

@@ -64,7 +64,7 @@ impl Round {
     /// The calls.
     ///
     /// # Errors
-    /// If there is no round, or it is of another run.
+    /// If the folder has no round, or one of another run.
     pub fn read(&self) -> Result<Vec<Request>, RunError> {
         Ok(read_round(&self.folder.join(CALLS), &self.run)?)
     }
@@ -72,7 +72,7 @@ impl Round {
     /// Checks that a run folder has a round, and keeps every run but other jobs out of the folder until the returned file is closed.
     ///
     /// # Errors
-    /// If there is no round, or a run writes to the folder.
+    /// If the folder has no round, or a run writes to the folder.
     pub fn share(folder: &Path) -> Result<File, RunError> {
         if !folder.join(ROUND).join(CALLS).exists() {
             let path = folder.to_owned();

@@ -39,7 +39,7 @@ pub enum RunError {
     /// The calls of another run are kept in the folder of `keep`.
     #[error("system.keep: {0}")]
     Keep(#[from] CommandError),
-    /// There is no round of calls.
+    /// The round of calls is missing.
     #[error("{} has no round of calls", path.display())]
     NoRound {
         /// The folder of the run.

@@ -78,7 +78,7 @@ fn small_wedge(at: f64, jump: f64) -> impl TimeAdvance {
 #[test]
 fn a_force_that_jumps_a_little_is_no_solver() {
     for jump in [1e-5, 1e-7, 1e-9] {
-        // Far from the origin the rounding of states is as wide as that of a solver.
+        // Far from the origin the rounding of states is as wide as the tolerance of a solver.
         for at in [0.1, PI, 100.0, 1e4] {
             let circle = Circle::new(vec![at], vec![0.4], 0.7).unwrap();
             let diagnostic = Diagnostic {

@@ -371,7 +371,7 @@ fn breaks_where_the_loop_only_grazes_a_threshold_are_covered() {
                     .integrate(map, phase_loop, 0.5)
                     .unwrap();
                 assert_covered(&found.continuous, PI - 0.5 * lost);
-                // Where the rounding of a difference decides whether there is a force, no double is like the
+                // If the rounding of a difference decides whether there is a force, no double is like the
                 // next, and that stretch is not resolved.
                 if name == "within" && at_threshold == 0.0 {
                     continue;

@@ -72,7 +72,7 @@ fn si_units(random: &mut Random) -> Member {
     Member::new(label, map_of(dof, scaled), on.circle(), diagnostic, truth)
 }
 
-/// States in single precision, on loops on which the bound comes out near 1e-6.
+/// States in single precision, on loops on which the bound is near 1e-6.
 fn few_digits(random: &mut Random) -> Member {
     let system = systems::pendulum(random);
     let (name, exact, truth) = method(random, &system);

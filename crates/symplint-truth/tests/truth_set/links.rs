@@ -109,7 +109,7 @@ impl Links {
         rows
     }
 
-    /// G M⁻¹ G'ᵀ, with 1 if there is no second link.
+    /// G M⁻¹ G'ᵀ, with 1 for a single link.
     fn metric(&self, g: &[Row; 2], other: &[Row; 2]) -> [[f64; 2]; 2] {
         let entry = |j: usize, k: usize| -> f64 {
             (0..self.dof())

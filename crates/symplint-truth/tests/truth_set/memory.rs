@@ -22,7 +22,7 @@ fn first_mean(rows: &RowsOfBatch) -> f64 {
     rows.iter().map(|(q, _)| q[0]).sum::<f64>() / rows.len() as f64
 }
 
-/// What a batch of advanced rows becomes, and what that is called.
+/// A change of a batch of advanced rows, and its name.
 type After = Box<dyn FnMut(&mut RowsOfBatch) + Send>;
 
 fn depends_on_batch(random: &mut Random, size: f64) -> (String, After) {

@@ -32,7 +32,7 @@ fn method(random: &mut Random, system: &System, part: f64) -> (&'static str, Ste
     }
 }
 
-/// What a map whose states have this rounding error, as a part of the loop, is to be called.
+/// The right verdict about a map whose states have this rounding error, as a part of the loop.
 fn truth(symplectic: bool, error: f64) -> Truth {
     Truth::of(match symplectic {
         true => Expected::Symplectic {

@@ -75,7 +75,7 @@ impl Spacing {
             }
             Spacing::Warped { by } => equal.map(|s| s + by * (TAU * s).sin() / TAU).collect(),
             Spacing::Dense { times, from } => {
-                // Of the loop, a fifth takes this part of the rows.
+                // A fifth of the loop takes this part of the rows.
                 let part = times * 0.2 / (times * 0.2 + 0.8);
                 let at = |u: f64| match u < part {
                     true => 0.2 * u / part,

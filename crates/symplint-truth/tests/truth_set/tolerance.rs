@@ -1,6 +1,6 @@
 //! The implicit midpoint rule, solved to a tolerance, or by one Newton iteration.
 //!
-//! Where the number of fixed-point iterations changes, the loop breaks. For a fixed number the map is smooth: the truth
+//! If the number of fixed-point iterations changes, the loop breaks. For a fixed number the map is smooth: the truth
 //! is the sum over the pieces on which the number is the same, from a dense scan and bisection.
 
 use std::sync::Arc;

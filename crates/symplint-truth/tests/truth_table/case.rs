@@ -235,7 +235,7 @@ impl Case {
         }
     }
 
-    /// Whether a verdict is the right one. What is left open lies on an edge, where the last bit of a
+    /// Whether a verdict is the right one. Undecided cases lie on an edge, where the last bit of a
     /// sine can tip it over to the right side; to the wrong side it never may.
     fn agrees(&self, verdict: &Verdict) -> bool {
         if self.undecided.is_some() && verdict.kind == VerdictKind::Undecided {
@@ -367,7 +367,7 @@ pub fn known(dof: usize) -> Vec<(&'static str, Truth, &'static str)> {
     all.push((
         "wrong-sign-euler",
         of_order(2.0),
-        "drifting with p − hF in place of p + hF: det = 1 − 2h²F' to leading order",
+        "drifting with p − hF instead of p + hF: det = 1 − 2h²F' to leading order",
     ));
     all
 }

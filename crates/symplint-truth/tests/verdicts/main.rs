@@ -1,4 +1,4 @@
-//! What is not a line of the truth table: rules chosen by hand, steps that are not evidence, failures, sizes.
+//! Cases beyond the truth table: rules chosen by hand, steps that are not evidence, failures, sizes.
 
 mod failures;
 mod large;

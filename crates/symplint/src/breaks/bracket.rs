@@ -24,7 +24,7 @@ pub(crate) enum End {
     High,
 }
 
-/// What is known of a bracket after it was halved.
+/// The facts about a bracket after it was halved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Progress {
     /// It can be halved again.
@@ -313,7 +313,7 @@ mod tests {
         };
         assert_eq!(narrowed(1.0, &|_| 1.0), Progress::Jump);
         assert_eq!(narrowed(1.0, &|width| 1.0 + 1e12 * width), Progress::Jump);
-        // What is much larger close by than it seemed, and shrinks.
+        // It is much larger close by than it seemed, and shrinks.
         let hidden = |power: f64| move |width: f64| 1e-9f64.max(width.min(1e-12).powf(power));
         assert_eq!(narrowed(1e-9, &hidden(0.5)), Progress::Continuous);
     }

@@ -99,7 +99,7 @@ pub fn find_break(
     }
 }
 
-/// What a search for a break came to.
+/// The result of a search for a break.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Search {
     /// The samples show no jump, or what looked like one is continuous.
@@ -304,7 +304,7 @@ mod tests {
         assert!(suspect(0, Coordinate::P, &row, 0.0).is_some());
     }
 
-    /// What a search finds whose map returns this number of binary digits, and is known to.
+    /// The result of a search for a map that is known to return this number of binary digits.
     fn search_of_rounded(map: &dyn TimeAdvance, circle: &dyn Loop) -> Option<Break> {
         let mut states = Ensemble::sample(circle, 256).unwrap();
         let count = EvaluationCount::unlimited();

@@ -66,7 +66,7 @@ pub(crate) struct Residuals {
 }
 
 impl Residuals {
-    /// Of a row, at least a group long, that gains `gain` round the loop. Also returns the number of groups.
+    /// The residual of a row, at least a group long, that gains `gain` round the loop. Also returns the number of groups.
     pub fn of(row: &[f64], gain: f64) -> (Self, usize) {
         let mut residuals = Residuals::default();
         let taken = add_groups(&mut residuals, row, 0);

@@ -19,7 +19,7 @@ pub(crate) struct Jump {
     pub confirmed: bool,
 }
 
-/// What the samples of one coordinate show.
+/// The rounding that the samples of one coordinate show.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Roughness {
     /// Flagged cells, in their order along the loop.

@@ -23,7 +23,7 @@ impl Diagnostic {
     /// many steps) is then left out where they take more than 512 MiB.
     ///
     /// # Errors
-    /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, there is no loop or too many, results depend on
+    /// If map and loop do not fit, a step size is zero or not finite, the budget is below 200, the number of loops is 0 or too large, results depend on
     /// earlier calls or on the batch, the loop is random, the loop is not closed or encloses no area, or the map fails on the given loop or
     /// returns states that are not finite at every step size: if it does so at some of them, the others are measured and
     /// those are noted ([`Omission`](crate::evidence::Omission)).
@@ -107,7 +107,7 @@ impl Diagnostic {
         Ok(run.evidence)
     }
 
-    /// Measures the map composed with itself. Of the budget, and of what was made of it, every state takes as many
+    /// Measures the map composed with itself. In the budget and in the count, every state takes as many
     /// evaluations.
     fn measure_repeated(
         &self,

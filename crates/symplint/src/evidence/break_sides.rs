@@ -1,4 +1,4 @@
-//! What the two sides of a break show.
+//! The two sides of a break.
 
 use serde::{Deserialize, Serialize};
 
@@ -48,7 +48,7 @@ pub struct CoordinateAtBreak {
     pub radius: f64,
 }
 
-/// Where the map takes one side of a break to the other.
+/// A break whose one side the map takes to the other.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AlongFlow {
     /// The step size that does so, as a part of h.

@@ -1,8 +1,8 @@
-//! Where a defect comes from: which substep of the map, which part of the loop.
+//! The origin of a defect: which substep of the map, which part of the loop.
 
 use serde::{Deserialize, Serialize};
 
-/// Where the defect of one loop comes from.
+/// The origin of the defect of one loop.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Localisation {
@@ -18,7 +18,7 @@ pub struct Localisation {
     pub sectors: Vec<Sector>,
 }
 
-/// Where the change of a loop integral sits in the disc that the loop bounds, the fan of segments from a point within.
+/// The place of the change of a loop integral in the disc that the loop bounds, the fan of segments from a point within.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contraction {
     /// The loop parameters between which the patch lies that carries most of it.

@@ -98,7 +98,7 @@ pub struct BreakAt {
     pub loop_index: usize,
     /// Step size h; `None` if it was not stated.
     pub step_size: Option<f64>,
-    /// Where it is and how far the coordinates jump.
+    /// Its place and the jumps of the coordinates.
     #[serde(flatten)]
     pub found: Break,
 }

@@ -24,7 +24,7 @@ pub struct PreservedForm {
     pub states: usize,
     /// The answer: `None` if the Jacobians are not precise enough for one.
     pub exists: Option<bool>,
-    /// If there is no form: by how much the form that comes nearest changes, in units of the loop and relative to its largest entry.
+    /// Without a preserved form: by how much the form that comes nearest changes, in units of the loop and relative to its largest entry.
     pub change: Option<f64>,
     /// The entries of the form that are not 0, by their coordinates.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

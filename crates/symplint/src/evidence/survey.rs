@@ -104,7 +104,7 @@ pub enum ScatterKind {
     RandomNumbers,
 }
 
-/// A Jacobian with a direction that the step projects away, as that of a map onto a constraint manifold. In canonical
+/// A Jacobian with a direction that the step projects away, as for a map onto a constraint manifold. In canonical
 /// units: of a symplectic map singular values come in pairs σ and 1/σ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SingularJacobian {

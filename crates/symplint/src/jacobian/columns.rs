@@ -23,7 +23,7 @@ pub(super) struct Columns {
     pub derivatives: Vec<Derivative>,
 }
 
-/// What the columns at a point show.
+/// The columns at a point.
 pub(super) struct Outcome {
     pub point: JacobianPoint,
     /// The two tangent vectors that have the worst defect.
@@ -47,7 +47,7 @@ pub(crate) struct TangentImages {
 }
 
 impl Columns {
-    /// What was measured; `None` if the map is not differentiable at the point.
+    /// The measurement; `None` if the map is not differentiable at the point.
     pub fn images(&self, sampler: &Sampler<'_>) -> Option<TangentImages> {
         let converged = self.derivatives.iter().all(|of| of.converged);
         let of_each = |field: fn(&Derivative) -> &Vec<f64>| {
@@ -131,7 +131,7 @@ impl Columns {
             .derivatives
             .iter()
             .all(|derivative| derivative.converged);
-        // Beyond the range of double precision there is no form.
+        // Beyond the range of double precision no form can be found.
         if !converged || defects.iter().any(|defect| !defect.bound().is_finite()) {
             let (worst, bound) = (None, None);
             return Outcome {

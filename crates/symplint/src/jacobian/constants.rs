@@ -48,7 +48,7 @@ pub(super) struct Constants {
     pub batch_values: usize,
 }
 
-/// What a Jacobian test decides by.
+/// The thresholds of a Jacobian test.
 pub(super) const CONSTANTS: Constants = Constants {
     significant: 10.0,
     least_defect_of_tangents: 1e-12,

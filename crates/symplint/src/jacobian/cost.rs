@@ -1,4 +1,4 @@
-//! What a Jacobian test costs, and the best one that a budget allows.
+//! The cost of a Jacobian test, and the best one that a budget allows.
 
 use super::constants::CONSTANTS;
 use super::{JacobianTest, noise, richardson};

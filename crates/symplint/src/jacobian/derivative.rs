@@ -15,7 +15,7 @@ pub(super) struct Derivative {
 }
 
 impl Derivative {
-    /// The largest component, and 1 at least: errors are relative to it.
+    /// The largest component, but at least 1: errors are relative to it.
     pub fn largest(&self) -> f64 {
         largest(&self.value).max(1.0)
     }

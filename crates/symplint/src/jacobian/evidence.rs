@@ -1,4 +1,4 @@
-//! What a Jacobian test measured.
+//! The measurement of a Jacobian test.
 
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +28,7 @@ pub enum TangentRejection {
         s: f64,
         /// The largest difference of a component, in units of the loop.
         difference: f64,
-        /// What the uncertainty of both explains of it.
+        /// The part of it that the uncertainty of both explains.
         uncertainty: f64,
     },
     /// It does not advance states as the map does.
@@ -116,7 +116,7 @@ pub struct JacobianDecay {
     pub defects: [TangentDefect; 2],
 }
 
-/// What was found at one point of the loop.
+/// The measurement at one point of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JacobianPoint {
     /// The loop parameter, in [0, 1).
@@ -205,7 +205,7 @@ impl BlockDefects {
     }
 }
 
-/// What a [`JacobianTest`](crate::JacobianTest) measured. All numbers are finite.
+/// The measurement of a [`JacobianTest`](crate::JacobianTest). All numbers are finite.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JacobianEvidence {
     /// Step size h; `None` for a map without one.

@@ -80,7 +80,7 @@ pub struct JacobianTest {
     pub full_up_to: usize,
     /// Random tangent vectors at each point, 2 or more, beyond that; all pairs of them are tried.
     pub directions: usize,
-    /// The maximum number of evaluations. What is made in addition to [`evaluations`](Self::evaluations) if a map needs it
+    /// The maximum number of evaluations. Those made in addition to [`evaluations`](Self::evaluations) if a map needs them
     /// stays within them, or is left out.
     pub budget: usize,
     /// Seed of the random tangent vectors.
@@ -277,7 +277,7 @@ impl JacobianTest {
         }))
     }
 
-    /// What the tangent vectors show at each point, unless the tangent map is rejected; and the images of unit vectors.
+    /// The defects from the tangent vectors at each point, unless the tangent map is rejected; and the images of unit vectors.
     fn outcomes(
         &self,
         sampler: &mut Sampler<'_>,

@@ -5,7 +5,7 @@
 
 use crate::signal::noise::SixthDifferences;
 
-/// Where the other states of a row lie, in spacings from the centre. They are not equidistant: stairs whose
+/// The other states of a row, in spacings from the centre. They are not equidistant: stairs whose
 /// height divides the spacing would look straight.
 const NODES: [f64; 12] = [
     -5.81, -5.23, -3.88, -3.17, -1.83, -0.92, 1.13, 2.21, 2.94, 4.27, 4.79, 6.17,

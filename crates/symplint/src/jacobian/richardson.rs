@@ -32,7 +32,7 @@ fn distance(level: usize) -> f64 {
     CONSTANTS.first_distance * CONSTANTS.ratio.powi(-(level as i32))
 }
 
-/// Where the states at some levels are: +t, −t for each in turn.
+/// The states at some levels: +t, −t for each in turn.
 pub(super) fn displacements(levels: Range<usize>) -> impl Iterator<Item = f64> {
     levels.map(distance).flat_map(|t| [t, -t])
 }

@@ -1,7 +1,7 @@
 //! Derivatives from the tangent map of a map, with the round-off that they show.
 //!
 //! A tangent vector is advanced several times: as it is, then multiplied by numbers that round otherwise,
-//! from states whose coordinates are changed by their last digit. What comes out differently is
+//! from states whose coordinates are changed by their last digit. A difference of the results is
 //! round-off, of the tangent vector and of the states along the step, however the step enlarges it.
 
 use rand_chacha::ChaCha8Rng;
@@ -18,7 +18,7 @@ use crate::state::{Block, Ensemble, coordinate, coordinate_mut};
 
 const TRIALS: usize = CONSTANTS.trials;
 
-/// What a trial multiplies the tangent vector by: not by powers of two, which round alike.
+/// The factors of the tangent vector in a trial: not powers of two, which round alike.
 fn factor(trial: usize) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     1.0 + GOLDEN * trial as f64
@@ -125,7 +125,7 @@ impl Sampler<'_> {
         };
         found.error = found.value.iter().enumerate().map(error).collect();
         let mut numbers = found.trials.iter().flatten().chain(&found.value);
-        // What the last digit of the state decides is a jump of the derivative.
+        // A difference that the last digit of the state decides is a jump of the derivative.
         found.converged = numbers.all(|x| x.is_finite())
             && found.largest_error() <= CONSTANTS.unresolved * largest;
         found

@@ -167,7 +167,7 @@ impl FourierLoop {
     /// as a period, a closed loop that cannot be contracted.
     ///
     /// # Errors
-    /// If there is no such degree of freedom, or the period is not positive and finite.
+    /// If the loop has fewer degrees of freedom, or the period is not positive and finite.
     pub fn winding(mut self, dof: usize, period: f64) -> Result<Self, Error> {
         let count = self.q0.len();
         if dof >= count {

@@ -25,12 +25,12 @@ pub trait Loop: Send + Sync {
 
     /// Writes γ(`s[k]`) into sample k of `block`.
     ///
-    /// `s` and `block` have the same length. What is written for one sample must not
+    /// `s` and `block` have the same length. The state written for one sample must not
     /// depend on the others.
     fn sample(&self, s: &[f64], block: &mut Block<'_>);
 
     /// Evaluations of the map that were made to choose the loop, as by [`balanced_radii`](crate::map::balanced_radii). A report counts
-    /// them beside its budget. By default there are 0.
+    /// them in addition to its budget. By default there are 0.
     fn evaluations(&self) -> usize {
         0
     }

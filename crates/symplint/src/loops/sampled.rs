@@ -28,7 +28,7 @@ pub struct SampledLoop {
 
 #[derive(Clone, Debug)]
 struct Interpolant {
-    /// What the coordinate gains in one turn: winding × period.
+    /// The gain of the coordinate in one turn: winding × period.
     gain: f64,
     /// Mean and Fourier coefficients of the periodic part, k = 0 … N/2.
     spectrum: Vec<Complex64>,
@@ -84,7 +84,7 @@ impl Interpolant {
         let mut value = self.spectrum[0].re + self.gain * s;
         for (k, coefficient) in self.spectrum.iter().enumerate().skip(1) {
             let (sin, cos) = sin_cos_turn(k as f64 * s);
-            // The Nyquist mode stands for itself, every other mode also for its conjugate.
+            // The Nyquist mode counts once, every other mode also for its conjugate.
             let weight = if 2 * k == samples { 1.0 } else { 2.0 };
             value += weight * (coefficient.re * cos - coefficient.im * sin);
         }

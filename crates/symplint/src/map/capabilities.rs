@@ -1,4 +1,4 @@
-//! What a map can do besides a step.
+//! Capabilities of a map besides its step.
 
 use super::{Constraint, Prefetch, Substeps, TangentMap};
 #[cfg(doc)]
@@ -7,7 +7,7 @@ use super::{StepFailure, TimeAdvance};
 use crate::error::Error;
 use crate::state::{Coordinates, Ensemble, Rows};
 
-/// What a map can do besides a step, and what its coordinates mean.
+/// Capabilities of a map besides its step, and the meaning of its coordinates.
 ///
 /// A map states what it has, and takes the rest from [`plain`](Self::plain):
 ///
@@ -82,7 +82,7 @@ pub type Energy<'a> = Box<dyn Fn(Rows<'_>, Rows<'_>, &mut [f64]) + Send + Sync +
 pub type Question<'a> = Box<dyn Fn() -> bool + Send + Sync + 'a>;
 
 impl Capabilities<'_> {
-    /// A step and nothing else: nothing is periodic, all momenta are canonical, and there is no grid.
+    /// A step and nothing else: nothing is periodic, all momenta are canonical, and the map has no grid.
     pub fn plain(dof: usize) -> Self {
         Self::of_coordinates(Coordinates::plain(dof))
     }

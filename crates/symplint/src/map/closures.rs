@@ -7,7 +7,7 @@ use super::{Capabilities, Constraint, StepFailure, TimeAdvance};
 use crate::error::Error;
 use crate::state::{Block, Coordinates, scratch};
 
-/// What a closure that advances one state returns: nothing, or a `Result` whose error says why it cannot.
+/// The result of a closure that advances one state: nothing, or a `Result` whose error says why it cannot.
 pub trait StepOutcome {
     /// The reason of a failure, as the closure says it.
     ///

@@ -4,7 +4,7 @@ use super::TimeAdvance;
 use crate::loops::Loop;
 use crate::state::Block;
 
-/// The manifold on which a map acts, such as that of rods of fixed length.
+/// The manifold on which a map acts, such as the states of rods of fixed length.
 ///
 /// A map of constrained mechanics (SHAKE, RATTLE) is symplectic on its manifold, and takes states off the manifold onto it: there
 /// it has no inverse, and conserves nothing. A map that says by [`Capabilities::constraint`](super::Capabilities::constraint) where its manifold is

@@ -35,7 +35,7 @@ pub(crate) struct Evaluator<'a> {
     count: &'a EvaluationCount,
     /// The grain of the states that were returned of the present loop, once there are enough of them.
     grain: RwLock<Option<Arc<Grain>>>,
-    /// What the map rounds each coordinate to inside, if it works in single precision there, or is noisy.
+    /// The rounding of each coordinate inside the map, if it works in single precision there, or is noisy.
     inside: RwLock<Option<Arc<Vec<f64>>>>,
     /// The noise of each coordinate, if results of one state differ at random.
     noise: RwLock<Option<Arc<Vec<f64>>>>,
@@ -354,7 +354,7 @@ impl<'a> Evaluator<'a> {
         *self.inside.write().unwrap_or_else(PoisonError::into_inner) = Some(Arc::new(grains));
     }
 
-    /// What the map rounds each coordinate to inside, if it does more than double precision does.
+    /// The rounding of each coordinate inside the map, if it is coarser than double precision.
     pub fn rounding_inside(&self) -> Option<Arc<Vec<f64>>> {
         let inside = self.inside.read().unwrap_or_else(PoisonError::into_inner);
         inside.clone()

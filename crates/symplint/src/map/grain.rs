@@ -26,7 +26,7 @@ const GRAINS_OF_A_JUMP: f64 = 16.0;
 /// circle's width, on the average.
 const STAIRS: f64 = 4.0;
 
-/// What is rounded in other coordinates hides no jump larger than sixteen times this part of a coordinate's range.
+/// Rounding in other coordinates hides no jump larger than sixteen times this part of a coordinate's range.
 const MOST_OF_OTHERS: f64 = 3e-3;
 
 /// By how much rounding moves each coordinate, if a map returns numbers of fewer digits than double precision:
@@ -48,16 +48,16 @@ pub(crate) struct Grain {
     unresolved: Vec<bool>,
 }
 
-/// What is known of the loop before the step, as some equispaced samples of it.
+/// The loop before the step, as far as it is known: some equispaced samples of it.
 pub(crate) enum Before {
     Unknown,
-    /// What the map made the states of.
+    /// The states before the step.
     Exact(Ensemble),
     /// What somebody wrote of it, with as few digits as the states.
     Written(Ensemble),
 }
 
-/// What the samples of one coordinate show.
+/// The rounding that the samples of one coordinate show.
 struct CoordinateGrain {
     unit: f64,
     range: f64,
@@ -131,7 +131,7 @@ impl Grain {
         Some((coarsest, self.output[coarsest]))
     }
 
-    /// Of a coordinate, positions first; 0 where it has all digits of double precision.
+    /// The grain of a coordinate, positions first; 0 if it has all digits of double precision.
     pub fn of_coordinate(&self, c: usize) -> f64 {
         self.sizes[c]
     }
@@ -160,7 +160,7 @@ impl Grain {
         (0..dof).map(of_dof).sum::<f64>() / (samples.max(1) as f64).sqrt()
     }
 
-    /// What noise of this size of each coordinate makes of a loop integral at most: its mean need not be 0, as that of a
+    /// The largest effect on a loop integral of noise of this size of each coordinate: its mean need not be 0, as that of a
     /// solver which stops at a tolerance.
     pub fn of_noise(&self, deviations: &[f64], coordinates: &Coordinates) -> f64 {
         let dof = self.dof();
@@ -244,7 +244,7 @@ impl CoordinateGrain {
         let had = Levels::of(before.iter().step_by(every).copied()).count();
         let has_fewer = |count: usize| 2 * count < had || (written && had.max(count) > 1);
         let range = Extent::of(before).length();
-        // What is rounded to one value other than 0 is rounded to that value at most, in any unit: a loop that is wider
+        // Numbers rounded to one value other than 0 are rounded to that value at most, in any unit: a loop that is wider
         // takes several. One that does not is collapsed by the map.
         let collapsed = |count: usize| count == 1 && self.magnitude > 0.0 && self.magnitude < range;
         self.few = self

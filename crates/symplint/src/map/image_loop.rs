@@ -1,4 +1,4 @@
-//! What a step makes of a loop, as a separate loop.
+//! The image of a loop after a step, as a separate loop.
 
 use super::Evaluator;
 use crate::loops::Loop;

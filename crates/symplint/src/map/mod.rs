@@ -68,7 +68,7 @@ pub trait TimeAdvance: Send + Sync {
     /// looked for: the diagnostic checks.
     fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure>;
 
-    /// What the map can do besides, and what its coordinates mean. By default nothing is periodic, all momenta are canonical, and the
+    /// Capabilities besides, and the meaning of the coordinates. By default nothing is periodic, all momenta are canonical, and the
     /// map has a step and nothing else.
     fn capabilities(&self) -> Capabilities<'_> {
         Capabilities::plain(self.dof())

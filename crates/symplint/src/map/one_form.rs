@@ -78,7 +78,7 @@ impl<F: OneForm + ?Sized> OneForm for Box<F> {
 /// A map in non-canonical coordinates z as a canonical one of the points (z, ϑ(z)).
 ///
 /// The map takes states as all maps do: the first half of the coordinates are its "positions", the others its "momenta", such
-/// as x and v of a charged particle. [`of_positions`](Self::of_positions) is for other numbers of coordinates. What is tested has n degrees
+/// as x and v of a charged particle. [`of_positions`](Self::of_positions) is for other numbers of coordinates. The tested map has n degrees
 /// of freedom: its positions are all coordinates z, its momenta
 /// are ϑ(z). Reports number them so: degree of freedom i is the coordinate z_i.
 ///

@@ -22,7 +22,7 @@ pub trait Substeps: Sync {
         block: &mut Block<'_>,
     ) -> Result<(), StepFailure>;
 
-    /// What a report calls a substep: `kick of 0.5 h`, say.
+    /// The name of a substep in a report: `kick of 0.5 h`, say.
     fn substep_name(&self, substep: usize) -> String {
         format!("part {}", substep + 1)
     }
@@ -73,7 +73,7 @@ impl<'a, M: TimeAdvance + ?Sized> Parts<'a, M> {
         }
     }
 
-    /// What it is called.
+    /// Its name.
     pub fn name(&self, part: usize) -> String {
         match self.substeps {
             Some(substeps) => substeps.substep_name(part),

@@ -65,7 +65,7 @@ pub trait TangentMap: Send + Sync {
     /// size `h`, in place.
     ///
     /// Both blocks have d rows and one column for each state; `tangents.q` holds the components along
-    /// positions, dq, and `tangents.p` those along momenta, dp. States come out as
+    /// positions, dq, and `tangents.p` those along momenta, dp. States are advanced as
     /// [`advance`](crate::TimeAdvance::advance) leaves them, to the last bit. Columns do not
     /// depend on each other.
     ///

@@ -57,7 +57,7 @@ impl Recorder {
         self.kept(|kept| kept.phase_loop += 1);
     }
 
-    /// What was kept, in the order of the calls.
+    /// The states that were kept, in the order of the calls.
     pub fn witnesses(&self) -> Vec<Witnesses> {
         self.kept(|kept| kept.witnesses.clone())
     }

@@ -36,7 +36,7 @@ pub struct Setting {
 /// Why settings are refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RequestError {
-    /// There is no such setting.
+    /// No setting has this name.
     #[error("there is no setting \"{name}\"; available: {}", available())]
     Unknown {
         /// The name that was given.

@@ -27,7 +27,7 @@ pub const SETTINGS: &[Setting] = &[
     optional(
         "step_size",
         "0.1",
-        "a typical h, in place of step_sizes: from it the largest is found that tests something, and halved",
+        "a typical h, instead of step_sizes: from it the largest is found that tests something, and halved",
         typical_step,
     ),
     Setting {
@@ -110,7 +110,7 @@ pub const SETTINGS: &[Setting] = &[
     optional(
         "cutoff_q_absolute",
         "100.0",
-        "τ_q: omits cells where |dq/ds| > τ_q, in place of cutoff_q",
+        "τ_q: omits cells where |dq/ds| > τ_q, instead of cutoff_q",
         |of, value| cutoff(of, value, Cutoff::Absolute, |of| &mut of.q),
     ),
     optional(
@@ -270,7 +270,7 @@ fn step_sizes(diagnostic: &mut Diagnostic, value: &Value) -> Result<(), Refused>
     diagnostic.step_sizes = match value {
         Value::Text(text) if text == "none" => {
             diagnostic.has_step_size = false;
-            // What a map without a step size is called with.
+            // The argument h of a map without a step size.
             vec![1.0]
         }
         Value::List(_) => value.list(one)?,

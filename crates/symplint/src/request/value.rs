@@ -61,11 +61,11 @@ impl Accept {
 /// Why a value is refused.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refused {
-    /// What is wrong, to follow the name of the setting: "is 0".
+    /// The problem, to follow the name of the setting: "is 0".
     pub message: String,
     /// What to do: "give a whole number of at least 1".
     pub remedy: String,
-    /// What is expected there, if a value of another kind is: "a number".
+    /// The expected kind, if the value has another one: "a number".
     pub expected: Option<String>,
     /// The item of a list, or the key of a table, that is refused.
     pub part: Option<Part>,

@@ -7,7 +7,7 @@ use crate::loops::Loop;
 use crate::map::{Evaluator, Grain};
 use crate::state::{Coordinates, Ensemble, coordinate};
 
-/// What is under test: a map and a loop to send through it.
+/// The subject of a test: a map and a loop to send through it.
 #[derive(Clone, Copy)]
 pub(crate) struct Subject<'a> {
     pub evaluator: &'a Evaluator<'a>,
@@ -102,7 +102,7 @@ pub(crate) trait LoopIntegrator {
     /// Those of the rule.
     fn before(&self, subject: &Subject<'_>, samples: Samples<'_>) -> Result<LoopIntegral, Error>;
 
-    /// What a step of size `h` did to the loop, of which these are the samples after it.
+    /// The loop integral after a step of size `h`, from these samples after it.
     ///
     /// # Errors
     /// Those of the rule and of the map.
@@ -138,7 +138,7 @@ pub(crate) struct BreakClosure {
     pub breaks: usize,
     /// Those at which rounding decides on which side of them a state is.
     pub flickering: usize,
-    /// What the closing segments contribute to the loop integral.
+    /// The contribution of the closing segments to the loop integral.
     pub chord: f64,
     pub defect: Defect,
     /// What other curves could contribute, relative as the defect is.

@@ -262,7 +262,7 @@ fn add_windows(
         let mut exceeds = [0; LANES];
         for lane in 0..LANES {
             let size = differences[lane].abs();
-            // What is not a number is not within a limit.
+            // NaN is not within a limit.
             let within = size <= limit;
             exceeds[lane] = u64::from(!within);
             sums.largest[lane] = larger(size, sums.largest[lane]);

@@ -101,7 +101,7 @@ type Span = [f64; CELLS + 1];
 /// One coordinate round the loop.
 struct ClosedRow<'a> {
     row: &'a [f64],
-    /// What it gains in one turn: sample N is sample 0 and this.
+    /// Its gain in one turn: sample N is sample 0 and this.
     gain: f64,
     /// The largest absolute value.
     largest: f64,
@@ -190,7 +190,7 @@ impl CompensatedLanes {
     }
 }
 
-/// What is summed over the cells of a loop.
+/// The summand of the cells of a loop.
 #[derive(Default)]
 struct Sums {
     /// Σ p Δq over the cells, and over the pairs, that are retained.
@@ -291,7 +291,7 @@ impl Row<'_> {
         }
     }
 
-    /// The last cell of an odd number, which is in no pair: in the coarse sum it stands for itself.
+    /// The last cell of an odd number, which is in no pair: it is added to the coarse sum as it is.
     fn add_last(&self, sums: &mut Sums) {
         let cell = self.q.row.len() - 1;
         let [q, p] = [&self.q, &self.p].map(|x| [0, 1, 2].map(|k| x.at(cell + k)));

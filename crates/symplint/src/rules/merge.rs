@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::signal::CompensatedSum;
 
 impl LoopIntegral {
-    /// Adds integrals over one degree of freedom or some, as those of one loop: codes whose state is spread over processes
+    /// Adds integrals over one degree of freedom or some, all of one loop: codes whose state is spread over processes
     /// integrate where the rows lie. Momenta were multiplied by their weights already.
     ///
     /// The result depends on the order of the parts, which has to be that of the degrees of freedom, and with one part for

@@ -95,7 +95,7 @@ impl RuleKind {
         }
     }
 
-    /// What it does, in a sentence or two.
+    /// A description in a sentence or two.
     pub fn summary(self) -> &'static str {
         match self {
             RuleKind::Auto => {

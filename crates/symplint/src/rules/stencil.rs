@@ -11,7 +11,7 @@ pub(super) struct Stencil {
     /// (−1)^l binom(m, l) / √binom(2m, m), l = 0 … m: the m-th difference, scaled so that white noise
     /// keeps its variance.
     pub difference: Vec<f64>,
-    /// What a product of two m-th differences, scaled as above, counts for in the error; see
+    /// The factor of a product of two m-th differences, scaled as above, in the error; see
     /// [`miss`](Self::miss).
     pub in_band: f64,
 }
@@ -37,7 +37,7 @@ impl Stencil {
         }
     }
 
-    /// What the rule misses of Σ p_k q'(s_k) Δs at most, where nothing lies beyond the Nyquist mode, from
+    /// A bound on the error of Σ p_k q'(s_k) Δs, if nothing lies beyond the Nyquist mode, from
     /// the norms of the m-th differences of q and p.
     ///
     /// A mode whose phase advances by θ from sample to sample is differentiated to
@@ -53,7 +53,7 @@ impl Stencil {
 mod tests {
     use super::*;
 
-    /// What the centred difference makes of a mode whose phase advances by θ from sample to sample.
+    /// The centred difference of a mode whose phase advances by θ from sample to sample.
     fn symbol(m: usize, theta: f64) -> f64 {
         let terms = Stencil::new(m).centred.into_iter().zip(1..);
         2.0 * terms

@@ -53,7 +53,7 @@ pub(super) struct Initial<'a> {
     arcs: Option<(ArcLength, Integrals)>,
 }
 
-/// What the jumps of one loop do to its integral.
+/// The effect of the jumps of one loop on its integral.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Broken {
     /// Jumps that stay under refinement.

@@ -18,7 +18,7 @@ pub(super) struct Pieces {
     pub chord: f64,
     /// Estimate of the error of `continuous + chord`.
     pub closed_error: f64,
-    /// What the flagged cells add if they are steep but not broken, at most.
+    /// A bound on the contribution of the flagged cells if they are steep but not broken.
     pub steep: f64,
     /// Sum of the absolute values of all terms.
     pub scale: f64,

@@ -1,4 +1,4 @@
-//! What the coordinates of a phase space mean: periods, weights and grids.
+//! The meaning of the coordinates of a phase space: periods, weights and grids.
 
 use std::sync::Arc;
 

@@ -84,7 +84,7 @@ impl<'a> Rows<'a> {
     /// Row `i`, one value for each sample.
     ///
     /// # Panics
-    /// If there is no row `i`.
+    /// If row `i` does not exist.
     #[inline]
     pub fn row(&self, i: usize) -> &'a [f64] {
         assert!(i < self.count, "row {i} of {}", self.count);
@@ -149,7 +149,7 @@ impl<'a> RowsMut<'a> {
     /// Row `i`, one value for each sample.
     ///
     /// # Panics
-    /// If there is no row `i`.
+    /// If row `i` does not exist.
     #[inline]
     pub fn row(&self, i: usize) -> &[f64] {
         self.as_rows().row(i)
@@ -158,7 +158,7 @@ impl<'a> RowsMut<'a> {
     /// Row `i` for writing, one value for each sample.
     ///
     /// # Panics
-    /// If there is no row `i`.
+    /// If row `i` does not exist.
     #[inline]
     pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
         assert!(i < self.count, "row {i} of {}", self.count);
@@ -242,7 +242,7 @@ impl<'a> RowsMut<'a> {
     /// If `width` is zero.
     pub fn column_blocks(self, width: usize) -> impl Iterator<Item = RowsMut<'a>> {
         assert!(width > 0, "a block needs at least one sample");
-        // Without rows there is no memory behind the pointer, and nothing to cut.
+        // Without rows no memory lies behind the pointer, and nothing is cut.
         let columns = if self.count == 0 { 0 } else { self.len };
         (0..columns).step_by(width).map(move |first| RowsMut {
             // SAFETY: `first < len` and there is a row, so the pointer stays inside the first

@@ -156,7 +156,7 @@ struct Case<'a> {
 }
 
 impl<'a> Case<'a> {
-    /// What a verdict may rest on, the most important reason first: the first that applies decides.
+    /// The reasons of verdicts, the most important one first: the first that applies decides.
     const PRIORITY: [fn(&Self) -> Option<Decision>; 20] = [
         Self::nothing_measured,
         Self::no_closed_loop,
@@ -319,7 +319,7 @@ impl<'a> Case<'a> {
         let slope_of_loop = |at: &dyn Fn(f64) -> Option<f64>| -> Option<f64> {
             Some((at(large)? / at(small)?).abs().ln() / range)
         };
-        // Of the law, and of the defects themselves: the largest need not follow the law of the smallest ones.
+        // Both the law and the defects themselves: the largest need not follow the law of the smallest ones.
         let of_law = slope_of_loop(&|h| fit.at(self.loops, h))?;
         let of_loop = self.loops.iter().find(|of| of.index == fit.loop_index)?;
         let measured = slope_of_loop(&|h| {

@@ -15,7 +15,7 @@ fn assert_consistent(name: &str, a: &JacobianEvidence, b: &JacobianEvidence) {
         for (x, other) in [(x, b), (y, a)] {
             assert!(
                 x.magnitude() - x.uncertainty <= other.bound.unwrap(),
-                "{name} at {}: {x:?} beside {other:?}",
+                "{name} at {}: {x:?} and {other:?}",
                 a.s
             );
         }

@@ -43,7 +43,7 @@ fn bad_input_is_an_error() {
     let error = test.run(&map, &circle(2), 0.5).unwrap_err();
     assert!(matches!(error, Error::DofMismatch { .. }));
     let flat = FourierLoop::random(vec![1.0], vec![1.0], &[1.0], &[0.0], 1).unwrap();
-    // What the loop leaves at rest is displaced as the map suggests.
+    // Coordinates that the loop leaves at rest are displaced as the map suggests.
     let found = test.run(&map, &flat, 0.5).unwrap();
     assert!(found.bound.unwrap() < 1e-9, "{found:?}");
 }

@@ -287,7 +287,7 @@ fn small_defects_are_told_from_none() {
             other => panic!("{by:e}: {other}"),
         }
     }
-    // What is smaller can be round-off of an iterative solver, and only bounds the digits.
+    // A smaller defect can be round-off of an iterative solver, and only bounds the digits.
     match run(&stretched(3e-13), 0.5).verdict() {
         JacobianVerdict::SymplecticAlmostEverywhere { digits } => assert_eq!(digits, 12.5),
         other => panic!("{other}"),

@@ -57,7 +57,7 @@ pub(in crate::diagnosis) fn roughest_sample(
     largest.map_or(0.0, |k| k as f64 / sizes.len() as f64)
 }
 
-/// Where the loop after a step of size `h` has a feature between its samples: states there are further off than the `error`
+/// The place of a feature between the samples of the loop after a step of size `h`: states there are further off than the `error`
 /// explains.
 ///
 /// # Errors

@@ -19,11 +19,11 @@ struct Uncertain {
     index: usize,
     /// How far it may be moved along s.
     distance: f64,
-    /// Outwards of its sides, there is no other break up to this distance.
+    /// Outwards of its sides, no other break lies up to this distance.
     free: f64,
 }
 
-/// What the absolutely continuous integral may be off because breaks are not where they were found.
+/// The error of the absolutely continuous integral if breaks are not where they were found.
 pub(super) fn break_uncertainty(refinement: &mut Refinement<'_>) -> Result<f64, Error> {
     let uncertain = uncertain(refinement);
     let points: Vec<CurvePoint> = (uncertain.iter())
@@ -44,7 +44,7 @@ pub(super) fn break_uncertainty(refinement: &mut Refinement<'_>) -> Result<f64, 
         let (period, weight) = (coordinates.period(i), coordinates.weight(i).abs());
         for (at, outwards) in uncertain.iter().zip(outwards.chunks_exact(2)) {
             let found = &refinement.breaks[at.index];
-            // What a piece has more on the one side of the break, and less on the other.
+            // The length that a piece has more on the one side of the break, and less on the other.
             let gained = |from: &[f64], to: &[f64]| {
                 0.5 * (from[dof + i] + to[dof + i]) * nearest(to[i] - from[i], period)
             };

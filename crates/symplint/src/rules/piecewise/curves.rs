@@ -54,14 +54,14 @@ impl CurvePoint {
     }
 }
 
-/// What a step makes of a point of a curve: the states before each substep that it meets, and after the last.
+/// The images of a point of a curve: the states before each substep that it meets, and after the last.
 #[derive(Clone)]
 pub(super) struct PointImage {
     /// One state after the other: positions, then momenta.
     states: Arc<[f64]>,
     /// Coordinates of a state.
     width: usize,
-    /// Where the first state begins.
+    /// The start of the first state.
     start: usize,
 }
 

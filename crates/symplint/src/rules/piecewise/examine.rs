@@ -1,4 +1,4 @@
-//! What the states of a piece say of it.
+//! The examination of a piece by its states.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use super::scales::Scales;
 use crate::signal::{Extent, nearest};
 use crate::state::{Coordinates, Ensemble, period};
 
-/// What a piece is.
+/// The kind of a piece.
 pub(super) enum Finding {
     /// Its interpolants are as good as wanted, if the states at turning points of positions agree.
     Smooth(TurningPoints),
@@ -190,7 +190,7 @@ impl<'a> View<'a> {
                 .push(weight * LOBATTO.area(&from_reference, &from_start));
             smooth.gains.push(q.values[DEGREE] - q.values[0]);
             let largest = |values: &Values| Extent::of(values).magnitude();
-            // What is taken for noise may be a jump, as large as states scatter.
+            // The noise may be a jump, as large as states scatter.
             let scatter = |noise: &Arc<[f64]>| noise[i] / SAFETY;
             let scatter = self.piece.noise.as_ref().map_or(0.0, scatter);
             // Any part of it may be a jump, which is missing where the reference is accounted for; of a straight
@@ -333,7 +333,7 @@ impl<'a> View<'a> {
         ))
     }
 
-    /// Whether the tails fall as those of smooth functions do.
+    /// Whether the tails fall as for smooth functions.
     fn decays(&self) -> bool {
         let (mut early, mut late) = (0.0, 0.0);
         for (c, fit) in self.fits.iter().enumerate() {

@@ -75,7 +75,7 @@ pub(super) fn ends_of_tail(coefficients: &Values) -> [f64; 2] {
     })
 }
 
-/// Whether the tail falls as that of a smooth function does.
+/// Whether the tail falls as for a smooth function.
 fn decays(coefficients: &Values) -> bool {
     let [early, late] = ends_of_tail(coefficients);
     late < DECAYS * early

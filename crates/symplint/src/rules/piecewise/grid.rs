@@ -61,7 +61,7 @@ impl View<'_> {
     }
 }
 
-/// Where a predicate that holds on the left no longer does.
+/// The place at which a predicate that holds on the left fails.
 fn bisect([mut low, mut high]: [f64; 2], holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..50 {
         let middle = 0.5 * (low + high);

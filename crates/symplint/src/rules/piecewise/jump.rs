@@ -35,7 +35,7 @@ pub(super) struct Jump {
     flickers: bool,
     /// States used of those that were granted with it, in addition to the bracket.
     used: usize,
-    /// Where the jump points, for each coordinate.
+    /// The sign of the jump for each coordinate.
     direction: Vec<f64>,
     /// A state nearby, from which coordinates are counted.
     reference: Vec<f64>,
@@ -94,7 +94,7 @@ impl Jump {
         }
     }
 
-    /// What was granted for it and is not needed after all.
+    /// The evaluations granted for it that are not needed after all.
     pub fn refund(&self) -> usize {
         self.price - self.bracket.halvings() - self.used
     }
@@ -309,7 +309,7 @@ impl Jump {
         })
     }
 
-    /// What the states next to it show of it.
+    /// Its size from the states next to it.
     pub fn judge(&self, scales: &Scales, coordinates: &Coordinates) -> Judgement {
         let jump = self.jump(coordinates);
         match self.confirmation {
@@ -389,7 +389,7 @@ fn project(direction: &[f64], state: &[f64], origin: &[f64], coordinates: &Coord
         .sum()
 }
 
-/// What a jump is.
+/// The kind of a jump.
 pub(super) enum Judgement {
     Break,
     /// A period, and none.

@@ -13,7 +13,7 @@ pub(super) const FULL: usize = DEGREES.len() - 1;
 /// An interpolant below the full degree is accepted on fewer states, and has to be so much better.
 pub(super) const BELOW_FULL: f64 = 0.1;
 
-/// Where an interpolant is compared with states that it was not made of: not symmetric, and between nodes at every
+/// The places at which an interpolant is compared with states that it was not made of: not symmetric, and between nodes at every
 /// level.
 pub(super) const CHECKS: [f64; 2] = [-0.618, 0.267];
 

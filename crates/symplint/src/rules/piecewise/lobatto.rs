@@ -20,7 +20,7 @@ pub(super) type Values = [f64; NODES];
 pub(super) struct Lobatto {
     /// −cos(πj/12), rising.
     pub nodes: Values,
-    /// For each level, rows: coefficients from values. What is not a node of a level, and what is beyond its degree,
+    /// For each level, rows: coefficients from values. Points that are not nodes of a level, and coefficients beyond its degree,
     /// is 0.
     transforms: [[Values; NODES]; DEGREES.len()],
     /// ∫ P Q' = Σ p_j area_jk q_k for the interpolants of p and q.
@@ -143,7 +143,7 @@ pub(super) fn derivative(coefficients: &Values) -> Values {
     slopes
 }
 
-/// What a function looks like that jumps by a polynomial D(x) = D_0 + D_1 x + … between two
+/// Coefficients of a function that jumps by a polynomial D(x) = D_0 + D_1 x + … between two
 /// neighbouring nodes: it takes D from the right one on, and 0 before.
 pub(super) struct Gap {
     /// Coefficients of (nothing, then x^l) for each term l.
@@ -259,7 +259,7 @@ mod tests {
                     *value = f64::NAN;
                 }
             }
-            // What is not a node of the level does not count.
+            // Points that are not nodes of the level do not count.
             let known = at_nodes.map(|v| if v.is_nan() { 1e9 } else { v });
             let a = LOBATTO.coefficients(&known, level);
             for step in -10..=10 {

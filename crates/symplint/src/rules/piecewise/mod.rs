@@ -114,7 +114,7 @@ impl Default for Piecewise {
     }
 }
 
-/// What the piecewise rule finds of an advanced loop.
+/// The result of the piecewise rule for an advanced loop.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct PiecewiseIntegral {

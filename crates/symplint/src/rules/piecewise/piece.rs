@@ -77,7 +77,7 @@ impl Piece {
         points.find_map(|k| self.images[k].clone())
     }
 
-    /// What a coordinate may be off: the tolerance, or what the noise here makes of it.
+    /// The allowed error of a coordinate: the tolerance, or the noise here.
     pub fn allowance(&self, c: usize, scales: &Scales) -> f64 {
         let part = if self.level < FULL { BELOW_FULL } else { 1.0 };
         let noise = self.noise.as_ref().map_or(0.0, |noise| noise[c]);
@@ -168,7 +168,7 @@ pub(super) struct Smooth {
     pub missed: Option<InterpolationMiss>,
     /// That bound if the piece hides a jump.
     pub error_of_jump: f64,
-    /// What the noise that was allowed for here and not everywhere may hide: a jump as large as states scatter.
+    /// The jump that noise allowed for here, and not everywhere, may hide: as large as states scatter.
     pub error_of_noise: f64,
     /// Whether it is as good as wanted.
     pub resolved: bool,
@@ -179,7 +179,7 @@ pub(super) struct Smooth {
 pub(super) struct InterpolationMiss {
     /// Estimates of what the integral of the interpolants is off.
     pub estimates: [f64; ESTIMATES],
-    /// What the piece may hide if a jump is all that they miss.
+    /// The integral that the piece may hide if a jump is all that they miss.
     pub jump: f64,
 }
 

@@ -28,7 +28,7 @@ pub(super) struct Refinement<'a> {
     /// Breaks of all curves.
     pub breaks: Vec<CurveBreak>,
     pub budget: Budget,
-    /// What has to wait until others give back what was granted to them.
+    /// Tasks that wait until others give back what was granted to them.
     waiting: Vec<Outcome>,
     noise_known: bool,
     /// Jumps that were noise, and the largest of them in each coordinate.

@@ -39,7 +39,7 @@ impl<'a> Inside<'a> {
         })
     }
 
-    /// What the interpolant of a coordinate misses it by, at each of the first `count` samples.
+    /// The error of the interpolant of a coordinate at each of the first `count` samples.
     fn misses(&self, c: usize, fit: &Fit, count: usize) -> Vec<f64> {
         let row = &coordinate(self.advanced, c)[self.first..][..count];
         let period = period(self.view.coordinates, c);

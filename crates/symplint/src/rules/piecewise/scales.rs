@@ -14,7 +14,7 @@ pub(super) struct Scales {
     pub p_reference: Vec<f64>,
     /// What an interpolant may be off.
     pub tolerance: Vec<f64>,
-    /// What it may be off because of the noise that the map has all along the loop.
+    /// Its error because of the noise that the map has all along the loop.
     pub noise: Vec<f64>,
     /// The grain of the map, if it is known.
     pub grain: Option<Grain>,

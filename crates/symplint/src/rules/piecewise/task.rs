@@ -1,4 +1,4 @@
-//! What is to be done about a stretch of a curve, and what it costs.
+//! Tasks for a stretch of a curve, and their costs.
 
 use super::curves::CurvePoint;
 use super::examine::TurningPoints;
@@ -13,7 +13,7 @@ const OF_A_SEGMENT: usize = 4;
 /// States that tell how well the position of a break is known.
 const OF_A_POSITION: usize = 2;
 
-/// What a break costs after it was found.
+/// The cost of a break after it was found.
 pub(super) const OF_A_BREAK: usize = OF_A_SEGMENT + OF_A_POSITION;
 
 /// One thing to do.
@@ -40,7 +40,7 @@ pub(super) struct Outcome {
     pub noisy: bool,
     /// The size of each coordinate of a jump that was noise.
     pub noise: Option<Vec<f64>>,
-    /// What was granted and is not needed.
+    /// The evaluations granted that are not needed.
     pub refund: usize,
     /// The piece unchanged: it is done where there is nothing to do next, or no means to.
     pub piece: Option<Smooth>,

@@ -26,13 +26,13 @@ struct Stretch<'a> {
     refinement: &'a Refinement<'a>,
     samples: &'a Ensemble,
     pieces: &'a [&'a Smooth],
-    /// Where it begins, and where it ends: beyond 1 if that is in the next revolution.
+    /// Its start and its end: beyond 1 if that is in the next revolution.
     ends: [f64; 2],
     /// Samples in the long pieces on the left and on the right, rising, counted on from one revolution to the next.
     beside: [Vec<usize>; 2],
 }
 
-/// What the integral may be off because features that were found have counterparts that were missed.
+/// The error of the integral if features that were found have counterparts that were missed.
 pub(super) fn under_resolved(refinement: &Refinement<'_>) -> f64 {
     let Some(samples) = refinement.samples else {
         return 0.0;
@@ -104,7 +104,7 @@ impl Stretch<'_> {
         let count = self.samples.samples();
         let [left, right] = &self.beside;
         let all = [&left[..], &right[..]].concat();
-        // Where the two sides should meet.
+        // The place at which the two sides should meet.
         let gap =
             [left.last(), right.first()].map(|k| k.map_or(f64::NAN, |&k| k as f64 / count as f64));
         let across = [i, self.samples.dof() + i].map(|c| {
@@ -164,7 +164,7 @@ impl Stretch<'_> {
     }
 }
 
-/// What the integral of the samples says of the error of that of the pieces, and the Sobolev exponent that it shows.
+/// The error of the integral of the pieces by the integral of the samples, and the Sobolev exponent that it shows.
 ///
 /// If the samples show features that are narrower than their distance, another one may lie between two of them, and no
 /// piece has met it: then the integral is known as the samples have it, and not at all where these do not tell. (Fourier

@@ -147,7 +147,7 @@ fn scatter(octave: usize, variance: f64) -> f64 {
 
 /// From one octave to the next the Sobolev exponent of jumps stays, or falls to theirs, but for how much it scatters; the exponent of a
 /// smooth feature as narrow as the samples are apart grows. Derived: from ¼ to 1, those of [`JUMPING`], by 0.36 or more if its modes fall
-/// exponentially, and by 0.56 or more if they fall as those of a Gaussian. So does the exponent of two jumps that are near each other,
+/// exponentially, and by 0.56 or more if they fall as for a Gaussian. So does the exponent of two jumps that are near each other,
 /// which are followed if they are large enough.
 const GROWTH_OF_A_FEATURE: f64 = 0.3;
 
@@ -173,7 +173,7 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
     let n = samples as f64;
     let modes = samples.div_ceil(2);
     // From the highest modes down: the highest quarter, the rest of the upper half, and the lower
-    // half by octaves, 2^j ≤ k < 2^{j+1}, whose energies tell how smooth the loop is. What the
+    // half by octaves, 2^j ≤ k < 2^{j+1}, whose energies tell how smooth the loop is. The part that the
     // octaves leave of it comes before them.
     let top_start = 3 * modes / 4;
     let top = Sums::over(z, top_start..modes);
@@ -202,7 +202,7 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
     let noise_of_positions = noise_of_mode(samples, of_q);
     let of_positions = sobolev_exponent(&q_energies[..octaves], noise_of_positions);
     let of_momenta = sobolev_exponent(&p_energies[..octaves], noise_of_mode(samples, of_p));
-    // What the integral of the loop with its jumps closed has more than that between them.
+    // The difference of the integral of the loop with its jumps closed from that between them.
     let jumps = match last_clear(&q_energies[..octaves], noise_of_positions) {
         Some(last) if last > 0 => {
             let exponent = |j: usize| 0.5 * (q_energies[j - 1] / q_energies[j]).log2();

@@ -1,4 +1,4 @@
-//! What is done to the rows of a degree of freedom before their transform.
+//! Preparation of the rows of a degree of freedom for their transform.
 
 use multiversion::multiversion;
 use rustfft::num_complex::Complex64;

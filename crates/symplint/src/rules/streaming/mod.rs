@@ -56,7 +56,7 @@ impl Default for Streaming {
     }
 }
 
-/// What the streaming rule finds of an advanced loop.
+/// The result of the streaming rule for an advanced loop.
 #[derive(Clone, Debug)]
 pub struct StreamingIntegral {
     /// The loop integral. Its quadrature error is estimated from the differences of order m of all samples,
@@ -268,7 +268,7 @@ fn spacing(coordinates: &Coordinates, i: usize) -> f64 {
     or_infinite(coordinates.grid_spacing()).min(or_infinite(0.5 * coordinates.period(i)))
 }
 
-/// What a loop once round shows.
+/// The sums of one turn round the loop.
 struct Revolution {
     integral: LoopIntegral,
     suspects: Vec<Suspect>,

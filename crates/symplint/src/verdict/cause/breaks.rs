@@ -330,7 +330,7 @@ fn distance(sides: &BreakSides, pairs: &[(&CoordinateAtBreak, &CoordinateAtBreak
     }
 }
 
-/// Where a force jumps, as the states at several breaks tell.
+/// The place at which a force jumps, from the states at several breaks.
 fn where_it_jumps(sides: &BreakSides) -> String {
     let (Some(first), Some(q)) = (sides.places.first(), sides.coordinate('q', sides.of_break))
     else {

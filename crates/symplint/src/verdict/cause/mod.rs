@@ -85,11 +85,11 @@ pub enum CauseKind {
     NoForm,
 }
 
-/// What a cause is found from.
+/// The input of the search for a cause.
 pub(super) struct Clues<'a> {
     pub evidence: &'a Evidence,
     pub properties: &'a [Property],
-    /// What the verdict found, and what it advises, before its cause is known.
+    /// Findings and advice of the verdict before its cause is known.
     pub findings: &'a [Finding],
     pub advice: &'a [Advice],
     /// k of defect ~ h^k.

@@ -50,7 +50,7 @@ pub enum MapFinding {
         /// Whether the map has a step size.
         has_step_size: bool,
     },
-    /// What a larger step, or a larger loop of a map without a step size, shows of a map that moves loops little.
+    /// The result of a larger step, or of a larger loop of a map without a step size, if the map moves loops little.
     Beyond {
         /// The loop.
         reach: Box<Reach>,

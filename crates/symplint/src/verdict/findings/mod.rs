@@ -60,7 +60,7 @@ impl Finding {
         matches!(self, Finding::Bounds(BoundFinding::Bound { .. }))
     }
 
-    /// What it is about, in one or two words: reports print findings under these words.
+    /// Its subject in one or two words: reports print findings under these words.
     pub fn label(&self) -> &'static str {
         match self {
             Finding::Samples(_) => "Samples",

@@ -14,7 +14,7 @@ use crate::verdict::number::{one_digit, two_digits};
 #[serde(rename_all = "kebab-case", tag = "kind")]
 #[non_exhaustive]
 pub enum RunFinding {
-    /// There is no evidence: no loop was advanced, and none failed.
+    /// No evidence: no loop was advanced, and none failed.
     NothingMeasured,
     /// What becomes of the defect in many steps.
     ManySteps {

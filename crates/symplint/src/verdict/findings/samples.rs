@@ -83,7 +83,7 @@ pub enum SampleFinding {
         /// The same in units of the mean gap.
         over_mean: f64,
     },
-    /// What a sampled loop does with and without chords across its jumps.
+    /// The integral of a sampled loop with and without chords across its jumps.
     SampledBreaks {
         /// The step.
         step: Step,

@@ -129,7 +129,7 @@ pub(super) fn degenerate_form(
 }
 
 /// Whether the shortest differences are no more than rounding makes: of two states that are returned as one they are
-/// zero, as those of a projection are.
+/// zero, as for a projection.
 fn rounding_hides(evaluator: &Evaluator<'_>, size: &LoopSize) -> bool {
     let dof = evaluator.dof();
     let shortest = |c: usize| 2.0 * DISTANCES[DISTANCES.len() - 1] * size.radius[c / dof][c % dof];

@@ -23,7 +23,7 @@ const REST: f64 = 0.002;
 /// Patches that carry the change at most. A defect that is spread over the disc doubles them with every halving.
 const MOST_PATCHES: usize = 4;
 
-/// Where a patch is cut: not in the middle, where an axis may be.
+/// The cut of a patch: not in the middle, where an axis may be.
 const CUT: f64 = 0.437;
 
 /// The centre of the disc is that of the loop, moved by this part of its size: an axis may be there, too.

@@ -1,4 +1,4 @@
-//! Where a defect comes from: which substep of the map, which part of the loop.
+//! The origin of a defect: which substep of the map, which part of the loop.
 
 mod halving;
 mod patch;

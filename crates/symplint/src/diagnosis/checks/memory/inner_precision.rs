@@ -13,7 +13,7 @@ const SAMPLES: usize = 64;
 /// Loop parameters of the test: no two of them, nor their mirror images, coincide.
 const SITES: [f64; 4] = [0.137, 0.291, 0.604, 0.833];
 
-/// Sites of the first test: if none of them shows noise, there is no second test.
+/// Sites of the first test: if none of them shows noise, the second test is left out.
 const FIRST: usize = 2;
 
 /// The points of a site, in units of single precision, by which all coordinates are displaced at once: stairs of any

@@ -72,7 +72,7 @@ fn difference(subject: Subject<'_>, h: f64, moved: &[usize]) -> Result<Option<f6
     let mut at_sites = Ensemble::zeros(subject.dof(), SITES.len());
     subject.phase_loop.sample(&SITES, &mut at_sites.block());
     let magnitude = |c: usize| Extent::of(coordinate(&at_sites, c)).magnitude();
-    // What the map rounds to, inside or in what it returns.
+    // The rounding of the map, inside or in its results.
     let grain = evaluator.grain();
     let coarse = |c: usize| {
         let inside = evaluator.rounding_inside().map_or(0.0, |of| of[c]);

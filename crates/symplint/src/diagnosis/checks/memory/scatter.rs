@@ -10,7 +10,7 @@ use crate::state::{Ensemble, coordinate, period};
 const REPETITIONS: usize = 8;
 
 /// Means of two histories further apart than this many standard deviations of one value, and changes along all
-/// repetitions, are not random: they have 6 and 3.5 of their own standard deviations.
+/// repetitions, are not random: they have 6 and 3.5 standard deviations.
 const DEVIATIONS: f64 = 3.0;
 
 /// Repetitions drift if straight lines explain this part of their squares: of independent values with a probability of 1e-6.
