@@ -1,7 +1,6 @@
 //! A periodic function given by its values at the nodes, interpolated by B-splines.
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex64;
+use symplint_fft::Complex64;
 
 use crate::bspline::{self, MAX_DEGREE};
 use crate::error::ModelError;
@@ -124,9 +123,8 @@ fn horner<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
 fn collocation_coefficients(degree: usize, values: &[f64]) -> Vec<f64> {
     let cells = values.len();
     let weights = bspline::weights(degree, 0.0);
-    let mut planner = FftPlanner::new();
     let mut modes: Vec<Complex64> = values.iter().map(|&value| value.into()).collect();
-    planner.plan_fft_forward(cells).process(&mut modes);
+    symplint_fft::forward(cells).process(&mut modes);
     for (k, mode) in modes.iter_mut().enumerate() {
         let kappa = std::f64::consts::TAU * k as f64 / cells as f64;
         let symbol: Complex64 = weights
@@ -136,7 +134,7 @@ fn collocation_coefficients(degree: usize, values: &[f64]) -> Vec<f64> {
             .sum();
         *mode /= symbol * cells as f64;
     }
-    planner.plan_fft_inverse(cells).process(&mut modes);
+    symplint_fft::inverse(cells).process(&mut modes);
     modes.iter().map(|mode| mode.re).collect()
 }
 

@@ -10,11 +10,10 @@ use std::sync::Arc;
 use common::{State, distance, stepped};
 use proptest::prelude::*;
 use rotor::Rotor;
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex64;
 use symplint::state::RowsMut;
 use symplint::verdict::JacobianVerdict;
 use symplint::{Block, Circle, JacobianTest, TimeAdvance};
+use symplint_fft::Complex64;
 use symplint_models::integrators::catalogue::{self, CATALOGUE};
 use symplint_models::integrators::{RungeKutta, Splitting, Variant, splitting_methods, tableaus};
 use symplint_models::systems::{
@@ -106,7 +105,7 @@ fn loop_integral(q: &[f64], p: &[f64]) -> f64 {
         .zip(p)
         .map(|(&q, &p)| Complex64::new(q, p))
         .collect();
-    FftPlanner::new().plan_fft_forward(n).process(&mut modes);
+    symplint_fft::forward(n).process(&mut modes);
     let terms = (1..n / 2).map(|k| k as f64 * (modes[k].norm_sqr() - modes[n - k].norm_sqr()));
     -PI / (n * n) as f64 * terms.sum::<f64>()
 }

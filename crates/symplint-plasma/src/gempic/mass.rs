@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
 use symplint::state::scratch::with_buffer;
+use symplint_fft::Fft;
 
 use super::electromagnetic::Fields;
 use super::overlap::overlaps;
@@ -46,9 +46,8 @@ impl MassMatrices {
             let [one, zero] = [&one, &zero].map(|entries| 0.5 / eigenvalue(entries, k));
             [one + zero, one - zero].map(|factor| factor / cells as f64)
         });
-        let mut planner = FftPlanner::new();
-        let forward = planner.plan_fft_forward(cells);
-        let backward = planner.plan_fft_inverse(cells);
+        let forward = symplint_fft::forward(cells);
+        let backward = symplint_fft::inverse(cells);
         MassMatrices {
             width,
             inverses: inverses.collect(),

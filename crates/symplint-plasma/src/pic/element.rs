@@ -6,7 +6,7 @@
 //! for boxes narrower than a shape.
 
 use nalgebra::{DMatrix, DVector};
-use rustfft::num_complex::Complex64;
+use symplint_fft::Complex64;
 
 use super::shape::{Shape, ShapeFamily};
 

@@ -3,9 +3,7 @@
 
 use std::sync::Arc;
 
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use rustfft::num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
+use symplint_fft::{Complex64, ComplexToReal, Fft, RealToComplex};
 
 use super::element::{AxisMode, ComplexMatrix};
 use super::mesh::Mesh;
@@ -41,19 +39,12 @@ impl FieldSolver {
         Self::of_green(green(mesh, passes), mesh.cells(), mesh.components(), D)
     }
 
-    /// The solver by the matrices of G, on one or two axes of `cells` cells. It is not generic, so that planners of
-    /// transforms, a third of a minute to compile, are not compiled again in each crate that has a plasma.
+    /// The solver by the matrices of G, on one or two axes of `cells` cells.
     fn of_green(green: Vec<Complex64>, cells: usize, components: usize, axes: usize) -> Self {
-        let mut planner = RealFftPlanner::new();
-        let forward = planner.plan_fft_forward(cells);
-        let inverse = planner.plan_fft_inverse(cells);
-        let across = (axes == 2).then(|| {
-            let mut planner = FftPlanner::new();
-            [
-                planner.plan_fft_forward(cells),
-                planner.plan_fft_inverse(cells),
-            ]
-        });
+        let forward = symplint_fft::real_forward(cells);
+        let inverse = symplint_fft::real_inverse(cells);
+        let across =
+            (axes == 2).then(|| [symplint_fft::forward(cells), symplint_fft::inverse(cells)]);
         let plans = across.iter().flatten();
         let transform_scratch = plans
             .map(|plan| plan.get_inplace_scratch_len())

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use bytemuck::cast_slice_mut;
 use multiversion::multiversion;
 use num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
+use symplint_fft::Fft;
 
 use super::scratch::with_complex_buffer;
 
@@ -38,9 +38,8 @@ impl PackedSolver {
             let (sum, difference) = (here + there, here - there);
             [sum - difference * sin, difference * cos]
         });
-        let mut planner = FftPlanner::new();
-        let forward = planner.plan_fft_forward(half);
-        let inverse = planner.plan_fft_inverse(half);
+        let forward = symplint_fft::forward(half);
+        let inverse = symplint_fft::inverse(half);
         let scratch = (forward.get_inplace_scratch_len()).max(inverse.get_outofplace_scratch_len());
         PackedSolver {
             factors: factors.collect(),

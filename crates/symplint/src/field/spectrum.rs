@@ -2,8 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use symplint_fft::num_complex::Complex;
 
 use super::limits::{DECAY_OF_JUMPS, SAFETY};
 use crate::signal::CompensatedSum;
@@ -26,9 +25,7 @@ impl Spectrum {
         samples.iter().for_each(|x| sum.add(*x));
         let mean = sum.total() / count as f64;
         let mut modes: Vec<Complex<f64>> = samples.iter().map(|x| (x - mean).into()).collect();
-        FftPlanner::new()
-            .plan_fft_forward(count)
-            .process(&mut modes);
+        symplint_fft::forward(count).process(&mut modes);
         modes.truncate(count / 2 + 1);
         modes.iter_mut().for_each(|c| *c /= count as f64);
         Spectrum {

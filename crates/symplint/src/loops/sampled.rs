@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex64;
+use symplint_fft::Complex64;
 
 use super::Loop;
 use super::turn::sin_cos_turn;
@@ -49,7 +48,7 @@ impl SampledLoop {
             return Err(Error::TooFewSamples { samples });
         }
         ensemble.check_finite(None)?;
-        let transform = FftPlanner::new().plan_fft_forward(samples);
+        let transform = symplint_fft::forward(samples);
         let mut rows = Vec::with_capacity(2 * dof);
         let interpolant = |row: &[f64], gain: f64| {
             let periodic = |(k, x): (usize, &f64)| x - gain * (k as f64 / samples as f64);

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use rayon::prelude::*;
-use rustfft::num_complex::Complex64;
+use symplint_fft::Complex64;
 
 use super::row::pack;
 use super::take_off_ramp;

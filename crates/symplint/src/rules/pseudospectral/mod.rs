@@ -21,7 +21,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 use rayon::prelude::*;
-use rustfft::num_complex::Complex64;
+use symplint_fft::Complex64;
 
 use super::{RowIntegral, banded, least};
 use crate::signal::{UNIT_ROUNDOFF, largest, unwrap_row, wraps};

@@ -66,17 +66,14 @@ fn slope(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::signal::UNIT_ROUNDOFF;
-    use rustfft::FftPlanner;
-    use rustfft::num_complex::Complex64;
     use std::f64::consts::TAU;
+    use symplint_fft::Complex64;
 
     /// Of a function on [0, 1) with `samples` samples.
     fn exponent(samples: usize, f: impl Fn(f64) -> f64) -> f64 {
         let at = |k: usize| Complex64::new(f(k as f64 / samples as f64), 0.0);
         let mut modes: Vec<Complex64> = (0..samples).map(at).collect();
-        FftPlanner::new()
-            .plan_fft_forward(samples)
-            .process(&mut modes);
+        symplint_fft::forward(samples).process(&mut modes);
         let octaves = (samples / 4).ilog2();
         let energy = |j: u32| modes[1 << j..2 << j].iter().map(|c| c.norm_sqr()).sum();
         let energies: Vec<f64> = (0..octaves).map(energy).collect();

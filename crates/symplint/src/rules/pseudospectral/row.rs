@@ -1,7 +1,7 @@
 //! Preparation of the rows of a degree of freedom for their transform.
 
 use multiversion::multiversion;
-use rustfft::num_complex::Complex64;
+use symplint_fft::Complex64;
 
 /// A row is transformed as (x − `first`)/`unit`.
 #[derive(Clone, Copy, Debug)]

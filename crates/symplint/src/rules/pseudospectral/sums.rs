@@ -11,7 +11,7 @@
 use std::ops::{Add, Range};
 
 use multiversion::multiversion;
-use rustfft::num_complex::Complex64;
+use symplint_fft::Complex64;
 
 /// Independent sums: as many as the widest vector register holds.
 const LANES: usize = 8;

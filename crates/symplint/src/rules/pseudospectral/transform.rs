@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-use rustfft::{Fft, FftPlanner};
+use symplint_fft::Fft;
 
 /// The transform of a number of samples; nothing is normalised.
 pub(super) type Transform = Arc<dyn Fft<f64>>;
@@ -20,14 +20,13 @@ pub(super) fn transform(samples: usize) -> Transform {
     if plans.len() >= MOST_PLANS && !plans.contains_key(&samples) {
         plans.clear();
     }
-    // A separate planner for each: a planner that has planned other lengths builds on those, with other last bits.
-    let plan = || FftPlanner::new().plan_fft_forward(samples);
+    let plan = || symplint_fft::forward(samples);
     Arc::clone(plans.entry(samples).or_insert_with(plan))
 }
 
 #[cfg(test)]
 mod tests {
-    use rustfft::num_complex::Complex64;
+    use symplint_fft::Complex64;
 
     use super::*;
 
@@ -45,7 +44,7 @@ mod tests {
             for other in 2..samples.min(100) {
                 transform(other);
             }
-            let alone = FftPlanner::new().plan_fft_forward(samples);
+            let alone = symplint_fft::forward(samples);
             assert_eq!(modes(&transform(samples)), modes(&alone), "{samples}");
         }
     }
