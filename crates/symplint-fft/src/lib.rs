@@ -1,8 +1,8 @@
 //! Fourier transforms in double precision.
 //!
 //! `rustfft` and `realfft` are generic: each crate that plans a transform compiles all their algorithms anew, which took a quarter of
-//! the time of a build of `symplint`, and as much again of each crate that depends on it. This crate compiles them once. Each function takes a new planner: one that has planned other
-//! lengths builds on those, with other last bits.
+//! the build of `symplint`, and as much again of each crate that depends on it. This crate compiles them once. Each function makes a
+//! new planner: one that has planned other lengths builds on those, with other last bits.
 //!
 //! ```
 //! use symplint_fft::{Complex64, forward};
