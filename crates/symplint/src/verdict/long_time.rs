@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use super::thresholds::{FEWEST_STEPS, GROWN, NO_DEFECT, RETURNS, STAYED};
+use super::thresholds::{AWAY, FEWEST_STEPS, GROWN, NO_DEFECT, RETURNS, STAYED};
 use crate::evidence::{EnergyInTime, LongTime};
 
 /// What becomes of a defect in many steps.
@@ -30,7 +30,7 @@ pub(super) fn growth_of_energy(found: &EnergyInTime) -> Growth {
         Growth::Undecided
     } else if found.early.max(found.late) < NO_DEFECT {
         Growth::None
-    } else if found.late > GROWN * found.early {
+    } else if found.late > GROWN * found.early || found.least > AWAY * found.most {
         Growth::Grows
     } else if found.late < STAYED * found.early && found.least < RETURNS * found.most {
         Growth::Bounded

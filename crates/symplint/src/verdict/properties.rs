@@ -375,7 +375,7 @@ fn in_time(found: &EnergyInTime, growth: Growth) -> String {
         Growth::None => format!("{steps} steps by up to {most}: it is conserved"),
         Growth::Bounded => format!("{steps} steps by up to {most}: the change stays bounded"),
         Growth::Grows => format!(
-            "the energy drifts: the change grows to {late} in {steps} steps, from {early} in the first quarter"
+            "the energy drifts: by up to {early} in the first quarter of {steps} steps, and {late} in the last"
         ),
         Growth::Undecided => format!(
             "{steps} steps by up to {most}, which shows neither a bound nor a drift: take more steps"

@@ -92,6 +92,10 @@ pub(super) const STAYED: f64 = 1.8;
 /// A bounded defect returns to this part of its largest value.
 pub(super) const RETURNS: f64 = 0.5;
 
+/// Energies that stay beyond this part of their largest change have drifted away. Conventional: a quarter of an oscillation, whose
+/// second half is above 0.7, has not.
+pub(super) const AWAY: f64 = 0.8;
+
 /// A Jacobian that is symplectic to less than this part of the change of a loop integral contradicts it. Conventional: one
 /// digit, as both are relative to the size of the loop.
 pub(super) const CONTRADICTS: f64 = 10.0;
