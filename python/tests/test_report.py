@@ -69,7 +69,8 @@ def test_folders(report, tmp_path):
     report.save(folder)
     names = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
     assert names == [
-        ".lock", "config.toml", "figures/step_sizes.png", "figures/step_sizes.svg", "points.csv", "report.html", "report.json",
+        ".lock", "config.toml", "figures/step_sizes.pdf", "figures/step_sizes.png", "figures/step_sizes.svg", "points.csv",
+        "report.html", "report.json",
     ]  # fmt: skip
     assert json.loads((folder / "report.json").read_text()) == report.to_dict()
     rows = (folder / "points.csv").read_text().splitlines()

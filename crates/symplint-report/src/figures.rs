@@ -129,7 +129,11 @@ pub fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
         let (style, colors) = (Style::Points, RANDOM_COLORS);
         all.extend(defects("random loops", &random, style, colors));
     }
-    if let Some(order) = diagnosis.verdict.order {
+    // If the verdict states no order, the given loop may still follow a power law.
+    let fits = diagnosis.fits().iter();
+    let of_given = (fits.filter(|fit| fit.loop_index == 0 && fit.against == "step_size"))
+        .find_map(|fit| fit.whole());
+    if let Some(order) = diagnosis.verdict.order.or(of_given) {
         let points: Vec<(f64, f64)> = (given.iter())
             .map(|point| (point.step_size, point.defect))
             .collect();
@@ -260,7 +264,7 @@ fn two_loops(
     h: Option<f64>,
 ) -> Figure {
     let label = h.map_or("after the step".into(), |h| {
-        format!("after one step of {}", raised_power_of_two(h))
+        format!("after one step, h = {}", raised_power_of_two(h))
     });
     let coordinate = |name: &str| {
         let label = match before.dof() {

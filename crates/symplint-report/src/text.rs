@@ -34,10 +34,20 @@ pub fn headline(verdict: &Verdict) -> (String, String) {
     (words.to_uppercase(), rest.to_owned())
 }
 
+/// The summary of a verdict without the law of the change, which the headline names.
+pub fn summary(verdict: &Verdict) -> String {
+    const LAW: &str = " in proportion to ";
+    let (headline, summary) = (verdict.headline(), verdict.summary());
+    match headline.split_once(LAW) {
+        Some((_, law)) => summary.replace(&format!(",{LAW}{law}"), ""),
+        None => summary,
+    }
+}
+
 /// What stands below the headline of a verdict: its summary, the title, a table of the given loop, and the findings by subject.
 pub fn diagnosis_text(title: &str, diagnosis: &Diagnosis, shown: Shown) -> String {
     let verdict = &diagnosis.verdict;
-    let mut text = wrapped("", "", &verdict.summary(), shown.width);
+    let mut text = wrapped("", "", &summary(verdict), shown.width);
     text += &format!("\n{title}\n");
     text += &tables(diagnosis, shown.all);
     text += &format!("\n{}", findings(verdict, shown));
@@ -260,6 +270,19 @@ mod tests {
     /// Sentences without the breaks of lines.
     fn unfolded(text: &str) -> String {
         text.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn the_summary_does_not_repeat_the_headline() {
+        let verdict = diagnosed(0.01).verdict;
+        let law = " in proportion to h";
+        assert!(verdict.headline().ends_with(law), "{}", verdict.headline());
+        assert!(verdict.summary().contains(law));
+        let summary = summary(&verdict);
+        assert!(
+            !summary.contains(law) && summary.ends_with("at h = 0.5."),
+            "{summary}"
+        );
     }
 
     #[test]

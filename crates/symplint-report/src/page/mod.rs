@@ -11,7 +11,7 @@ use symplint::{Diagnosis, Verdict, VerdictKind};
 use self::html::{escaped, sentence};
 use crate::number::in_thousands;
 use crate::provenance::Provenance;
-use crate::text::by_label;
+use crate::text::{by_label, summary};
 
 pub use settings::Repeat;
 
@@ -98,10 +98,7 @@ impl Page<'_> {
 
     fn sections(&self) -> String {
         let verdict = &self.diagnosis.verdict;
-        let mut text = format!(
-            "<p class=\"summary\">{}</p>\n",
-            sentence(&verdict.summary())
-        );
+        let mut text = format!("<p class=\"summary\">{}</p>\n", sentence(&summary(verdict)));
         if let Some(cause) = &verdict.cause {
             let setting = cause.setting.as_ref().map_or(String::new(), |setting| {
                 format!("<p>Setting to try:</p>\n{}", copied(setting))

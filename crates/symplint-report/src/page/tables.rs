@@ -40,9 +40,9 @@ pub(super) fn points(points: &[Point]) -> String {
             true => step_size_text(point.step_size),
             false => "none".into(),
         };
-        let uncertainty = point.quadrature_error.map_or("unknown".into(), |error| {
-            format!("{:.0e}", error + point.roundoff)
-        });
+        let uncertainty = point
+            .quadrature_error
+            .map_or("unknown".into(), |error| size_of(error + point.roundoff));
         let mut row = format!(
             "<tr><th scope=\"row\">{name}</th><td>{size}</td><td>{}</td><td>{}</td><td>{uncertainty}</td>",
             point.samples,
@@ -175,6 +175,6 @@ fn signed(change: f64) -> String {
 fn size_of(value: f64) -> String {
     match value == 0.0 {
         true => "0".into(),
-        false => format!("{value:.0e}"),
+        false => format!("{value:.0e}").replace('-', "−"),
     }
 }
