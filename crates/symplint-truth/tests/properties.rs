@@ -223,7 +223,7 @@ fn no_property_is_wrong_and_few_are_unknown() {
 }
 
 #[test]
-#[ignore = "takes minutes; docs/truth.md has its table"]
+#[ignore = "half a minute: prints the table of docs/truth.md"]
 fn no_property_of_all_members_is_wrong() {
     compare(MEMBERS);
 }
