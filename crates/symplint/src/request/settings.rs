@@ -35,7 +35,7 @@ pub const SETTINGS: &[Setting] = &[
         ..with_default(
             "step_sizes",
             "{ from = \"2^-1\", to = \"2^-10\" }",
-            "halved from … to …, or a list, or \"auto\"; the largest matters most to the verdict; \"none\" for a map that is no step in time",
+            "halved from … to …, or a list, or \"auto\"; the largest matters most to the verdict; \"none\" for a map that is not a step in time",
             step_sizes,
         )
     },

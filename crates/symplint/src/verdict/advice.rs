@@ -192,7 +192,7 @@ impl Advice {
             }
             Advice::ReturnStates => {
                 "Check that the step returns the states that it advanced, or writes them into the arrays that it gets; \
-                 if it does, take larger step sizes, or step_sizes = \"none\" for a map that is no step in time."
+                 if it does, take larger step sizes, or step_sizes = \"none\" for a map that is not a step in time."
             }
             Advice::SamplesInCells => {
                 "Take more samples or a smaller loop: two samples or more in each cell that it crosses."
@@ -337,11 +337,11 @@ fn look_for_cause(order: Option<f64>) -> &'static str {
              no gradient: `check_force`)."
         }
         Some(order) if order > 0.0 => {
-            "Look for friction, a force that is no gradient (`check_force`), momenta that are not canonical (velocities: \
+            "Look for friction, a force that is not a gradient (`check_force`), momenta that are not canonical (velocities: \
              `weight`; a magnetic field), and for the explicit Euler method."
         }
         _ => {
-            "Look for friction, a force that is no gradient (`check_force`), momenta that are not canonical, and for a method \
+            "Look for friction, a force that is not a gradient (`check_force`), momenta that are not canonical, and for a method \
              that is not symplectic."
         }
     }

@@ -128,14 +128,14 @@ impl Display for BreakFinding {
                     ),
                     (false, Some(bend)) => write!(
                         f,
-                        "With its breaks closed by straight segments the integral of {name} differs by {change} {step}. That \
-                         proves nothing: q and p of a degree of freedom jump together, and other curves across the \
+                        "With its breaks closed by straight segments the integral of {name} differs by {change} {step}. This \
+                         does not count: q and p of a degree of freedom jump together, and other curves across the \
                          breaks contribute about as much as {bend:.1e}."
                     ),
                     (true, _) => write!(
                         f,
-                        "With its breaks closed{by_chords} the integral of {name} differs by {change} {step}. That proves \
-                         nothing: a step may bend what closes a break."
+                        "With its breaks closed{by_chords} the integral of {name} differs by {change} {step}. This does \
+                         not count: a step may bend what closes a break."
                     ),
                 }
             }
