@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::document::{Node, Table, Value};
 use super::error::{ConfigError, Place};
-use super::{SECTIONS, diagnostic, integrator, phase_loop, section, system, trace};
+use super::{diagnostic, integrator, phase_loop, section, system, trace};
 
 /// More errors of a section are not listed. Conventional.
 const MOST: usize = 20;
@@ -15,7 +15,7 @@ const MOST: usize = 20;
 /// The errors of a configuration that cannot be read, in their order in the file.
 pub fn errors(mut table: Table, folder: &Path) -> Option<ConfigError> {
     let mut errors = all_of(&mut table, |table| {
-        section::check_keys("", table, SECTIONS.into_iter())
+        section::check_keys("", table, section::NAMES.into_iter())
     })
     .1;
     let mut of_section = |name: &str| Reader {

@@ -31,8 +31,6 @@ pub use trace::TraceSettings;
 use document::Table;
 use energy::WithEnergy;
 
-const SECTIONS: [&str; 5] = ["system", "integrator", "loop", "diagnostic", "trace"];
-
 /// A configuration with all defaults filled in.
 pub struct Config {
     /// The system under test.
@@ -166,7 +164,7 @@ impl Sections {
     /// # Errors
     /// The first error.
     fn read(table: &Table, folder: &Path) -> Result<Self, ConfigError> {
-        section::check_keys("", table, SECTIONS.into_iter())?;
+        section::check_keys("", table, section::NAMES.into_iter())?;
         let node = |name: &str| table.entries.get(name).map(|(_, node)| node);
         let mut resolved = toml::Table::new();
         let (info, system, section) = system::read(node("system"), folder)?;

@@ -8,6 +8,9 @@ use symplint::request::{self, MOST_WHOLE, Part, Refused};
 use super::document::{Node, SETTING, Table, Value};
 use super::error::{ConfigError, Place};
 
+/// The sections of a configuration.
+pub const NAMES: [&str; 5] = ["system", "integrator", "loop", "diagnostic", "trace"];
+
 /// A key of a section.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {

@@ -42,7 +42,7 @@ pub unsafe extern "C" fn symplint_free(text: *mut u8, length: usize) {
 pub unsafe extern "C" fn symplint_answer(text: *const u8, length: usize) -> *mut u8 {
     // SAFETY: the caller's promise.
     let bytes = unsafe { slice::from_raw_parts(text, length) };
-    let answer = crate::answer(&String::from_utf8_lossy(bytes));
+    let answer = crate::answer::answer(&String::from_utf8_lossy(bytes));
     let room = symplint_allocate(PREFIX + answer.len());
     if let (false, Ok(length)) = (room.is_null(), u32::try_from(answer.len())) {
         // SAFETY: the room was just allocated with this length.

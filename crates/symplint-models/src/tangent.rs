@@ -48,7 +48,7 @@ use symplint::state::{Rows, RowsMut};
 /// }
 ///
 /// let step = Splitting::new(splitting_methods::yoshida4(Variant::PositionFirst), Quartic);
-/// assert!(step.tangent().is_some());
+/// assert!(step.capabilities().tangent.is_some());
 /// ```
 pub trait DriftKickTangent: Send + Sync {
     /// The derivative of a drift for a time `tau`: dq += τ v'(p) dp. By default v = p.

@@ -19,7 +19,7 @@
 //! let step = catalogue::build("strang", None, Model::from(plasma))?;
 //!
 //! let mut ensemble = Ensemble::sample(&Circle::new(q, p, 0.2)?, 1024)?;
-//! let integral = |e: &_| LoopIntegral::in_coordinates(e, &Rule::Pseudospectral, &step.coordinates());
+//! let integral = |e: &_| LoopIntegral::in_coordinates(e, &Rule::Pseudospectral, &step.capabilities().coordinates);
 //! let initial = integral(&ensemble)?;
 //! ensemble.advance(&*step, 0.1)?;
 //! let defect = Defect::between(&initial, &integral(&ensemble)?)?;

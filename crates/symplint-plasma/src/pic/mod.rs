@@ -14,7 +14,7 @@
 //! let step = catalogue::build("strang", None, pic)?;
 //!
 //! let mut ensemble = Ensemble::sample(&Circle::new(x, v, 1.0)?, 1024)?;
-//! let integral = |e: &_| LoopIntegral::in_coordinates(e, &Rule::Pseudospectral, &step.coordinates());
+//! let integral = |e: &_| LoopIntegral::in_coordinates(e, &Rule::Pseudospectral, &step.capabilities().coordinates);
 //! let initial = integral(&ensemble)?;
 //! ensemble.advance(&*step, 0.1)?;
 //! let defect = Defect::between(&initial, &integral(&ensemble)?)?;

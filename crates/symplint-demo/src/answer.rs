@@ -1,0 +1,145 @@
+//! The verdict, figures and animation of a configuration.
+
+use serde::Serialize;
+use symplint::Ensemble;
+use symplint_config::{Config, ConfigError};
+use symplint_report::figures::{check_figures, drawn_step};
+use symplint_report::report::to_json;
+use symplint_report::text::{Shown, diagnosis_text, headline};
+
+/// Characters of a line of the report.
+const WIDTH: usize = 80;
+
+/// Steps of the animation.
+const STEPS: usize = 60;
+
+/// States of the loop in the animation.
+const SAMPLES: usize = 256;
+
+/// The answer to a configuration.
+#[derive(Serialize)]
+struct Answer {
+    /// `symplectic` and so on.
+    kind: String,
+    /// What `symplint check` prints.
+    text: String,
+    /// The figures of the run folder, by name, as SVG.
+    figures: Vec<Drawing>,
+    /// The loop before the first step and after each step.
+    frames: Vec<Frame>,
+}
+
+#[derive(Serialize)]
+struct Drawing {
+    name: &'static str,
+    svg: String,
+}
+
+/// Positions and momenta of the first degree of freedom.
+#[derive(Serialize)]
+struct Frame {
+    q: Vec<f64>,
+    p: Vec<f64>,
+}
+
+/// Why there is no answer.
+#[derive(Serialize)]
+struct Refusal {
+    error: String,
+}
+
+/// The verdict on a configuration in TOML, its figures and the loop in time, or `error`, as JSON.
+pub fn answer(configuration: &str) -> String {
+    match diagnose(configuration) {
+        Ok(answer) => to_json(&answer),
+        Err(error) => to_json(&Refusal { error }),
+    }
+}
+
+fn diagnose(configuration: &str) -> Result<Answer, String> {
+    let config = Config::parse("configuration", configuration).map_err(|error| errors(&error))?;
+    let (map, phase_loop) = (&*config.map, &*config.phase_loop);
+    let diagnosis = (config.diagnostic.run(map, phase_loop)).map_err(|error| error.to_string())?;
+    let (answer, rest) = headline(&diagnosis.verdict);
+    let shown = Shown {
+        width: Some(WIDTH),
+        all: false,
+    };
+    let text = diagnosis_text(&config.heading(), &diagnosis, shown);
+    let h = drawn_step(&diagnosis);
+    let (figures, _) = check_figures(&config.title(), &diagnosis, map, phase_loop, h, false);
+    let figures = figures.into_iter().filter_map(|(name, figure)| {
+        let svg = figure.to_svg().ok()?;
+        Some(Drawing { name, svg })
+    });
+    Ok(Answer {
+        kind: diagnosis.verdict.kind.to_string(),
+        text: format!("{answer}{rest}\n{text}"),
+        figures: figures.collect(),
+        frames: frames(&config, h),
+    })
+}
+
+/// The loop in time, until the map fails.
+fn frames(config: &Config, h: f64) -> Vec<Frame> {
+    let Ok(mut states) = Ensemble::sample(&*config.phase_loop, SAMPLES) else {
+        return Vec::new();
+    };
+    let frame = |states: &Ensemble| Frame {
+        q: states.q().row(0).to_vec(),
+        p: states.p().row(0).to_vec(),
+    };
+    let mut frames = vec![frame(&states)];
+    while frames.len() <= STEPS && states.advance(&*config.map, h).is_ok() {
+        frames.push(frame(&states));
+    }
+    frames
+}
+
+/// All errors of a configuration, one on each line.
+fn errors(first: &ConfigError) -> String {
+    let all = std::iter::once(first).chain(&first.others);
+    let lines: Vec<String> = all
+        .map(|error| match &error.remedy {
+            Some(remedy) => format!("{}: {remedy}", error.message),
+            None => error.message.clone(),
+        })
+        .collect();
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::Value;
+
+    use super::*;
+
+    fn answered(text: &str) -> Value {
+        serde_json::from_str(&answer(text)).unwrap()
+    }
+
+    #[test]
+    fn a_configuration_has_a_verdict_figures_and_frames() {
+        let answer = answered(
+            "system.name = \"pendulum\"\nintegrator.name = \"rk2\"\ndiagnostic.budget = 20000",
+        );
+        assert_eq!(answer["kind"], "not-symplectic");
+        let text = answer["text"].as_str().unwrap();
+        assert!(text.starts_with("NOT SYMPLECTIC"), "{text}");
+        assert!(text.contains("pendulum · rk2 · 1 degree of freedom"));
+        let figures = answer["figures"].as_array().unwrap();
+        let names: Vec<&Value> = figures.iter().map(|figure| &figure["name"]).collect();
+        assert_eq!(names, ["step_sizes", "loop"]);
+        let frames = answer["frames"].as_array().unwrap();
+        assert_eq!(frames.len(), STEPS + 1);
+        assert_eq!(frames[STEPS]["q"].as_array().unwrap().len(), SAMPLES);
+    }
+
+    #[test]
+    fn errors_are_answers() {
+        let answer = answered("system.name = \"pendulm\"\ndiagnostic.budget = 1");
+        let error = answer["error"].as_str().unwrap();
+        assert_eq!(error.lines().count(), 2, "{error}");
+        assert!(error.contains("did you mean \"pendulum\""), "{error}");
+    }
+}
