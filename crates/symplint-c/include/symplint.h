@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 /**
- * What a function returns.
+ * The result of a function.
  */
 typedef enum {
   /**
@@ -43,7 +43,7 @@ typedef enum {
  */
 typedef enum {
   /**
-   * There is no report.
+   * The report is missing.
    */
   SYMPLINT_FIELD_VERDICT_NONE = -1,
   /**
@@ -65,7 +65,7 @@ typedef enum {
  */
 typedef enum {
   /**
-   * There is no report.
+   * The report is missing.
    */
   SYMPLINT_VERDICT_NONE = -1,
   /**
@@ -93,7 +93,7 @@ typedef enum {
 typedef struct SymplintFieldReport SymplintFieldReport;
 
 /**
- * What a diagnosis found. Made by `symplint_check`, and to be freed by `symplint_report_free`.
+ * The report of a diagnosis. `symplint_check` makes it, and `symplint_report_free` frees it.
  */
 typedef struct SymplintReport SymplintReport;
 

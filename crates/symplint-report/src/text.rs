@@ -66,7 +66,7 @@ pub fn reasons(verdict: &Verdict, shown: Shown) -> String {
 }
 
 /// The findings after the first, and the properties, by label: in the order of the first of each label, with what was not tested and
-/// the cost at the end. Without `all`, those that repeat others are left out.
+/// the cost at the end. Without `all`, those that repeat others or the cause are left out.
 pub fn by_label(verdict: &Verdict, all: bool) -> Vec<(&'static str, Vec<String>)> {
     let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
     let mut add = |label, text| match groups.iter_mut().find(|(of, _)| *of == label) {
@@ -79,8 +79,10 @@ pub fn by_label(verdict: &Verdict, all: bool) -> Vec<(&'static str, Vec<String>)
         laws += usize::from(label == "Order");
         // The table has the bounds, and one law stands for the others.
         let is_repeated = finding.is_bound() || (label == "Order" && laws > 1);
-        if all || !is_repeated {
-            add(label, finding.to_string());
+        let text = finding.to_string();
+        let is_cause = verdict.cause.as_ref().is_some_and(|of| of.text == text);
+        if all || !(is_repeated || is_cause) {
+            add(label, text);
         }
     }
     if let Some(properties) = properties(verdict) {

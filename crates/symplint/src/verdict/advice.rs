@@ -333,8 +333,8 @@ fn look_for_cause(order: Option<f64>) -> &'static str {
     match order {
         Some(order) if order >= 2.0 => {
             "Look for a method that is not symplectic, such as a Runge–Kutta method of one or two orders less (use a \
-             symplectic one of its order), and for a solver or a force that is less accurate than the step (a force that is \
-             no gradient: `check_force`)."
+             symplectic one of its order), and for a solver or a force that is less accurate than the step (a force that is not \
+             a gradient: `check_force`)."
         }
         Some(order) if order > 0.0 => {
             "Look for friction, a force that is not a gradient (`check_force`), momenta that are not canonical (velocities: \

@@ -81,7 +81,10 @@ impl Clues<'_> {
         Some(Cause::new(
             CauseKind::Substep,
             finding.to_string(),
-            format!("Look at {which}, and check {them} alone, as a map without other substeps."),
+            format!(
+                "Look at {which} for friction, a force that is not a gradient (`check_force`) and momenta that are not canonical, and check \
+                 {them} alone, as a map without other substeps."
+            ),
         ))
     }
 
