@@ -39,7 +39,7 @@ def of_key(name: str, default: str | None, help: str) -> Argument:
         return choice(name, list(dict.fromkeys([value, *texts])), help, default=value, more=more)
     if isinstance(value, bool):
         return Argument(name, "bool", "bool", value, help)
-    if name in ("q0", "p0") or isinstance(value, list) or "a list" in help or "likewise" in help:
+    if name in ("q0", "p0") or isinstance(value, list) or "a list" in help:
         return Argument(name, "npt.ArrayLike", "array_like", value, help)
     if value is None:
         of_each = "one for each" in help

@@ -247,7 +247,7 @@ def check(
         If an argument is not valid.
     StepError
         If the map fails on the given loop, or returns states that are not finite, or its results depend on earlier calls or on the other
-        rows of the batch. Exceptions of `step` are the cause. Where it fails at some of the step sizes only, the others are measured
+        rows of the batch. Exceptions of `step` are the cause. If it fails at some of the step sizes only, the others are measured
         first: the exception has the report on them.
 
     Examples

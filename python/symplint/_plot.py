@@ -28,7 +28,7 @@ def _axes(ax: Axes | None) -> Axes:
 
 
 def plot_defects(report: Report, ax: Axes | None, style: dict[str, Any]) -> Axes:
-    """Defects against step sizes, with their uncertainty and the fitted order; `style` is that of the given loop."""
+    """Defects against step sizes, with their uncertainty and the fitted order; `style` applies to the given loop."""
     ax = _axes(ax)
     points = report.points
     points = points[(points["sweep"] == "step-size") & np.isfinite(points["step_size"])]
@@ -63,7 +63,7 @@ def plot_defects(report: Report, ax: Axes | None, style: dict[str, Any]) -> Axes
 def plot_loop(
     before: tuple[Array, Array], after: tuple[Array, Array], h: float, dof: int, breaks: Array, ax: Axes | None, style: dict[str, Any]
 ) -> Axes:
-    """A loop before and after a step, with the chords over its breaks; `style` is that of the states after the step."""
+    """A loop before and after a step, with the chords over its breaks; `style` applies to the states after the step."""
     ax = _axes(ax)
     label = f"after one step of h = {h:g}" if np.isfinite(h) else "after the step"
     ax.plot(before[0][:, dof], before[1][:, dof], "-", color="0.6", label="before")

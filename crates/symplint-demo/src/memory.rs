@@ -11,7 +11,7 @@ fn layout(length: usize) -> Option<Layout> {
     Layout::array::<u8>(length.max(1)).ok()
 }
 
-/// Room for a text; null if there is none.
+/// Memory for a text; null if the memory is full.
 #[unsafe(no_mangle)]
 pub extern "C" fn symplint_allocate(length: usize) -> *mut u8 {
     match layout(length) {
@@ -37,7 +37,7 @@ pub unsafe extern "C" fn symplint_free(text: *mut u8, length: usize) {
 /// frees it with the length plus four.
 ///
 /// # Safety
-/// `text` is the address of `length` bytes that nobody changes meanwhile.
+/// `text` is the address of `length` bytes that do not change during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn symplint_answer(text: *const u8, length: usize) -> *mut u8 {
     // SAFETY: the caller's promise.

@@ -20,7 +20,7 @@ def xtrack(line: Any) -> AdaptedStep:
     Parameters
     ----------
     line : xtrack.Line
-        The elements, with a reference particle: loops are laid around it. A tracker is built if there is none.
+        The elements, with a reference particle: loops are laid around it. A line without a tracker gets one.
 
     Returns
     -------

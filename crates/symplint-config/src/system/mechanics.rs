@@ -49,7 +49,11 @@ pub const DOUBLE_PENDULUM: SystemInfo = SystemInfo {
             "1.0",
             "upper and lower mass: one number for both, or a list",
         ),
-        Key::new("lengths", "1.0", "upper and lower length, or one for both"),
+        Key::new(
+            "lengths",
+            "1.0",
+            "upper and lower length: one number for both, or a list",
+        ),
         Key::new("gravity", "1.0", "g"),
         q0("[1.0, -0.4]"),
         p0("[0.5, 0.2]"),

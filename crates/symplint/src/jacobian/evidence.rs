@@ -163,7 +163,7 @@ pub struct VolumeEvidence {
 /// An entry is significant if it is larger than noise makes it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BlockDefects {
-    /// The largest significant entry of two positions, of a position and a momentum, and of two momenta; 0 if there is none.
+    /// The largest significant entry of two positions, of a position and a momentum, and of two momenta; 0 without a significant one.
     pub sizes: [f64; 3],
     /// What no entry of these blocks exceeds, its uncertainty included.
     pub bounds: [f64; 3],

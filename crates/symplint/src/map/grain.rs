@@ -160,7 +160,7 @@ impl Grain {
         (0..dof).map(of_dof).sum::<f64>() / (samples.max(1) as f64).sqrt()
     }
 
-    /// The largest effect on a loop integral of noise of this size of each coordinate: its mean need not be 0, as that of a
+    /// The largest effect on a loop integral of noise of this size of each coordinate: its mean need not be 0, as for a
     /// solver which stops at a tolerance.
     pub fn of_noise(&self, deviations: &[f64], coordinates: &Coordinates) -> f64 {
         let dof = self.dof();

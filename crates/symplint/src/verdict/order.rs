@@ -125,7 +125,7 @@ pub(super) fn smallest_steps_slope(evidence: &LoopEvidence) -> Option<f64> {
     }
 }
 
-/// The slope of the first loop that shows one; `None` if it is not that of an order or of a constant.
+/// The slope of the first loop that shows one; `None` if it fits neither an order nor a constant.
 pub(super) fn slope_of(loops: &[LoopEvidence]) -> Option<f64> {
     let mut contractible = loops.iter().filter(|found| !found.winds);
     let slope = contractible.find_map(smallest_steps_slope)?;
