@@ -6,7 +6,7 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use serde::Deserialize;
 use symplint::{Diagnosis, Ensemble};
-use symplint_report::figures::{measure_figures, sizes};
+use symplint_report::figures::figures;
 use symplint_report::page::{Page, Repeat};
 use symplint_report::provenance::{Provenance, Run};
 use symplint_report::report::{Report as JsonReport, read_evidence};
@@ -77,7 +77,7 @@ impl Report {
 
     /// Calls `write` with what a page of HTML shows.
     fn with_page<R>(&self, write: impl FnOnce(&Page<'_>) -> R) -> R {
-        let figures: Vec<(&'static str, String)> = sizes(&self.title, &self.diagnosis)
+        let figures: Vec<(&'static str, String)> = figures(&self.title, &self.diagnosis)
             .into_iter()
             // Without a figure the table says the same.
             .filter_map(|(name, figure)| Some((name, figure.to_svg().ok()?)))
@@ -195,34 +195,15 @@ impl Report {
         self.with_page(|page| page.to_html())
     }
 
-    /// Writes report.json, report.html, points.csv, config.toml and figures into a folder. `before` and `after` are a
-    /// loop before and after a step of size `h`.
-    #[pyo3(signature = (folder, before=None, after=None, h=None))]
-    fn save(
-        &self,
-        py: Python<'_>,
-        folder: PathBuf,
-        before: Option<(PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, f64>)>,
-        after: Option<(PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, f64>)>,
-        h: Option<f64>,
-    ) -> PyResult<()> {
-        let states = |arrays: Option<(PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, f64>)>| {
-            (arrays.map(|(q, p)| arrays::ensemble(py, &q, &p))).transpose()
-        };
-        let (before, after) = (states(before)?, states(after)?);
-        let loops = before.zip(after);
-        py.detach(|| self.write(&folder, loops.as_ref(), h))
+    /// Writes report.json, report.html, points.csv, config.toml and figures into a folder.
+    fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+        py.detach(|| self.write(&folder))
             .map_err(|error| other_error(py, &error))
     }
 }
 
 impl Report {
-    fn write(
-        &self,
-        folder: &std::path::Path,
-        loops: Option<&(Ensemble, Ensemble)>,
-        h: Option<f64>,
-    ) -> Result<(), String> {
+    fn write(&self, folder: &std::path::Path) -> Result<(), String> {
         let folder = RunFolder::create(folder).map_err(|error| error.to_string())?;
         let files = || {
             folder.write_config(&config_text(&self.config))?;
@@ -231,13 +212,7 @@ impl Report {
             folder.write_csv("points.csv", &self.diagnosis.points())
         };
         files().map_err(|error| error.to_string())?;
-        let figures = match loops {
-            Some((before, after)) => {
-                measure_figures(&self.title, &self.diagnosis, before, after, h)
-            }
-            None => sizes(&self.title, &self.diagnosis),
-        };
-        for (name, figure) in figures {
+        for (name, figure) in figures(&self.title, &self.diagnosis) {
             (figure.save(&folder.figures(), name)).map_err(|error| error.to_string())?;
         }
         Ok(())

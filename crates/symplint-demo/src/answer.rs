@@ -3,7 +3,7 @@
 use serde::Serialize;
 use symplint::Ensemble;
 use symplint_config::{Config, ConfigError};
-use symplint_report::figures::{check_figures, drawn_step};
+use symplint_report::figures::figures;
 use symplint_report::report::to_json;
 use symplint_report::text::{Shown, diagnosis_text, headline};
 
@@ -66,12 +66,14 @@ fn diagnose(configuration: &str) -> Result<Answer, String> {
         all: false,
     };
     let text = diagnosis_text(&config.heading(), &diagnosis, shown);
-    let h = drawn_step(&diagnosis);
-    let (figures, _) = check_figures(&config.title(), &diagnosis, map, phase_loop, h, false);
-    let figures = figures.into_iter().filter_map(|(name, figure)| {
-        let svg = figure.to_svg().ok()?;
-        Some(Drawing { name, svg })
-    });
+    let picture = diagnosis.evidence.picture.as_ref();
+    let h = picture.and_then(|picture| picture.step_size).unwrap_or(1.0);
+    let figures = figures(&config.title(), &diagnosis)
+        .into_iter()
+        .filter_map(|(name, figure)| {
+            let svg = figure.to_svg().ok()?;
+            Some(Drawing { name, svg })
+        });
     Ok(Answer {
         kind: diagnosis.verdict.kind.to_string(),
         text: format!("{answer}{rest}\n{text}"),

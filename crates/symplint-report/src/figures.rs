@@ -1,8 +1,8 @@
 //! The figures of a diagnosis, of a trace and of loops from files.
 
-use symplint::evidence::{Point, Sector, Sweep};
+use symplint::evidence::{Evidence, LoopPicture, Point, Sector, Sweep};
 use symplint::trace::{Observable, TraceRecord};
-use symplint::{Diagnosis, Ensemble, Loop, TimeAdvance};
+use symplint::{Diagnosis, Ensemble};
 
 use crate::figure::{Axis, Figure, Panel, Scale, Series, Style};
 use crate::number::raised_power_of_two;
@@ -11,55 +11,22 @@ use crate::plot::{
     uncertainty_in_time,
 };
 
-/// The step size that [`check_figures`] draws the loop for: the largest one of a diagnosis. A map without a step size is called with 1.
-pub fn drawn_step(diagnosis: &Diagnosis) -> f64 {
-    let sizes = diagnosis.points().into_iter().map(|point| point.step_size);
-    let largest = sizes.filter(|h| h.is_finite()).reduce(f64::max);
-    largest.unwrap_or(1.0)
-}
-
-/// The figures of a diagnosis of `map` by `phase_loop` with their names, and a line on the one that was left
-/// out, if any. The loop is drawn after a step of size `h`, which takes 720 evaluations, unless `is_costly` states that they
-/// are too many.
-pub fn check_figures(
-    title: &str,
-    diagnosis: &Diagnosis,
-    map: &dyn TimeAdvance,
-    phase_loop: &dyn Loop,
-    h: f64,
-    is_costly: bool,
-) -> (Vec<(&'static str, Figure)>, Option<String>) {
-    let mut figures = sizes(title, diagnosis);
-    if diagnosis
-        .points()
-        .iter()
-        .any(|point| point.sweep == Sweep::Samples)
-    {
+/// The figures of a diagnosis with their names: defects against step sizes and numbers of samples, as far as there are any, and the loop
+/// before and after the largest step, if the evidence has its picture.
+pub fn figures(title: &str, diagnosis: &Diagnosis) -> Vec<(&'static str, Figure)> {
+    let points = diagnosis.points();
+    let mut figures = Vec::new();
+    if points.iter().any(|point| point.step_size.is_finite()) {
+        figures.push(("step_sizes", step_sizes(title, diagnosis)));
+    }
+    if points.iter().any(|point| point.sweep == Sweep::Samples) {
         figures.push(("samples", samples(title, diagnosis)));
     }
-    let drawn = match is_costly {
-        true => Err(format!("it would take {DRAWN_SAMPLES} more evaluations")),
-        false => advanced_loop(title, diagnosis, map, phase_loop, h),
-    };
-    let note = match drawn {
-        Ok(figure) => {
-            figures.push(("loop", figure));
-            None
-        }
-        Err(reason) => Some(format!("figures/loop is left out: {reason}")),
-    };
-    (figures, note)
+    if let Some(picture) = &diagnosis.evidence.picture {
+        figures.push(("loop", loop_figure(title, &diagnosis.evidence, picture)));
+    }
+    figures
 }
-
-/// The defects against step sizes, with the name of the figure, if there are step sizes.
-pub fn sizes(title: &str, diagnosis: &Diagnosis) -> Vec<(&'static str, Figure)> {
-    let stated = (diagnosis.points().iter()).any(|point| point.step_size.is_finite());
-    let figure = || ("step_sizes", step_sizes(title, diagnosis));
-    stated.then(figure).into_iter().collect()
-}
-
-/// Samples of the drawn loop.
-const DRAWN_SAMPLES: usize = 720;
 
 /// Colours of the given loop: of its defect, and of its defect with breaks closed.
 const GIVEN_COLORS: [usize; 2] = [0, 2];
@@ -164,58 +131,46 @@ fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
 
 /// Positions and momenta of one degree of freedom.
 fn plane(ensemble: &Ensemble, dof: usize) -> Vec<(f64, f64)> {
-    /// Most points that a figure shows: more only make files large.
-    const MAX_POINTS: usize = 4096;
     let (q, p) = (ensemble.q().row(dof), ensemble.p().row(dof));
-    let every = q.len().div_ceil(MAX_POINTS).max(1);
-    q.iter()
-        .copied()
-        .zip(p.iter().copied())
-        .step_by(every)
-        .collect()
+    q.iter().copied().zip(p.iter().copied()).collect()
 }
 
-/// The loop before and after the largest step, in the plane of the degree of freedom that jumps first, or else of the first.
+/// The loop before and after a step, in the plane of the degree of freedom that jumps first, or else of the first. What the evidence
+/// says of places on the loop is marked.
 ///
 /// Drawn as points, because a line would hide that a loop is broken.
-///
-/// # Errors
-/// Why it is not available, as a sentence. The verdict does not need it, so the run has not failed.
-fn advanced_loop(
-    title: &str,
-    diagnosis: &Diagnosis,
-    map: &dyn TimeAdvance,
-    phase_loop: &dyn Loop,
-    h: f64,
-) -> Result<Figure, String> {
-    /// Of the states before the step. A run that streams its samples must not need more memory for a
-    /// figure than for the verdict.
-    const MAX_BYTES: usize = 512 << 20;
-    let dof = map.dof();
-    if dof > MAX_BYTES / (16 * DRAWN_SAMPLES) {
-        return Err(format!(
-            "{DRAWN_SAMPLES} states of {dof} degrees of freedom take more than 512 MiB"
-        ));
-    }
-    let advanced = || -> Result<(Ensemble, Ensemble), symplint::Error> {
-        let before = Ensemble::sample(phase_loop, DRAWN_SAMPLES)?;
-        let mut after = before.clone();
-        after.advance(map, h)?;
-        Ok((before, after))
+fn loop_figure(title: &str, evidence: &Evidence, picture: &LoopPicture) -> Figure {
+    let dof = jumping_dof(evidence);
+    let label = picture.step_size.map_or("after the step".into(), |h| {
+        format!("after one step, h = {}", raised_power_of_two(h))
+    });
+    let coordinate = |name: &str| {
+        let label = match picture.before.dof() {
+            1 => name.to_owned(),
+            _ => format!("{name}{}", subscript(dof)),
+        };
+        axis(&label, Scale::Linear)
     };
-    let (before, after) =
-        advanced().map_err(|error| format!("of its {DRAWN_SAMPLES} samples one fails; {error}"))?;
-    let plane_of = jumping_dof(diagnosis);
-    let mut figure = two_loops(title, &before, &after, plane_of, Some(h));
-    for panel in &mut figure.panels {
-        panel.series.extend(marks(diagnosis, &before, plane_of, h));
-    }
-    Ok(figure)
+    let mut drawn = vec![
+        series("before", plane(&picture.before, dof), Style::Closed, 0),
+        series(&label, plane(&picture.after, dof), Style::Points, 1),
+    ];
+    drawn.extend(marks(evidence, picture, dof));
+    Figure::new(
+        vec![Panel {
+            title: title.into(),
+            x: coordinate("q"),
+            y: coordinate("p"),
+            series: drawn,
+            equal_aspect: true,
+        }],
+        1,
+    )
 }
 
 /// The degree of freedom of the first break of the given loop; 0 without breaks.
-fn jumping_dof(diagnosis: &Diagnosis) -> usize {
-    let mut breaks = diagnosis.evidence.breaks.iter();
+fn jumping_dof(evidence: &Evidence) -> usize {
+    let mut breaks = evidence.breaks.iter();
     breaks
         .find(|at| at.loop_index == 0)
         .map_or(0, |at| at.found.dof)
@@ -224,14 +179,13 @@ fn jumping_dof(diagnosis: &Diagnosis) -> usize {
 /// A sector that makes this part of all changes is marked; the findings name it by the same limit. Conventional.
 const LARGE_SHARE: f64 = 0.4;
 
-/// The places on the given loop before the step that the evidence names: its breaks by a step of size `h`, and
-/// the sector that changes most if it stands out.
-fn marks(diagnosis: &Diagnosis, before: &Ensemble, dof: usize, h: f64) -> Vec<Series> {
-    let evidence = &diagnosis.evidence;
-    let points = plane(before, dof);
+/// The places on the given loop before the step that the evidence names: its breaks by this step, and the sector that
+/// changes most if it stands out.
+fn marks(evidence: &Evidence, picture: &LoopPicture, dof: usize) -> Vec<Series> {
+    let points = plane(&picture.before, dof);
     let sample = |s: f64| (s * points.len() as f64).round() as usize % points.len();
     let breaks: Vec<(f64, f64)> = (evidence.breaks.iter())
-        .filter(|at| at.loop_index == 0 && at.step_size.is_none_or(|size| size == h))
+        .filter(|at| at.loop_index == 0 && at.step_size == picture.step_size)
         .map(|at| points[sample(at.found.s)])
         .collect();
     let mut marks = Vec::new();
@@ -255,39 +209,6 @@ fn marks(diagnosis: &Diagnosis, before: &Ensemble, dof: usize, h: f64) -> Vec<Se
     marks
 }
 
-/// A loop before and after a step, in the plane of one degree of freedom.
-fn two_loops(
-    title: &str,
-    before: &Ensemble,
-    after: &Ensemble,
-    dof: usize,
-    h: Option<f64>,
-) -> Figure {
-    let label = h.map_or("after the step".into(), |h| {
-        format!("after one step, h = {}", raised_power_of_two(h))
-    });
-    let coordinate = |name: &str| {
-        let label = match before.dof() {
-            1 => name.to_owned(),
-            _ => format!("{name}{}", subscript(dof)),
-        };
-        axis(&label, Scale::Linear)
-    };
-    Figure::new(
-        vec![Panel {
-            title: title.into(),
-            x: coordinate("q"),
-            y: coordinate("p"),
-            series: vec![
-                series("before", plane(before, dof), Style::Closed, 0),
-                series(&label, plane(after, dof), Style::Points, 1),
-            ],
-            equal_aspect: true,
-        }],
-        1,
-    )
-}
-
 /// The digits of a number as an index.
 fn subscript(number: usize) -> String {
     let lower = |digit: char| match digit.to_digit(10) {
@@ -295,22 +216,6 @@ fn subscript(number: usize) -> String {
         None => digit,
     };
     number.to_string().chars().map(lower).collect()
-}
-
-/// The figures of loops from files with their names: defects against step sizes where they are stated, and
-/// the loop before and after the largest step, in the plane of the degree of freedom that jumps
-/// first, if any does.
-pub fn measure_figures(
-    title: &str,
-    diagnosis: &Diagnosis,
-    before: &Ensemble,
-    after: &Ensemble,
-    h: Option<f64>,
-) -> Vec<(&'static str, Figure)> {
-    let mut figures = sizes(title, diagnosis);
-    let dof = jumping_dof(diagnosis);
-    figures.push(("loop", two_loops(title, before, after, dof, h)));
-    figures
 }
 
 /// The figures of a trace with their names. `energy` is that of the system, if it has one; `step_size` is the
@@ -391,6 +296,13 @@ mod tests {
         assert_eq!(figure.panels[0].title, diagnosis.verdict.headline());
     }
 
+    fn drawn(title: &str, diagnosis: &Diagnosis) -> Figure {
+        let picture = diagnosis.evidence.picture.as_ref();
+        let picture = picture.expect("samples stay in memory");
+        assert_eq!(picture.step_size, Some(0.5));
+        loop_figure(title, &diagnosis.evidence, picture)
+    }
+
     #[test]
     fn breaks_are_marked_on_the_loop_before_the_step() {
         let step = PerSample::new(1, |h, q, p| {
@@ -399,7 +311,7 @@ mod tests {
         });
         let circle = Circle::new(vec![0.1], vec![0.3], 1.0).unwrap();
         let diagnosis = Diagnostic::halving(-1, -3).run(&step, &circle).unwrap();
-        let figure = advanced_loop("|q|", &diagnosis, &step, &circle, 0.5).unwrap();
+        let figure = drawn("|q|", &diagnosis);
         let series = &figure.panels[0].series;
         let torn = series.iter().find(|series| series.label == "torn here");
         let torn = &torn.expect("breaks are marked").points;
@@ -418,7 +330,7 @@ mod tests {
         });
         let circle = Circle::new(vec![0.0], vec![0.0], 1.0).unwrap();
         let diagnosis = Diagnostic::halving(-1, -3).run(&step, &circle).unwrap();
-        let figure = advanced_loop("leak", &diagnosis, &step, &circle, 0.5).unwrap();
+        let figure = drawn("leak", &diagnosis);
         let series = &figure.panels[0].series;
         let marked = (series.iter()).find(|series| series.label.starts_with("largest change"));
         let arc = &marked.expect("a sector stands out").points;

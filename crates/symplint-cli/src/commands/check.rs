@@ -4,7 +4,7 @@ use std::path::Path;
 
 use symplint::{Diagnosis, VerdictKind};
 use symplint_config::{Config, System};
-use symplint_report::figures::{check_figures, drawn_step};
+use symplint_report::figures::figures;
 use symplint_report::page::Repeat;
 use symplint_report::report::Report;
 use symplint_report::run_folder::PointLog;
@@ -150,21 +150,14 @@ fn write_report(
 ) -> Result<(), Failure> {
     output.folder.write_json("report.json", report)?;
     let title = config.title();
-    let (figures, note) = check_figures(
-        &title,
-        diagnosis,
-        &*config.map,
-        &*config.phase_loop,
-        drawn_step(diagnosis),
-        config.system.command.is_some(),
-    );
+    let figures = figures(&title, diagnosis);
     let again = go_on("check", &output.folder.path().join("config.toml"));
     let repeat = Repeat::Command(&again);
     output.write_page(&title, diagnosis, report, &figures, repeat)?;
     output.write_figures(figures, &[])?;
-    // On standard error: standard output may be JSON.
-    if let Some(note) = note {
-        tell(format!("note: {note}"));
+    if diagnosis.evidence.picture.is_none() {
+        // On standard error: standard output may be JSON.
+        tell("note: figures/loop is left out: no samples of the loop stayed in memory");
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use symplint::{Coordinates, Snapshot, measure as compare};
 use symplint_files::loop_file::{LoopFile, is_partner};
-use symplint_report::figures::measure_figures;
+use symplint_report::figures::figures;
 use symplint_report::page::Repeat;
 use symplint_report::provenance::Provenance;
 use symplint_report::report::Report;
@@ -71,14 +71,9 @@ pub fn measure(arguments: &MeasureArgs) -> Result<Status, Failure> {
         folder.write_config(&output.config)?;
         folder.write_json("report.json", &report)?;
         folder.write_csv("points.csv", &diagnosis.points())?;
-        let size = |snapshot: &Snapshot| snapshot.step_size.unwrap_or(0.0).abs();
-        let largest = (after.iter()).reduce(|a, b| if size(b) > size(a) { b } else { a });
-        if let Some(largest) = largest {
-            let (states, h) = (&largest.states, largest.step_size);
-            let figures = measure_figures(&title, &diagnosis, &before.states, states, h);
-            output.write_page(&title, &diagnosis, &report, &figures, Repeat::Files)?;
-            output.write_figures(figures, &[])?;
-        }
+        let figures = figures(&title, &diagnosis);
+        output.write_page(&title, &diagnosis, &report, &figures, Repeat::Files)?;
+        output.write_figures(figures, &[])?;
     }
     if run.shown.json {
         say(report.to_json())?;

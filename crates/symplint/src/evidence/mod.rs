@@ -8,6 +8,7 @@ mod checks;
 mod localisation;
 mod long_time;
 mod motion;
+mod picture;
 mod point;
 mod preserved_form;
 mod step;
@@ -20,6 +21,7 @@ pub use localisation::{Contraction, Localisation, Sector, SubstepDefect};
 pub use long_time::{EnergyInTime, LongTime};
 pub(crate) use motion::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, defect_of_order_4};
 pub use motion::{Motion, Reach};
+pub use picture::LoopPicture;
 pub use point::{BreakAt, Point, Sweep};
 pub(crate) use preserved_form::monomial;
 pub use preserved_form::{FormEntry, FormOnLoop, PreservedForm};
@@ -87,6 +89,10 @@ pub struct Evidence {
     /// Whether steps back undo a step.
     #[serde(default)]
     pub structure: Option<StructureEvidence>,
+    /// The given loop before and after the largest step, from samples that were measured. `None` if no samples stayed in memory, and
+    /// in evidence from a file.
+    #[serde(skip)]
+    pub picture: Option<LoopPicture>,
     /// Measurements that were asked for and not made.
     pub omissions: Vec<Omission>,
     /// Evaluations of the map.

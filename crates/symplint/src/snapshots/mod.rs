@@ -19,7 +19,8 @@ use rayon::prelude::*;
 use crate::breaks::{Break, rounding};
 use crate::error::Error;
 use crate::evidence::{
-    BreakAt, Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, Origin, StepEvidence, Survey,
+    BreakAt, Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, LoopPicture, Origin,
+    StepEvidence, Survey,
 };
 use crate::rules::RuleKind;
 use crate::signal::{Extent, nearest};
@@ -136,9 +137,13 @@ pub fn measure_snapshots(
         stated_roundoff: largest.filter(|&stated| stated > Snapshot::DOUBLE),
         ..Survey::default()
     };
+    let size = |snapshot: &&Snapshot| snapshot.step_size.unwrap_or(0.0).abs();
+    let largest = (after.iter()).reduce(|a, b| if size(&b) > size(&a) { b } else { a });
     Ok(Evidence {
         origin: Origin::Samples,
         survey,
+        picture: largest
+            .map(|largest| LoopPicture::of(largest.step_size, &before.states, &largest.states)),
         breaks: compared.iter().flat_map(breaks_at).collect(),
         loops: vec![given],
         ..Evidence::default()

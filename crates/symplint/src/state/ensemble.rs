@@ -12,7 +12,7 @@ use crate::state::{Rows, RowsMut};
 /// Positions and momenta are apart. Rows start a little further apart than they are
 /// long where their length is a multiple of a large power of two: rows at such
 /// distances compete for the same cache sets.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Ensemble {
     dof: usize,
     samples: usize,
@@ -114,6 +114,22 @@ impl Ensemble {
         }
         // Of multiples of 32 vector loops leave no rest on any processor.
         (BLOCK_VALUES / (2 * dof.max(1)) / 32 * 32).clamp(32, 1024)
+    }
+
+    /// Samples 0, k, 2k, … of this ensemble, with the smallest k that leaves `most` of them or fewer.
+    pub(crate) fn thinned(&self, most: usize) -> Ensemble {
+        let every = self.samples.div_ceil(most);
+        let mut thinned = Ensemble::zeros(self.dof, self.samples.div_ceil(every));
+        let block = thinned.block();
+        let pick = |rows: Rows<'_>, mut to: RowsMut<'_>| {
+            for i in 0..self.dof {
+                let picked = rows.row(i).iter().step_by(every);
+                (to.row_mut(i).iter_mut().zip(picked)).for_each(|(to, value)| *to = *value);
+            }
+        };
+        pick(self.q(), block.q);
+        pick(self.p(), block.p);
+        thinned
     }
 
     /// Puts sample k of `between` after sample k of this ensemble, for every k: twice the samples,

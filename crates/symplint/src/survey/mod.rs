@@ -10,7 +10,7 @@ pub(crate) use windings::wound;
 use crate::error::Error;
 use crate::evidence::{Motion, OutputPrecision};
 use crate::rules::Subject;
-use crate::state::{Coordinates, Ensemble, Rows, RowsMut};
+use crate::state::{Coordinates, Ensemble};
 use motion::Motions;
 use precision::Precision;
 
@@ -22,7 +22,7 @@ const FEW_SAMPLES: usize = 32;
 
 /// Surveys the map by samples of a loop that were advanced.
 pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> SampleSurvey {
-    let after_step = some_of(after);
+    let after_step = after.thinned(SAMPLES);
     let samples = after_step.samples();
     let every = after.samples().div_ceil(SAMPLES);
     let s: Vec<f64> = (0..samples)
@@ -51,22 +51,6 @@ pub(crate) fn of_few_samples(subject: Subject<'_>, h: f64) -> Result<SampleSurve
     Ok(look.seen(subject))
 }
 
-/// At most [`SAMPLES`] samples, evenly spread.
-fn some_of(ensemble: &Ensemble) -> Ensemble {
-    let every = ensemble.samples().div_ceil(SAMPLES);
-    let mut some = Ensemble::zeros(ensemble.dof(), ensemble.samples().div_ceil(every));
-    let block = some.block();
-    let pick = |rows: Rows<'_>, mut to: RowsMut<'_>| {
-        for i in 0..ensemble.dof() {
-            let picked = rows.row(i).iter().step_by(every);
-            (to.row_mut(i).iter_mut().zip(picked)).for_each(|(to, value)| *to = *value);
-        }
-    };
-    pick(ensemble.q(), block.q);
-    pick(ensemble.p(), block.p);
-    some
-}
-
 /// How a step moved loops that another code advanced.
 pub(crate) fn motion(
     before: &Ensemble,
@@ -74,7 +58,8 @@ pub(crate) fn motion(
     coordinates: &Coordinates,
 ) -> Option<Motion> {
     let mut motions = Motions::new(before.dof());
-    motions.add(&some_of(before), &some_of(after), coordinates);
+    let [before, after] = [before, after].map(|ensemble| ensemble.thinned(SAMPLES));
+    motions.add(&before, &after, coordinates);
     motions.value(coordinates)
 }
 

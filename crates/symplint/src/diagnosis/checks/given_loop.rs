@@ -6,7 +6,7 @@ use crate::diagnosis::resolve::Resolution;
 use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::{Event, SampleCount};
 use crate::error::Error;
-use crate::evidence::{Check, LoopEvidence, LoopKind, Omission, Sweep, Why};
+use crate::evidence::{Check, LoopEvidence, LoopKind, LoopPicture, Omission, Sweep, Why};
 use crate::map::LoopSize;
 use crate::rules::{RuleKind, Subject};
 use crate::state::Ensemble;
@@ -18,8 +18,11 @@ impl Runner<'_> {
         let diagnostic = self.diagnostic;
         let left = self.left();
         let (budget, tight) = (self.count.budget(), self.plan.is_tight());
-        let mut seen = None;
-        let mut look = |after: &Ensemble| seen = Some(survey::of_samples(subject, after));
+        let (mut seen, mut shown) = (None, None);
+        let mut look = |after: &Ensemble| {
+            seen = Some(survey::of_samples(subject, after));
+            shown = Some((LoopPicture::shown(after), after.samples()));
+        };
         let with = Resolution {
             h: self.largest,
             plan: &self.plan,
@@ -34,6 +37,13 @@ impl Runner<'_> {
             Some(seen) => seen,
             None => survey::of_few_samples(subject, self.largest)?,
         };
+        self.evidence.picture = shown.map(|shown| {
+            LoopPicture::of_loop(
+                subject.evaluator.stated(self.largest),
+                subject.phase_loop,
+                shown,
+            )
+        });
         self.evidence.survey.one_state = seen.one_state;
         let of_grain = || survey::of_grain(&*subject.evaluator.grain()?);
         self.evidence.survey.output_precision = seen.output_precision.or_else(of_grain);

@@ -1,0 +1,58 @@
+//! The given loop before and after a step, for a figure.
+
+use crate::loops::Loop;
+use crate::state::Ensemble;
+
+/// Samples of the given loop before and after one step.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct LoopPicture {
+    /// The size of the step, if it is known.
+    pub step_size: Option<f64>,
+    /// The samples before the step.
+    pub before: Ensemble,
+    /// The same samples after it.
+    pub after: Ensemble,
+}
+
+impl LoopPicture {
+    /// Samples at most: more only make files large.
+    const MOST_SAMPLES: usize = 1024;
+
+    /// Memory of the picture at most, unless it is of one sample.
+    const MOST_BYTES: usize = 64 << 20;
+
+    /// Of an ensemble before a step and the same one after it.
+    pub(crate) fn of(step_size: Option<f64>, before: &Ensemble, after: &Ensemble) -> Self {
+        LoopPicture {
+            step_size,
+            before: Self::shown(before),
+            after: Self::shown(after),
+        }
+    }
+
+    /// The samples of an ensemble that a picture shows.
+    pub(crate) fn shown(ensemble: &Ensemble) -> Ensemble {
+        let affordable = Self::MOST_BYTES / (32 * ensemble.dof().max(1));
+        ensemble.thinned(affordable.clamp(1, Self::MOST_SAMPLES))
+    }
+
+    /// Of the samples `after` a step that are [`shown`](Self::shown), of this number of equispaced ones of a loop.
+    pub(crate) fn of_loop(
+        step_size: Option<f64>,
+        phase_loop: &dyn Loop,
+        (after, samples): (Ensemble, usize),
+    ) -> Self {
+        let every = samples.div_ceil(after.samples());
+        let s: Vec<f64> = (0..after.samples())
+            .map(|k| (k * every) as f64 / samples as f64)
+            .collect();
+        let mut before = Ensemble::zeros(after.dof(), after.samples());
+        phase_loop.sample(&s, &mut before.block());
+        LoopPicture {
+            step_size,
+            before,
+            after,
+        }
+    }
+}
