@@ -7,11 +7,12 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
+use symplint::map::Difference;
 use symplint::{Block, Ensemble, StepFailure};
 
 use crate::memory::{Loan, lend};
@@ -34,6 +35,8 @@ pub enum Call {
     Energy(Loan<Answer>),
     /// These states will have to be advanced.
     Begin(f64, Ensemble),
+    /// Write how results of workers for the same states differ, if they do. The block has no meaning.
+    Compare(Arc<OnceLock<Difference>>, Loan<Answer>),
     /// Put the states of a block on the constraint manifold.
     Project(Loan<Answer>),
     /// Write the states of a loop at these parameters.

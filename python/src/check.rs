@@ -10,9 +10,7 @@ use pyo3::types::PyDict;
 use symplint::diagnosis::Event;
 use symplint::map::{ProjectedLoop, balanced_radii};
 use symplint::request::{RequestError, SETTINGS, Value};
-use symplint::{
-    Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Phases, Rule, TimeAdvance, judge,
-};
+use symplint::{Circle, Coordinates, Diagnostic, Ensemble, Error, Loop, Phases, Rule, TimeAdvance};
 use symplint_run::Journal;
 
 use crate::arrays::{self, Arrays};
@@ -358,25 +356,17 @@ pub fn check(
         })
     };
     let Ran {
-        result: mut diagnosis,
+        result: diagnosis,
         threads,
         functions,
     } = subject.run(py, (progress, journal), step_size, measure)?;
     let failed = (failed.get()).map(|error| functions.exception(py, error));
     let replayed = (functions.journal.as_ref()).map_or(0, |journal| journal.replayed());
-    let found = functions.workers.as_ref().map(|workers| workers.found(py));
-    let found = found.transpose()?.unwrap_or_default();
-    if let Some(difference) = found.difference {
-        // The difference between workers is noise: the larger one counts.
-        let scatter = &mut diagnosis.evidence.survey.scatter;
-        if scatter.is_none_or(|of| !of.is_random() && difference.size > of.size) {
-            *scatter = Some(difference);
-            diagnosis.verdict = judge(&diagnosis.evidence);
-        }
-    }
+    let workers = functions.workers.as_ref().map(|workers| workers.found(py));
+    let (count, _) = workers.transpose()?.unwrap_or_default();
     let report = (Report::new(diagnosis, title, config, &run, threads))
         .replaying(replayed)
-        .by_workers(found.count);
+        .by_workers(count);
     Ok((report, failed))
 }
 

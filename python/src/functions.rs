@@ -184,6 +184,14 @@ impl Functions {
                 loan.answer(Ok(found.map_err(|failed| failed.error)?));
                 Ok(())
             }
+            Call::Compare(difference, loan) => {
+                let found = self.workers.as_ref().map(|workers| workers.found(py));
+                if let Some((_, Some(found))) = found.transpose()? {
+                    difference.get_or_init(|| found);
+                }
+                loan.answer(Ok(true));
+                Ok(())
+            }
             Call::Loop(s, mut loan) => {
                 let sampled = self.sample(py, s, &mut loan.block());
                 let sampled = (sampled.map(|()| true)).map_err(|error| Failed { sample: 0, error });

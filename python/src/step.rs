@@ -1,6 +1,10 @@
 //! Functions of the user as maps, manifolds and loops: what the threads of a diagnosis see of them.
 
-use symplint::map::{Capabilities, Constraint, Parts, Prefetch, Substeps, TangentMap};
+use std::sync::Arc;
+
+use symplint::map::{
+    Capabilities, Constraint, Difference, Differences, Parts, Prefetch, Substeps, TangentMap,
+};
 use symplint::state::Rows;
 use symplint::{Block, Coordinates, Ensemble, Loop, StepFailure, TimeAdvance};
 
@@ -80,6 +84,9 @@ impl TimeAdvance for PythonMap<'_> {
                 }) as _
             }),
             prefetch: self.has_workers.then_some(self),
+            difference: self
+                .has_workers
+                .then(|| Box::new(|| self.difference()) as Differences<'_>),
             is_stopped: Some(Box::new(|| self.caller.is_stopped())),
             ..Capabilities::of_coordinates(self.coordinates.clone())
         }
@@ -119,6 +126,16 @@ impl PythonMap<'_> {
             // The diagnosis stops.
             Err(_) => energies.fill(f64::NAN),
         }
+    }
+}
+
+impl PythonMap<'_> {
+    /// The largest difference between results of workers.
+    fn difference(&self) -> Option<Difference> {
+        let (found, mut any) = (Arc::default(), Ensemble::zeros(1, 1));
+        let compare = |loan| Call::Compare(Arc::clone(&found), loan);
+        call(self.caller, &mut any.block(), compare).ok()?;
+        found.get().copied()
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use symplint::Ensemble;
-use symplint::evidence::{Scatter, ScatterKind};
+use symplint::map::Difference;
 use symplint_run::{Call, Journal, JournalError};
 
 use crate::arrays::{self, Arrays};
@@ -100,15 +100,6 @@ pub fn open(py: Python<'_>, path: &Path, of: &str) -> PyResult<Arc<Journal>> {
     Ok(Arc::new(journal))
 }
 
-/// Records about workers.
-#[derive(Default)]
-pub struct Found {
-    /// Processes that took steps.
-    pub count: usize,
-    /// The largest difference between their results for the same states, if they differ.
-    pub difference: Option<Scatter>,
-}
-
 /// The workers of a check: the object of Python that hands states to them.
 pub struct Workers(Py<PyAny>);
 
@@ -133,20 +124,17 @@ impl Workers {
         Ok(())
     }
 
-    /// Facts about them.
-    pub fn found(&self, py: Python<'_>) -> PyResult<Found> {
+    /// The number of processes that took steps, and the largest difference between their results for the same states, if they
+    /// differ.
+    pub fn found(&self, py: Python<'_>) -> PyResult<(usize, Option<Difference>)> {
         let found = self.0.bind(py).call_method0("found")?;
-        type Difference = Option<(char, usize, f64)>;
-        let (count, difference): (usize, Difference) = found.extract()?;
-        Ok(Found {
-            count,
-            difference: difference.map(|(coordinate, dof, size)| Scatter {
-                coordinate,
-                dof,
-                size,
-                kind: ScatterKind::Noise,
-            }),
-        })
+        let (count, difference): (usize, Option<(char, usize, f64)>) = found.extract()?;
+        let difference = difference.map(|(coordinate, dof, size)| Difference {
+            coordinate,
+            dof,
+            size,
+        });
+        Ok((count, difference))
     }
 
     /// The advanced states, or the sample at which the step failed and why.

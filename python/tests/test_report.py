@@ -68,10 +68,8 @@ def test_folders(report, tmp_path):
     folder = tmp_path / "run"
     report.save(folder)
     names = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
-    assert names == [
-        ".lock", "config.toml", "figures/step_sizes.pdf", "figures/step_sizes.png", "figures/step_sizes.svg", "points.csv",
-        "report.html", "report.json",
-    ]  # fmt: skip
+    figures = [f"figures/{name}.{kind}" for name in ("loop", "step_sizes") for kind in ("pdf", "png", "svg")]
+    assert names == [".lock", "config.toml", *figures, "points.csv", "report.html", "report.json"]
     assert json.loads((folder / "report.json").read_text()) == report.to_dict()
     rows = (folder / "points.csv").read_text().splitlines()
     assert len(rows) == 1 + len(report.points)

@@ -4,39 +4,57 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// A test of a map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum Check {
+/// The checks, a row for each: what it tests, its name, and what a report says if it is left out.
+macro_rules! checks {
+    ($($(#[$doc:meta])* $name:ident: $left_out:literal,)*) => {
+        /// A test of a map.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        #[non_exhaustive]
+        pub enum Check {
+            $($(#[$doc])* $name,)*
+        }
+
+        impl Check {
+            /// What a report says if it is left out.
+            pub(crate) fn left_out(self) -> &'static str {
+                match self {
+                    $(Check::$name => $left_out,)*
+                }
+            }
+        }
+    };
+}
+
+checks! {
     /// Radii of the loop that fit the map, if they are not given.
-    Radii,
+    Radii: "Radii were not looked for",
     /// Step sizes that test something, if they are not given.
-    StepSizes,
+    StepSizes: "Step sizes were not looked for",
     /// Whether results depend on earlier calls, on other rows of a batch or on random numbers; their precision.
-    Memory,
+    Memory: "Whether results depend on earlier calls was not tested",
     /// The given loop at all step sizes.
-    GivenLoop,
+    GivenLoop: "The given loop was left out",
     /// The given loop with different numbers of samples.
-    SampleSweep,
+    SampleSweep: "The sweep over numbers of samples was cut short",
     /// Random loops, and larger steps or loops if all others move little.
-    RandomLoops,
+    RandomLoops: "Random loops were left out",
     /// The Jacobian of a step.
-    Jacobian,
+    Jacobian: "The Jacobian was left out",
     /// Whether the map projects onto a constraint manifold, or its form is degenerate.
-    Constraint,
+    Constraint: "Whether the map projects onto a constraint manifold was not tested",
     /// Whether a loop whose integral changes can be contracted in the domain of the map.
-    Contraction,
+    Contraction: "Whether the loop can be contracted in the domain of the map was not tested",
     /// Which substep and which part of a loop has a defect.
-    Localisation,
+    Localisation: "Where the defect comes from was not found",
     /// The given loop in many steps.
-    ManySteps,
+    ManySteps: "Many steps were left out",
     /// Why loops break: both sides of a break.
-    BreakSides,
+    BreakSides: "Both sides of a break were not looked at",
     /// Whether a map whose loops change preserves another constant two-form.
-    PreservedForm,
+    PreservedForm: "Whether another form is preserved was not tested",
     /// Whether steps back undo a step.
-    Structure,
+    Structure: "Whether steps back undo a step was not tested",
 }
 
 /// A check that was left out, or a part of one.

@@ -69,6 +69,9 @@ pub struct Capabilities<'a> {
     pub energy: Option<Energy<'a>>,
     /// How the map gets states before they are requested, if it makes use of that.
     pub prefetch: Option<&'a dyn Prefetch>,
+    /// How results for one state differ, as far as the map knows without a further evaluation: one whose steps several workers take, say. It
+    /// is asked at the end of a diagnosis.
+    pub difference: Option<Differences<'a>>,
     /// Whether the user asked to end the diagnosis: it then ends with [`Error::Stopped`] before the next evaluation. Unlike this, a
     /// [`StepFailure`] leaves out the loop or the step size where it happened.
     pub is_stopped: Option<Question<'a>>,
@@ -77,6 +80,20 @@ pub struct Capabilities<'a> {
 /// A function of states that writes one number for each of them: an [`Observable`](crate::trace::Observable) that is owned. Positions
 /// and momenta have d rows and one column for each state, in the coordinates that the map advances.
 pub type Energy<'a> = Box<dyn Fn(Rows<'_>, Rows<'_>, &mut [f64]) + Send + Sync + 'a>;
+
+/// The largest difference between results for one state; `None` if they are equal.
+pub type Differences<'a> = Box<dyn Fn() -> Option<Difference> + Send + Sync + 'a>;
+
+/// A difference between two results for one state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difference {
+    /// `'q'` or `'p'`: the coordinate that differs most.
+    pub coordinate: char,
+    /// Its degree of freedom.
+    pub dof: usize,
+    /// The size of the difference.
+    pub size: f64,
+}
 
 /// A question whose answer is yes or no.
 pub type Question<'a> = Box<dyn Fn() -> bool + Send + Sync + 'a>;
@@ -97,6 +114,7 @@ impl Capabilities<'_> {
             constraint: None,
             energy: None,
             prefetch: None,
+            difference: None,
             is_stopped: None,
         }
     }

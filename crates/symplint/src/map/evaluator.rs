@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::witnesses::Recorder;
 use super::{
-    Before, Capabilities, Constraint, Energy, Grain, Parts, ProjectedLoop, StepFailure,
+    Before, Capabilities, Constraint, Difference, Energy, Grain, Parts, ProjectedLoop, StepFailure,
     TimeAdvance, Witnesses,
 };
 use crate::error::{Error, StateAt};
@@ -288,6 +288,11 @@ impl<'a> Evaluator<'a> {
     /// Samples that the map is given at once, at most.
     fn block_width(&self) -> usize {
         self.capabilities.block_width.max(1)
+    }
+
+    /// The largest difference between results for one state that the map knows.
+    pub fn difference(&self) -> Option<Difference> {
+        self.capabilities.difference.as_ref()?()
     }
 
     /// Whether [`prefetch`](Self::prefetch) does anything.

@@ -198,6 +198,7 @@ impl<M: TimeAdvance, F: OneForm> TimeAdvance for NonCanonical<M, F> {
             block_width: of_map.block_width,
             substeps: of_map.substeps.map(|_| self as &dyn Substeps),
             constraint: Some(self),
+            difference: of_map.difference,
             is_stopped: of_map.is_stopped,
             ..Capabilities::plain(self.dof())
         }

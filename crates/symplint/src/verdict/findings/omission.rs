@@ -23,26 +23,7 @@ impl Display for Omission {
                 "The budget was spent before {missing} {what}{plural}{of} could be tried."
             );
         }
-        let left_out = match self.check {
-            Check::Radii => "Radii were not looked for",
-            Check::StepSizes => "Step sizes were not looked for",
-            Check::Memory => "Whether results depend on earlier calls was not tested",
-            Check::GivenLoop => "The given loop was left out",
-            Check::SampleSweep => "The sweep over numbers of samples was cut short",
-            Check::RandomLoops => "Random loops were left out",
-            Check::Jacobian => "The Jacobian was left out",
-            Check::Constraint => {
-                "Whether the map projects onto a constraint manifold was not tested"
-            }
-            Check::Contraction => {
-                "Whether the loop can be contracted in the domain of the map was not tested"
-            }
-            Check::Localisation => "Where the defect comes from was not found",
-            Check::ManySteps => "Many steps were left out",
-            Check::BreakSides => "Both sides of a break were not looked at",
-            Check::PreservedForm => "Whether another form is preserved was not tested",
-            Check::Structure => "Whether steps back undo a step was not tested",
-        };
+        let left_out = self.check.left_out();
         match &self.why {
             Why::Budget { .. } => write!(f, "{left_out}: the budget was spent."),
             Why::Unresolved => {

@@ -15,8 +15,8 @@ pub(super) use purity::{Noise, check_again};
 use super::{GivenLoop, Runner};
 use crate::breaks::Break;
 use crate::error::Error;
-use crate::evidence::BreakAt;
-use crate::map::Evaluator;
+use crate::evidence::{BreakAt, Scatter, ScatterKind};
+use crate::map::{Difference, Evaluator};
 use crate::rules::Subject;
 use ignored_step_size::ignores_step_size;
 use inner_precision::rounding_inside;
@@ -81,9 +81,29 @@ impl Runner<'_> {
         self.count.reserve(0);
         let noise = check_again(evaluator, false, self.noise.clone())?;
         self.note_noise(evaluator, noise);
+        self.note_difference(evaluator);
         let sizes: Vec<f64> = self.sizes().collect();
         self.evidence.survey.ignores_step_size = ignores_step_size(evaluator, &sizes)?;
         Ok(())
+    }
+
+    /// Keeps the difference between results for one state that the map knows, if it is the larger one.
+    fn note_difference(&mut self, evaluator: &Evaluator<'_>) {
+        let scatter = &mut self.evidence.survey.scatter;
+        if let Some(Difference {
+            coordinate,
+            dof,
+            size,
+        }) = evaluator.difference()
+            && scatter.is_none_or(|of| !of.is_random() && size > of.size)
+        {
+            *scatter = Some(Scatter {
+                coordinate,
+                dof,
+                size,
+                kind: ScatterKind::Noise,
+            });
+        }
     }
 
     /// Checks that no loop needs a period that is not one of the map: a given loop that winds, or a loop that breaks in periodic
