@@ -31,15 +31,20 @@ impl Barycentric {
 
     /// The polynomial through some values, at `x`.
     pub fn evaluate(&self, values: &[f64], x: f64) -> f64 {
-        let (mut above, mut below) = (0.0, 0.0);
-        for ((node, weight), value) in self.nodes.iter().zip(&self.weights).zip(values) {
-            if x == *node {
-                return *value;
-            }
-            above += weight * value / (x - node);
-            below += weight / (x - node);
+        self.basis(x).iter().zip(values).map(|(w, v)| w * v).sum()
+    }
+
+    /// The weights of the values at the nodes in the value of the polynomial at `x`.
+    pub fn basis(&self, x: f64) -> Vec<f64> {
+        if self.nodes.contains(&x) {
+            let at = |node: &f64| if *node == x { 1.0 } else { 0.0 };
+            return self.nodes.iter().map(at).collect();
         }
-        above / below
+        let parts = self.nodes.iter().zip(&self.weights);
+        let mut parts: Vec<f64> = parts.map(|(node, weight)| weight / (x - node)).collect();
+        let sum: f64 = parts.iter().sum();
+        parts.iter_mut().for_each(|part| *part /= sum);
+        parts
     }
 }
 

@@ -11,7 +11,6 @@ use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::Evaluator;
 use crate::state::Ensemble;
-use crate::state::coordinate;
 
 /// One step of a map, and the curves that are sent through it.
 pub(super) struct Curves<'a> {
@@ -202,14 +201,31 @@ impl Curves<'_> {
             );
         }
         stages.push(states);
-        let width = 2 * self.dof();
-        let image = |sample: usize| PointImage {
-            states: (stages.iter())
-                .flat_map(|states| (0..width).map(move |c| coordinate(states, c)[sample]))
-                .collect(),
+        Ok(point_images(&stages))
+    }
+}
+
+/// The images of all samples, from the ensembles before each substep and after the last.
+fn point_images(stages: &[Ensemble]) -> Vec<PointImage> {
+    /// Samples that are taken out of the rows together: those of one cache line.
+    const TOGETHER: usize = 8;
+    let (dof, samples) = (stages[0].dof(), stages[0].samples());
+    let width = 2 * dof;
+    let images = |first: usize| {
+        let columns = first..(first + TOGETHER).min(samples);
+        let mut states = vec![Vec::with_capacity(stages.len() * width); columns.len()];
+        for rows in stages.iter().flat_map(|stage| [stage.q(), stage.p()]) {
+            for i in 0..dof {
+                let row = &rows.row(i)[columns.clone()];
+                (states.iter_mut().zip(row)).for_each(|(state, value)| state.push(*value));
+            }
+        }
+        states.into_iter().map(move |states: Vec<f64>| PointImage {
+            states: states.into(),
             width,
             start: 0,
-        };
-        Ok((0..points.len()).into_par_iter().map(image).collect())
-    }
+        })
+    };
+    let firsts = (0..samples).into_par_iter().step_by(TOGETHER);
+    firsts.flat_map_iter(images).collect()
 }

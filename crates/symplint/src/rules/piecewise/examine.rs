@@ -62,6 +62,44 @@ pub(super) struct View<'a> {
     pub fits: Vec<Fit>,
 }
 
+/// The states of one stage at all points of a piece that are known.
+pub(super) struct StageStates<'a> {
+    coordinates: &'a Coordinates,
+    points: [Option<&'a [f64]>; POINTS],
+    /// The nodes after the checks: a check lies between two nodes.
+    after: [usize; CHECKS.len()],
+}
+
+impl<'a> StageStates<'a> {
+    fn new(piece: &'a Piece, coordinates: &'a Coordinates, stage: usize) -> Self {
+        let points = std::array::from_fn(|k| Some(piece.images[k].as_ref()?.stage(stage)));
+        let is_after = |j: &usize, x: f64| LOBATTO.nodes[*j] > x && piece.images[*j].is_some();
+        let after = CHECKS.map(|x| (0..NODES).find(|j| is_after(j, x)).unwrap_or(DEGREE));
+        StageStates {
+            coordinates,
+            points,
+            after,
+        }
+    }
+
+    /// A coordinate, unwrapped.
+    pub fn values(&self, c: usize) -> [f64; POINTS] {
+        let mut values = [0.0; POINTS];
+        let period = period(self.coordinates, c);
+        let mut last = None;
+        for (value, state) in values.iter_mut().zip(&self.points[..NODES]) {
+            let Some(state) = state else { continue };
+            *value = last.map_or(state[c], |last| last + nearest(state[c] - last, period));
+            last = Some(*value);
+        }
+        for (k, after) in (NODES..).zip(self.after) {
+            let state = self.points[k].expect("checks were evaluated");
+            values[k] = values[after] + nearest(state[c] - values[after], period);
+        }
+        values
+    }
+}
+
 impl<'a> View<'a> {
     pub fn new(
         piece: &'a Piece,
@@ -76,9 +114,9 @@ impl<'a> View<'a> {
             samples,
             fits: Vec::new(),
         };
-        let last = piece.image(0).stages() - 1;
+        let last = view.stage(piece.image(0).stages() - 1);
         view.fits = (0..2 * coordinates.dof())
-            .map(|c| view.fit(&view.values(last, c)))
+            .map(|c| view.fit(&last.values(c)))
             .collect();
         view
     }
@@ -94,26 +132,9 @@ impl<'a> View<'a> {
         }
     }
 
-    /// A coordinate of a stage at all points that are known, unwrapped.
-    pub fn values(&self, stage: usize, c: usize) -> [f64; POINTS] {
-        let mut values = [0.0; POINTS];
-        let period = period(self.coordinates, c);
-        let mut last = None;
-        for (value, image) in values.iter_mut().zip(&self.piece.images[..NODES]) {
-            let Some(image) = image else { continue };
-            let here = image.stage(stage)[c];
-            *value = last.map_or(here, |last| last + nearest(here - last, period));
-            last = Some(*value);
-        }
-        for (k, x) in (NODES..).zip(CHECKS) {
-            // A check lies between two nodes.
-            let after = (0..NODES)
-                .find(|&j| LOBATTO.nodes[j] > x && self.piece.images[j].is_some())
-                .unwrap_or(DEGREE);
-            let here = self.piece.image(k).stage(stage)[c];
-            values[k] = values[after] + nearest(here - values[after], period);
-        }
-        values
+    /// The states of a stage.
+    pub fn stage(&self, stage: usize) -> StageStates<'a> {
+        StageStates::new(self.piece, self.coordinates, stage)
     }
 
     /// Looks at the piece.
@@ -183,8 +204,9 @@ impl<'a> View<'a> {
             let (q, p) = (&self.fits[i], &self.fits[dof + i]);
             let weight = self.coordinates.weight(i);
             let reference = self.scales.p_reference[i];
-            let from_start = q.values.map(|v| v - q.values[0]);
-            let from_reference = p.values.map(|v| v - reference);
+            let [mut from_start, mut from_reference] = [q.values, p.values];
+            from_start.iter_mut().for_each(|v| *v -= q.values[0]);
+            from_reference.iter_mut().for_each(|v| *v -= reference);
             smooth
                 .areas
                 .push(weight * LOBATTO.area(&from_reference, &from_start));
@@ -221,9 +243,13 @@ impl<'a> View<'a> {
             return TurningPoints::default();
         }
         let mut points = Vec::new();
-        let stages = self.piece.image(0).stages();
+        let stages: Vec<StageStates<'_>> = (0..self.piece.image(0).stages())
+            .map(|k| self.stage(k))
+            .collect();
+        let mut values: Vec<[f64; POINTS]> = Vec::with_capacity(1 + stages.len());
         for i in 0..self.dof() {
-            let mut values: Vec<[f64; POINTS]> = (0..stages).map(|k| self.values(k, i)).collect();
+            values.clear();
+            values.extend(stages.iter().map(|states| states.values(i)));
             // A step that is one whole evaluates its force somewhere in between.
             if let [before, after] = &values[..] {
                 let middle = std::array::from_fn(|k| 0.5 * (before[k] + after[k]));

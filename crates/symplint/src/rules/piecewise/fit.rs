@@ -1,7 +1,13 @@
 //! The interpolant of a coordinate on a piece, and how far off it may be.
 
+use std::sync::LazyLock;
+
+use multiversion::multiversion;
+
 use super::limits::{CHECKS, DECAYS, DEGREES, FULL, OF_A_CHECK, OF_A_JUMP, SMOOTH};
-use super::lobatto::{DEGREE, LOBATTO, NODES, Values, derivative, evaluate, tail_squared};
+use super::lobatto::{
+    DEGREE, LANES, LOBATTO, NODES, Values, derivative, evaluate, evaluate_each, tail_squared,
+};
 use crate::signal::Extent;
 
 /// States of a piece that are examined: nodes, then checks.
@@ -22,16 +28,15 @@ pub(super) struct Fit {
 impl Fit {
     /// Of values at the checks and at the nodes of a level.
     pub fn of(points: &[f64; POINTS], level: usize) -> Self {
-        let mut values: Values = points[..NODES].try_into().expect("nodes come first");
-        let coefficients = LOBATTO.coefficients(&values, level);
+        let mut values: Values = *points.first_chunk().expect("nodes come first");
+        let (coefficients, interpolated) = interpolate(&values, level);
         let stride = DEGREE / DEGREES[level];
         for j in (0..NODES).filter(|j| !j.is_multiple_of(stride)) {
-            values[j] = evaluate(&coefficients, LOBATTO.nodes[j]);
+            values[j] = interpolated[j];
         }
         let last = coefficients[DEGREES[level]].abs();
-        let misses = CHECKS.iter().zip(&points[NODES..]);
-        let misfit = misses.map(|(&x, value)| (evaluate(&coefficients, x) - value).abs());
-        let misfit = misfit.fold(0.0, f64::max);
+        let misses = (NODES..POINTS).map(|k| (interpolated[k] - points[k]).abs());
+        let misfit = misses.fold(0.0, f64::max);
         // The last coefficient and the checks can miss a jump 25 times their size; the tail as a whole does not.
         let tail = match level == FULL && !decays(&coefficients) {
             true => tail_squared(&coefficients).sqrt(),
@@ -67,6 +72,21 @@ impl Fit {
     }
 }
 
+/// All points of a piece, the first of [`LANES`] parameters.
+static PARAMETERS: LazyLock<[f64; LANES]> = LazyLock::new(|| {
+    let mut x = [0.0; LANES];
+    x[..NODES].copy_from_slice(&LOBATTO.nodes);
+    x[NODES..POINTS].copy_from_slice(&CHECKS);
+    x
+});
+
+/// The coefficients of the interpolant of the nodes of a level, and its values at all points.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn interpolate(values: &Values, level: usize) -> (Values, [f64; LANES]) {
+    let coefficients = LOBATTO.coefficients(values, level);
+    (coefficients, evaluate_each(&coefficients, &PARAMETERS))
+}
+
 /// Sums of squares of coefficients at the beginning and at the end of the tail.
 pub(super) fn ends_of_tail(coefficients: &Values) -> [f64; 2] {
     [SMOOTH..SMOOTH + 3, DEGREE - 2..DEGREE + 1].map(|range| {
@@ -85,8 +105,8 @@ fn decays(coefficients: &Values) -> bool {
 pub(super) fn turning_point(fit: &Fit) -> Option<f64> {
     let slopes = derivative(&fit.coefficients);
     let (mut low, mut high) = (-1.0, 1.0);
-    let rising = evaluate(&slopes, low) > 0.0;
-    if rising == (evaluate(&slopes, high) > 0.0) {
+    let [rising, to_rise] = evaluate_each(&slopes, &[low, high]).map(|slope| slope > 0.0);
+    if rising == to_rise {
         return None;
     }
     for _ in 0..40 {

@@ -21,8 +21,9 @@ impl View<'_> {
         }
         let (dof, stages) = (self.coordinates.dof(), self.piece.image(0).stages());
         for stage in (0..stages - 1).filter(|&stage| self.kicks(stage)) {
+            let states = self.stage(stage);
             for i in 0..dof {
-                let fit = self.fit(&self.values(stage, i));
+                let fit = self.fit(&states.values(i));
                 if fit.off > self.allowed(i, &fit) {
                     continue;
                 }

@@ -16,15 +16,20 @@ const TAIL: usize = NODES - SMOOTH;
 /// Values at the nodes, or coefficients of the Chebyshev polynomials T_0 … T_12.
 pub(super) type Values = [f64; NODES];
 
+/// The columns of a matrix that makes values of values, filled up with zeros to whole vector registers.
+type Columns = [[f64; LANES]; NODES];
+
+/// Numbers in these registers.
+pub(super) const LANES: usize = 16;
+
 /// Everything that depends on the degree alone.
 pub(super) struct Lobatto {
     /// −cos(πj/12), rising.
     pub nodes: Values,
-    /// For each level, rows: coefficients from values. Points that are not nodes of a level, and coefficients beyond its degree,
-    /// is 0.
-    transforms: [[Values; NODES]; DEGREES.len()],
+    /// For each level, coefficients from values: 0 for points that are not nodes of the level, and for coefficients beyond its degree.
+    transforms: [Columns; DEGREES.len()],
     /// ∫ P Q' = Σ p_j area_jk q_k for the interpolants of p and q.
-    area: [Values; NODES],
+    area: Columns,
     /// A break between nodes i and i + 1.
     pub gaps: [Gap; DEGREE],
 }
@@ -70,7 +75,7 @@ impl Lobatto {
         };
         let products: [Values; NODES] =
             std::array::from_fn(|j| std::array::from_fn(|k| product(j, k)));
-        let area = std::array::from_fn(|j| {
+        let area: [Values; NODES] = std::array::from_fn(|j| {
             std::array::from_fn(|k| {
                 let mut sum = 0.0;
                 for a in 0..NODES {
@@ -84,22 +89,40 @@ impl Lobatto {
         let gaps = std::array::from_fn(|i| Gap::new(i, &nodes, transform));
         Lobatto {
             nodes,
-            transforms,
-            area,
+            transforms: transforms.map(|rows| columns(&rows)),
+            area: columns(&area),
             gaps,
         }
     }
 
     /// Chebyshev coefficients of the interpolant of the nodes of a level.
+    #[inline(always)] // Into what is compiled for several processors.
     pub fn coefficients(&self, values: &Values, level: usize) -> Values {
-        std::array::from_fn(|k| dot(&self.transforms[level][k], values))
+        times(&self.transforms[level], values)
     }
 
     /// ∫ P dQ over the piece, whatever its length.
     pub fn area(&self, p: &Values, q: &Values) -> f64 {
-        let rows = self.area.iter().zip(p);
-        rows.map(|(row, p)| p * dot(row, q)).sum()
+        dot(p, &times(&self.area, q))
     }
+}
+
+/// The columns of a matrix from its rows.
+fn columns(rows: &[Values; NODES]) -> Columns {
+    let entry = |row: usize, column: usize| rows.get(row).map_or(0.0, |row| row[column]);
+    std::array::from_fn(|column| std::array::from_fn(|row| entry(row, column)))
+}
+
+/// A matrix times values, each entry summed in the order of the columns.
+#[inline(always)]
+fn times(columns: &Columns, values: &Values) -> Values {
+    let mut sums = [0.0; LANES];
+    for (column, value) in columns.iter().zip(values) {
+        for lane in 0..LANES {
+            sums[lane] += column[lane] * value;
+        }
+    }
+    *sums.first_chunk().expect("there are more lanes than nodes")
 }
 
 /// ∫ T_r over [−1, 1].
@@ -126,10 +149,15 @@ pub(super) fn evaluate(coefficients: &[f64], x: f64) -> f64 {
 pub(super) fn evaluate_each<const N: usize>(coefficients: &[f64], x: &[f64; N]) -> [f64; N] {
     let (mut current, mut next) = ([0.0; N], [0.0; N]);
     for &a in coefficients.iter().skip(1).rev() {
-        let above: [f64; N] = std::array::from_fn(|k| a + 2.0 * x[k] * current[k] - next[k]);
-        (current, next) = (above, current);
+        for k in 0..N {
+            let above = a + 2.0 * x[k] * current[k] - next[k];
+            (current[k], next[k]) = (above, current[k]);
+        }
     }
-    std::array::from_fn(|k| coefficients[0] + x[k] * current[k] - next[k])
+    for k in 0..N {
+        current[k] = coefficients[0] + x[k] * current[k] - next[k];
+    }
+    current
 }
 
 /// Coefficients of the derivative by x, the last of them 0.

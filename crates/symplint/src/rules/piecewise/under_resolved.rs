@@ -13,7 +13,7 @@
 //! `traps/under_resolved.rs`).
 
 use super::limits::{CALM, NEIGHBOURING_SAMPLES, OF_SPIKES, WIDEST_FEATURE};
-use super::lobatto::LOBATTO;
+use super::lobatto::{LOBATTO, NODES, Values};
 use super::piece::Smooth;
 use super::refinement::Refinement;
 use crate::error::Error;
@@ -28,8 +28,38 @@ struct Stretch<'a> {
     pieces: &'a [&'a Smooth],
     /// Its start and its end: beyond 1 if that is in the next revolution.
     ends: [f64; 2],
-    /// Samples in the long pieces on the left and on the right, rising, counted on from one revolution to the next.
-    beside: [Vec<usize>; 2],
+    /// Samples in the long pieces on the left, then on the right, rising, counted on from one revolution to the next.
+    beside: Vec<usize>,
+    /// The samples on the left, on the right and on both sides where the two sides should meet.
+    to_the_gap: [Continuation; 3],
+    /// Those on both sides over the whole stretch.
+    across: Continuation,
+    /// How many are on the left.
+    on_the_left: usize,
+}
+
+/// The polynomial through some samples of a row, at the nodes of a piece over an interval.
+struct Continuation {
+    /// The weight of each sample in the value at each node.
+    basis: [Vec<f64>; NODES],
+}
+
+impl Continuation {
+    /// Of these samples of `count`.
+    fn new(at: &[usize], count: usize, [from, to]: [f64; 2]) -> Self {
+        let s = at.iter().map(|&k| k as f64 / count as f64).collect();
+        let polynomial = Barycentric::at(s);
+        let node = |x: f64| polynomial.basis(from + 0.5 * (1.0 + x) * (to - from));
+        Continuation {
+            basis: LOBATTO.nodes.map(node),
+        }
+    }
+
+    /// Its values at the nodes.
+    fn values(&self, samples: &[f64]) -> Values {
+        let value = |basis: &Vec<f64>| basis.iter().zip(samples).map(|(b, v)| b * v).sum();
+        self.basis.each_ref().map(value)
+    }
 }
 
 /// The error of the integral if features that were found have counterparts that were missed.
@@ -63,13 +93,8 @@ pub(super) fn under_resolved(refinement: &Refinement<'_>) -> f64 {
         if (right[0] - left[1]) * count > WIDEST_FEATURE {
             continue;
         }
-        let stretch = Stretch {
-            refinement,
-            samples,
-            pieces: runs[k + 1],
-            ends: [left[1], right[0]],
-            beside: beside(left, right, count),
-        };
+        let (ends, beside) = ([left[1], right[0]], beside(left, right, count));
+        let stretch = Stretch::new(refinement, samples, runs[k + 1], ends, &beside);
         for i in 0..refinement.coordinates.dof() {
             let (area, uncertainty) = stretch.excess(i);
             if area.abs() > uncertainty {
@@ -95,40 +120,50 @@ fn beside(left: [f64; 2], right: [f64; 2], count: f64) -> [Vec<usize>; 2] {
     ]
 }
 
-impl Stretch<'_> {
+impl<'a> Stretch<'a> {
+    fn new(
+        refinement: &'a Refinement<'a>,
+        samples: &'a Ensemble,
+        pieces: &'a [&'a Smooth],
+        ends: [f64; 2],
+        [left, right]: &[Vec<usize>; 2],
+    ) -> Self {
+        let count = samples.samples();
+        let beside = [&left[..], &right[..]].concat();
+        let gap =
+            [left.last(), right.first()].map(|k| k.map_or(f64::NAN, |&k| k as f64 / count as f64));
+        Stretch {
+            refinement,
+            samples,
+            pieces,
+            ends,
+            to_the_gap: [left, right, &beside].map(|at| Continuation::new(at, count, gap)),
+            across: Continuation::new(&beside, count, ends),
+            on_the_left: left.len(),
+            beside,
+        }
+    }
+
     /// What degree of freedom i contributes more than if there was nothing here, and how well that is known: as well
     /// as the samples on both sides continue each other.
     fn excess(&self, i: usize) -> (f64, f64) {
         let coordinates = self.refinement.coordinates;
         let weight = coordinates.weight(i);
         let count = self.samples.samples();
-        let [left, right] = &self.beside;
-        let all = [&left[..], &right[..]].concat();
-        // The place at which the two sides should meet.
-        let gap =
-            [left.last(), right.first()].map(|k| k.map_or(f64::NAN, |&k| k as f64 / count as f64));
         let across = [i, self.samples.dof() + i].map(|c| {
             let (row, period) = (coordinate(self.samples, c), period(coordinates, c));
-            let origin = row[all[0] % count];
-            let through = |at: &[usize], [from, to]: [f64; 2]| {
-                let nodes = at.iter().map(|&k| k as f64 / count as f64).collect();
-                let value = |&k: &usize| origin + nearest(row[k % count] - origin, period);
-                let values: Vec<f64> = at.iter().map(value).collect();
-                let polynomial = Barycentric::at(nodes);
-                let at =
-                    |x: f64| polynomial.evaluate(&values, from + 0.5 * (1.0 + x) * (to - from));
-                LOBATTO.nodes.map(at)
-            };
-            let [on_the_left, on_the_right] = [through(left, gap), through(right, gap)];
-            let apart = on_the_left
-                .iter()
-                .zip(on_the_right)
-                .map(|(x, y)| (x - y).abs());
-            let apart = apart.fold(0.0, f64::max);
+            let origin = row[self.beside[0] % count];
+            let value = |&k: &usize| origin + nearest(row[k % count] - origin, period);
+            let values: Vec<f64> = self.beside.iter().map(value).collect();
+            let (left, right) = values.split_at(self.on_the_left);
+            let [of_left, of_right, of_both] = &self.to_the_gap;
+            let (left, right) = (of_left.values(left), of_right.values(right));
+            let apart = left.iter().zip(right).map(|(x, y)| (x - y).abs());
+            let range = Extent::of(&of_both.values(&values)).length();
             (
-                through(&all, self.ends),
-                apart,
-                Extent::of(&through(&all, gap)).length(),
+                self.across.values(&values),
+                apart.fold(0.0, f64::max),
+                range,
             )
         });
         let [(q, q_apart, q_range), (p, p_apart, p_range)] = across;
