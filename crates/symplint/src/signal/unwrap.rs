@@ -85,7 +85,8 @@ pub(crate) fn wraps(row: &[f64], period: f64) -> bool {
 /// `difference` less whole periods, as near to 0 as can be.
 pub(crate) fn nearest(difference: f64, period: f64) -> f64 {
     // Most are within half a period, and to round is slow.
-    if period > 0.0 && !(difference.abs() < 0.5 * period) {
+    let is_nearest = difference.abs() < 0.5 * period;
+    if period > 0.0 && !is_nearest {
         difference - period * (difference / period).round()
     } else {
         difference
