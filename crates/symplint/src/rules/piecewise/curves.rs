@@ -213,12 +213,12 @@ fn point_images(stages: &[Ensemble]) -> Vec<PointImage> {
     let width = 2 * dof;
     let images = |first: usize| {
         let columns = first..(first + TOGETHER).min(samples);
-        let mut states = vec![Vec::with_capacity(stages.len() * width); columns.len()];
-        for rows in stages.iter().flat_map(|stage| [stage.q(), stage.p()]) {
-            for i in 0..dof {
-                let row = &rows.row(i)[columns.clone()];
-                (states.iter_mut().zip(row)).for_each(|(state, value)| state.push(*value));
-            }
+        let mut states = vec![vec![0.0; stages.len() * width]; columns.len()];
+        let rows = stages.iter().flat_map(|stage| [stage.q(), stage.p()]);
+        let rows = rows.flat_map(|rows| (0..dof).map(move |i| rows.row(i)));
+        for (c, row) in rows.enumerate() {
+            let values = &row[columns.clone()];
+            (states.iter_mut().zip(values)).for_each(|(state, value)| state[c] = *value);
         }
         states.into_iter().map(move |states: Vec<f64>| PointImage {
             states: states.into(),

@@ -257,8 +257,12 @@ impl<'a> View<'a> {
             }
             // What rests has none, but for rounding.
             let moves = |fit: &Fit| fit.range() > ROUNDING * self.scales.magnitude[i];
-            let fits = values.iter().map(|values| self.fit(values)).filter(moves);
-            points.extend(fits.filter_map(|fit| turning_point(&fit)));
+            let turns = |values: &&[f64; POINTS]| {
+                let values = values.first_chunk().expect("nodes come first");
+                LOBATTO.turns(values, self.piece.level)
+            };
+            let fits = values.iter().filter(turns).map(|values| self.fit(values));
+            points.extend(fits.filter(moves).filter_map(|fit| turning_point(&fit)));
         }
         points.sort_by(f64::total_cmp);
         points.dedup_by(|a, b| (*a - *b).abs() < SAME_TURNING_POINT);
