@@ -127,13 +127,7 @@ fn in_parts(
     let parts: Result<Vec<_>, Error> = firsts.par_chunks(of_each).map(of_thread).collect();
     let whole = parts.and_then(|parts| match parts.concat().as_slice() {
         [one] => Ok(one.clone()),
-        parts => {
-            let mut whole = LoopIntegral::merged(parts)?;
-            // Each part counts the rounding of its value, which is not rounded here.
-            let of_parts = parts.iter().map(|part| part.value.abs()).sum::<f64>();
-            whole.roundoff -= f64::EPSILON * of_parts;
-            Ok(whole)
-        }
+        parts => LoopIntegral::merged(parts),
     });
     // An error of a part has the number of a degree of freedom among those of the part.
     whole.or_else(|_| of(&mut Ensemble::zeros(dof, q.nrows()), 0))
