@@ -337,8 +337,8 @@ pub enum Error {
     /// The loop integral of the initial loop vanishes, so a relative defect has no meaning.
     #[error(
         "the initial loop encloses no area: its loop integral is {integral:e} where its size would \
-         allow {scale:e}; take a loop whose areas do not cancel, another radius, or a \
-         centre nearer to the origin"
+         allow {scale:e}; take a loop whose areas do not cancel, such as a circle \
+         whose radii differ, another radius, or a centre nearer to the origin"
     )]
     NoArea {
         /// The loop integral.

@@ -89,6 +89,8 @@ fn clipped_and_stopped_particles_are_named_and_the_jacobian_shows_the_lost_area(
         cause(&found, CauseKind::Clipped, &[name, "above s = "]);
         let text = found.sentences().concat();
         assert!(text.contains("between its jumps either"), "{text}");
+        let beside = verdict(map, &[1.5], &[-0.5], 0.1);
+        assert_eq!(beside.kind, VerdictKind::Symplectic, "{beside}");
     }
 }
 

@@ -193,7 +193,7 @@ fn fields_of_yee_preserve_another_form() {
     let cause = found.verdict.cause.unwrap();
     assert_eq!(cause.kind, CauseKind::Fields, "{}", cause.text);
     assert!(
-        cause.remedy.contains("vector potential"),
+        cause.remedy.contains("vector potential") && cause.remedy.contains("steps of 0.5 alone"),
         "{}",
         cause.remedy
     );

@@ -208,8 +208,8 @@ impl Advice {
                 "Give larger radii to these degrees of freedom, well above the rounding of their states, or leave them at rest."
             }
             Advice::LoopOnManifold => {
-                "Give a projection onto the constraint manifold (`with_projection`, `project`), which puts all loops there, or \
-                 a loop that lies on it."
+                "Give a projection onto the constraint manifold (`with_projection`, `project`), which puts all loops there. \
+                 Or give a loop that lies on it, with loops = 1 and jacobian = false: random loops leave it."
             }
             Advice::Project => {
                 "Give a projection onto the constraint manifold (`with_projection`, `project`), which keeps random loops and \

@@ -115,8 +115,8 @@ impl Clues<'_> {
                 significant(of.after[side])
             ),
             format!(
-                "Find where the step sets {name}: a wall, an absorbing boundary, a clamp. Take a loop that does not reach it, or \
-                 reflect the particle instead (q → 2·wall − q, p → −p).",
+                "Find where the step sets {name}: a wall, an absorbing boundary, a clamp. Move the loop away from it, until no state \
+                 reaches it in the largest step, or reflect the particle instead (q → 2·wall − q, p → −p).",
             ),
         ))
     }
@@ -186,9 +186,9 @@ impl Clues<'_> {
                 significant(high)
             ),
             format!(
-                "Take a loop that does not reach the wall: a smaller one, or one with {} further from it. A loop across the wall \
-                 breaks whatever the integrator; whether its integral is conserved with the breaks closed tells whether the \
-                 reflection is right.",
+                "Move the loop away from the wall, until no state reaches it in the largest step: change the centre of {}. A loop \
+                 across the wall breaks with any integrator. Its integral is conserved with the breaks closed if the reflection \
+                 is right.",
                 name(q)
             ),
         ))

@@ -87,10 +87,22 @@ impl Clues<'_> {
                 form.groups
             );
         }
+        // Masses, signs and pairs are the same in steps of all sizes; what a method makes of a field is not.
+        let is_of_step = !matches!(
+            kind,
+            CauseKind::VelocitiesForMomenta | CauseKind::SignOfAPair | CauseKind::PairsPermuted
+        );
+        let of_step = form.step_size.filter(|_| is_of_step);
+        let only = of_step.map_or(String::new(), |h| {
+            format!(
+                " Test it with steps of {} alone: other step sizes may preserve another form.",
+                size(h)
+            )
+        });
         Some(Cause {
             setting: Some(setting.clone()),
             digits: Some((-bound.max(f64::EPSILON).log10() * 10.0).floor() / 10.0),
-            ..Cause::new(kind, text, format!("{remedy}: {setting}."))
+            ..Cause::new(kind, text, format!("{remedy}: {setting}.{only}"))
         })
     }
 
