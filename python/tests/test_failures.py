@@ -532,3 +532,19 @@ def test_importing_brings_no_matplotlib():
         """
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def _raises(q):
+    raise ValueError("outside the table")
+
+
+@pytest.mark.parametrize("outside", [_raises, lambda q: np.nan * q, lambda q: q[:-1], lambda q: 1e300 * q])
+def test_many_steps_that_fail_are_left_out_with_their_reason(outside):
+    def flight(q, p, h):
+        q = q + h * p
+        return (outside(q) if np.abs(q).max() > 3.0 else q), p
+
+    sizes = {"radius": 0.3, "step_sizes": [0.2, 0.1], "properties": False}
+    report = symplint.check(flight, [0.5], [0.5], **sizes, steps=400)
+    assert report.is_symplectic
+    assert any("Many steps were left out: " in sentence for sentence in report.sentences), report
