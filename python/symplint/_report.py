@@ -80,6 +80,8 @@ class Property(NamedTuple):
         The property as a sentence.
     growth : str or None
         The change of the energy in many steps, if `steps` is given: "none", "bounded", "grows" or "undecided".
+    order : float or None
+        The k of a change of the energy by a step that is proportional to h^k.
     """
 
     holds: bool | None
@@ -91,6 +93,7 @@ class Property(NamedTuple):
     rate_uncertainty: float | None
     text: str
     growth: str | None = None
+    order: float | None = None
 
 
 class Report:
@@ -367,4 +370,5 @@ def _property(found: dict[str, Any]) -> Property:
         rate_uncertainty=rate_uncertainty,
         text=found["text"],
         growth=found.get("growth"),
+        order=found.get("order"),
     )

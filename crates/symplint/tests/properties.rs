@@ -552,6 +552,7 @@ fn leapfrog_changes_energy_by_what_its_formula_gives() {
     let range = ends.clone().fold(f64::MIN, f64::max) - ends.fold(f64::MAX, f64::min);
     let ratio = energy.defect.unwrap() / (largest / range);
     assert!((0.5..2.0).contains(&ratio), "{ratio}");
+    assert_eq!(energy.order, Some(3.0), "{energy}");
     assert!(
         energy
             .to_string()

@@ -270,6 +270,10 @@ pub(super) const STATES_OF_ROUNDING: [usize; 2] = [2, 4];
 /// Rounding of a step and a step back is this many times the largest one that a few states show. Conventional: half a decade.
 pub(super) const ROUNDINGS_OF_A_RETURN: f64 = 4.0;
 
+/// Step sizes below the largest one at which the change of the energy is measured. Conventional: the third step from the largest one is
+/// small enough for the order of most methods.
+pub(super) const SIZES_OF_ENERGY: usize = 4;
+
 // Step sizes.
 
 /// The step size with which a map is called that has none.

@@ -27,7 +27,7 @@ pub(crate) use preserved_form::monomial;
 pub use preserved_form::{FormEntry, FormOnLoop, PreservedForm};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
-pub use structure::{EnergyChange, ReturnDefect, StructureEvidence};
+pub use structure::{EnergyAtStep, EnergyChange, ReturnDefect, StructureEvidence};
 pub use survey::{
     OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind, SingularJacobian, Survey,
     WrongPeriod,

@@ -38,6 +38,20 @@ pub struct EnergyChange {
     /// The range of the energy of all states that were tested, in its own unit.
     #[serde(default)]
     pub range: f64,
+    /// The change at the three smallest step sizes at which it is significant, the largest first. `None` if there are fewer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by_step_size: Option<[EnergyAtStep; 3]>,
+}
+
+/// The largest change of the energy of a state by a step of some size, in the same units.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EnergyAtStep {
+    /// The step size.
+    pub step_size: f64,
+    /// The change.
+    pub change: f64,
+    /// The change that rounding and noise explain.
+    pub uncertainty: f64,
 }
 
 /// The largest distance between a state and the state to which the map returns it, in units of half the range of the coordinate on

@@ -8,9 +8,10 @@ use serde::{Serialize, Serializer};
 use super::VerdictKind;
 use super::long_time::{Growth, growth_of_energy};
 use super::number::{one_digit, two_digits, within};
+use super::thresholds::WHOLE;
 use crate::evidence::{
-    EnergyInTime, Evidence, LoopEvidence, SIGNIFICANT, StepEvidence, StructureEvidence,
-    UNEXPLAINED, WEAKEST_BOUND,
+    EnergyAtStep, EnergyInTime, Evidence, LoopEvidence, SIGNIFICANT, StepEvidence,
+    StructureEvidence, UNEXPLAINED, WEAKEST_BOUND,
 };
 use crate::jacobian::TangentDefect;
 
@@ -56,6 +57,8 @@ pub struct Property {
     pub given_reversal: bool,
     /// The energy in many steps, if they were asked for, in units of its range on the loop.
     pub in_time: Option<(EnergyInTime, Growth)>,
+    /// The k of a change of the energy by a step that is proportional to h^k.
+    pub order: Option<f64>,
     /// Whether it follows from the verdict or is not known, so that reports need not print it.
     pub implied: bool,
 }
@@ -95,6 +98,7 @@ impl Property {
             place: None,
             given_reversal: false,
             in_time: None,
+            order: None,
             implied: false,
         }
     }
@@ -184,6 +188,7 @@ pub(super) fn properties(evidence: &Evidence, kind: VerdictKind) -> Vec<Property
             };
             (relative, growth_of_energy(&relative))
         }),
+        order: found.by_step_size.as_ref().and_then(order_of_energy),
         ..Property::measured(
             PropertyName::Energy,
             found.change,
@@ -192,6 +197,19 @@ pub(super) fn properties(evidence: &Evidence, kind: VerdictKind) -> Vec<Property
         )
     }));
     properties
+}
+
+/// The whole number that is the slope of log |change| over log h between neighbouring step sizes.
+fn order_of_energy(found: &[EnergyAtStep; 3]) -> Option<f64> {
+    let slope = |pair: &[EnergyAtStep]| {
+        let [large, small] = [pair[0], pair[1]];
+        let ratio = (large.step_size / small.step_size).abs().ln();
+        let error = large.uncertainty / large.change + small.uncertainty / small.change;
+        ((large.change / small.change).ln() / ratio, error / ratio)
+    };
+    let whole = slope(&found[1..]).0.round();
+    let agrees = |(slope, error): (f64, f64)| (slope - whole).abs() + error <= WHOLE;
+    (whole > 0.0 && found.windows(2).map(slope).all(agrees)).then_some(whole)
 }
 
 fn volume_preserving(evidence: &Evidence) -> Option<Property> {
@@ -344,6 +362,9 @@ impl Display for Property {
                     f,
                     " (a step changes the energy by up to {value} of its range on the loop"
                 )?;
+                if let Some(order) = self.order {
+                    write!(f, ", in proportion to h^{order}")?;
+                }
                 if let Some((found, growth)) = &self.in_time {
                     write!(f, "; {}", in_time(found, *growth))?;
                 }
@@ -386,7 +407,7 @@ fn in_time(found: &EnergyInTime, growth: Growth) -> String {
 impl Serialize for Property {
     /// With `holds` as `yes`, `no` or `unknown`, and the property as a `text`.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct("Property", 9)?;
+        let mut fields = serializer.serialize_struct("Property", 10)?;
         fields.serialize_field("name", &self.name)?;
         let holds = match self.holds {
             Some(true) => "yes",
@@ -399,6 +420,7 @@ impl Serialize for Property {
         fields.serialize_field("factor", &self.factor)?;
         fields.serialize_field("rate", &self.rate)?;
         fields.serialize_field("growth", &self.in_time.map(|(_, growth)| growth))?;
+        fields.serialize_field("order", &self.order)?;
         fields.serialize_field("implied", &self.implied)?;
         fields.serialize_field("text", &self.to_string())?;
         fields.end()

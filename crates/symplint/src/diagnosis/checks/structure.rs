@@ -1,12 +1,15 @@
 //! Whether steps back undo a step, time reversibility and symmetry, and whether a step conserves the energy.
 
-use super::{GivenLoop, Runner, failed};
+use super::{GivenLoop, Runner, failed, if_possible};
 use crate::diagnosis::limits::{
-    ROUNDINGS_OF_A_RETURN, SMALL, STATES_OF_A_RETURN, STATES_OF_ROUNDING, STRUCTURE_PART,
+    ROUNDINGS_OF_A_RETURN, SIZES_OF_ENERGY, SMALL, STATES_OF_A_RETURN, STATES_OF_ROUNDING,
+    STRUCTURE_PART,
 };
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
-use crate::evidence::{Check, EnergyChange, ReturnDefect, StructureEvidence, Why};
+use crate::evidence::{
+    Check, EnergyAtStep, EnergyChange, ReturnDefect, SIGNIFICANT, StructureEvidence, Why,
+};
 use crate::jacobian::parameters;
 use crate::map::Evaluator;
 use crate::rules::Subject;
@@ -87,9 +90,27 @@ impl Runner<'_> {
                 tested => *found = tested?,
             }
         }
+        // The leading term may vanish at a few states.
+        if let (Some(energy), Some(known), false) = (energy, structure.energy, few) {
+            let smaller = smaller_sizes(self.sizes(), h);
+            let found = returns.by_step_size(evaluator, &known, (&energy, h, &smaller));
+            structure.energy = Some(EnergyChange {
+                by_step_size: if_possible(found)?,
+                ..known
+            });
+        }
         self.evidence.structure = Some(structure);
         Ok(())
     }
+}
+
+/// The step sizes below `largest`, the largest first, at which the order of the change of the energy is measured: few, as the change
+/// falls below rounding.
+fn smaller_sizes(sizes: impl Iterator<Item = f64>, largest: f64) -> Vec<f64> {
+    let mut smaller: Vec<f64> = sizes.filter(|h| h.abs() < largest.abs()).collect();
+    smaller.sort_by(|a, b| b.abs().total_cmp(&a.abs()));
+    smaller.truncate(SIZES_OF_ENERGY);
+    smaller
 }
 
 /// The signs of a reversal that flips all momenta.
@@ -150,6 +171,34 @@ impl Returns {
         Returns { s, before }
     }
 
+    /// The change of the energy, known at the largest step size, at smaller ones: at the three smallest where it is significant.
+    fn by_step_size(
+        &self,
+        evaluator: &Evaluator<'_>,
+        known: &EnergyChange,
+        (energy, largest, smaller): (Observable<'_>, f64, &[f64]),
+    ) -> Result<Option<[EnergyAtStep; 3]>, Error> {
+        let at = |step_size: f64, found: &EnergyChange| EnergyAtStep {
+            step_size,
+            change: found.change * found.range / known.range,
+            uncertainty: found.uncertainty * found.range / known.range,
+        };
+        let is_significant = |of: &EnergyAtStep| of.change > SIGNIFICANT * of.uncertainty;
+        let mut found = vec![at(largest, known)];
+        let mut sizes = smaller.iter();
+        while found.last().is_some_and(is_significant)
+            && let Some(&h) = sizes.next()
+        {
+            let after = advanced(evaluator, &self.before, h)?;
+            let Some(change) = self.energy_change(energy, &after) else {
+                return Ok(None);
+            };
+            found.push(at(h, &change));
+        }
+        found.retain(is_significant);
+        Ok(found.last_chunk().copied())
+    }
+
     /// The largest change of the energy from the states to those after a step; `None` if an energy is not finite.
     fn energy_change(&self, energy: Observable<'_>, after: &Ensemble) -> Option<EnergyChange> {
         let of = |states: &Ensemble| {
@@ -176,6 +225,7 @@ impl Returns {
             change: largest(&mut (0..states).map(change)) / range,
             uncertainty: ROUNDINGS_OF_A_RETURN * scatter.max(rounding) / range,
             range,
+            by_step_size: None,
         })
     }
 
