@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use symplint::TimeAdvance;
 use symplint_config::document::{Table, parse};
-use symplint_config::{SYSTEMS, read_integrator, read_system};
+use symplint_config::{Kind, SYSTEMS, read_integrator, read_system};
 use symplint_models::integrators::aliases::ALIASES;
 use symplint_plasma::CATALOGUE;
 
@@ -162,14 +162,23 @@ impl Integrator {
     }
 }
 
-/// All systems as (name, summary, keys), with keys as (name, default or None, help); integrators as (name, summary, reference, variants,
+/// All systems as (name, summary, keys), with keys as (name, default or None, help, kind, texts); integrators as (name, summary, reference, variants,
 /// whether stages are solved); and aliases as (name, integrator, variants).
 #[pyfunction]
 pub fn catalogue(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let of_python = SYSTEMS.iter().filter(|info| info.name != NOT_HERE);
     let systems = of_python.map(|info| {
         let keys: Vec<_> = (info.keys.iter())
-            .map(|key| (key.name, (!key.optional).then_some(key.value), key.help))
+            .map(|key| {
+                let (kind, texts): (_, &[&str]) = match key.kind {
+                    Kind::Plain => ("plain", &[]),
+                    Kind::Numbers => ("numbers", &[]),
+                    Kind::Choice(texts) => ("choice", texts),
+                    Kind::ChoiceOrFile(texts) => ("choice-or-file", texts),
+                };
+                let default = (!key.optional).then_some(key.value);
+                (key.name, default, key.help, kind, texts.to_vec())
+            })
             .collect();
         (info.name, info.summary, keys)
     });

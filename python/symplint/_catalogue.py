@@ -29,23 +29,17 @@ def choice(name: str, values: list[str], help: str, *, default: Any = None, more
     return Argument(name, annotation, f"{{{listed}}}" + (" or dict" if "Mapping" in more else ""), default, help)
 
 
-def of_key(name: str, default: str | None, help: str) -> Argument:
-    """The argument of a key of a configuration, whose default is a value of TOML; None without one."""
+def of_key(name: str, default: str | None, help: str, kind: str, texts: list[str]) -> Argument:
+    """The argument of a key of a configuration, whose default is a value of TOML; None without one.
+
+    `kind` is "plain", "numbers", "choice" or "choice-or-file", as the table of keys states it.
+    """
     value = None if default is None else json.loads(default)
-    if isinstance(value, str) and name not in ("q0", "p0"):
-        # The help names the other texts, and a file as { file = "…" }.
-        texts = re.findall(r'"([^"]+)"', re.sub(r"\{.*?\}", "", help))
-        more = " | Mapping[str, Any]" if "{ file" in help else ""
-        return choice(name, list(dict.fromkeys([value, *texts])), help, default=value, more=more)
-    if isinstance(value, bool):
-        return Argument(name, "bool", "bool", value, help)
-    if name in ("q0", "p0") or isinstance(value, list) or "a list" in help:
-        return Argument(name, "npt.ArrayLike", "array_like", value, help)
-    if value is None:
-        of_each = "one for each" in help
-        return Argument(name, "npt.ArrayLike | None" if of_each else "float | None", "array_like" if of_each else "float", None, help)
-    kind = type(value).__name__
-    return Argument(name, kind, kind, value, help)
+    if texts:
+        return choice(name, texts, help, default=value, more=" | Mapping[str, Any]" if kind == "choice-or-file" else "")
+    type_name = "float" if value is None else type(value).__name__
+    annotation, described = ("npt.ArrayLike", "array_like") if kind == "numbers" else (type_name, type_name)
+    return Argument(name, annotation + (" | None" if value is None else ""), described, value, help)
 
 
 def signature(positional: list[inspect.Parameter], arguments: list[Argument], result: str) -> inspect.Signature:

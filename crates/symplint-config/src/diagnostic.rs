@@ -7,7 +7,7 @@ use symplint::request::{RequestError, SETTINGS};
 
 use super::document::Node;
 use super::error::ConfigError;
-use super::section::{Key, Section};
+use super::section::{Key, Kind, Section};
 
 /// The keys of `[diagnostic]`: the settings of a diagnosis.
 pub fn keys() -> Vec<Key> {
@@ -17,6 +17,7 @@ pub fn keys() -> Vec<Key> {
             value: setting.value,
             optional: setting.is_optional,
             required: false,
+            kind: Kind::Plain,
             help: setting.help,
         })
         .collect()

@@ -22,7 +22,7 @@ use symplint_report::table::degrees_of_freedom;
 
 pub use error::{ConfigError, Place, Source};
 pub use parts::{Integrator, read_integrator, read_system};
-pub use section::suggestion;
+pub use section::{Kind, suggestion};
 pub use symplint::request::parse_number;
 pub use system::{SYSTEMS, System, SystemInfo};
 pub use template::template;

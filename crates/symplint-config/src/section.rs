@@ -22,11 +22,53 @@ pub struct Key {
     pub optional: bool,
     /// Whether it has no default and must be given.
     pub required: bool,
+    /// The values that it takes.
+    pub kind: Kind,
     /// One line of documentation.
     pub help: &'static str,
 }
 
+/// The values that a key takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Values of the type of its default; numbers if it has none.
+    Plain,
+    /// A number, or a list of numbers.
+    Numbers,
+    /// A text, one of these.
+    Choice(&'static [&'static str]),
+    /// The same, or a file: `{ file = "state.npy" }`.
+    ChoiceOrFile(&'static [&'static str]),
+}
+
 impl Key {
+    /// The same for a number or a list.
+    #[must_use]
+    pub const fn numbers(self) -> Self {
+        Key {
+            kind: Kind::Numbers,
+            ..self
+        }
+    }
+
+    /// The same for one of these texts.
+    #[must_use]
+    pub const fn choice(self, texts: &'static [&'static str]) -> Self {
+        Key {
+            kind: Kind::Choice(texts),
+            ..self
+        }
+    }
+
+    /// The same for one of these texts, or a file.
+    #[must_use]
+    pub const fn choice_or_file(self, texts: &'static [&'static str]) -> Self {
+        Key {
+            kind: Kind::ChoiceOrFile(texts),
+            ..self
+        }
+    }
+
     /// A key with a default.
     pub const fn new(name: &'static str, default: &'static str, help: &'static str) -> Self {
         Key {
@@ -34,6 +76,7 @@ impl Key {
             value: default,
             optional: false,
             required: false,
+            kind: Kind::Plain,
             help,
         }
     }
@@ -45,6 +88,7 @@ impl Key {
             value: example,
             optional: true,
             required: false,
+            kind: Kind::Plain,
             help,
         }
     }
@@ -56,6 +100,7 @@ impl Key {
             value: example,
             optional: false,
             required: true,
+            kind: Kind::Plain,
             help,
         }
     }

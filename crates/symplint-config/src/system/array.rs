@@ -26,7 +26,8 @@ pub const PENDULUM_ARRAY: SystemInfo = SystemInfo {
             "initial",
             "\"uniform\"",
             "random in [0, 1); or { file = \"state.npy\" } with rows q and p (.csv: columns)",
-        ),
+        )
+        .choice_or_file(&["uniform"]),
         Key::new("seed", "1", "seed of the random initial state"),
     ],
     integrator: STRANG,

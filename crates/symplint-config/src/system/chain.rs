@@ -12,12 +12,14 @@ use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
 const MASSES: Key = Key::new("masses", "32", "number of masses, the degrees of freedom");
-const ENDS: Key = Key::new("ends", "\"fixed\"", "\"fixed\" to walls or \"periodic\"");
+const ENDS: Key = Key::new("ends", "\"fixed\"", "\"fixed\" to walls or \"periodic\"")
+    .choice(&["fixed", "periodic"]);
 const INITIAL: Key = Key::new(
     "initial",
     "\"mode\"",
     "at rest in a normal mode; or { file = \"state.npy\" } with rows q and p (.csv: columns)",
-);
+)
+.choice_or_file(&["mode"]);
 const MODE: Key = Key::new(
     "mode",
     "1",

@@ -14,7 +14,7 @@ use crate::section::{Accept, Key, Section};
 pub const NOTHING: &str = "none";
 pub const NONE: &str = "\"none\"";
 
-const P0: Key = Key::new("p0", "0.0", "centre of the loop, momentum");
+const P0: Key = Key::new("p0", "0.0", "centre of the loop, momentum").numbers();
 
 pub const HENON_MAP: SystemInfo = SystemInfo {
     name: "henon-map",
@@ -27,7 +27,7 @@ pub const HENON_MAP: SystemInfo = SystemInfo {
             "1.0",
             "b; areas are multiplied by b^h: below 1 the map is dissipative",
         ),
-        Key::new("q0", "0.0", "centre of the loop, position"),
+        Key::new("q0", "0.0", "centre of the loop, position").numbers(),
         P0,
     ],
     integrator: NONE,
@@ -55,7 +55,7 @@ pub const STANDARD_MAP: SystemInfo = SystemInfo {
             "false",
             "whether p is taken mod 2π, too; step sizes are whole numbers then",
         ),
-        Key::new("q0", "\"pi\"", "centre of the loop, angle"),
+        Key::new("q0", "\"pi\"", "centre of the loop, angle").numbers(),
         P0,
     ],
     integrator: NONE,

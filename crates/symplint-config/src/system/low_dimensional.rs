@@ -12,9 +12,9 @@ use super::{MOST_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
-const Q0: Key = Key::new("q0", "0.0", "centre of the loop, position");
-const P0: Key = Key::new("p0", "0.0", "centre of the loop, momentum");
-const Q0_AT_PI: Key = Key::new("q0", "\"pi\"", "centre of the loop, position");
+const Q0: Key = Key::new("q0", "0.0", "centre of the loop, position").numbers();
+const P0: Key = Key::new("p0", "0.0", "centre of the loop, momentum").numbers();
+const Q0_AT_PI: Key = Key::new("q0", "\"pi\"", "centre of the loop, position").numbers();
 
 pub const PENDULUM: SystemInfo = SystemInfo {
     name: "pendulum",
@@ -24,9 +24,10 @@ pub const PENDULUM: SystemInfo = SystemInfo {
             "potential",
             "\"cos\"",
             "\"cos\" as in the paper's figures, \"sin\" as in its text",
-        ),
+        )
+        .choice(&["cos", "sin"]),
         Q0_AT_PI,
-        Key::new("p0", "0.5", "centre of the loop, momentum"),
+        Key::new("p0", "0.5", "centre of the loop, momentum").numbers(),
     ],
     integrator: STRANG,
     budget: None,
@@ -95,7 +96,8 @@ pub const HARMONIC_OSCILLATOR: SystemInfo = SystemInfo {
             "omega",
             "1.0",
             "angular frequencies: one number for all, or a list",
-        ),
+        )
+        .numbers(),
         Q0,
         P0,
     ],
@@ -113,8 +115,8 @@ pub const HENON_HEILES: SystemInfo = SystemInfo {
     name: "henon-heiles",
     summary: "H = |p|²/2 + |q|²/2 + q₁² q₂ − q₂³/3, two degrees of freedom",
     keys: &[
-        Key::new("q0", "[0.0, 0.1]", "centre of the loop, positions"),
-        Key::new("p0", "[0.3, 0.0]", "centre of the loop, momenta"),
+        Key::new("q0", "[0.0, 0.1]", "centre of the loop, positions").numbers(),
+        Key::new("p0", "[0.3, 0.0]", "centre of the loop, momenta").numbers(),
     ],
     integrator: STRANG,
     budget: None,

@@ -10,11 +10,11 @@ use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
 const fn q0(default: &'static str) -> Key {
-    Key::new("q0", default, "centre of the loop, positions")
+    Key::new("q0", default, "centre of the loop, positions").numbers()
 }
 
 const fn p0(default: &'static str) -> Key {
-    Key::new("p0", default, "centre of the loop, momenta")
+    Key::new("p0", default, "centre of the loop, momenta").numbers()
 }
 
 pub const KEPLER: SystemInfo = SystemInfo {
@@ -48,12 +48,14 @@ pub const DOUBLE_PENDULUM: SystemInfo = SystemInfo {
             "masses",
             "1.0",
             "upper and lower mass: one number for both, or a list",
-        ),
+        )
+        .numbers(),
         Key::new(
             "lengths",
             "1.0",
             "upper and lower length: one number for both, or a list",
-        ),
+        )
+        .numbers(),
         Key::new("gravity", "1.0", "g"),
         q0("[1.0, -0.4]"),
         p0("[0.5, 0.2]"),

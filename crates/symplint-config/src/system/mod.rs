@@ -129,3 +129,34 @@ pub fn read(
     let system = (info.build)(&section, folder)?;
     Ok((info, system, section))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Kind;
+
+    #[test]
+    fn texts_of_a_key_are_its_default_and_those_that_its_help_names() {
+        for key in SYSTEMS.iter().flat_map(|info| info.keys) {
+            let default = key
+                .value
+                .strip_prefix('"')
+                .and_then(|text| text.strip_suffix('"'));
+            let texts = match key.kind {
+                Kind::Choice(texts) | Kind::ChoiceOrFile(texts) => texts,
+                Kind::Numbers | Kind::Plain => continue,
+            };
+            assert!(texts.contains(&default.unwrap()), "{}", key.name);
+            let is_named =
+                |text: &&str| Some(*text) == default || key.help.contains(&format!("\"{text}\""));
+            assert!(texts.iter().all(is_named), "{}", key.name);
+            let has_file = key.help.contains("{ file = ");
+            assert_eq!(
+                has_file,
+                matches!(key.kind, Kind::ChoiceOrFile(_)),
+                "{}",
+                key.name
+            );
+        }
+    }
+}

@@ -44,7 +44,8 @@ const fn keys(cells: &'static str) -> [Key; 15] {
             "family",
             "\"b-spline\"",
             "\"b-spline\", degree 1 to 5, or \"lagrange\", C⁰, degree 1 to 3",
-        ),
+        )
+        .choice(&["b-spline", "lagrange"]),
         Key::new(
             "degree",
             "3",
@@ -81,18 +82,21 @@ const PARTICLE_KEYS: [Key; 9] = [
         "weights",
         "[10.0, 40.0]",
         "one for each particle, instead of particles and density; p = weight × v",
-    ),
+    )
+    .numbers(),
     Key::new(
         "initial",
         "\"two-stream\"",
         "\"two-stream\", \"landau\"; or { file = \"state.npy\" } with rows x and v (.csv: columns)",
-    ),
+    )
+    .choice_or_file(&["two-stream", "landau"]),
     Key::new("thermal_velocity", "1.0", "thermal velocity v_th"),
     Key::new(
         "velocities",
         "\"text\"",
         "what v_th means: \"text\", exp(-v²/v_th²), or \"code\", variance v_th²",
-    ),
+    )
+    .choice(&["text", "code"]),
     Key::new("beam_velocity", "3.0", "v_b of \"two-stream\""),
     Key::new(
         "amplitude",

@@ -25,7 +25,7 @@ pub const PIC_1D2V: SystemInfo = SystemInfo {
             "fields",
             "\"finite-element\"",
             "\"finite-element\", with mass matrices of splines, or \"yee\", by finite differences",
-        ),
+        ).choice(&["finite-element", "yee"]),
         Key::new("cells", "8", "number of cells"),
         Key::optional(
             "length",
@@ -38,7 +38,7 @@ pub const PIC_1D2V: SystemInfo = SystemInfo {
             "\"random\"",
             "\"weibel\", \"streaming-weibel\", \"landau\", \"random\"; or { file = \"state.npy\" } with rows \
              positions and momenta (.csv: columns)",
-        ),
+        ).choice_or_file(&["random", "weibel", "streaming-weibel", "landau"]),
         Key::new("seed", "42", "seed of the initial state"),
         Key::optional(
             "amplitude",
