@@ -33,6 +33,8 @@ pub enum Call {
     Tangents(f64, Loan<Answer>),
     /// Write the energy of each state of a block into its first row of positions.
     Energy(Loan<Answer>),
+    /// Reverse the states of a block in time.
+    Reverse(Loan<Answer>),
     /// These states will have to be advanced.
     Begin(f64, Ensemble),
     /// Write how results of workers for the same states differ, if they do. The block has no meaning.

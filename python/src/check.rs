@@ -43,6 +43,8 @@ pub struct Subject {
     project: Option<Py<PyAny>>,
     /// Writes the energy of states into their first coordinates, if it is given.
     energy: Option<Py<PyAny>>,
+    /// Reverses states in time, if it is given.
+    reversal: Option<Py<PyAny>>,
     /// Whether `project` evaluates a one-form.
     form: bool,
     dof: usize,
@@ -175,6 +177,7 @@ struct Shared {
     has_workers: bool,
     has_tangent: bool,
     has_energy: bool,
+    has_reversal: bool,
     native_loop: Option<Arc<dyn Loop>>,
     has_loop: bool,
     q0: Vec<f64>,
@@ -198,6 +201,7 @@ impl Subject {
             has_workers: self.workers.is_some(),
             has_tangent: self.tangents.is_some(),
             has_energy: self.energy.is_some(),
+            has_reversal: self.reversal.is_some(),
             native_loop: (self.native_loop.as_ref()).map(|given| Arc::clone(&given.get().inner)),
             has_loop: self.phase_loop.is_some(),
             q0: self.q0.clone(),
@@ -245,6 +249,7 @@ impl Subject {
             .transpose()?;
         functions.journal = journal;
         functions.energy = self.energy.as_ref().map(|energy| energy.clone_ref(py));
+        functions.reversal = self.reversal.as_ref().map(|of| of.clone_ref(py));
         let serve = |py: Python<'_>, call: Call| functions.serve(py, call);
         let with = |caller: &dyn Caller| shared.with(caller, step_size, work);
         let (outcome, threads) = if self.step.is_some() && self.threads.is_none_or(|n| n == 1) {
@@ -292,6 +297,7 @@ impl Shared {
                 map.has_workers = self.has_workers;
                 map.has_tangent = self.has_tangent;
                 map.has_energy = self.has_energy;
+                map.has_reversal = self.has_reversal;
                 Box::new(map)
             }
         };

@@ -65,6 +65,8 @@ pub struct Functions {
     pub project: Option<Py<PyAny>>,
     /// Writes the energy of states into their first coordinates.
     pub energy: Option<Py<PyAny>>,
+    /// Reverses states in time.
+    pub reversal: Option<Py<PyAny>>,
     pub phase_loop: Option<Py<PyAny>>,
     pub progress: Option<Py<PyAny>>,
     /// The journal of the states that the step makes, if there is one.
@@ -137,6 +139,7 @@ impl Functions {
             step,
             project,
             energy: None,
+            reversal: None,
             phase_loop,
             progress,
             journal: None,
@@ -190,6 +193,11 @@ impl Functions {
                     difference.get_or_init(|| found);
                 }
                 loan.answer(Ok(true));
+                Ok(())
+            }
+            Call::Reverse(mut loan) => {
+                let reversed = self.reverse(py, &mut loan.block());
+                loan.answer(Ok(reversed.map_err(|failed| failed.error)?));
                 Ok(())
             }
             Call::Loop(s, mut loan) => {
@@ -334,6 +342,13 @@ impl Functions {
         let energy = self.energy.as_ref();
         let function = energy.expect("the map has an energy").bind(py).clone();
         self.change(function, "energy", block)
+    }
+
+    /// Reverses the states of a block in time.
+    fn reverse(&mut self, py: Python<'_>, block: &mut Block<'_>) -> Result<bool, Failed> {
+        let reversal = self.reversal.as_ref();
+        let function = reversal.expect("the map has a reversal").bind(py).clone();
+        self.change(function, "reversal", block)
     }
 
     /// Calls a function of states other than the step.

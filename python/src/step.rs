@@ -26,6 +26,8 @@ pub struct PythonMap<'a> {
     pub has_tangent: bool,
     /// Whether a function gives the energy of states.
     pub has_energy: bool,
+    /// Whether a function reverses states in time.
+    pub has_reversal: bool,
 }
 
 /// The kind of a Python function that puts states on a manifold.
@@ -59,6 +61,7 @@ impl<'a> PythonMap<'a> {
             has_workers: false,
             has_tangent: false,
             has_energy: false,
+            has_reversal: false,
         }
     }
 }
@@ -81,6 +84,12 @@ impl TimeAdvance for PythonMap<'_> {
             energy: self.has_energy.then(|| {
                 Box::new(|q: Rows<'_>, p: Rows<'_>, energies: &mut [f64]| {
                     self.energies(q, p, energies);
+                }) as _
+            }),
+            reversal: self.has_reversal.then(|| {
+                Box::new(|block: &mut Block<'_>| {
+                    // If the call fails, the diagnosis stops.
+                    let _ = call(self.caller, block, Call::Reverse);
                 }) as _
             }),
             prefetch: self.has_workers.then_some(self),

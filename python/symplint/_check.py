@@ -80,7 +80,7 @@ def check(
     jacobian: bool | str = True,
     jvp: Callable[..., Any] | None = None,
     properties: bool = True,
-    reversal: npt.ArrayLike | None = None,
+    reversal: npt.ArrayLike | Callable[..., Any] | None = None,
     symmetric: bool = False,
     energy: Callable[..., Any] | None = None,
     steps: int = 0,
@@ -192,8 +192,9 @@ def check(
         ``jax.jit`` compiled, in double precision: its derivatives are found. `args` follow dp; without a step size, ``jvp(q, p, dq, dp)``.
     properties : bool
         Whether other properties of the map are tested, with 40 evaluations (8 if the budget is small): see `Report.properties`.
-    reversal : array_like, optional
-        Signs 1 or -1 of all positions, then of all momenta, that reverse time. By default, the signs of all momenta change.
+    reversal : array_like or callable, optional
+        Signs 1 or -1 of all positions, then of all momenta, that reverse time, or a function ``reversal(q, p)`` that returns the
+        reversed q and p and is its own inverse. By default, the signs of all momenta change.
     symmetric : bool
         Whether a step of size -h is tested to undo a step of size h, with 20 evaluations more. `step` is called with negative h then.
     energy : callable, optional
@@ -381,6 +382,8 @@ def _check(
         _check_none(step_sizes, make)
     _check_signature(step, form is not None, step_sizes, make, len(args))
     name, functions = _name(step), {"step": step, "jvp": jvp, "form": form, "project": project, "reset": reset, "energy": energy}
+    if callable(reversal):
+        functions["reversal"] = reversal
     if callable(mass_matrix):
         functions["mass_matrix"] = mass_matrix
     if args:
@@ -409,6 +412,10 @@ def _check(
         if not properties:
             raise InputError("energy is given, and properties is False; leave one of them out")
         subject["energy"] = EnergyOfRows(energy, form is not None)
+    if callable(reversal):
+        if compiled or form is not None or mass_matrix is not None:
+            raise InputError("reversal as a function is for a step(q, p, h) in canonical coordinates; give signs, or leave it out")
+        subject["reversal"] = reversal
     has_step_size = not (isinstance(step_sizes, str) and step_sizes == "none")
     if isinstance(jacobian, str) and jacobian != "auto":
         raise InputError(f'jacobian is "{jacobian}"; give True, False or "auto"')
@@ -440,7 +447,7 @@ def _check(
         "budget": budget,
         "jacobian": bool(jacobian),
         "properties": bool(properties),
-        "reversal": None if reversal is None else vector(reversal, "reversal").tolist(),
+        "reversal": None if reversal is None or callable(reversal) else vector(reversal, "reversal").tolist(),
         "symmetric": bool(symmetric),
         "steps": steps,
     } | further
@@ -683,6 +690,7 @@ def _subject(
         "step": None if integrator is not None else step,
         "tangents": None,
         "energy": None,
+        "reversal": None,
         # Workers make whole steps.
         "parts": _parts(step, make) if executor is None else [],
         "per_sample": bool(per_sample),

@@ -473,6 +473,7 @@ def _run(
         "single": single,
         "project": None,
         "energy": None,
+        "reversal": None,
         "form": False,
         "dof": dof,
         "coordinates": coordinates(dof, period, None, weight),

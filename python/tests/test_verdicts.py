@@ -304,3 +304,35 @@ def test_many_steps_tell_whether_a_defect_adds_up():
     assert report.evaluations < 20_000 + 512 * 200
     with pytest.raises(symplint.InputError, match="steps"):
         symplint.check(damped, 0.3, 0.2, steps=-1)
+
+
+def test_a_reversal_is_signs_or_a_function():
+    def in_a_field(q, p, h):
+        def kick(q):
+            return -0.5 * h * q * (1.0 + q[:, ::-1] ** 2)
+
+        q = q + 0.5 * h * p
+        p = p + kick(q)
+        cos, sin = np.cos(0.7 * h), np.sin(0.7 * h)
+        p = np.stack([cos * p[:, 0] + sin * p[:, 1], cos * p[:, 1] - sin * p[:, 0]], axis=1)
+        p = p + kick(q)
+        return q + 0.5 * h * p, p
+
+    def reflected(q, p):
+        return q[:, ::-1], -p[:, ::-1]
+
+    arguments = {"q0": [0.1, 0.2], "p0": [0.3, 0.1], "radius": 0.5, "step_sizes": [0.25, 0.125]}
+    holds = {}
+    reversals = {"none": None, "signs": [1, -1, -1, 1], "function": reflected, "identity": lambda q, p: (q, p)}
+    for name, reversal in reversals.items():
+        holds[name] = symplint.check(in_a_field, **arguments, reversal=reversal).properties["reversible"].holds
+    assert holds == {"none": False, "signs": True, "function": True, "identity": False}
+    one = symplint.check(lambda q, p, h: [x[0] for x in in_a_field(q[None], p[None], h)], **arguments, per_sample=True,
+                         reversal=lambda q, p: (q[::-1], -p[::-1]))  # fmt: skip
+    assert one.properties["reversible"].holds
+    with pytest.raises(symplint.InputError, match="is its own inverse"):
+        symplint.check(in_a_field, **arguments, reversal=lambda q, p: (q + 1.0, p))
+    with pytest.raises(ZeroDivisionError):
+        symplint.check(in_a_field, **arguments, reversal=lambda q, p: 1 / 0)
+    with pytest.raises(symplint.InputError, match="canonical coordinates"):
+        symplint.check(in_a_field, **arguments, mass_matrix=np.eye(2), reversal=reflected)

@@ -360,6 +360,73 @@ fn signs_of_a_reversal_are_checked_and_used() {
     assert_eq!(holds(&other, PropertyName::Reversible), Some(true));
 }
 
+/// A map with a reversal of its own.
+struct Reversed<M>(M, fn(&mut Block<'_>));
+
+impl<M: TimeAdvance> TimeAdvance for Reversed<M> {
+    fn dof(&self) -> usize {
+        self.0.dof()
+    }
+
+    fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+        self.0.advance(h, block)
+    }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            reversal: Some(Box::new(self.1)),
+            ..self.0.capabilities()
+        }
+    }
+}
+
+/// The reflection of both coordinates in a diagonal of the plane, with p → −p.
+fn reflect(block: &mut Block<'_>) {
+    for k in 0..block.len() {
+        let [x, y] = [0, 1].map(|i| block.q.row(i)[k]);
+        let [u, v] = [0, 1].map(|i| block.p.row(i)[k]);
+        (block.q.row_mut(0)[k], block.q.row_mut(1)[k]) = (y, x);
+        (block.p.row_mut(0)[k], block.p.row_mut(1)[k]) = (-v, -u);
+    }
+}
+
+#[test]
+fn a_reversal_is_a_map_that_is_its_own_inverse() {
+    // In a uniform field B and a potential that is even under x ↔ y, a reflection takes B to −B, as the flip of momenta has to.
+    let map = || {
+        PerSample::new(2, |h, q: &mut [f64], p: &mut [f64]| {
+            (0..2).for_each(|i| q[i] += 0.5 * h * p[i]);
+            let force = [-q[0] - q[0] * q[1] * q[1], -q[1] - q[1] * q[0] * q[0]];
+            (0..2).for_each(|i| p[i] += 0.5 * h * force[i]);
+            let (sin, cos) = (0.7 * h).sin_cos();
+            (p[0], p[1]) = (cos * p[0] + sin * p[1], cos * p[1] - sin * p[0]);
+            (0..2).for_each(|i| p[i] += 0.5 * h * force[i]);
+            (0..2).for_each(|i| q[i] += 0.5 * h * p[i]);
+        })
+    };
+    let of = |map: &dyn TimeAdvance| {
+        let found = verdict(map, false);
+        let text = property(&found, PropertyName::Reversible).to_string();
+        (holds(&found, PropertyName::Reversible), text)
+    };
+    assert_eq!(of(&map()).0, Some(false));
+    let (reversible, text) = of(&Reversed(map(), reflect));
+    assert_eq!(reversible, Some(true), "{text}");
+    assert!(text.contains("the given reversal"), "{text}");
+    // Another function that is its own inverse, and one that is not.
+    assert_eq!(of(&Reversed(map(), |_| {})).0, Some(false));
+    let quarter_turn = Reversed(map(), |block| {
+        for k in 0..block.len() {
+            let (x, y) = (block.q.row(0)[k], block.q.row(1)[k]);
+            (block.q.row_mut(0)[k], block.q.row_mut(1)[k]) = (-y, x);
+        }
+    });
+    let circle = Circle::new(vec![0.1, 0.2], vec![0.3, 0.1], 0.5).unwrap();
+    let error = (Diagnostic::halving(-2, -4).run(&quarter_turn, &circle)).unwrap_err();
+    let text = error.to_string();
+    assert!(text.contains("is its own inverse"), "{text}");
+}
+
 #[test]
 fn properties_are_said_in_one_line_each() {
     let texts: Vec<String> = (verdict(&damped([0.2, 0.2]), true).properties.iter())

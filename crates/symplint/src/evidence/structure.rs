@@ -12,7 +12,7 @@ pub struct StructureEvidence {
     pub steps: usize,
     /// Whether the map acts on a manifold: a constraint, or the graph of a one-form. det DΦ has no meaning there.
     pub on_manifold: bool,
-    /// Whether the user gave the signs of the reversal ρ; otherwise ρ changes the signs of all momenta.
+    /// Whether the user gave the reversal ρ, as signs or as a map; otherwise ρ changes the signs of all momenta.
     pub given_reversal: bool,
     /// Whether the test of symmetry was asked for.
     pub asked_for_symmetry: bool,

@@ -5,7 +5,7 @@ use super::{Constraint, Prefetch, Substeps, TangentMap};
 use super::{StepFailure, TimeAdvance};
 #[cfg(doc)]
 use crate::error::Error;
-use crate::state::{Coordinates, Ensemble, Rows};
+use crate::state::{Block, Coordinates, Ensemble, Rows};
 
 /// Capabilities of a map besides its step, and the meaning of its coordinates.
 ///
@@ -67,6 +67,9 @@ pub struct Capabilities<'a> {
     pub constraint: Option<&'a dyn Constraint>,
     /// The energy of states, in any unit, or another number that a step may conserve. The diagnosis tells whether it does.
     pub energy: Option<Energy<'a>>,
+    /// The map of states ρ that reverses time: it is its own inverse, and the step is time-reversible if ρ Φ ρ Φ is the identity. Without
+    /// one, ρ changes the signs of all momenta, or those that a diagnosis is given.
+    pub reversal: Option<Reversal<'a>>,
     /// How the map gets states before they are requested, if it makes use of that.
     pub prefetch: Option<&'a dyn Prefetch>,
     /// How results for one state differ, as far as the map knows without a further evaluation: one whose steps several workers take, say. It
@@ -95,6 +98,9 @@ pub struct Difference {
     pub size: f64,
 }
 
+/// A function that changes states where they lie.
+pub type Reversal<'a> = Box<dyn Fn(&mut Block<'_>) + Send + Sync + 'a>;
+
 /// A question whose answer is yes or no.
 pub type Question<'a> = Box<dyn Fn() -> bool + Send + Sync + 'a>;
 
@@ -113,6 +119,7 @@ impl Capabilities<'_> {
             tangent: None,
             constraint: None,
             energy: None,
+            reversal: None,
             prefetch: None,
             difference: None,
             is_stopped: None,

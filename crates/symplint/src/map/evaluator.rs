@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use super::witnesses::Recorder;
 use super::{
-    Before, Capabilities, Constraint, Difference, Energy, Grain, Parts, ProjectedLoop, StepFailure,
-    TimeAdvance, Witnesses,
+    Before, Capabilities, Constraint, Difference, Energy, Grain, Parts, ProjectedLoop, Reversal,
+    StepFailure, TimeAdvance, Witnesses,
 };
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
@@ -202,6 +202,11 @@ impl<'a> Evaluator<'a> {
     /// The energy of states, if the map has it.
     pub fn energy(&self) -> Option<&Energy<'a>> {
         self.capabilities.energy.as_ref()
+    }
+
+    /// What reverses time, if the map has it.
+    pub fn reversal(&self) -> Option<&Reversal<'a>> {
+        self.capabilities.reversal.as_ref()
     }
 
     /// A loop on that manifold.

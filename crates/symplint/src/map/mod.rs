@@ -14,7 +14,7 @@ mod substeps;
 mod tangent;
 mod witnesses;
 
-pub use capabilities::{Capabilities, Difference, Differences, Energy, Question};
+pub use capabilities::{Capabilities, Difference, Differences, Energy, Question, Reversal};
 pub use closures::{PerBlock, PerSample, StepOutcome};
 pub use constraint::{Constraint, ProjectedLoop};
 pub(crate) use evaluator::{EvaluationCount, Evaluator, Feature, states_at};

@@ -26,7 +26,7 @@ pub enum PropertyName {
     Conformal,
     /// det DΦ = 1.
     Volume,
-    /// ρ Φ_h ρ Φ_h = id, where ρ changes the signs of the momenta, or those that were given.
+    /// ρ Φ_h ρ Φ_h = id, where ρ changes the signs of the momenta, or is given.
     Reversible,
     /// Φ_−h Φ_h = id.
     Symmetric,
@@ -53,7 +53,7 @@ pub struct Property {
     pub rate: Option<[f64; 2]>,
     /// The coordinate that misses its start most if steps back do not undo a step: `q` or `p`, and the degree of freedom.
     pub place: Option<(char, usize)>,
-    /// Whether the user gave the signs that reverse time.
+    /// Whether the user gave the signs, or the map, that reverse time.
     pub given_reversal: bool,
     /// The energy in many steps, if they were asked for, in units of its range on the loop.
     pub in_time: Option<(EnergyInTime, Growth)>,
@@ -338,7 +338,7 @@ impl Display for Property {
             None => format!("{} ± {}", two_digits(defect), one_digit(uncertainty)),
         };
         let signs = match self.given_reversal {
-            true => "changed signs",
+            true => "the given reversal",
             false => "p → −p",
         };
         let way = match self.name {

@@ -11,7 +11,7 @@ use crate::evidence::{
     Check, EnergyAtStep, EnergyChange, ReturnDefect, SIGNIFICANT, StructureEvidence, Why,
 };
 use crate::jacobian::parameters;
-use crate::map::Evaluator;
+use crate::map::{self, Evaluator};
 use crate::rules::Subject;
 use crate::signal::nearest;
 use crate::state::{Ensemble, coordinate, coordinate_mut, period};
@@ -33,16 +33,19 @@ impl Runner<'_> {
             dof: evaluator.dof(),
             steps: 1,
             on_manifold,
-            given_reversal: diagnostic.reversal.is_some(),
+            given_reversal: diagnostic.reversal.is_some() || evaluator.reversal().is_some(),
             // A map without a step size takes no step back.
             asked_for_symmetry: diagnostic.symmetric && diagnostic.has_step_size,
             ..StructureEvidence::default()
         };
         self.evidence.structure = Some(structure);
         // Momenta that a constraint or a one-form defines cannot change their signs alone.
-        let reversal = match &diagnostic.reversal {
-            Some(signs) => Some(signs.clone()),
-            None => (!on_manifold).then(|| flipped_momenta(evaluator.dof())),
+        let reversal = match (&diagnostic.reversal, evaluator.reversal()) {
+            (Some(signs), _) => Some(Reversal::Signs(signs.clone())),
+            (None, Some(function)) => Some(Reversal::Function(function)),
+            (None, None) => {
+                (!on_manifold).then(|| Reversal::Signs(flipped_momenta(evaluator.dof())))
+            }
         };
         let energy = evaluator.energy();
         if reversal.is_none() && !structure.asked_for_symmetry && energy.is_none() {
@@ -72,14 +75,18 @@ impl Runner<'_> {
                 );
             }
         }
-        let test = |signs: &[f64], h: f64| -> Result<ReturnDefect, Error> {
-            let back = advanced(evaluator, &with_signs(&after, signs), h)?;
-            let back = with_signs(&back, signs);
-            Ok(returns.largest_defect(evaluator, [&after, &back], &given.size.radius))
+        let radius = &given.size.radius;
+        let test = |reversal: &Reversal<'_>, h: f64| -> Result<ReturnDefect, Error> {
+            let back = advanced(evaluator, &reversal.of(&after)?, h)?;
+            let back = reversal.of(&back)?;
+            Ok(returns.largest_defect(evaluator, [&after, &back], radius))
         };
-        let unchanged = vec![1.0; 2 * evaluator.dof()];
-        let symmetric = structure.asked_for_symmetry.then(|| test(&unchanged, -h));
-        let reversible = reversal.map(|signs| test(&signs, h));
+        let symmetric = structure.asked_for_symmetry;
+        let symmetric = symmetric.then(|| test(&Reversal::Identity, -h));
+        let reversible = reversal.map(|reversal| {
+            returns.check_reversal(evaluator, &reversal, radius)?;
+            test(&reversal, h)
+        });
         for (found, tested) in [
             (&mut structure.reversible, reversible),
             (&mut structure.symmetric, symmetric),
@@ -116,6 +123,32 @@ fn smaller_sizes(sizes: impl Iterator<Item = f64>, largest: f64) -> Vec<f64> {
 /// The signs of a reversal that flips all momenta.
 fn flipped_momenta(dof: usize) -> Vec<f64> {
     [vec![1.0; dof], vec![-1.0; dof]].concat()
+}
+
+/// A map of states that reverses time.
+enum Reversal<'a> {
+    /// Time runs backwards by itself.
+    Identity,
+    /// The signs of all coordinates.
+    Signs(Vec<f64>),
+    /// A function of the user.
+    Function(&'a map::Reversal<'a>),
+}
+
+impl Reversal<'_> {
+    /// The reversed states.
+    fn of(&self, states: &Ensemble) -> Result<Ensemble, Error> {
+        match self {
+            Reversal::Identity => Ok(states.clone()),
+            Reversal::Signs(signs) => Ok(with_signs(states, signs)),
+            Reversal::Function(function) => {
+                let mut states = states.clone();
+                function(&mut states.block());
+                states.check_finite(None)?;
+                Ok(states)
+            }
+        }
+    }
 }
 
 /// All states with these signs of their coordinates.
@@ -227,6 +260,28 @@ impl Returns {
             range,
             by_step_size: None,
         })
+    }
+
+    /// Refuses a function that is not its own inverse.
+    fn check_reversal(
+        &self,
+        evaluator: &Evaluator<'_>,
+        reversal: &Reversal<'_>,
+        radius: &[Vec<f64>; 2],
+    ) -> Result<(), Error> {
+        let Reversal::Function(_) = reversal else {
+            return Ok(());
+        };
+        let once = reversal.of(&self.before)?;
+        let found = self.largest_defect(evaluator, [&once, &reversal.of(&once)?], radius);
+        if found.defect > SIGNIFICANT * found.uncertainty {
+            return Err(Error::OutOfRange {
+                what: "distance of a state, in radii of the loop, from the state that the reversal makes of it twice",
+                value: found.defect,
+                remedy: "give a reversal that is its own inverse",
+            });
+        }
+        Ok(())
     }
 
     /// The largest distance between the states and those that came back, in units of `radius`, of the coordinates whose distance
