@@ -303,6 +303,81 @@ fn mistakes_in_what_a_step_returns_are_named() {
     );
 }
 
+/// The method of Runge and Kutta of order 4 for a pendulum, with the force of the last stage at another position.
+fn runge_kutta(last: f64) -> impl TimeAdvance {
+    PerSample::new(1, move |h, q, p| {
+        let of = |q: f64, p: f64| (p, -q.sin());
+        let (a, b) = of(q[0], p[0]);
+        let (c, d) = of(q[0] + 0.5 * h * a, p[0] + 0.5 * h * b);
+        let (e, f) = of(q[0] + 0.5 * h * c, p[0] + 0.5 * h * d);
+        let (k, l) = of(q[0] + last * h * e, p[0] + h * f);
+        q[0] += h / 6.0 * (a + 2.0 * c + 2.0 * e + k);
+        p[0] += h / 6.0 * (b + 2.0 * d + 2.0 * f + l);
+    })
+}
+
+#[test]
+fn a_defect_at_a_lower_order_than_the_method_has_is_named() {
+    let kind = |map: &dyn TimeAdvance, order: Option<usize>| {
+        let circle = Circle::new(vec![0.4], vec![0.3], 0.5).unwrap();
+        let diagnostic = Diagnostic {
+            order,
+            ..Diagnostic::halving(-1, -6)
+        };
+        let found = diagnostic.run(map, &circle).unwrap().verdict;
+        assert_eq!(found.kind, VerdictKind::NotSymplectic, "{found}");
+        (
+            found.order,
+            found.cause.map(|cause| (cause.kind, cause.remedy)),
+        )
+    };
+    let is_below = |map: &dyn TimeAdvance, order| {
+        let (_, cause) = kind(map, order);
+        cause.is_some_and(|(kind, remedy)| {
+            kind == CauseKind::OrderBelowMethod && remedy.contains("check_force")
+        })
+    };
+    let (right, wrong) = (runge_kutta(1.0), runge_kutta(0.0));
+    let order = kind(&wrong, None).0.expect("a power law");
+    assert!(order < 5.0, "{order}");
+    assert!(is_below(&wrong, Some(4)) && !is_below(&wrong, None));
+    assert!(!is_below(&wrong, Some(order as usize - 1)));
+    assert!(!is_below(&right, Some(4)));
+    // A force with curl, by a method of order 4: the defect goes as h.
+    let with_curl = PerSample::new(2, |h, q: &mut [f64], p: &mut [f64]| {
+        let of = |z: [f64; 4]| {
+            let [x, y, u, v] = z;
+            [
+                u,
+                v,
+                -x.sin() - 0.1 * y - x * y,
+                -y + 0.1 * x - 0.5 * x * x - 0.2 * y * y,
+            ]
+        };
+        let z = [q[0], q[1], p[0], p[1]];
+        let at = |k: [f64; 4], part: f64| std::array::from_fn(|i| z[i] + part * h * k[i]);
+        let a = of(z);
+        let b = of(at(a, 0.5));
+        let c = of(at(b, 0.5));
+        let d = of(at(c, 1.0));
+        let change = |i: usize| h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
+        (0..2).for_each(|i| {
+            q[i] += change(i);
+            p[i] += change(i + 2);
+        });
+    });
+    let circle = Circle::new(vec![0.1, 0.05], vec![0.1, 0.2], 0.2).unwrap();
+    let diagnostic = Diagnostic {
+        order: Some(4),
+        ..Diagnostic::halving(-1, -6)
+    };
+    let found = diagnostic.run(&with_curl, &circle).unwrap().verdict;
+    let found = found.cause.expect("a cause");
+    let kinds = [CauseKind::OrderBelowMethod, CauseKind::ForceWithCurl];
+    assert!(kinds.contains(&found.kind), "{}", found.text);
+    assert!(found.remedy.contains("check_force"), "{}", found.remedy);
+}
+
 /// Leapfrog in Hénon and Heiles' potential, with what is done to momenta before and after it.
 fn between(
     before: fn(f64, &[f64], &mut [f64]),

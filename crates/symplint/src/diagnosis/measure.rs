@@ -96,7 +96,10 @@ impl Diagnostic {
             },
             _ => self.clone(),
         };
-        let mut evidence = Evidence::default();
+        let mut evidence = Evidence {
+            expected_order: self.order.filter(|_| self.has_step_size),
+            ..Evidence::default()
+        };
         evidence.evaluations.budget = budget;
         evidence.evaluations.add(Check::StepSizes, count.made());
         let mut run = Runner::new(diagnostic, watch, &evaluator, evidence);

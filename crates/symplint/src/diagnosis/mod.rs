@@ -85,6 +85,9 @@ pub struct Diagnostic {
     pub project: bool,
     /// So many steps of the largest size of the given loop, to see whether a defect adds up; 0 for none.
     pub long_time: usize,
+    /// The order of the method, if the user knows it: a defect at a lower power of h than this order allows then has a cause outside
+    /// the method.
+    pub order: Option<usize>,
     /// Whether a defect is traced to substeps of the map, and to parts of the loop.
     pub localise: bool,
     /// Whether the Jacobian of the largest step is measured, too.
@@ -118,6 +121,7 @@ impl Default for Diagnostic {
             seed: 1,
             project: true,
             long_time: 0,
+            order: None,
             localise: true,
             jacobian: true,
             properties: true,

@@ -75,6 +75,9 @@ pub struct Evidence {
     /// without a step size, or that moves them little.
     #[serde(default)]
     pub radii: Option<[f64; 2]>,
+    /// The order of the method as the user states it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expected_order: Option<usize>,
     /// The given loop after many steps.
     pub long_time: Option<LongTime>,
     /// The Jacobian of the largest step at points of the given loop.

@@ -16,6 +16,9 @@ const MOST_REPEATS: u64 = 1_000_000;
 /// Steps of a long-time run at most.
 const MOST_STEPS: u64 = 100_000_000;
 
+/// Order of a method at most: composition and extrapolation reach a few tens.
+const MOST_ORDER: u64 = 100;
+
 /// Every setting of a diagnosis. They are read in this order.
 pub const SETTINGS: &[Setting] = &[
     with_default(
@@ -139,6 +142,12 @@ pub const SETTINGS: &[Setting] = &[
         "0",
         "number of steps of the largest size, to see whether a defect accumulates; 0 for none",
         |of, value| (value.whole(0, MOST_STEPS)).map(|count| of.long_time = count as usize),
+    ),
+    optional(
+        "order",
+        "2",
+        "order of the method, if you know it: a defect that it does not explain is then named",
+        |of, value| (value.whole(1, MOST_ORDER)).map(|order| of.order = Some(order as usize)),
     ),
     with_default(
         "jacobian",

@@ -136,6 +136,7 @@ impl<'a> Runner<'a> {
                     self.features.clear();
                     self.evidence = Evidence {
                         evaluations: std::mem::take(&mut self.evidence.evaluations),
+                        expected_order: self.evidence.expected_order,
                         ..Evidence::default()
                     };
                 }

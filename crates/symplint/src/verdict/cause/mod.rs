@@ -4,6 +4,7 @@ mod blocks;
 mod breaks;
 mod changes;
 mod form;
+mod order;
 
 pub(super) use breaks::JumpLaw;
 
@@ -81,6 +82,8 @@ pub enum CauseKind {
     FewIterations,
     /// One of many substeps, or few of them, change loop integrals.
     Substep,
+    /// The defect falls more slowly with h than the defects of a method of the stated order do.
+    OrderBelowMethod,
     /// The map preserves no constant two-form, or none with constant weights.
     NoForm,
 }
@@ -111,7 +114,7 @@ impl Clues<'_> {
     ];
 
     /// The causes of changes of loop integrals, those that the evidence shows most surely first.
-    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 11] = [
+    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 12] = [
         Self::ignores_step_size,
         Self::swapped,
         Self::projection,
@@ -121,6 +124,7 @@ impl Clues<'_> {
         Self::solver_tolerance,
         Self::part_of_step,
         Self::substep,
+        Self::order_below_method,
         Self::level_of_a_tolerance,
         Self::no_form,
     ];
