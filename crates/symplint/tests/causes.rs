@@ -492,6 +492,55 @@ fn a_defect_that_is_the_same_at_all_step_sizes_is_no_friction() {
 }
 
 #[test]
+fn a_factor_in_every_step_is_named_as_independent_of_its_size() {
+    // Of two pairs that are not coupled, one loses a part of its area in every step.
+    let damped = |part: f64| {
+        PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+            for i in 0..2 {
+                q[i] += h * p[i];
+                p[i] -= h * q[i].sin();
+            }
+            let turned = part * (1.0 + q[0] * q[0]) * (1.0 + p[0] * p[0]);
+            (q[1], p[1]) = (q[1] - turned, p[1] * (1.0 - part));
+        })
+    };
+    let found = verdict(&damped(0.01), &[0.3, 1.0], &[0.4, -0.2], 0.5);
+    assert_eq!(found.kind, VerdictKind::NotSymplectic);
+    let words = ["about the same at all step sizes", "A step of size 0"];
+    let found = cause(&found, CauseKind::IndependentOfStepSize, &words);
+    assert!(found.remedy.contains("a step of a very small size"));
+    // The remedy followed: without the part that does not depend on h, the step is symplectic.
+    let without = verdict(&damped(0.0), &[0.3, 1.0], &[0.4, -0.2], 0.5);
+    assert_eq!(without.kind, VerdictKind::Symplectic);
+}
+
+#[test]
+fn light_bodies_that_are_damped_beside_a_heavy_one_are_named() {
+    let light = 1e-9;
+    let bodies = PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+        p[1] *= 0.95;
+        let masses = [1.0, light];
+        (0..2).for_each(|i| q[i] += 0.5 * h * p[i] / masses[i]);
+        let pull = 0.3 * light * (q[1] - q[0]);
+        p[0] += h * (pull - q[0] - 0.1 * q[0].powi(3));
+        p[1] -= h * (pull + light * (q[1] + 0.2 * q[1].powi(3)));
+        (0..2).for_each(|i| q[i] += 0.5 * h * p[i] / masses[i]);
+    });
+    let circle = Circle::with_radii(
+        vec![0.2, -0.1],
+        vec![0.1, 0.3 * light],
+        vec![0.4, 0.5],
+        vec![0.4, 0.4 * light],
+    );
+    let diagnostic = Diagnostic::halving(-1, -8);
+    let found = diagnostic.run(&bodies, &circle.unwrap()).unwrap().verdict;
+    assert_eq!(found.kind, VerdictKind::NotSymplectic, "{found}");
+    let found = found.cause.expect("a cause");
+    let kinds = [CauseKind::PartialFriction, CauseKind::IndependentOfStepSize];
+    assert!(kinds.contains(&found.kind), "{}", found.text);
+}
+
+#[test]
 fn the_substep_that_changes_areas_is_named() {
     struct Lattice;
     impl TimeAdvance for Lattice {

@@ -30,7 +30,11 @@ impl Clues<'_> {
         let of_model = self.slope().is_none_or(|slope| slope < OF_A_MODEL);
         // In other variables blocks are others.
         let form = self.evidence.preserved_form.as_ref();
-        if of_model && form.is_none_or(|form| form.exists != Some(false)) {
+        let no_form = form.is_some_and(|form| form.exists == Some(false));
+        // If the search for a form has no result, other variables may explain a kick, but no change of momenta by themselves.
+        let may_be_friction = form.is_some_and(|form| form.exists.is_none())
+            && self.slope().is_some_and(|slope| slope < OF_A_MODEL);
+        if of_model && !no_form && !may_be_friction {
             return None;
         }
         let sides = [(&blocks.after, true), (&blocks.before, false)];
@@ -50,8 +54,11 @@ impl Clues<'_> {
             Some((kind, side, is_end))
         });
         let Some((kind, side, is_end)) = found else {
-            return self.largest_block(blocks).filter(|_| of_model);
+            return self.largest_block(blocks).filter(|_| of_model && no_form);
         };
+        if of_model && !no_form && kind != CauseKind::PartialFriction {
+            return None;
+        }
         let (matrix, verb) = match is_end {
             true => ("Poisson brackets after the step", "ends"),
             false => ("MᵀJM − J of the Jacobian M", "begins"),

@@ -82,6 +82,8 @@ pub enum CauseKind {
     FewIterations,
     /// One of many substeps, or few of them, change loop integrals.
     Substep,
+    /// The defect is the same at all step sizes: a part of the step that does not depend on h changes areas.
+    IndependentOfStepSize,
     /// The defect falls more slowly with h than the defects of a method of the stated order do.
     OrderBelowMethod,
     /// The map preserves no constant two-form, or none with constant weights.
@@ -114,7 +116,7 @@ impl Clues<'_> {
     ];
 
     /// The causes of changes of loop integrals, those that the evidence shows most surely first.
-    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 12] = [
+    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 13] = [
         Self::ignores_step_size,
         Self::swapped,
         Self::projection,
@@ -126,6 +128,7 @@ impl Clues<'_> {
         Self::substep,
         Self::order_below_method,
         Self::level_of_a_tolerance,
+        Self::independent_of_step_size,
         Self::no_form,
     ];
 

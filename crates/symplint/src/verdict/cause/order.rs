@@ -1,8 +1,31 @@
-//! A defect whose order is below that of the method.
+//! A defect whose order is lower than the order of a method.
 
 use super::{Cause, CauseKind, Clues};
+use crate::verdict::findings::{ChangeFinding, Finding};
+use crate::verdict::number::size;
 
 impl Clues<'_> {
+    /// A step becomes the identity as h → 0. Wrong variables, friction and methods all have defects that fall.
+    pub(super) fn independent_of_step_size(&self) -> Option<Cause> {
+        let fit = self.findings.iter().find_map(|finding| match finding {
+            Finding::Changes(ChangeFinding::Law { fit, .. }) => Some(fit),
+            _ => None,
+        })?;
+        if fit.whole() != Some(0.0) {
+            return None;
+        }
+        let text = format!(
+            "The defect is about the same at all step sizes from {} to {}. A step of size 0 leaves all states where they are: either a \
+             part of the step that does not depend on h changes areas, or all these step sizes are too large.",
+            size(fit.from),
+            size(fit.to)
+        );
+        let remedy = "Compare the states before and after a step of a very small size: they should be equal. Look for positions or momenta \
+                      that the step returns in other units than it takes, a factor in every step instead of e^(−γh), and a tolerance \
+                      of a solver.";
+        Some(Cause::new(CauseKind::IndependentOfStepSize, text, remedy))
+    }
+
     /// One step of a method of order r differs by h^{r+1} from the flow, and the flow of Hamilton's equations conserves loop integrals.
     pub(super) fn order_below_method(&self) -> Option<Cause> {
         let stated = self.evidence.expected_order? as f64;
