@@ -41,8 +41,8 @@ def of_state(q, p, h):
 
 def subject(step, dof, **arguments):
     settings = {
-        "radius": 1.0, "loop": None, "project": None, "period": None, "momentum_period": None, "weight": None,
-        "per_sample": False, "make": False, "reset": None, "dtype": None, "threads": None,
+        "radius": 1.0, "phases": "staggered", "seed": 1, "loop": None, "project": None, "period": None, "momentum_period": None,
+        "weight": None, "per_sample": False, "make": False, "reset": None, "dtype": None, "threads": None,
     }  # fmt: skip
     return _subject(step, np.ones(dof), np.ones(dof), **(settings | arguments))
 
