@@ -89,8 +89,8 @@ fn clipped_and_stopped_particles_are_named_and_the_jacobian_shows_the_lost_area(
         cause(&found, CauseKind::Clipped, &[name, "above s = "]);
         let text = found.sentences().concat();
         assert!(text.contains("between its jumps either"), "{text}");
-        let beside = verdict(map, &[1.5], &[-0.5], 0.1);
-        assert_eq!(beside.kind, VerdictKind::Symplectic, "{beside}");
+        let away = verdict(map, &[1.5], &[-0.5], 0.1);
+        assert_eq!(away.kind, VerdictKind::Symplectic, "{away}");
     }
 }
 
@@ -515,7 +515,7 @@ fn a_factor_in_every_step_is_named_as_independent_of_its_size() {
 }
 
 #[test]
-fn light_bodies_that_are_damped_beside_a_heavy_one_are_named() {
+fn damped_light_bodies_around_a_heavy_one_are_named() {
     let light = 1e-9;
     let bodies = PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
         p[1] *= 0.95;

@@ -360,7 +360,7 @@ fn signs_of_a_reversal_are_checked_and_used() {
     assert_eq!(holds(&other, PropertyName::Reversible), Some(true));
 }
 
-/// A map with a reversal of its own.
+/// A map with its own reversal.
 struct Reversed<M>(M, fn(&mut Block<'_>));
 
 impl<M: TimeAdvance> TimeAdvance for Reversed<M> {

@@ -31,9 +31,9 @@ impl Clues<'_> {
         let stated = self.evidence.expected_order? as f64;
         let order = self.order.filter(|order| *order <= stated)?;
         let text = format!(
-            "The defect goes as h^{order}. One step of a method of order {stated} changes loop integrals of Hamilton's equations by \
-             h^{} or less: either the equations are not Hamilton's in these variables, or the step does not have the order {stated}, \
-             as if its force is not the force at the states of the method.",
+            "The defect goes as h^{order}. For Hamilton's equations, one step of a method of order {stated} \
+             changes loop integrals in proportion to h^{} or a higher power. Either the equations are not Hamilton's in these variables, \
+             or the step does not have the order {stated}, as with a force that is not the force at the states of the method.",
             stated + 1.0
         );
         let remedy = "Test the equations without the step: `check_force(F, q0)`, or `check_field(f, q0, p0)`. If they pass, look for a \
