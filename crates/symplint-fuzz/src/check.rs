@@ -234,6 +234,10 @@ fn diagnostic(u: &mut Unstructured<'_>) -> Result<Diagnostic> {
             true => u.int_in_range(0..=3)?,
             false => 1,
         },
+        order: match u.ratio(1, 8)? {
+            true => Some(u.int_in_range(0..=9)?),
+            false => None,
+        },
     })
 }
 
