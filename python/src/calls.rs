@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
+use symplint::diagnosis::Progress;
 use symplint::map::Difference;
 use symplint::{Block, Ensemble, StepFailure};
 
@@ -43,6 +44,8 @@ pub enum Call {
     Project(Loan<Answer>),
     /// Write the states of a loop at these parameters.
     Loop(Vec<f64>, Loan<Answer>),
+    /// The diagnosis begins.
+    Started(Arc<Progress>),
     /// So many more points will be measured.
     Planned(usize),
     /// A point was measured, at this step size.

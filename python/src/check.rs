@@ -353,6 +353,7 @@ pub fn check(
     let failed: OnceLock<Error> = OnceLock::new();
     let measure = |caller: &dyn Caller, map: &dyn TimeAdvance, phase_loop: &dyn Loop| {
         diagnostic.run_watched(map, phase_loop, &|event| match event {
+            Event::Started(progress) if watched => caller.tell(Call::Started(progress.clone())),
             Event::Planned(more) if watched => caller.tell(Call::Planned(more)),
             Event::Measured(point) if watched => caller.tell(Call::Measured(point.step_size)),
             Event::Failed(error) => {

@@ -13,6 +13,7 @@ use crate::block_call::{BlockCall, Failed, for_each_batch};
 use crate::calls::{Answer, Call, ends_programs};
 use crate::error::{diagnostic_error, input_error, step_error};
 use crate::memory::{Loan, Memory};
+use crate::progress::Line;
 use crate::workers::Workers;
 
 /// Exceptions that are kept to be the cause of an error of the diagnostic, at most: one for each step size and text, so more
@@ -205,6 +206,14 @@ impl Functions {
                 let sampled = (sampled.map(|()| true)).map_err(|error| Failed { sample: 0, error });
                 self.answer(py, loan, Of::Loop, sampled)
             }
+            Call::Started(started) => match &self.progress {
+                Some(progress) if progress.bind(py).hasattr("started")? => {
+                    let line = Line::new(&started);
+                    progress.call_method1(py, "started", (line,))?;
+                    Ok(())
+                }
+                _ => Ok(()),
+            },
             Call::Planned(more) => {
                 self.planned += more;
                 self.tell_progress(py, None)

@@ -32,6 +32,7 @@ mod measure;
 mod memory;
 mod models;
 mod pool;
+mod progress;
 mod report;
 mod step;
 mod workers;

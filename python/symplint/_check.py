@@ -225,8 +225,8 @@ def check(
         With `run_dir`, identifies what the source text of the step does not show: parameters that are read from a file, the state of an
         object, compiled code. Another key is another run.
     progress : bool or callable, optional
-        True shows a bar on standard error if that is a terminal; a function gets how many points were measured, how many
-        are planned, and the step size of the last one.
+        True shows the check under way, the evaluations made and the time left on standard error if that is a terminal. A
+        function receives the number of points measured, the number planned, and the step size of the last one.
 
     Returns
     -------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -11,7 +12,8 @@ from ._errors import InputError
 
 Watch = Callable[[int, int, "float | None"], object]
 
-WIDTH = 40
+INTERVAL = 0.25
+"""Seconds between two drawings."""
 
 
 @contextlib.contextmanager
@@ -23,11 +25,11 @@ def bar(progress: Any) -> Iterator[Watch | None]:
         if not progress or not _is_terminal():
             yield None
             return
+        drawn = _Bar()
         try:
-            yield _draw
+            yield drawn
         finally:
-            sys.stderr.write("\r\x1b[K")
-            sys.stderr.flush()
+            drawn.end()
     else:
         raise InputError(f"progress is {progress!r}; give True, or a function of (measured, planned, h)")
 
@@ -37,8 +39,30 @@ def _is_terminal() -> bool:
     return sys.stderr is not None and not sys.stderr.closed and sys.stderr.isatty()
 
 
-def _draw(measured: int, planned: int, h: float | None) -> None:
-    filled = WIDTH * measured // max(planned, 1)
-    text = "" if h is None else f"  h = {h:g}"
-    sys.stderr.write(f"\r\x1b[K{'█' * filled}{'░' * (WIDTH - filled)} {measured}/{planned} points{text}")
-    sys.stderr.flush()
+class _Bar:
+    """A line that a thread draws, so that the time also runs during long steps."""
+
+    def __init__(self) -> None:
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def __call__(self, measured: int, planned: int, h: float | None) -> None:
+        """Nothing: the line shows evaluations, not points."""
+
+    def started(self, line: Any) -> None:
+        """Begins to draw."""
+        self._thread = threading.Thread(target=self._draw, args=(line,), daemon=True)
+        self._thread.start()
+
+    def _draw(self, line: Any) -> None:
+        while not self._ended.wait(INTERVAL):
+            sys.stderr.write(f"\r\x1b[K{line.text()}")
+            sys.stderr.flush()
+
+    def end(self) -> None:
+        """Removes the line."""
+        self._ended.set()
+        if self._thread is not None:
+            self._thread.join()
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()

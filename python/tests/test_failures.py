@@ -239,6 +239,21 @@ def test_progress_is_told_of_every_point():
     assert seen[-1][0] <= seen[-1][1]
 
 
+def test_the_line_on_a_terminal_shows_the_check_and_the_evaluations(monkeypatch, capsys):
+    monkeypatch.setattr("symplint._progress._is_terminal", lambda: True)
+    monkeypatch.setattr("symplint._progress.INTERVAL", 0.02)
+
+    def step(q, p, h):
+        time.sleep(2e-3)
+        return verlet(q, p, h)
+
+    symplint.check(step, 1.0, 0.5, **SIZES, per_sample=True, budget=400, progress=True)
+    drawn = capsys.readouterr().err
+    assert "random loops" in drawn
+    assert "of at most 400 evaluations" in drawn
+    assert drawn.endswith("\r\x1b[K")
+
+
 INTERRUPTED = """
 import signal, sys, time
 import numpy as np

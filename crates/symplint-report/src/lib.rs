@@ -23,6 +23,7 @@ pub mod figures;
 pub mod number;
 pub mod page;
 pub mod plot;
+pub mod progress;
 pub mod provenance;
 pub mod report;
 pub mod run_folder;

@@ -75,7 +75,7 @@ pub(super) fn diagnose(
     let config = loaded?;
     let journal = output.as_ref().and_then(|output| output.journal.clone());
     let log = (output.as_ref()).map(|output| PointLog::new(&output.folder, &output.config));
-    let progress = Progress::new("points", run.shown.quiet || run.shown.json);
+    let progress = Progress::new("evaluations", run.shown.quiet || run.shown.json);
     let outcome = config
         .diagnostic
         .run_watched(&*config.map, &*config.phase_loop, &|event| {

@@ -1,18 +1,16 @@
 //! Progress on standard error, if that is a terminal.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::fmt::Write;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use symplint::diagnosis::Event;
-use symplint::verdict::step_size_text;
-use symplint_report::number::in_thousands;
+use symplint_report::progress::ProgressLine;
 
 /// A progress bar that may be hidden.
 pub struct Progress {
     bar: ProgressBar,
-    /// Evaluations of the points that were measured.
-    evaluations: AtomicUsize,
 }
 
 /// Between two drawings of the bar.
@@ -43,10 +41,7 @@ impl Progress {
         }
         // The clock runs during long calls, too.
         bar.enable_steady_tick(TICK);
-        Progress {
-            bar,
-            evaluations: AtomicUsize::new(0),
-        }
+        Progress { bar }
     }
 
     /// Adds steps to the total.
@@ -67,28 +62,16 @@ impl Progress {
 
     /// Follows a diagnosis.
     pub fn diagnosis(&self, event: Event<'_>) {
-        match event {
-            Event::Planned(more) => self.plan(more),
-            Event::Measured(point) => {
-                self.step();
-                let made = point.evaluations;
-                let all = made + self.evaluations.fetch_add(made, Ordering::Relaxed);
-                let is_last = self
-                    .bar
-                    .length()
-                    .is_none_or(|all| self.bar.position() >= all);
-                let now = match is_last {
-                    // The Jacobian, for example. They report no points.
-                    true => "further tests".to_owned(),
-                    false if point.step_size.is_finite() => {
-                        format!("after h = {}", step_size_text(point.step_size))
-                    }
-                    false => String::new(),
-                };
-                (self.bar).set_message(format!("{} evaluations  {now}", in_thousands(all)));
+        if let Event::Started(progress) = event {
+            let line = Arc::new(Mutex::new(ProgressLine::new(progress)));
+            let draw = move |_: &ProgressState, to: &mut dyn Write| {
+                let mut line = line.lock().unwrap_or_else(PoisonError::into_inner);
+                // A terminal that is gone needs no progress.
+                let _ = to.write_str(&line.text());
+            };
+            if let Ok(style) = ProgressStyle::with_template("{diagnosis}") {
+                self.bar.set_style(style.with_key("diagnosis", draw));
             }
-            // The report names it.
-            Event::Failed(_) => self.step(),
         }
     }
 

@@ -42,6 +42,10 @@ impl<'a> PointLog<'a> {
     }
 
     fn follow(&self, table: &mut Option<RecordTable>, event: Event<'_>) -> Result<(), WriteError> {
+        // A run that is refused before it plans anything leaves the folder alone.
+        if matches!(event, Event::Started(_)) {
+            return Ok(());
+        }
         let table = match table {
             Some(table) => table,
             None => table.insert(self.folder.begin(self.config)?),

@@ -1,10 +1,12 @@
 //! Carrying out the plan: fills the evidence.
 
 use super::checks::Runner;
+use std::sync::Arc;
+
 use super::limits::{LEAST_BUDGET, MOST_LOOPS, ONLY_STEP};
 use super::plan;
 use super::step_sizes::step_sizes;
-use super::{Diagnostic, Event};
+use super::{Diagnostic, Event, Progress};
 use crate::error::Error;
 use crate::evidence::{Check, Evidence};
 use crate::loops::{Loop, check_closed};
@@ -34,19 +36,20 @@ impl Diagnostic {
         watch: &dyn Fn(Event<'_>),
     ) -> Result<Evidence, Error> {
         let mut evidence = match self.repeat {
-            1 => self.measure_once(map, phase_loop, watch)?,
+            1 => self.measure_once(map, phase_loop, watch, 1)?,
             _ => self.measure_repeated(map, phase_loop, watch)?,
         };
         evidence.evaluations.add_radii(phase_loop.evaluations());
         Ok(evidence)
     }
 
-    /// Measures the map itself.
+    /// Measures the map itself, which makes `repeat` evaluations for each state.
     fn measure_once(
         &self,
         map: &dyn TimeAdvance,
         phase_loop: &dyn Loop,
         watch: &dyn Fn(Event<'_>),
+        repeat: usize,
     ) -> Result<Evidence, Error> {
         if !self.has_step_size && (self.step_sizes != [ONLY_STEP] || self.typical_step.is_some()) {
             let only = Diagnostic {
@@ -54,7 +57,7 @@ impl Diagnostic {
                 typical_step: None,
                 ..self.clone()
             };
-            return only.measure_once(map, phase_loop, watch);
+            return only.measure_once(map, phase_loop, watch, repeat);
         }
         check_step_sizes(self)?;
         let budget = self.budget.unwrap_or_else(|| plan::default_budget(self));
@@ -89,6 +92,8 @@ impl Diagnostic {
             evaluator: &evaluator,
             phase_loop: &given,
         };
+        let progress = Arc::new(Progress::new(count.finished(), budget, repeat));
+        watch(Event::Started(&progress));
         let diagnostic = &match (self.step_sizes.is_empty(), self.typical_step) {
             (true, Some(typical)) => Diagnostic {
                 step_sizes: step_sizes(subject, typical)?,
@@ -102,7 +107,7 @@ impl Diagnostic {
         };
         evidence.evaluations.budget = budget;
         evidence.evaluations.add(Check::StepSizes, count.made());
-        let mut run = Runner::new(diagnostic, watch, &evaluator, evidence);
+        let mut run = Runner::new(diagnostic, (watch, &progress), &evaluator, evidence);
         let given = run.begin(subject)?;
         run.complete(subject, &given)?;
         run.evidence.evaluations.made = count.made();
@@ -132,7 +137,7 @@ impl Diagnostic {
                 remedy: "give at least 200 times the number of repetitions",
             });
         }
-        let mut evidence = once.measure_once(&map, phase_loop, watch)?;
+        let mut evidence = once.measure_once(&map, phase_loop, watch, self.repeat)?;
         evidence.evaluations = evidence.evaluations.times(self.repeat);
         evidence.evaluations.budget = budget;
         if let Some(structure) = &mut evidence.structure {

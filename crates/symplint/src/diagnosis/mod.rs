@@ -5,11 +5,15 @@ mod limits;
 mod measure;
 mod missing;
 mod plan;
+mod progress;
 mod resolve;
 mod step_sizes;
 
 pub(crate) use limits::LEAST_BUDGET;
 pub use limits::MOST_LOOPS;
+pub use progress::Progress;
+
+use std::sync::Arc;
 
 use crate::error::Error;
 use crate::evidence::Point;
@@ -134,7 +138,10 @@ impl Default for Diagnostic {
 
 /// What happens while a diagnosis runs.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum Event<'a> {
+    /// The diagnosis begins. Its progress can be read from now on.
+    Started(&'a Arc<Progress>),
     /// So many more points will be measured.
     Planned(usize),
     /// A point was measured.

@@ -55,6 +55,8 @@ pub(crate) struct EvaluationCount {
     budget: usize,
     /// Kept for later.
     reserved: AtomicUsize,
+    /// Evaluations finished, for others to read.
+    finished: Arc<AtomicUsize>,
 }
 
 impl EvaluationCount {
@@ -64,6 +66,7 @@ impl EvaluationCount {
             made: AtomicUsize::new(0),
             budget,
             reserved: AtomicUsize::new(0),
+            finished: Arc::default(),
         }
     }
 
@@ -110,6 +113,16 @@ impl EvaluationCount {
         }
         self.made.fetch_add(evaluations, Ordering::Relaxed);
         Ok(())
+    }
+
+    /// Notes that evaluations were finished.
+    fn finish(&self, evaluations: usize) {
+        self.finished.fetch_add(evaluations, Ordering::Relaxed);
+    }
+
+    /// The number of evaluations finished, which other threads may read.
+    pub fn finished(&self) -> &Arc<AtomicUsize> {
+        &self.finished
     }
 }
 
@@ -426,6 +439,7 @@ impl<'a> Evaluator<'a> {
                 true => self.map.advance(h, &mut block),
                 false => (0..self.substeps).try_for_each(|k| self.parts.advance(k, h, &mut block)),
             };
+            self.count.finish(block.len());
             checked(advanced, self.stated(h), first, &block)?;
             if let Some(taken) = taken {
                 self.recorder.keep(taken, h, &block);
@@ -452,6 +466,9 @@ impl<'a> Evaluator<'a> {
         let width = self.block_width();
         let each = |(b, mut block): (usize, Block<'_>)| {
             let advanced = self.parts.advance(substep, h, &mut block);
+            if substep + 1 == self.substeps {
+                self.count.finish(block.len());
+            }
             checked(advanced, self.stated(h), b * width, &block)
         };
         let blocks = states.blocks_of(width).into_par_iter().enumerate();
@@ -483,6 +500,7 @@ impl<'a> Evaluator<'a> {
             let first = b * width;
             fill(first, &mut states, &mut tangents);
             let advanced = tangent.advance_tangents(h, &mut states, &mut tangents);
+            self.count.finish(states.len());
             checked(advanced, self.stated(h), first, &states)
         };
         first_error(pairs.enumerate().map(each).collect())

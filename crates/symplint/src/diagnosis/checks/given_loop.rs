@@ -1,5 +1,6 @@
 //! The given loop at all step sizes.
 
+use super::expected::Cost;
 use super::{FailedStep, GivenLoop, Runner, if_possible};
 use crate::diagnosis::limits::KEPT_PART;
 use crate::diagnosis::resolve::Resolution;
@@ -64,7 +65,16 @@ impl Runner<'_> {
             samples.prefetch(probe.samples, further.take(self.left() / cost));
         }
         let mut omitted = diagnostic.step_sizes.len() - self.failed.len() - affordable.len();
+        let costs = Cost {
+            step: cost,
+            samples: probe.samples,
+            groups: 1,
+        };
+        // The largest step was taken already.
+        let mut to_come = affordable.len().saturating_sub(1);
         for h in affordable {
+            self.expect_steps(to_come, subject, costs);
+            to_come -= usize::from(h != self.largest);
             let known = match h == self.largest {
                 true => judged.clone(),
                 false if self.left() < probe.least_cost() => {

@@ -3,6 +3,7 @@
 mod break_sides;
 pub(super) mod constraint;
 mod contraction;
+mod expected;
 mod features;
 mod given_loop;
 mod jacobian;
@@ -19,7 +20,7 @@ use memory::{Noise, check_again, wrong_period};
 
 use super::plan::Plan;
 use super::resolve::probe::{Probe, StepMeasurement};
-use super::{Diagnostic, Event};
+use super::{Diagnostic, Event, Progress};
 use crate::error::Error;
 use crate::evidence::{
     BreakAt, Check, Evidence, Motion, Omission, Point, StepEvidence, Sweep, Why,
@@ -32,6 +33,7 @@ use crate::rules::Subject;
 pub(super) struct Runner<'a> {
     pub(super) diagnostic: &'a Diagnostic,
     pub(super) watch: &'a dyn Fn(Event<'_>),
+    pub(super) progress: &'a Progress,
     pub(super) count: &'a EvaluationCount,
     pub(super) plan: Plan,
     /// The largest step size that the map can take.
@@ -71,13 +73,14 @@ impl<'a> Runner<'a> {
     /// A diagnosis that has measured nothing yet.
     pub(super) fn new(
         diagnostic: &'a Diagnostic,
-        watch: &'a dyn Fn(Event<'_>),
+        (watch, progress): (&'a dyn Fn(Event<'_>), &'a Progress),
         evaluator: &Evaluator<'a>,
         evidence: Evidence,
     ) -> Self {
         Runner {
             diagnostic,
             watch,
+            progress,
             count: evaluator.count(),
             plan: Plan::new(
                 diagnostic,
@@ -171,11 +174,13 @@ impl<'a> Runner<'a> {
         subject: Subject<'_>,
         given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
-        for (check, measure) in Self::checks() {
+        for (k, (check, measure)) in Self::checks().into_iter().enumerate() {
+            self.expect_from(k, subject, given.costs());
             self.check(check, |run| measure(run, subject, given))?;
         }
         // Jacobian and localisation note any error and continue.
         subject.evaluator.check_not_stopped()?;
+        self.progress.expect(self.of_memory(), 0);
         self.counted(Check::Memory, |run| run.look_again(subject.evaluator))
     }
 
@@ -195,6 +200,7 @@ impl<'a> Runner<'a> {
 
     /// Counts the evaluations of a check.
     fn counted<T>(&mut self, check: Check, measure: impl FnOnce(&mut Self) -> T) -> T {
+        self.progress.begin(check);
         let start = self.count.made();
         let measured = measure(self);
         let made = self.count.made() - start;

@@ -9,6 +9,8 @@ pub(super) use halving::{
     FEWEST_EVALUATIONS as FEWEST_OF_HALVING, MOST_EVALUATIONS as MOST_OF_A_BOUNDARY, contraction,
 };
 
+pub(super) use sectors::FEWEST_EVALUATIONS as FEWEST_OF_SECTORS;
+
 use super::random_loops::loop_of_kind;
 use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::Diagnostic;

@@ -15,7 +15,7 @@ const SIDES: usize = 3;
 
 /// Evaluations that all sectors take at least, where their boundaries are smooth: a first look and 15 states for each
 /// side, checks included.
-pub(super) const FEWEST_EVALUATIONS: usize = 2 * SECTORS * (12 + 15 * SIDES);
+pub(crate) const FEWEST_EVALUATIONS: usize = 2 * SECTORS * (12 + 15 * SIDES);
 
 /// Integrates round every sector before and after a step of size `h`.
 pub(super) fn sectors(

@@ -21,7 +21,7 @@ use crate::state::Ensemble;
 use crate::survey;
 
 /// Random loops for each group of degrees of freedom but the first.
-const LOOPS_OF_GROUP: usize = 2;
+pub(super) const LOOPS_OF_GROUP: usize = 2;
 
 /// Random loops of an ample budget where the given loop breaks.
 const LOOPS_BESIDE_BREAKS: usize = 2;
@@ -88,6 +88,7 @@ impl Runner<'_> {
                 break;
             }
             self.reserved = sure.saturating_sub(k + 1) * of_loop;
+            self.expect_from(0, subject, given.costs());
             if self.try_loop(subject, given, other)? {
                 continue;
             }
@@ -134,7 +135,7 @@ impl Runner<'_> {
 
     /// The number of further loops that are measured whatever they show, if each takes `of_loop` evaluations: those
     /// before which [`is_settled`](Self::is_settled) is false.
-    fn sure_loops(&self, of_loop: usize) -> usize {
+    pub(super) fn sure_loops(&self, of_loop: usize) -> usize {
         let given = &self.evidence.loops[0];
         // A loop that winds does not count as evidence.
         let proves = !given.winds;
