@@ -1,6 +1,6 @@
 //! The figures of a diagnosis, of a trace and of loops from files.
 
-use symplint::evidence::{Evidence, LoopPicture, Point, Sector, Sweep};
+use symplint::evidence::{Evidence, LoopAtStep, LoopPicture, Point, Sector, Sweep};
 use symplint::trace::{Observable, TraceRecord};
 use symplint::{Diagnosis, Ensemble};
 
@@ -22,6 +22,7 @@ pub fn figures(title: &str, diagnosis: &Diagnosis) -> Vec<(&'static str, Figure)
     if points.iter().any(|point| point.sweep == Sweep::Samples) {
         figures.push(("samples", samples(title, diagnosis)));
     }
+    figures.extend(many_steps(title, diagnosis).map(|figure| ("many_steps", figure)));
     if let Some(picture) = &diagnosis.evidence.picture {
         figures.push(("loop", loop_figure(title, &diagnosis.evidence, picture)));
     }
@@ -90,7 +91,7 @@ pub fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
     let (given, random) = (of_loop(|index| index == 0), of_loop(|index| index > 0));
     let mut all = Vec::new();
     let (style, colors) = (Style::LineAndPoints, GIVEN_COLORS);
-    all.extend(defects("given loop", &given, style, colors));
+    all.extend(defects("your loop", &given, style, colors));
     if !random.is_empty() {
         // Above the others, whose lines still show.
         let (style, colors) = (Style::Points, RANDOM_COLORS);
@@ -123,10 +124,37 @@ fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
         .map(|point| (count(point), point.defect))
         .collect();
     let all = vec![
-        series("given loop", defects, Style::LineAndPoints, GIVEN_COLORS[0]),
+        series("your loop", defects, Style::LineAndPoints, GIVEN_COLORS[0]),
         uncertainty_of(&points, count),
     ];
     single(title, x, error_axis(), all)
+}
+
+/// The defect of the given loop against the number of steps, if many steps were made.
+pub fn many_steps(title: &str, diagnosis: &Diagnosis) -> Option<Figure> {
+    let curve = &diagnosis.evidence.loop_at_steps;
+    let steps = |of: &LoopAtStep| of.step as f64;
+    if curve.len() < 2 {
+        return None;
+    }
+    let defects = curve.iter().map(|of| (steps(of), of.defect.abs()));
+    let errors = curve
+        .iter()
+        .map(|of| (steps(of), of.uncertainty.unwrap_or(f64::NAN)));
+    let h = diagnosis.evidence.long_time.and_then(|of| of.step_size);
+    let label = h.map_or("number of steps".into(), |h| {
+        format!("number of steps, h = {}", raised_power_of_two(h))
+    });
+    let all = vec![
+        series("your loop", defects.collect(), Style::Line, GIVEN_COLORS[0]),
+        uncertainty(errors),
+    ];
+    Some(single(
+        title,
+        axis(&label, Scale::Linear),
+        error_axis(),
+        all,
+    ))
 }
 
 /// Positions and momenta of one degree of freedom.
@@ -290,8 +318,8 @@ mod tests {
         let circle = Circle::new(vec![0.1], vec![0.3], 1.0).unwrap();
         let diagnosis = Diagnostic::halving(-1, -4).run(&step, &circle).unwrap();
         let figure = step_sizes("|q|", &diagnosis);
-        assert!(defects_of(&figure, "given loop, between breaks").all(|defect| defect > 1e-4));
-        assert!(defects_of(&figure, "given loop, breaks closed").all(|defect| defect < 1e-12));
+        assert!(defects_of(&figure, "your loop, between breaks").all(|defect| defect > 1e-4));
+        assert!(defects_of(&figure, "your loop, breaks closed").all(|defect| defect < 1e-12));
         assert!(defects_of(&figure, "random loops, breaks closed").all(|defect| defect < 1e-12));
         assert_eq!(figure.panels[0].title, diagnosis.verdict.headline());
     }
@@ -338,6 +366,35 @@ mod tests {
     }
 
     #[test]
+    fn many_steps_have_a_figure() {
+        let damped = PerSample::new(1, |h: f64, q: &mut [f64], p: &mut [f64]| {
+            p[0] = (p[0] - h * q[0]) * (-0.1 * h).exp();
+            q[0] += h * p[0];
+        });
+        let circle = Circle::new(vec![1.0], vec![0.0], 0.5).unwrap();
+        let diagnostic = Diagnostic {
+            long_time: 1000,
+            ..Diagnostic::halving(-1, -3)
+        };
+        let diagnosis = diagnostic.run(&damped, &circle).unwrap();
+        let figure = many_steps("damped", &diagnosis).expect("many steps were made");
+        let points = &figure.panels[0].series[0].points;
+        assert_eq!(points.len(), 200);
+        // Each step of 1/2 multiplies the area by exp(−0.05).
+        for &(step, defect) in points {
+            let expected = -(-0.05 * step).exp_m1();
+            assert!(
+                (defect - expected).abs() < 1e-9,
+                "{step}: {defect} and {expected}"
+            );
+        }
+        let names: Vec<&str> = sizes("damped", &diagnosis).iter().map(|of| of.0).collect();
+        assert_eq!(names, ["step_sizes", "many_steps"]);
+        let short = Diagnostic::halving(-1, -3).run(&damped, &circle).unwrap();
+        assert!(many_steps("damped", &short).is_none());
+    }
+
+    #[test]
     fn a_whole_loop_has_one_defect() {
         let spring = PerSample::new(1, |h, q, p| {
             q[0] += h * p[0];
@@ -346,7 +403,7 @@ mod tests {
         let circle = Circle::new(vec![1.0], vec![0.0], 0.5).unwrap();
         let diagnosis = Diagnostic::halving(-1, -3).run(&spring, &circle).unwrap();
         let figure = step_sizes("spring", &diagnosis);
-        assert!(defects_of(&figure, "given loop").all(|defect| defect < 1e-13));
+        assert!(defects_of(&figure, "your loop").all(|defect| defect < 1e-13));
         let labels = figure.panels[0].series.iter().map(|series| &series.label);
         assert_eq!(labels.filter(|label| label.contains("closed")).count(), 0);
     }

@@ -217,6 +217,7 @@ fn caption(name: &str) -> &'static str {
     match name {
         "step_sizes" => "Change of the loop integral against the step size",
         "samples" => "Change of the loop integral against the number of samples",
+        "many_steps" => "Change of the loop integral against the number of steps",
         "loop" => "The loop before and after one step",
         _ => "A figure",
     }

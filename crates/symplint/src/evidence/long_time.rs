@@ -36,6 +36,18 @@ pub struct LongTime {
     pub energy: Option<EnergyInTime>,
 }
 
+/// The integral of the given loop after a number of steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct LoopAtStep {
+    /// The number of steps.
+    pub step: usize,
+    /// The relative change of the integral since the beginning.
+    pub defect: f64,
+    /// The uncertainty of the change: quadrature error and rounding. `None` if it is unknown.
+    pub uncertainty: Option<f64>,
+}
+
 /// How the energies of the states of a loop change in many steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]

@@ -18,7 +18,7 @@ mod survey;
 pub use break_sides::{AlongFlow, BreakSides, CoordinateAtBreak, PositionAtBreak};
 pub use checks::{Check, Evaluations, Omission, Why};
 pub use localisation::{Contraction, Localisation, Sector, SubstepDefect};
-pub use long_time::{EnergyInTime, LongTime};
+pub use long_time::{EnergyInTime, LongTime, LoopAtStep};
 pub(crate) use motion::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, defect_of_order_4};
 pub use motion::{Motion, Reach};
 pub use picture::LoopPicture;
@@ -80,6 +80,9 @@ pub struct Evidence {
     pub expected_order: Option<usize>,
     /// The given loop after many steps.
     pub long_time: Option<LongTime>,
+    /// The integral of the given loop at up to 200 numbers of steps, as far as its samples resolve it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loop_at_steps: Vec<LoopAtStep>,
     /// The Jacobian of the largest step at points of the given loop.
     pub jacobian: Option<JacobianEvidence>,
     /// How the largest defect of the Jacobian falls with the step size. Measured if a loop has a defect at three step sizes,

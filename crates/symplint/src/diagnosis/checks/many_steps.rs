@@ -5,7 +5,7 @@ use crate::diagnosis::limits::{FEWEST_SAMPLES, FINE_DEFECT, FOLDED, RESOLVED_DEF
 use crate::diagnosis::plan::{fits, power_below};
 use crate::diagnosis::resolve::probe::Probe;
 use crate::error::Error;
-use crate::evidence::{Check, EnergyInTime, LongTime, LoopEvidence, Why};
+use crate::evidence::{Check, EnergyInTime, LongTime, LoopAtStep, LoopEvidence, Why};
 use crate::map::Energy;
 use crate::rules::{Rule, Subject};
 use crate::state::Ensemble;
@@ -13,6 +13,9 @@ use crate::trace::{Trace, TracePoint};
 
 /// Blocks of the first half of the steps, whose rates predict the second half. Conventional.
 const BLOCKS: usize = 8;
+
+/// Points of the curve that is kept, at most. Conventional: more than a figure shows.
+const MOST_OF_CURVE: usize = 200;
 
 impl Runner<'_> {
     /// The given loop in many steps, if they are asked for.
@@ -32,7 +35,10 @@ impl Runner<'_> {
             return Ok(());
         }
         match follow(&given.probe, self.largest, steps, self.left()) {
-            Ok(Ok(found)) => self.evidence.long_time = Some(found),
+            Ok(Ok((found, curve))) => {
+                self.evidence.long_time = Some(found);
+                self.evidence.loop_at_steps = curve;
+            }
             Ok(Err(why)) => self.omit(Check::ManySteps, why),
             Err(error @ (Error::Stopped | Error::BudgetSpent { .. })) => return Err(error),
             // The verdict rests on one step: states may escape, or a loop wind around a torus, in the steps after it.
@@ -49,7 +55,7 @@ fn follow(
     h: f64,
     steps: usize,
     left: usize,
-) -> Result<Result<LongTime, Why>, Error> {
+) -> Result<Result<(LongTime, Vec<LoopAtStep>), Why>, Error> {
     let dof = probe.subject.dof();
     let mut samples = probe.samples.max(FOLDED / dof.max(1));
     if !probe.keeps_samples() && !fits(dof, samples) {
@@ -83,7 +89,21 @@ fn follow(
     let h = subject.evaluator.stated(h);
     let mut found = summary(h, samples, &record.points[1..]);
     found.energy = energies.and_then(EnergiesInTime::summary);
-    Ok(Ok(found))
+    let curve = curve(&record.points[1..=found.steps]);
+    Ok(Ok((found, curve)))
+}
+
+/// Some of the points, evenly spaced, and the last one.
+fn curve(points: &[TracePoint]) -> Vec<LoopAtStep> {
+    let every = points.len().div_ceil(MOST_OF_CURVE).max(1);
+    let kept = points.iter().rev().step_by(every).map(|point| LoopAtStep {
+        step: point.step,
+        defect: point.signed_defect,
+        uncertainty: (point.quadrature_error).map(|error| error + point.roundoff),
+    });
+    let mut kept: Vec<LoopAtStep> = kept.collect();
+    kept.reverse();
+    kept
 }
 
 /// The energies of the states of a loop, step by step.
