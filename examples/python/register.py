@@ -1,12 +1,16 @@
 """Verdicts on released packages: `python register.py ENTRY` prints the version and the verdict of one entry.
 
-Without an entry, it lists all of them. `pip install PACKAGE` installs the package that an entry needs. docs/register.md has the results.
+Without an entry, it lists all of them. `--row` prints a row of the table. `pip install PACKAGE` installs the package that an entry needs.
+docs/register.md has the results.
 """
 
 import importlib.metadata
+import re
 import sys
 
 import numpy as np
+import register_physics
+import register_solvers
 import symplint
 
 KEPLER = [1.0, 0.0], [0.0, 1.1]
@@ -115,7 +119,9 @@ def gala(integrator):
 
         return advance
 
-    return symplint.check(make, *KEPLER, make=True, per_sample=True, radius=0.1, step_sizes=[0.2, 0.1, 0.05], budget=3000)
+    return symplint.check(
+        make, *KEPLER, make=True, per_sample=True, radius=0.1, step_sizes=[0.2, 0.1, 0.05], budget=3000
+    )
 
 
 def galpy(method):
@@ -146,7 +152,9 @@ def at(method):
         "quadrupole": lambda h: pyat.Quadrupole("Q", h, 1.2, NumIntSteps=4),
         "sextupole": lambda h: pyat.Sextupole("S", h, 40.0, NumIntSteps=4),
         "dipole": lambda h: pyat.Dipole("B", h, 0.2 * h, NumIntSteps=4),
-        "dipole-radiation": lambda h: pyat.Dipole("B", h, 0.2 * h, NumIntSteps=4, PassMethod="BndMPoleSymplectic4RadPass"),
+        "dipole-radiation": lambda h: pyat.Dipole(
+            "B", h, 0.2 * h, NumIntSteps=4, PassMethod="BndMPoleSymplectic4RadPass"
+        ),
     }[method]
 
     def make(h):
@@ -210,9 +218,9 @@ def diffrax(solver):
 
 
 def blackjax(integrator):
-    import blackjax.mcmc.integrators as integrators
     import jax
     import jax.numpy as jnp
+    from blackjax.mcmc import integrators
 
     jax.config.update("jax_enable_x64", True)
 
@@ -281,38 +289,77 @@ def numpyro(integrator):
     return symplint.check(step, [1.0, 0.5], [0.5, 0.2], step_sizes=[0.5, 0.25, 0.125])
 
 
-# The entry: the function, its argument, and the package that `pip` installs.
+SPLITTING = "symplectic: splitting method"
+ADAPTIVE = "not symplectic: chooses its steps"
+CONVERGED = "symplectic to its tolerance: chooses its steps"
+RUNGE_KUTTA = "not symplectic: explicit Runge–Kutta"
+
+# The package that `pip` installs: the functions, and for each method what theory says.
+PACKAGES = {
+    "rebound": [
+        (rebound, dict.fromkeys(("whfast", "leapfrog", "saba"), SPLITTING) | dict.fromkeys(("ias15", "bs"), CONVERGED))
+    ],
+    "scipy": [(scipy, dict.fromkeys(("RK45", "DOP853", "Radau", "LSODA"), ADAPTIVE))],
+    "ase": [(ase, {"VelocityVerlet": SPLITTING})],
+    "openmm": [(openmm, {"VerletIntegrator": SPLITTING, "VariableVerletIntegrator": ADAPTIVE})],
+    "gala": [
+        (gala, {
+            "LeapfrogIntegrator": SPLITTING,
+            "Ruth4Integrator": SPLITTING,
+            "RK5Integrator": RUNGE_KUTTA,
+            "DOPRI853Integrator": CONVERGED,
+        })
+    ],
+    "galpy": [
+        (galpy, dict.fromkeys(("leapfrog", "symplec4_c", "symplec6_c"), SPLITTING) | dict.fromkeys(("dop853_c", "odeint"), ADAPTIVE))
+    ],
+    "accelerator-toolbox": [
+        (at, dict.fromkeys(("drift", "quadrupole", "sextupole", "dipole"), SPLITTING) | {"dipole-radiation": "not symplectic: loses energy"})
+    ],
+    "mujoco": [(mujoco, dict.fromkeys(("Euler", "implicitfast"), "symplectic: a kick, then a drift") | {"RK4": RUNGE_KUTTA})],
+    "diffrax": [(diffrax, {"SemiImplicitEuler": SPLITTING, "Midpoint": RUNGE_KUTTA, "Tsit5": RUNGE_KUTTA})],
+    "blackjax": [(blackjax, dict.fromkeys(("velocity_verlet", "mclachlan", "yoshida"), SPLITTING))],
+    "mici": [(mici, dict.fromkeys(("LeapfrogIntegrator", "BCSSThreeStageIntegrator"), SPLITTING))],
+    "numpyro": [(numpyro, {"velocity_verlet": SPLITTING})],
+}  # fmt: skip
+PACKAGES |= register_solvers.ENTRIES | register_physics.ENTRIES
+
+# The entry: the function, its argument, the package, and what theory says.
 ENTRIES = {
-    f"{function.__name__}-{argument}": (function, argument, package)
-    for package, function, arguments in (
-        ("rebound", rebound, ("whfast", "leapfrog", "saba", "ias15", "bs")),
-        ("scipy", scipy, ("RK45", "DOP853", "Radau", "LSODA")),
-        ("ase", ase, ("VelocityVerlet",)),
-        ("openmm", openmm, ("VerletIntegrator", "VariableVerletIntegrator")),
-        ("gala", gala, ("LeapfrogIntegrator", "Ruth4Integrator", "RK5Integrator", "DOPRI853Integrator")),
-        ("galpy", galpy, ("leapfrog", "symplec4_c", "symplec6_c", "dop853_c", "odeint")),
-        ("accelerator-toolbox", at, ("drift", "quadrupole", "sextupole", "dipole", "dipole-radiation")),
-        ("mujoco", mujoco, ("Euler", "implicitfast", "RK4")),
-        ("diffrax", diffrax, ("SemiImplicitEuler", "Midpoint", "Tsit5")),
-        ("blackjax", blackjax, ("velocity_verlet", "mclachlan", "yoshida")),
-        ("mici", mici, ("LeapfrogIntegrator", "BCSSThreeStageIntegrator")),
-        ("numpyro", numpyro, ("velocity_verlet",)),
-    )
-    for argument in arguments
+    f"{function.__name__}-{argument}": (function, argument, package, theory)
+    for package, functions in PACKAGES.items()
+    for function, arguments in functions
+    for argument, theory in arguments.items()
 }
 
 
-def main(name):
-    function, argument, package = ENTRIES[name]
+def verdict(report):
+    """The verdict as a table shows it."""
+    if report.kind == "symplectic":
+        return f"symplectic to {report.digits:g} digits"
+    change = re.fullmatch(
+        r"The map changes (a loop integral by .*? at h = [\de-]+(?:\.\d+)?)(, in proportion to h.)?.*", report.summary
+    )
+    if report.kind == "not-symplectic" and change:
+        return f"not symplectic; {change[1].replace(' by ', ' changes by ')}{change[2] or ''}"
+    return report.headline
+
+
+def main(name, is_row):
+    function, argument, package, theory = ENTRIES[name]
     report = function(argument)
     version = importlib.metadata.version(package)
-    print(f"{package} {version}, {argument}: {report.headline}\n  {report.summary}")
+    if is_row:
+        print(f"| {package} | {version} | `{argument}` | {theory} | {verdict(report)} |")
+        return
+    print(f"{package} {version}, {argument}: {report.headline}\n  {report.summary}\n  Theory: {theory}")
     if report.cause:
         print(f"  {report.cause.text}")
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        main(sys.argv[1])
-    else:
+    names = [argument for argument in sys.argv[1:] if argument != "--row"]
+    for name in names:
+        main(name, "--row" in sys.argv)
+    if not names:
         print("\n".join(ENTRIES))
