@@ -63,5 +63,27 @@ for (const [system, integrator, more] of [
     rmSync(folder, { recursive: true });
   }
 }
+// A typed step has the verdict of the same method in the program; the explicit Euler method is not symplectic.
+const SIZES = [0.5, 0.25, 0.125, 0.0625];
+for (const [name, step, integrator] of [
+  ["leapfrog", "p = p - h/2*sin(q)\nq = q + h*p\np = p - h/2*sin(q)", 'name = "strang"\nvariant = "momentum-first"'],
+  ["explicit Euler", "F = -sin(q)\nq = q + h*p\np = p + h*F", 'name = "euler"'],
+]) {
+  const typed = symplintDemo.ask(exports, JSON.stringify({ step, q0: [1], p0: [0.5], radius: 0.5, step_sizes: SIZES }));
+  const text = `[system]\nname = "pendulum"\nq0 = 1.0\np0 = 0.5\n[integrator]\n${integrator}\n[loop]\nradius = 0.5\n[diagnostic]\nbudget = 200000\nstep_sizes = [${SIZES}]\n`;
+  const native = spawnSync(program, ["check", "-", "--json"], { encoding: "utf8", input: text });
+  const { verdict } = native.stdout ? JSON.parse(native.stdout) : { verdict: { kind: native.stderr } };
+  if (typed.kind === verdict.kind && (verdict.kind === "symplectic") === (name === "leapfrog")) passed += 1;
+  else {
+    failed += 1;
+    console.log(`typed ${name}: ${typed.kind ?? typed.error} and ${verdict.kind}`);
+  }
+}
+const misprint = symplintDemo.ask(exports, JSON.stringify({ step: "q = q + h*", q0: [1], p0: [0.5], radius: 0.5, step_sizes: SIZES }));
+if (misprint.error?.startsWith("line 1, column 11: ")) passed += 1;
+else {
+  failed += 1;
+  console.log(`misprint: ${JSON.stringify(misprint)}`);
+}
 console.log(`${passed} passed, ${failed} failed`);
 process.exit(failed === 0 && passed > 0 ? 0 : 1);

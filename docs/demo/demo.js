@@ -10,6 +10,7 @@
     "absolute-value": "potential |q|",
     kepler: "Kepler",
     toda: "Toda lattice",
+    typed: "your own step",
   };
   const INTEGRATORS = ["strang", "lie-trotter", "yoshida4", "implicit-midpoint", "gauss4", "euler", "rk2", "rk4"];
   // Step sizes of a sweep: h, h/2, …
@@ -19,10 +20,28 @@
 
   const page = (id) => document.getElementById(`demo-${id}`);
 
-  /** The configuration of the choices. */
+  const isTyped = () => page("system").value === "typed";
+
+  /** Numbers with commas between them. */
+  const numbers = (id) => page(id).value.split(",").map((text) => (text.trim() === "" ? NaN : Number(text)));
+
+  /** The step that was typed, as JSON: crates/symplint-demo/src/typed.rs. */
+  function typed(sizes) {
+    const [q0, p0, [radius]] = ["q0", "p0", "radius"].map(numbers);
+    return JSON.stringify({ step: page("code").value, q0, p0, radius, step_sizes: sizes }, null, 1);
+  }
+
+  /** What is wrong with a field; an empty text if all are numbers. */
+  function mistake() {
+    const wrong = ["q0", "p0", "radius"].find((id) => !numbers(id).every(Number.isFinite));
+    return isTyped() && wrong ? `${page(wrong).value || "nothing"} is not a number: write 0.5, or 0.5, 1 for two` : "";
+  }
+
+  /** The question for the choices: a configuration, or a typed step. */
   function configuration() {
     const h = Number(page("step").value);
     const sizes = Array.from({ length: SIZES }, (_, k) => h / 2 ** k);
+    if (isTyped()) return typed(sizes);
     const damping = page("damping").checked ? "damping = 0.05\n" : "";
     return (
       `[system]\nname = "${page("system").value}"\n\n` +
@@ -70,7 +89,7 @@
       context.clearRect(0, 0, canvas.width, canvas.height);
       dots(frames[0], "#8b949e");
       dots(frames[count], "#d55e00");
-      page("steps").textContent = `${count} steps`;
+      page("steps").textContent = count === 1 ? "1 step" : `${count} steps`;
     };
     if (still) {
       draw(Math.min(1, frames.length - 1));
@@ -108,6 +127,11 @@
     }
     page("form").hidden = false;
     const run = () => {
+      for (const part of page("form").querySelectorAll("[data-of]")) part.hidden = (part.dataset.of === "typed") !== isTyped();
+      if (mistake()) {
+        show({ error: mistake() });
+        return;
+      }
       page("configuration").textContent = configuration();
       page("running").textContent = "The diagnosis runs …";
       // After the browser has drawn this line.
@@ -117,7 +141,10 @@
       }, 20);
     };
     page("form").addEventListener("change", run);
-    page("form").addEventListener("submit", (event) => event.preventDefault());
+    page("form").addEventListener("submit", (event) => {
+      event.preventDefault();
+      run();
+    });
     run();
   }
 

@@ -1,11 +1,13 @@
 //! The verdict, figures and animation of a configuration.
 
 use serde::Serialize;
-use symplint::Ensemble;
+use symplint::{Diagnostic, Ensemble, Loop, TimeAdvance};
 use symplint_config::{Config, ConfigError};
 use symplint_report::figures::figures;
 use symplint_report::report::to_json;
 use symplint_report::text::{Shown, diagnosis_text, headline};
+
+use crate::typed::TypedRun;
 
 /// Characters of a line of the report.
 const WIDTH: usize = 80;
@@ -48,27 +50,52 @@ struct Refusal {
     error: String,
 }
 
-/// The verdict on a configuration in TOML, its figures and the loop in time, or `error`, as JSON.
-pub fn answer(configuration: &str) -> String {
-    match diagnose(configuration) {
+/// The verdict on a configuration in TOML, or on a typed step in JSON, its figures and the loop in time, or `error`, as JSON.
+pub fn answer(question: &str) -> String {
+    let found = match question.trim_start().starts_with('{') {
+        true => typed(question),
+        false => configured(question),
+    };
+    match found {
         Ok(answer) => to_json(&answer),
         Err(error) => to_json(&Refusal { error }),
     }
 }
 
-fn diagnose(configuration: &str) -> Result<Answer, String> {
+fn configured(configuration: &str) -> Result<Answer, String> {
     let config = Config::parse("configuration", configuration).map_err(|error| errors(&error))?;
-    let (map, phase_loop) = (&*config.map, &*config.phase_loop);
-    let diagnosis = (config.diagnostic.run(map, phase_loop)).map_err(|error| error.to_string())?;
+    let titles = [config.title(), config.heading()];
+    diagnose(
+        titles,
+        &*config.map,
+        &*config.phase_loop,
+        &config.diagnostic,
+    )
+}
+
+fn typed(question: &str) -> Result<Answer, String> {
+    let run: TypedRun = serde_json::from_str(question).map_err(|error| error.to_string())?;
+    let (map, circle, diagnostic) = run.prepare()?;
+    let title = "your step".to_owned();
+    diagnose([title.clone(), title], &map, &circle, &diagnostic)
+}
+
+fn diagnose(
+    [title, heading]: [String; 2],
+    map: &dyn TimeAdvance,
+    phase_loop: &dyn Loop,
+    diagnostic: &Diagnostic,
+) -> Result<Answer, String> {
+    let diagnosis = (diagnostic.run(map, phase_loop)).map_err(|error| error.to_string())?;
     let (answer, rest) = headline(&diagnosis.verdict);
     let shown = Shown {
         width: Some(WIDTH),
         all: false,
     };
-    let text = diagnosis_text(&config.heading(), &diagnosis, shown);
+    let text = diagnosis_text(&heading, &diagnosis, shown);
     let picture = diagnosis.evidence.picture.as_ref();
     let h = picture.and_then(|picture| picture.step_size).unwrap_or(1.0);
-    let figures = figures(&config.title(), &diagnosis)
+    let figures = figures(&title, &diagnosis)
         .into_iter()
         .filter_map(|(name, figure)| {
             let svg = figure.to_svg().ok()?;
@@ -78,13 +105,13 @@ fn diagnose(configuration: &str) -> Result<Answer, String> {
         kind: diagnosis.verdict.kind.to_string(),
         text: format!("{answer}{rest}\n{text}"),
         figures: figures.collect(),
-        frames: frames(&config, h),
+        frames: frames(map, phase_loop, h),
     })
 }
 
 /// The loop in time, until the map fails.
-fn frames(config: &Config, h: f64) -> Vec<Frame> {
-    let Ok(mut states) = Ensemble::sample(&*config.phase_loop, SAMPLES) else {
+fn frames(map: &dyn TimeAdvance, phase_loop: &dyn Loop, h: f64) -> Vec<Frame> {
+    let Ok(mut states) = Ensemble::sample(phase_loop, SAMPLES) else {
         return Vec::new();
     };
     let frame = |states: &Ensemble| Frame {
@@ -92,7 +119,7 @@ fn frames(config: &Config, h: f64) -> Vec<Frame> {
         p: states.p().row(0).to_vec(),
     };
     let mut frames = vec![frame(&states)];
-    while frames.len() <= STEPS && states.advance(&*config.map, h).is_ok() {
+    while frames.len() <= STEPS && states.advance(map, h).is_ok() {
         frames.push(frame(&states));
     }
     frames
@@ -135,6 +162,32 @@ mod tests {
         let frames = answer["frames"].as_array().unwrap();
         assert_eq!(frames.len(), STEPS + 1);
         assert_eq!(frames[STEPS]["q"].as_array().unwrap().len(), SAMPLES);
+    }
+
+    fn question(step: &str) -> String {
+        serde_json::json!({"step": step, "q0": [1.0], "p0": [0.5], "radius": 0.5, "step_sizes": [0.5, 0.25, 0.125, 0.0625]})
+            .to_string()
+    }
+
+    #[test]
+    fn typed_steps_have_the_verdict_of_theory() {
+        let leapfrog = "p = p - h/2*sin(q)\nq = q + h*p\np = p - h/2*sin(q)";
+        assert_eq!(answered(&question(leapfrog))["kind"], "symplectic");
+        let euler = "F = -sin(q)\nq = q + h*p\np = p + h*F";
+        let found = answered(&question(euler));
+        assert_eq!(found["kind"], "not-symplectic", "{found}");
+        let damped = "p = (p - h*sin(q))*exp(-0.1*h)\nq = q + h*p";
+        let found = answered(&question(damped));
+        assert!(
+            found["text"].as_str().unwrap().contains("uniform friction"),
+            "{found}"
+        );
+        let error = answered(&question("p = p - h*sni(q)"));
+        let error = error["error"].as_str().unwrap();
+        assert!(
+            error.starts_with("line 1, column 11: sni is unknown"),
+            "{error}"
+        );
     }
 
     #[test]
