@@ -79,7 +79,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     };
     Figure::new(
         vec![
-            portrait("loop round (π, ½)", &loops, Some(&energy)),
+            portrait("loop around (π, ½)", &loops, Some(&energy)),
             energy_panel,
         ],
         2,

@@ -45,8 +45,8 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
     let mut panels = Vec::new();
     let mut onset = Vec::new();
     for (name, title, centre) in [
-        ("stable", "loop round (π, ½)", (PI, 0.5)),
-        ("x_point", "loop round (0, 0)", (0.0, 0.0)),
+        ("stable", "loop around (π, ½)", (PI, 0.5)),
+        ("x_point", "loop around (0, 0)", (0.0, 0.0)),
     ] {
         let circle = Circle::new(vec![centre.0], vec![centre.1], 1.0)?;
         let record = trace.run(&*map, &circle, None)?;

@@ -122,7 +122,7 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             equal_aspect: false,
         });
     }
-    Figure::new(panels, 3).save(&folder.figures(), "fig8")?;
+    Figure::new(panels, 1).save(&folder.figures(), "fig8")?;
     let all: Vec<Moment> = runs.into_iter().flatten().collect();
     folder.write_csv("fig8.csv", &all)?;
     Ok(claims)

@@ -247,13 +247,18 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
         } else {
             // A line would hide the theory, which it meets everywhere.
             let some = points.iter().copied().step_by(MOMENTS_PER_MARKER).collect();
-            series("measured", some, Style::Points, 0)
+            let label = format!("measured, every {MOMENTS_PER_MARKER}th time");
+            series(&label, some, Style::Points, 0)
         };
         let mut drawn = vec![measured];
-        let start = if theory < 0.0 || !logarithmic {
-            points[0].1
-        } else {
-            0.05 * (-theory * 20.0).exp()
+        // The envelope touches the wave in the middle third, after transients and before saturation.
+        let thirds = points.len() / 3;
+        let ratios = points[thirds..points.len() - thirds].iter();
+        let start = match logarithmic {
+            true => ratios
+                .map(|p| p.1.abs() * (-theory * p.0).exp())
+                .fold(0.0, f64::max),
+            false => points[0].1,
         };
         let law = points.iter().map(|p| {
             let wave = if logarithmic {
@@ -280,7 +285,8 @@ fn run(settings: &Settings, folder: &RunFolder) -> Result<Vec<Claim>, PaperError
             equal_aspect: false,
         });
     }
-    Figure::new(panels, 3).save(&folder.figures(), "physics")?;
+    let figure = Figure::new(panels, 1).with_shared_legend();
+    figure.save(&folder.figures(), "physics")?;
     folder.write_csv("physics.csv", &rows)?;
     Ok(claims)
 }

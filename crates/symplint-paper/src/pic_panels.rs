@@ -1,7 +1,7 @@
 //! The panels of figures 6, 7 and 9: each a plasma with splines of one degree.
 
 use symplint_report::figure::{Axis, Figure, Panel, Scale, Style};
-use symplint_report::plot::{axis, error_axis, reference_slope, series, step_axis};
+use symplint_report::plot::{axis, error_axis, look, reference_slope, series, step_axis};
 
 use super::error::PaperError;
 use super::pic::{Case, Curves, INTEGRATORS, PLASMAS, Setup, SweepRange};
@@ -30,7 +30,7 @@ pub fn plain_panels(
             passes: 0,
         };
         PanelCases {
-            title: case.name(),
+            title: format!("{} splines", case.name()),
             cases: vec![case],
             reference: reference(degree),
         }
@@ -74,6 +74,9 @@ fn unknown(panel: &PanelCases, curves: &Curves, at: Place) -> Vec<(f64, f64)> {
 /// Series index of a black cross.
 const BLACK_CROSS: usize = 34;
 
+/// Colours of the filters of a panel.
+const CASE_COLORS: [usize; 4] = [0, 1, 2, 3];
+
 /// The place of a record in a panel.
 type Place = fn(&Record) -> (f64, f64);
 
@@ -86,8 +89,13 @@ fn draw(panel: &PanelCases, curves: &Curves, over: &SweepRange) -> Panel {
         curves.of(case, integrator).iter().map(at).collect()
     };
     let mut all = Vec::new();
-    for &case in &panel.cases {
-        for integrator in INTEGRATORS {
+    for (c, &case) in panel.cases.iter().enumerate() {
+        for (marker, integrator) in INTEGRATORS.into_iter().enumerate() {
+            // Of several filters, the colour shows the filter and the marker the integrator.
+            let index = match panel.cases.len() {
+                1 => marker,
+                _ => look(CASE_COLORS[c % CASE_COLORS.len()], marker),
+            };
             let label = match panel.cases.len() {
                 1 => integrator.to_owned(),
                 _ => format!("{integrator}, s = {}", case.passes),
@@ -96,7 +104,7 @@ fn draw(panel: &PanelCases, curves: &Curves, over: &SweepRange) -> Panel {
                 &label,
                 points(case, integrator),
                 Style::LineAndPoints,
-                all.len(),
+                index,
             ));
         }
     }

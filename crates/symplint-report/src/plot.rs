@@ -41,6 +41,14 @@ pub fn series(label: &str, points: Vec<(f64, f64)>, style: Style, color: usize) 
     }
 }
 
+/// The index of a series with this colour and this marker. Colours repeat after 7 indices, markers after 5.
+pub fn look(color: usize, marker: usize) -> usize {
+    (color % 7..35)
+        .step_by(7)
+        .find(|index| index % 5 == marker % 5)
+        .unwrap_or(color)
+}
+
 /// The uncertainty of defects, by one name in every figure: quadrature error and round-off together. Where several
 /// curves have a point at one abscissa, it is the largest that is known (not NaN) there.
 pub fn uncertainty(points: impl IntoIterator<Item = (f64, f64)>) -> Series {
@@ -157,6 +165,16 @@ fn contours(x: (f64, f64), y: (f64, f64), energy: Observable<'_>) -> Vec<Series>
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_colour_has_every_marker() {
+        for color in 0..7 {
+            for marker in 0..5 {
+                let index = look(color, marker);
+                assert_eq!((index % 7, index % 5), (color, marker));
+            }
+        }
+    }
 
     #[test]
     fn of_several_uncertainties_the_largest_is_drawn() {

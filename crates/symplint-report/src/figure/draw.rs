@@ -95,11 +95,11 @@ fn letters(k: usize) -> String {
     }
 }
 
-/// The sizes of all panels, with the frames of a column below each other.
+/// The sizes of all panels, with the frames of a column below each other and those of a row of one height.
 fn aligned(figure: &Figure, titles: &[String], columns: usize, face: &Typeface) -> Vec<Sizes> {
     let panels = || figure.panels.iter().zip(titles).enumerate();
     let alone: Vec<Sizes> = panels()
-        .map(|(_, (panel, title))| sizes(panel, title, face, (0.0, 0.0)))
+        .map(|(_, (panel, title))| sizes(panel, title, face, (0.0, 0.0), STYLE.plot_height))
         .collect();
     let widest = |column: usize| -> Margins {
         (alone.iter().zip(&figure.panels))
@@ -111,8 +111,20 @@ fn aligned(figure: &Figure, titles: &[String], columns: usize, face: &Typeface) 
                 (left.max(sizes.left), right.max(sizes.right))
             })
     };
+    // Beside a phase portrait, other frames end where it ends.
+    let height = |row: usize| -> f64 {
+        (alone.iter().zip(&figure.panels))
+            .skip(row * columns)
+            .take(columns)
+            .filter(|(_, panel)| panel.equal_aspect)
+            .map(|(sizes, _)| sizes.height)
+            .reduce(f64::max)
+            .unwrap_or(STYLE.plot_height)
+    };
     panels()
-        .map(|(k, (panel, title))| sizes(panel, title, face, widest(k % columns)))
+        .map(|(k, (panel, title))| {
+            sizes(panel, title, face, widest(k % columns), height(k / columns))
+        })
         .collect()
 }
 

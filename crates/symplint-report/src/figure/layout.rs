@@ -29,8 +29,15 @@ pub(super) struct Sizes {
 /// Margins left and right of the frame of a panel.
 pub(super) type Margins = (f64, f64);
 
-/// The sizes of a panel whose margins are at least as wide as `least`.
-pub(super) fn sizes(panel: &Panel, title: &str, face: &Typeface, least: Margins) -> Sizes {
+/// The sizes of a panel whose margins are at least as wide as `least`, and whose frame has this height, except for panels of equal
+/// aspect.
+pub(super) fn sizes(
+    panel: &Panel,
+    title: &str,
+    face: &Typeface,
+    least: Margins,
+    plot_height: f64,
+) -> Sizes {
     let spans = range::spans(panel);
     let (mut left, mut right) = (least.0, least.1.max(STYLE.edge));
     // Labels decide the margins, margins the room for labels: the second round settles it, and
@@ -38,7 +45,7 @@ pub(super) fn sizes(panel: &Panel, title: &str, face: &Typeface, least: Margins)
     let mut rounds = 0;
     loop {
         let room = STYLE.panel_width - left - right;
-        let (width, height, x, y) = frame(panel, spans, room);
+        let (width, height, x, y) = frame(panel, spans, room, plot_height);
         let y_ticks = choose(
             panel.y.scale,
             y,
@@ -96,9 +103,14 @@ pub(super) fn sizes(panel: &Panel, title: &str, face: &Typeface, least: Margins)
 }
 
 /// Inner size of the frame and the spans it shows.
-fn frame(panel: &Panel, (x, y): (Span, Span), room: f64) -> (f64, f64, Span, Span) {
+fn frame(
+    panel: &Panel,
+    (x, y): (Span, Span),
+    room: f64,
+    plot_height: f64,
+) -> (f64, f64, Span, Span) {
     if !panel.equal_aspect {
-        return (room, STYLE.plot_height, x, y);
+        return (room, plot_height, x, y);
     }
     let (lowest, highest) = STYLE.equal_aspect_heights;
     let slope = y.length() / x.length();
@@ -147,7 +159,7 @@ mod tests {
                 0,
             )]);
             panel.equal_aspect = true;
-            let sizes = sizes(&panel, "", &face, (0.0, 0.0));
+            let sizes = sizes(&panel, "", &face, (0.0, 0.0), STYLE.plot_height);
             let x_unit = sizes.width / sizes.x.length();
             let y_unit = sizes.height / sizes.y.length();
             assert!((x_unit / y_unit - 1.0).abs() < 1e-2, "{a} {b}");
