@@ -51,7 +51,7 @@ impl Expression {
         Ok(Expression { of, places })
     }
 
-    /// The value for these values of the names; not a number if there is none.
+    /// The value for these values of the names; not a number if it cannot be computed.
     pub fn value(&self, values: &[f64]) -> f64 {
         let of_variables: Vec<f64> = self.places.iter().map(|&place| values[place]).collect();
         self.of.eval(&of_variables).unwrap_or(f64::NAN)

@@ -166,7 +166,7 @@ pub enum LoopFileError {
         path: PathBuf,
     },
     /// A word that is not a number.
-    #[error("{} has `{word}`, which is no number", path.display())]
+    #[error("{} has `{word}`, which is not a number", path.display())]
     Number {
         /// The file.
         path: PathBuf,

@@ -245,7 +245,7 @@ mod tests {
             ),
             (
                 "symplint 0.1 1 3\n1 2 3 4 5 x6\n",
-                "`x6`, which is no number",
+                "`x6`, which is not a number",
             ),
             ("symplint 0.1 1 2\n1 2 3 4\n", "too few"),
             ("symplint 0.1 0 3\n", "too few"),
