@@ -199,11 +199,11 @@ def check(
         Whether a step of size -h is tested to undo a step of size h, with 20 evaluations more. `step` is called with negative h then.
     energy : callable, optional
         ``energy(q, p)``, or ``energy(z)`` with `form`, returns the energy of each state, of shape (samples,), or another function
-        that a step may conserve. The report says whether a step does, for states on the given loop and inside it, and names the k of
+        that a step may conserve. The report says whether a step does, for states on your loop and inside it, and names the k of
         a change that is proportional to h^k, with 80 evaluations more. With `steps`, it also says whether the change stays bounded,
         or the energy drifts, with no further evaluation.
     steps : int
-        The given loop is also followed for this number of steps of the largest size: does the defect add up, or return? That takes as
+        Your loop is also followed for this number of steps of the largest size: does the defect add up, or return? That takes as
         many evaluations as the loop has samples (256 to 8192) times `steps`; `budget` grows by 512 for each step, if it is not given.
     workers : int, callable or executor, optional
         Who takes the steps, as in scipy.optimize: a number of processes (-1: one for each processor), a function like the built-in
@@ -248,7 +248,7 @@ def check(
     InputError
         If an argument is not valid.
     StepError
-        If the map fails on the given loop, or returns states that are not finite, or its results depend on earlier calls or on the other
+        If the map fails on your loop, or returns states that are not finite, or its results depend on earlier calls or on the other
         rows of the batch. Exceptions of `step` are the cause. If it fails at some of the step sizes only, the others are measured
         first: the exception has the report on them.
 

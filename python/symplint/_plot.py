@@ -28,7 +28,7 @@ def _axes(ax: Axes | None) -> Axes:
 
 
 def plot_defects(report: Report, ax: Axes | None, style: dict[str, Any]) -> Axes:
-    """Defects against step sizes, with their uncertainty and the fitted order; `style` applies to the given loop."""
+    """Defects against step sizes, with their uncertainty and the fitted order; `style` applies to your loop."""
     ax = _axes(ax)
     points = report.points
     points = points[(points["sweep"] == "step-size") & np.isfinite(points["step_size"])]
@@ -40,8 +40,8 @@ def plot_defects(report: Report, ax: Axes | None, style: dict[str, Any]) -> Axes
         if known.size:
             ax.loglog(np.abs(known["step_size"]), np.maximum(known[field], FLOOR), marks, **{"label": label} | (own or {}))
 
-    draw(given, "defect", "o-", "given loop", style)
-    draw(given, "closed_defect", "d-", "given loop, breaks closed")
+    draw(given, "defect", "o-", "your loop", style)
+    draw(given, "closed_defect", "d-", "your loop, breaks closed")
     draw(others, "defect", "x", "random loops")
     uncertainty = np.nan_to_num(given["quadrature_error"]) + given["roundoff"]
     if given.size:

@@ -99,7 +99,7 @@ class Property(NamedTuple):
 class Report:
     """The verdict on a map with all the numbers that led to it.
 
-    Printing it shows a table of the given loop and the verdict with its reasons. It may be pickled, without the map: `plot_loop`
+    Printing it shows a table of your loop and the verdict with its reasons. It may be pickled, without the map: `plot_loop`
     needs that.
     """
 
@@ -193,7 +193,7 @@ class Report:
 
         Its fields are those of ``points`` in the JSON: ``step_size``, ``samples``, ``initial`` and ``final`` (loop
         integrals), ``defect``, ``quadrature_error``, ``roundoff`` (relative to the initial integral) and others. ``loop``
-        is 0 for the given loop.
+        is 0 for your loop.
         """
         return _table(self.to_dict()["points"], POINTS)
 
@@ -268,7 +268,7 @@ class Report:
         ax : matplotlib.axes.Axes, optional
             Where; new ones by default.
         **kwargs
-            The style of the line of the given loop, as ``matplotlib.axes.Axes.plot`` takes it.
+            The style of the line of your loop, as ``matplotlib.axes.Axes.plot`` takes it.
 
         Returns
         -------
@@ -280,7 +280,7 @@ class Report:
         return plot_defects(self, ax, kwargs)
 
     def plot_loop(self, ax: Axes | None = None, *, dof: int = 0, samples: int = 256, **kwargs: Any) -> Axes:
-        """Draw the given loop before and after one step of the largest size, with its breaks.
+        """Draw your loop before and after one step of the largest size, with its breaks.
 
         Advances `samples` states by one step.
 

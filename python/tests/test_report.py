@@ -89,9 +89,9 @@ def test_figures(report):
 
     ax = report.plot()
     labels = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert labels[0] == "given loop" and "$h^{3}$" in labels
+    assert labels[0] == "your loop" and "$h^{3}$" in labels
     lines = dict(zip(labels, ax.get_lines(), strict=True))
-    assert np.array_equal(lines["given loop"].get_ydata(), np.sort(report.points["defect"][report.points["loop"] == 0]))
+    assert np.array_equal(lines["your loop"].get_ydata(), np.sort(report.points["defect"][report.points["loop"] == 0]))
     other = plt.figure().add_subplot()
     assert report.plot_loop(other, samples=100) is other
     before, after = other.get_lines()

@@ -93,15 +93,24 @@ impl Config {
         Self::build(document::load(source, &[])?, Path::new(""), |_, _| Ok(()))
     }
 
-    /// The system and the integrator: `pendulum, strang`.
+    /// The system and, if it is not a map itself, the integrator: `pendulum, strang`.
     pub fn title(&self) -> String {
-        format!("{}, {}", self.system.name, self.integrator)
+        self.names().join(", ")
+    }
+
+    /// The names of the system and of the integrator, if it has one.
+    fn names(&self) -> Vec<String> {
+        let mut names = vec![self.system.name.to_string()];
+        if self.integrator != system::NOTHING {
+            names.push(self.integrator.clone());
+        }
+        names
     }
 
     /// The same with the degrees of freedom, and the radii if they were searched for, for a line of text.
     pub fn heading(&self) -> String {
         let dof = degrees_of_freedom(self.map.dof());
-        let mut heading = format!("{} · {} · {dof}", self.system.name, self.integrator);
+        let mut heading = format!("{} · {dof}", self.names().join(" · "));
         if let Some(radii) = &self.radii {
             heading += &format!(" · {radii}");
         }

@@ -297,7 +297,7 @@ mod tests {
                     "Strictness The largest step",
                 ],
             ),
-            (0.01, ["⋮ 0.000977", "Order The defect of the given loop"]),
+            (0.01, ["⋮ 0.000977", "Order The defect of your loop"]),
         ] {
             let diagnosis = diagnosed(friction);
             let shown = Shown {

@@ -1223,7 +1223,7 @@ fn a_map_without_a_step_size_is_judged_itself() {
     let mut evidence = without_step_size(1e-5, 0.0);
     let verdict = judge(&evidence);
     assert_eq!(verdict.kind, Symplectic);
-    let summary = "No change above 1.0e-15: on the given loop, and on a random one, with radii up to 0.25 in q \
+    let summary = "No change above 1.0e-15: on your loop, and on a random one, with radii up to 0.25 in q \
                    and 0.50 in p.";
     assert_eq!(verdict.summary(), summary);
     // A larger loop that is conserved counts, and one that is not leaves it open.

@@ -82,7 +82,7 @@ pub(super) fn places(diagnosis: &Diagnosis) -> String {
         substeps, sectors, ..
     } = place;
     let of_loop = match place.loop_index {
-        0 => "the given loop".to_owned(),
+        0 => "your loop".to_owned(),
         k => format!("random loop {k}"),
     };
     let at = (place.step_size).map_or(String::new(), |h| format!(" at h = {}", step_size_text(h)));

@@ -34,7 +34,7 @@ checks! {
     /// Whether results depend on earlier calls, on other rows of a batch or on random numbers; their precision.
     Memory: "Whether results depend on earlier calls was not tested",
     /// The given loop at all step sizes.
-    GivenLoop: "The given loop was left out",
+    GivenLoop: "Your loop was left out",
     /// The given loop with different numbers of samples.
     SampleSweep: "The sweep over numbers of samples was cut short",
     /// Random loops, and larger steps or loops if all others move little.

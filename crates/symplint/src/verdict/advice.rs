@@ -213,7 +213,7 @@ impl Advice {
             }
             Advice::Project => {
                 "Give a projection onto the constraint manifold (`with_projection`, `project`), which keeps random loops and \
-                 the Jacobian on it; or judge the given loop alone: loops = 1, jacobian = false."
+                 the Jacobian on it; or judge your loop alone: loops = 1, jacobian = false."
             }
             Advice::KeepToLeaf => {
                 "State all Casimir functions of the form (`casimir`, `OneForm::project`), or a projection onto a leaf \
@@ -248,7 +248,7 @@ impl Advice {
                 "One loop tests one region of phase space: set loops to 8 for more certainty."
             }
             Advice::MoreLoopsOfFile => {
-                "One loop tests one region of phase space: also measure others (loop.shape = \"fourier\", another loop.seed)."
+                "One loop tests one region of phase space: also measure others, from `symplint loop --shape fourier --seed 2`, for example."
             }
             Advice::MoreStepSizes { .. }
             | Advice::NoOrder { .. }

@@ -63,22 +63,69 @@ pub(super) fn significant(value: f64) -> String {
     plain(value, &format!("{value:.5e}"))
 }
 
-/// A number with the digits that its uncertainty leaves, and one more, as far as a double has them.
-pub(super) fn within(value: f64, uncertainty: f64) -> String {
-    let of_double = 15.0 - value.abs().max(f64::MIN_POSITIVE).log10().floor();
-    let decimals = (1.0 - uncertainty.abs().log10().floor()).min(of_double);
-    let decimals = if decimals > 0.0 {
-        decimals.min(17.0) as usize
-    } else {
-        0
+/// Digits of a number that people read.
+const MOST_DIGITS: i32 = 8;
+
+/// A number that differs from a round one by less than this many times its uncertainty is written as the round one. Conventional.
+const OF_A_ROUND_NUMBER: f64 = 3.0;
+
+/// A number and its uncertainty: `0.941765 ± 3e-6`. A number of more digits than people read is cut off: `0.99004983… (± 2e-14)`.
+pub(super) fn with_uncertainty(value: f64, uncertainty: f64) -> String {
+    let error = one_digit(uncertainty.abs());
+    // As the digits show it: logarithms are off by a rounding.
+    let exponent = |x: f64| -> i32 {
+        let text = format!("{x:e}");
+        text.split_once('e')
+            .and_then(|(_, power)| power.parse().ok())
+            .unwrap_or(0)
     };
-    format!("{value:.decimals$}")
+    let first = exponent(value);
+    let has_exponent = value != 0.0 && !(1e-3..1e5).contains(&value.abs());
+    // The last digit is the first digit of the error, after rounding.
+    let last = exponent(error.parse().unwrap_or(uncertainty));
+    let digits = (first - last + 1).max(1);
+    if digits <= MOST_DIGITS {
+        let number = match has_exponent {
+            true => format!("{value:.*e}", digits as usize - 1),
+            false => format!("{value:.*}", (-last).max(0) as usize),
+        };
+        return format!("{number} ± {error}");
+    }
+    // A round number, within a few times its error, needs no more digits.
+    let round: f64 = format!("{value:.*e}", MOST_DIGITS as usize - 1)
+        .parse()
+        .unwrap_or(value);
+    if (round - value).abs() <= OF_A_ROUND_NUMBER * uncertainty.abs() {
+        let number = match has_exponent {
+            true => format!("{round:e}"),
+            false => format!("{round}"),
+        };
+        return format!("{number} ± {error}");
+    }
+    // All digits of a double, of which the first ones are kept.
+    let (number, power) = match has_exponent {
+        true => {
+            let text = format!("{value:.17e}");
+            let (number, power) = text.split_once('e').unwrap_or((&text, "0"));
+            (number.to_owned(), format!("e{power}"))
+        }
+        false => (format!("{value:.17}"), String::new()),
+    };
+    let decimals = match has_exponent {
+        true => MOST_DIGITS - 1,
+        false => MOST_DIGITS - 1 - first,
+    };
+    let end = number
+        .find('.')
+        .map_or(number.len(), |point| point + 1 + decimals.max(0) as usize);
+    let cut = number.get(..end).unwrap_or(&number);
+    format!("{cut}…{power} (± {error})")
 }
 
 /// The name of a loop.
 pub(super) fn loop_name(index: usize) -> String {
     match index {
-        0 => "the given loop".into(),
+        0 => "your loop".into(),
         k => format!("random loop {k}"),
     }
 }
@@ -136,10 +183,22 @@ mod tests {
     }
 
     #[test]
-    fn numbers_have_the_digits_that_their_uncertainty_leaves() {
-        assert_eq!(within(0.941_764_533_6, 3e-6), "0.9417645");
-        assert_eq!(within(12.34, 5.0), "12.3");
-        assert_eq!(within(1234.5, 200.0), "1234");
+    fn numbers_end_where_their_uncertainty_begins() {
+        let texts = [
+            (0.941_764_533_6, 3e-6, "0.941765 ± 3e-6"),
+            (12.34, 5.0, "12 ± 5"),
+            (1234.5, 200.0, "1234 ± 200"),
+            (0.1, 9.7e-3, "0.10 ± 0.01"),
+            (-1.234_5e-7, 2e-9, "-1.23e-7 ± 2e-9"),
+            (0.990_049_833_749_168, 2e-14, "0.99004983… (± 2e-14)"),
+            (0.099_999_999_999_97, 3e-14, "0.1 ± 3e-14"),
+            (1.0, 2e-14, "1 ± 2e-14"),
+            (1.001_000_000_01, 2e-14, "1.0010000… (± 2e-14)"),
+            (1.234_567_890_123e-7, 1e-18, "1.2345678…e-7 (± 1e-18)"),
+        ];
+        for (value, uncertainty, text) in texts {
+            assert_eq!(with_uncertainty(value, uncertainty), text);
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 
 use super::VerdictKind;
 use super::long_time::{Growth, growth_of_energy};
-use super::number::{one_digit, two_digits, within};
+use super::number::{one_digit, two_digits, with_uncertainty};
 use super::thresholds::WHOLE;
 use crate::evidence::{
     EnergyAtStep, EnergyInTime, Evidence, LoopEvidence, SIGNIFICANT, StepEvidence,
@@ -320,12 +320,12 @@ impl Display for Property {
             None => write!(f, "unknown whether {}", self.name)?,
         }
         if let Some([factor, of_factor]) = self.factor {
-            let (value, error) = (within(factor, of_factor), one_digit(of_factor));
-            write!(f, " (a step multiplies all areas by {value} ± {error}")?;
+            let factor = with_uncertainty(factor, of_factor);
+            write!(f, " (a step multiplies all areas by {factor}")?;
             if let Some([rate, of_rate]) = self.rate {
                 let motion = if rate > 0.0 { "damping" } else { "growth" };
-                let (value, error) = (within(rate, of_rate), one_digit(of_rate));
-                write!(f, ": uniform {motion} e^(−γh), γ = {value} ± {error}")?;
+                let rate = with_uncertainty(rate, of_rate);
+                write!(f, ": uniform {motion} e^(−γh), γ = {rate}")?;
             }
             return f.write_str(")");
         }

@@ -6,7 +6,7 @@ use crate::verdict::advice::Advice;
 use crate::verdict::findings::{
     ChangeFinding, DomainFinding, Finding, LocalisationFinding, Step, culprits,
 };
-use crate::verdict::number::{one_digit, within};
+use crate::verdict::number::{one_digit, with_uncertainty};
 use crate::verdict::properties::{Property, PropertyName};
 use crate::verdict::thresholds::TREND;
 
@@ -138,7 +138,7 @@ impl Clues<'_> {
     pub(super) fn friction(&self) -> Option<Cause> {
         let conformal = self.conformal()?;
         let [factor, of_factor] = conformal.factor.filter(|[factor, _]| *factor > 0.0)?;
-        let (value, error) = (within(factor, of_factor), one_digit(of_factor));
+        let value = with_uncertainty(factor, of_factor);
         let meaning = if factor < 1.0 { "friction" } else { "growth" };
         let jacobian = self.evidence.jacobian.as_ref();
         let by = match jacobian.is_some_and(|of| of.volume.is_some()) {
@@ -151,16 +151,16 @@ impl Clues<'_> {
                 " at all step sizes, as momenta in units that the step changes do".to_owned()
             }
             Some([rate, of_rate]) => {
-                let (rate, error) = (within(rate, of_rate), one_digit(of_rate));
+                let rate = with_uncertainty(rate, of_rate);
                 format!(
-                    ", as uniform {meaning} e^(−γh) with γ = {rate} ± {error} does, or momenta in units that the step changes"
+                    ", as uniform {meaning} e^(−γh) with γ = {rate} does, or momenta in units that the step changes"
                 )
             }
             None => ", as friction or momenta in units that the step changes do".to_owned(),
         };
         Some(Cause::new(
             CauseKind::Friction,
-            format!("A step multiplies all areas{by} by {value} ± {error}{meaning}."),
+            format!("A step multiplies all areas{by} by {value}{meaning}."),
             "If the step has uniform friction on purpose, it does what it should: it is conformally symplectic. If momenta are \
              divided by a reference momentum that the step changes, multiply them by it before and after the step.",
         ))

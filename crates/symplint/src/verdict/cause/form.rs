@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::{Cause, CauseKind, Clues};
 use crate::evidence::{FormEntry, FormOnLoop, PreservedForm, SIGNIFICANT};
 use crate::verdict::advice::Advice;
-use crate::verdict::number::{one_digit, size, two_digits};
+use crate::verdict::number::{one_digit, significant, size, two_digits};
 
 /// The canonical form changes by more than this many times what the form that was found may change. Conventional.
 const BETTER: f64 = 100.0;
@@ -352,7 +352,7 @@ impl PreservedForm {
             };
             let factor = match entry.value.abs() {
                 1.0 => String::new(),
-                size => format!("{} ", number(size)),
+                size => format!("{} ", significant(size)),
             };
             let [a, b] = entry.coordinates.map(name);
             text += &format!("{sign}{factor}{a}∧{b}");
@@ -370,9 +370,9 @@ impl PreservedForm {
 
     fn on_loops(&self) -> &'static str {
         match (self.loops.len(), self.loops.first().map(|of| of.loop_index)) {
-            (1, Some(0)) => "the given loop",
+            (1, Some(0)) => "your loop",
             (1, _) => "a random loop",
-            _ => "the given loop and a random one",
+            _ => "your loop and a random one",
         }
     }
 }
@@ -390,7 +390,7 @@ fn polynomial(terms: &BTreeMap<[u8; 3], f64>) -> String {
             (false, true) => "",
             (false, false) => " + ",
         };
-        text += &format!("{sign}{}", number(value.abs()));
+        text += &format!("{sign}{}", significant(value.abs()));
         if *powers != [0; 3] {
             text += &format!(" {}", product(*powers, |i| format!("q{i}")));
         }

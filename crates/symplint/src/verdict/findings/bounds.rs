@@ -74,7 +74,7 @@ pub enum BoundFinding {
         /// Samples of the given loop.
         samples: usize,
     },
-    /// The loop of the verdict moves degrees of freedom that the given loop leaves at rest.
+    /// The loop of the verdict moves degrees of freedom that your loop leaves at rest.
     MovesRest {
         /// Which loop.
         loop_index: usize,
@@ -117,7 +117,7 @@ impl Display for BoundFinding {
                 match given {
                     true => write!(
                         f,
-                        "No change above {bound:.1e}: on the given loop{range}{}{}",
+                        "No change above {bound:.1e}: on your loop{range}{}{}",
                         but_failed(*failed),
                         random_loops(*random, range)
                     )?,
@@ -175,7 +175,7 @@ impl Display for BoundFinding {
             ),
             BoundFinding::MovesRest { loop_index } => write!(
                 f,
-                "{} also moves degrees of freedom that the given loop leaves at rest.",
+                "{} also moves degrees of freedom that your loop leaves at rest.",
                 capitalised(&loop_name(*loop_index))
             ),
             BoundFinding::MissesGrid {
@@ -197,7 +197,7 @@ impl Display for BoundFinding {
                 f.write_str("The map fails on every random loop of the given one's size.")
             }
             BoundFinding::NoRandomLoop => f.write_str(
-                "Only the given loop was tried, before the budget was spent, and a symmetric loop can hide a defect.",
+                "Only your loop was tried, before the budget was spent, and a symmetric loop can hide a defect.",
             ),
             BoundFinding::LoopFailed { loop_index, reason } => write!(
                 f,

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Change, Step, plural};
 use crate::breaks::Break;
-use crate::verdict::number::{capitalised, jumping, loop_name, two_digits};
+use crate::verdict::number::{capitalised, jumping, loop_name, significant, two_digits};
 
 /// Broken loops.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -156,13 +156,11 @@ fn fmt_jump(
     });
     write!(
         f,
-        "{} {} breaks{times}; the largest jump, by {} in q[{dof}] and {} in p[{dof}], is at s = {:.15}",
+        "{} {} breaks{times}; the largest jump, by {}, is at s = {}",
         capitalised(&step.to_string()),
         loop_name(loop_index),
-        two_digits(jump.jump_q),
-        two_digits(jump.jump_p),
-        jump.s,
-        dof = jump.dof
+        sizes(jump),
+        significant(jump.s)
     )?;
     match jump.substep {
         Some(substep) => write!(
@@ -171,6 +169,20 @@ fn fmt_jump(
             substep.saturating_add(1)
         ),
         None => f.write_str("."),
+    }
+}
+
+/// The sizes of a jump. A coordinate whose jump is a thousandth of the other one is left out.
+fn sizes(jump: &Break) -> String {
+    let dof = jump.dof;
+    let (q, p) = (jump.jump_q, jump.jump_p);
+    let (of_q, of_p) = (two_digits(q), two_digits(p));
+    if q.abs() > 1e3 * p.abs() {
+        format!("{of_q} in q[{dof}]")
+    } else if p.abs() > 1e3 * q.abs() {
+        format!("{of_p} in p[{dof}]")
+    } else {
+        format!("{of_q} in q[{dof}] and {of_p} in p[{dof}]")
     }
 }
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Change, Step};
 use crate::evidence::{Contraction, Rank};
-use crate::verdict::number::loop_name;
+use crate::verdict::number::{loop_name, two_digits};
 
 /// Loops that do not lie in the domain of the map.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -47,7 +47,7 @@ pub enum DomainFinding {
         /// The step.
         step: Step,
     },
-    /// The map projects onto a manifold (its Jacobian is singular at the loop), and the given loop does not lie on it: its
+    /// The map projects onto a manifold (its Jacobian is singular at the loop), and your loop does not lie on it: its
     /// integral changes significantly in one step, and in the step after that it does not.
     LoopBesideManifold {
         /// The smallest singular value of the Jacobian.
@@ -62,7 +62,7 @@ pub enum DomainFinding {
     Projects {
         /// The smallest singular value of the Jacobian.
         smallest: f64,
-        /// The bound on the defect of the given loop.
+        /// The bound on the defect of your loop.
         given: Option<f64>,
         /// The random loop with the largest defect, and this defect.
         beside: Option<(usize, f64)>,
@@ -72,7 +72,7 @@ pub enum DomainFinding {
     DegenerateForm {
         /// The rank of the form, of the dimension of the manifold.
         rank: Rank,
-        /// The bound on the defect of the given loop.
+        /// The bound on the defect of your loop.
         given: Option<f64>,
     },
     /// The Jacobian of the step is singular at the loop, and the symplectic form is degenerate on its image.
@@ -175,8 +175,8 @@ fn manifold_unknown(
 ) -> Result {
     write!(
         f,
-        "The integral of {} changes by {change} {step}, and the integral of the given loop does not. If the map projects onto a \
-         constraint manifold, loops beside it prove nothing; it is not known whether it does.",
+        "The integral of {} changes by {change} {step}, and the integral of your loop does not. If the map projects onto a constraint \
+         manifold, loops that leave the manifold do not count as evidence; whether the map projects was not tested.",
         loop_name(loop_index)
     )
 }
@@ -184,9 +184,10 @@ fn manifold_unknown(
 fn beside_manifold(f: &mut Formatter<'_>, smallest: f64, [first, second]: [f64; 2]) -> Result {
     write!(
         f,
-        "The map projects onto a manifold: its Jacobian is singular at the loop (a direction shrinks to {smallest:.1e}), \
+        "The map projects onto a manifold: its Jacobian is singular at the loop (a direction shrinks to {}), \
          and the loop does not lie on the manifold. Its integral changes by {first:.1e} in the step that takes it there, \
-         and by less than {second:.1e} in the next one."
+         and by less than {second:.1e} in the next one.",
+        two_digits(smallest)
     )
 }
 
@@ -198,11 +199,12 @@ fn projects(
 ) -> Result {
     write!(
         f,
-        "The map projects onto a manifold: its Jacobian is singular at the loop (a direction shrinks to {smallest:.1e}). "
+        "The map projects onto a manifold: its Jacobian is singular at the loop (a direction shrinks to {}). ",
+        two_digits(smallest)
     )?;
     match given {
-        Some(bound) => write!(f, "The given loop is conserved to {bound:.1e}")?,
-        None => f.write_str("The defect of the given loop is not bounded")?,
+        Some(bound) => write!(f, "Your loop is conserved to {bound:.1e}")?,
+        None => f.write_str("The defect of your loop is not bounded")?,
     }
     match beside {
         Some((loop_index, defect)) => write!(
@@ -218,10 +220,10 @@ fn degenerate_form(f: &mut Formatter<'_>, Rank { rank, of }: Rank, given: Option
     write!(
         f,
         "The form is degenerate: rank {rank} of {of}. A map that is symplectic on every leaf need not conserve the integrals of \
-         loops that leave the leaf, nor the form on such tangent vectors: the changes that were found prove nothing"
+         loops that leave the leaf, nor the form on such tangent vectors: these changes do not count as evidence"
     )?;
     match given {
-        Some(bound) => write!(f, "; the given loop is conserved to {bound:.1e}."),
+        Some(bound) => write!(f, "; your loop is conserved to {bound:.1e}."),
         None => f.write_str("."),
     }
 }

@@ -79,7 +79,7 @@ impl Display for MapFinding {
             ),
             MapFinding::Regularity { exponent, step } => write!(
                 f,
-                "{} the Fourier coefficients of the given loop decay as for a function in H^{exponent:.1}: \
+                "{} the Fourier coefficients of your loop decay as for a function in H^{exponent:.1}: \
                  {}, or on slopes that the samples do not resolve.",
                 capitalised(&step.to_string()),
                 roughness(*exponent).unwrap_or("as of a smooth function")

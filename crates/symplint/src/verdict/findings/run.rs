@@ -104,7 +104,7 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
         }
         Growth::Undecided => write!(
             f,
-            "In {steps} steps nothing can be said of whether the defect adds up."
+            "In {steps} steps it is unclear whether the defect accumulates."
         )?,
     }
     if steps < asked {
