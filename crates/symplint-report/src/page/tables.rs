@@ -33,7 +33,7 @@ pub(super) fn points(points: &[Point]) -> String {
     );
     let row = |point: &&Point| {
         let name = match point.loop_index {
-            0 => "given".to_owned(),
+            0 => "yours".to_owned(),
             k => format!("random {k}"),
         };
         let size = match point.step_size.is_finite() {

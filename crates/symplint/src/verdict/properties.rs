@@ -335,7 +335,7 @@ impl Display for Property {
         let bound = one_digit(defect + uncertainty);
         let value = match self.holds {
             Some(_) => two_digits(defect),
-            None => format!("{} ± {}", two_digits(defect), one_digit(uncertainty)),
+            None => with_uncertainty(defect, uncertainty),
         };
         let signs = match self.given_reversal {
             true => "the given reversal",

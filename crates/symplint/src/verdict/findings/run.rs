@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::evidence::{LongTime, Omission};
 use crate::verdict::jacobian::JacobianFinding;
 use crate::verdict::long_time::Growth;
-use crate::verdict::number::{one_digit, two_digits};
+use crate::verdict::number::{two_digits, with_uncertainty};
 
 /// Measurements besides the loops, and omissions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -95,9 +95,8 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
                 let half = steps / 2;
                 write!(
                     f,
-                    " The first {half} steps predict a change of the area by {} ± {} after {steps} steps; {} was measured.",
-                    two_digits(*value),
-                    one_digit(*error),
+                    " The first {half} steps predict a change of the area by {} after {steps} steps; {} was measured.",
+                    with_uncertainty(*value, *error),
                     two_digits(*change)
                 )?;
             }
