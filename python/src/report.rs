@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
-use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use serde::Deserialize;
-use symplint::{Diagnosis, Ensemble};
+use symplint::Diagnosis;
 use symplint_report::figures::figures;
 use symplint_report::page::{Page, Repeat};
 use symplint_report::provenance::{Provenance, Run};
@@ -13,7 +12,6 @@ use symplint_report::report::{Report as JsonReport, read_evidence};
 use symplint_report::run_folder::RunFolder;
 use symplint_report::text::{Shown, diagnosis_text, reasons};
 
-use crate::arrays;
 use crate::error::{input_error, other_error};
 
 /// The width of tables and paragraphs, in characters.

@@ -131,7 +131,7 @@ fn samples(title: &str, diagnosis: &Diagnosis) -> Figure {
 }
 
 /// The defect of the given loop against the number of steps, if many steps were made.
-pub fn many_steps(title: &str, diagnosis: &Diagnosis) -> Option<Figure> {
+fn many_steps(title: &str, diagnosis: &Diagnosis) -> Option<Figure> {
     let curve = &diagnosis.evidence.loop_at_steps;
     let steps = |of: &LoopAtStep| of.step as f64;
     if curve.len() < 2 {
@@ -388,8 +388,11 @@ mod tests {
                 "{step}: {defect} and {expected}"
             );
         }
-        let names: Vec<&str> = sizes("damped", &diagnosis).iter().map(|of| of.0).collect();
-        assert_eq!(names, ["step_sizes", "many_steps"]);
+        let names: Vec<&str> = figures("damped", &diagnosis)
+            .iter()
+            .map(|of| of.0)
+            .collect();
+        assert_eq!(names, ["step_sizes", "many_steps", "loop"]);
         let short = Diagnostic::halving(-1, -3).run(&damped, &circle).unwrap();
         assert!(many_steps("damped", &short).is_none());
     }
