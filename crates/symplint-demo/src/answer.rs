@@ -93,7 +93,7 @@ fn diagnose(
         all: false,
     };
     let text = diagnosis_text(&heading, &diagnosis, shown);
-    let picture = diagnosis.evidence.picture.as_ref();
+    let picture = diagnosis.picture.as_ref();
     let h = picture.and_then(|picture| picture.step_size).unwrap_or(1.0);
     let figures = figures(&title, &diagnosis)
         .into_iter()

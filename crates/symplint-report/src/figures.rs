@@ -23,7 +23,7 @@ pub fn figures(title: &str, diagnosis: &Diagnosis) -> Vec<(&'static str, Figure)
         figures.push(("samples", samples(title, diagnosis)));
     }
     figures.extend(many_steps(title, diagnosis).map(|figure| ("many_steps", figure)));
-    if let Some(picture) = &diagnosis.evidence.picture {
+    if let Some(picture) = &diagnosis.picture {
         figures.push(("loop", loop_figure(title, &diagnosis.evidence, picture)));
     }
     figures
@@ -325,7 +325,7 @@ mod tests {
     }
 
     fn drawn(title: &str, diagnosis: &Diagnosis) -> Figure {
-        let picture = diagnosis.evidence.picture.as_ref();
+        let picture = diagnosis.picture.as_ref();
         let picture = picture.expect("samples stay in memory");
         assert_eq!(picture.step_size, Some(0.5));
         loop_figure(title, &diagnosis.evidence, picture)

@@ -155,7 +155,7 @@ fn write_report(
     let repeat = Repeat::Command(&again);
     output.write_page(&title, diagnosis, report, &figures, repeat)?;
     output.write_figures(figures, &[])?;
-    if diagnosis.evidence.picture.is_none() {
+    if diagnosis.picture.is_none() {
         // On standard error: standard output may be JSON.
         tell("note: figures/loop is left out: no samples of the loop stayed in memory");
     }

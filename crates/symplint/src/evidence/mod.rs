@@ -95,8 +95,7 @@ pub struct Evidence {
     /// Whether steps back undo a step.
     #[serde(default)]
     pub structure: Option<StructureEvidence>,
-    /// The given loop before and after the largest step, from samples that were measured. `None` if no samples stayed in memory, and
-    /// in evidence from a file.
+    /// The given loop before and after the largest step. A [`Diagnosis`](crate::Diagnosis) holds it beside the evidence.
     #[serde(skip)]
     pub picture: Option<LoopPicture>,
     /// Measurements that were asked for and not made.

@@ -3,7 +3,7 @@
 use super::{Fit, Verdict, judge};
 use crate::diagnosis::{Diagnostic, Event};
 use crate::error::Error;
-use crate::evidence::{Evidence, Point};
+use crate::evidence::{Evidence, LoopPicture, Point};
 use crate::loops::Loop;
 use crate::map::TimeAdvance;
 use crate::snapshots::{Snapshot, measure_snapshots};
@@ -17,13 +17,17 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Everything that was measured.
     pub evidence: Evidence,
+    /// Your loop before and after the largest step, from samples that were measured. `None` if no samples stayed in memory, and
+    /// for evidence from a file.
+    pub picture: Option<LoopPicture>,
 }
 
 impl Diagnosis {
     /// The diagnosis that follows from some evidence.
-    pub fn of(evidence: Evidence) -> Self {
+    pub fn of(mut evidence: Evidence) -> Self {
         Diagnosis {
             verdict: judge(&evidence),
+            picture: evidence.picture.take(),
             evidence,
         }
     }
