@@ -268,7 +268,7 @@ fn conformal(
     if property.holds != Some(true) {
         return Some(property);
     }
-    // Loops have more digits than differences. Factors differ by up to the defect, and those of loops by what is seen.
+    // Loops have more digits than differences. Factors differ by up to the defect, and factors of loops by the differences seen.
     let of_jacobian = (of_jacobian, of_factor.max(defect));
     let of_best = best.map(|(factor, uncertainty)| {
         let beyond = of_loops().map(|(other, of_other)| (other - factor).abs() - of_other);

@@ -146,7 +146,7 @@ impl Clues<'_> {
             false => ", of all loops,",
         };
         let meaning = match conformal.rate {
-            // Friction in a step of any size is no friction.
+            // A factor that does not depend on the step size is not friction.
             _ if self.is_constant() => {
                 " at all step sizes, as momenta in units that the step changes do".to_owned()
             }
