@@ -9,7 +9,7 @@ use crate::diagnosis::{Event, SampleCount};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, LoopKind, LoopPicture, Omission, Sweep, Why};
 use crate::map::LoopSize;
-use crate::rules::{RuleKind, Subject};
+use crate::rules::Subject;
 use crate::state::Ensemble;
 use crate::survey;
 
@@ -49,15 +49,8 @@ impl Runner<'_> {
         let of_grain = || survey::of_grain(&*subject.evaluator.grain()?);
         self.evidence.survey.output_precision = seen.output_precision.or_else(of_grain);
 
-        let mut given = LoopEvidence::new(0, LoopKind::Given);
-        given.rule = probe.rule.kind();
-        if given.rule == RuleKind::Auto {
-            given.rule = RuleKind::Pseudospectral;
-        }
-        given.samples = probe.samples;
-        given.wound = survey::wound(subject.phase_loop, subject.coordinates())?;
-        given.winds = !given.wound.is_empty();
-        self.evidence.loops.push(given);
+        let given = LoopEvidence::new(0, LoopKind::Given);
+        self.evidence.loops.push(probe.described(given)?);
         let affordable = self.affordable_steps(cost);
         (self.watch)(Event::Planned(affordable.len()));
         if probe.keeps_samples() {

@@ -4,10 +4,11 @@ use super::initial_samples::InitialSamples;
 use crate::diagnosis::limits::{FEWEST_TRIED, RANGE_SAMPLES, SMALL};
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
-use crate::evidence::{Closing, StepEvidence};
-use crate::rules::{LoopAfterStep, LoopIntegral, LoopIntegrator, Rule, Samples, Subject};
+use crate::evidence::{Closing, LoopEvidence, StepEvidence};
+use crate::rules::{LoopAfterStep, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject};
 use crate::signal::Extent;
 use crate::state::Ensemble;
+use crate::survey;
 
 /// A subject with its initial loop integral.
 pub(in crate::diagnosis) struct Probe<'a> {
@@ -84,6 +85,18 @@ impl<'a> Probe<'a> {
                 at_least(integral.quadrature_error, error.map(|error| error * size));
         }
         self
+    }
+
+    /// The evidence of its loop with the rule, the samples and the positions that wind.
+    pub fn described(&self, mut found: LoopEvidence) -> Result<LoopEvidence, Error> {
+        found.rule = match self.rule.kind() {
+            RuleKind::Auto => RuleKind::Pseudospectral,
+            kind => kind,
+        };
+        found.samples = self.samples;
+        found.wound = survey::wound(self.subject.phase_loop, self.subject.coordinates())?;
+        found.winds = !found.wound.is_empty();
+        Ok(found)
     }
 
     /// The measurement of the step of size `h`.

@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::evidence::{Check, DofGroup, LoopEvidence, LoopKind, Motion, StepEvidence, Sweep, Why};
 use crate::loops::FourierLoop;
 use crate::map::{ImageLoop, LoopSize};
-use crate::rules::{RuleKind, Subject};
+use crate::rules::Subject;
 use crate::state::Ensemble;
 use crate::survey;
 
@@ -329,15 +329,7 @@ impl Runner<'_> {
         let samples = &mut InitialSamples::new(subject);
         let (probe, first, motion) = self.resolved(subject, samples, self.largest)?;
         (self.watch)(Event::Planned(1));
-        let mut found = other.evidence();
-        found.rule = match probe.rule.kind() {
-            RuleKind::Auto => RuleKind::Pseudospectral,
-            kind => kind,
-        };
-        found.samples = probe.samples;
-        found.wound = survey::wound(subject.phase_loop, subject.coordinates())?;
-        found.winds = !found.wound.is_empty();
-        self.evidence.loops.push(found);
+        self.evidence.loops.push(probe.described(other.evidence())?);
         self.record(other.index, Sweep::StepSize, &probe, &first);
         self.keep_features(other.index, subject);
         self.moved(motion);
