@@ -15,7 +15,7 @@ const WIDTH: usize = 12;
 /// A rate is shown after this time: the first evaluations are often slower than the others.
 const LEAST_TIME: Duration = Duration::from_secs(3);
 
-/// The rate is that of the last part of the run: results of an earlier run come first, and at once.
+/// The rate is measured over the last part of the run, because results of an earlier run arrive first and take no time.
 const PART: u32 = 2;
 
 /// Notes of the rate in memory, about.

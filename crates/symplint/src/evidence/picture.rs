@@ -19,10 +19,10 @@ impl LoopPicture {
     /// Samples at most: more only make files large.
     const MOST_SAMPLES: usize = 1024;
 
-    /// Memory of the picture at most, unless it is of one sample.
+    /// Memory that a picture of two or more samples takes at most.
     const MOST_BYTES: usize = 64 << 20;
 
-    /// Of an ensemble before a step and the same one after it.
+    /// Makes a picture of an ensemble before a step and the same ensemble after it.
     pub(crate) fn of(step_size: Option<f64>, before: &Ensemble, after: &Ensemble) -> Self {
         LoopPicture {
             step_size,
@@ -37,7 +37,7 @@ impl LoopPicture {
         ensemble.thinned(affordable.clamp(1, Self::MOST_SAMPLES))
     }
 
-    /// Of the samples `after` a step that are [`shown`](Self::shown), of this number of equispaced ones of a loop.
+    /// Makes a picture from samples `after` a step, which [`shown`](Self::shown) took from this number of equispaced samples of a loop.
     pub(crate) fn of_loop(
         step_size: Option<f64>,
         phase_loop: &dyn Loop,

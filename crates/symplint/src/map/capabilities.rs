@@ -72,8 +72,8 @@ pub struct Capabilities<'a> {
     pub reversal: Option<Reversal<'a>>,
     /// How the map gets states before they are requested, if it makes use of that.
     pub prefetch: Option<&'a dyn Prefetch>,
-    /// How results for one state differ, as far as the map knows without a further evaluation: one whose steps several workers take, say. It
-    /// is asked at the end of a diagnosis.
+    /// The difference between results for one state, if the map knows one without a further evaluation: several workers may have taken
+    /// the same step. The diagnosis asks at its end.
     pub difference: Option<Differences<'a>>,
     /// Whether the user asked to end the diagnosis: it then ends with [`Error::Stopped`] before the next evaluation. Unlike this, a
     /// [`StepFailure`] leaves out the loop or the step size where it happened.

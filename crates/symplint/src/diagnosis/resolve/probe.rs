@@ -87,7 +87,7 @@ impl<'a> Probe<'a> {
         self
     }
 
-    /// The evidence of its loop with the rule, the samples and the positions that wind.
+    /// Adds to the evidence of a loop the rule, the number of samples and the positions that wind.
     pub fn described(&self, mut found: LoopEvidence) -> Result<LoopEvidence, Error> {
         found.rule = match self.rule.kind() {
             RuleKind::Auto => RuleKind::Pseudospectral,

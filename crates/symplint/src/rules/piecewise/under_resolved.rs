@@ -32,7 +32,7 @@ struct Stretch<'a> {
     beside: Vec<usize>,
     /// The samples on the left, on the right and on both sides where the two sides should meet.
     to_the_gap: [Continuation; 3],
-    /// Those on both sides over the whole stretch.
+    /// The samples on both sides, continued over the whole stretch.
     across: Continuation,
     /// How many are on the left.
     on_the_left: usize,
@@ -45,7 +45,7 @@ struct Continuation {
 }
 
 impl Continuation {
-    /// Of these samples of `count`.
+    /// The samples with these numbers, of `count` equispaced samples, determine the polynomial.
     fn new(at: &[usize], count: usize, [from, to]: [f64; 2]) -> Self {
         let s = at.iter().map(|&k| k as f64 / count as f64).collect();
         let polynomial = Barycentric::at(s);
