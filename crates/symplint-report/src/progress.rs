@@ -51,7 +51,7 @@ impl ProgressLine {
             }
             None => String::new(),
         };
-        text.push_str(self.progress.check().map_or("starts", name));
+        text.push_str(self.progress.check().map_or("starts", Check::label));
         if let Some(left) = self.time_left(Instant::now()) {
             text.push_str(", ");
             text.push_str(&in_words(left));
@@ -99,27 +99,6 @@ fn in_words(left: Duration) -> String {
         ..5_700.0 => format!("about {} min left", rounded(seconds / 60.0)),
         ..170_000.0 => format!("about {} h left", rounded(seconds / 3_600.0)),
         _ => format!("about {} days left", rounded(seconds / 86_400.0)),
-    }
-}
-
-/// The check under way, as people call it.
-fn name(check: Check) -> &'static str {
-    match check {
-        Check::Radii => "radius of the loop",
-        Check::StepSizes => "step sizes",
-        Check::Memory => "repeated calls",
-        Check::GivenLoop => "your loop",
-        Check::SampleSweep => "numbers of samples",
-        Check::RandomLoops => "random loops",
-        Check::Jacobian => "Jacobian",
-        Check::Constraint => "constraints",
-        Check::Contraction => "smaller loops",
-        Check::Localisation => "where the change arises",
-        Check::ManySteps => "many steps",
-        Check::BreakSides => "both sides of a break",
-        Check::PreservedForm => "other variables",
-        Check::Structure => "further properties",
-        _ => "further tests",
     }
 }
 

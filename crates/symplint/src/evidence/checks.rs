@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// The checks, a row for each: what it tests, its name, and what a report says if it is left out.
+/// The checks, a row for each: what it tests, its name, what progress calls it, and what a report says if it is left out.
 macro_rules! checks {
-    ($($(#[$doc:meta])* $name:ident: $left_out:literal,)*) => {
+    ($($(#[$doc:meta])* $name:ident: $label:literal, $left_out:literal;)*) => {
         /// A test of a map.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
         #[serde(rename_all = "snake_case")]
@@ -16,6 +16,13 @@ macro_rules! checks {
         }
 
         impl Check {
+            /// What progress calls it: "random loops", for example.
+            pub fn label(self) -> &'static str {
+                match self {
+                    $(Check::$name => $label,)*
+                }
+            }
+
             /// What a report says if it is left out.
             pub(crate) fn left_out(self) -> &'static str {
                 match self {
@@ -28,33 +35,33 @@ macro_rules! checks {
 
 checks! {
     /// Radii of the loop that fit the map, if they are not given.
-    Radii: "Radii were not looked for",
+    Radii: "radius of the loop", "Radii were not looked for";
     /// Step sizes that test something, if they are not given.
-    StepSizes: "Step sizes were not looked for",
+    StepSizes: "step sizes", "Step sizes were not looked for";
     /// Whether results depend on earlier calls, on other rows of a batch or on random numbers; their precision.
-    Memory: "Whether results depend on earlier calls was not tested",
+    Memory: "repeated calls", "Whether results depend on earlier calls was not tested";
     /// The given loop at all step sizes.
-    GivenLoop: "Your loop was left out",
+    GivenLoop: "your loop", "Your loop was left out";
     /// The given loop with different numbers of samples.
-    SampleSweep: "The sweep over numbers of samples was cut short",
+    SampleSweep: "numbers of samples", "The sweep over numbers of samples was cut short";
     /// Random loops, and larger steps or loops if all others move little.
-    RandomLoops: "Random loops were left out",
+    RandomLoops: "random loops", "Random loops were left out";
     /// The Jacobian of a step.
-    Jacobian: "The Jacobian was left out",
+    Jacobian: "Jacobian", "The Jacobian was left out";
     /// Whether the map projects onto a constraint manifold, or its form is degenerate.
-    Constraint: "Whether the map projects onto a constraint manifold was not tested",
+    Constraint: "constraints", "Whether the map projects onto a constraint manifold was not tested";
     /// Whether a loop whose integral changes can be contracted in the domain of the map.
-    Contraction: "Whether the loop can be contracted in the domain of the map was not tested",
+    Contraction: "smaller loops", "Whether the loop can be contracted in the domain of the map was not tested";
     /// Which substep and which part of a loop has a defect.
-    Localisation: "Where the defect comes from was not found",
+    Localisation: "where the change arises", "Where the defect comes from was not found";
     /// The given loop in many steps.
-    ManySteps: "Many steps were left out",
+    ManySteps: "many steps", "Many steps were left out";
     /// Why loops break: both sides of a break.
-    BreakSides: "Both sides of a break were not looked at",
+    BreakSides: "both sides of a break", "Both sides of a break were not looked at";
     /// Whether a map whose loops change preserves another constant two-form.
-    PreservedForm: "Whether another form is preserved was not tested",
+    PreservedForm: "other variables", "Whether another form is preserved was not tested";
     /// Whether steps back undo a step.
-    Structure: "Whether steps back undo a step was not tested",
+    Structure: "further properties", "Whether steps back undo a step was not tested";
 }
 
 /// A check that was left out, or a part of one.
