@@ -57,7 +57,7 @@ fn arrays() -> Vec<Vec<u8>> {
             values,
             single: false,
         };
-        array.encode().expect("bytes in memory can be written")
+        array.encode()
     };
     let mut all = vec![array(&[]), array(&[4]), array(&[4, 2]), array(&[2, 3])];
     let fortran = String::from_utf8_lossy(&all[2]).replace("False", "True ");

@@ -1,18 +1,8 @@
 //! Arrays in NumPy's format.
 
-use std::io;
 use std::path::Path;
 
-use npyz::{NpyFile, Order, WriterBuilder};
-
 use super::LoopFileError;
-
-/// Bytes of a header at most, as `numpy.load` has it.
-const LONGEST_HEADER: usize = 10_000;
-
-/// Brackets of a header that are opened at most. A dictionary with a shape has 2, one with a structured type some more;
-/// where they are inside one another the parser takes up to four times as long for each.
-const MOST_BRACKETS: usize = 8;
 
 /// An array of numbers in row-major order.
 pub struct Array {
@@ -56,94 +46,148 @@ impl Array {
         if let Some(promised) = header_size(bytes).filter(|&size| size > bytes.len() as u128) {
             return Err(cut_short(promised));
         }
-        check_header(bytes).map_err(broken)?;
-        let file = NpyFile::new(bytes).map_err(|error| broken(error.to_string()))?;
-        let descr = file.dtype().descr();
-        let kind = descr.trim_matches('\'').to_owned();
-        let width: u128 = match (kind.as_str(), accept) {
-            ("<f8" | ">f8", _) | ("<i8" | ">i8", Accept::Numbers) => 8,
-            ("<f4" | ">f4", _) | ("<i4" | ">i4", Accept::Numbers) => 4,
+        let Header {
+            descr,
+            fortran_order,
+            shape,
+            start,
+        } = Header::read(bytes).map_err(broken)?;
+        let (width, number): (usize, fn(&[u8]) -> f64) = match (descr, accept) {
+            ("<f8", _) => (8, |of| f64::from_le_bytes(word(of))),
+            (">f8", _) => (8, |of| f64::from_be_bytes(word(of))),
+            ("<f4", _) => (4, |of| f32::from_le_bytes(word(of)).into()),
+            (">f4", _) => (4, |of| f32::from_be_bytes(word(of)).into()),
+            ("<i8", Accept::Numbers) => (8, |of| i64::from_le_bytes(word(of)) as f64),
+            (">i8", Accept::Numbers) => (8, |of| i64::from_be_bytes(word(of)) as f64),
+            ("<i4", Accept::Numbers) => (4, |of| i32::from_le_bytes(word(of)).into()),
+            (">i4", Accept::Numbers) => (4, |of| i32::from_be_bytes(word(of)).into()),
             _ => {
                 return Err(LoopFileError::Type {
                     path: path.to_owned(),
                     array: array.to_owned(),
-                    descr,
+                    descr: descr.to_owned(),
                 });
             }
         };
-        let shape = file.shape().to_vec();
-        let promised =
-            (shape.iter()).fold(width, |size, &axis| size.saturating_mul(u128::from(axis)));
-        if promised > bytes.len() as u128 {
-            return Err(cut_short(promised));
-        }
-        let shape: Vec<usize> = shape.into_iter().map(|axis| axis as usize).collect();
         // With an axis of length zero there are no values, and the other axes can claim any length: nothing is
         // read. Callers that need values refuse the shape.
-        if shape.contains(&0) {
-            return Ok(Array {
-                shape,
-                values: Vec::new(),
-                single: kind.ends_with("f4"),
-            });
-        }
-        let order = file.order();
-        let stored: io::Result<Vec<f64>> = match &kind[1..] {
-            "f8" => file.into_vec(),
-            "f4" => (file.into_vec::<f32>()).map(|v| v.into_iter().map(f64::from).collect()),
-            "i4" => (file.into_vec::<i32>()).map(|v| v.into_iter().map(f64::from).collect()),
-            _ => (file.into_vec::<i64>()).map(|v| v.into_iter().map(|i| i as f64).collect()),
+        let count = match shape.contains(&0) {
+            true => 0,
+            false => (shape.iter()).fold(1, |count: u128, &axis| count.saturating_mul(axis.into())),
         };
-        let stored = stored.map_err(|error| broken(error.to_string()))?;
-        let values = match (order, &shape[..]) {
-            (Order::Fortran, &[rows, columns]) => (0..rows)
-                .flat_map(|row| (0..columns).map(move |column| column * rows + row))
-                .map(|index| stored[index])
-                .collect(),
-            _ => stored,
+        let promised = count.saturating_mul(width as u128);
+        if promised > (bytes.len() - start) as u128 {
+            return Err(cut_short(promised.saturating_add(start as u128)));
+        }
+        let shape: Vec<usize> = shape.into_iter().map(|axis| axis as usize).collect();
+        let stored = (bytes[start..].chunks_exact(width))
+            .take(count as usize)
+            .map(number);
+        let values = match shape[..] {
+            [rows, columns] if fortran_order => {
+                let stored: Vec<f64> = stored.collect();
+                (0..rows)
+                    .flat_map(|row| (0..columns).map(move |column| column * rows + row))
+                    .map(|index| stored[index])
+                    .collect()
+            }
+            _ => stored.collect(),
         };
         Ok(Array {
             shape,
             values,
-            single: kind.ends_with("f4"),
+            single: descr.ends_with("f4"),
         })
     }
 
     /// The bytes of an `.npy` file in double precision.
-    pub fn encode(&self) -> io::Result<Vec<u8>> {
-        let shape: Vec<u64> = self.shape.iter().map(|&axis| axis as u64).collect();
-        let mut bytes = Vec::new();
-        let mut writer = npyz::WriteOptions::new()
-            .default_dtype()
-            .shape(&shape)
-            .writer(&mut bytes)
-            .begin_nd()?;
-        writer.extend(self.values.iter())?;
-        writer.finish()?;
-        Ok(bytes)
+    pub fn encode(&self) -> Vec<u8> {
+        let axes: String = self.shape.iter().map(|axis| format!("{axis},")).collect();
+        let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({axes}), }}");
+        // Values start at a multiple of 64 bytes; the last byte of the header ends a line.
+        let size = (10 + header.len() + 1).next_multiple_of(64);
+        header.extend(std::iter::repeat_n(' ', size - 11 - header.len()));
+        header.push('\n');
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        bytes.extend(self.values.iter().flat_map(|value| value.to_le_bytes()));
+        bytes
     }
 }
 
-/// Refuses headers that take the parser long: none that numpy writes of an array of numbers.
-fn check_header(bytes: &[u8]) -> Result<(), String> {
-    let header = match header_size(bytes) {
-        Some(size) => &bytes[..bytes.len().min(size as usize)],
-        None => return Ok(()),
-    };
-    if header.len() > LONGEST_HEADER {
-        return Err(format!(
-            "its header has {} bytes, and {LONGEST_HEADER} are the most that is read",
-            header.len()
-        ));
+/// The bytes of one number.
+fn word<const N: usize>(bytes: &[u8]) -> [u8; N] {
+    bytes.try_into().expect("a chunk has the width of its type")
+}
+
+/// What stands before the values: a Python dictionary with three entries
+/// (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
+struct Header<'a> {
+    /// The type of the numbers as numpy names it: `<f8`.
+    descr: &'a str,
+    fortran_order: bool,
+    shape: Vec<u64>,
+    /// Where the values start.
+    start: usize,
+}
+
+impl<'a> Header<'a> {
+    /// Reads the header; the bytes hold the whole of it.
+    fn read(bytes: &'a [u8]) -> Result<Self, String> {
+        let size = header_size(bytes).ok_or("it does not start as numpy's files do")? as usize;
+        let fields = if bytes[6] == 1 { 10 } else { 12 };
+        let text = str::from_utf8(&bytes[fields..size]).map_err(|error| error.to_string())?;
+        let missing = |name: &str| format!("its header has no valid entry '{name}'");
+        let dictionary = (text.trim())
+            .strip_prefix('{')
+            .and_then(|text| text.strip_suffix('}'))
+            .ok_or("its header is no dictionary")?;
+        let entries = entries(dictionary);
+        let entry = |name: &str| {
+            (entries.iter())
+                .filter_map(|entry| entry.split_once(':'))
+                .find(|(key, _)| key.trim().trim_matches(['\'', '"']) == name)
+                .map(|(_, value)| value.trim())
+        };
+        let axes = |value: &str| {
+            (value.strip_prefix('(')?.strip_suffix(')')?.split(','))
+                .map(str::trim)
+                .filter(|axis| !axis.is_empty())
+                .map(|axis| axis.parse().ok())
+                .collect()
+        };
+        Ok(Header {
+            descr: entry("descr")
+                .ok_or_else(|| missing("descr"))?
+                .trim_matches(['\'', '"']),
+            fortran_order: match entry("fortran_order") {
+                Some("True") => true,
+                Some("False") => false,
+                _ => return Err(missing("fortran_order")),
+            },
+            shape: (entry("shape").and_then(axes)).ok_or_else(|| missing("shape"))?,
+            start: size,
+        })
     }
-    let opens = |byte: &&u8| matches!(byte, b'{' | b'[' | b'(');
-    let brackets = header.iter().filter(opens).count();
-    if brackets > MOST_BRACKETS {
-        return Err(format!(
-            "its header has {brackets} brackets, and {MOST_BRACKETS} are the most that is read"
-        ));
-    }
-    Ok(())
+}
+
+/// Entries of a dictionary: what stands between its commas, if these are neither in brackets nor in quotes.
+fn entries(dictionary: &str) -> Vec<&str> {
+    let (mut depth, mut quote) = (0_usize, None);
+    dictionary
+        .split(|character| {
+            match (quote, character) {
+                (Some(open), _) if open == character => quote = None,
+                (Some(_), _) => {}
+                (None, '\'' | '"') => quote = Some(character),
+                (None, '(' | '[' | '{') => depth += 1,
+                (None, ')' | ']' | '}') => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            quote.is_none() && depth == 0 && character == ','
+        })
+        .collect()
 }
 
 /// Size of the header of an `.npy` file with all that comes before it; `None` if it is not such a file.
@@ -161,28 +205,84 @@ fn header_size(bytes: &[u8]) -> Option<u128> {
 mod tests {
     use super::*;
 
-    /// The error of a file of version 2 with this header and no values.
-    fn error_of(header: &str) -> String {
+    /// A file of version 2 with this header and these values.
+    fn file(header: &str, values: &[u8]) -> Vec<u8> {
         let mut bytes = b"\x93NUMPY\x02\x00".to_vec();
         bytes.extend((header.len() as u32).to_le_bytes());
         bytes.extend(header.as_bytes());
-        let decoded = Array::decode(&bytes, Accept::Floats, Path::new("a.npy"), "");
-        decoded.err().unwrap().to_string()
+        bytes.extend(values);
+        bytes
     }
 
-    /// Without the limits the first of them takes longer than anyone waits: four times as long for each bracket.
+    fn decode(header: &str, values: &[u8]) -> Result<Array, String> {
+        Array::decode(
+            &file(header, values),
+            Accept::Numbers,
+            Path::new("a.npy"),
+            "",
+        )
+        .map_err(|error| error.to_string())
+    }
+
+    /// Headers as numpy 1.26 and 2.3 write them, Python 2's spacing among them.
     #[test]
-    fn headers_that_take_the_parser_long_are_refused() {
-        for open in ["{", "{1:", "{'}':", "(", "["] {
-            let error = error_of(&open.repeat(MOST_BRACKETS));
-            assert!(error.contains("holds no array"), "{open}: {error}");
-            let error = error_of(&open.repeat(4000));
-            assert!(
-                error.contains("are the most that is read"),
-                "{open}: {error}"
-            );
+    fn headers_of_numpy_are_read() {
+        let values: Vec<u8> = [1_i32, 2, 3, 4, 5, 6].map(i32::to_be_bytes).concat();
+        let header = "{'descr': '>i4', 'fortran_order': True, 'shape': (2, 3), }      \n";
+        let array = decode(header, &values).unwrap();
+        assert_eq!(array.shape, [2, 3]);
+        assert_eq!(array.values, [1.0, 3.0, 5.0, 2.0, 4.0, 6.0]);
+        let header = "{\"shape\":(6,),\"fortran_order\":False,\"descr\":\">i4\"}";
+        assert_eq!(decode(header, &values).unwrap().shape, [6]);
+        let header =
+            "{'descr': [('a', '<f8'), ('b, c', '<i4')], 'fortran_order': False, 'shape': (1,), }";
+        let error = decode(header, &[0; 12]).err().unwrap();
+        assert!(error.contains("[('a', '<f8'), ('b, c', '<i4')]"), "{error}");
+        let scalar = decode(
+            "{'descr': '<i8', 'fortran_order': False, 'shape': (), }",
+            &[7, 0, 0, 0, 0, 0, 0, 0],
+        );
+        assert_eq!(scalar.unwrap().values, [7.0]);
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let array = Array {
+            shape: vec![2, 3],
+            values: vec![0.5, -1.0, 2.0, f64::MAX, 0.0, 1e-300],
+            single: false,
+        };
+        let bytes = array.encode();
+        assert_eq!(header_size(&bytes).unwrap() % 64, 0);
+        let read = Array::decode(&bytes, Accept::Floats, Path::new("a.npy"), "").unwrap();
+        assert_eq!((read.shape, read.values), (array.shape, array.values));
+    }
+
+    #[test]
+    fn headers_that_are_no_dictionary_are_refused() {
+        for (header, reason) in [
+            ("", "no dictionary"),
+            (&"{1:".repeat(4000), "no dictionary"),
+            (&format!("{{{}}}", "[".repeat(1 << 20)), "'descr'"),
+            ("{'descr': '<f8', 'shape': (1,)}", "'fortran_order'"),
+            (
+                "{'descr': '<f8', 'fortran_order': False, 'shape': (-1,)}",
+                "'shape'",
+            ),
+            (
+                "{'descr': '<f8', 'fortran_order': False, 'shape': 3}",
+                "'shape'",
+            ),
+        ] {
+            let error = decode(header, &[0; 8]).err().unwrap();
+            assert!(error.contains(reason), "{error}");
         }
-        let error = error_of(&"9".repeat(1 << 20));
-        assert!(error.contains("has 1048588 bytes"), "{error}");
+        let huge = "{'descr': '<f8', 'fortran_order': False, 'shape': (99999999999, 99999999999)}";
+        assert!(
+            decode(huge, &[0; 8])
+                .err()
+                .unwrap()
+                .contains("79999999998400000000097")
+        );
     }
 }

@@ -46,7 +46,7 @@ pub fn write(file: &LoopFile) -> Result<Vec<PathBuf>, LoopFileError> {
     let (q, p) = pair_of(&file.path);
     for (path, momenta) in [(&q, false), (&p, true)] {
         let bytes = file.array(momenta).encode();
-        (bytes.and_then(|bytes| fs::write(path, bytes))).map_err(|error| LoopFileError::Write {
+        fs::write(path, bytes).map_err(|error| LoopFileError::Write {
             path: path.clone(),
             reason: error.to_string(),
         })?;
