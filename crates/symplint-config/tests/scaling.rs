@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use symplint::{Verdict, VerdictKind};
 use symplint_config::Config;
 use symplint_truth::scaled::Scaled;

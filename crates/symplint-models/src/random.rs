@@ -1,7 +1,7 @@
 //! Random numbers that are the same, bit for bit, on every machine and for every release.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 
 /// Uniform random numbers in [0, 1) from a seed.
 ///

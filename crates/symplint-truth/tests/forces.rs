@@ -4,8 +4,8 @@
 
 use std::sync::Mutex;
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use symplint::field::{FieldReport, FieldTest};
 use symplint::{Coordinates, PerSample, TimeAdvance};

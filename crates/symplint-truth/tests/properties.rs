@@ -2,8 +2,8 @@
 //!
 //! In two and three degrees of freedom, 200 members of each kind and of each pair of kinds. docs/truth.md has the table.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use symplint::verdict::PropertyName;
 use symplint::{Circle, Diagnostic, PerSample, Verdict};

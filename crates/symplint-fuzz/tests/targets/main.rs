@@ -10,8 +10,8 @@ use std::io::{Cursor, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use symplint_fuzz::{TARGETS, seeds};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};

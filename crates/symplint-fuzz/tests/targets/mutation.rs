@@ -1,7 +1,7 @@
 //! Mutations of inputs, by random numbers of a seed.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::Rng;
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::Rng;
 
 /// What formats are made of, and what readers may trip over.
 const TOKENS: [&[u8]; 24] = [

@@ -1,7 +1,7 @@
 //! Random numbers of a member: the same on every platform.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 
 /// The random numbers that a member is made from.
 pub struct Random(ChaCha8Rng);

@@ -1,7 +1,7 @@
 //! How far loops reach, if the caller does not say.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::SeedableRng;
 
 use super::FieldKind;
 use super::integrand::Integrand;

@@ -1,7 +1,7 @@
 //! Tangent vectors: all unit vectors, or seeded random ones. No component is beyond ±1.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::SeedableRng;
 
 use crate::map::ActionGroup;
 use crate::signal::unit;

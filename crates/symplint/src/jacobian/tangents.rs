@@ -4,8 +4,8 @@
 //! from states whose coordinates are changed by their last digit. A difference of the results is
 //! round-off, of the tangent vector and of the states along the step, however the step enlarges it.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::SeedableRng;
 use rayon::prelude::*;
 
 use super::constants::CONSTANTS;

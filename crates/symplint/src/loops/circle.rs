@@ -1,7 +1,7 @@
 //! Circles in the (q_i, p_i) planes: the loop of the paper.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::SeedableRng;
 
 use super::Loop;
 use super::turn::sin_cos_turn;

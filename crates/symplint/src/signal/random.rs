@@ -1,7 +1,7 @@
 //! Random numbers that are the same on every platform.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::Rng;
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::Rng;
 
 /// A number in [0, 1) from the upper 53 bits of the next word of the generator.
 pub(crate) fn unit(random: &mut ChaCha8Rng) -> f64 {

@@ -1,7 +1,7 @@
 //! What rounding makes of a step: how far its results move if the state is moved by roundings.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::SeedableRng;
 
 use super::repeats::Repeats;
 use crate::error::Error;
