@@ -15,10 +15,6 @@ pub(crate) const LEAST_BUDGET: usize = 200;
 /// Loops at most: each is sampled and advanced separately, and listed in the evidence.
 pub const MOST_LOOPS: usize = 10_000;
 
-/// The fewest samples that can tell: a smooth loop of a few Fourier modes is resolved to some digits, and jumps show.
-/// The same as `evidence::FEWEST_SAMPLES`.
-pub(super) const FEWEST_SAMPLES: usize = 32;
-
 /// Where doubling begins at the latest in one degree of freedom: samples of small systems cost nothing, and features
 /// narrower than a cell of the loop are not resolved.
 pub(super) const FINE_SAMPLES: usize = 1 << 11;
@@ -141,9 +137,6 @@ pub(super) const FEWEST_TRIED: usize = 150;
 /// the number of samples: a thousand samples in a million degrees of freedom.
 pub(super) const MOST_STREAMED: usize = 1 << 30;
 
-/// The λ of the paper's figures.
-pub(super) const CUTOFF: f64 = 1000.0;
-
 // Convergence.
 
 /// A quadrature error of this size is as good as round-off.
@@ -254,9 +247,6 @@ pub(super) const MOST_BYTES: usize = 512 << 20;
 
 /// Samples of the smallest ensembles that a diagnosis makes, apart from those that it measures with.
 pub(super) const SMALL: usize = 64;
-
-/// Samples before the step are kept where they take no more than this.
-pub(super) const KEPT_BYTES: usize = 64 << 20;
 
 // Steps back.
 

@@ -26,7 +26,7 @@ pub use point::{BreakAt, Point, Sweep};
 pub(crate) use preserved_form::monomial;
 pub use preserved_form::{FormEntry, FormOnLoop, PreservedForm};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
-pub(crate) use step::{MOST_CELLS_APART, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
+pub(crate) use step::{MOST_CELLS_APART, UNEXPLAINED, WEAKEST_BOUND};
 pub use structure::{EnergyAtStep, EnergyChange, ReturnDefect, StructureEvidence};
 pub use survey::{
     OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind, SingularJacobian, Survey,

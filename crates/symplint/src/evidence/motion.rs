@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{LoopEvidence, StepEvidence};
+use crate::signal::SIGNIFICANT;
 
 /// A step that advances the motions on its loops by less than this, in radians, tests nothing. The defect of a method of
 /// order 4 has to stand clear of the bound on the defect, too: [`defect_of_order_4`]. Methods of order 8 and more need
@@ -13,9 +14,6 @@ pub(crate) const LEAST_PHASE_ADVANCE: f64 = 0.05;
 /// their size tests nothing. Calibrated on the truth table: explicit midpoint and Heun steps of all its systems show
 /// a defect from 0.2 on.
 pub(crate) const LEAST_DEFORMATION: f64 = 0.2;
-
-/// The defect that a larger step would show stands clear of its bound by this factor. Conventional: one digit.
-const CLEAR_OF_BOUND: f64 = 10.0;
 
 /// Motions that grow by no more than this factor do not depend on the step size, which is at least four times as large.
 /// Conventional.
@@ -126,7 +124,7 @@ impl Reach {
     pub(crate) fn settles(&self, motion: Motion) -> bool {
         let shows = |moved: Motion| match moved.shear {
             true => moved.deformation >= LEAST_DEFORMATION,
-            false => defect_of_order_4(moved.phase_advance) >= CLEAR_OF_BOUND * self.step.bound(),
+            false => defect_of_order_4(moved.phase_advance) >= SIGNIFICANT * self.step.bound(),
         };
         (self.step.motion).is_some_and(|moved| {
             shows(moved) || motion.shear && moved.shear || !self.is_further(motion)

@@ -1,7 +1,7 @@
 //! The given loop before and after a step, for a figure.
 
 use crate::loops::Loop;
-use crate::state::Ensemble;
+use crate::state::{Ensemble, SMALL_MEMORY};
 
 /// Samples of the given loop before and after one step.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,9 +19,6 @@ impl LoopPicture {
     /// Samples at most: more only make files large.
     const MOST_SAMPLES: usize = 1024;
 
-    /// Memory that a picture of two or more samples takes at most.
-    const MOST_BYTES: usize = 64 << 20;
-
     /// Makes a picture of an ensemble before a step and the same ensemble after it.
     pub(crate) fn of(step_size: Option<f64>, before: &Ensemble, after: &Ensemble) -> Self {
         LoopPicture {
@@ -33,7 +30,7 @@ impl LoopPicture {
 
     /// The samples of an ensemble that a picture shows.
     pub(crate) fn shown(ensemble: &Ensemble) -> Ensemble {
-        let affordable = Self::MOST_BYTES / (32 * ensemble.dof().max(1));
+        let affordable = SMALL_MEMORY / (32 * ensemble.dof().max(1));
         ensemble.thinned(affordable.clamp(1, Self::MOST_SAMPLES))
     }
 

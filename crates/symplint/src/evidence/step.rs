@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Motion;
 use crate::breaks::Break;
 use crate::rules::{Defect, RuleKind};
+use crate::signal::SIGNIFICANT;
 
 /// The loop integral before and after one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -91,12 +92,6 @@ pub struct Wrap {
     /// The range, which a period would have to be.
     pub period: f64,
 }
-
-/// A defect this many times its uncertainty is significant.
-///
-/// Conventional. Uncertainties are estimates of systematic errors, not standard deviations: in the truth table
-/// true errors exceed them by a factor of three at most.
-pub(crate) const SIGNIFICANT: f64 = 10.0;
 
 /// A defect this many times its uncertainty is not explained by it. Conventional, as above.
 pub(crate) const UNEXPLAINED: f64 = 3.0;

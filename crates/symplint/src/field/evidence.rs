@@ -4,7 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::limits::{LEAST_CURL, LOOSEST_TOLERANCE, SIGNIFICANT};
+use super::limits::{LEAST_CURL, LOOSEST_TOLERANCE};
+use crate::signal::SIGNIFICANT;
 
 /// The kind of function under test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

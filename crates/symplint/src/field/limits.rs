@@ -1,8 +1,5 @@
 //! All numbers that decide in a test of a force or a vector field.
 
-/// A loop integral this many times its error is not zero. Conventional, and the same as the judge of maps has.
-pub(super) const SIGNIFICANT: f64 = 10.0;
-
 /// Errors are counted this many times what samples show of them: of white noise and of jumps, they show its size. Conventional.
 pub(super) const SAFETY: f64 = 4.0;
 

@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 
 use super::evidence::{FieldKind, LoopKind, LoopWork, Omitted};
 use super::judge::{Certainty, FieldReport, FieldVerdict};
-use super::limits::SIGNIFICANT;
+use crate::signal::SIGNIFICANT;
 
 /// Noise below this is rounding in double precision, and is not mentioned.
 const ROUNDING: f64 = 1e-12;

@@ -4,11 +4,12 @@ use super::evidence::{LoopKind, LoopWork};
 use super::integrand::{Integrand, Moments};
 use super::limits::{
     BISECTIONS, ENOUGH_ACROSS_JUMPS, ENOUGH_ACROSS_KINKS, MANY_SAMPLES, PART_OF_JUMP,
-    ROUNDING_NOISE, ROUNDINGS, SAFETY, SIGNIFICANT,
+    ROUNDING_NOISE, ROUNDINGS, SAFETY,
 };
 use super::spectrum::Spectrum;
 use crate::error::Error;
 use crate::loops::FourierLoop;
+use crate::signal::SIGNIFICANT;
 
 /// How exactly the power is known on one loop.
 #[derive(Clone, Copy)]

@@ -39,6 +39,7 @@ pub use evidence::{
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{ActionGroup, EvaluationCount, Evaluator, LoopSize, TimeAdvance};
+use crate::signal::GOLDEN_RATIO;
 use bisection::locate;
 use columns::{Columns, Outcome};
 use directions::Directions;
@@ -395,9 +396,8 @@ fn bounds_of_groups(outcomes: &[Outcome], groups: usize) -> Vec<Option<f64>> {
 
 /// Loop parameters that the golden ratio spreads: no two of them, nor their mirror images, coincide.
 pub(crate) fn parameters(count: usize) -> Vec<f64> {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
     const START: f64 = 0.137;
     (0..count)
-        .map(|k| (START + GOLDEN * k as f64).fract())
+        .map(|k| (START + GOLDEN_RATIO * k as f64).fract())
         .collect()
 }

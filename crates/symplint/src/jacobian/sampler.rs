@@ -10,12 +10,13 @@ use super::derivative::Derivative;
 use super::directions;
 use super::evidence::{JacobianMethod, TangentRejection};
 use super::frame::Frame;
-use super::noise::{self, Noise};
+use super::noise;
 use super::richardson::{self, FINER, FIRST, finer_levels_help};
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::{Evaluator, LoopSize};
 use crate::signal::nearest;
+use crate::signal::noise::{Noise, of_a_row};
 use crate::state::{Block, Ensemble, coordinate};
 
 /// A tangent vector at a point, in units of the frame.
@@ -145,7 +146,7 @@ impl<'a> Sampler<'a> {
     /// The states of all points after the step, and the noise of every coordinate there, along a direction. Larger
     /// spacings are added at points where a coordinate needs them.
     fn measure_noise(&mut self, direction: &[f64]) -> Result<(), Error> {
-        let sixth_differences = noise::sixth_differences();
+        let of_a_row = of_a_row();
         let mut found = vec![vec![Noise::default(); self.coordinates()]; self.s.len()];
         let points: Vec<usize> = (0..self.s.len()).collect();
         for batch in points.chunks(self.in_a_batch(1 + noise::STATES)) {
@@ -167,7 +168,7 @@ impl<'a> Sampler<'a> {
                     for (c, noise) in found[point].iter_mut().enumerate() {
                         let around = &stencil(k, c)[offsets.len() - noise::STATES..];
                         let difference = |k: usize| self.difference(point, c, around[k]);
-                        noise.add(&sixth_differences, std::array::from_fn(difference));
+                        noise.add(&of_a_row, std::array::from_fn(difference));
                     }
                 }
                 unresolved.retain(|&point| {
@@ -186,7 +187,7 @@ impl<'a> Sampler<'a> {
             let is_constant = self.is_constant(c);
             let of_point = |of_point: &Vec<Noise>| match is_constant {
                 true => Some(0.0),
-                false => of_point[c].value(),
+                false => of_point[c].value().map(|shown| noise::SAFETY * shown),
             };
             let shown: Vec<Option<f64>> = found.iter().map(of_point).collect();
             for (point, noise) in noise::at_each_place(&shown).into_iter().enumerate() {

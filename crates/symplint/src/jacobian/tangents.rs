@@ -13,15 +13,14 @@ use super::derivative::Derivative;
 use super::evidence::TangentRejection;
 use super::sampler::{Sampler, TangentVector};
 use crate::error::{Error, StateAt};
-use crate::signal::unit;
+use crate::signal::{GOLDEN_RATIO, unit};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut};
 
 const TRIALS: usize = CONSTANTS.trials;
 
 /// The factors of the tangent vector in a trial: not powers of two, which round alike.
 fn factor(trial: usize) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    1.0 + GOLDEN * trial as f64
+    1.0 + GOLDEN_RATIO * trial as f64
 }
 
 /// For each trial the relative changes of the coordinates of the state: none in the first, and then in

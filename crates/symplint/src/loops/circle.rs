@@ -6,7 +6,7 @@ use chacha20::rand_core::SeedableRng;
 use super::Loop;
 use super::turn::sin_cos_turn;
 use crate::error::Error;
-use crate::signal::unit;
+use crate::signal::{GOLDEN_RATIO, unit};
 use crate::state::Block;
 use crate::state::scratch;
 
@@ -52,9 +52,6 @@ pub enum Phases {
         seed: u64,
     },
 }
-
-/// The golden ratio (√5 − 1)/2. Its multiples are the most evenly spread on a circle (three-distance theorem).
-const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
 impl Phases {
     /// The names of all, as configurations have them.

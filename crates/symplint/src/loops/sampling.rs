@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::Loop;
 use crate::error::Error;
-use crate::state::{Block, Ensemble, first_error, first_not_finite};
+use crate::state::{Block, Ensemble, SMALL_MEMORY, first_error, first_not_finite};
 
 impl Ensemble {
     /// The samples γ(k/N_s), k = 0 … N_s − 1, of a loop.
@@ -39,9 +39,8 @@ impl Ensemble {
         samples: usize,
         mut visit: impl FnMut(Ensemble) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        /// Memory of a part, unless a block of a few samples needs more.
-        const BYTES: usize = 64 << 20;
-        let count = (BYTES / (16 * phase_loop.dof().max(1))).clamp(8, samples);
+        // Unless a block of a few samples needs more.
+        let count = (SMALL_MEMORY / (16 * phase_loop.dof().max(1))).clamp(8, samples);
         for first in (0..samples).step_by(count) {
             let count = count.min(samples - first);
             let at = |k: usize| k as f64 / samples as f64;

@@ -132,7 +132,7 @@ impl std::fmt::Display for RuleKind {
 }
 
 /// λ_q and λ_p of a finite-difference rule that is named without cut-offs. The paper uses this value for particle-in-cell codes.
-const CUTOFF: f64 = 1000.0;
+pub(crate) const CUTOFF: f64 = 1000.0;
 
 impl Rule {
     /// The rule of this name with its default settings.

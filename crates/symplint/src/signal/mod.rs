@@ -16,6 +16,12 @@ pub(crate) use digits::{Digits, Format, SINGLE, binary_digits};
 pub(crate) use extent::Extent;
 pub(crate) use largest::largest;
 pub(crate) use lattice::Levels;
-pub(crate) use random::unit;
+pub(crate) use random::{GOLDEN_RATIO, unit};
 pub use unwrap::unwrap_row;
 pub(crate) use unwrap::{Turns, nearest, wraps};
+
+/// A defect this many times its uncertainty is significant.
+///
+/// Conventional. Uncertainties are estimates of systematic errors, not standard deviations: in the truth table
+/// true errors exceed them by a factor of three at most.
+pub(crate) const SIGNIFICANT: f64 = 10.0;

@@ -55,6 +55,62 @@ impl SixthDifferences {
     }
 }
 
+/// States beside the one in the middle of a row, in spacings. They are not equidistant: stairs whose height divides the spacing would
+/// look straight.
+pub(crate) const BESIDE: [f64; 12] = [
+    -5.81, -5.23, -3.88, -3.17, -1.83, -0.92, 1.13, 2.21, 2.94, 4.27, 4.79, 6.17,
+];
+
+/// Neighbours of a row that may be equal: rows of more lie on one stair of what rounds them.
+const MOST_EQUAL: usize = 2;
+
+/// Noise at one place counts no more than this many times that at others: a break may lie near it.
+pub(crate) const MOST_OF_OTHERS: f64 = 16.0;
+
+/// The sixth differences of a row: of the states [`BESIDE`] the middle, and of that.
+pub(crate) fn of_a_row() -> SixthDifferences {
+    SixthDifferences::at(&row(BESIDE, 0.0))
+}
+
+fn row(beside: [f64; BESIDE.len()], middle: f64) -> [f64; BESIDE.len() + 1] {
+    let (before, after) = beside.split_at(BESIDE.len() / 2);
+    let mut all = before.iter().chain([&middle]).chain(after);
+    std::array::from_fn(|_| *all.next().expect("one more than there are beside it"))
+}
+
+/// The standard deviation of a value at one place, from rows of rising spacing.
+///
+/// The smallest spacing counts at which neighbours differ: it is least misled by a steep function, and a smaller one sees the stairs
+/// of single precision only now and then. If every spacing has equal neighbours, the largest noise counts.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Noise {
+    value: f64,
+    /// Whether a spacing was found at which neighbours differ, so that larger ones are not needed.
+    pub resolved: bool,
+}
+
+impl Noise {
+    /// Adds what the values beside the middle differ from the value there, at one spacing; `of_a_row` is [`of_a_row`].
+    pub fn add(&mut self, of_a_row: &SixthDifferences, differences: [f64; BESIDE.len()]) {
+        if self.resolved {
+            return;
+        }
+        let row = row(differences, 0.0);
+        let shown = of_a_row.root_mean_square(&row);
+        let equal = row.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        self.resolved = equal <= MOST_EQUAL;
+        self.value = match self.resolved {
+            true => shown,
+            false => self.value.max(shown),
+        };
+    }
+
+    /// `None` if the value does not respond at all.
+    pub fn value(self) -> Option<f64> {
+        (self.resolved || self.value > 0.0).then_some(self.value)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

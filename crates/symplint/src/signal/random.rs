@@ -1,4 +1,4 @@
-//! Random numbers that are the same on every platform.
+//! Numbers that spread over an interval, random or not, and are the same on every platform.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::Rng;
@@ -7,3 +7,6 @@ use chacha20::rand_core::Rng;
 pub(crate) fn unit(random: &mut ChaCha8Rng) -> f64 {
     (random.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
+
+/// The golden ratio (√5 − 1)/2. Its multiples are the most evenly spread on a circle (three-distance theorem).
+pub(crate) const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;

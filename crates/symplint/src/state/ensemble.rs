@@ -7,6 +7,9 @@ use crate::signal::unwrap_row;
 use crate::state::{Block, Coordinates};
 use crate::state::{Rows, RowsMut};
 
+/// Memory of ensembles that are kept or made beside the one which is measured: they are a small part of what a machine has.
+pub(crate) const SMALL_MEMORY: usize = 64 << 20;
+
 /// The states of all samples, one contiguous row of N_s values for each coordinate.
 ///
 /// Positions and momenta are apart. Rows start a little further apart than they are

@@ -8,7 +8,7 @@ pub(crate) use precision::of_grain;
 pub(crate) use windings::wound;
 
 use crate::error::Error;
-use crate::evidence::{Motion, OutputPrecision};
+use crate::evidence::{FEWEST_SAMPLES, Motion, OutputPrecision};
 use crate::rules::Subject;
 use crate::state::{Coordinates, Ensemble};
 use motion::Motions;
@@ -16,9 +16,6 @@ use precision::Precision;
 
 /// Samples that the survey looks at, of those that were advanced anyway.
 const SAMPLES: usize = 64;
-
-/// Samples that are advanced for the survey alone, if no others stay in memory.
-const FEW_SAMPLES: usize = 32;
 
 /// Surveys the map by samples of a loop that were advanced.
 pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> SampleSurvey {
@@ -42,7 +39,7 @@ pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> SampleSurvey
 /// Those of the map.
 pub(crate) fn of_few_samples(subject: Subject<'_>, h: f64) -> Result<SampleSurvey, Error> {
     let mut look = SurveySums::new(subject.dof());
-    Ensemble::in_parts(subject.phase_loop, FEW_SAMPLES, |before| {
+    Ensemble::in_parts(subject.phase_loop, FEWEST_SAMPLES, |before| {
         let mut after = before.clone();
         subject.evaluator.advance(&mut after, h)?;
         look.add(subject, &before, &after);

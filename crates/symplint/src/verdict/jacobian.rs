@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::VerdictKind;
-use crate::evidence::{LEAST_DEFORMATION, SIGNIFICANT, UNEXPLAINED, WEAKEST_BOUND};
+use crate::evidence::{LEAST_DEFORMATION, UNEXPLAINED, WEAKEST_BOUND};
 use crate::jacobian::{JacobianEvidence, JacobianMethod, TangentDefect};
+use crate::signal::SIGNIFICANT;
 
 /// The answer of a Jacobian test alone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -14,15 +14,14 @@ use super::findings::{
 use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, fit_order, leaves, slope_of, smallest_steps_slope};
 use super::properties::{Property, properties};
-use super::thresholds::{
-    CONTRADICTS, FAR, FEWEST_POINTS, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND,
-};
+use super::thresholds::{FAR, FEWEST_POINTS, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND};
 use super::{Verdict, VerdictKind, long_time};
 use crate::evidence::{
     Check, Evidence, LoopEvidence, LoopKind, Motion, Omission, Origin, Scatter, StepEvidence, Why,
 };
 use crate::jacobian::JacobianDecay;
 use crate::rules::Defect;
+use crate::signal::SIGNIFICANT;
 
 /// Reaches the verdict. Pure: the same evidence gives the same verdict, from any source.
 ///
@@ -305,7 +304,7 @@ impl<'a> Case<'a> {
             let worst = self.worst(StepEvidence::is_significant);
             let defect = worst.map_or(0.0, |(_, step)| step.defect.magnitude());
             self.jacobian_bound()
-                .is_some_and(|bound| defect > CONTRADICTS * bound)
+                .is_some_and(|bound| defect > SIGNIFICANT * bound)
         };
         let Some(JacobianDecay {
             step_sizes: [large, small],

@@ -10,10 +10,11 @@ use super::long_time::{Growth, growth_of_energy};
 use super::number::{one_digit, two_digits, with_uncertainty};
 use super::thresholds::WHOLE;
 use crate::evidence::{
-    EnergyAtStep, EnergyInTime, Evidence, LoopEvidence, SIGNIFICANT, StepEvidence,
-    StructureEvidence, UNEXPLAINED, WEAKEST_BOUND,
+    EnergyAtStep, EnergyInTime, Evidence, LoopEvidence, StepEvidence, StructureEvidence,
+    UNEXPLAINED, WEAKEST_BOUND,
 };
 use crate::jacobian::TangentDefect;
+use crate::signal::SIGNIFICANT;
 
 /// A property of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]

@@ -96,10 +96,6 @@ pub(super) const RETURNS: f64 = 0.5;
 /// second half is above 0.7, has not.
 pub(super) const AWAY: f64 = 0.8;
 
-/// A Jacobian that is symplectic to less than this part of the change of a loop integral contradicts it. Conventional: one
-/// digit, as both are relative to the size of the loop.
-pub(super) const CONTRADICTS: f64 = 10.0;
-
 /// Patches of the disc within a loop that are smaller than this part of it are points, and what they alone change no sign
 /// of a defect. Conventional: ten halvings. Defects of methods are spread over the disc.
 pub(super) const POINT_OF_DISC: f64 = 1e-3;

@@ -1,11 +1,13 @@
 //! The given loop in many steps.
 
 use super::{GivenLoop, Runner, failed};
-use crate::diagnosis::limits::{FEWEST_SAMPLES, FINE_DEFECT, FOLDED, RESOLVED_DEFECT};
+use crate::diagnosis::limits::{FINE_DEFECT, FOLDED, RESOLVED_DEFECT};
 use crate::diagnosis::plan::{fits, power_below};
 use crate::diagnosis::resolve::probe::Probe;
 use crate::error::Error;
-use crate::evidence::{Check, EnergyInTime, LongTime, LoopAtStep, LoopEvidence, Why};
+use crate::evidence::{
+    Check, EnergyInTime, FEWEST_SAMPLES, LongTime, LoopAtStep, LoopEvidence, Why,
+};
 use crate::map::Energy;
 use crate::rules::{Rule, Subject};
 use crate::state::Ensemble;

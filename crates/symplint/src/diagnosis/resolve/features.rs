@@ -11,7 +11,7 @@ use crate::diagnosis::limits::{
 };
 use crate::error::Error;
 use crate::rules::{Subject, misses, roughness};
-use crate::signal::{Extent, nearest};
+use crate::signal::{Extent, GOLDEN_RATIO, nearest};
 use crate::state::{Ensemble, coordinate, period};
 
 /// The largest number of evaluations that a search for features between samples takes for this number of samples.
@@ -95,8 +95,7 @@ pub(in crate::diagnosis) fn feature_between_samples(
 
 /// Parameters of irregular states: multiples of the golden ratio.
 fn parameter(j: usize) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    (0.31 + j as f64 * GOLDEN).fract()
+    (0.31 + j as f64 * GOLDEN_RATIO).fract()
 }
 
 /// The largest of some sizes, if it is more than `least` and there are few others like it.

@@ -1,11 +1,10 @@
 //! The samples of a loop before the step, kept from one step size to the next.
 
 use super::refined_samples::RefinedSamples;
-use crate::diagnosis::limits::KEPT_BYTES;
 use crate::error::{Error, StateAt};
 use crate::loops::sample_block;
 use crate::rules::Subject;
-use crate::state::{Ensemble, coordinate, copy_samples};
+use crate::state::{Ensemble, SMALL_MEMORY, coordinate, copy_samples};
 
 /// A loop whose samples are advanced by one step size after the other, in memory that is asked for once.
 ///
@@ -93,7 +92,7 @@ impl Ensembles {
     fn new(subject: Subject<'_>, samples: usize) -> Result<Self, Error> {
         let dof = subject.phase_loop.dof();
         Ensemble::check_size(dof, samples)?;
-        let kept = 16 * dof * samples <= KEPT_BYTES;
+        let kept = 16 * dof * samples <= SMALL_MEMORY;
         let before = kept.then(|| Ensemble::sample(subject.phase_loop, samples));
         Ok(Ensembles {
             before: before.transpose()?,

@@ -7,15 +7,16 @@ pub(in crate::diagnosis) mod probe;
 pub(in crate::diagnosis) mod refined_samples;
 
 use crate::diagnosis::limits::{
-    AGREEMENT, COARSE, CUTOFF, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES,
-    MOST_KINKED, MOST_SAMPLES, MOST_STREAMED, MOST_TRIED, SMALL,
+    AGREEMENT, COARSE, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES, MOST_KINKED,
+    MOST_SAMPLES, MOST_STREAMED, MOST_TRIED, SMALL,
 };
 use crate::diagnosis::plan::fits;
 use crate::diagnosis::plan::{Plan, power_below};
 use crate::diagnosis::{Diagnostic, SampleCount};
 use crate::error::Error;
-use crate::evidence::{SIGNIFICANT, WEAKEST_BOUND};
-use crate::rules::{Cutoffs, LoopAfterStep, Piecewise, Rule, Streaming, Subject};
+use crate::evidence::WEAKEST_BOUND;
+use crate::rules::{CUTOFF, Cutoffs, LoopAfterStep, Piecewise, Rule, Streaming, Subject};
+use crate::signal::SIGNIFICANT;
 use crate::state::Ensemble;
 use convergence::{Convergence, wanted};
 use features::{feature_at_sample, feature_between_samples};

@@ -125,9 +125,6 @@ pub(super) const LARGE: f64 = 1e-3;
 /// is estimated before.
 pub(super) const SMALL: f64 = 1e-6;
 
-/// States of one batch take this much memory at most, all substeps together.
-pub(super) const BATCH_BYTES: usize = 64 << 20;
-
 /// A difference of two states is a jump if it is this part of what it becomes by the end of the step.
 pub(super) const BORN: f64 = 1e-4;
 

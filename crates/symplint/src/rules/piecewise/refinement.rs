@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::curves::{CurvePoint, Curves, PointImage};
 use super::examine::{Finding, TurningPoints, View, Why};
 use super::jump::{Judgement, Jump};
-use super::limits::{BATCH_BYTES, ELSEWHERE, LARGE, NOISE_LENGTH, SAFETY, SMALL};
+use super::limits::{ELSEWHERE, LARGE, NOISE_LENGTH, SAFETY, SMALL};
 use super::lobatto::DEGREE;
 use super::noise;
 use super::piece::{Piece, Smooth};
@@ -16,7 +16,7 @@ use super::task::{OF_A_BREAK, Outcome, Task};
 use crate::breaks::{Break, Progress, REACH_BESIDE, uncertainty_of_position};
 use crate::error::Error;
 use crate::signal::nearest;
-use crate::state::{Coordinates, Ensemble, period};
+use crate::state::{Coordinates, Ensemble, SMALL_MEMORY, period};
 
 /// Everything that is known of the curves so far.
 pub(super) struct Refinement<'a> {
@@ -171,7 +171,7 @@ impl<'a> Refinement<'a> {
         // As ensembles, and as images.
         let copies = 2 * (self.curves.evaluator.substeps() - substep + 1);
         let state = 16 * self.curves.dof() * copies;
-        let most = BATCH_BYTES / state.max(1);
+        let most = SMALL_MEMORY / state.max(1);
         let mut states = 0;
         let fitting = tasks.iter().rev().take_while(|task| {
             states += task.cost();

@@ -1,7 +1,7 @@
 //! Why loop integrals change.
 
 use super::{Cause, CauseKind, Clues};
-use crate::evidence::SIGNIFICANT;
+use crate::signal::SIGNIFICANT;
 use crate::verdict::advice::Advice;
 use crate::verdict::findings::{
     ChangeFinding, DomainFinding, Finding, LocalisationFinding, Step, culprits,

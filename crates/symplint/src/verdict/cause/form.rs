@@ -4,7 +4,8 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::{Cause, CauseKind, Clues};
-use crate::evidence::{FormEntry, FormOnLoop, PreservedForm, SIGNIFICANT};
+use crate::evidence::{FormEntry, FormOnLoop, PreservedForm};
+use crate::signal::SIGNIFICANT;
 use crate::verdict::advice::Advice;
 use crate::verdict::number::{one_digit, significant, size, two_digits};
 

@@ -5,8 +5,9 @@ use std::fmt::{Display, Formatter, Result};
 use serde::Serialize;
 
 use super::Step;
-use crate::evidence::{SIGNIFICANT, Sector, SubstepDefect};
+use crate::evidence::{Sector, SubstepDefect};
 use crate::jacobian::{BlockDefects, DefectBlocks};
+use crate::signal::SIGNIFICANT;
 use crate::verdict::number::{one_digit, two_digits};
 
 /// The origin of a defect.

@@ -3,6 +3,7 @@
 use super::{Case, Decision, change, moves_rest};
 use crate::breaks::Break;
 use crate::evidence::{LoopEvidence, StepEvidence, WEAKEST_BOUND};
+use crate::signal::SIGNIFICANT;
 use crate::verdict::VerdictKind;
 use crate::verdict::advice::Advice;
 use crate::verdict::findings::{BreakFinding, ChangeFinding, Finding, SampleFinding, Step};
@@ -132,7 +133,7 @@ impl Case<'_> {
         })?;
         let (loop_index, name) = (found.index, self.name(found, step));
         let defect = closing.closed;
-        if defect.magnitude() > crate::evidence::SIGNIFICANT * defect.uncertainty() {
+        if defect.magnitude() > SIGNIFICANT * defect.uncertainty() {
             return Some(WorstClosure {
                 finding: Finding::Breaks(BreakFinding::ClosedChanges {
                     change: change(&defect),

@@ -6,6 +6,7 @@ use crate::evidence::{
     defect_of_order_4,
 };
 use crate::rules::RuleKind;
+use crate::signal::SIGNIFICANT;
 use crate::verdict::VerdictKind;
 use crate::verdict::advice::Advice;
 use crate::verdict::findings::{
@@ -13,7 +14,7 @@ use crate::verdict::findings::{
 };
 use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
-    CONTRADICTS, LOOSEST_TOLERANCE, MOST_DEFORMATION, MOST_LARGER, POINT_OF_DISC, SMALL, UNBALANCED,
+    LOOSEST_TOLERANCE, MOST_DEFORMATION, MOST_LARGER, POINT_OF_DISC, SMALL, UNBALANCED,
 };
 
 impl Case<'_> {
@@ -76,7 +77,7 @@ impl Case<'_> {
             return Some(self.because(because, vec![Advice::Project]));
         }
         let bound = self.jacobian_bound()?;
-        let contradicts = change.signed.abs() > CONTRADICTS * bound;
+        let contradicts = change.signed.abs() > SIGNIFICANT * bound;
         if omitted(Check::Contraction) && contradicts {
             let because = Finding::Domain(DomainFinding::ContractionUnknown {
                 loop_index: found.index,

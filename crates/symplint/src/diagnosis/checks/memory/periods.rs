@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::evidence::WrongPeriod;
 use crate::rules::Subject;
-use crate::signal::{Extent, UNIT_ROUNDOFF, nearest};
+use crate::signal::{Extent, SIGNIFICANT, UNIT_ROUNDOFF, nearest};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 
 /// Loop parameters of the states that are moved by periods.
@@ -15,9 +15,6 @@ const NUDGES: [f64; 3] = [0.0, -24.0, 40.0];
 /// Differences below this many roundings of a coordinate may be rounding of functions of the moved state. Conventional: the
 /// same as for results of one state in another order of arithmetic.
 const ROUNDINGS: f64 = 256.0;
-
-/// Differences this many times those of displaced states are not rounding. Conventional: as for a significant defect.
-const CLEAR: f64 = 10.0;
 
 /// Coordinates that are moved one by one, at most, to name one of them.
 const MOST_NAMED: usize = 64;
@@ -112,7 +109,7 @@ fn difference(subject: Subject<'_>, h: f64, moved: &[usize]) -> Result<Option<f6
         let of_nudges = (1..count).map(|k| apart(k, 0).max(apart(count + k, count)));
         let noise = of_nudges.fold(0.0, f64::max);
         let rounding = unit * (largest(c) + Extent::of(row).magnitude());
-        (least > (ROUNDINGS * rounding).max(CLEAR * noise)).then_some(least)
+        (least > (ROUNDINGS * rounding).max(SIGNIFICANT * noise)).then_some(least)
     };
     let all = (0..SITES.len()).flat_map(|site| (0..count).filter_map(move |c| of_site(site, c)));
     Ok(all.reduce(f64::max))

@@ -2,12 +2,11 @@
 
 use nalgebra::DMatrix;
 
-use super::limits::{
-    COUPLED, DEGENERATE, DEGREE, LEAST_FACTOR, NEAR_ONE, NO_ENTRY, ROUNDING, ROUNDS,
-};
+use super::limits::{DEGENERATE, DEGREE, LEAST_FACTOR, NEAR_ONE, NO_ENTRY, ROUNDING, ROUNDS};
 use super::null_space::{Equations, NullSpace, Solutions};
 use crate::evidence::monomial;
 use crate::jacobian::TangentImages;
+use crate::signal::{GOLDEN_RATIO, SIGNIFICANT};
 
 /// dz_a∧dz_b, or d(z_a q^m dz_b)/(1 + m_a) with powers m of the first three coordinates, which is closed, too.
 #[derive(Clone, Copy)]
@@ -109,7 +108,7 @@ fn parts(images: &[TangentImages], dof: usize, of_pairs: bool) -> Vec<Vec<usize>
     for of in images {
         for (a, (image, errors)) in of.images.iter().zip(&of.errors).enumerate() {
             for (c, (x, error)) in image.iter().zip(errors).enumerate() {
-                if c != a && x.abs() > COUPLED * error {
+                if c != a && x.abs() > SIGNIFICANT * error {
                     join(&mut part, a, c);
                 }
             }
@@ -371,11 +370,12 @@ pub(super) fn are_equal(images: &[TangentImages]) -> bool {
 
 /// Forms of a space with a largest entry of 1: the one nearest to the canonical one, and others.
 fn candidates(space: &NullSpace, canonical: &[f64]) -> Vec<Vec<f64>> {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let (count, dimension) = space.basis.shape();
     let canonical = DMatrix::from_column_slice(count, 1, canonical);
     let nearest = space.basis.transpose() * &canonical / canonical.norm().max(f64::MIN_POSITIVE);
-    let other = DMatrix::from_fn(dimension, 1, |k, _| 0.5 + (GOLDEN * (k + 1) as f64).fract());
+    let other = DMatrix::from_fn(dimension, 1, |k, _| {
+        0.5 + (GOLDEN_RATIO * (k + 1) as f64).fract()
+    });
     let forms = [nearest.clone(), &nearest + 0.25 * &other, other];
     let scaled = |coefficients: &DMatrix<f64>| {
         let form = &space.basis * coefficients;

@@ -25,14 +25,8 @@ pub(super) const FURTHER_VECTORS: usize = 4;
 pub(super) const DEGREE: u8 = 2;
 pub(super) const DOFS_OF_FIELD: std::ops::RangeInclusive<usize> = 2..=3;
 
-/// A component of the Jacobian shows that two coordinates are coupled if it is this many times its error.
-pub(super) const COUPLED: f64 = 10.0;
-
 /// A change of a form is not a defect up to this many times what the errors of the Jacobian make of it. Derived: they are bounds.
 pub(super) const WITHIN_ERRORS: f64 = 1.0;
-
-/// It is one beyond this many times. Conventional.
-pub(super) const BEYOND_ERRORS: f64 = 10.0;
 
 /// Half the width of the interval in which a product of components lies at least, relative. Calibrated: the residual of stages that are
 /// solved to round-off makes as much, and no trial of a tangent map shows it.

@@ -2,7 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::limits::{BEYOND_ERRORS, LEAST_CHANGE, WITHIN_ERRORS};
+use super::limits::{LEAST_CHANGE, WITHIN_ERRORS};
+use crate::signal::SIGNIFICANT;
 
 /// Linear equations Σ_k a_rk x_k = 0 with errors of their coefficients.
 pub(super) struct Equations {
@@ -64,14 +65,14 @@ impl Equations {
             return self.space(&vectors, &svd.singular_values, dimension);
         };
         if dimension == 0 {
-            let bound = BEYOND_ERRORS * (rows as f64).sqrt();
+            let bound = SIGNIFICANT * (rows as f64).sqrt();
             let residual = largest_of(&scaled, next);
             return match svd.singular_values[next] > bound && residual > LEAST_CHANGE {
                 true => Solutions::None { residual },
                 false => Solutions::Open,
             };
         }
-        match largest_of(&white, next) > BEYOND_ERRORS {
+        match largest_of(&white, next) > SIGNIFICANT {
             true => self.space(&vectors, &svd.singular_values, dimension),
             false => Solutions::Open,
         }
