@@ -140,9 +140,9 @@ def cutoffs(value: Any) -> tuple[float, float]:
     InputError
         If it is not a positive number or a pair of them.
     """
-    of_q, of_p = value if isinstance(value, tuple) and len(value) == 2 else (value, value)
+    pair: tuple[Any, Any] = value if isinstance(value, tuple) and len(value) == 2 else (value, value)
     try:
-        found = float(of_q), float(of_p)
+        found = float(pair[0]), float(pair[1])
     except (TypeError, ValueError):
         found = (0.0, 0.0)
     if not (found[0] > 0.0 and found[1] > 0.0):

@@ -74,7 +74,7 @@ class Leaf:
 
     def __call__(self, z: Any) -> Array:
         found = np.array(z, dtype=float).reshape(-1, self.size.size)
-        left = np.isfinite(found).all(axis=1)
+        left: Any = np.isfinite(found).all(axis=1)
         last = np.full(len(found), np.inf)
         for _ in range(MOST_STEPS):
             if not left.any():

@@ -118,7 +118,7 @@ class Report:
 
 @type_check_only
 class _Catalogue(TypedDict):
-    systems: list[tuple[str, str, list[tuple[str, str | None, str]]]]
+    systems: list[tuple[str, str, list[tuple[str, str | None, str, str, list[str]]]]]
     integrators: list[tuple[str, str, str, list[str], bool]]
     aliases: list[tuple[str, str, list[str]]]
 

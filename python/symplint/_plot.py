@@ -68,7 +68,8 @@ def plot_loop(
     label = f"after one step of h = {h:g}" if np.isfinite(h) else "after the step"
     ax.plot(before[0][:, dof], before[1][:, dof], "-", color="0.6", label="before")
     # Points, because a line would hide that a loop is broken.
-    ax.plot(after[0][:, dof], after[1][:, dof], **{"marker": ".", "linestyle": "", "label": label} | style)
+    points: dict[str, Any] = {"marker": ".", "linestyle": "", "label": label} | style
+    ax.plot(after[0][:, dof], after[1][:, dof], **points)
     for number, s in enumerate(breaks):
         samples = len(after[0])
         ends = [int(s * samples) % samples, (int(s * samples) + 1) % samples]

@@ -223,9 +223,10 @@ class Report:
         dict
             The contents of the JSON.
         """
-        if self._dict is None:
-            self._dict = json.loads(self.to_json())
-        return self._dict
+        contents = self._dict
+        if contents is None:
+            contents = self._dict = json.loads(self.to_json())
+        return contents
 
     def to_dataframe(self) -> Any:
         """The measured points as a table of pandas, which has to be installed.

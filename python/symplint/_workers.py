@@ -159,12 +159,12 @@ class Workers:
         with self._lock:
             self._under_way.add(arc)
         try:
-            arc.future = self._executor.submit(_advance, self._step, (arc.h, arc.q, arc.p), arc.number)
+            future = arc.future = self._executor.submit(_advance, self._step, (arc.h, arc.q, arc.p), arc.number)
         except BrokenExecutor as error:
             raise self._lost(error) from error
         except RuntimeError as error:
             raise InputError(f"the executor takes no more work: {error}; shut it down after the check") from error
-        arc.future.add_done_callback(partial(self._take, arc))
+        future.add_done_callback(partial(self._take, arc))
 
     def _take(self, arc: _Arc, future: Future[_Result]) -> None:
         """Stores the result of an arc in the journal at once."""

@@ -51,7 +51,7 @@ def __dir__() -> list[str]:
     return [name for name in __all__ if name != "System"]
 
 
-def _maker(name: str, summary: str, keys: list[tuple[str, str | None, str]]) -> Callable[..., System]:
+def _maker(name: str, summary: str, keys: list[tuple[str, str | None, str, str, list[str]]]) -> Callable[..., System]:
     def make(**keys: Any) -> System:
         return System(_native.System(name, keys))
 

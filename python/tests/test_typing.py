@@ -26,6 +26,11 @@ def test_pyright_knows_every_type():
     run("-m", "pyright", "--pythonpath", sys.executable, "user.py")
 
 
+def test_pyright_finds_no_error_in_the_package():
+    pytest.importorskip("pyright")
+    run("-m", "pyright", "--pythonpath", sys.executable, str(HERE.parent / "symplint"))
+
+
 def test_stubs_agree_with_the_package():
     pytest.importorskip("mypy")
     modules = ("symplint._native", "symplint.systems", "symplint.integrators")

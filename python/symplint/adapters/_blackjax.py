@@ -62,15 +62,15 @@ def blackjax(
     """
     jax, library = importlib.import_module("jax"), importlib.import_module("blackjax.mcmc.integrators")
     metrics = importlib.import_module("blackjax.mcmc.metrics")
-    integrator = library.velocity_verlet if integrator is None else integrator
-    for name, function in (("log_density", log_density), ("integrator", integrator)):
+    method: Any = library.velocity_verlet if integrator is None else integrator
+    for name, function in (("log_density", log_density), ("integrator", method)):
         if not callable(function):
             raise InputError(f"{name} is an object of type {type(function).__name__}; give a function")
     q0, p0 = np.atleast_1d(position), np.atleast_1d(momentum)
     inverse = jax.numpy.asarray(np.ones(q0.size) if inverse_mass_matrix is None else inverse_mass_matrix)
     # Isokinetic integrators take the matrix, and return the change of the kinetic energy as well.
-    takes_matrix = "inverse_mass_matrix" in inspect.signature(integrator).parameters
-    one_step = integrator(log_density, inverse if takes_matrix else metrics.default_metric(inverse).kinetic_energy)
+    takes_matrix = "inverse_mass_matrix" in inspect.signature(method).parameters
+    one_step = method(log_density, inverse if takes_matrix else metrics.default_metric(inverse).kinetic_energy)
 
     def of_one(q: Any, p: Any, h: Any) -> Any:
         found = one_step(library.new_integrator_state(log_density, q, p), h)
@@ -80,5 +80,5 @@ def blackjax(
     step = jax.jit(jax.vmap(of_one, (0, 0, None)))
     dtype = None if jax.config.jax_enable_x64 else "float32"
     # Most integrators of BlackJAX have the name of the function that made them.
-    name = next((name for name, function in vars(library).items() if function is integrator), "integrator")
+    name = next((name for name, function in vars(library).items() if function is method), "integrator")
     return AdaptedStep(step, f"BlackJAX {name}", q0, p0, per_sample=False, dtype=dtype)
