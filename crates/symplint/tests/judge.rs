@@ -627,6 +627,25 @@ fn orders_are_those_of_whole_slopes_above_one_half() {
 }
 
 #[test]
+fn a_defect_that_is_the_same_at_all_step_sizes_is_named_if_it_has_few_digits() {
+    let rows = |sizes: &[f64]| {
+        let steps = sizes.iter().map(|&h| step(h, -1.5e-3, 1.4e-4));
+        judge(&of_samples(steps.collect()))
+    };
+    let verdict = rows(&[0.32, 0.16, 0.08]);
+    assert_eq!(verdict.kind, NotSymplectic);
+    let cause = verdict.cause.as_ref().map(|cause| cause.kind);
+    assert_eq!(cause, Some(CauseKind::IndependentOfStepSize));
+    // Further step sizes show the same.
+    assert!(verdict.advice()[0].starts_with("Compare the states before and after"));
+    assert!(!verdict.advice().concat().contains("to learn the order"));
+    // Over a factor of two, a method looks the same.
+    let verdict = rows(&[0.32, 0.16]);
+    assert!(verdict.cause.is_none());
+    assert!(verdict.advice().concat().contains("to learn the order"));
+}
+
+#[test]
 fn a_loop_that_hides_terms_of_lower_order_states_no_order() {
     // The defects of the random loop change their sign, and fall by four at the smallest steps.
     let sizes = [0.4, 0.2, 0.1, 0.05];

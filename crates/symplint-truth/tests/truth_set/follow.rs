@@ -200,7 +200,6 @@ fn not_here(advice: &Advice) -> Option<(Subject, bool)> {
             | Advice::CheckCopies
             | Advice::MoreStepSizes { .. }
             | Advice::NoOrder { .. }
-            | Advice::DefectDoesNotFall
             // Of files.
             | Advice::TightenSolver
             | Advice::LargerSteps { factor: None, .. }

@@ -66,8 +66,6 @@ pub enum Advice {
     },
     /// Say the step sizes of the files.
     StateStepSizes,
-    /// The defect does not fall with h.
-    DefectDoesNotFall,
     /// Take larger steps.
     LargerSteps {
         /// This multiple of the largest one, if it is known.
@@ -148,10 +146,7 @@ impl Advice {
     pub(super) fn is_general(&self) -> bool {
         matches!(
             self,
-            Advice::SmootherForce
-                | Advice::PeriodIfPeriodic
-                | Advice::TightenSolver
-                | Advice::DefectDoesNotFall
+            Advice::SmootherForce | Advice::PeriodIfPeriodic | Advice::TightenSolver
         )
     }
 
@@ -179,10 +174,6 @@ impl Advice {
             }
             Advice::TightenSolver => "If a solver inside the map stops at a tolerance, tighten it.",
             Advice::StateStepSizes => "State the step sizes to learn the order.",
-            Advice::DefectDoesNotFall => {
-                "The defect does not fall with h: look for a wrong sign, momenta that are not canonical, or a \
-                 missing weight."
-            }
             Advice::LoopWithForces => {
                 "Take much larger step sizes, or a loop on which forces differ: a step that is nearly a free flight, \
                  or a kick, is right by every method."

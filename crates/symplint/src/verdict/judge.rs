@@ -12,7 +12,7 @@ use super::findings::{
     RunFinding, SampleFinding, Step, StepRange,
 };
 use super::jacobian::{JacobianVerdict, compare_jacobian};
-use super::order::{Fit, fit_order, leaves, slope_of, smallest_steps_slope};
+use super::order::{Fit, constant_defect, fit_order, leaves, slope_of, smallest_steps_slope};
 use super::properties::{Property, properties};
 use super::thresholds::{FAR, FEWEST_POINTS, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND};
 use super::{Verdict, VerdictKind, long_time};
@@ -195,6 +195,7 @@ impl<'a> Case<'a> {
             findings: &decision.findings,
             advice: &decision.advice,
             order: decision.order,
+            fits: self.fits,
             law: JumpLaw::of(self.evidence),
         };
         match decision.kind {
@@ -499,8 +500,9 @@ impl<'a> Case<'a> {
         if self.steps().any(|(_, step)| step.step_size.is_none()) {
             return self.is_sampled().then_some(Advice::StateStepSizes);
         }
-        if !self.fits.is_empty() && self.fits.iter().all(|fit| fit.slope <= TREND) {
-            return Some(Advice::DefectDoesNotFall);
+        // More step sizes show no other order.
+        if constant_defect(self.loops, self.fits).is_some() {
+            return None;
         }
         let given = self.loops.first()?.steps.len();
         let spent = self.evidence.missing(Check::GivenLoop);

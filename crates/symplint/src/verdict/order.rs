@@ -6,7 +6,7 @@ use super::thresholds::{
     CLEAR, FEWEST_POINTS, HIGHEST_ORDER, MISFIT, MOST_POINTS, MOST_UNCERTAIN, NARROWEST_RANGE,
     TREND, WHOLE,
 };
-use crate::evidence::{LoopEvidence, StepEvidence};
+use crate::evidence::{LoopEvidence, StepEvidence, UNEXPLAINED};
 
 /// A power law |quantity − constant| ~ against^slope over a range.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -85,9 +85,7 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     let changes = &changes[seen.unwrap_or(changes.len()).saturating_sub(1)..];
     let changes = &clear(changes)[..];
     let of_changes = wide(changes).then(|| whole_law(changes)).flatten();
-    let is_negative = |h: f64| h < 0.0;
-    let backwards = (evidence.steps.iter()).all(|step| step.step_size.is_some_and(is_negative));
-    let sign = if backwards { -1.0 } else { 1.0 };
+    let sign = sign_of_steps(evidence);
     let fit = |(slope, uncertainty): (f64, f64), constant, data: &[Datum]| Fit {
         quantity: "defect",
         against: "step_size",
@@ -127,9 +125,62 @@ pub(super) fn smallest_steps_slope(evidence: &LoopEvidence) -> Option<f64> {
 
 /// The slope of the first loop that shows one; `None` if it fits neither an order nor a constant.
 pub(super) fn slope_of(loops: &[LoopEvidence]) -> Option<f64> {
-    let mut contractible = loops.iter().filter(|found| !found.winds);
-    let slope = contractible.find_map(smallest_steps_slope)?;
+    let contractible = || loops.iter().filter(|found| !found.winds);
+    let slope = (contractible().find_map(smallest_steps_slope))
+        .or_else(|| contractible().find_map(mean_slope).map(|fit| fit.slope))?;
     (-TREND..=HIGHEST_ORDER).contains(&slope).then_some(slope)
+}
+
+/// The slope between the smallest and the largest step whose defects are not explained by their uncertainty. These may be too few, or
+/// too uncertain, for an order. The uncertainty is the largest distance from that line, errors included.
+fn mean_slope(evidence: &LoopEvidence) -> Option<Fit> {
+    let mut data = known_data(evidence);
+    data.retain(|datum| datum.1.abs() > UNEXPLAINED * datum.2);
+    let [first, .., last] = &data[..] else {
+        return None;
+    };
+    if data.iter().any(|datum| datum.1 * first.1 < 0.0) {
+        return None;
+    }
+    let slope = local_slope(first, last);
+    let error = |datum: &Datum| datum.2 / datum.1.abs();
+    let distance = |datum: &Datum| {
+        let of_line = slope * (datum.0 / first.0).ln();
+        ((datum.1 / first.1).ln() - of_line).abs() + error(datum) + error(first)
+    };
+    let distances = data[1..].iter().map(distance);
+    let uncertainty = distances.fold(0.0, f64::max) / (last.0 / first.0).ln();
+    (uncertainty <= MOST_UNCERTAIN).then(|| {
+        let sign = sign_of_steps(evidence);
+        Fit {
+            quantity: "defect",
+            against: "step_size",
+            loop_index: evidence.index,
+            slope,
+            uncertainty,
+            constant: None,
+            from: sign * first.0,
+            to: sign * last.0,
+        }
+    })
+}
+
+/// The law of a defect that is the same at all step sizes: the first of these laws or, without a law, the mean slope of the first loop
+/// that shows one.
+pub(super) fn constant_defect(loops: &[LoopEvidence], fits: &[Fit]) -> Option<Fit> {
+    let mut contractible = loops.iter().filter(|found| !found.winds);
+    let law = (fits.first().cloned()).or_else(|| contractible.find_map(mean_slope))?;
+    let is_wide = law.to.abs() >= NARROWEST_RANGE * law.from.abs();
+    (is_wide && law.whole() == Some(0.0)).then_some(law)
+}
+
+/// −1 for loops that all steps take backwards.
+fn sign_of_steps(evidence: &LoopEvidence) -> f64 {
+    let is_negative = |h: f64| h < 0.0;
+    match (evidence.steps.iter()).all(|step| step.step_size.is_some_and(is_negative)) {
+        true => -1.0,
+        false => 1.0,
+    }
 }
 
 /// Whether the slopes of the defects are of an order at large steps and move away from it as the steps shrink: a term of lower order
@@ -389,6 +440,27 @@ mod tests {
             let fit = fit_order(&evidence(|h| 0.1 * h.powi(3), noise)).expect("a law");
             assert_eq!(fit.whole(), Some(3.0), "noise {noise:e}: {fit:?}");
         }
+    }
+
+    #[test]
+    fn defects_near_their_uncertainty_have_a_slope_and_no_law() {
+        for (k, size, noise) in [(0, 1e-13, 2.2e-15), (1, 1e-13, 2.2e-15), (4, 1e-12, 5e-15)] {
+            let loops = [evidence(|h| -size * (2.0 * h).powi(k), noise)];
+            assert_eq!(fit_order(&loops[0]), None);
+            let slope = slope_of(&loops).expect("a slope");
+            assert!((slope - f64::from(k)).abs() < 0.2, "h^{k}: {slope}");
+            assert_eq!(constant_defect(&loops, &[]).is_some(), k == 0, "h^{k}");
+        }
+        // Noise alone, and a sign that changes.
+        assert_eq!(slope_of(&[evidence(|_| 0.0, 5e-15)]), None);
+        assert_eq!(slope_of(&[evidence(|h| 1e-13 * (h - 0.1), 1e-15)]), None);
+        // Values that go up and down around the same size are not the same.
+        let wave = evidence(|h| 1e-13 * (2.0 + 1.8 * (4.0 * h.ln()).sin()), 5e-15);
+        assert_eq!(constant_defect(&[wave], &[]), None);
+        // Over a factor of two, every smooth law is nearly constant.
+        let mut narrow = evidence(|h| 1e-13 * (1.0 + 0.1 * h), 5e-15);
+        narrow.steps.truncate(2);
+        assert_eq!(constant_defect(&[narrow], &[]), None);
     }
 
     #[test]

@@ -540,7 +540,6 @@ fn of_advice() {
             drowned: false,
         },
         Advice::StateStepSizes,
-        Advice::DefectDoesNotFall,
         Advice::LargerSteps {
             factor: None,
             step_size: None,

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::advice::Advice;
 use super::findings::Finding;
+use super::order::Fit;
 use super::properties::Property;
 use crate::evidence::Evidence;
 
@@ -99,6 +100,8 @@ pub(super) struct Clues<'a> {
     pub advice: &'a [Advice],
     /// k of defect ~ h^k.
     pub order: Option<f64>,
+    /// The laws of the loops.
+    pub fits: &'a [Fit],
     /// How the jumps of loops depend on the step size.
     pub law: Option<JumpLaw>,
 }

@@ -1,19 +1,13 @@
 //! A defect whose order is lower than the order of a method.
 
 use super::{Cause, CauseKind, Clues};
-use crate::verdict::findings::{ChangeFinding, Finding};
 use crate::verdict::number::size;
+use crate::verdict::order::constant_defect;
 
 impl Clues<'_> {
     /// A step becomes the identity as h → 0. Wrong variables, friction and methods all have defects that fall.
     pub(super) fn independent_of_step_size(&self) -> Option<Cause> {
-        let fit = self.findings.iter().find_map(|finding| match finding {
-            Finding::Changes(ChangeFinding::Law { fit, .. }) => Some(fit),
-            _ => None,
-        })?;
-        if fit.whole() != Some(0.0) {
-            return None;
-        }
+        let fit = constant_defect(&self.evidence.loops, self.fits)?;
         let text = format!(
             "The defect is about the same at all step sizes from {} to {}. A step of size 0 leaves all states where they are: either a \
              part of the step that does not depend on h changes areas, or all these step sizes are too large.",
