@@ -366,8 +366,12 @@ impl Display for Property {
                 if let Some(order) = self.order {
                     write!(f, ", in proportion to h^{order}")?;
                 }
-                if let Some((found, growth)) = &self.in_time {
-                    write!(f, "; {}", in_time(found, *growth))?;
+                match &self.in_time {
+                    Some((found, growth)) => write!(f, "; {}", in_time(found, *growth))?,
+                    None if self.holds == Some(false) => {
+                        f.write_str("; whether the change adds up was not tested: set `steps`")?;
+                    }
+                    None => {}
                 }
                 return f.write_str(")");
             }
