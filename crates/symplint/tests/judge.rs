@@ -646,6 +646,31 @@ fn a_defect_that_is_the_same_at_all_step_sizes_is_named_if_it_has_few_digits() {
 }
 
 #[test]
+fn errors_at_few_states_are_excluded_from_what_loops_show() {
+    let one_in = |evidence: &Evidence| {
+        let verdict = judge(evidence);
+        verdict.findings.iter().find_map(|finding| match finding {
+            Finding::Bounds(BoundFinding::Resolution { one_in, .. }) => Some(*one_in),
+            _ => None,
+        })
+    };
+    // Of 128 random states, e⁻⁷ = 1/1100 of all draws miss an error at one in 18.
+    let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15), step(0.25, 0.0, 1e-15)]);
+    assert_eq!(kind(&evidence), Symplectic);
+    assert_eq!(one_in(&evidence), Some(Some(18)));
+    let missed = (1.0f64 - 1.0 / 18.0).powi(128);
+    assert!((0.3e-3..1e-3).contains(&missed), "{missed}");
+    // A loop that does not bound the defect shows no error.
+    let mut loose = of_loop(2, LoopKind::Random, vec![step(0.5, 0.0, 1e-3)]);
+    loose.samples = 4096;
+    evidence.loops.push(loose);
+    assert_eq!(one_in(&evidence), Some(Some(18)));
+    let mut unknown = of_map(vec![step(0.5, 0.0, 1e-3)]);
+    unknown.loops.truncate(1);
+    assert_eq!(one_in(&unknown), Some(None));
+}
+
+#[test]
 fn a_loop_that_hides_terms_of_lower_order_states_no_order() {
     // The defects of the random loop change their sign, and fall by four at the smallest steps.
     let sizes = [0.4, 0.2, 0.1, 0.05];

@@ -96,6 +96,8 @@ pub struct Truth {
     pub orders: Vec<f64>,
     /// All breaks of the given loop after the largest step.
     pub breaks: Option<Vec<KnownBreak>>,
+    /// The states at which the map is wrong are 1 in this number.
+    pub one_in: Option<usize>,
 }
 
 impl Truth {
@@ -108,6 +110,7 @@ impl Truth {
             initial: None,
             orders: Vec::new(),
             breaks: None,
+            one_in: None,
         }
     }
 

@@ -21,6 +21,10 @@ pub(super) const UNBALANCED: f64 = 1e3;
 /// tolerance in use.
 pub(super) const LOOSEST_TOLERANCE: f64 = 1e-5;
 
+/// An error at one state in N is met by this many times N states. Derived: random states all miss it with the probability e⁻⁷, one in a
+/// thousand.
+pub(super) const STATES_PER_ERROR: usize = 7;
+
 /// Slopes of the defect against h below this do not show a trend: half of the lowest order that a consistent method
 /// can have.
 pub(super) const TREND: f64 = 0.5;

@@ -385,7 +385,10 @@ fn of_findings() {
                 bound: 2e-14,
                 wound: vec![0, 1],
             }),
-            Finding::Bounds(BoundFinding::Resolution { samples: 4096 }),
+            Finding::Bounds(BoundFinding::Resolution {
+                samples: 4096,
+                one_in: Some(585),
+            }),
             Finding::Map(MapFinding::Scatter(Scatter {
                 coordinate: 'p',
                 dof: 2,

@@ -69,10 +69,12 @@ pub enum BoundFinding {
         /// The bound of the Jacobian.
         by_jacobian: Option<f64>,
     },
-    /// Features narrower than the distance of samples are not resolved.
+    /// Features narrower than the distance of samples are not resolved, and errors at few states need not be met.
     Resolution {
         /// Samples of the given loop.
         samples: usize,
+        /// The loops that bound the defect may miss errors at fewer than 1 in this number of states; `None` without such a loop.
+        one_in: Option<usize>,
     },
     /// The loop of the verdict moves degrees of freedom that your loop leaves at rest.
     MovesRest {
@@ -169,10 +171,17 @@ impl Display for BoundFinding {
                 (*loops, *by_loops),
                 *by_jacobian,
             ),
-            BoundFinding::Resolution { samples } => write!(
-                f,
-                "Other regions of phase space, and details finer than 1/{samples} of a loop, were not tested."
-            ),
+            BoundFinding::Resolution { samples, one_in } => match one_in {
+                Some(one_in) => write!(
+                    f,
+                    "Other regions of phase space, details finer than 1/{samples} of a loop, and errors at fewer than 1 in {one_in} \
+                     states were not tested."
+                ),
+                None => write!(
+                    f,
+                    "Other regions of phase space, and details finer than 1/{samples} of a loop, were not tested."
+                ),
+            },
             BoundFinding::MovesRest { loop_index } => write!(
                 f,
                 "{} also moves degrees of freedom that your loop leaves at rest.",

@@ -6,6 +6,7 @@ use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
 use crate::verdict::advice::Advice;
 use crate::verdict::findings::{BoundFinding, BreakFinding, ChangeFinding, Finding, MapFinding};
+use crate::verdict::thresholds::STATES_PER_ERROR;
 
 impl Case<'_> {
     pub(super) fn symplectic(&self) -> Decision {
@@ -52,6 +53,13 @@ impl Case<'_> {
         of_jacobian.fold(LoopEvidence::bound_of(self.loops), f64::max)
     }
 
+    /// The states of the loops that bound the defect. All step sizes advance the same states of a loop.
+    fn states_that_bound(&self) -> usize {
+        let counts = |found: &&LoopEvidence| !found.winds && found.is_bounded();
+        let loops = self.loops.iter().filter(counts);
+        loops.map(|found| found.samples).sum()
+    }
+
     /// How large the defects may be: of every sampled loop; else of the given loop and of the worst random one.
     pub(super) fn bounds(&self) -> Vec<Finding> {
         let mut findings = match self.is_sampled() {
@@ -60,7 +68,11 @@ impl Case<'_> {
         };
         findings.extend(self.groups());
         let samples = self.loops.first().map_or(0, |given| given.samples);
-        findings.push(Finding::Bounds(BoundFinding::Resolution { samples }));
+        let one_in = self.states_that_bound() / STATES_PER_ERROR;
+        findings.push(Finding::Bounds(BoundFinding::Resolution {
+            samples,
+            one_in: (one_in > 1).then_some(one_in),
+        }));
         let motion = self.strongest_motion();
         findings.extend(motion.map(|(motion, _)| {
             Finding::Map(MapFinding::Moves {
