@@ -141,6 +141,8 @@ impl Sweep<'_> {
             sample_sweep,
             loops: 1,
             jacobian: false,
+            localise: false,
+            properties: false,
             // The paper says how many samples and step sizes there are.
             budget: Some(usize::MAX),
             ..Diagnostic::default()

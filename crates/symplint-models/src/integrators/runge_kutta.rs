@@ -192,10 +192,17 @@ impl<'a, 'b> StageState<'a, 'b> {
     ) -> Rows<'c> {
         match terms {
             None | Some([]) => start,
-            Some(terms) => {
+            Some([first, others @ ..]) => {
                 if self.held != Some(stage) {
-                    self.rows.copy_from(start);
-                    add_terms(self.rows, h, terms, slopes);
+                    let factor = h * first.0;
+                    for i in 0..start.count() {
+                        let slope = slopes[first.1].row(i);
+                        let sums = start.row(i).iter().zip(slope);
+                        let sums = sums.map(|(start, slope)| start + factor * slope);
+                        (self.rows.row_mut(i).iter_mut().zip(sums))
+                            .for_each(|(out, sum)| *out = sum);
+                    }
+                    add_terms(self.rows, h, others, slopes);
                     self.held = Some(stage);
                 }
                 self.rows.as_rows()

@@ -60,7 +60,7 @@ impl Ensemble {
         let mut ensemble = Self::zeros(phase_loop.dof(), count);
         let width = Self::block_width(ensemble.dof());
         let each = |(b, mut block): (usize, Block<'_>)| {
-            sample_block(phase_loop, &at, first + b * width, &mut block)
+            block.gathered(|block| sample_block(phase_loop, &at, first + b * width, block))
         };
         let blocks = ensemble.blocks().into_par_iter().enumerate();
         first_error(blocks.map(each).collect())?;

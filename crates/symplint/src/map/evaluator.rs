@@ -295,7 +295,14 @@ impl<'a> Evaluator<'a> {
     /// returns a state that is not finite. The error is that of the first block of samples that has one, on any number of threads;
     /// the ensemble is then half advanced and of no use.
     pub fn advance(&self, states: &mut Ensemble, h: f64) -> Result<(), Error> {
-        self.advance_from(states, h, |_, _| Ok(()))
+        self.check_dof(states.dof())?;
+        let width = self.block_width();
+        self.take(states.samples())?;
+        let each = |(b, mut block): (usize, Block<'_>)| {
+            self.advance_block(&mut block, b == 0, b * width, h)
+        };
+        let blocks = states.blocks_of(width).into_par_iter().enumerate();
+        first_error(blocks.map(each).collect())
     }
 
     /// Whether a step of this evaluator is a step of the map, not the first part of one.
@@ -330,7 +337,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The same from the states that `fill` writes into each block, which begins with the sample named: they
-    /// are advanced while they are in the cache.
+    /// are advanced while they are in the cache, [side by side](Block::gathered).
     ///
     /// # Errors
     /// Those of `fill` and of [`advance`](Self::advance).
@@ -432,21 +439,35 @@ impl<'a> Evaluator<'a> {
     ) -> Result<(), Error> {
         self.take(blocks.iter().map(Block::len).sum())?;
         let each = |(b, mut block): (usize, Block<'_>)| {
+            let is_first = b == 0;
             let first = first + b * width;
-            fill(first, &mut block)?;
-            let taken = (b == 0).then(|| self.recorder.take(&block)).flatten();
-            let advanced = match self.is_whole() {
-                true => self.map.advance(h, &mut block),
-                false => (0..self.substeps).try_for_each(|k| self.parts.advance(k, h, &mut block)),
-            };
-            self.count.finish(block.len());
-            checked(advanced, self.stated(h), first, &block)?;
-            if let Some(taken) = taken {
-                self.recorder.keep(taken, h, &block);
-            }
-            Ok(())
+            block.gathered(|block| {
+                fill(first, block)?;
+                self.advance_block(block, is_first, first, h)
+            })
         };
         first_error(blocks.into_par_iter().enumerate().map(each).collect())
+    }
+
+    /// Advances a block that begins with sample `first`, the first of a call or not.
+    fn advance_block(
+        &self,
+        block: &mut Block<'_>,
+        is_first: bool,
+        first: usize,
+        h: f64,
+    ) -> Result<(), Error> {
+        let taken = is_first.then(|| self.recorder.take(block)).flatten();
+        let advanced = match self.is_whole() {
+            true => self.map.advance(h, block),
+            false => (0..self.substeps).try_for_each(|k| self.parts.advance(k, h, block)),
+        };
+        self.count.finish(block.len());
+        checked(advanced, self.stated(h), first, block)?;
+        if let Some(taken) = taken {
+            self.recorder.keep(taken, h, block);
+        }
+        Ok(())
     }
 
     /// Advances every sample by one substep of a step of size `h`. The last substep counts as an evaluation.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::state::{Ensemble, RowsMut};
+use crate::state::{Ensemble, RowsMut, scratch};
 
 /// Positions and momenta of a run of samples, to be advanced in place.
 ///
@@ -61,6 +61,34 @@ impl<'a> Block<'a> {
             (copy.p.row_mut(i)).copy_from_slice(&self.p.row(i)[samples.clone()]);
         }
         states
+    }
+
+    /// Does `work`, which writes all states, on a block of the same shape, and copies what it leaves there into this one unless it fails.
+    ///
+    /// If the rows of this block are many and pages apart, those of the other one lie next to each other: a processor keeps the
+    /// addresses of some thousand pages, and finds each of the others in a table of the system.
+    pub(crate) fn gathered<E>(
+        &mut self,
+        work: impl FnOnce(&mut Block<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        /// Rows of q, and of p, that may be pages apart.
+        const SCATTERED: usize = 512;
+        /// Values of a copy at most, 8 MiB: memory that each thread keeps.
+        const MOST_VALUES: usize = 1 << 20;
+        let (dof, samples) = (self.dof(), self.len());
+        let is_scattered = self.q.is_scattered() && dof > SCATTERED;
+        if !is_scattered || 2 * dof * samples > MOST_VALUES {
+            return work(self);
+        }
+        scratch::with_tables(2, dof, samples, |tables| {
+            let [q, p] = tables else {
+                unreachable!("two tables are two");
+            };
+            work(&mut Block::new(q.reborrow(), p.reborrow()))?;
+            self.q.copy_from(q.as_rows());
+            self.p.copy_from(p.as_rows());
+            Ok(())
+        })
     }
 
     /// The same block for a shorter time, so that it can be passed on and used again.

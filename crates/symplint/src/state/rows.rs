@@ -167,6 +167,13 @@ impl<'a> RowsMut<'a> {
         unsafe { std::slice::from_raw_parts_mut(self.start.add(i * self.stride), self.len) }
     }
 
+    /// Whether each row begins on another page of memory.
+    pub(crate) fn is_scattered(&self) -> bool {
+        /// Values of a page.
+        const PAGE: usize = 512;
+        self.stride >= PAGE && self.len < PAGE
+    }
+
     /// All values for writing, row after row, if nothing lies between the rows.
     #[inline]
     pub fn as_mut_slice(&mut self) -> Option<&mut [f64]> {
