@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
 use symplint::state::Rows;
 
 use symplint_models::PeriodicGrid;
@@ -61,13 +62,7 @@ impl Locator {
     #[inline]
     pub(super) fn locate(&self, x: &[f64], cells: &mut [u32], fractions: &mut [f64]) {
         assert!(x.len() == cells.len() && x.len() == fractions.len());
-        let mut certain = true;
-        for ((&x, cell), fraction) in x.iter().zip(&mut *cells).zip(&mut *fractions) {
-            let place = self.grid.locate_quickly(x);
-            certain &= place.is_certain;
-            (*cell, *fraction) = (place.cell, place.fraction);
-        }
-        if !certain {
+        if !locate_quickly(&self.grid, x, cells, fractions) {
             self.locate_each(x, cells, fractions);
         }
     }
@@ -123,6 +118,23 @@ impl Locator {
             (*cell, *fraction) = (place.0 as u32, place.1);
         }
     }
+}
+
+/// Finds places by [`PeriodicGrid::locate_quickly`], and says whether all of them are certain.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn locate_quickly(
+    grid: &PeriodicGrid,
+    x: &[f64],
+    cells: &mut [u32],
+    fractions: &mut [f64],
+) -> bool {
+    let mut certain = true;
+    for ((&x, cell), fraction) in x.iter().zip(cells).zip(fractions) {
+        let place = grid.locate_quickly(x);
+        certain &= place.is_certain;
+        (*cell, *fraction) = (place.cell, place.fraction);
+    }
+    certain
 }
 
 #[cfg(test)]
