@@ -105,13 +105,17 @@ impl<'a> Rows<'a> {
     /// Whether no value is infinite or NaN.
     pub fn all_finite(&self) -> bool {
         // Without a branch and in words as wide as the values, so that it is vectorised.
-        let mut found = 0;
-        for i in 0..self.count {
-            for value in self.row(i) {
+        let is_finite = |values: &[f64]| {
+            let mut found = 0;
+            for value in values {
                 found |= u64::from(!value.is_finite());
             }
+            found == 0
+        };
+        match self.as_slice() {
+            Some(values) => is_finite(values),
+            None => (0..self.count).all(|i| is_finite(self.row(i))),
         }
-        found == 0
     }
 }
 
