@@ -207,25 +207,72 @@ impl Curves<'_> {
 
 /// The images of all samples, from the ensembles before each substep and after the last.
 fn point_images(stages: &[Ensemble]) -> Vec<PointImage> {
-    /// Samples that are taken out of the rows together: those of one cache line.
-    const TOGETHER: usize = 8;
+    /// Samples that are taken out of the rows together: four cache lines of a row, which lie one after the other.
+    const TOGETHER: usize = 32;
+    /// Coordinates that are put into their states together: a cache line of each.
+    const LINE: usize = 8;
     let (dof, samples) = (stages[0].dof(), stages[0].samples());
-    let width = 2 * dof;
+    let tables = stages.iter().flat_map(|stage| [stage.q(), stage.p()]);
+    let rows: Vec<&[f64]> = tables
+        .flat_map(|rows| (0..dof).map(move |i| rows.row(i)))
+        .collect();
     let images = |first: usize| {
         let columns = first..(first + TOGETHER).min(samples);
-        let mut states = vec![vec![0.0; stages.len() * width]; columns.len()];
-        let rows = stages.iter().flat_map(|stage| [stage.q(), stage.p()]);
-        let rows = rows.flat_map(|rows| (0..dof).map(move |i| rows.row(i)));
-        for (c, row) in rows.enumerate() {
-            let values = &row[columns.clone()];
-            (states.iter_mut().zip(values)).for_each(|(state, value)| state[c] = *value);
+        let mut states: Vec<Arc<[f64]>> = (columns.clone())
+            .map(|_| std::iter::repeat_n(0.0, rows.len()).collect())
+            .collect();
+        let mut places: Vec<&mut [f64]> = (states.iter_mut())
+            .map(|states| Arc::get_mut(states).expect("it was just made"))
+            .collect();
+        let mut tile = [[0.0; LINE]; TOGETHER];
+        for (group, rows) in rows.chunks(LINE).enumerate() {
+            for (i, row) in rows.iter().enumerate() {
+                let values = &row[columns.clone()];
+                (tile.iter_mut().zip(values)).for_each(|(line, value)| line[i] = *value);
+            }
+            for (states, line) in places.iter_mut().zip(&tile) {
+                states[group * LINE..][..rows.len()].copy_from_slice(&line[..rows.len()]);
+            }
         }
-        states.into_iter().map(move |states: Vec<f64>| PointImage {
-            states: states.into(),
-            width,
+        states.into_iter().map(|states| PointImage {
+            states,
+            width: 2 * dof,
             start: 0,
         })
     };
     let firsts = (0..samples).into_par_iter().step_by(TOGETHER);
     firsts.flat_map_iter(images).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_have_the_coordinates_of_their_sample_at_each_stage() {
+        let value = |stage: usize, c: usize, k: usize| (10_000 * stage + 100 * c + k) as f64;
+        for (dof, samples) in [(1, 1), (3, 31), (4, 32), (5, 77)] {
+            let stages: Vec<Ensemble> = (0..3)
+                .map(|stage| {
+                    let mut states = Ensemble::zeros(dof, samples);
+                    for k in 0..samples {
+                        for i in 0..dof {
+                            states.block().q.row_mut(i)[k] = value(stage, i, k);
+                            states.block().p.row_mut(i)[k] = value(stage, dof + i, k);
+                        }
+                    }
+                    states
+                })
+                .collect();
+            let images = point_images(&stages);
+            assert_eq!(images.len(), samples);
+            for (k, image) in images.iter().enumerate() {
+                assert_eq!(image.stages(), 3);
+                for stage in 0..3 {
+                    let expected: Vec<f64> = (0..2 * dof).map(|c| value(stage, c, k)).collect();
+                    assert_eq!(image.stage(stage), expected);
+                }
+            }
+        }
+    }
 }
