@@ -99,3 +99,55 @@ impl<'a> Block<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scattered_rows_are_gathered_and_written_back() {
+        const SAMPLES: usize = 1024;
+        const WIDTH: usize = 100;
+        let value = |i: usize, k: usize| (i * SAMPLES + k) as f64;
+        // As many rows as are left where they are, and more.
+        for (dof, expected) in [(512, 0), (513, SAMPLES.div_ceil(WIDTH))] {
+            let mut states = Ensemble::zeros(dof, SAMPLES);
+            let mut gathered = 0;
+            for (b, mut block) in states.blocks_of(WIDTH).into_iter().enumerate() {
+                let written = block.gathered(|block| {
+                    gathered += usize::from(block.q.as_mut_slice().is_some());
+                    for i in 0..dof {
+                        for k in 0..block.len() {
+                            block.q.row_mut(i)[k] = value(i, b * WIDTH + k);
+                            block.p.row_mut(i)[k] = -value(i, b * WIDTH + k);
+                        }
+                    }
+                    Ok::<(), ()>(())
+                });
+                assert!(written.is_ok());
+            }
+            assert_eq!(gathered, expected);
+            for i in 0..dof {
+                for k in 0..SAMPLES {
+                    assert_eq!(states.q().row(i)[k], value(i, k));
+                    assert_eq!(states.p().row(i)[k], -value(i, k));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn errors_are_returned_and_rows_near_each_other_stay_where_they_are() {
+        let mut states = Ensemble::zeros(600, 1024);
+        let mut blocks = states.blocks_of(32);
+        assert_eq!(blocks[0].gathered(|_| Err("no")), Err("no"));
+        // Rows nearer than a page.
+        let mut states = Ensemble::zeros(600, 64);
+        let mut blocks = states.blocks_of(32);
+        let in_place = blocks[1].gathered(|block| match block.q.as_mut_slice() {
+            None => Ok(()),
+            Some(_) => Err(()),
+        });
+        assert_eq!(in_place, Ok(()));
+    }
+}

@@ -127,7 +127,8 @@ mod tests {
     /// alone.
     #[test]
     fn no_step_sees_what_another_left() {
-        const DOF: usize = 300;
+        // More than are left where they lie.
+        const DOF: usize = 600;
         let map = PerSample::new(DOF, |h, q: &mut [f64], p: &mut [f64]| {
             for i in 0..DOF {
                 p[i] -= h * q[(i + 1) % DOF].sin();
@@ -138,7 +139,7 @@ mod tests {
         let count = EvaluationCount::unlimited();
         let evaluator = Evaluator::new(&map, &count).unwrap();
         // The last is too large to be kept, and no multiple of a block.
-        for (samples, makings) in [(48, 1), (1024, 1), (15_001, 3)] {
+        for (samples, makings) in [(48, 1), (1024, 1), (7_501, 3)] {
             let counted = Counted(circle.clone(), AtomicUsize::new(0));
             for threads in [1, 2] {
                 counted.1.store(0, Ordering::Relaxed);
