@@ -231,7 +231,8 @@ fn point_images(stages: &[Ensemble]) -> Vec<PointImage> {
                 (tile.iter_mut().zip(values)).for_each(|(line, value)| line[i] = *value);
             }
             for (states, line) in places.iter_mut().zip(&tile) {
-                states[group * LINE..][..rows.len()].copy_from_slice(&line[..rows.len()]);
+                let of_group = states[group * LINE..].iter_mut();
+                (of_group.zip(line)).for_each(|(place, value)| *place = *value);
             }
         }
         states.into_iter().map(|states| PointImage {
