@@ -84,7 +84,7 @@ impl Array {
             .take(count as usize)
             .map(number);
         let values = match shape[..] {
-            [rows, columns] if fortran_order => {
+            [rows, columns] if fortran_order && count > 0 => {
                 let stored: Vec<f64> = stored.collect();
                 (0..rows)
                     .flat_map(|row| (0..columns).map(move |column| column * rows + row))
