@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::rows::PAGE;
 use crate::error::{Error, LOOK_AT_MAP, StateAt};
 use crate::signal::unwrap_row;
 use crate::state::{Block, Coordinates};
@@ -28,8 +29,6 @@ pub struct Ensemble {
 fn row_stride(samples: usize) -> usize {
     /// Values in a cache line.
     const LINE: usize = 8;
-    /// Values in a page.
-    const PAGE: usize = 512;
     if samples.is_multiple_of(PAGE) {
         samples + LINE
     } else {

@@ -7,6 +7,9 @@
 
 use std::marker::PhantomData;
 
+/// Values of a page of memory.
+pub(super) const PAGE: usize = 512;
+
 /// Read-only rows: `count` rows of `len` values, equally spaced in memory.
 #[derive(Clone, Copy)]
 pub struct Rows<'a> {
@@ -173,8 +176,6 @@ impl<'a> RowsMut<'a> {
 
     /// Whether each row begins on another page of memory.
     pub(crate) fn is_scattered(&self) -> bool {
-        /// Values of a page.
-        const PAGE: usize = 512;
         self.stride >= PAGE && self.len < PAGE
     }
 
