@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! export KEPT_EVIDENCE=FOLDER
-//! cargo test --release -p symplint-truth --test truth_set all_members -- --ignored   # some minutes: writes
-//! cargo test --release -p symplint-truth --test truth_table                          # writes
-//! cargo test --release -p symplint-truth --test truth_set kept_evidence -- --ignored # compares
+//! cargo test --release -p symplint-truth truth_set::all_members -- --ignored # some minutes: writes
+//! cargo test --release -p symplint-truth truth_table::                               # writes
+//! cargo test --release -p symplint-truth truth_set::kept_evidence -- --ignored # compares
 //! ```
 
 use std::fs;
