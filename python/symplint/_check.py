@@ -184,12 +184,12 @@ def check(
         Where the map computes in single precision: `step` then gets arrays of it.
     jacobian : bool or "auto"
         Whether the Jacobian of one step is also checked. With "auto", a step that takes and returns arrays of JAX or tensors of torch is
-        also called with them: ``jax.jvp`` or ``torch.func.jvp`` then gives the exact Jacobian, in double precision. There is a warning
+        also called with them: ``jax.jvp`` or ``torch.func.jvp`` then gives the exact Jacobian. There is a warning
         if the step cannot be traced. A step that ``jax.jit`` compiled needs no "auto".
     jvp : callable, optional
         ``jvp(q, p, h, dq, dp)`` returns the derivative of the step at q, p along dq, dp: two arrays, as `step` does. The Jacobian is
         then exact, and costs fewer evaluations than differences, by which it is checked. Not needed for a step that
-        ``jax.jit`` compiled, in double precision: its derivatives are found. `args` follow dp; without a step size, ``jvp(q, p, dq, dp)``.
+        ``jax.jit`` compiled: its derivatives are found. `args` follow dp; without a step size, ``jvp(q, p, dq, dp)``.
     properties : bool
         Whether other properties of the map are tested, with 40 evaluations (8 if the budget is small): see `Report.properties`.
     reversal : array_like or callable, optional

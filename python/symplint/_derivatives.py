@@ -77,13 +77,12 @@ def _is_compiled(step: Any) -> bool:
 
 
 def derivatives_of_jax(step: Callable[..., Any], dof: int, per_sample: bool) -> Callable[..., Any] | None:
-    """The derivative ``jvp(q, p, h, dq, dp)`` of a step that ``jax.jit`` compiled, in double precision; None for others.
+    """The derivative ``jvp(q, p, h, dq, dp)`` of a step that ``jax.jit`` compiled; None for others.
 
-    A step that is not compiled may keep what it is called with, and must not get abstract arrays unasked. In single precision,
-    derivatives tell no more than differences of results.
+    A step that is not compiled may keep what it is called with, and must not get abstract arrays unasked.
     """
     jax = sys.modules.get("jax")
-    if jax is None or not jax.config.jax_enable_x64 or not _is_compiled(step):
+    if jax is None or not _is_compiled(step):
         return None
     try:
         return _traced_by_jax(jax, step, dof, per_sample)
@@ -106,7 +105,7 @@ def traced(step: Callable[..., Any], dof: int, per_sample: bool) -> Callable[...
     reason = "; ".join(reasons) or "neither JAX nor torch is imported"
     warnings.warn(
         f'jacobian="auto": the step cannot be traced, and differences give the Jacobian ({reason}); let the step take and return arrays '
-        "of JAX, or tensors of torch, in double precision (torch.as_tensor(q), not torch.from_numpy(q))",
+        "of JAX, or tensors of torch, in double or single precision (torch.as_tensor(q), not torch.from_numpy(q))",
         stacklevel=4,
     )
     return None
@@ -125,12 +124,12 @@ def _image(step: Callable[..., Any], h: float) -> Callable[..., Any]:
 
 
 def _check_traced(found: Any, shape: tuple[int, ...]) -> None:
-    """Refuse derivatives of another shape or precision."""
+    """Refuse derivatives of another shape, or with fewer digits than single precision has."""
     for rows in found:
         precision = str(rows.dtype).rsplit(".", 1)[-1]
-        if tuple(rows.shape) != shape or precision != "float64":
+        if tuple(rows.shape) != shape or precision not in ("float64", "float32"):
             found_as = f"the shape {tuple(rows.shape)} and the type {precision}"
-            raise TypeError(f"the results have {found_as}, for states of shape {shape} in double precision")
+            raise TypeError(f"the results have {found_as}, for states of shape {shape} in double or single precision")
 
 
 def _traced_by_jax(jax: Any, step: Callable[..., Any], dof: int, per_sample: bool) -> Callable[..., Any]:

@@ -183,8 +183,8 @@ def test_torch_finds_derivatives():
     with pytest.warns(UserWarning, match=r"torch: expected np.ndarray .*torch.as_tensor"):
         from_numpy = symplint.check(lambda q, p, h: sympnet(torch.from_numpy(q), p, h), *CENTRE, **SIZES, jacobian="auto")
     assert from_numpy.kind == "symplectic" and not has_exact_jacobian(from_numpy)
-    with pytest.warns(UserWarning, match="the type float32"):
-        symplint.check(lambda q, p, h: tuple(rows.float() for rows in sympnet(q, p, h)), *CENTRE, **SIZES, jacobian="auto")
+    with pytest.warns(UserWarning, match="the type float16"):
+        symplint.check(lambda q, p, h: tuple(rows.half() for rows in sympnet(q, p, h)), *CENTRE, **SIZES, jacobian="auto")
 
 
 def test_a_step_of_numpy_is_not_traced():
