@@ -1,6 +1,5 @@
 //! The discrete gradient of Gonzalez: the equation it solves, the energy it conserves, and what it does near equilibria.
 
-
 use std::sync::Arc;
 
 use crate::common::{State, distance, stepped};

@@ -1,7 +1,7 @@
 //! Maps with a fault, and what is known of it.
 
-
 use crate::common::{State, distance, stepped};
+use crate::two_form::{jacobian, two_form_defect};
 use symplint::{Circle, Diagnostic, TimeAdvance, VerdictKind};
 use symplint_models::integrators::{
     AdaptiveStrang, Flow, RungeKutta, Splitting, SplittingMethod, Substep, Variant,
@@ -10,7 +10,6 @@ use symplint_models::integrators::{
 use symplint_models::maps::{Adjoint, Compose, Damped, SinglePrecision};
 use symplint_models::systems::{HenonHeiles, Pendulum, RotationalForce};
 use symplint_models::{DriftKick, Separable};
-use crate::two_form::{jacobian, two_form_defect};
 
 const VARIANTS: [Variant; 2] = [Variant::PositionFirst, Variant::MomentumFirst];
 

@@ -1,9 +1,9 @@
 //! Implicit methods: what their stages are solved to, and what follows from it.
 
-
 use std::sync::Arc;
 
 use crate::common::{State, distance, stepped};
+use crate::two_form::two_form_defect;
 use symplint::state::{Rows, RowsMut};
 use symplint::{Block, Circle, Diagnostic, Ensemble, LoopIntegral, Rule, TimeAdvance, VerdictKind};
 use symplint_models::integrators::catalogue::CATALOGUE;
@@ -14,7 +14,6 @@ use symplint_models::systems::{
     Chain, DoublePendulum, Ends, HenonHeiles, Kepler, Pendulum, TodaBond,
 };
 use symplint_models::{Hamiltonian, ModelError};
-use crate::two_form::two_form_defect;
 
 const SOLVERS: [Solver; 2] = [Solver::FixedPoint, Solver::Newton];
 

@@ -1,9 +1,8 @@
 //! Inverses, adjoints, repetitions and compositions.
 
-
 use crate::common::{State, distance, stepped};
-use proptest::prelude::*;
 use crate::rotor::Rotor;
+use proptest::prelude::*;
 use symplint::map::Repeat;
 use symplint::{Circle, Coordinates, Ensemble, TimeAdvance};
 use symplint_models::ModelError;

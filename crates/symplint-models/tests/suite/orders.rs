@@ -1,6 +1,5 @@
 //! The order of every integrator, measured.
 
-
 use std::sync::Arc;
 
 use crate::common::{State, distance, stepped};

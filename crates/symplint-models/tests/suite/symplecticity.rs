@@ -1,12 +1,11 @@
 //! Which steps are symplectic: areas, loop integrals, and methods that are the same map.
 
-
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use crate::common::{State, distance, stepped};
-use proptest::prelude::*;
 use crate::rotor::Rotor;
+use proptest::prelude::*;
 use symplint::state::RowsMut;
 use symplint::verdict::JacobianVerdict;
 use symplint::{Block, Circle, JacobianTest, TimeAdvance};

@@ -1,9 +1,9 @@
 //! Systems with known motions, conserved quantities and maps of known shape.
 
-
 use std::f64::consts::{PI, TAU};
 
 use crate::common::{State, distance, stepped};
+use crate::two_form::{jacobian, two_form_defect};
 use symplint::state::RowsMut;
 use symplint::{Block, Circle, Diagnostic, PerSample, TimeAdvance, VerdictKind};
 use symplint_models::discrete::{HenonMap, PendulumRattle, StandardMap};
@@ -15,7 +15,6 @@ use symplint_models::systems::{
     Chain, ChargedParticle, DoublePendulum, Ends, FputBond, Kepler, Pendulum, TodaBond,
 };
 use symplint_models::{Hamiltonian, ModelError};
-use crate::two_form::{jacobian, two_form_defect};
 
 fn run(map: &dyn TimeAdvance, h: f64, steps: usize, start: &State) -> State {
     (0..steps).fold(start.clone(), |state, _| stepped(map, h, &state))

@@ -1,6 +1,5 @@
 //! The discrete gradient of Gonzalez on a plasma: the energy it conserves, and the step back.
 
-
 use std::sync::Arc;
 
 use crate::common::{State, distance, stepped};

@@ -1,25 +1,19 @@
 //! The one place where maps are called.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::count::EvaluationCount;
+use super::notes::Notes;
 use super::witnesses::Recorder;
 use super::{
-    Before, Capabilities, Constraint, Difference, Energy, Grain, Parts, ProjectedLoop, Reversal,
-    StepFailure, TimeAdvance, Witnesses,
+    Capabilities, Constraint, Difference, Energy, Parts, ProjectedLoop, Reversal, StepFailure,
+    TimeAdvance, Witnesses,
 };
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::state::{Block, Coordinates, Ensemble, first_error, first_not_finite};
-
-/// A part of a loop, after a step of size `h`, that its samples do not resolve.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Feature {
-    pub s: f64,
-    pub h: f64,
-}
 
 /// Calls a map for the diagnostic: spreads samples over threads, checks that states are finite, names the
 /// sample and the step size of a failure, and counts evaluations.
@@ -33,97 +27,11 @@ pub(crate) struct Evaluator<'a> {
     /// Substeps that make up the step; fewer than the map has for [`prefix`](Self::prefix).
     substeps: usize,
     count: &'a EvaluationCount,
-    /// The grain of the states that were returned of the present loop, once there are enough of them.
-    grain: RwLock<Option<Arc<Grain>>>,
-    /// The rounding of each coordinate inside the map, if it works in single precision there, or is noisy.
-    inside: RwLock<Option<Arc<Vec<f64>>>>,
-    /// The noise of each coordinate, if results of one state differ at random.
-    noise: RwLock<Option<Arc<Vec<f64>>>>,
     /// States that are advanced again later.
     recorder: Recorder,
-    /// Parameters of the present loop at which samples show a feature that they do not resolve.
-    features: RwLock<Vec<Feature>>,
+    /// What checks found out about the map, for those that come later.
+    pub(super) notes: Notes,
     has_step_size: bool,
-}
-
-/// Evaluations made so far, and how many may be made.
-///
-/// Whoever plans asks for [`left`](Self::left) first; a call that does not fit is refused.
-#[derive(Debug)]
-pub(crate) struct EvaluationCount {
-    made: AtomicUsize,
-    budget: usize,
-    /// Kept for later.
-    reserved: AtomicUsize,
-    /// Evaluations finished, for others to read.
-    finished: Arc<AtomicUsize>,
-}
-
-impl EvaluationCount {
-    /// No evaluations made, at most `budget` allowed.
-    pub fn new(budget: usize) -> Self {
-        EvaluationCount {
-            made: AtomicUsize::new(0),
-            budget,
-            reserved: AtomicUsize::new(0),
-            finished: Arc::default(),
-        }
-    }
-
-    /// No limit.
-    pub fn unlimited() -> Self {
-        Self::new(usize::MAX)
-    }
-
-    /// Evaluations that may be made in all.
-    pub fn budget(&self) -> usize {
-        self.budget
-    }
-
-    /// Evaluations made.
-    pub fn made(&self) -> usize {
-        self.made.load(Ordering::Relaxed)
-    }
-
-    /// Evaluations that may still be made, without those that are reserved.
-    pub fn left(&self) -> usize {
-        let reserved = self.reserved.load(Ordering::Relaxed);
-        self.budget
-            .saturating_sub(self.made())
-            .saturating_sub(reserved)
-    }
-
-    /// Keeps this number of evaluations for later, instead of those that were reserved before.
-    pub fn reserve(&self, evaluations: usize) {
-        self.reserved.store(evaluations, Ordering::Relaxed);
-    }
-
-    /// Counts evaluations that are about to be made.
-    ///
-    /// # Errors
-    /// If they are more than are left.
-    fn take(&self, evaluations: usize) -> Result<(), Error> {
-        let left = self.left();
-        if evaluations > left {
-            return Err(Error::BudgetSpent {
-                budget: self.budget,
-                left,
-                wanted: evaluations,
-            });
-        }
-        self.made.fetch_add(evaluations, Ordering::Relaxed);
-        Ok(())
-    }
-
-    /// Notes that evaluations were finished.
-    fn finish(&self, evaluations: usize) {
-        self.finished.fetch_add(evaluations, Ordering::Relaxed);
-    }
-
-    /// The number of evaluations finished, which other threads may read.
-    pub fn finished(&self) -> &Arc<AtomicUsize> {
-        &self.finished
-    }
 }
 
 impl<'a> Evaluator<'a> {
@@ -142,11 +50,8 @@ impl<'a> Evaluator<'a> {
             parts,
             capabilities,
             count,
-            grain: RwLock::default(),
-            inside: RwLock::default(),
-            noise: RwLock::default(),
             recorder: Recorder::default(),
-            features: RwLock::default(),
+            notes: Notes::default(),
             has_step_size: true,
         })
     }
@@ -160,11 +65,8 @@ impl<'a> Evaluator<'a> {
             constraint: self.constraint,
             substeps,
             count: self.count,
-            grain: RwLock::default(),
-            inside: RwLock::new(self.rounding_inside()),
-            noise: RwLock::new(self.noise()),
             recorder: Recorder::default(),
-            features: RwLock::default(),
+            notes: self.notes.of_map(),
             has_step_size: self.has_step_size,
         }
     }
@@ -187,19 +89,6 @@ impl<'a> Evaluator<'a> {
     /// Name of a substep.
     pub fn substep_name(&self, substep: usize) -> String {
         self.parts.name(substep)
-    }
-
-    /// Takes note of a feature of the present loop after a step of size `h`.
-    pub fn note_feature(&self, s: f64, h: f64) {
-        let features = self.features.write();
-        let mut features = features.unwrap_or_else(PoisonError::into_inner);
-        features.push(Feature { s, h });
-    }
-
-    /// The features of the present loop that were noted.
-    pub fn features(&self) -> Vec<Feature> {
-        let features = self.features.read();
-        features.unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// The tangent map, if the map has one. It is called by [`advance_tangents`](Self::advance_tangents).
@@ -352,55 +241,6 @@ impl<'a> Evaluator<'a> {
         self.advance_blocks(states.blocks_of(width), width, 0, h, fill)
     }
 
-    /// Takes note of coordinates c of states k round a loop that the map returned, if its grain is not known yet.
-    pub fn learn_grain(
-        &self,
-        phase_loop: &dyn Loop,
-        samples: usize,
-        value: impl Fn(usize, usize) -> f64,
-    ) {
-        if self.grain().is_none() {
-            let inside = self.rounding_inside();
-            let before = |count: usize| match Ensemble::sample(phase_loop, count) {
-                Ok(before) => Before::Exact(before),
-                Err(_) => Before::Unknown,
-            };
-            let found = Grain::of(
-                samples,
-                self.coordinates(),
-                inside.as_deref().map(Vec::as_slice),
-                value,
-                before,
-            );
-            *self.grain.write().unwrap_or_else(PoisonError::into_inner) = found.map(Arc::new);
-        }
-    }
-
-    /// Takes note that the map rounds each coordinate to this inside, or is as noisy.
-    pub fn note_rounding_inside(&self, mut grains: Vec<f64>) {
-        if let Some(known) = self.rounding_inside() {
-            (grains.iter_mut().zip(&*known)).for_each(|(grain, known)| *grain = grain.max(*known));
-        }
-        *self.inside.write().unwrap_or_else(PoisonError::into_inner) = Some(Arc::new(grains));
-    }
-
-    /// The rounding of each coordinate inside the map, if it is coarser than double precision.
-    pub fn rounding_inside(&self) -> Option<Arc<Vec<f64>>> {
-        let inside = self.inside.read().unwrap_or_else(PoisonError::into_inner);
-        inside.clone()
-    }
-
-    /// Takes note that results of one state differ at random, by this standard deviation of each coordinate.
-    pub fn note_noise(&self, deviations: Vec<f64>) {
-        *self.noise.write().unwrap_or_else(PoisonError::into_inner) = Some(Arc::new(deviations));
-    }
-
-    /// The standard deviation of each coordinate, if results of one state differ at random.
-    pub fn noise(&self) -> Option<Arc<Vec<f64>>> {
-        let noise = self.noise.read().unwrap_or_else(PoisonError::into_inner);
-        noise.clone()
-    }
-
     /// Keeps this number of states of the first call and of the largest batch of each loop.
     pub fn keep_witnesses(&self, states: usize) {
         self.recorder.begin(states);
@@ -414,15 +254,7 @@ impl<'a> Evaluator<'a> {
     /// Another loop is advanced from now on: its grain is not known, nor its features.
     pub fn begin_loop(&self) {
         self.recorder.begin_loop();
-        let features = self.features.write();
-        features.unwrap_or_else(PoisonError::into_inner).clear();
-        *self.grain.write().unwrap_or_else(PoisonError::into_inner) = None;
-    }
-
-    /// The grain of the map on the present loop, as far as it is known.
-    pub fn grain(&self) -> Option<Arc<Grain>> {
-        let grain = self.grain.read().unwrap_or_else(PoisonError::into_inner);
-        grain.clone()
+        self.notes.begin_loop();
     }
 
     /// The same for blocks of `width` samples each, of which the first begins with sample `first`.

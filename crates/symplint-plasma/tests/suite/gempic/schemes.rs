@@ -480,7 +480,9 @@ fn places_that_are_rounded_to_more_than_a_cell_fail() {
             physical.x[1] = x;
             let (mut q, mut p) = gempic.state(&physical).unwrap();
             let mut outcome = Ok(());
-            crate::gempic::flows::with_block(&mut q, &mut p, |block| outcome = map.advance(0.1, block));
+            crate::gempic::flows::with_block(&mut q, &mut p, |block| {
+                outcome = map.advance(0.1, block)
+            });
             outcome.map_err(|failure| failure.reason)
         };
         for x in [1e17, -1e17, 1e300] {

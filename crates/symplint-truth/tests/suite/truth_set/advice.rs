@@ -6,7 +6,9 @@ use symplint::diagnosis::SampleCount;
 use symplint::rules::Cutoffs;
 use symplint::{Diagnostic, Rule};
 
-use crate::truth_set::member::{Ellipses, Expected, Member, SYMPLECTIC, Step, Truth, halvings, map_of};
+use crate::truth_set::member::{
+    Ellipses, Expected, Member, SYMPLECTIC, Step, Truth, halvings, map_of,
+};
 use crate::truth_set::methods::{damped, leapfrog};
 use crate::truth_set::random::Random;
 use crate::truth_set::systems::{self, MOST, System};

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use symplint::{Circle, PerSample, TimeAdvance};
 
-use crate::truth_set::member::{Ellipses, Expected, Member, SYMPLECTIC, Step, Truth, halvings, map_of};
+use crate::truth_set::member::{
+    Ellipses, Expected, Member, SYMPLECTIC, Step, Truth, halvings, map_of,
+};
 use crate::truth_set::methods::{SPLITTINGS, leapfrog, runge_kutta, splitting, tableau};
 use crate::truth_set::random::Random;
 use crate::truth_set::systems::System;

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::truth_set::member::{Ellipses, Expected, Member, SYMPLECTIC, Step, Truth, halvings, map_of};
+use crate::truth_set::member::{
+    Ellipses, Expected, Member, SYMPLECTIC, Step, Truth, halvings, map_of,
+};
 use crate::truth_set::methods::{leapfrog, runge_kutta, tableau};
 use crate::truth_set::random::Random;
 use crate::truth_set::systems::{MOST, System};

@@ -9,7 +9,9 @@ use std::sync::Arc;
 
 use symplint::Diagnostic;
 
-use crate::truth_set::member::{Ellipses, Expected, Member, SYMPLECTIC, Step, Truth, halvings, map_of};
+use crate::truth_set::member::{
+    Ellipses, Expected, Member, SYMPLECTIC, Step, Truth, halvings, map_of,
+};
 use crate::truth_set::random::Random;
 
 pub const COUNT: usize = 240;

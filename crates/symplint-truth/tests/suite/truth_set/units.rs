@@ -5,7 +5,9 @@ use std::sync::Arc;
 use symplint::Diagnostic;
 use symplint::map::balanced_radii;
 
-use crate::truth_set::member::{Ellipses, Expected, Member, SYMPLECTIC, Step, Truth, halvings, map_of};
+use crate::truth_set::member::{
+    Ellipses, Expected, Member, SYMPLECTIC, Step, Truth, halvings, map_of,
+};
 use crate::truth_set::methods::{SPLITTINGS, damped, runge_kutta, splitting, tableau};
 use crate::truth_set::random::Random;
 use crate::truth_set::systems::{self, MOST, System};

@@ -8,51 +8,25 @@
 //! mode that a difference misses. All others are left to the transform, which says what they are like. Registers of any width give
 //! the same bits: sums run in [`LANES`] lanes, and no multiplication is fused with an addition.
 
+mod inspection;
+mod lags;
+
 use std::f64::consts::SQRT_2;
 use std::ops::Range;
 use std::sync::LazyLock;
 
-use multiversion::multiversion;
-
+use self::inspection::{Inspection, P_STRIDE, Q_STRIDE, furthest};
+use self::lags::{LAGS, REACH, add_lags};
 use super::RowIntegral;
 use super::stencil::Stencil;
-use crate::breaks::rounding;
 use crate::signal::UNIT_ROUNDOFF;
 
 /// Independent sums: as many as the widest vector register holds.
 const LANES: usize = 8;
 
-/// Lags that are summed in one pass: half of those of the highest order. They keep their sums in registers.
-const LAGS: usize = 5;
-
-/// Samples on either side that the highest order needs.
-const REACH: usize = 2 * LAGS;
-
-/// Samples whose products are summed before the sum is added to the others: rounding grows with the root of this number.
-const RUN: usize = 512;
-
-/// Samples of a window: three registers. Its difference has order 23, and is below rounding if a wavelength has 18 samples or more.
-const WINDOW: usize = 3 * LANES;
-
-/// From one window of q to the next: each cell of the loop is among the middle nine of one.
-const Q_STRIDE: usize = 8;
-
-/// From one window of p to the next. A jump of p counts for no more than the slope of q from one sample to the next, so that it may be
-/// larger.
-const P_STRIDE: usize = 2 * Q_STRIDE;
-
 /// The fewest samples that the rule is for: fewer are transformed nearly as fast, and have so few windows that a jump makes much of
 /// what looks like noise.
 const FEWEST: usize = 512;
-
-/// The rounding of samples, taken as rounding of the largest, rarely makes more than this of a difference: half of the sum of its
-/// absolute weights, 2^23/√binom(46, 23). What exceeds it may be a jump.
-const ROUNDINGS_OF_A_DIFFERENCE: f64 = 1.46;
-
-/// A jump of a coordinate is at most this many times the difference of the window that shows it most, √binom(46, 23)/binom(22, 7), and
-/// this many times in the mean of all places.
-const JUMP_OF_A_DIFFERENCE: f64 = 16.83;
-const MEAN_JUMP_OF_A_DIFFERENCE: f64 = 6.0;
 
 /// What rounding makes of the sums, in units of what it makes of their scale. Calibrated: with this, errors of 893 random loops of 24
 /// modes are at most 0.4 of what is stated.
@@ -68,22 +42,10 @@ const MOST_ERROR: f64 = 5e-15;
 /// Products of coordinates of these sizes, and the squares of their roundings, neither under- nor overflow.
 const MODERATE: Range<f64> = 1e-100..1e100;
 
-/// Stencils of the rule.
-struct Band {
-    /// The central differences of orders 8 and 10, and of orders 18 and 20.
-    centred: [[Vec<f64>; 2]; 2],
-    /// The difference of a window, scaled so that white noise keeps its variance.
-    difference: [f64; WINDOW],
-}
-
-static BAND: LazyLock<Band> = LazyLock::new(|| {
+/// The central differences of orders 8 and 10, and of orders 18 and 20.
+static CENTRED: LazyLock<[[Vec<f64>; 2]; 2]> = LazyLock::new(|| {
     let centred = |m: usize| Stencil::new(m).centred;
-    let mut difference = [0.0; WINDOW];
-    difference.copy_from_slice(&Stencil::new(WINDOW - 1).difference);
-    Band {
-        centred: [LAGS, 2 * LAGS].map(|m| [centred(m - 1), centred(m)]),
-        difference,
-    }
+    [LAGS, 2 * LAGS].map(|m| [centred(m - 1), centred(m)])
 });
 
 /// ∮ p dq of a row that is smooth to rounding; `None` for any other. What q gains in one turn, `gain`, was taken off it.
@@ -117,7 +79,7 @@ pub(super) fn integrate(q: &[f64], p: &[f64], gain: f64) -> Option<RowIntegral> 
 
     let mut sums = [0.0; REACH];
     // By the lower order if it is enough.
-    for (pass, [lower, higher]) in BAND.centred.iter().enumerate() {
+    for (pass, [lower, higher]) in CENTRED.iter().enumerate() {
         add_lags(q, p, pass * LAGS, &mut sums);
         let [coarse, value] = [lower, higher].map(|stencil| weighted(stencil, &sums));
         let error = (value - coarse).abs() + hidden;
@@ -146,207 +108,6 @@ fn mean(row: &[f64]) -> f64 {
     row[0] + row.iter().map(|x| x - row[0]).sum::<f64>() / row.len() as f64
 }
 
-/// The largest distance from the first sample.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-fn furthest(row: &[f64]) -> f64 {
-    /// Enough lanes that none waits for the one before.
-    const WIDE: usize = 4 * LANES;
-    let first = row[0];
-    let (groups, rest) = row.as_chunks::<WIDE>();
-    let mut lanes = [0.0; WIDE];
-    for group in groups {
-        for lane in 0..WIDE {
-            lanes[lane] = larger((group[lane] - first).abs(), lanes[lane]);
-        }
-    }
-    let rest = rest.iter().map(|x| (x - first).abs());
-    rest.chain(lanes).fold(0.0, larger)
-}
-
-/// The larger of two numbers, by one instruction.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// What windows of samples show of a coordinate, all round the loop.
-#[derive(Clone, Copy, Debug, Default)]
-struct Inspection {
-    windows: usize,
-    /// Standard deviation of the noise.
-    noise: f64,
-    /// The largest difference of a window.
-    largest: f64,
-    /// The largest absolute value.
-    size: f64,
-    /// Root mean square of its derivative along the loop.
-    slope: f64,
-    /// Standard deviation.
-    deviation: f64,
-}
-
-impl Inspection {
-    /// Of a row that is not larger than `size`, from windows this far apart; `None` if one of them shows more than rounding.
-    fn of(row: &[f64], stride: usize, size: f64) -> Option<Self> {
-        /// Enough for two groups of windows.
-        const ENDS: usize = 2 * LANES * P_STRIDE + WINDOW;
-        let (from_group, span) = (LANES * stride, (LANES - 1) * stride + WINDOW);
-        let limit = rounding(UNIT_ROUNDOFF * size);
-        let mut sums = add_windows(row, stride, row[0], limit, WindowSums::default())?;
-        // The others go round the end of the row.
-        let done = sums.windows * stride;
-        let ends: [f64; ENDS] = round_end(row, done);
-        let others = (row.len() - done).div_ceil(from_group);
-        let ends = &ends[..(others - 1) * from_group + span];
-        sums = add_windows(ends, stride, row[0], limit, sums)?;
-        let mean = |lanes: [f64; LANES]| lanes.iter().sum::<f64>() / sums.windows as f64;
-        Some(Inspection {
-            windows: sums.windows,
-            noise: mean(sums.differences).sqrt(),
-            largest: sums.largest.into_iter().fold(0.0, larger),
-            size: sums.sizes.into_iter().fold(0.0, larger),
-            slope: row.len() as f64 * mean(sums.steps).sqrt(),
-            deviation: (mean(sums.squares) - mean(sums.values).powi(2))
-                .max(0.0)
-                .sqrt(),
-        })
-    }
-
-    /// The jump that the differences of a coordinate of this size may be, beyond what its rounding makes of them.
-    fn jump(&self, size: f64) -> f64 {
-        // About the largest of this number of differences that are noise.
-        let of_noise = (2.0 * (self.windows as f64).ln()).sqrt() * self.noise;
-        let factor = match self.largest > of_noise {
-            true => JUMP_OF_A_DIFFERENCE,
-            false => MEAN_JUMP_OF_A_DIFFERENCE,
-        };
-        factor * (self.largest - ROUNDINGS_OF_A_DIFFERENCE * UNIT_ROUNDOFF * size).max(0.0)
-    }
-}
-
-/// Sums over windows, each over every [`LANES`]th of them.
-#[derive(Clone, Copy, Default)]
-struct WindowSums {
-    windows: usize,
-    /// Squares of the differences, and the largest.
-    differences: [f64; LANES],
-    largest: [f64; LANES],
-    /// Squares of the increments in the middle of a window.
-    steps: [f64; LANES],
-    /// Values there, from the first, their squares, and the largest size.
-    values: [f64; LANES],
-    squares: [f64; LANES],
-    sizes: [f64; LANES],
-}
-
-/// Adds whole groups of [`LANES`] windows of a row, values from `first`; `None` if a difference is not within its limit.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-fn add_windows(
-    row: &[f64],
-    stride: usize,
-    first: f64,
-    limit: f64,
-    mut sums: WindowSums,
-) -> Option<WindowSums> {
-    const MIDDLE: usize = WINDOW / 2;
-    let weights = &BAND.difference;
-    let span = (LANES - 1) * stride + WINDOW;
-    for group in row.windows(span).step_by(LANES * stride) {
-        let [mut differences, mut steps, mut values] = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
-            let window = group[lane * stride..].first_chunk()?;
-            differences[lane] = difference(weights, window, first);
-            steps[lane] = window[MIDDLE] - window[MIDDLE - 1];
-            values[lane] = window[MIDDLE] - first;
-        }
-        let mut exceeds = [0; LANES];
-        for lane in 0..LANES {
-            let size = differences[lane].abs();
-            // NaN is not within a limit.
-            let within = size <= limit;
-            exceeds[lane] = u64::from(!within);
-            sums.largest[lane] = larger(size, sums.largest[lane]);
-            sums.differences[lane] += size * size;
-            sums.steps[lane] += steps[lane] * steps[lane];
-            sums.values[lane] += values[lane];
-            sums.squares[lane] += values[lane] * values[lane];
-            let size = (first + values[lane]).abs();
-            sums.sizes[lane] = larger(size, sums.sizes[lane]);
-        }
-        if exceeds.iter().fold(0, |any, exceeds| any | exceeds) != 0 {
-            return None;
-        }
-        sums.windows += LANES;
-    }
-    Some(sums)
-}
-
-/// The difference of a window, summed in half as many lanes: these are added up for every one. Values count from `first`, or far
-/// from the origin they would be rounded more than they are in storage.
-#[inline(always)]
-fn difference(weights: &[f64; WINDOW], window: &[f64; WINDOW], first: f64) -> f64 {
-    const NARROW: usize = LANES / 2;
-    let mut lanes = [0.0; NARROW];
-    for lane in 0..NARROW {
-        lanes[lane] = weights[lane] * (window[lane] - first);
-    }
-    for k in 1..WINDOW / NARROW {
-        for lane in 0..NARROW {
-            lanes[lane] += weights[NARROW * k + lane] * (window[NARROW * k + lane] - first);
-        }
-    }
-    (lanes[0] + lanes[2]) + (lanes[1] + lanes[3])
-}
-
-/// R_k = Σ_j p_j (q_{j+k} − q_{j−k}) round the loop for the [`LAGS`] lags k after `done`.
-fn add_lags(q: &[f64], p: &[f64], done: usize, sums: &mut [f64; REACH]) {
-    /// Whole groups of samples that have all neighbours in their row begin here.
-    const START: usize = REACH.next_multiple_of(LANES);
-    /// Most samples that have not, as whole groups.
-    const ENDS: usize = (REACH + LANES - 1 + START).next_multiple_of(LANES);
-    let samples = q.len();
-    let sums = &mut sums[done..done + LAGS];
-    let end = (samples - REACH) / LANES * LANES;
-    for from in (START..end).step_by(RUN) {
-        let to = (from + RUN).min(end);
-        let of_run = lag_sums(q, p, from..to, done, p[0]);
-        sums.iter_mut().zip(of_run).for_each(|(sum, r)| *sum += r);
-    }
-    // The others go round the end of the row; for a sample without a neighbour there, p is the one that all are counted from, and adds
-    // nothing.
-    let from = end.max(START);
-    let count = samples - from + START;
-    let q_ends: [f64; ENDS + 2 * REACH] = round_end(q, from - REACH);
-    let mut p_ends: [f64; ENDS + 2 * REACH] = round_end(p, from - REACH);
-    p_ends[REACH + count..].fill(p[0]);
-    let of_ends = lag_sums(&q_ends, &p_ends, REACH..REACH + ENDS, done, p[0]);
-    sums.iter_mut().zip(of_ends).for_each(|(sum, r)| *sum += r);
-}
-
-/// Σ (p_j − `reference`) (q_{j+k} − q_{j−k}) for whole groups of j, and the [`LAGS`] lags k after `done`.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-fn lag_sums(q: &[f64], p: &[f64], range: Range<usize>, done: usize, reference: f64) -> [f64; LAGS] {
-    let (from, to) = (range.start, range.end);
-    let mut sums = [[0.0; LANES]; LAGS];
-    let p = p[from..to].as_chunks::<LANES>().0;
-    let shifted = |start: usize| q[start..start + to - from].as_chunks::<LANES>().0;
-    let ahead: [_; LAGS] = std::array::from_fn(|k| shifted(from + done + k + 1));
-    let behind: [_; LAGS] = std::array::from_fn(|k| shifted(from - done - k - 1));
-    for (group, p) in p.iter().enumerate() {
-        let mut centred = [0.0; LANES];
-        for lane in 0..LANES {
-            centred[lane] = p[lane] - reference;
-        }
-        for k in 0..LAGS {
-            let (ahead, behind) = (&ahead[k][group], &behind[k][group]);
-            for lane in 0..LANES {
-                sums[k][lane] += centred[lane] * (ahead[lane] - behind[lane]);
-            }
-        }
-    }
-    sums.map(|lanes| lanes.iter().sum())
-}
-
 /// Samples from `start` on, round the end of the row.
 fn round_end<const COUNT: usize>(row: &[f64], start: usize) -> [f64; COUNT] {
     let mut samples = [0.0; COUNT];
@@ -364,8 +125,9 @@ mod tests {
     use std::f64::consts::{PI, TAU};
 
     use super::*;
+    use crate::breaks::rounding;
 
-    fn row(samples: usize, of: impl Fn(f64) -> f64) -> Vec<f64> {
+    pub(super) fn row(samples: usize, of: impl Fn(f64) -> f64) -> Vec<f64> {
         (0..samples)
             .map(|k| of(k as f64 / samples as f64))
             .collect()
@@ -445,25 +207,6 @@ mod tests {
         println!("{taken} {worst}");
         assert!(taken > 700, "{taken}");
         assert!(worst < 1.0, "{worst}");
-    }
-
-    #[test]
-    fn lag_sums_are_those_of_the_definition() {
-        for samples in [32, 33, 40, 63, 100, 519, 531, 1600] {
-            let (q, p) = (
-                row(samples, |s| (97.0 * s * s).sin()),
-                row(samples, |s| (71.0 * s).cos()),
-            );
-            let mut sums = [0.0; REACH];
-            add_lags(&q, &p, 0, &mut sums);
-            add_lags(&q, &p, LAGS, &mut sums);
-            for (k, sum) in (1..).zip(sums) {
-                let around = |j: usize| q[(j + k) % samples] - q[(j + samples - k) % samples];
-                let expected: f64 = (0..samples).map(|j| p[j] * around(j)).sum();
-                let off = (sum - expected).abs();
-                assert!(off < 1e-14 * samples as f64, "{samples}, {k}: {off:e}");
-            }
-        }
     }
 
     #[test]
@@ -553,7 +296,7 @@ mod tests {
             );
             let mut sums = [0.0; REACH];
             add_lags(&q, &p, 0, &mut sums);
-            let lower = weighted(&BAND.centred[0][1], &sums);
+            let lower = weighted(&CENTRED[0][1], &sums);
             assert_eq!((lower / exact - 1.0).abs() < 1e-15, by_lower, "{mode}");
         }
     }
@@ -576,30 +319,5 @@ mod tests {
             let off = (found.value - (0.2 * PI + gain * centre)).abs();
             assert!(off <= found.roundoff, "{found:?}");
         }
-    }
-
-    #[test]
-    fn weights_of_windows_are_as_stated() {
-        let weights = BAND.difference;
-        let sum: f64 = weights.iter().map(|w| w.abs()).sum();
-        assert!(
-            (0.5 * sum / ROUNDINGS_OF_A_DIFFERENCE - 1.0).abs() < 2e-3,
-            "{sum}"
-        );
-        // A jump in each cell, seen by the window that shows it most.
-        let shown = |cell: usize| weights[cell + 1..].iter().sum::<f64>().abs();
-        let most = |cell: usize| {
-            (cell..WINDOW - 1)
-                .step_by(Q_STRIDE)
-                .map(shown)
-                .fold(0.0, f64::max)
-        };
-        let least = (0..Q_STRIDE).map(most).fold(1.0, f64::min);
-        assert!((least * JUMP_OF_A_DIFFERENCE - 1.0).abs() < 1e-3, "{least}");
-        let mean = (0..Q_STRIDE).map(most).sum::<f64>() / Q_STRIDE as f64;
-        assert!(
-            (mean * MEAN_JUMP_OF_A_DIFFERENCE - 1.0).abs() < 0.02,
-            "{mean}"
-        );
     }
 }
