@@ -88,7 +88,7 @@ def diffrax(
 
     def of_one(q: Any, p: Any, h: Any) -> Any:
         found, succeeds = solve((q, p), h)
-        # Where a solver fails, there is no state.
+        # If a solver fails, its state is NaN.
         return jax.tree.map(lambda rows: jax.numpy.where(succeeds, rows, jax.numpy.nan), found)
 
     step = jax.jit(jax.vmap(of_one, (0, 0, None)))

@@ -128,7 +128,7 @@ struct Header<'a> {
     descr: &'a str,
     fortran_order: bool,
     shape: Vec<u64>,
-    /// Where the values start.
+    /// Bytes before the first value.
     start: usize,
 }
 

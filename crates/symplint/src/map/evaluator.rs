@@ -29,7 +29,7 @@ pub(crate) struct Evaluator<'a> {
     count: &'a EvaluationCount,
     /// States that are advanced again later.
     recorder: Recorder,
-    /// What checks found out about the map, for those that come later.
+    /// Knowledge that checks leave to later ones.
     pub(super) notes: Notes,
     has_step_size: bool,
 }

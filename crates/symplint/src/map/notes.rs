@@ -1,4 +1,4 @@
-//! What checks find out about a map, for the checks that come later.
+//! Knowledge about a map that checks leave to later ones.
 
 use std::sync::{Arc, PoisonError, RwLock};
 
@@ -13,7 +13,7 @@ pub(crate) struct Feature {
     pub h: f64,
 }
 
-/// What is known of a map, and of the present loop.
+/// Knowledge about a map, and about the present loop.
 #[derive(Default)]
 pub(super) struct Notes {
     /// The grain of the states that were returned of the present loop, once there are enough of them.
@@ -27,7 +27,7 @@ pub(super) struct Notes {
 }
 
 impl Notes {
-    /// What is known of the map on every loop.
+    /// The knowledge about the map that holds on every loop.
     pub fn of_map(&self) -> Self {
         Notes {
             inside: Note(RwLock::new(self.inside.get())),

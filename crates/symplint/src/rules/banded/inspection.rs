@@ -1,4 +1,4 @@
-//! What the samples of a row show beyond rounding, by a high difference of each window of them.
+//! How far the samples of a row are from smooth, by a high difference of each window of them.
 
 use std::sync::LazyLock;
 
