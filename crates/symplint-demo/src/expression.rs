@@ -97,22 +97,12 @@ fn normal_form(text: &str, names: &[String]) -> Result<String, Misprint> {
                     let remedy = format!("an operator is missing before {name}: write *{name}");
                     return error(begin, remedy);
                 }
-                if names.contains(&name) {
-                    normal += &name;
-                    last = Last::Operand;
-                } else if name == PI[0] {
-                    normal += PI[1];
-                    last = Last::Operand;
-                } else if FUNCTIONS.contains(&name.as_str()) {
-                    normal += &name;
-                    last = Last::Function;
-                } else {
-                    let known = format!("{}, pi", names.join(", "));
-                    let message = format!(
-                        "{name} is unknown: the names are {known}, and the functions {}",
-                        FUNCTIONS.join(", ")
-                    );
-                    return error(begin, message);
+                match of_name(&name, names) {
+                    Ok((found, kind)) => {
+                        normal += found;
+                        last = kind;
+                    }
+                    Err(message) => return error(begin, message),
                 }
             }
             '(' if !expects_operand => {
@@ -166,15 +156,41 @@ fn normal_form(text: &str, names: &[String]) -> Result<String, Misprint> {
             }
         }
     }
-    if last != Last::Operand {
-        return error(
-            letters.len(),
-            "a number or a name is missing at the end".into(),
-        );
-    }
-    match open.last() {
-        Some(&at) => error(at, "this ( is not closed: add )".into()),
-        None => Ok(normal),
+    check_end(last, &open, letters.len())?;
+    Ok(normal)
+}
+
+/// Checks that an expression of this length ends with an operand, and that no parenthesis is `open`.
+///
+/// # Errors
+/// If it does not, or the last one is.
+fn check_end(last: Last, open: &[usize], length: usize) -> Result<(), Misprint> {
+    let (at, message) = match open.last() {
+        _ if last != Last::Operand => (length, "a number or a name is missing at the end"),
+        Some(&at) => (at, "this ( is not closed: add )"),
+        None => return Ok(()),
+    };
+    let message = message.into();
+    Err(Misprint { at, message })
+}
+
+/// How `exmex` names what is called `name`, and whether it is an operand or a function.
+///
+/// # Errors
+/// If nothing has this name: the names that are known.
+fn of_name<'n>(name: &'n str, names: &[String]) -> Result<(&'n str, Last), String> {
+    if names.iter().any(|known| known == name) {
+        Ok((name, Last::Operand))
+    } else if name == PI[0] {
+        Ok((PI[1], Last::Operand))
+    } else if FUNCTIONS.contains(&name) {
+        Ok((name, Last::Function))
+    } else {
+        Err(format!(
+            "{name} is unknown: the names are {}, pi, and the functions {}",
+            names.join(", "),
+            FUNCTIONS.join(", ")
+        ))
     }
 }
 

@@ -5,6 +5,7 @@ use super::{FailedStep, GivenLoop, Runner, if_possible};
 use crate::diagnosis::limits::KEPT_PART;
 use crate::diagnosis::resolve::Resolution;
 use crate::diagnosis::resolve::initial_samples::InitialSamples;
+use crate::diagnosis::resolve::probe::{Probe, StepMeasurement};
 use crate::diagnosis::{Event, SampleCount};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, LoopKind, LoopPicture, Omission, Sweep, Why};
@@ -57,9 +58,36 @@ impl Runner<'_> {
             let further = affordable.iter().copied().filter(|&h| h != self.largest);
             samples.prefetch(probe.samples, further.take(self.left() / cost));
         }
+        let omitted = self.each_step(samples, &probe, &judged, affordable)?;
+        self.keep_features(0, subject);
+        self.note_failed_steps();
+        self.moved(seen.motion);
+        if omitted > 0 {
+            self.omit(Check::GivenLoop, Why::Budget { missing: omitted });
+        }
+        let unresolved = match diagnostic.samples {
+            SampleCount::Fixed(samples) => probe.samples < samples,
+            SampleCount::Auto => tight && self.evidence.loops[0].weak_step().is_some(),
+        };
+        if unresolved {
+            self.omit(Check::GivenLoop, Why::Unresolved);
+        }
+        let size = LoopSize::of(subject.evaluator, subject.phase_loop, self.largest)?;
+        Ok(GivenLoop { probe, cost, size })
+    }
+
+    /// The given loop at each of these step sizes, of which the largest was `judged`. Returns how many step sizes the budget left out.
+    fn each_step(
+        &mut self,
+        samples: &mut InitialSamples<'_>,
+        probe: &Probe<'_>,
+        judged: &StepMeasurement,
+        affordable: Vec<f64>,
+    ) -> Result<usize, Error> {
+        let (diagnostic, subject) = (self.diagnostic, probe.subject);
         let mut omitted = diagnostic.step_sizes.len() - self.failed.len() - affordable.len();
         let costs = Cost {
-            step: cost,
+            step: judged.evaluations.max(1),
             samples: probe.samples,
             groups: 1,
         };
@@ -93,7 +121,7 @@ impl Runner<'_> {
                 most_samples: probe.samples,
                 allowance: known.evaluations + self.left() / KEPT_PART,
             };
-            let judged = (&probe, &judged.advanced);
+            let judged = (probe, &judged.advanced);
             let refined = || samples.last(h);
             // The samples themselves were advanced, if the map fails between them.
             match if_possible(diagnostic.reconsidered(judged, &known, refined, &with))? {
@@ -101,24 +129,10 @@ impl Runner<'_> {
                     let known = again.known(h).unwrap_or(&known);
                     self.record(0, Sweep::StepSize, &again, known);
                 }
-                None => self.record(0, Sweep::StepSize, &probe, &known),
+                None => self.record(0, Sweep::StepSize, probe, &known),
             }
         }
-        self.keep_features(0, subject);
-        self.note_failed_steps();
-        self.moved(seen.motion);
-        if omitted > 0 {
-            self.omit(Check::GivenLoop, Why::Budget { missing: omitted });
-        }
-        let unresolved = match diagnostic.samples {
-            SampleCount::Fixed(samples) => probe.samples < samples,
-            SampleCount::Auto => tight && self.evidence.loops[0].weak_step().is_some(),
-        };
-        if unresolved {
-            self.omit(Check::GivenLoop, Why::Unresolved);
-        }
-        let size = LoopSize::of(subject.evaluator, subject.phase_loop, self.largest)?;
-        Ok(GivenLoop { probe, cost, size })
+        Ok(omitted)
     }
 
     /// The step sizes at which the map failed are left out.

@@ -115,24 +115,12 @@ impl Display for BoundFinding {
                 random,
                 given,
                 radii,
-            } => {
-                match given {
-                    true => write!(
-                        f,
-                        "No change above {bound:.1e}: on your loop{range}{}{}",
-                        but_failed(*failed),
-                        random_loops(*random, range)
-                    )?,
-                    false => write!(
-                        f,
-                        "No change above {bound:.1e}: on {random} random loop{}{range}{}; the given one winds round a \
-                         period",
-                        plural(*random),
-                        but_failed(*failed)
-                    )?,
-                }
-                write!(f, "{}.", with_radii(*radii))
-            }
+            } => write!(
+                f,
+                "No change above {bound:.1e}: {}{}.",
+                on_loops(*given, *random, range, *failed),
+                with_radii(*radii)
+            ),
             BoundFinding::Bound {
                 loop_index,
                 samples,
@@ -214,6 +202,21 @@ impl Display for BoundFinding {
                 capitalised(&loop_name(*loop_index))
             ),
         }
+    }
+}
+
+/// `on your loop for h from 0.1 to 0.5, and on 7 random ones at h = 0.5`.
+fn on_loops(given: bool, random: usize, range: &StepRange, failed: usize) -> String {
+    let but_failed = but_failed(failed);
+    match given {
+        true => {
+            let random = random_loops(random, range);
+            format!("on your loop{range}{but_failed}{random}")
+        }
+        false => format!(
+            "on {random} random loop{}{range}{but_failed}; the given one winds round a period",
+            plural(random)
+        ),
     }
 }
 
