@@ -42,6 +42,10 @@ module symplint
         type(c_ptr) :: reversal
         integer(c_int32_t) :: properties
         integer(c_int32_t) :: symmetric
+        type(c_ptr) :: settings
+        type(c_funptr) :: substep
+        integer(c_size_t) :: substep_count
+        type(c_ptr) :: substep_names
     end type
 
     enum, bind(c)

@@ -109,6 +109,18 @@ typedef struct SymplintReport SymplintReport;
 typedef int (*SymplintStep)(void *user, double h, size_t dof, size_t samples, double *q, double *p);
 
 /**
+ * Advances `samples` states by one substep of a step of size `h`, in place; substeps count from 0. All of them in their order make up the
+ * step. The rest is as for `SymplintStep`.
+ */
+typedef int (*SymplintSubstep)(void *user,
+                               size_t substep,
+                               double h,
+                               size_t dof,
+                               size_t samples,
+                               double *q,
+                               double *p);
+
+/**
  * Options of `symplint_check`. Fill it by `symplint_options_init`, then change what differs.
  */
 typedef struct {
@@ -225,6 +237,19 @@ typedef struct {
    * "{\"cutoff_q\": 10.0, \"closure\": \"chords\"}"; or NULL. They replace the fields that say the same.
    */
   const char *settings;
+  /**
+   * A substep of a step that is a composition, such as a kick, a drift or an element of a lattice; or NULL: the step is one whole,
+   * `step`.
+   */
+  SymplintSubstep substep;
+  /**
+   * Substeps of one step, if there is `substep`.
+   */
+  size_t substep_count;
+  /**
+   * Their names in the order in which they are taken, for the report; or NULL: "part 1", "part 2", ...
+   */
+  const char *const *substep_names;
 } SymplintOptions;
 
 /**
@@ -346,6 +371,9 @@ extern "C" {
  *
  * q0 and p0, of `dof` values each, are the centre of the loop. `options` is NULL for the defaults. `user` is handed to `step`
  * unchanged. On success `*report` is a report to be freed by `symplint_report_free`; otherwise it is NULL.
+ *
+ * With `options->substep`, the step is a composition of substeps, and `step` is NULL. The report then names the substeps that are not
+ * symplectic or break a loop.
  *
  * A step size at which the step fails is left out, and named in the report; the status is SYMPLINT_STATUS_STEP_FAILED where
  * it fails at all of them.

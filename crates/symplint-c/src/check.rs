@@ -13,6 +13,9 @@ use crate::status::{Failure, SymplintStatus, guarded};
 /// q0 and p0, of `dof` values each, are the centre of the loop. `options` is NULL for the defaults. `user` is handed to `step`
 /// unchanged. On success `*report` is a report to be freed by `symplint_report_free`; otherwise it is NULL.
 ///
+/// With `options->substep`, the step is a composition of substeps, and `step` is NULL. The report then names the substeps that are not
+/// symplectic or break a loop.
+///
 /// A step size at which the step fails is left out, and named in the report; the status is SYMPLINT_STATUS_STEP_FAILED where
 /// it fails at all of them.
 ///
@@ -31,11 +34,18 @@ pub unsafe extern "C" fn symplint_check(
     guarded(|| {
         // SAFETY: what the caller of this function promises.
         unsafe { write("report", report, &[std::ptr::null_mut()]) }?;
-        let step = step.ok_or_else(|| Failure::null("step"))?;
         // SAFETY: as above.
         let settings = unsafe { Settings::read(dof, q0, p0, options) }?;
+        if step.is_some() && settings.substep.is_some() {
+            return Err(Failure::bad_argument(
+                "both a step and a substep are given; with options.substep, step is NULL",
+            ));
+        }
+        if step.is_none() && settings.substep.is_none() {
+            return Err(Failure::null("step"));
+        }
         let (diagnostic, circle) = (settings.diagnostic()?, settings.circle()?);
-        let (map, steps) = callback_map(settings.coordinates()?);
+        let (map, steps) = callback_map(settings.coordinates()?, settings.substeps.clone());
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(settings.threads)
             .build()
@@ -52,8 +62,15 @@ pub unsafe extern "C" fn symplint_check(
                 let map = map;
                 pool.install(|| diagnostic.run(&map, &circle))
             });
-            // SAFETY: as above.
-            unsafe { steps.take(step, user) };
+            steps.serve(|k, h, dof, samples, q, p| {
+                let (q, p) = (q.as_mut_ptr(), p.as_mut_ptr());
+                // SAFETY: both have dof × samples values, no other code uses them meanwhile, and the caller promises the rest.
+                match (step, settings.substep) {
+                    (Some(step), _) => unsafe { step(user, h, dof, samples, q, p) },
+                    (None, Some(substep)) => unsafe { substep(user, k, h, dof, samples, q, p) },
+                    (None, None) => unreachable!("one of them is given"),
+                }
+            });
             (measuring.join()).map_err(|panic| Failure::of_panic(&*panic))
         })??;
         let provenance = run.provenance(pool.current_num_threads());

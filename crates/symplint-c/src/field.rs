@@ -121,7 +121,7 @@ fn run(
     settings: &FieldSettings,
     mut rates: impl FnMut(usize, usize, &mut [f64], &mut [f64]) -> c_int,
 ) -> Result<SymplintFieldReport, Failure> {
-    let (map, steps) = callback_map(settings.coordinates.clone());
+    let (map, steps) = callback_map(settings.coordinates.clone(), Vec::new());
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(settings.threads)
         .build()
@@ -138,7 +138,7 @@ fn run(
                 Some(p0) => settings.test.run_field(&map, &settings.q0, p0),
             })
         });
-        steps.serve(|_, dof, samples, q, p| rates(dof, samples, q, p));
+        steps.serve(|_, _, dof, samples, q, p| rates(dof, samples, q, p));
         (measuring.join()).map_err(|panic| Failure::of_panic(&*panic))
     })??;
     SymplintFieldReport::new(&found)

@@ -11,6 +11,7 @@ use symplint::request::Value;
 use symplint::rules::Piecewise;
 use symplint::{Circle, Coordinates, Diagnostic, Phases};
 
+use crate::callback::SymplintSubstep;
 use crate::pointers::{optional_values, overlay, text, values, write_prefix};
 use crate::status::{Failure, SymplintStatus, guarded};
 
@@ -77,6 +78,13 @@ pub struct SymplintOptions {
     /// Settings that have no field here, as a JSON object with the keys of `diagnostic` in configuration files, such as
     /// "{\"cutoff_q\": 10.0, \"closure\": \"chords\"}"; or NULL. They replace the fields that say the same.
     pub settings: *const c_char,
+    /// A substep of a step that is a composition, such as a kick, a drift or an element of a lattice; or NULL: the step is one whole,
+    /// `step`.
+    pub substep: SymplintSubstep,
+    /// Substeps of one step, if there is `substep`.
+    pub substep_count: usize,
+    /// Their names in the order in which they are taken, for the report; or NULL: "part 1", "part 2", ...
+    pub substep_names: *const *const c_char,
 }
 
 /// Evaluations by default: a step of another code is dear.
@@ -117,6 +125,9 @@ impl Default for SymplintOptions {
             properties: 1,
             symmetric: 0,
             settings: std::ptr::null(),
+            substep: None,
+            substep_count: 0,
+            substep_names: std::ptr::null(),
         }
     }
 }
@@ -174,6 +185,11 @@ pub struct Settings {
     /// Those of the diagnosis, by name.
     #[serde(flatten)]
     settings: BTreeMap<String, Value>,
+    #[serde(skip)]
+    pub substep: SymplintSubstep,
+    /// Names of the substeps, if the step is a composition.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub substeps: Vec<String>,
     /// Results do not depend on it.
     #[serde(skip)]
     pub threads: usize,
@@ -225,6 +241,8 @@ impl Settings {
                     .to_owned(),
                 seed: read.seed,
                 settings: settings(&read, dof)?,
+                substep: read.substep,
+                substeps: substeps(&read)?,
                 threads: read.threads.min(processors),
             })
         }
@@ -263,6 +281,37 @@ impl Settings {
         Diagnostic::from_settings(&self.settings)
             .map_err(|error| Failure::bad_argument(error.to_string()))
     }
+}
+
+/// Substeps of a step: a number of more digits is not a count, but an error of the caller.
+const MOST_SUBSTEPS: usize = 1_000_000;
+
+/// The names of the substeps; none if the step is one whole.
+///
+/// # Safety
+/// The array of names, if it is not null, has as many texts as there are substeps.
+unsafe fn substeps(read: &SymplintOptions) -> Result<Vec<String>, Failure> {
+    if read.substep.is_none() {
+        return Ok(Vec::new());
+    }
+    let count = read.substep_count;
+    if !(1..=MOST_SUBSTEPS).contains(&count) {
+        return Err(Failure::bad_argument(format!(
+            "substep_count is {count}; give the number of substeps of one step, from 1 to {MOST_SUBSTEPS}"
+        )));
+    }
+    let unnamed = |k: usize| format!("part {}", k + 1);
+    if read.substep_names.is_null() {
+        return Ok((0..count).map(unnamed).collect());
+    }
+    // SAFETY: the caller promises this number of texts.
+    let names = unsafe { values("substep_names", read.substep_names, count) }?;
+    let name = |(k, name): (usize, &*const c_char)| {
+        // SAFETY: as above.
+        let name = unsafe { text("substep_names", *name) }?;
+        Ok(name.map_or_else(|| unnamed(k), str::to_owned))
+    };
+    names.iter().enumerate().map(name).collect()
 }
 
 /// The settings of the diagnosis by name; those that are left at NULL or 0 for a default are not among them.

@@ -176,6 +176,60 @@ static void properties(void) {
     CHECK(says("not a JSON object") && report == NULL);
 }
 
+struct parts {
+    double friction;
+    size_t fails, calls;
+};
+
+/* Drift, kick, drift, and a damping of the momenta. */
+static int part(void *pointer, size_t substep, double h, size_t dof, size_t samples, double *q, double *p) {
+    struct parts *user = pointer;
+    user->calls++;
+    if (substep == user->fails) return 17;
+    for (size_t k = 0; k < samples * dof; k++) switch (substep) {
+        case 0:
+        case 2: q[k] += 0.5 * h * p[k]; break;
+        case 1: p[k] -= h * sin(q[k]); break;
+        default: p[k] *= 1 - h * user->friction;
+        }
+    return 0;
+}
+
+static void substeps(void) {
+    const double q0[2] = {0.3, -0.2}, p0[2] = {0.5, 0.1};
+    const char *const names[4] = {"drift", "kick", NULL, "damping"};
+    struct parts user = {0, 9, 0};
+    SymplintReport *report = NULL;
+    SymplintOptions options;
+    symplint_options_init(&options, sizeof options);
+    options.substep = part;
+    options.substep_count = 4;
+    options.substep_names = names;
+    CHECK(symplint_check(NULL, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(symplint_report_verdict(report) == SYMPLINT_VERDICT_SYMPLECTIC && user.calls % 4 == 0);
+    symplint_report_free(report);
+    user.friction = 0.1;
+    CHECK(symplint_check(NULL, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(symplint_report_verdict(report) == SYMPLINT_VERDICT_NOT_SYMPLECTIC);
+    CHECK(strstr(symplint_report_json(report), "substep 4 (damping)") != NULL);
+    symplint_report_free(report);
+    /* Without the last one, and without names. */
+    options.substep_count = 3;
+    options.substep_names = NULL;
+    CHECK(symplint_check(NULL, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(symplint_report_verdict(report) == SYMPLINT_VERDICT_SYMPLECTIC);
+    symplint_report_free(report);
+    user.fails = 2;
+    CHECK(symplint_check(NULL, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_STEP_FAILED);
+    CHECK(says("substep 3 (part 3) returned 17") && report == NULL);
+    CHECK(symplint_check(leapfrog, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(says("step is NULL") && report == NULL);
+    options.substep_count = 0;
+    CHECK(symplint_check(NULL, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("substep_count"));
+    options.substep_count = (size_t)-1;
+    CHECK(symplint_check(NULL, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("from 1 to 1000000"));
+}
+
 static void checks(void) {
     const double q0[2] = {0.3, -0.2}, p0[2] = {0.5, 0.1}, sizes[2] = {0.5, 0.125}, bad_period[2] = {-1, 0};
     struct user user = {NONE, 2, 0, 0};
@@ -474,6 +528,7 @@ int main(int count, char **arguments) {
     torus();
     no_step_size();
     properties();
+    substeps();
     integrals();
     fields();
     printf("%d failures\n", failures);
