@@ -65,10 +65,12 @@ pub unsafe extern "C" fn symplint_check(
             steps.serve(|k, h, dof, samples, q, p| {
                 let (q, p) = (q.as_mut_ptr(), p.as_mut_ptr());
                 // SAFETY: both have dof × samples values, no other code uses them meanwhile, and the caller promises the rest.
-                match (step, settings.substep) {
-                    (Some(step), _) => unsafe { step(user, h, dof, samples, q, p) },
-                    (None, Some(substep)) => unsafe { substep(user, k, h, dof, samples, q, p) },
-                    (None, None) => unreachable!("one of them is given"),
+                unsafe {
+                    match (step, settings.substep) {
+                        (Some(step), _) => step(user, h, dof, samples, q, p),
+                        (None, Some(substep)) => substep(user, k, h, dof, samples, q, p),
+                        (None, None) => unreachable!("one of them is given"),
+                    }
                 }
             });
             (measuring.join()).map_err(|panic| Failure::of_panic(&*panic))
