@@ -126,7 +126,20 @@ impl Sampler<'_> {
         let mut numbers = found.trials.iter().flatten().chain(&found.value);
         // A difference that the last digit of the state decides is a jump of the derivative.
         found.converged = numbers.all(|x| x.is_finite())
-            && found.largest_error() <= CONSTANTS.unresolved * largest;
+            && found.largest_error() <= self.unresolved(tangents, first) * largest;
         found
+    }
+
+    /// The smallest error, relative to the derivative, of trials that have no common one: the same number of square roots of rounding for
+    /// tangent vectors of single precision as for others.
+    fn unresolved(&self, tangents: &Ensemble, first: usize) -> f64 {
+        let is_single = (0..self.coordinates()).all(|c| {
+            let trials = &coordinate(tangents, c)[first..first + TRIALS];
+            trials.iter().all(|&x| f64::from(x as f32) == x)
+        });
+        match is_single {
+            true => CONSTANTS.unresolved * (f64::from(f32::EPSILON) / f64::EPSILON).sqrt(),
+            false => CONSTANTS.unresolved,
+        }
     }
 }

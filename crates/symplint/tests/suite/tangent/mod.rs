@@ -102,6 +102,41 @@ fn round_off_that_a_step_enlarges_is_in_the_error_bars() {
 }
 
 #[test]
+fn tangent_vectors_of_single_precision_are_derivatives() {
+    // Chaotic steps, undone one by one, as above.
+    let tangent = |h: f64, z: [f64; 2], u: [f64; 2]| {
+        let [mut q, mut p] = z.map(|x| x as f32);
+        let [mut dq, mut dp] = u.map(|x| x as f32);
+        let mut kick_and_drift = |tau: f32, kick_first: bool| {
+            for is_kick in [kick_first, !kick_first] {
+                match is_kick {
+                    true => (p, dp) = (p - tau * q.sin(), dp - tau * q.cos() * dq),
+                    false => (q, dq) = (q + tau * p, dq + tau * dp),
+                }
+            }
+        };
+        kick_and_drift(2.0, true);
+        kick_and_drift(2.0, true);
+        kick_and_drift(-2.0, false);
+        kick_and_drift(-2.0, false);
+        kick_and_drift(h as f32, true);
+        ([q, p].map(f64::from), [dq, dp].map(f64::from))
+    };
+    let map = Given {
+        step: move |h, z| tangent(h, z, [0.0; 2]).0,
+        tangent,
+        period: 0.0,
+    };
+    let report = run(&map, 0.5);
+    assert_eq!(report.method, JacobianMethod::TangentMap);
+    assert_eq!(report.not_differentiable, 0, "{report:?}");
+    for found in found(&report) {
+        assert!(found.magnitude() <= found.uncertainty, "{found:?}");
+        assert!(found.uncertainty < 1e-3, "{found:?}");
+    }
+}
+
+#[test]
 fn round_off_of_a_linear_map_is_in_the_error_bars() {
     // Squeezes by shears, undone one by one: tangent vectors round in the same way from every state.
     fn shear([q, p]: [f64; 2], a: f64, b: f64) -> [f64; 2] {
