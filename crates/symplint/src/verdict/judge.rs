@@ -102,7 +102,7 @@ impl Decision {
         let Some(cause) = cause else {
             let names_none = self.advice.iter().all(Advice::is_of_order);
             if self.kind == VerdictKind::NotSymplectic && names_none {
-                let order = self.order.or_else(|| slope_of(&evidence.loops));
+                let order = self.order.or_else(|| slope_of(evidence));
                 self.advice.insert(0, Advice::LookForCause { order });
             }
             return;
@@ -501,7 +501,7 @@ impl<'a> Case<'a> {
             return self.is_sampled().then_some(Advice::StateStepSizes);
         }
         // More step sizes show no other order.
-        if constant_defect(self.loops, self.fits).is_some() {
+        if constant_defect(self.loops, self.fits, self.evidence.jacobian_decay).is_some() {
             return None;
         }
         let given = self.loops.first()?.steps.len();

@@ -6,7 +6,8 @@ use super::thresholds::{
     CLEAR, FEWEST_POINTS, HIGHEST_ORDER, MISFIT, MOST_POINTS, MOST_UNCERTAIN, NARROWEST_RANGE,
     TREND, WHOLE,
 };
-use crate::evidence::{LoopEvidence, StepEvidence, UNEXPLAINED};
+use crate::evidence::{Evidence, LoopEvidence, StepEvidence, UNEXPLAINED};
+use crate::jacobian::JacobianDecay;
 
 /// A power law |quantity − constant| ~ against^slope over a range.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -123,11 +124,13 @@ pub(super) fn smallest_steps_slope(evidence: &LoopEvidence) -> Option<f64> {
     }
 }
 
-/// The slope of the first loop that shows one; `None` if it fits neither an order nor a constant.
-pub(super) fn slope_of(loops: &[LoopEvidence]) -> Option<f64> {
-    let contractible = || loops.iter().filter(|found| !found.winds);
+/// The slope of the first loop that shows one, or of the Jacobian; `None` if it fits neither an order nor a constant.
+pub(super) fn slope_of(evidence: &Evidence) -> Option<f64> {
+    let contractible = || evidence.loops.iter().filter(|found| !found.winds);
+    let mean = || contractible().find_map(mean_slope);
+    let of_jacobian = || slope_of_jacobian(evidence.jacobian_decay?);
     let slope = (contractible().find_map(smallest_steps_slope))
-        .or_else(|| contractible().find_map(mean_slope).map(|fit| fit.slope))?;
+        .or_else(|| mean().or_else(of_jacobian).map(|fit| fit.slope))?;
     (-TREND..=HIGHEST_ORDER).contains(&slope).then_some(slope)
 }
 
@@ -165,13 +168,38 @@ fn mean_slope(evidence: &LoopEvidence) -> Option<Fit> {
     })
 }
 
+/// The slope of the defect of the Jacobian between two step sizes.
+fn slope_of_jacobian(decay: JacobianDecay) -> Option<Fit> {
+    let [to, from] = decay.step_sizes;
+    let [large, small] = decay.defects;
+    let range = (to / from).abs().ln();
+    let error = large.uncertainty / large.magnitude() + small.uncertainty / small.magnitude();
+    let uncertainty = error / range;
+    (uncertainty <= MOST_UNCERTAIN).then(|| Fit {
+        quantity: "defect of the Jacobian",
+        against: "step_size",
+        loop_index: 0,
+        slope: (large.magnitude() / small.magnitude()).ln() / range,
+        uncertainty,
+        constant: None,
+        from,
+        to,
+    })
+}
+
 /// The law of a defect that is the same at all step sizes: the first of these laws or, without a law, the mean slope of the first loop
-/// that shows one.
-pub(super) fn constant_defect(loops: &[LoopEvidence], fits: &[Fit]) -> Option<Fit> {
+/// that shows one. If loops show none over a factor of four, the slope of the Jacobian.
+pub(super) fn constant_defect(
+    loops: &[LoopEvidence],
+    fits: &[Fit],
+    decay: Option<JacobianDecay>,
+) -> Option<Fit> {
     let mut contractible = loops.iter().filter(|found| !found.winds);
-    let law = (fits.first().cloned()).or_else(|| contractible.find_map(mean_slope))?;
-    let is_wide = law.to.abs() >= NARROWEST_RANGE * law.from.abs();
-    (is_wide && law.whole() == Some(0.0)).then_some(law)
+    let is_wide = |law: &Fit| law.to.abs() >= NARROWEST_RANGE * law.from.abs();
+    let of_loops = (fits.first().cloned()).or_else(|| contractible.find_map(mean_slope));
+    (of_loops.filter(is_wide))
+        .or_else(|| slope_of_jacobian(decay?).filter(is_wide))
+        .filter(|law| law.whole() == Some(0.0))
 }
 
 /// −1 for loops that all steps take backwards.
@@ -413,6 +441,13 @@ mod tests {
         evidence
     }
 
+    fn slope(loops: [LoopEvidence; 1]) -> Option<f64> {
+        slope_of(&Evidence {
+            loops: loops.into(),
+            ..Evidence::default()
+        })
+    }
+
     fn order(law: impl Fn(f64) -> f64) -> f64 {
         let fit = fit_order(&evidence(law, 2e-16)).expect("a law");
         fit.whole().expect("a whole one")
@@ -447,20 +482,21 @@ mod tests {
         for (k, size, noise) in [(0, 1e-13, 2.2e-15), (1, 1e-13, 2.2e-15), (4, 1e-12, 5e-15)] {
             let loops = [evidence(|h| -size * (2.0 * h).powi(k), noise)];
             assert_eq!(fit_order(&loops[0]), None);
-            let slope = slope_of(&loops).expect("a slope");
+            let is_constant = constant_defect(&loops, &[], None).is_some();
+            assert_eq!(is_constant, k == 0, "h^{k}");
+            let slope = slope(loops).expect("a slope");
             assert!((slope - f64::from(k)).abs() < 0.2, "h^{k}: {slope}");
-            assert_eq!(constant_defect(&loops, &[]).is_some(), k == 0, "h^{k}");
         }
         // Noise alone, and a sign that changes.
-        assert_eq!(slope_of(&[evidence(|_| 0.0, 5e-15)]), None);
-        assert_eq!(slope_of(&[evidence(|h| 1e-13 * (h - 0.1), 1e-15)]), None);
+        assert_eq!(slope([evidence(|_| 0.0, 5e-15)]), None);
+        assert_eq!(slope([evidence(|h| 1e-13 * (h - 0.1), 1e-15)]), None);
         // Values that go up and down around the same size are not the same.
         let wave = evidence(|h| 1e-13 * (2.0 + 1.8 * (4.0 * h.ln()).sin()), 5e-15);
-        assert_eq!(constant_defect(&[wave], &[]), None);
+        assert_eq!(constant_defect(&[wave], &[], None), None);
         // Over a factor of two, every smooth law is nearly constant.
         let mut narrow = evidence(|h| 1e-13 * (1.0 + 0.1 * h), 5e-15);
         narrow.steps.truncate(2);
-        assert_eq!(constant_defect(&[narrow], &[]), None);
+        assert_eq!(constant_defect(&[narrow], &[], None), None);
     }
 
     #[test]

@@ -646,6 +646,36 @@ fn a_defect_that_is_the_same_at_all_step_sizes_is_named_if_it_has_few_digits() {
 }
 
 #[test]
+fn the_jacobian_shows_that_a_defect_does_not_depend_on_the_step_size() {
+    let cause = |slope: f64, uncertainty: f64, smaller: f64| {
+        let mut evidence = of_map(vec![
+            step(1.0, -1e-3, 5e-5),
+            step(0.5, -1e-3, 1e-3),
+            step(0.25, -1e-3, 1e-3),
+        ]);
+        let defect = |signed: f64| TangentDefect {
+            s: 0.1,
+            signed,
+            uncertainty,
+            dofs: None,
+        };
+        evidence.jacobian_decay = Some(JacobianDecay {
+            step_sizes: [1.0, smaller],
+            defects: [defect(0.6), defect(0.6 * smaller.powf(slope))],
+        });
+        judge(&evidence).cause
+    };
+    let found = cause(0.0, 1e-9, 0.25).expect("a cause");
+    assert_eq!(found.kind, CauseKind::IndependentOfStepSize);
+    let words = "The defect of the Jacobian is about the same at all step sizes from 0.25 to 1.";
+    assert!(found.text.starts_with(words), "{}", found.text);
+    // One that depends on h, is not known well enough, or at step sizes that are too near.
+    for (slope, uncertainty, smaller) in [(1.0, 1e-9, 0.25), (0.0, 0.2, 0.25), (0.0, 1e-9, 0.5)] {
+        assert_eq!(cause(slope, uncertainty, smaller), None);
+    }
+}
+
+#[test]
 fn errors_at_few_states_are_excluded_from_what_loops_show() {
     let one_in = |evidence: &Evidence| {
         let verdict = judge(evidence);

@@ -1,7 +1,9 @@
 //! The Jacobian of a step.
 
 use super::{GivenLoop, Runner, failed};
-use crate::diagnosis::limits::{CLEAR_OF_METHOD, DECAY_PART, FEWEST_OF_AN_ORDER, SMALL};
+use crate::diagnosis::limits::{
+    CLEAR_OF_METHOD, DECAY_PART, FEWEST_OF_AN_ORDER, NARROWEST_RANGE, SMALL,
+};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, Why};
 use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest, parameters};
@@ -53,8 +55,9 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// The defect of the Jacobian at a second step size, if the loops may have an order: at the smallest step size at which
-    /// the defect is expected to be well above what its method resolves.
+    /// The defect of the Jacobian at a second step size. If the loops may have an order, at the smallest step size at which
+    /// the defect is expected to be well above what its method resolves. If their defects are significant at too few step sizes, at
+    /// the largest one that shows how the defect depends on h.
     pub(super) fn jacobian_decay(
         &self,
         test: &JacobianTest,
@@ -70,20 +73,31 @@ impl Runner<'_> {
                 .collect()
         };
         let loops = self.evidence.loops.iter().filter(|of| !of.winds);
-        let of_loops = loops.map(significant);
-        let expected = of_loops
+        let of_loops: Vec<_> = loops
+            .map(significant)
             .filter(|steps| steps.len() >= FEWEST_OF_AN_ORDER)
-            .flat_map(|steps| {
-                let largest = steps.iter().find(|(h, _)| *h == largest_step);
-                let at_largest = largest.map_or(f64::INFINITY, |(_, defect)| *defect);
-                let fallen = move |(h, defect)| (h, worst.magnitude() * defect / at_largest);
-                steps.into_iter().map(fallen)
-            });
+            .collect();
+        let has_order = !of_loops.is_empty();
+        let expected = of_loops.into_iter().flat_map(|steps| {
+            let largest = steps.iter().find(|(h, _)| *h == largest_step);
+            let at_largest = largest.map_or(f64::INFINITY, |(_, defect)| *defect);
+            let fallen = move |(h, defect)| (h, worst.magnitude() * defect / at_largest);
+            steps.into_iter().map(fallen)
+        });
         let least = CLEAR_OF_METHOD * found.method.least_defect();
-        let h = expected
-            .filter(|&(h, defect)| h.abs() < largest_step.abs() && defect >= least)
-            .map(|(h, _)| h)
-            .min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        let size_of = |a: &f64, b: &f64| a.abs().total_cmp(&b.abs());
+        let h = match has_order {
+            true => expected
+                .filter(|&(h, defect)| h.abs() < largest_step.abs() && defect >= least)
+                .map(|(h, _)| h)
+                .min_by(size_of),
+            // No cause of a break depends on it.
+            false if self.evidence.loops.iter().any(LoopEvidence::is_broken) => None,
+            false => (self.sizes())
+                .filter(|h| NARROWEST_RANGE * h.abs() <= largest_step.abs())
+                .max_by(size_of)
+                .filter(|_| worst.magnitude() >= least),
+        }?;
         let evaluator = subject.evaluator;
         let one = JacobianTest { points: 1, ..*test };
         let groups = if found.full {

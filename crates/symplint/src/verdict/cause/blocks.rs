@@ -21,7 +21,7 @@ const LARGEST: f64 = 2.0;
 impl Clues<'_> {
     /// The slope of the defect against the step size, if it is known.
     pub(super) fn slope(&self) -> Option<f64> {
-        self.order.or_else(|| slope_of(&self.evidence.loops))
+        self.order.or_else(|| slope_of(self.evidence))
     }
 
     /// The part of the step that the blocks of the defect show.

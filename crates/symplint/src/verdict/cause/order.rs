@@ -7,10 +7,12 @@ use crate::verdict::order::constant_defect;
 impl Clues<'_> {
     /// A step becomes the identity as h → 0. Wrong variables, friction and methods all have defects that fall.
     pub(super) fn independent_of_step_size(&self) -> Option<Cause> {
-        let fit = constant_defect(&self.evidence.loops, self.fits)?;
+        let evidence = self.evidence;
+        let fit = constant_defect(&evidence.loops, self.fits, evidence.jacobian_decay)?;
         let text = format!(
-            "The defect is about the same at all step sizes from {} to {}. A step of size 0 leaves all states where they are: either a \
+            "The {} is about the same at all step sizes from {} to {}. A step of size 0 leaves all states where they are: either a \
              part of the step that does not depend on h changes areas, or all these step sizes are too large.",
+            fit.quantity,
             size(fit.from),
             size(fit.to)
         );
