@@ -292,6 +292,14 @@ fn conformal(
     })
 }
 
+/// The noise of the map, of one coordinate relative to its size on the loop, if rounding does not explain it.
+pub(super) fn noise(evidence: &Evidence) -> Option<f64> {
+    let steps = evidence.loops.iter().flat_map(|found| &found.steps);
+    let rounding = steps.map(|step| step.defect.roundoff).fold(0.0, f64::max);
+    let noise = evidence.jacobian.as_ref()?.noise;
+    (noise > UNEXPLAINED * rounding).then_some(noise)
+}
+
 /// Steps of this size that loops made which neither break nor wind.
 fn loops_of(evidence: &Evidence, h: Option<f64>) -> impl Iterator<Item = &StepEvidence> {
     let counts = |found: &&LoopEvidence| !found.winds;

@@ -247,6 +247,40 @@ fn uniform_friction_is_told_from_friction_of_one_degree_of_freedom() {
 }
 
 #[test]
+fn the_noise_of_a_solver_that_makes_a_small_defect_is_named() {
+    // The midpoint rule, by iterations that begin at a state that depends on every digit, and stop at a tolerance.
+    let midpoint = |tolerance: f64| {
+        PerSample::new(1, move |h, q, p| {
+            let digits = q[0].to_bits() ^ p[0].to_bits().rotate_left(21);
+            let digits = (digits ^ (digits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            let start = 1e-2 * ((digits >> 11) as f64 / (1u64 << 53) as f64 - 0.5);
+            let (mut q_middle, mut p_middle) = (q[0] + start, p[0] - 0.7 * start);
+            for _ in 0..200 {
+                let next = (q[0] + 0.5 * h * p_middle, p[0] - 0.5 * h * q_middle.sin());
+                let moved = (next.0 - q_middle).abs().max((next.1 - p_middle).abs());
+                (q_middle, p_middle) = next;
+                if moved < tolerance {
+                    break;
+                }
+            }
+            (q[0], p[0]) = (2.0 * q_middle - q[0], 2.0 * p_middle - p[0]);
+        })
+    };
+    let find = |tolerance: f64| {
+        let circle = Circle::new(vec![0.1], vec![-0.2], 1.0).unwrap();
+        let found = Diagnostic::halving(-1, -8).run(&midpoint(tolerance), &circle);
+        found.unwrap().verdict
+    };
+    let found = find(1e-10);
+    assert_eq!(found.kind, VerdictKind::NotSymplectic, "{found}");
+    let words = ["follows no power of h", "neighbouring states scatter by"];
+    cause(&found, CauseKind::SolverTolerance, &words);
+    // The remedy followed.
+    let tight = find(0.0);
+    assert_eq!(tight.kind, VerdictKind::Symplectic, "{tight}");
+}
+
+#[test]
 fn light_bodies_by_a_method_that_is_not_symplectic_are_named() {
     // The integrals of your loop show the light body at the largest step size alone.
     let light = 1e-12;

@@ -7,8 +7,8 @@ use crate::verdict::findings::{
     ChangeFinding, DomainFinding, Finding, LocalisationFinding, Step, culprits,
 };
 use crate::verdict::number::{one_digit, with_uncertainty};
-use crate::verdict::properties::{Property, PropertyName};
-use crate::verdict::thresholds::TREND;
+use crate::verdict::properties::{Property, PropertyName, noise};
+use crate::verdict::thresholds::{FAR, TREND};
 
 /// Larger defects are not taken for those of a tolerance. Conventional: the largest that solvers have by default.
 const LARGEST_TOLERANCE: f64 = 1e-6;
@@ -93,23 +93,43 @@ impl Clues<'_> {
         self.slope().is_some_and(|slope| slope.abs() <= TREND)
     }
 
-    /// A small defect that does not depend on the step size.
+    /// A small defect that does not depend on the step size, or that the noise of the map can make.
     pub(super) fn level_of_a_tolerance(&self) -> Option<Cause> {
         let steps = self.evidence.loops.iter().flat_map(|found| &found.steps);
         let significant = steps.filter(|step| step.is_significant());
         let largest = significant
             .map(|step| step.defect.magnitude())
-            .reduce(f64::max)?;
-        (self.is_constant() && largest < LARGEST_TOLERANCE).then(|| {
-            Cause::new(
-                CauseKind::SolverTolerance,
-                format!(
-                    "The defect, {} at most, does not depend on the step size: it has the size of a tolerance or of a rounded constant, not of a method.",
-                    one_digit(largest)
-                ),
-                "Tighten the tolerances of solvers inside the step, and look for constants and tables with few digits.",
-            )
-        })
+            .reduce(f64::max)
+            .filter(|largest| *largest < LARGEST_TOLERANCE)?;
+        let defect = one_digit(largest);
+        let text = match self.noise() {
+            _ if self.is_constant() => format!(
+                "The defect, {defect} at most, does not depend on the step size: it has the size of a tolerance or of a rounded constant, not of a method."
+            ),
+            Some(noise) if largest < FAR * noise => format!(
+                "The defect, {defect} at most, follows no power of h. The results of neighbouring states scatter by {} of the size of the \
+                 loop, which is more than rounding explains. Errors of this size can cause the defect, as those of a solver that stops \
+                 at a tolerance.",
+                one_digit(noise)
+            ),
+            _ => return None,
+        };
+        Some(Cause::new(
+            CauseKind::SolverTolerance,
+            text,
+            "Tighten the tolerances of solvers inside the step, and look for constants and tables with few digits.",
+        ))
+    }
+
+    /// The noise of a map in double precision, if neither loops nor the Jacobian show a defect that depends on the step size as the defect
+    /// of a method does.
+    fn noise(&self) -> Option<f64> {
+        let jacobian = self.evidence.jacobian.as_ref()?;
+        let is_smooth = !self.fits.is_empty() || jacobian.shows_defect();
+        match is_smooth || self.evidence.survey.is_rounded() {
+            true => None,
+            false => noise(self.evidence),
+        }
     }
 
     /// A conformally symplectic map.
