@@ -322,7 +322,7 @@ impl Display for Advice {
 /// The likeliest causes of a defect of this order.
 fn look_for_cause(order: Option<f64>) -> &'static str {
     match order {
-        Some(order) if order >= 2.0 => {
+        Some(order) if order.round() >= 2.0 => {
             "Look for a method that is not symplectic, such as a Runge–Kutta method of one or two orders less (use a \
              symplectic one of its order), and for a solver or a force that is less accurate than the step (a force that is not \
              a gradient: `check_force`)."

@@ -69,6 +69,16 @@ const MOST_DIGITS: i32 = 8;
 /// A number that differs from a round one by less than this many times its uncertainty is written as the round one. Conventional.
 const OF_A_ROUND_NUMBER: f64 = 3.0;
 
+/// A factor and its uncertainty; one of which fewer than two digits of the change would be left, by its change: `1 − 4.112e-12 ± 3e-15`.
+pub(super) fn factor(value: f64, uncertainty: f64) -> String {
+    let change = value - 1.0;
+    if change == 0.0 || change.abs() >= 10f64.powi(2 - MOST_DIGITS) {
+        return with_uncertainty(value, uncertainty);
+    }
+    let sign = if change < 0.0 { '−' } else { '+' };
+    format!("1 {sign} {}", with_uncertainty(change.abs(), uncertainty))
+}
+
 /// A number and its uncertainty: `0.941765 ± 3e-6`. A number of more digits than people read is cut off: `0.99004983… (± 2e-14)`.
 pub(super) fn with_uncertainty(value: f64, uncertainty: f64) -> String {
     let error = one_digit(uncertainty.abs());

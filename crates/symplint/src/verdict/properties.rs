@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 
 use super::VerdictKind;
 use super::long_time::{Growth, growth_of_energy};
-use super::number::{one_digit, two_digits, with_uncertainty};
+use super::number::{self, one_digit, two_digits, with_uncertainty};
 use super::thresholds::WHOLE;
 use crate::evidence::{
     EnergyAtStep, EnergyInTime, Evidence, LoopEvidence, StepEvidence, StructureEvidence,
@@ -245,8 +245,19 @@ fn conformal(
         factors.filter(|(_, uncertainty)| uncertainty.is_finite())
     };
     let best = of_loops().min_by(|a, b| a.1.total_cmp(&b.1));
+    let are_many = !jacobian.projected && of_loops().count() >= MANY_LOOPS;
     // Random tangent vectors in many degrees of freedom show no factor: many loops do.
-    let by_loops_alone = !jacobian.full && !jacobian.projected && of_loops().count() >= MANY_LOOPS;
+    let by_loops_alone = !jacobian.full && are_many;
+    // A change that is too small for the derivatives is known from many loops, if all agree within their uncertainties.
+    let agree = |(factor, of_factor): (f64, f64)| {
+        of_loops()
+            .all(|(other, of_other)| (other - factor).abs() <= UNEXPLAINED * (of_factor + of_other))
+    };
+    let is_known = are_many && noise(evidence).is_none() && best.is_some_and(agree);
+    let least_change = match is_known {
+        true => 0.0,
+        false => least,
+    };
     let (of_jacobian, of_factor, worst) = match jacobian.volume {
         Some(found) => {
             let worst = found.from_conformal;
@@ -277,7 +288,7 @@ fn conformal(
     });
     let more_certain = of_best.filter(|of_best| of_best.1 < of_jacobian.1);
     let (factor, of_factor) = more_certain.unwrap_or(of_jacobian);
-    let changes = (factor - 1.0).abs() > least.max(SIGNIFICANT * of_factor);
+    let changes = (factor - 1.0).abs() > least_change.max(SIGNIFICANT * of_factor);
     // A loop that breaks has no factor, and a map with the factor 1 is symplectic.
     if kind == VerdictKind::BrokenLoops || !changes {
         return None;
@@ -329,7 +340,7 @@ impl Display for Property {
             None => write!(f, "unknown whether {}", self.name)?,
         }
         if let Some([factor, of_factor]) = self.factor {
-            let factor = with_uncertainty(factor, of_factor);
+            let factor = number::factor(factor, of_factor);
             write!(f, " (a step multiplies all areas by {factor}")?;
             if let Some([rate, of_rate]) = self.rate {
                 let motion = if rate > 0.0 { "damping" } else { "growth" };

@@ -247,6 +247,61 @@ fn uniform_friction_is_told_from_friction_of_one_degree_of_freedom() {
 }
 
 #[test]
+fn a_factor_that_only_loops_resolve_is_named() {
+    let damped = |rate: f64, power: i32| {
+        PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+            for i in 0..2 {
+                q[i] += h * p[i];
+            }
+            let between = (q[0] - q[1]).sin();
+            p[0] = (p[0] - h * between) * (1.0 - rate * h.powi(power));
+            p[1] = (p[1] + h * between) * (1.0 - rate * h.powi(power));
+        })
+    };
+    let found = verdict(&damped(2e-11, 1), &[0.3, 1.0], &[0.2, -0.1], 0.5);
+    let words = ["of all loops, by 1 − 1.00", "uniform friction", "γ = 2.00"];
+    let friction = cause(&found, CauseKind::Friction, &words);
+    assert!(!friction.text.contains("Jacobian"), "{}", friction.text);
+    // In proportion to h² it is no friction.
+    let found = verdict(&damped(4e-11, 2), &[0.3, 1.0], &[0.2, -0.1], 0.5);
+    let found = cause(&found, CauseKind::Friction, &["falls faster than h"]);
+    assert!(found.remedy.contains("not symplectic"), "{}", found.remedy);
+    let found = verdict(&damped(0.0, 1), &[0.3, 1.0], &[0.2, -0.1], 0.5);
+    assert_eq!(found.kind, VerdictKind::Symplectic, "{found}");
+    // A method changes loops by factors that differ.
+    let found = verdict(&runge_kutta(1.0), &[0.3], &[0.4], 0.5);
+    assert_ne!(
+        found.cause.map(|cause| cause.kind),
+        Some(CauseKind::Friction)
+    );
+    let circle = Circle::new(vec![0.3], vec![0.4], 0.5).unwrap();
+    let steps = Diagnostic::halving(-5, -9).run(&runge_kutta(1.0), &circle);
+    let found = steps.unwrap().verdict;
+    assert_eq!(found.kind, VerdictKind::NotSymplectic, "{found}");
+    assert_eq!(found.cause.map(|cause| cause.text), None);
+}
+
+#[test]
+fn a_method_for_linear_forces_is_no_friction() {
+    let linear = PerSample::new(1, |h, q, p| {
+        let (q_half, p_half) = (q[0] + 0.5 * h * p[0], p[0] - 0.5 * h * q[0]);
+        (q[0], p[0]) = (q[0] + h * p_half, p[0] - h * q_half);
+    });
+    let found = verdict(&linear, &[0.3], &[0.4], 0.5);
+    assert_eq!(found.order, Some(4.0), "{found}");
+    let found = cause(
+        &found,
+        CauseKind::Friction,
+        &["if the forces on the loops are linear"],
+    );
+    assert!(
+        found.remedy.contains("Runge–Kutta method"),
+        "{}",
+        found.remedy
+    );
+}
+
+#[test]
 fn the_noise_of_a_solver_that_makes_a_small_defect_is_named() {
     // The midpoint rule, by iterations that begin at a state that depends on every digit, and stop at a tolerance.
     let midpoint = |tolerance: f64| {

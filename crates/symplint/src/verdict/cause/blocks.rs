@@ -12,7 +12,7 @@ use crate::verdict::thresholds::TREND;
 
 /// Defects of a model that is wrong have smaller slopes of log |defect| over log h, defects of a method larger ones. Conventional: between
 /// the orders 1 and 2.
-const OF_A_MODEL: f64 = 1.5;
+pub(super) const OF_A_MODEL: f64 = 1.5;
 
 /// A block is the largest one if others are smaller by this factor. Conventional: the motion in a step, by which other blocks differ from
 /// it, is less than this part of a radian.

@@ -1,12 +1,13 @@
 //! Why loop integrals change.
 
+use super::blocks::OF_A_MODEL;
 use super::{Cause, CauseKind, Clues};
 use crate::signal::SIGNIFICANT;
 use crate::verdict::advice::Advice;
 use crate::verdict::findings::{
     ChangeFinding, DomainFinding, Finding, LocalisationFinding, Step, culprits,
 };
-use crate::verdict::number::{one_digit, with_uncertainty};
+use crate::verdict::number::{self, one_digit, with_uncertainty};
 use crate::verdict::properties::{Property, PropertyName, noise};
 use crate::verdict::thresholds::{FAR, TREND};
 
@@ -158,18 +159,22 @@ impl Clues<'_> {
     pub(super) fn friction(&self) -> Option<Cause> {
         let conformal = self.conformal()?;
         let [factor, of_factor] = conformal.factor.filter(|[factor, _]| *factor > 0.0)?;
-        let value = with_uncertainty(factor, of_factor);
+        let value = number::factor(factor, of_factor);
         let meaning = if factor < 1.0 { "friction" } else { "growth" };
         let jacobian = self.evidence.jacobian.as_ref();
-        let by = match jacobian.is_some_and(|of| of.volume.is_some()) {
+        let by = match jacobian.is_some_and(|of| of.volume.is_some() && of.shows_defect()) {
             true => ", of the Jacobian and of all loops,",
             false => ", of all loops,",
         };
+        let is_of_method = self.slope().is_some_and(|slope| slope > OF_A_MODEL);
         let meaning = match conformal.rate {
             // A factor that does not depend on the step size is not friction.
             _ if self.is_constant() => {
                 " at all step sizes, as momenta in units that the step changes do".to_owned()
             }
+            _ if is_of_method => ", and the change falls faster than h: friction does not. A method that is not symplectic does this \
+                                  if the forces on the loops are linear, and so do momenta in units that the step changes"
+                .to_owned(),
             Some([rate, of_rate]) => {
                 let rate = with_uncertainty(rate, of_rate);
                 format!(
@@ -178,11 +183,14 @@ impl Clues<'_> {
             }
             None => ", as friction or momenta in units that the step changes do".to_owned(),
         };
-        Some(Cause::new(
-            CauseKind::Friction,
-            format!("A step multiplies all areas{by} by {value}{meaning}."),
-            "If the step has uniform friction on purpose, it does what it should: it is conformally symplectic. If momenta are \
-             divided by a reference momentum that the step changes, multiply them by it before and after the step.",
-        ))
+        let first = match is_of_method {
+            true => self.remedy(),
+            false => "If the step has uniform friction on purpose, it does what it should: it is conformally symplectic.".to_owned(),
+        };
+        let remedy = format!(
+            "{first} If momenta are divided by a reference momentum that the step changes, multiply them by it before and after the step."
+        );
+        let text = format!("A step multiplies all areas{by} by {value}{meaning}.");
+        Some(Cause::new(CauseKind::Friction, text, remedy))
     }
 }

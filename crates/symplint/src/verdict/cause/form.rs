@@ -123,7 +123,7 @@ impl Clues<'_> {
     }
 
     /// What defects of this order have for a cause, if no advice is better.
-    fn remedy(&self) -> String {
+    pub(super) fn remedy(&self) -> String {
         let is_cause = |advice: &&Advice| !advice.is_general() && !advice.is_of_order();
         match self.advice.iter().find(is_cause) {
             Some(advice) => advice.to_string(),
