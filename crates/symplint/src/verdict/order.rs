@@ -169,7 +169,7 @@ fn mean_slope(evidence: &LoopEvidence) -> Option<Fit> {
 }
 
 /// The slope of the defect of the Jacobian between two step sizes.
-fn slope_of_jacobian(decay: JacobianDecay) -> Option<Fit> {
+pub(super) fn slope_of_jacobian(decay: JacobianDecay) -> Option<Fit> {
     let [to, from] = decay.step_sizes;
     let [large, small] = decay.defects;
     let range = (to / from).abs().ln();

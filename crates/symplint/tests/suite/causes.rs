@@ -339,31 +339,43 @@ fn the_noise_of_a_solver_that_makes_a_small_defect_is_named() {
 fn light_bodies_by_a_method_that_is_not_symplectic_are_named() {
     // The integrals of your loop show the light body at the largest step size alone.
     let light = 1e-12;
-    let bodies = PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
-        // Heun's method for the light body in the field of the heavy one at rest, leapfrog for the heavy one.
-        let force = |q1: f64, q0: f64| -light * (q1 + 0.2 * q1.powi(3) + 0.3 * (q1 - q0));
-        let (x, u, at) = (q[1], p[1], q[0]);
-        let (x_end, u_end) = (x + h * u / light, u + h * force(x, at));
-        q[1] = x + 0.5 * h * (u + u_end) / light;
-        p[1] = u + 0.5 * h * (force(x, at) + force(x_end, at));
-        let of_light = 0.3 * light * (x + 0.5 * h * u / light);
-        q[0] += 0.5 * h * p[0];
-        p[0] -= h * (q[0] + 0.1 * q[0].powi(3) + 0.3 * light * q[0] - of_light);
-        q[0] += 0.5 * h * p[0];
-    });
-    let circle = Circle::with_radii(
-        vec![0.2, -0.1],
-        vec![0.1, 0.3 * light],
-        vec![0.4, 0.5],
-        vec![0.4, 0.4 * light],
-    );
+    let bodies = |reaction: f64| {
+        PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+            // Heun's method for the light body in the field of the heavy one at rest, leapfrog for the heavy one.
+            let force = |q1: f64, q0: f64| -light * (q1 + 0.2 * q1.powi(3) + 0.3 * (q1 - q0));
+            let (x, u, at) = (q[1], p[1], q[0]);
+            let (x_end, u_end) = (x + h * u / light, u + h * force(x, at));
+            q[1] = x + 0.5 * h * (u + u_end) / light;
+            p[1] = u + 0.5 * h * (force(x, at) + force(x_end, at));
+            let from_light = reaction * light * (x + 0.5 * h * u / light - q[0]);
+            q[0] += 0.5 * h * p[0];
+            p[0] -= h * (q[0] + 0.1 * q[0].powi(3) - from_light);
+            q[0] += 0.5 * h * p[0];
+        })
+    };
+    let circle = || {
+        Circle::with_radii(
+            vec![0.2, -0.1],
+            vec![0.1, 0.3 * light],
+            vec![0.4, 0.5],
+            vec![0.4, 0.4 * light],
+        )
+        .unwrap()
+    };
     let diagnostic = Diagnostic::halving(-1, -10);
-    let found = diagnostic.run(&bodies, &circle.unwrap()).unwrap();
+    let found = diagnostic.run(&bodies(0.3), &circle()).unwrap();
     let verdict = found.verdict;
     assert_eq!(verdict.kind, VerdictKind::NotSymplectic, "{verdict}");
     let decay = found.evidence.jacobian_decay.expect("a second step size");
     assert_eq!(decay.step_sizes, [0.5, 0.125]);
     cause(&verdict, CauseKind::FewIterations, &["qp 0.0", "pp 0 ("]);
+    // Without the reaction of the heavy body, loops change in proportion to h: the blocks still belong to the method.
+    let found = diagnostic.run(&bodies(0.0), &circle()).unwrap();
+    cause(
+        &found.verdict,
+        CauseKind::FewIterations,
+        &["qp 0.0", "pp 0 ("],
+    );
 }
 
 #[test]

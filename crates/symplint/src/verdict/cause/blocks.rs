@@ -7,7 +7,7 @@
 use super::{Cause, CauseKind, Clues};
 use crate::jacobian::DefectBlocks;
 use crate::verdict::findings::blocks_text;
-use crate::verdict::order::slope_of;
+use crate::verdict::order::{slope_of, slope_of_jacobian};
 use crate::verdict::thresholds::TREND;
 
 /// Defects of a model that is wrong have smaller slopes of log |defect| over log h, defects of a method larger ones. Conventional: between
@@ -24,16 +24,23 @@ impl Clues<'_> {
         self.order.or_else(|| slope_of(self.evidence))
     }
 
+    /// The slope of the defect of the Jacobian, to which the blocks belong: loops may show another defect.
+    fn slope_of_blocks(&self) -> Option<f64> {
+        let of_jacobian = self.evidence.jacobian_decay.and_then(slope_of_jacobian);
+        of_jacobian.map(|fit| fit.slope).or_else(|| self.slope())
+    }
+
     /// The part of the step that the blocks of the defect show.
     pub(super) fn part_of_step(&self) -> Option<Cause> {
         let blocks = self.evidence.jacobian.as_ref()?.blocks.as_ref()?;
-        let of_model = self.slope().is_none_or(|slope| slope < OF_A_MODEL);
+        let slope = self.slope_of_blocks();
+        let of_model = slope.is_none_or(|slope| slope < OF_A_MODEL);
         // In other variables blocks are others.
         let form = self.evidence.preserved_form.as_ref();
         let no_form = form.is_some_and(|form| form.exists == Some(false));
         // If the search for a form has no result, other variables may explain a kick, but no change of momenta by themselves.
         let may_be_friction = form.is_some_and(|form| form.exists.is_none())
-            && self.slope().is_some_and(|slope| slope < OF_A_MODEL);
+            && slope.is_some_and(|slope| slope < OF_A_MODEL);
         if of_model && !no_form && !may_be_friction {
             return None;
         }
