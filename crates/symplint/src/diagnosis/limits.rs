@@ -42,13 +42,6 @@ pub(super) const DECAY_PART: usize = 15;
 /// known to a few per cent.
 pub(super) const CLEAR_OF_METHOD: f64 = 100.0;
 
-/// Step sizes at which a loop has a defect before its order is of interest. The same as the judge's.
-pub(super) const FEWEST_OF_AN_ORDER: usize = 3;
-
-/// The largest step size over the smallest, at least, from which on two defects show how a defect depends on h. The same as the
-/// judge's.
-pub(super) const NARROWEST_RANGE: f64 = 3.9;
-
 /// The part of the budget that the first samples of all loops and step sizes take.
 pub(super) const FIRST_PART: usize = 3;
 

@@ -42,6 +42,12 @@ use crate::rules::RuleKind;
 /// Fewer samples than this do not show whether a loop is smooth.
 pub(crate) const FEWEST_SAMPLES: usize = 32;
 
+/// Step sizes at which a loop has a significant defect, at least, if its defect is to show how it depends on h.
+pub(crate) const FEWEST_OF_A_LAW: usize = 3;
+
+/// The largest of these step sizes over the smallest, at least. Two halvings, with room for step sizes that are rounded.
+pub(crate) const NARROWEST_RANGE: f64 = 3.9;
+
 /// All that was measured of one map, or of loops that another code advanced.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]

@@ -14,10 +14,11 @@ use super::findings::{
 use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, constant_defect, fit_order, leaves, slope_of, smallest_steps_slope};
 use super::properties::{Property, properties};
-use super::thresholds::{FAR, FEWEST_POINTS, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND};
+use super::thresholds::{FAR, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND};
 use super::{Verdict, VerdictKind, long_time};
 use crate::evidence::{
-    Check, Evidence, LoopEvidence, LoopKind, Motion, Omission, Origin, Scatter, StepEvidence, Why,
+    Check, Evidence, FEWEST_OF_A_LAW, LoopEvidence, LoopKind, Motion, Omission, Origin, Scatter,
+    StepEvidence, Why,
 };
 use crate::jacobian::JacobianDecay;
 use crate::rules::Defect;
@@ -507,7 +508,7 @@ impl<'a> Case<'a> {
         let given = self.loops.first()?.steps.len();
         let spent = self.evidence.missing(Check::GivenLoop);
         let asked = given + spent + self.failed_steps();
-        if asked < FEWEST_POINTS + 1 {
+        if asked < FEWEST_OF_A_LAW + 1 {
             return Some(Advice::MoreStepSizes { given: asked });
         }
         if spent > 0 {
@@ -521,7 +522,7 @@ impl<'a> Case<'a> {
             steps.count()
         };
         let most = self.loops.iter().filter(|found| !found.winds);
-        let drowned = most.map(significant).max()? < FEWEST_POINTS;
+        let drowned = most.map(significant).max()? < FEWEST_OF_A_LAW;
         Some(Advice::NoOrder { given, drowned })
     }
 

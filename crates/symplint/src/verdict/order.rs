@@ -2,11 +2,10 @@
 
 use serde::Serialize;
 
-use super::thresholds::{
-    CLEAR, FEWEST_POINTS, HIGHEST_ORDER, MISFIT, MOST_POINTS, MOST_UNCERTAIN, NARROWEST_RANGE,
-    TREND, WHOLE,
+use super::thresholds::{CLEAR, HIGHEST_ORDER, MISFIT, MOST_POINTS, MOST_UNCERTAIN, TREND, WHOLE};
+use crate::evidence::{
+    Evidence, FEWEST_OF_A_LAW, LoopEvidence, NARROWEST_RANGE, StepEvidence, UNEXPLAINED,
 };
-use crate::evidence::{Evidence, LoopEvidence, StepEvidence, UNEXPLAINED};
 use crate::jacobian::JacobianDecay;
 
 /// A power law |quantity − constant| ~ against^slope over a range.
@@ -76,7 +75,7 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     let known = known_data(evidence);
     let data = &clear(&known)[..];
     let wide = |data: &[Datum]| {
-        data.len() >= FEWEST_POINTS && data[data.len() - 1].0 >= NARROWEST_RANGE * data[0].0
+        data.len() >= FEWEST_OF_A_LAW && data[data.len() - 1].0 >= NARROWEST_RANGE * data[0].0
     };
     let of_defects = wide(data).then(|| whole_law(data).or_else(|| plain_law(data)));
     let changes = differences(&known);

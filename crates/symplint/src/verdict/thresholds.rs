@@ -47,13 +47,6 @@ pub(super) const SHUFFLED: f64 = 4.0;
 /// Points of a fit at most: those of the smallest steps, where the leading terms rule.
 pub(super) const MOST_POINTS: usize = 6;
 
-/// Points of a fit at least.
-pub(super) const FEWEST_POINTS: usize = 3;
-
-/// The largest step of a fit over the smallest, at least. Two halvings, with
-/// room for step sizes that are rounded.
-pub(super) const NARROWEST_RANGE: f64 = 3.9;
-
 /// A mean slope less certain than this says nothing: slopes that differ by more change from one order to the next.
 pub(super) const MOST_UNCERTAIN: f64 = 0.4;
 

@@ -1,11 +1,9 @@
 //! The Jacobian of a step.
 
 use super::{GivenLoop, Runner, failed};
-use crate::diagnosis::limits::{
-    CLEAR_OF_METHOD, DECAY_PART, FEWEST_OF_AN_ORDER, NARROWEST_RANGE, SMALL,
-};
+use crate::diagnosis::limits::{CLEAR_OF_METHOD, DECAY_PART, SMALL};
 use crate::error::Error;
-use crate::evidence::{Check, LoopEvidence, Why};
+use crate::evidence::{Check, FEWEST_OF_A_LAW, LoopEvidence, NARROWEST_RANGE, Why};
 use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest, parameters};
 use crate::map::LoopSize;
 use crate::rules::Subject;
@@ -75,7 +73,7 @@ impl Runner<'_> {
         let loops = self.evidence.loops.iter().filter(|of| !of.winds);
         let of_loops: Vec<_> = loops
             .map(significant)
-            .filter(|steps| steps.len() >= FEWEST_OF_AN_ORDER)
+            .filter(|steps| steps.len() >= FEWEST_OF_A_LAW)
             .collect();
         let has_order = !of_loops.is_empty();
         let expected = of_loops.into_iter().flat_map(|steps| {
