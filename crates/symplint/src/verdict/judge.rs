@@ -12,8 +12,9 @@ use super::findings::{
     RunFinding, SampleFinding, Step, StepRange,
 };
 use super::jacobian::{JacobianVerdict, compare_jacobian};
-use super::order::{Fit, constant_defect, fit_order, leaves, slope_of, smallest_steps_slope};
+use super::order::{Fit, fit_order, leaves};
 use super::properties::{Property, properties};
+use super::slope::{constant_defect, slope_of, smallest_steps_slope};
 use super::thresholds::{FAR, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND};
 use super::{Verdict, VerdictKind, long_time};
 use crate::evidence::{

@@ -12,6 +12,7 @@ mod long_time;
 mod number;
 mod order;
 mod properties;
+mod slope;
 mod thresholds;
 
 pub use advice::Advice;

@@ -7,7 +7,7 @@
 use super::{Cause, CauseKind, Clues};
 use crate::jacobian::DefectBlocks;
 use crate::verdict::findings::blocks_text;
-use crate::verdict::order::{slope_of, slope_of_jacobian};
+use crate::verdict::slope::{slope_of, slope_of_jacobian};
 use crate::verdict::thresholds::TREND;
 
 /// Defects of a model that is wrong have smaller slopes of log |defect| over log h, defects of a method larger ones. Conventional: between

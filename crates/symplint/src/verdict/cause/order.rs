@@ -2,7 +2,7 @@
 
 use super::{Cause, CauseKind, Clues};
 use crate::verdict::number::size;
-use crate::verdict::order::constant_defect;
+use crate::verdict::slope::constant_defect;
 
 impl Clues<'_> {
     /// A step becomes the identity as h → 0. Wrong variables, friction and methods all have defects that fall.
