@@ -18,6 +18,9 @@ pub(super) const Q_STRIDE: usize = 8;
 /// larger.
 pub(super) const P_STRIDE: usize = 2 * Q_STRIDE;
 
+/// Groups of windows that are added up before a rough row is left.
+const AT_ONCE: usize = 8;
+
 /// The rounding of samples, taken as rounding of the largest, rarely makes more than this of a difference: half of the sum of its
 /// absolute weights, 2^23/√binom(46, 23). What exceeds it may be a jump.
 const ROUNDINGS_OF_A_DIFFERENCE: f64 = 1.46;
@@ -34,27 +37,14 @@ static DIFFERENCE: LazyLock<[f64; WINDOW]> = LazyLock::new(|| {
     difference
 });
 
-/// The largest distance from the first sample.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-pub(super) fn furthest(row: &[f64]) -> f64 {
-    /// Enough lanes that none waits for the one before.
-    const WIDE: usize = 4 * LANES;
-    let first = row[0];
-    let (groups, rest) = row.as_chunks::<WIDE>();
-    let mut lanes = [0.0; WIDE];
-    for group in groups {
-        for lane in 0..WIDE {
-            lanes[lane] = larger((group[lane] - first).abs(), lanes[lane]);
-        }
-    }
-    let rest = rest.iter().map(|x| (x - first).abs());
-    rest.chain(lanes).fold(0.0, larger)
-}
-
 /// The larger of two numbers, by one instruction.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
+}
+
+fn largest(lanes: [f64; LANES]) -> f64 {
+    lanes.into_iter().fold(0.0, larger)
 }
 
 /// What windows of samples show of a coordinate, all round the loop.
@@ -74,25 +64,32 @@ pub(super) struct Inspection {
 }
 
 impl Inspection {
-    /// Of a row that is not larger than `size`, from windows this far apart; `None` if one of them shows more than rounding.
-    pub fn of(row: &[f64], stride: usize, size: f64) -> Option<Self> {
+    /// Of a row, from windows this far apart; `None` if they show more than rounding.
+    pub fn of(row: &[f64], stride: usize) -> Option<Self> {
         /// Enough for two groups of windows.
         const ENDS: usize = 2 * LANES * P_STRIDE + WINDOW;
         let (from_group, span) = (LANES * stride, (LANES - 1) * stride + WINDOW);
-        let limit = rounding(UNIT_ROUNDOFF * size);
-        let mut sums = add_windows(row, stride, row[0], limit, WindowSums::default())?;
+        let groups = (row.len() - span) / from_group + 1;
+        let mut sums = WindowSums::default();
+        for group in (0..groups).step_by(AT_ONCE) {
+            let count = AT_ONCE.min(groups - group);
+            let of_groups = &row[group * from_group..][..(count - 1) * from_group + span];
+            sums = add_windows(of_groups, stride, row[0], sums);
+            sums.check()?;
+        }
         // The others go round the end of the row.
         let done = sums.windows * stride;
         let ends: [f64; ENDS] = round_end(row, done);
         let others = (row.len() - done).div_ceil(from_group);
         let ends = &ends[..(others - 1) * from_group + span];
-        sums = add_windows(ends, stride, row[0], limit, sums)?;
+        sums = add_windows(ends, stride, row[0], sums);
+        sums.check()?;
         let mean = |lanes: [f64; LANES]| lanes.iter().sum::<f64>() / sums.windows as f64;
         Some(Inspection {
             windows: sums.windows,
             noise: mean(sums.differences).sqrt(),
-            largest: sums.largest.into_iter().fold(0.0, larger),
-            size: sums.sizes.into_iter().fold(0.0, larger),
+            largest: largest(sums.largest),
+            size: largest(sums.sizes),
             slope: row.len() as f64 * mean(sums.steps).sqrt(),
             deviation: (mean(sums.squares) - mean(sums.values).powi(2))
                 .max(0.0)
@@ -127,32 +124,34 @@ struct WindowSums {
     sizes: [f64; LANES],
 }
 
-/// Adds whole groups of [`LANES`] windows of a row, values from `first`; `None` if a difference is not within its limit.
+impl WindowSums {
+    /// `None` if a difference is larger than what rounding of the largest value so far makes of it, or no number.
+    fn check(&self) -> Option<()> {
+        let limit = rounding(UNIT_ROUNDOFF * largest(self.sizes));
+        let are_numbers = self.differences.iter().all(|sum| sum.is_finite());
+        (are_numbers && largest(self.largest) <= limit).then_some(())
+    }
+}
+
+/// Adds whole groups of [`LANES`] windows of a row, values from `first`.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-fn add_windows(
-    row: &[f64],
-    stride: usize,
-    first: f64,
-    limit: f64,
-    mut sums: WindowSums,
-) -> Option<WindowSums> {
+fn add_windows(row: &[f64], stride: usize, first: f64, mut sums: WindowSums) -> WindowSums {
     const MIDDLE: usize = WINDOW / 2;
     let weights: &[f64; WINDOW] = &DIFFERENCE;
     let span = (LANES - 1) * stride + WINDOW;
     for group in row.windows(span).step_by(LANES * stride) {
-        let [mut differences, mut steps, mut values] = [[0.0; LANES]; 3];
+        let [mut steps, mut values] = [[0.0; LANES]; 2];
+        let mut parts = [[0.0; PARTS]; LANES];
         for lane in 0..LANES {
-            let window = group[lane * stride..].first_chunk()?;
-            differences[lane] = difference(weights, window, first);
+            let window = &group[lane * stride..][..WINDOW];
+            parts[lane] = difference(weights, window, first);
             steps[lane] = window[MIDDLE] - window[MIDDLE - 1];
             values[lane] = window[MIDDLE] - first;
         }
-        let mut exceeds = [0; LANES];
+        // All partial sums before the first total: summed window by window, they take registers of half the width.
+        let differences = parts.map(|[a, b, c, d]| (a + c) + (b + d));
         for lane in 0..LANES {
             let size = differences[lane].abs();
-            // NaN is not within a limit.
-            let within = size <= limit;
-            exceeds[lane] = u64::from(!within);
             sums.largest[lane] = larger(size, sums.largest[lane]);
             sums.differences[lane] += size * size;
             sums.steps[lane] += steps[lane] * steps[lane];
@@ -161,29 +160,25 @@ fn add_windows(
             let size = (first + values[lane]).abs();
             sums.sizes[lane] = larger(size, sums.sizes[lane]);
         }
-        if exceeds.iter().fold(0, |any, exceeds| any | exceeds) != 0 {
-            return None;
-        }
         sums.windows += LANES;
     }
-    Some(sums)
+    sums
 }
 
-/// The difference of a window, summed in half as many lanes: these are added up for every one. Values count from `first`, or far
-/// from the origin they would be rounded more than they are in storage.
+/// Partial sums of the difference of a window.
+const PARTS: usize = LANES / 2;
+
+/// The difference of a window, in partial sums. Values count from `first`, or far from the origin they would be rounded more than
+/// they are in storage.
 #[inline(always)]
-fn difference(weights: &[f64; WINDOW], window: &[f64; WINDOW], first: f64) -> f64 {
-    const NARROW: usize = LANES / 2;
-    let mut lanes = [0.0; NARROW];
-    for lane in 0..NARROW {
-        lanes[lane] = weights[lane] * (window[lane] - first);
-    }
-    for k in 1..WINDOW / NARROW {
-        for lane in 0..NARROW {
-            lanes[lane] += weights[NARROW * k + lane] * (window[NARROW * k + lane] - first);
+fn difference(weights: &[f64; WINDOW], window: &[f64], first: f64) -> [f64; PARTS] {
+    let mut parts = [0.0; PARTS];
+    for k in 0..WINDOW / PARTS {
+        for part in 0..PARTS {
+            parts[part] += weights[PARTS * k + part] * (window[PARTS * k + part] - first);
         }
     }
-    (lanes[0] + lanes[2]) + (lanes[1] + lanes[3])
+    parts
 }
 
 #[cfg(test)]

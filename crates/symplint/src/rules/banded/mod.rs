@@ -15,7 +15,7 @@ use std::f64::consts::SQRT_2;
 use std::ops::Range;
 use std::sync::LazyLock;
 
-use self::inspection::{Inspection, P_STRIDE, Q_STRIDE, furthest};
+use self::inspection::{Inspection, P_STRIDE, Q_STRIDE};
 use self::lags::{LAGS, REACH, add_lags};
 use super::RowIntegral;
 use super::stencil::Stencil;
@@ -54,12 +54,11 @@ pub(super) fn integrate(q: &[f64], p: &[f64], gain: f64) -> Option<RowIntegral> 
     if samples < FEWEST {
         return None;
     }
-    let [q_reach, p_reach] = [q, p].map(furthest);
-    if !(MODERATE.contains(&q_reach) && MODERATE.contains(&p_reach)) {
+    let of_q = Inspection::of(q, Q_STRIDE)?;
+    let of_p = Inspection::of(p, P_STRIDE)?;
+    if !(MODERATE.contains(&of_q.deviation) && MODERATE.contains(&of_p.deviation)) {
         return None;
     }
-    let of_q = Inspection::of(q, Q_STRIDE, q[0].abs() + q_reach)?;
-    let of_p = Inspection::of(p, P_STRIDE, p[0].abs() + p_reach)?;
     let (q_size, p_size) = (of_q.size + gain.abs(), of_p.size);
 
     let root = (samples as f64).sqrt();
