@@ -32,9 +32,6 @@ pub(super) const GRAINS_ROUND: f64 = 2.0;
 /// less than 50,000 evaluations; more gain a digit for each hundredfold.
 pub(super) const MOST_ROUNDED: f64 = 2048.0;
 
-/// Samples that show the range of each coordinate on a loop, to two digits for a few Fourier modes.
-pub(super) const RANGE_SAMPLES: usize = 64;
-
 /// The part of the evaluations made so far that a second step size of the Jacobian may take.
 pub(super) const DECAY_PART: usize = 15;
 
@@ -290,7 +287,3 @@ pub(super) const MOST_LARGER: usize = 3;
 
 /// A larger step that breaks its loop is halved at most this number of times. Conventional: from a radian to a thirtieth of one.
 pub(super) const MOST_HALVINGS: usize = 6;
-
-/// A kick or a free flight alone that deforms loops by less than this part of their size may be rounding, which no larger step
-/// makes more of. Conventional: half of the digits of double precision.
-pub(super) const SMALLEST_SHEAR: f64 = 1.5e-8;

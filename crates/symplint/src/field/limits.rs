@@ -1,8 +1,5 @@
 //! All numbers that decide in a test of a force or a vector field.
 
-/// Errors are counted this many times what samples show of them: of white noise and of jumps, they show its size. Conventional.
-pub(super) const SAFETY: f64 = 4.0;
-
 /// Roundings of the terms of one state. Calibrated: sums over many coordinates in double precision scatter by less.
 pub(super) const ROUNDINGS: f64 = 4.0;
 

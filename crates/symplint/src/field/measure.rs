@@ -13,6 +13,7 @@ use super::work::{Integration, Known, Limits};
 use crate::error::Error;
 use crate::loops::FourierLoop;
 use crate::map::states_at;
+use crate::signal::parameter;
 
 /// The force, the loops around its centre, and their number.
 pub(super) struct Measurement<'a> {
@@ -294,8 +295,6 @@ fn damping(evidence: &FieldEvidence) -> Option<(f64, f64)> {
 fn check_periods(integrand: &Integrand<'_>, around: &FourierLoop) -> Result<(), Error> {
     /// Differences below this part of the form may be rounding in single precision.
     const ROUNDING: f64 = 1e-4;
-    /// The parameter of the state.
-    const AT: f64 = 0.291;
     let coordinates = integrand.evaluator.coordinates();
     let periodic: Vec<usize> = (0..coordinates.dof())
         .filter(|&i| coordinates.period(i) > 0.0)
@@ -305,7 +304,7 @@ fn check_periods(integrand: &Integrand<'_>, around: &FourierLoop) -> Result<(), 
         return Ok(());
     }
     // The state itself, and shifted by each period.
-    let mut states = states_at(around, &vec![AT; 1 + periodic.len()]);
+    let mut states = states_at(around, &vec![parameter(0); 1 + periodic.len()]);
     for (k, &i) in periodic.iter().enumerate() {
         states.block().q.row_mut(i)[1 + k] += coordinates.period(i);
     }

@@ -5,9 +5,7 @@ use super::limits::AGAIN;
 use crate::error::Error;
 use crate::loops::FourierLoop;
 use crate::signal::noise::{BESIDE, MOST_OF_OTHERS, Noise, of_a_row};
-
-/// Places on the loop: no two of them, nor their mirror images, coincide.
-const PLACES: [f64; 2] = [0.137, 0.755];
+use crate::signal::parameter;
 
 /// Spacings, in turns of the loop. The next one is taken if neighbours are equal, as those on one stair of single precision are.
 const SPACINGS: [f64; 3] = [2.282e-6, 3.774e-5, 6.18e-4];
@@ -21,8 +19,8 @@ pub(super) fn over_short_distances(
     phase_loop: &FourierLoop,
 ) -> Result<f64, Error> {
     let of_a_row = of_a_row();
-    let mut found = [0.0_f64; PLACES.len()];
-    for (place, found) in PLACES.into_iter().zip(&mut found) {
+    let mut found = [0.0_f64; 2];
+    for (place, found) in (0..).map(parameter).zip(&mut found) {
         let mut noise = Noise::default();
         for spacing in SPACINGS {
             if noise.resolved || integrand.evaluator.count().left() <= BESIDE.len() {

@@ -11,7 +11,7 @@ use super::radius::direction;
 use super::work::{Integration, Known, Limits};
 use crate::error::Error;
 use crate::loops::{FourierLoop, Loop};
-use crate::signal::GOLDEN_RATIO;
+use crate::signal::parameter;
 use crate::state::{Ensemble, coordinate};
 
 /// Streams of random numbers from here on belong to pairs.
@@ -93,10 +93,9 @@ impl Pairs<'_> {
 
     /// The ellipse of a pair.
     fn ellipse(&self, pair: &Pair) -> FourierLoop {
-        const START: f64 = 0.291;
         let dof = self.integrand.evaluator.dof();
         let mut centre = Ensemble::zeros(dof, 1);
-        let s = (START + GOLDEN_RATIO * pair.point as f64).fract();
+        let s = parameter(pair.point);
         self.around.sample(&[s], &mut centre.block());
         let at = |c: usize| coordinate(&centre, c)[0];
         let half_axis = |vector: &[f64]| {

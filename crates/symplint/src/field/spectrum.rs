@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 
 use symplint_fft::num_complex::Complex;
 
-use super::limits::{DECAY_OF_JUMPS, SAFETY};
+use super::limits::DECAY_OF_JUMPS;
 use crate::signal::CompensatedSum;
+use crate::signal::noise::SAFETY;
 
 /// What equispaced samples of a function of s in [0, 1) show.
 pub(super) struct Spectrum {

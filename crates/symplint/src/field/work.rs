@@ -4,12 +4,13 @@ use super::evidence::{LoopKind, LoopWork};
 use super::integrand::{Integrand, Moments};
 use super::limits::{
     BISECTIONS, ENOUGH_ACROSS_JUMPS, ENOUGH_ACROSS_KINKS, MANY_SAMPLES, PART_OF_JUMP,
-    ROUNDING_NOISE, ROUNDINGS, SAFETY,
+    ROUNDING_NOISE, ROUNDINGS,
 };
 use super::spectrum::Spectrum;
 use crate::error::Error;
 use crate::loops::FourierLoop;
 use crate::signal::SIGNIFICANT;
+use crate::signal::noise::SAFETY;
 
 /// How exactly the power is known on one loop.
 #[derive(Clone, Copy)]

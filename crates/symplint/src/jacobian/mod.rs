@@ -39,7 +39,7 @@ pub use evidence::{
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{ActionGroup, EvaluationCount, Evaluator, LoopSize, TimeAdvance};
-use crate::signal::GOLDEN_RATIO;
+use crate::signal::parameters;
 use bisection::locate;
 use columns::{Columns, Outcome};
 use directions::Directions;
@@ -392,12 +392,4 @@ fn bounds_of_groups(outcomes: &[Outcome], groups: usize) -> Vec<Option<f64>> {
         bounds.reduce(f64::max)
     };
     (0..groups).map(of_group).collect()
-}
-
-/// Loop parameters that the golden ratio spreads: no two of them, nor their mirror images, coincide.
-pub(crate) fn parameters(count: usize) -> Vec<f64> {
-    const START: f64 = 0.137;
-    (0..count)
-        .map(|k| (START + GOLDEN_RATIO * k as f64).fract())
-        .collect()
 }

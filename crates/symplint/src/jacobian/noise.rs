@@ -11,9 +11,6 @@ pub(super) const LEVELS: usize = SPACINGS.len();
 /// States at each spacing; there is one more at the centre.
 pub(super) const STATES: usize = BESIDE.len();
 
-/// Noise is counted this many times what the differences show: they show its standard deviation.
-pub(super) const SAFETY: f64 = 4.0;
-
 /// How far along the direction the states at a spacing are.
 pub(super) fn offsets(level: usize) -> impl Iterator<Item = f64> {
     BESIDE.into_iter().map(move |node| node * SPACINGS[level])
@@ -40,6 +37,7 @@ pub(super) fn at_each_place(shown: &[Option<f64>]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::signal::noise::SAFETY;
     use crate::signal::noise::{Noise, of_a_row};
 
     fn shown(f: impl Fn(f64) -> f64) -> f64 {

@@ -16,6 +16,7 @@ use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::{Evaluator, LoopSize};
 use crate::signal::nearest;
+use crate::signal::noise::SAFETY;
 use crate::signal::noise::{Noise, of_a_row};
 use crate::state::{Block, Ensemble, coordinate};
 
@@ -187,7 +188,7 @@ impl<'a> Sampler<'a> {
             let is_constant = self.is_constant(c);
             let of_point = |of_point: &Vec<Noise>| match is_constant {
                 true => Some(0.0),
-                false => of_point[c].value().map(|shown| noise::SAFETY * shown),
+                false => of_point[c].value().map(|shown| SAFETY * shown),
             };
             let shown: Vec<Option<f64>> = found.iter().map(of_point).collect();
             for (point, noise) in noise::at_each_place(&shown).into_iter().enumerate() {

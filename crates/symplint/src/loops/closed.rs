@@ -2,7 +2,7 @@
 
 use super::Loop;
 use crate::error::Error;
-use crate::signal::{Extent, nearest};
+use crate::signal::{Extent, nearest, parameters};
 use crate::state::{Coordinates, Ensemble, coordinate, period};
 
 /// A part of the loop on which it hardly moves: round its end, a loop of a few modes moves by 1e-8 of its size.
@@ -18,14 +18,12 @@ const A_GAP: f64 = 64.0;
 /// Rounding of the loop's own arithmetic, in units in the last place. Jumps of less are no breaks either.
 const ROUNDINGS: f64 = 1024.0;
 
-/// Loop parameters of states that are sampled twice: no two of them, nor their mirror images, coincide.
-const SAMPLED_TWICE: [f64; 3] = [0.137, 0.604, 0.291];
-
 /// Checks that the same parameters give the same states, in any order.
 fn check_repeats(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<(), Error> {
     let dof = phase_loop.dof();
+    let parameters = parameters(3);
     let [first, again] = [false, true].map(|reversed| {
-        let mut s = SAMPLED_TWICE;
+        let mut s = parameters.clone();
         if reversed {
             s.reverse();
         }
@@ -33,11 +31,11 @@ fn check_repeats(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<(),
         phase_loop.sample(&s, &mut states.block());
         states
     });
-    let last = SAMPLED_TWICE.len() - 1;
+    let last = parameters.len() - 1;
     for c in 0..2 * dof {
         let (first, again) = (coordinate(&first, c), coordinate(&again, c));
         let rounding = f64::from(f32::EPSILON) * Extent::of(first).magnitude();
-        for (k, &s) in SAMPLED_TWICE.iter().enumerate() {
+        for (k, &s) in parameters.iter().enumerate() {
             let difference = nearest(again[last - k] - first[k], period(coordinates, c)).abs();
             if difference > ROUNDINGS * rounding {
                 return Err(Error::RandomLoop {

@@ -15,6 +15,9 @@ pub(crate) use sampling::sample_block;
 
 use crate::state::Block;
 
+/// Samples that tell where a loop lies, its ranges to two digits for a few Fourier modes, and how it winds.
+pub(crate) const FEW_SAMPLES: usize = 64;
+
 /// A closed curve in phase space that can be sampled at any s.
 ///
 /// s runs once round the loop in [0, 1); the loop is periodic in s, except that a

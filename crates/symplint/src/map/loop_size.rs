@@ -4,12 +4,9 @@ use std::f64::consts::TAU;
 
 use super::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::error::Error;
-use crate::loops::{Circle, Loop};
+use crate::loops::{Circle, FEW_SAMPLES, Loop};
 use crate::signal::{Extent, Turns, nearest};
 use crate::state::{Block, Coordinates, Ensemble, coordinate, coordinate_mut, period};
-
-/// Samples of the loop that tell its ranges.
-const SAMPLES: usize = 64;
 
 /// Repetitions of the balance of q against p: a ratio that is off by 2^60 where forces are bounded is off by a factor
 /// of 1.3 then, and no more are needed where they are linear.
@@ -204,7 +201,7 @@ impl LoopSize {
         let coordinates = evaluator.coordinates();
         let mut extents = vec![[Extent::default(); 2]; dof];
         let mut turns = vec![[Turns::default(); 2]; dof];
-        Ensemble::in_parts(phase_loop, SAMPLES, |part| {
+        Ensemble::in_parts(phase_loop, FEW_SAMPLES, |part| {
             for (i, [of_q, of_p]) in extents.iter_mut().enumerate() {
                 for &q in part.q().row(i) {
                     of_q.include(turns[i][0].unwrap(q, coordinates.period(i)));

@@ -16,7 +16,7 @@ pub(crate) const SINGLE: usize = 24;
 const FEW: u8 = 10;
 
 /// The same of binary digits.
-const FEW_BITS: i64 = 40;
+pub(crate) const FEW_BITS: i32 = 40;
 
 /// Different values that are needed to tell.
 const ENOUGH: u32 = 16;
@@ -112,7 +112,7 @@ impl Digits {
                 (i64::from(bits), self.largest * 2f64.powi(1 - bits))
             }
         };
-        (1..=FEW_BITS)
+        (1..=i64::from(FEW_BITS))
             .contains(&digits)
             .then_some((Format::Binary(digits as usize), unit))
     }

@@ -12,13 +12,20 @@ mod unwrap;
 
 pub(crate) use barycentric::Barycentric;
 pub(crate) use compensated_sum::{CompensatedSum, UNIT_ROUNDOFF};
-pub(crate) use digits::{Digits, Format, SINGLE, binary_digits};
+pub(crate) use digits::{Digits, FEW_BITS, Format, SINGLE, binary_digits};
 pub(crate) use extent::Extent;
 pub(crate) use largest::largest;
 pub(crate) use lattice::Levels;
-pub(crate) use random::{GOLDEN_RATIO, unit};
+pub(crate) use random::{GOLDEN_RATIO, parameter, parameters, unit};
 pub use unwrap::unwrap_row;
 pub(crate) use unwrap::{Turns, nearest, wraps};
+
+/// Numbers that are worked on together: as many as the widest vector register holds.
+pub(crate) const LANES: usize = 8;
+
+/// Changes of a coordinate below this part of its range may be rounding inside the map, which can be larger than that of the coordinate.
+/// Conventional: half of the digits of double precision.
+pub(crate) const ROUNDING_INSIDE: f64 = 1.5e-8;
 
 /// A defect this many times its uncertainty is significant.
 ///

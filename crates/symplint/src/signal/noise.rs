@@ -35,6 +35,9 @@ impl SixthDifference {
     }
 }
 
+/// Errors are counted this many times what samples show of them: of white noise, they show its standard deviation. Conventional.
+pub(crate) const SAFETY: f64 = 4.0;
+
 /// The sixth differences of a row of points, each of seven neighbours. In one of them alone a lattice may look straight.
 #[derive(Clone, Debug)]
 pub(crate) struct SixthDifferences(Vec<SixthDifference>);

@@ -10,3 +10,15 @@ pub(crate) fn unit(random: &mut ChaCha8Rng) -> f64 {
 
 /// The golden ratio (√5 − 1)/2. Its multiples are the most evenly spread on a circle (three-distance theorem).
 pub(crate) const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
+
+/// Number `k` of the loop parameters at which a loop is probed. They are spread by the golden ratio: no two of them, nor their mirror
+/// images, coincide, and none is at a symmetric place.
+pub(crate) fn parameter(k: usize) -> f64 {
+    const START: f64 = 0.137;
+    (START + GOLDEN_RATIO * k as f64).fract()
+}
+
+/// The first of them.
+pub(crate) fn parameters(count: usize) -> Vec<f64> {
+    (0..count).map(parameter).collect()
+}

@@ -9,19 +9,17 @@ pub(crate) use windings::wound;
 
 use crate::error::Error;
 use crate::evidence::{FEWEST_SAMPLES, Motion, OutputPrecision};
+use crate::loops::FEW_SAMPLES;
 use crate::rules::Subject;
 use crate::state::{Coordinates, Ensemble};
 use motion::Motions;
 use precision::Precision;
 
-/// Samples that the survey looks at, of those that were advanced anyway.
-const SAMPLES: usize = 64;
-
 /// Surveys the map by samples of a loop that were advanced.
 pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> SampleSurvey {
-    let after_step = after.thinned(SAMPLES);
+    let after_step = after.thinned(FEW_SAMPLES);
     let samples = after_step.samples();
-    let every = after.samples().div_ceil(SAMPLES);
+    let every = after.samples().div_ceil(FEW_SAMPLES);
     let s: Vec<f64> = (0..samples)
         .map(|k| (k * every) as f64 / after.samples() as f64)
         .collect();
@@ -55,7 +53,7 @@ pub(crate) fn motion(
     coordinates: &Coordinates,
 ) -> Option<Motion> {
     let mut motions = Motions::new(before.dof());
-    let [before, after] = [before, after].map(|ensemble| ensemble.thinned(SAMPLES));
+    let [before, after] = [before, after].map(|ensemble| ensemble.thinned(FEW_SAMPLES));
     motions.add(&before, &after, coordinates);
     motions.value(coordinates)
 }

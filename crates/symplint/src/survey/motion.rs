@@ -1,15 +1,11 @@
 //! How one step moves the samples of a loop against each other.
 
 use crate::evidence::{FEWEST_SAMPLES, Motion};
-use crate::signal::{Extent, Turns, UNIT_ROUNDOFF};
+use crate::signal::{Extent, ROUNDING_INSIDE, Turns, UNIT_ROUNDOFF};
 use crate::state::{Coordinates, Ensemble};
 
 /// Changes of a coordinate that differ by no more than this many units in the last place of its values are the same.
 const SAME: f64 = 8.0;
-
-/// Changes below this part of the range of a coordinate may be rounding inside the map, which can be larger than that of
-/// the coordinate. Conventional: half of the digits of double precision.
-const LARGEST_ROUNDING: f64 = 1.5e-8;
 
 /// The mean squared difference of neighbouring changes over their variance, at least, if they scatter as rounding does.
 /// Derived: it is 2 for independent numbers (von Neumann, Ann. Math. Stat. 12, 1941), and (2πm/N)² for mode m of N samples.
@@ -171,7 +167,7 @@ impl Plane {
     fn is_rounding(&self, c: usize, count: f64) -> bool {
         let [change, size] = [&self.of_changes, &self.of_loop].map(|of| of.extents[c].length());
         count >= FEWEST_SAMPLES as f64
-            && change <= LARGEST_ROUNDING * size
+            && change <= ROUNDING_INSIDE * size
             && self.differences[c] >= LEAST_SCATTER * self.of_changes.squares(c)
     }
 

@@ -1,7 +1,7 @@
 //! Which periods a loop winds round.
 
 use crate::error::Error;
-use crate::loops::Loop;
+use crate::loops::{FEW_SAMPLES, Loop};
 use crate::signal::Turns;
 use crate::state::{Coordinates, Ensemble, coordinate, period};
 
@@ -10,7 +10,6 @@ use crate::state::{Coordinates, Ensemble, coordinate, period};
 /// # Errors
 /// If a momentum is periodic, and it or its position gains whole periods.
 pub(crate) fn wound(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<Vec<usize>, Error> {
-    const SAMPLES: usize = 64;
     let dof = coordinates.dof();
     let periodic: Vec<usize> = (0..2 * dof)
         .filter(|&c| period(coordinates, c) > 0.0)
@@ -20,7 +19,7 @@ pub(crate) fn wound(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<
     }
     let mut first = Vec::new();
     let mut turns = vec![Turns::default(); periodic.len()];
-    Ensemble::in_parts(phase_loop, SAMPLES, |part| {
+    Ensemble::in_parts(phase_loop, FEW_SAMPLES, |part| {
         if first.is_empty() {
             first.extend(periodic.iter().map(|&c| coordinate(&part, c)[0]));
         }

@@ -4,9 +4,10 @@ use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::limits::{CLEAR_OF_METHOD, DECAY_PART, SMALL};
 use crate::error::Error;
 use crate::evidence::{Check, FEWEST_OF_A_LAW, LoopEvidence, NARROWEST_RANGE, Why};
-use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest, parameters};
+use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest};
 use crate::map::LoopSize;
 use crate::rules::Subject;
+use crate::signal::parameters;
 
 impl Runner<'_> {
     /// The Jacobian of the largest step, on the given loop.

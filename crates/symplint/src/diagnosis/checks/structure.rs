@@ -8,10 +8,9 @@ use crate::diagnosis::limits::{
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
 use crate::evidence::{Check, EnergyAtStep, EnergyChange, ReturnDefect, StructureEvidence, Why};
-use crate::jacobian::parameters;
 use crate::map::{self, Evaluator};
 use crate::rules::Subject;
-use crate::signal::{SIGNIFICANT, nearest};
+use crate::signal::{SIGNIFICANT, nearest, parameters};
 use crate::state::{Ensemble, coordinate, coordinate_mut, period};
 use crate::trace::Observable;
 

@@ -11,7 +11,7 @@ use crate::diagnosis::limits::{
 };
 use crate::error::Error;
 use crate::rules::{Subject, misses, roughness};
-use crate::signal::{Extent, GOLDEN_RATIO, nearest};
+use crate::signal::{Extent, nearest, parameter};
 use crate::state::{Ensemble, coordinate, period};
 
 /// The largest number of evaluations that a search for features between samples takes for this number of samples.
@@ -70,7 +70,10 @@ pub(in crate::diagnosis) fn feature_between_samples(
 ) -> Result<Option<f64>, Error> {
     let (after, coordinates) = (&refined.after, subject.coordinates());
     let states = irregular(after.samples(), after.dof());
-    let s: Vec<f64> = (0..states).map(parameter).collect();
+    // Others than those of the Jacobian.
+    let s: Vec<f64> = (MOST_IRREGULAR..MOST_IRREGULAR + states)
+        .map(parameter)
+        .collect();
     if s.is_empty() {
         return Ok(None);
     }
@@ -91,11 +94,6 @@ pub(in crate::diagnosis) fn feature_between_samples(
         _ => (s[j], (&between, j), size),
     };
     Ok(is_continuous(subject, h, (after, place), s, size)?.then_some(s))
-}
-
-/// Parameters of irregular states: multiples of the golden ratio.
-fn parameter(j: usize) -> f64 {
-    (0.31 + j as f64 * GOLDEN_RATIO).fract()
 }
 
 /// The largest of some sizes, if it is more than `least` and there are few others like it.

@@ -1,10 +1,11 @@
 //! One loop with a rule and a number of samples, ready to be advanced by any step size.
 
 use super::initial_samples::InitialSamples;
-use crate::diagnosis::limits::{FEWEST_TRIED, RANGE_SAMPLES, SMALL};
+use crate::diagnosis::limits::{FEWEST_TRIED, SMALL};
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
 use crate::evidence::{Closing, LoopEvidence, StepEvidence};
+use crate::loops::FEW_SAMPLES;
 use crate::rules::{LoopAfterStep, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject};
 use crate::signal::Extent;
 use crate::state::Ensemble;
@@ -197,7 +198,7 @@ impl<'a> Probe<'a> {
         };
         let Subject { phase_loop, .. } = self.subject;
         // Without samples nothing is known of the ranges.
-        let Ok(samples) = Ensemble::sample(phase_loop, RANGE_SAMPLES) else {
+        let Ok(samples) = Ensemble::sample(phase_loop, FEW_SAMPLES) else {
             return f64::INFINITY;
         };
         let half_range = |row: &[f64]| 0.5 * Extent::of(row).length();

@@ -19,10 +19,7 @@ use self::inspection::{Inspection, P_STRIDE, Q_STRIDE};
 use self::lags::{LAGS, REACH, add_lags};
 use super::RowIntegral;
 use super::stencil::Stencil;
-use crate::signal::UNIT_ROUNDOFF;
-
-/// Independent sums: as many as the widest vector register holds.
-const LANES: usize = 8;
+use crate::signal::{LANES, UNIT_ROUNDOFF};
 
 /// The fewest samples that the rule is for: fewer are transformed nearly as fast, and have so few windows that a jump makes much of
 /// what looks like noise.

@@ -7,11 +7,8 @@ use super::fit::Fit;
 use super::limits::{ELSEWHERE, ESTIMATES, OF_A_MISS};
 use super::lobatto::{Values, derivative, evaluate_each};
 use super::piece::InterpolationMiss;
-use crate::signal::{Extent, nearest};
+use crate::signal::{Extent, LANES, nearest};
 use crate::state::{Ensemble, coordinate, period};
-
-/// Parameters at which a polynomial is evaluated together, by vector instructions.
-const LANES: usize = 8;
 
 /// The samples between the ends of a piece.
 struct Inside<'a> {

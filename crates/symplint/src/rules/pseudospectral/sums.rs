@@ -8,13 +8,11 @@
 //! between processors. No multiplication is fused with an addition: rows that are equal enclose no area, to
 //! the last bit.
 
+use crate::signal::LANES;
 use std::ops::{Add, Range};
 
 use multiversion::multiversion;
 use symplint_fft::Complex64;
-
-/// Independent sums: as many as the widest vector register holds.
-const LANES: usize = 8;
 
 /// So many neighbouring modes.
 type Group = [Complex64; LANES];

@@ -6,11 +6,11 @@ use crate::error::{Error, StateAt};
 use crate::evidence::{Rank, SingularJacobian};
 use crate::map::{Evaluator, LoopSize};
 use crate::rules::Subject;
-use crate::signal::nearest;
+use crate::signal::{nearest, parameter};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 
-/// Loop parameters at which the Jacobian is measured: a map that projects does so at both.
-const SITES: [f64; 2] = [0.137, 0.755];
+/// Points of the loop at which the Jacobian is measured: a map that projects does so at both.
+const POINTS: usize = 2;
 
 /// Distances of the central differences, in sizes of the loop: small, as a map may not work far from its manifold,
 /// and far above the rounding of single precision.
@@ -53,7 +53,7 @@ const SCALINGS: usize = 40;
 /// Evaluations that it takes at most in this number of degrees of freedom.
 pub(in crate::diagnosis) fn cost(dof: usize) -> usize {
     let columns: usize = stretches(dof).iter().map(|dofs| 2 * dofs.len()).sum();
-    SITES.len() * STATES * columns + Subject::SAMPLES_OF_GRAIN
+    POINTS * STATES * columns + Subject::SAMPLES_OF_GRAIN
 }
 
 /// Looks at points of a loop whether the Jacobian of a step of size `h` is singular, as far as differences tell. In
@@ -73,7 +73,7 @@ pub(super) fn singular_jacobian(
     }
     let dof = subject.dof();
     let mut found: Option<SingularJacobian> = None;
-    for s in SITES {
+    for s in (0..POINTS).map(parameter) {
         let mut of_site: Option<SingularJacobian> = None;
         for dofs in stretches(dof) {
             let displaced: Vec<usize> = dofs.iter().flat_map(|&i| [i, dof + i]).collect();
@@ -112,7 +112,7 @@ pub(super) fn degenerate_form(
     }
     let displaced: Vec<usize> = (0..subject.dof()).collect();
     let mut found: Option<Rank> = None;
-    for s in SITES {
+    for s in (0..POINTS).map(parameter) {
         let columns = Columns::measure(subject, size, s, &displaced, |states, fill| {
             let mut block = states.block();
             fill(0, &mut block)?;

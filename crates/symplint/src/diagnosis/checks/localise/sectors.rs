@@ -3,7 +3,7 @@
 use super::patch::{Patch, Patches};
 use crate::error::Error;
 use crate::evidence::Sector;
-use crate::loops::Loop;
+use crate::loops::{FEW_SAMPLES, Loop};
 use crate::rules::{Piecewise, Subject};
 use crate::state::Ensemble;
 
@@ -61,10 +61,9 @@ pub(super) fn sectors(
 
 /// The mean of a few states of the loop.
 pub(super) fn centre(phase_loop: &dyn Loop) -> Result<[Vec<f64>; 2], Error> {
-    const SAMPLES: usize = 64;
-    let ensemble = Ensemble::sample(phase_loop, SAMPLES)?;
+    let ensemble = Ensemble::sample(phase_loop, FEW_SAMPLES)?;
     Ok([ensemble.q(), ensemble.p()].map(|rows| {
-        let mean = |row: &[f64]| row.iter().sum::<f64>() / SAMPLES as f64;
+        let mean = |row: &[f64]| row.iter().sum::<f64>() / FEW_SAMPLES as f64;
         (0..rows.count()).map(|i| mean(rows.row(i))).collect()
     }))
 }

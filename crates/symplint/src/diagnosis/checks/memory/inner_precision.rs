@@ -1,17 +1,15 @@
 //! Whether a map works in single precision inside, and returns all digits of double precision.
 
 use crate::error::Error;
+use crate::loops::FEW_SAMPLES;
 use crate::map::{Before, Grain};
 use crate::rules::Subject;
 use crate::signal::noise::{STEPS_OF_NOISE, SixthDifferences};
-use crate::signal::{Extent, nearest};
+use crate::signal::{Extent, nearest, parameters};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 
-/// Samples of the loop whose ranges and largest values say how large single precision's rounding is.
-const SAMPLES: usize = 64;
-
-/// Loop parameters of the test: no two of them, nor their mirror images, coincide.
-const SITES: [f64; 4] = [0.137, 0.291, 0.604, 0.833];
+/// Sites on the loop.
+const SITES: usize = 4;
 
 /// Sites of the first test: if none of them shows noise, the second test is left out.
 const FIRST: usize = 2;
@@ -40,30 +38,35 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
     if !Grain::is_affordable(dof) {
         return Ok(None);
     }
-    let samples = Ensemble::sample(subject.phase_loop, SAMPLES)?;
+    let samples = Ensemble::sample(subject.phase_loop, FEW_SAMPLES)?;
     let unit = |c: usize| f64::from(f32::EPSILON) * Extent::of(coordinate(&samples, c)).magnitude();
     let units: Vec<f64> = (0..2 * dof).map(unit).collect();
     let value = |c: usize, k: usize| coordinate(&samples, c)[k];
-    let grain = Grain::of(SAMPLES, subject.coordinates(), Some(&units), value, |_| {
-        Before::Unknown
-    });
+    let grain = Grain::of(
+        FEW_SAMPLES,
+        subject.coordinates(),
+        Some(&units),
+        value,
+        |_| Before::Unknown,
+    );
     let Some(grain) = grain else {
         return Ok(None);
     };
-    let mut forward = vec![stairs(subject, h, &SITES[..FIRST], &units, |point| point)?];
+    let sites = parameters(SITES);
+    let mut forward = vec![stairs(subject, h, &sites[..FIRST], &units, |point| point)?];
     let mut noise = noise(subject, &forward[0]);
     let shows = |c: usize, noise: f64| noise > PARTS[0] * grain.of_coordinate(c);
     let any = |of: &[f64]| (of.iter().enumerate()).any(|(c, &noise)| shows(c, noise));
     if !noise.iter().any(|of_site| any(of_site)) {
         return Ok(None);
     }
-    forward.push(stairs(subject, h, &SITES[FIRST..], &units, |point| point)?);
+    forward.push(stairs(subject, h, &sites[FIRST..], &units, |point| point)?);
     noise.extend(self::noise(subject, &forward[1]));
     let is_single = |c: usize| {
         let noisy = noise.iter().filter(|of_site| shows(c, of_site[c])).count();
         let most = PARTS[1] * grain.of_coordinate(c);
         // The sixth difference at one site may be small. A larger one comes from a break or a kink.
-        noisy + 1 >= SITES.len() && noise.iter().all(|of_site| of_site[c] < most)
+        noisy + 1 >= SITES && noise.iter().all(|of_site| of_site[c] < most)
     };
     let largest = |c: usize| {
         let of_sites = noise.iter().map(|of_site| of_site[c]);
@@ -93,8 +96,9 @@ fn in_other_order(
     forward: &[Ensemble],
 ) -> Result<Vec<f64>, Error> {
     let reversed = |point: usize| STAIRS.len() - 1 - point;
+    let sites = parameters(SITES);
     let mut sums = vec![0.0; units.len()];
-    for (sites, there) in [&SITES[..FIRST], &SITES[FIRST..]].into_iter().zip(forward) {
+    for (sites, there) in [&sites[..FIRST], &sites[FIRST..]].into_iter().zip(forward) {
         let back = stairs(subject, h, sites, units, reversed)?;
         for (c, sum) in sums.iter_mut().enumerate() {
             let (there, back) = (coordinate(there, c), coordinate(&back, c));

@@ -1,26 +1,23 @@
 //! Whether stated periods are those of the map: Φ(q + P, p) = Φ(q, p) + (P, 0).
 
+use super::repeats::ROUNDINGS;
 use crate::error::Error;
 use crate::evidence::WrongPeriod;
 use crate::rules::Subject;
-use crate::signal::{Extent, SIGNIFICANT, UNIT_ROUNDOFF, nearest};
+use crate::signal::{Extent, SIGNIFICANT, UNIT_ROUNDOFF, nearest, parameters};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 
-/// Loop parameters of the states that are moved by periods.
-const SITES: [f64; 2] = [0.137, 0.604];
+/// States that are moved by periods.
+const SITES: usize = 2;
 
 /// Beside each state, others that are displaced by this number of roundings show what rounding does.
 const NUDGES: [f64; 3] = [0.0, -24.0, 40.0];
-
-/// Differences below this many roundings of a coordinate may be rounding of functions of the moved state. Conventional: the
-/// same as for results of one state in another order of arithmetic.
-const ROUNDINGS: f64 = 256.0;
 
 /// Coordinates that are moved one by one, at most, to name one of them.
 const MOST_NAMED: usize = 64;
 
 /// States that are advanced each time.
-const STATES: usize = 2 * SITES.len() * NUDGES.len();
+const STATES: usize = 2 * SITES * NUDGES.len();
 
 /// Moves a few states of the loop by the periods that the map states, and compares their images, as far as the budget
 /// allows: a period that is not one of the map, if there is any. Moved states at which the map fails, outside a box say,
@@ -66,8 +63,10 @@ fn difference(subject: Subject<'_>, h: f64, moved: &[usize]) -> Result<Option<f6
     if moved.is_empty() || evaluator.count().left() < STATES {
         return Ok(None);
     }
-    let mut at_sites = Ensemble::zeros(subject.dof(), SITES.len());
-    subject.phase_loop.sample(&SITES, &mut at_sites.block());
+    let mut at_sites = Ensemble::zeros(subject.dof(), SITES);
+    subject
+        .phase_loop
+        .sample(&parameters(SITES), &mut at_sites.block());
     let magnitude = |c: usize| Extent::of(coordinate(&at_sites, c)).magnitude();
     // The rounding of the map, inside or in its results.
     let grain = evaluator.grain();
@@ -111,6 +110,6 @@ fn difference(subject: Subject<'_>, h: f64, moved: &[usize]) -> Result<Option<f6
         let rounding = unit * (largest(c) + Extent::of(row).magnitude());
         (least > (ROUNDINGS * rounding).max(SIGNIFICANT * noise)).then_some(least)
     };
-    let all = (0..SITES.len()).flat_map(|site| (0..count).filter_map(move |c| of_site(site, c)));
+    let all = (0..SITES).flat_map(|site| (0..count).filter_map(move |c| of_site(site, c)));
     Ok(all.reduce(f64::max))
 }

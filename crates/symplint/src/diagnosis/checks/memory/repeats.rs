@@ -2,15 +2,12 @@
 
 use crate::error::Error;
 use crate::map::{Evaluator, Witnesses};
-use crate::signal::{SINGLE, binary_digits, nearest};
+use crate::signal::{FEW_BITS, SINGLE, binary_digits, nearest};
 use crate::state::{Ensemble, coordinate, coordinate_mut, period};
 
 /// Differences below this many roundings are another order of the same arithmetic: vector instructions and
 /// their remainders need not agree to the last bit.
 pub(super) const ROUNDINGS: f64 = 256.0;
-
-/// Numbers with no more binary digits than this come from arithmetic of fewer digits than double precision has.
-const FEW_BITS: i32 = 40;
 
 /// Numbers that are needed to tell.
 const ENOUGH: usize = 8;

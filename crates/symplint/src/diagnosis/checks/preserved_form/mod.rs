@@ -19,8 +19,9 @@ use super::random_loops::loop_of_kind;
 use super::{GivenLoop, Runner};
 use crate::error::Error;
 use crate::evidence::{Check, FormEntry, FormOnLoop, LoopEvidence, LoopKind, PreservedForm, Why};
-use crate::jacobian::{JacobianEvidence, JacobianTest, TangentImages, parameters};
+use crate::jacobian::{JacobianEvidence, JacobianTest, TangentImages};
 use crate::rules::Subject;
+use crate::signal::parameters;
 
 impl Runner<'_> {
     /// If the integral of a loop without breaks changes, searches for a form that the Jacobians preserve, and compares the integrals of

@@ -2,13 +2,14 @@
 
 use super::loop_of_kind;
 use crate::diagnosis::checks::{GivenLoop, Runner, if_possible};
-use crate::diagnosis::limits::{LARGER, LOOKED_AT, MOST_HALVINGS, MOST_LARGER, SMALLEST_SHEAR};
+use crate::diagnosis::limits::{LARGER, LOOKED_AT, MOST_HALVINGS, MOST_LARGER};
 use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::step_sizes::step_sizes;
 use crate::error::Error;
 use crate::evidence::{LoopEvidence, LoopKind, Motion, Reach};
 use crate::map::LoopSize;
 use crate::rules::Subject;
+use crate::signal::ROUNDING_INSIDE;
 
 impl Runner<'_> {
     /// A random loop after a larger step, or a larger loop for a map without a step size, if no loop shows a defect or moves
@@ -51,7 +52,7 @@ impl Runner<'_> {
         motion: Motion,
     ) -> Result<Option<Reach>, Error> {
         let octaves = match motion.shear {
-            true if motion.deformation < SMALLEST_SHEAR => return Ok(None),
+            true if motion.deformation < ROUNDING_INSIDE => return Ok(None),
             true => -motion.deformation.log2().ceil(),
             false => 0.0,
         };
