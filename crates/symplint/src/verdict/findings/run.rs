@@ -74,6 +74,13 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
         predicted,
         ..
     } = found;
+    if *steps == 0 {
+        return write!(
+            f,
+            "What {asked} steps do with the defect is not known: after one step already, {samples} samples do not resolve the loop. Take \
+             a smaller loop or more samples."
+        );
+    }
     match growth {
         Growth::None => write!(f, "No defect adds up in {steps} steps.")?,
         Growth::Bounded => write!(
@@ -109,8 +116,8 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
     if steps < asked {
         write!(
             f,
-            " Of the {asked} steps that were asked for, {samples} samples resolve no more: the loop is folded too \
-             finely from there on. Take a smaller loop or more samples."
+            " After that, the loop is folded too finely for {samples} samples; {asked} steps were asked for. Take a smaller loop or more \
+             samples."
         )?;
     }
     Ok(())
