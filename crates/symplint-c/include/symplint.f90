@@ -46,6 +46,7 @@ module symplint
         type(c_funptr) :: substep
         integer(c_size_t) :: substep_count
         type(c_ptr) :: substep_names
+        type(c_funptr) :: reversal_function
     end type
 
     enum, bind(c)
@@ -79,6 +80,14 @@ module symplint
             import
             type(c_ptr), value :: user
             real(c_double), value :: h
+            integer(c_size_t), value :: dof, samples
+            real(c_double), intent(inout) :: q(samples, dof), p(samples, dof)
+            integer(c_int) :: status
+        end function
+
+        function symplint_reversal(user, dof, samples, q, p) bind(c) result(status)
+            import
+            type(c_ptr), value :: user
             integer(c_size_t), value :: dof, samples
             real(c_double), intent(inout) :: q(samples, dof), p(samples, dof)
             integer(c_int) :: status

@@ -121,6 +121,12 @@ typedef int (*SymplintSubstep)(void *user,
                                double *p);
 
 /**
+ * Reverses `samples` states in time, in place, and returns 0; any other number says that it cannot, and ends the check. The function must be
+ * its own inverse. The rest is as for `SymplintStep`.
+ */
+typedef int (*SymplintReversal)(void *user, size_t dof, size_t samples, double *q, double *p);
+
+/**
  * Options of `symplint_check`. Fill it by `symplint_options_init`, then change what differs.
  */
 typedef struct {
@@ -250,6 +256,10 @@ typedef struct {
    * Their names in the order in which they are taken, for the report; or NULL: "part 1", "part 2", ...
    */
   const char *const *substep_names;
+  /**
+   * A function of states that reverses time, instead of `reversal`; or NULL.
+   */
+  SymplintReversal reversal_function;
 } SymplintOptions;
 
 /**

@@ -11,6 +11,8 @@ use std::sync::{Mutex, PoisonError};
 use symplint::map::{Capabilities, Substeps};
 use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
+use crate::status::{Failure, SymplintStatus};
+
 /// Advances `samples` states by one step of size `h`, in place, and returns 0; any other number says that the step cannot
 /// be taken, and is named in the report.
 ///
@@ -43,19 +45,39 @@ pub type SymplintSubstep = Option<
     ) -> c_int,
 >;
 
-/// States that are to be advanced by some substeps: rows of q and of p without gaps.
+/// Reverses `samples` states in time, in place, and returns 0; any other number says that it cannot, and ends the check. The function must be
+/// its own inverse. The rest is as for `SymplintStep`.
+pub type SymplintReversal = Option<
+    unsafe extern "C" fn(
+        user: *mut c_void,
+        dof: usize,
+        samples: usize,
+        q: *mut f64,
+        p: *mut f64,
+    ) -> c_int,
+>;
+
+/// A call of a function of the caller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Call {
+    /// A substep, and the size of the step. A step that is one whole has one substep, 0.
+    Substep(usize, f64),
+    /// The map that reverses time.
+    Reversal,
+}
+
+/// States that are to be changed by some calls: rows of q and of p without gaps.
 struct Request {
-    substeps: Range<usize>,
-    h: f64,
+    calls: Vec<Call>,
     samples: usize,
     q: Vec<f64>,
     p: Vec<f64>,
     reply: Sender<Reply>,
 }
 
-/// The same states advanced, or the substep that failed with what it returned.
+/// The same states changed, or the call that failed with the number that it returned.
 struct Reply {
-    failed: Option<(usize, c_int)>,
+    failed: Option<(Call, c_int)>,
     q: Vec<f64>,
     p: Vec<f64>,
 }
@@ -65,6 +87,7 @@ pub struct CallbackMap {
     coordinates: Coordinates,
     /// Names of the substeps; empty for a step that is one whole.
     substeps: Vec<String>,
+    has_reversal: bool,
     requests: Mutex<Sender<Request>>,
 }
 
@@ -86,6 +109,7 @@ pub fn callback_map(coordinates: Coordinates, substeps: Vec<String>) -> (Callbac
         CallbackMap {
             coordinates,
             substeps,
+            has_reversal: false,
             requests,
         },
         steps,
@@ -93,27 +117,39 @@ pub fn callback_map(coordinates: Coordinates, substeps: Vec<String>) -> (Callbac
 }
 
 impl Steps {
-    /// Takes all steps that are asked for, until the map is dropped: by a function of the substep, h, the degrees of freedom, the
-    /// samples, and rows of q and of p. A step that is one whole has one substep, 0.
+    /// Makes all calls that are asked for, until the map is dropped or a reversal fails: by a function of the call, the degrees of
+    /// freedom, the samples, and rows of q and of p.
     pub fn serve(
         self,
-        mut take: impl FnMut(usize, f64, usize, usize, &mut [f64], &mut [f64]) -> c_int,
-    ) {
+        mut make: impl FnMut(Call, usize, usize, &mut [f64], &mut [f64]) -> c_int,
+    ) -> Result<(), Failure> {
         for mut request in self.requests {
-            let (h, samples) = (request.h, request.samples);
-            let failed = request.substeps.clone().find_map(|substep| {
+            let failed = request.calls.iter().find_map(|&call| {
                 let (q, p) = (&mut request.q, &mut request.p);
-                let status = take(substep, h, self.dof, samples, q, p);
-                (status != 0).then_some((substep, status))
+                let status = make(call, self.dof, request.samples, q, p);
+                (status != 0).then_some((call, status))
             });
+            if let Some((Call::Reversal, status)) = failed {
+                let text = format!("the reversal returned {status}");
+                return Err(Failure::new(SymplintStatus::StepFailed, text));
+            }
             let Request { q, p, reply, .. } = request;
             // The diagnosis may have failed meanwhile, and receives no reply then.
             let _ = reply.send(Reply { failed, q, p });
         }
+        Ok(())
     }
 }
 
 impl CallbackMap {
+    /// The same map with a function that reverses time, if there is one.
+    pub fn with_reversal(self, has_reversal: bool) -> Self {
+        CallbackMap {
+            has_reversal,
+            ..self
+        }
+    }
+
     /// Has these substeps taken.
     fn take(
         &self,
@@ -121,6 +157,11 @@ impl CallbackMap {
         h: f64,
         block: &mut Block<'_>,
     ) -> Result<(), StepFailure> {
+        self.make(substeps.map(|k| Call::Substep(k, h)).collect(), block)
+    }
+
+    /// Has these calls made.
+    fn make(&self, calls: Vec<Call>, block: &mut Block<'_>) -> Result<(), StepFailure> {
         let failed = |reason: String| StepFailure { sample: 0, reason };
         let (dof, samples) = (block.dof(), block.len());
         let gone = || failed("the caller takes no more steps".to_owned());
@@ -132,8 +173,7 @@ impl CallbackMap {
         let [q, p] = rows;
         let (reply, replies) = channel();
         let request = Request {
-            substeps,
-            h,
+            calls,
             samples,
             q,
             p,
@@ -144,10 +184,12 @@ impl CallbackMap {
             .send(request);
         sent.map_err(|_| gone())?;
         let reply = replies.recv().map_err(|_| gone())?;
-        if let Some((substep, status)) = reply.failed {
-            let what = match self.substeps.get(substep) {
-                Some(name) => format!("substep {} ({name})", substep + 1),
-                None => "the step".to_owned(),
+        if let Some((call, status)) = reply.failed {
+            let what = match call {
+                Call::Substep(k, _) if k < self.substeps.len() => {
+                    format!("substep {} ({})", k + 1, self.substeps[k])
+                }
+                _ => "the step".to_owned(),
             };
             return Err(failed(format!("{what} returned {status}")));
         }
@@ -172,6 +214,12 @@ impl TimeAdvance for CallbackMap {
     fn capabilities(&self) -> Capabilities<'_> {
         Capabilities {
             substeps: (!self.substeps.is_empty()).then_some(self),
+            reversal: self.has_reversal.then(|| {
+                Box::new(|block: &mut Block<'_>| {
+                    // If the call fails, no more calls are made, and the diagnosis ends.
+                    let _ = self.make(vec![Call::Reversal], block);
+                }) as _
+            }),
             ..Capabilities::of_coordinates(self.coordinates.clone())
         }
     }

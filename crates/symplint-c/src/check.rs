@@ -2,7 +2,7 @@
 
 use std::ffi::c_void;
 
-use crate::callback::{SymplintStep, callback_map};
+use crate::callback::{Call, SymplintStep, callback_map};
 use crate::options::{Settings, SymplintOptions};
 use crate::pointers::write;
 use crate::report::SymplintReport;
@@ -46,6 +46,7 @@ pub unsafe extern "C" fn symplint_check(
         }
         let (diagnostic, circle) = (settings.diagnostic()?, settings.circle()?);
         let (map, steps) = callback_map(settings.coordinates()?, settings.substeps.clone());
+        let map = map.with_reversal(settings.reversal_function.is_some());
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(settings.threads)
             .build()
@@ -62,18 +63,23 @@ pub unsafe extern "C" fn symplint_check(
                 let map = map;
                 pool.install(|| diagnostic.run(&map, &circle))
             });
-            steps.serve(|k, h, dof, samples, q, p| {
+            let served = steps.serve(|call, dof, samples, q, p| {
                 let (q, p) = (q.as_mut_ptr(), p.as_mut_ptr());
+                let reversal = settings.reversal_function;
                 // SAFETY: both have dof × samples values, no other code uses them meanwhile, and the caller promises the rest.
                 unsafe {
-                    match (step, settings.substep) {
-                        (Some(step), _) => step(user, h, dof, samples, q, p),
-                        (None, Some(substep)) => substep(user, k, h, dof, samples, q, p),
-                        (None, None) => unreachable!("one of them is given"),
+                    match (call, step, settings.substep, reversal) {
+                        (Call::Substep(_, h), Some(step), ..) => step(user, h, dof, samples, q, p),
+                        (Call::Substep(k, h), None, Some(substep), _) => {
+                            substep(user, k, h, dof, samples, q, p)
+                        }
+                        (Call::Reversal, .., Some(reversal)) => reversal(user, dof, samples, q, p),
+                        _ => unreachable!("the function is given"),
                     }
                 }
             });
-            (measuring.join()).map_err(|panic| Failure::of_panic(&*panic))
+            let found = (measuring.join()).map_err(|panic| Failure::of_panic(&*panic))?;
+            served.map(|()| found)
         })??;
         let provenance = run.provenance(pool.current_num_threads());
         let made = SymplintReport::new(&settings, &diagnosis, provenance);

@@ -138,7 +138,7 @@ fn run(
                 Some(p0) => settings.test.run_field(&map, &settings.q0, p0),
             })
         });
-        steps.serve(|_, _, dof, samples, q, p| rates(dof, samples, q, p));
+        steps.serve(|_, dof, samples, q, p| rates(dof, samples, q, p))?;
         (measuring.join()).map_err(|panic| Failure::of_panic(&*panic))
     })??;
     SymplintFieldReport::new(&found)

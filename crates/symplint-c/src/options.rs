@@ -11,7 +11,7 @@ use symplint::request::Value;
 use symplint::rules::Piecewise;
 use symplint::{Circle, Coordinates, Diagnostic, Phases};
 
-use crate::callback::SymplintSubstep;
+use crate::callback::{SymplintReversal, SymplintSubstep};
 use crate::pointers::{optional_values, overlay, text, values, write_prefix};
 use crate::status::{Failure, SymplintStatus, guarded};
 
@@ -85,6 +85,8 @@ pub struct SymplintOptions {
     pub substep_count: usize,
     /// Their names in the order in which they are taken, for the report; or NULL: "part 1", "part 2", ...
     pub substep_names: *const *const c_char,
+    /// A function of states that reverses time, instead of `reversal`; or NULL.
+    pub reversal_function: SymplintReversal,
 }
 
 /// Evaluations by default: a step of another code is dear.
@@ -128,6 +130,7 @@ impl Default for SymplintOptions {
             substep: None,
             substep_count: 0,
             substep_names: std::ptr::null(),
+            reversal_function: None,
         }
     }
 }
@@ -187,6 +190,8 @@ pub struct Settings {
     settings: BTreeMap<String, Value>,
     #[serde(skip)]
     pub substep: SymplintSubstep,
+    #[serde(skip)]
+    pub reversal_function: SymplintReversal,
     /// Names of the substeps, if the step is a composition.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub substeps: Vec<String>,
@@ -242,6 +247,7 @@ impl Settings {
                 seed: read.seed,
                 settings: settings(&read, dof)?,
                 substep: read.substep,
+                reversal_function: read.reversal_function,
                 substeps: substeps(&read)?,
                 threads: read.threads.min(processors),
             })
@@ -378,6 +384,11 @@ unsafe fn settings(read: &SymplintOptions, dof: usize) -> Result<BTreeMap<String
             ))
         })?;
         settings.extend(more);
+    }
+    if read.reversal_function.is_some() && settings.contains_key("reversal") {
+        return Err(Failure::bad_argument(
+            "both reversal and reversal_function are given; leave one of them at NULL",
+        ));
     }
     Ok(settings)
 }

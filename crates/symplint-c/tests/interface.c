@@ -133,6 +133,51 @@ static int leapfrog(void *user, double h, size_t dof, size_t samples, double *q,
     return 0;
 }
 
+/* A leapfrog whose momenta stand still at 1: no signs reverse it, but p -> 2 - p does. */
+static int shifted(void *user, double h, size_t dof, size_t samples, double *q, double *p) {
+    for (size_t k = 0; k < samples * dof; k++) p[k] -= 1;
+    int status = leapfrog(user, h, dof, samples, q, p);
+    for (size_t k = 0; k < samples * dof; k++) p[k] += 1;
+    return status;
+}
+
+/* p -> *user - p, which is its own inverse; 0 for a function that is not, below 0 for a failure. */
+static int reflect(void *user, size_t dof, size_t samples, double *q, double *p) {
+    const double sum = *(double *)user;
+    (void)q;
+    for (size_t k = 0; k < samples * dof; k++) p[k] = sum > 0 ? sum - p[k] : -2 * p[k];
+    return sum < 0 ? 5 : 0;
+}
+
+static void reversal_function(void) {
+    const double q0[2] = {0.3, -0.2}, p0[2] = {1.5, 1.1}, signs[4] = {1, 1, -1, -1};
+    double sum = 2;
+    SymplintReport *report = NULL;
+    SymplintOptions options;
+    symplint_options_init(&options, sizeof options);
+    CHECK(options.reversal_function == NULL);
+    CHECK(symplint_check(shifted, &sum, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(strstr(symplint_report_json(report), "\"text\": \"not time-reversible (a step, p → −p") != NULL);
+    symplint_report_free(report);
+    options.reversal_function = reflect;
+    CHECK(symplint_check(shifted, &sum, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(strstr(symplint_report_json(report), "\"text\": \"time-reversible (a step, the given reversal") != NULL);
+    symplint_report_free(report);
+    sum = 3;
+    CHECK(symplint_check(shifted, &sum, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
+    CHECK(strstr(symplint_report_json(report), "\"text\": \"not time-reversible (a step, the given reversal") != NULL);
+    symplint_report_free(report);
+    sum = 0;
+    CHECK(symplint_check(shifted, &sum, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(says("its own inverse") && report == NULL);
+    sum = -1;
+    CHECK(symplint_check(shifted, &sum, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_STEP_FAILED);
+    CHECK(says("the reversal returned 5") && report == NULL);
+    options.reversal = signs;
+    CHECK(symplint_check(shifted, &sum, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT);
+    CHECK(says("both reversal and reversal_function") && report == NULL);
+}
+
 static void properties(void) {
     const double q0[2] = {0.3, -0.2}, p0[2] = {0.5, 0.1};
     const double kept[4] = {1, 1, 1, 1}, flipped[4] = {-1, 1, 1, -1}, bad[4] = {1, 1, 2, -1};
@@ -528,6 +573,7 @@ int main(int count, char **arguments) {
     torus();
     no_step_size();
     properties();
+    reversal_function();
     substeps();
     integrals();
     fields();
