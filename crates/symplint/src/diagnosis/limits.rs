@@ -19,9 +19,6 @@ pub const MOST_LOOPS: usize = 10_000;
 /// narrower than a cell of the loop are not resolved.
 pub(super) const FINE_SAMPLES: usize = 1 << 11;
 
-/// The same in many degrees of freedom.
-pub(super) const FINE_SAMPLES_OF_MANY: usize = 64;
-
 /// Samples that tell whether a map rounds, where more are planned: enough for any smooth loop.
 pub(super) const COARSE: usize = 256;
 
@@ -53,9 +50,6 @@ pub(super) const TIGHT_SAMPLES_PART: usize = 16;
 /// The part of a budget that is kept while the given loop is resolved: a second step size or a random loop may
 /// fit into it where samples were enough.
 pub(super) const KEPT_PART: usize = 8;
-
-/// Samples that a loop gets in any budget that allows them.
-pub(super) const FEWEST_TIGHT_SAMPLES: usize = 64;
 
 /// Budgets below this are tight: every evaluation is counted on.
 pub(super) const TIGHT: usize = 20_000;
@@ -102,9 +96,6 @@ pub(super) const FEWEST_JACOBIAN: usize = 400;
 pub(super) const TIGHT_TOLERANCE: f64 = 1e-9;
 
 // Rules and samples.
-
-/// The most samples of automatic doubling.
-pub(super) const MOST_SAMPLES: usize = 1 << 16;
 
 /// Sobolev exponents of loops with kinks: more than the ½ of a jump, for which there is a separate search, and so few
 /// that no analytic loop has them. Derived: a kink has 3/2, and estimates are
@@ -190,9 +181,6 @@ pub(super) const OF_A_FEATURE: f64 = 1e-3;
 /// A part of the samples that resolve a loop shows where it is roughest after a step, as its upper modes are not yet lost in rounding then.
 pub(super) const PART_OF_SAMPLES: usize = 4;
 
-/// The fewest of them.
-pub(super) const FEWEST_OF_ROUGHNESS: usize = 64;
-
 /// Distance of states that share a feature with one of them: far below the width of a feature that matters, and so small that the
 /// curvature of the loop, (2π)² of the square, is below 1e-12.
 pub(super) const BESIDE_FEATURE: f64 = 1e-7;
@@ -238,9 +226,6 @@ pub(super) const FOLDED: usize = 1 << 13;
 /// Memory of the largest ensemble that is chosen without being asked for; samples before and after a step make two of
 /// them.
 pub(super) const MOST_BYTES: usize = 512 << 20;
-
-/// Samples of the smallest ensembles that a diagnosis makes, apart from those that it measures with.
-pub(super) const SMALL: usize = 64;
 
 // Steps back.
 

@@ -8,13 +8,13 @@
 use super::checks::constraint::singular_cost;
 use super::checks::memory::cost_again;
 use super::limits::{
-    CONTRACTION, DOMAIN_PART, LARGEST_BUDGET, MOST_SAMPLES, OF_PIECES, STEEPER, STRETCHED,
-    TWO_DOUBLINGS,
+    CONTRACTION, DOMAIN_PART, LARGEST_BUDGET, OF_PIECES, STEEPER, STRETCHED, TWO_DOUBLINGS,
 };
 use super::plan::Plan;
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
 use crate::evidence::{Check, Evidence, LoopEvidence, MOST_CELLS_APART, StepEvidence};
+use crate::loops::MOST_SAMPLES;
 use crate::rules::{Rule, Subject, cells_apart};
 use crate::state::Ensemble;
 

@@ -1,14 +1,15 @@
 //! How a budget of evaluations is spent.
 
 use super::limits::{
-    BUDGET_OF_A_WITNESS, CONTRACTION, DEFAULT_BUDGET, DOMAIN_PART, FEWEST_JACOBIAN,
-    FEWEST_TIGHT_SAMPLES, FINE_SAMPLES, FINE_SAMPLES_OF_MANY, FIRST_PART, FIXED_PART, FOLDED,
-    JACOBIAN_OF_FEW, JACOBIAN_PART, JACOBIAN_PART_OF_MANY, MOST_BYTES, MOST_JACOBIAN,
-    MOST_WITNESSES, PURITY_SAMPLES, SMALL, TIGHT, TIGHT_SAMPLES_PART, TIGHT_TOLERANCE,
+    BUDGET_OF_A_WITNESS, CONTRACTION, DEFAULT_BUDGET, DOMAIN_PART, FEWEST_JACOBIAN, FINE_SAMPLES,
+    FIRST_PART, FIXED_PART, FOLDED, JACOBIAN_OF_FEW, JACOBIAN_PART, JACOBIAN_PART_OF_MANY,
+    MOST_BYTES, MOST_JACOBIAN, MOST_WITNESSES, PURITY_SAMPLES, TIGHT, TIGHT_SAMPLES_PART,
+    TIGHT_TOLERANCE,
 };
 use super::{Diagnostic, SampleCount};
 use crate::evidence::FEWEST_SAMPLES;
 use crate::jacobian::JacobianTest;
+use crate::loops::FEW_SAMPLES;
 use crate::map::Evaluator;
 
 /// The budget if none is given. It allows the many steps that are asked for and, if the number of samples is
@@ -59,9 +60,9 @@ impl Plan {
         let dof = evaluator.dof();
         let measurements = diagnostic.step_sizes.len() + diagnostic.loops;
         let share = power_below(budget / (FIRST_PART * measurements.max(1)));
-        let fine = power_below(FINE_SAMPLES / dof.max(1)).max(FINE_SAMPLES_OF_MANY);
+        let fine = power_below(FINE_SAMPLES / dof.max(1)).max(FEW_SAMPLES);
         let tight = budget < TIGHT;
-        let ample = usize::from(!tight && fits(dof, SMALL));
+        let ample = usize::from(!tight && fits(dof, FEW_SAMPLES));
         Plan {
             first_samples: match diagnostic.samples {
                 SampleCount::Fixed(samples) if samples <= budget / FIXED_PART => samples,
@@ -69,7 +70,7 @@ impl Plan {
                 SampleCount::Auto => share.clamp(FEWEST_SAMPLES, fine),
             },
             purity_samples: PURITY_SAMPLES[ample],
-            witnesses: match fits(dof, SMALL) {
+            witnesses: match fits(dof, FEW_SAMPLES) {
                 true => (budget / BUDGET_OF_A_WITNESS).clamp(1, MOST_WITNESSES),
                 false => 1,
             },
@@ -105,7 +106,7 @@ impl Plan {
 
 /// The most samples of a loop in a tight budget of which this number of evaluations is left.
 pub(super) fn tight_samples(left: usize) -> usize {
-    (left / TIGHT_SAMPLES_PART).max(FEWEST_TIGHT_SAMPLES)
+    (left / TIGHT_SAMPLES_PART).max(FEW_SAMPLES)
 }
 
 /// Samples of one loop in an ample budget: as many as the given loop at all step sizes, the random loops at the

@@ -31,9 +31,6 @@ pub(super) const MANY_SAMPLES: usize = 1024;
 /// Samples of a small ellipse at first.
 pub(super) const FIRST_OF_PAIR: usize = 16;
 
-/// Samples of a loop at most.
-pub(super) const MOST_SAMPLES: usize = 1 << 16;
-
 /// Samples of a contractible loop of one position at most: its integral is zero for every force. Conventional.
 pub(super) const MOST_OF_ONE_POSITION: usize = 256;
 

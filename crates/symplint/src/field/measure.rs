@@ -4,14 +4,13 @@ use super::evidence::{FieldEvidence, FieldKind, LoopKind, LoopWork, Omitted};
 use super::integrand::Integrand;
 use super::limits::{
     FACTORS_FOR_SOLVERS, FIRST_OF_PAIR, FIRST_SAMPLES, LEAST_FOR_SOLVERS, MOST_FOR_SOLVERS,
-    MOST_OF_ONE_POSITION, MOST_SAMPLES, MOST_WINDING, OF_A_LOOP, RANDOM_PAIRS, SAME_RATE,
-    SEARCHED_FOR_SOLVERS,
+    MOST_OF_ONE_POSITION, MOST_WINDING, OF_A_LOOP, RANDOM_PAIRS, SAME_RATE, SEARCHED_FOR_SOLVERS,
 };
 use super::noise;
 use super::pairs::Pairs;
 use super::work::{Integration, Known, Limits};
 use crate::error::Error;
-use crate::loops::FourierLoop;
+use crate::loops::{FourierLoop, MOST_SAMPLES};
 use crate::map::states_at;
 use crate::signal::parameter;
 

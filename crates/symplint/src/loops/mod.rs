@@ -15,8 +15,12 @@ pub(crate) use sampling::sample_block;
 
 use crate::state::Block;
 
-/// Samples that tell where a loop lies, its ranges to two digits for a few Fourier modes, and how it winds.
+/// A few samples: they tell the ranges of a loop to two digits for a few Fourier modes, and how it winds. Every loop that is resolved has as
+/// many, if the budget and memory allow them.
 pub(crate) const FEW_SAMPLES: usize = 64;
+
+/// The most samples of automatic doubling.
+pub(crate) const MOST_SAMPLES: usize = 1 << 16;
 
 /// A closed curve in phase space that can be sampled at any s.
 ///

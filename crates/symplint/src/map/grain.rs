@@ -1,10 +1,8 @@
 //! The grain of a map: the distance of neighbouring values that it returns.
 
+use crate::loops::FEW_SAMPLES;
 use crate::signal::{Digits, Extent, Format, Levels, SINGLE, Turns};
 use crate::state::{Coordinates, Ensemble, coordinate, period};
-
-/// Samples that are examined: more than the different values that show a format.
-const SAMPLES: usize = 64;
 
 /// Fewer samples tell nothing.
 const FEWEST: usize = 24;
@@ -87,7 +85,7 @@ impl Grain {
         if samples < FEWEST || !Self::is_affordable(dof) {
             return None;
         }
-        let every = samples.div_ceil(SAMPLES);
+        let every = samples.div_ceil(FEW_SAMPLES);
         let of_coordinate = |c: usize| {
             let values = (0..samples).step_by(every).map(|k| value(c, k));
             CoordinateGrain::of(values, period(coordinates, c))
@@ -240,7 +238,7 @@ impl CoordinateGrain {
 
     /// Takes few values, if the loop had `before` them, for rounded ones.
     fn compare(&mut self, before: &[f64], written: bool) {
-        let every = before.len().div_ceil(SAMPLES).max(1);
+        let every = before.len().div_ceil(FEW_SAMPLES).max(1);
         let had = Levels::of(before.iter().step_by(every).copied()).count();
         let has_fewer = |count: usize| 2 * count < had || (written && had.max(count) > 1);
         let range = Extent::of(before).length();

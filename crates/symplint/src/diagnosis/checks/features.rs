@@ -2,13 +2,14 @@
 
 use super::constraint::singular_cost;
 use super::{GivenLoop, Runner, if_possible};
-use crate::diagnosis::limits::{FEWEST_OF_ROUGHNESS, MOST_FEATURES, OF_A_FEATURE, PART_OF_SAMPLES};
+use crate::diagnosis::limits::{MOST_FEATURES, OF_A_FEATURE, PART_OF_SAMPLES};
 use crate::diagnosis::plan::fits;
 use crate::diagnosis::resolve::features::roughest_sample;
 use crate::diagnosis::resolve::refined_samples::RefinedSamples;
 use crate::error::Error;
 use crate::evidence::{LoopKind, StepEvidence};
 use crate::jacobian::{JacobianEvidence, JacobianTest};
+use crate::loops::FEW_SAMPLES;
 use crate::map::Feature;
 use crate::rules::Subject;
 
@@ -88,7 +89,7 @@ impl Runner<'_> {
         let Some(found) = found.filter(|found| found.kind != LoopKind::Image) else {
             return Ok(None);
         };
-        let samples = (found.samples / PART_OF_SAMPLES).max(FEWEST_OF_ROUGHNESS);
+        let samples = (found.samples / PART_OF_SAMPLES).max(FEW_SAMPLES);
         let (dof, has_tangent) = (subject.dof(), subject.evaluator.has_tangent());
         let left = self.left_for_features(dof);
         let Some(one) = JacobianTest::within(left, dof, has_tangent) else {

@@ -1,10 +1,11 @@
 //! The Jacobian of a step.
 
 use super::{GivenLoop, Runner, failed};
-use crate::diagnosis::limits::{CLEAR_OF_METHOD, DECAY_PART, SMALL};
+use crate::diagnosis::limits::{CLEAR_OF_METHOD, DECAY_PART};
 use crate::error::Error;
 use crate::evidence::{Check, FEWEST_OF_A_LAW, LoopEvidence, NARROWEST_RANGE, Why};
 use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest};
+use crate::loops::FEW_SAMPLES;
 use crate::map::LoopSize;
 use crate::rules::Subject;
 use crate::signal::parameters;
@@ -20,7 +21,12 @@ impl Runner<'_> {
             return Ok(());
         }
         if given.probe.is_beyond_memory() {
-            self.omit(Check::Jacobian, Why::Memory { samples: SMALL });
+            self.omit(
+                Check::Jacobian,
+                Why::Memory {
+                    samples: FEW_SAMPLES,
+                },
+            );
             return Ok(());
         }
         let Subject {

@@ -2,12 +2,12 @@
 
 use super::{GivenLoop, Runner, failed, if_possible};
 use crate::diagnosis::limits::{
-    ROUNDINGS_OF_A_RETURN, SIZES_OF_ENERGY, SMALL, STATES_OF_A_RETURN, STATES_OF_ROUNDING,
-    STRUCTURE_PART,
+    ROUNDINGS_OF_A_RETURN, SIZES_OF_ENERGY, STATES_OF_A_RETURN, STATES_OF_ROUNDING, STRUCTURE_PART,
 };
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
 use crate::evidence::{Check, EnergyAtStep, EnergyChange, ReturnDefect, StructureEvidence, Why};
+use crate::loops::FEW_SAMPLES;
 use crate::map::{self, Evaluator};
 use crate::rules::Subject;
 use crate::signal::{SIGNIFICANT, nearest, parameters};
@@ -48,7 +48,7 @@ impl Runner<'_> {
         if reversal.is_none() && !structure.asked_for_symmetry && energy.is_none() {
             return Ok(());
         }
-        let few = self.plan.is_tight() || !fits(evaluator.dof(), SMALL);
+        let few = self.plan.is_tight() || !fits(evaluator.dof(), FEW_SAMPLES);
         let is_asked_for =
             structure.asked_for_symmetry || structure.given_reversal || energy.is_some();
         let states = STATES_OF_A_RETURN[usize::from(!few)] + STATES_OF_ROUNDING[usize::from(!few)];

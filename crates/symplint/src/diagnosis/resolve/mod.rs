@@ -8,13 +8,14 @@ pub(in crate::diagnosis) mod refined_samples;
 
 use crate::diagnosis::limits::{
     AGREEMENT, COARSE, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES, MOST_KINKED,
-    MOST_SAMPLES, MOST_STREAMED, MOST_TRIED, SMALL,
+    MOST_STREAMED, MOST_TRIED,
 };
 use crate::diagnosis::plan::fits;
 use crate::diagnosis::plan::{Plan, power_below};
 use crate::diagnosis::{Diagnostic, SampleCount};
 use crate::error::Error;
 use crate::evidence::WEAKEST_BOUND;
+use crate::loops::{FEW_SAMPLES, MOST_SAMPLES};
 use crate::rules::{CUTOFF, Cutoffs, LoopAfterStep, Piecewise, Rule, Streaming, Subject};
 use crate::signal::SIGNIFICANT;
 use crate::state::Ensemble;
@@ -372,7 +373,7 @@ impl Diagnostic {
     pub(in crate::diagnosis) fn must_stream(&self, dof: usize) -> bool {
         match self.samples {
             SampleCount::Fixed(samples) => !fits(dof, samples),
-            SampleCount::Auto => !fits(dof, SMALL),
+            SampleCount::Auto => !fits(dof, FEW_SAMPLES),
         }
     }
 
@@ -464,7 +465,7 @@ fn settled(before: Option<f64>, now: Option<f64>) -> Option<f64> {
 
 /// The most samples in memory, a power of two, for this number of degrees of freedom.
 fn range_of_samples(dof: usize) -> usize {
-    power_below(MOST_BYTES / (16 * dof.max(1))).clamp(SMALL, MOST_SAMPLES)
+    power_below(MOST_BYTES / (16 * dof.max(1))).clamp(FEW_SAMPLES, MOST_SAMPLES)
 }
 
 /// The most samples of the streaming rule, a power of two, for this number of degrees of freedom.

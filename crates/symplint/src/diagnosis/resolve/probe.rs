@@ -1,7 +1,7 @@
 //! One loop with a rule and a number of samples, ready to be advanced by any step size.
 
 use super::initial_samples::InitialSamples;
-use crate::diagnosis::limits::{FEWEST_TRIED, SMALL};
+use crate::diagnosis::limits::FEWEST_TRIED;
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
 use crate::evidence::{Closing, LoopEvidence, StepEvidence};
@@ -121,7 +121,7 @@ impl<'a> Probe<'a> {
 
     /// Whether the rule is one that does not keep samples, because not even small ensembles fit.
     pub fn is_beyond_memory(&self) -> bool {
-        !self.keeps_samples() && !fits(self.subject.dof(), SMALL)
+        !self.keeps_samples() && !fits(self.subject.dof(), FEW_SAMPLES)
     }
 
     /// Measures a step of size `h` from the samples after it, as many as before it.

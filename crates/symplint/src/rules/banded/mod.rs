@@ -18,7 +18,7 @@ use std::sync::LazyLock;
 use self::inspection::{Inspection, P_STRIDE, Q_STRIDE};
 use self::lags::{LAGS, REACH, add_lags};
 use super::RowIntegral;
-use super::stencil::Stencil;
+use super::stencil::{FOLDED, Stencil};
 use crate::signal::{LANES, UNIT_ROUNDOFF};
 
 /// The fewest samples that the rule is for: fewer are transformed nearly as fast, and have so few windows that a jump makes much of
@@ -28,9 +28,6 @@ const FEWEST: usize = 512;
 /// What rounding makes of the sums, in units of what it makes of their scale. Calibrated: with this, errors of 893 random loops of 24
 /// modes are at most 0.4 of what is stated.
 const ROUNDINGS_OF_SUMS: f64 = 6.0;
-
-/// White noise of the states folds back from beyond the Nyquist mode: this many standard deviations count.
-const FOLDED: f64 = 2.0;
 
 /// The rule answers if its error estimate, with the jump that noise may hide, is at most this part of the scale of the integral: half of
 /// what counts as round-off, as a defect has two integrals.

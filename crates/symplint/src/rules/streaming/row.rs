@@ -1,7 +1,7 @@
 //! One degree of freedom: what is kept of it while its samples pass by.
 
 use crate::breaks::{Coordinate, GROUP, REACH, Residuals, Suspect, Window};
-use crate::rules::stencil::Stencil;
+use crate::rules::stencil::{FOLDED, Stencil};
 use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
 
 /// Half widths of a stencil at most.
@@ -197,12 +197,6 @@ impl Row {
         })
     }
 }
-
-/// What lies beyond the Nyquist mode is as large as what the m-th difference shows near it, and folds back
-/// upon slopes: this many times their product counts.
-///
-/// 2 is 1.4 standard deviations of white noise, and six times the error that a kink makes.
-const FOLDED: f64 = 2.0;
 
 impl CoordinateSums {
     fn add(&mut self, stencil: &Stencil, next: usize, count: usize, x: &Span, half_slope: &Lanes) {

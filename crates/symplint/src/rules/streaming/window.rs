@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::loops::Loop;
 use crate::loops::sample_block;
 use crate::map::Evaluator;
+use crate::signal::LANES;
 use crate::state::Block;
 use crate::state::RowsMut;
 use crate::state::{Ensemble, first_error};
@@ -19,9 +20,6 @@ const MOST_NEW: usize = 4096;
 
 /// New samples are made in this many blocks, by as many threads, if the blocks are not too narrow.
 const BLOCKS: usize = 16;
-
-/// Samples of the narrowest block: a cache line.
-const NARROWEST: usize = 8;
 
 /// Where samples come from: the loop itself, or what a step makes of it.
 #[derive(Clone, Copy)]
@@ -83,7 +81,7 @@ impl Window {
         count: usize,
     ) -> Result<(), Error> {
         let stride = self.history + self.new;
-        let width = (self.new / BLOCKS).clamp(NARROWEST, Ensemble::block_width(self.dof));
+        let width = (self.new / BLOCKS).clamp(LANES, Ensemble::block_width(self.dof));
         // Without degrees of freedom the memory is empty.
         let column = column.min(self.q.len());
         let q = RowsMut::new(&mut self.q[column..], self.dof, stride, count);

@@ -59,9 +59,6 @@ pub(super) const ROUNDED_WITHIN: f64 = 3.0;
 /// An entry of a form is 0 if it is at most this many times its error, or this part of the largest one in its units.
 pub(super) const NO_ENTRY: (f64, f64) = (5.0, 1e-9);
 
-/// Samples of a loop at first.
-pub(super) const FIRST_SAMPLES: usize = 64;
-
 /// More samples are not taken if the change of a loop integral is known to this. Derived: a few hundred roundings.
 pub(super) const KNOWN: f64 = 1e-13;
 

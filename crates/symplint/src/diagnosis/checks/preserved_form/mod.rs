@@ -9,9 +9,9 @@ mod rounded;
 
 use fit::{Entry, Fit, Term};
 use limits::{
-    DOFS_OF_FIELD, FIRST_SAMPLES, FURTHER_VECTORS, LARGEST_ERROR, LARGEST_ERROR_OF_JACOBIAN,
-    MOST_EVALUATIONS, MOST_OF_ALL, MOST_OF_WEIGHTS, MOST_REFINING, MOST_SAMPLES, SEED_OF_REFINING,
-    STATES, STATES_OF_WEIGHTS,
+    DOFS_OF_FIELD, FURTHER_VECTORS, LARGEST_ERROR, LARGEST_ERROR_OF_JACOBIAN, MOST_EVALUATIONS,
+    MOST_OF_ALL, MOST_OF_WEIGHTS, MOST_REFINING, MOST_SAMPLES, SEED_OF_REFINING, STATES,
+    STATES_OF_WEIGHTS,
 };
 use on_loops::AdvancedLoop;
 
@@ -20,6 +20,7 @@ use super::{GivenLoop, Runner};
 use crate::error::Error;
 use crate::evidence::{Check, FormEntry, FormOnLoop, LoopEvidence, LoopKind, PreservedForm, Why};
 use crate::jacobian::{JacobianEvidence, JacobianTest, TangentImages};
+use crate::loops::FEW_SAMPLES;
 use crate::rules::Subject;
 use crate::signal::parameters;
 
@@ -140,10 +141,10 @@ impl Runner<'_> {
             };
             let cost = test.evaluations(dof, false);
             let left = self.count.left().min(MOST_EVALUATIONS);
-            if cost + FIRST_SAMPLES > left {
+            if cost + FEW_SAMPLES > left {
                 return Ok(None);
             }
-            let spare = left - cost - FIRST_SAMPLES;
+            let spare = left - cost - FEW_SAMPLES;
             let with = (subject.phase_loop, &given.size);
             // Not those of the Jacobian.
             let first = JacobianTest::default().points;
@@ -170,7 +171,7 @@ impl Runner<'_> {
     ) -> Result<Vec<FormEntry>, Error> {
         let (round, is_short) = rounded::rounded(&entries, subject.dof(), None);
         let groups = entries.iter().map(|of| of.group + 1).max().unwrap_or(0);
-        let affordable = self.count.left() / FIRST_SAMPLES;
+        let affordable = self.count.left() / FEW_SAMPLES;
         let loops = (entries.len() - groups)
             .min(MOST_REFINING)
             .min(affordable.saturating_sub(2));
@@ -207,7 +208,7 @@ impl Runner<'_> {
         let mut changes = Vec::new();
         for found in self.evidence.loops.iter().filter(counts).take(2) {
             let left = self.count.left().min(MOST_SAMPLES);
-            if left < FIRST_SAMPLES {
+            if left < FEW_SAMPLES {
                 break;
             }
             let random = (self.diagnostic).random_loop_of(found, &given.size, subject)?;

@@ -1,8 +1,9 @@
 //! Loop integrals of a closed two-form: ∮ Σ Ω_ab z_a dz_b, with polynomials in q instead of z_a if it varies.
 
-use super::limits::{FALLS, FIRST_SAMPLES, KNOWN};
+use super::limits::{FALLS, KNOWN};
 use crate::error::Error;
 use crate::evidence::{FormEntry, FormOnLoop, monomial};
+use crate::loops::FEW_SAMPLES;
 use crate::map::states_at;
 use crate::rules::{LoopIntegral, Rule, Subject};
 use crate::signal::unwrap_row;
@@ -27,7 +28,7 @@ pub(super) struct Change {
 impl AdvancedLoop {
     /// The loop after a step of size `h`, with the fewest samples.
     pub fn new(subject: Subject<'_>, h: f64) -> Result<Self, Error> {
-        let before = Ensemble::sample(subject.phase_loop, FIRST_SAMPLES)?;
+        let before = Ensemble::sample(subject.phase_loop, FEW_SAMPLES)?;
         let mut after = before.clone();
         subject.evaluator.begin_loop();
         subject.evaluator.advance(&mut after, h)?;
