@@ -139,7 +139,7 @@ impl Runner<'_> {
 
     /// Evaluations left but for those that show whether the map projects onto a manifold. A loop need not be contracted if the Jacobian
     /// shows the defect.
-    fn left_for_features(&self, dof: usize) -> usize {
+    pub(super) fn left_for_features(&self, dof: usize) -> usize {
         self.count.left().saturating_sub(singular_cost(dof))
     }
 

@@ -111,7 +111,12 @@ impl Runner<'_> {
             size.groups.len().max(1)
         };
         let cost = groups * one.evaluations(evaluator.dof(), evaluator.has_tangent());
-        let left = self.count.left().saturating_sub(self.plan.domain);
+        // A witness of an order may cost nothing that the domain of the map needs. A loop need not be contracted if the Jacobian shows
+        // the defect.
+        let left = match has_order {
+            true => self.count.left().saturating_sub(self.plan.domain),
+            false => self.left_for_features(evaluator.dof()),
+        };
         if cost > left.min(self.count.made() / DECAY_PART) {
             return None;
         }
