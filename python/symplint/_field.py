@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import html
 import json
+import os
 import re
 from collections.abc import Callable
 from typing import Any, NamedTuple, NoReturn
@@ -14,8 +15,9 @@ import numpy.typing as npt
 
 from . import _native
 from ._arrays import Array, coordinates, numbers, vector, whole
-from ._check import _is_single
+from ._check import _absolute, _config, _is_single, _journal, _resumable
 from ._errors import InputError, StepError
+from ._identity import identity
 from ._names import executor_of, one_of, seed_of
 from ._workers import Workers
 
@@ -196,9 +198,12 @@ def check_force(
     rng: Any = None,
     workers: Any = 1,
     threads: int | None = None,
+    run_dir: str | os.PathLike[str] | None = None,
+    key: str | None = None,
     maxfev: int | None = None,
     seed: int | None = None,
     executor: Any = None,
+    out: str | os.PathLike[str] | None = None,
 ) -> FieldReport:
     """Test whether a force is a gradient.
 
@@ -236,8 +241,10 @@ def check_force(
         Processes or an executor that evaluate the force, as in `check`.
     threads : int, optional
         Threads for the work of the library, as in `check`.
-    maxfev, seed, executor : optional
-        Other names of `budget`, `rng` and `workers`.
+    run_dir, key : optional
+        A folder to write report.json to, and to store every result of `force` in: a test that was stopped resumes there, as in `check`.
+    maxfev, seed, executor, out : optional
+        Other names of `budget`, `rng`, `workers` and `run_dir`.
 
     Returns
     -------
@@ -281,6 +288,7 @@ def check_force(
         step, centre.ravel(), None, radius=sizes, period=None if period is None else _like(period, "period", centre.shape), weight=None,
         loops=loops, budget=one_of("budget", budget, "maxfev", maxfev, None), per_sample=per_sample, dtype=dtype,
         rng=one_of("rng", rng, "seed", seed, None), workers=one_of("workers", workers, "executor", executor, 1), threads=threads,
+        run_dir=one_of("run_dir", run_dir, "out", out, None), key=key,
     )  # fmt: skip
 
 
@@ -300,9 +308,12 @@ def check_field(
     rng: Any = None,
     workers: Any = 1,
     threads: int | None = None,
+    run_dir: str | os.PathLike[str] | None = None,
+    key: str | None = None,
     maxfev: int | None = None,
     seed: int | None = None,
     executor: Any = None,
+    out: str | os.PathLike[str] | None = None,
 ) -> FieldReport:
     """Test whether the vector field (q, p)' = f(q, p) is Hamiltonian in these variables.
 
@@ -325,7 +336,7 @@ def check_field(
         As in `check_force`.
     weight : float or array_like, optional
         The canonical momentum is weight × p: masses, if p are velocities.
-    per_sample, dtype, rng, workers, threads, maxfev, seed, executor : optional
+    per_sample, dtype, rng, workers, threads, run_dir, key, maxfev, seed, executor, out : optional
         As in `check_force`.
 
     Returns
@@ -365,6 +376,7 @@ def check_field(
         weight=None if weight is None else _like(weight, "weight", of_q.shape), loops=loops,
         budget=one_of("budget", budget, "maxfev", maxfev, None), per_sample=per_sample, dtype=dtype,
         rng=one_of("rng", rng, "seed", seed, None), workers=one_of("workers", workers, "executor", executor, 1), threads=threads,
+        run_dir=one_of("run_dir", run_dir, "out", out, None), key=key,
     )  # fmt: skip
 
 
@@ -457,8 +469,11 @@ def _run(
     rng: Any,
     workers: Any,
     threads: int | None,
+    run_dir: str | os.PathLike[str] | None,
+    key: str | None,
 ) -> FieldReport:
     __tracebackhide__ = True
+    folder = None if run_dir is None else _absolute(run_dir)
     dof, single = q0.size, _is_single(dtype)
     at_rest = [0.0] * dof
     momenta = at_rest if p0 is None else p0.tolist()
@@ -499,12 +514,20 @@ def _run(
         if executor is not None:
             pool = Workers(executor, step, per_sample=bool(per_sample), make=False, single=single, reset=None)
             subject["workers"] = stack.enter_context(contextlib.closing(pool))
+        journal = None
+        if folder is not None:
+            config = _config(step.__name__, subject, settings | {"test": step.what, "args": repr(step.args)}, None)
+            journal = _journal(folder, identity({step.what: step.function}, key), config, subject)
+        stack.enter_context(_resumable(folder))
         try:
-            report = FieldReport(_native.check_field(subject, settings))
+            report = FieldReport(_native.check_field(subject, settings, journal))
         except StepError as error:
             raise StepError(_of_force(str(error), step.what), None, error.s, error.sample) from error.__cause__
     if subject["workers"] is not None:
         subject["workers"].warn()
+    if folder is not None:
+        with open(os.path.join(folder, "report.json"), "w", encoding="utf-8") as file:
+            file.write(report.to_json())
     return report
 
 

@@ -67,6 +67,38 @@ def test_a_check_that_was_stopped_goes_on(tmp_path, per_sample):
     assert report(stopped)[1] == of_whole["evaluations"]["made"]
 
 
+@pytest.mark.parametrize("per_sample", [False, True])
+@pytest.mark.parametrize("friction", [None, 0.125])
+def test_a_test_of_a_force_or_a_field_that_was_stopped_goes_on(tmp_path, per_sample, friction):
+    whole, stopped = tmp_path / "whole", tmp_path / "stopped"
+
+    def test(folder, **arguments):
+        folder.mkdir(exist_ok=True)
+        step = counting(folder)
+        arguments = {"run_dir": folder / "run", "per_sample": per_sample, "budget": 400} | arguments
+        if friction is None:
+            return symplint.check_force(lambda q: step(q, q, 0.5)[1], [1.0, 0.5], **arguments)
+        return symplint.check_field(lambda q, p: (p, step(q, p, 0.0)[1] - friction * p), 1.0, 0.5, **arguments)
+
+    found = test(whole)
+    calls = (whole / "calls").read_text()
+    count = len(calls.splitlines())
+    stopped.mkdir()
+    for last in (1, count // 2, count - 1):
+        (stopped / "last").write_text(str(last))
+        with pytest.raises(Stopped):
+            test(stopped)
+    (stopped / "last").unlink()
+    # The second one finds all results, and calls nothing.
+    for _ in range(2):
+        assert test(stopped).to_dict() == found.to_dict()
+        assert (stopped / "calls").read_text() == calls
+    assert (stopped / "run" / "report.json").read_text() == found.to_json()
+    for other in ({"loops": 5}, {"key": "another"}, {"args": (1.0,)}, {"period": 2.0}, {"rng": 2}):
+        with pytest.raises(symplint.InputError, match="run"):
+            test(stopped, **other)
+
+
 def _step(q, p, h):
     p = p - h * np.sin(q)
     return q + h * p, p
