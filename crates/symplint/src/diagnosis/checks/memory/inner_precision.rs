@@ -55,7 +55,14 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
     let sites = parameters(SITES);
     let mut forward = vec![stairs(subject, h, &sites[..FIRST], &units, |point| point)?];
     let mut noise = noise(subject, &forward[0]);
-    let shows = |c: usize, noise: f64| noise > PARTS[0] * grain.of_coordinate(c);
+    // Rounding grows with the numbers that a step returns.
+    let growth = |c: usize| {
+        let after = f64::from(f32::EPSILON) * Extent::of(coordinate(&forward[0], c)).magnitude();
+        (after / units[c]).max(1.0)
+    };
+    let growth: Vec<f64> = (0..2 * dof).map(growth).collect();
+    let grain = |c: usize| growth[c] * grain.of_coordinate(c);
+    let shows = |c: usize, noise: f64| noise > PARTS[0] * grain(c);
     let any = |of: &[f64]| (of.iter().enumerate()).any(|(c, &noise)| shows(c, noise));
     if !noise.iter().any(|of_site| any(of_site)) {
         return Ok(None);
@@ -64,7 +71,7 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
     noise.extend(self::noise(subject, &forward[1]));
     let is_single = |c: usize| {
         let noisy = noise.iter().filter(|of_site| shows(c, of_site[c])).count();
-        let most = PARTS[1] * grain.of_coordinate(c);
+        let most = PARTS[1] * grain(c);
         // The sixth difference at one site may be small. A larger one comes from a break or a kink.
         noisy + 1 >= SITES && noise.iter().all(|of_site| of_site[c] < most)
     };
