@@ -95,7 +95,7 @@ def vector(value: Any, name: str, length: int | None = None) -> Array:
     if array.ndim == 0:
         return np.full(1 if length is None else length, array)
     if array.ndim != 1:
-        raise InputError(f"{name} has the shape {array.shape}; give one number for each degree of freedom")
+        raise InputError(f"{name} has the shape {array.shape}; give one number for each degree of freedom, as {name}.ravel() does")
     if length is not None and array.size != length:
         raise InputError(
             f"{name} has {array.size} values for {length} degrees of freedom; give one for each, or a single number"

@@ -96,142 +96,142 @@ def check(
     h: float | None = None,
     **settings: Any,
 ) -> Report:
-    """Tell whether a time-advance map is symplectic.
+    """Test whether a time-advance map is symplectic.
 
-    Closed loops of initial states are sent through one step of the map, and the loop integrals ∮ p·dq before and after
-    are compared, while the step size varies.
+    symplint sends closed loops of states through one step of the map, at several step sizes, and compares the loop integrals ∮ p·dq
+    before and after the step.
 
     Parameters
     ----------
     step : callable
-        ``step(q, p, h)`` gets arrays of shape (samples, dof), and returns two, or changes them in place and returns None. A row is one
-        state; what happens to it must depend on nothing but this row and h. Arrays may be kept: they are not used again then. The arrays
-        are in Fortran order. Their lengths are 1, 4, 16, 64, 256 or 1024, so that JAX compiles few versions: a batch may end with copies
-        of its last row, which are no evaluations. Results may be arrays of any order and library, torch and JAX among them. An integrator
-        of `symplint.integrators` runs without Python, and so does a system of `symplint.systems`, with its default integrator. A step of
-        `symplint.adapters` states its centre, weights and step sizes.
+        ``step(q, p, h)`` gets two arrays of shape (samples, dof). It returns two new arrays, or changes them in place and returns None.
+        Each row is one state. The new state of a row must depend on this row and h only. The arrays are in Fortran order and have 1,
+        4, 16, 64, 256 or 1024 rows, so that JAX compiles few versions. Rows that fill a batch are copies of the last row, and do not
+        count as evaluations. The step may keep the arrays. Results may be arrays of any order and library, including torch and JAX.
+        Integrators of `symplint.integrators` run without Python, and so do systems of `symplint.systems` with their default
+        integrator. A step of `symplint.adapters` supplies its own centre, weights and step sizes.
     q0, p0 : array_like
-        Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library or a step of
-        `symplint.adapters`, and if `loop` is one of the library.
+        Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library, for a step of
+        `symplint.adapters`, or with a `loop` of the library.
     substeps : list of (str, callable), optional
-        In place of `step`, its parts with their names, the first to be applied first: see `compose`. If the whole step has a
-        defect, one pass of a loop through all parts tells which of them cause it.
+        The parts of the step with their names, instead of `step`. The first part is applied first: see `compose`. If the whole step
+        has a defect, symplint sends one loop through all parts, and names the parts that cause the defect.
     args : tuple
-        Further arguments of `step`, which follow h.
+        Further arguments of `step`, after h.
     step_sizes : array_like or "none", optional
-        Step sizes to try; the verdict leans on the largest. By default, 2^-1 … 2^-10. "none" is for a map without a step size
-        (a kicker, an edge, one turn of a ring): `step` is then ``step(q, p)``, and is tested itself.
+        Step sizes to try, 2^-1 … 2^-10 by default. Random loops and the Jacobian are tested at the largest one. "none" is for a map
+        without a step size, such as a kicker or one turn of a ring: the step is then ``step(q, p)``.
     typical_step : float, optional
-        Instead of `step_sizes`, a typical step size: the largest step size that tests something is looked for, and
-        halved.
+        A step size of your simulation, instead of `step_sizes`. From this size, symplint finds the largest step that moves the loop by
+        about a radian, and halves it.
     repeat : int
         The step is composed with itself this number of times.
     radius : float, array_like, pair of them or "auto", optional
-        Radius of the loop: one for all degrees of freedom, one for each, a tuple of those for q and for p, or as the map
-        suggests. By default 1, and what it states for a step of `symplint.adapters`. Not together with `loop`.
+        Radius of the loop: a number, an array with one radius for each degree of freedom, or a tuple of the radius in q and the radius
+        in p. "auto" takes the size of the loop from the map. The default is 1, or the radius of a step of `symplint.adapters`. Not
+        together with `loop`.
     phases : {"staggered", "equal", "random"}
-        Where each degree of freedom starts on its circle: at multiples of the golden ratio, all at the same phase (the circle of
-        the paper, on which forces between pairs of particles do not change), or at random. Not together with `loop`.
+        The point of the circle at which each degree of freedom starts: multiples of the golden ratio, the same point, or random points.
+        "equal" is the circle of the paper. All particles then move together, and forces between pairs stay constant. Not together with
+        `loop`.
     loop : Circle, FourierLoop, SampledLoop or callable, optional
-        The loop, instead of a circle round (q0, p0): also a function that gets an array of s in [0, 1) and returns (q, p)
-        of shape (len(s), dof).
+        A loop instead of the circle around (q0, p0). A function gets an array of s in [0, 1), and returns (q, p) of shape
+        (len(s), dof).
     loops : int
-        Loops in all, the given one included; the others are random. At most 10,000.
+        Number of loops, at most 10,000: your loop, and random ones.
     rng : int or numpy.random.Generator, optional
-        For the random loops and random phases, as SPEC 7 has it, but 1 by default, so that results repeat.
+        Seed or generator for random loops and random phases (SPEC 7). The default is 1, so that results repeat.
     rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}, optional
-        How loop integrals are computed; None is "auto".
+        Rule that computes the loop integrals. None means "auto".
     cutoff : float or (float, float), optional
-        The λ of the finite-difference rule, or λ_q and λ_p: a cell of the loop is left out where q changes faster than λ_q times
-        the largest absolute value of q, or p in the same way.
+        λ of the finite-difference rule, or λ_q and λ_p. The rule skips a cell of the loop if |dq/ds| exceeds λ_q times the largest
+        |q|, or if |dp/ds| exceeds λ_p times the largest |p|.
     samples : int or "auto"
         Samples of each loop.
     budget : int or "auto", optional
-        The most evaluations, states advanced by one step: 200 or more. By default 20,000; "auto" is 1,000,000 for integrators of
-        the library.
+        Largest number of evaluations (states advanced by one step), at least 200. The default is 20,000. "auto" is 1,000,000 for
+        integrators of the library, and 20,000 for other steps.
     coordinates : Coordinates, optional
         The next seven arguments in one object.
     period : float or array_like, optional
-        Periods of the positions, 0 where a position is not periodic.
+        Periods of the positions, 0 for positions that are not periodic.
     momentum_period : float or array_like, optional
-        Periods of the momenta, as for the standard map on the torus. Loops must not wind round such a torus: ∮ p·dq has
-        no value there.
+        Periods of the momenta, as for the standard map on the torus. Loops must not wind around such a torus, because ∮ p·dq has no
+        value there.
     weight : float or array_like, optional
-        The canonical momentum is weight × p: masses, where p are velocities.
+        The canonical momentum is weight × p. If p are velocities, pass the masses.
     project : callable, optional
-        ``project(q, p)`` puts states on the constraint manifold of the map, and returns or changes them as `step` does. With
-        `form`, ``project(z)``.
+        ``project(q, p)`` puts states on the constraint manifold of the map. It returns or changes them as `step` does. With `form`, it is
+        ``project(z)``.
     form : callable, optional
-        The one-form ϑ of non-canonical coordinates z, whose derivative is the symplectic form: ``form(z)`` gets an array of shape
-        (samples, n) and returns one like it. Then `step` is ``step(z, h)`` and returns one array or changes it in place, `q0`
-        is the centre z0, n numbers, `radius` has one number for each of them, and `loop` is a function of s that returns z. The loop
-        integral is ∮ ϑ(z)·dz; what a report calls degree of freedom i is the coordinate z_i.
+        The one-form ϑ of non-canonical coordinates z. Its derivative is the symplectic form. ``form(z)`` gets an array of shape
+        (samples, n) and returns an array of the same shape. The step is then ``step(z, h)``, and returns one array or changes it in
+        place. `q0` is the centre z0 of n numbers, `radius` has one number for each of them, and `loop` is a function of s that returns z.
+        The loop integral is ∮ ϑ(z)·dz. Degree of freedom i of the report is the coordinate z_i.
     casimir : callable or list of callables, optional
-        With `form`: the Casimir functions of a degenerate (Lie–Poisson) form, such as the lengths of spins. Each gets an array of
-        shape (samples, n) and returns one of shape (samples,). All loops and tangent vectors are kept to the leaf through `q0`,
-        on which these functions are constant. ``project(z)`` does the same if the leaf is known in another way.
+        The Casimir functions of a degenerate (Lie–Poisson) `form`, such as the lengths of spins. Each gets an array of shape (samples, n)
+        and returns an array of shape (samples,). Loops and tangent vectors stay on the leaf through `q0`, on which these functions are
+        constant. ``project(z)`` is an alternative, if you know the leaf in another way.
     mass_matrix : callable or array_like, optional
-        If the canonical momentum is M(q) v and `step` is ``step(q, v, h)``: ``mass_matrix(q)`` returns an array of shape (samples, dof,
-        dof), or ``mass_matrix`` is one matrix. `p0` is a velocity then, and so is the second argument of `energy`. Loops are laid in q
-        and M(q) v, and `radius` and `loop` describe these momenta.
+        The mass matrix M(q), if the canonical momentum is M(q) v and the step is ``step(q, v, h)``. ``mass_matrix(q)`` returns an array of
+        shape (samples, dof, dof). A constant matrix may be passed as an array. `p0` and the second argument of `energy` are then
+        velocities. Loops lie in q and M(q) v, and `radius` and `loop` describe these momenta.
     per_sample : bool
-        Whether `step` (and `project`, `form` and `casimir`) takes and returns one state: arrays of shape (dof,).
+        Whether `step`, `project`, `form` and `casimir` take and return one state: arrays of shape (dof,).
     make : bool
-        Whether ``step(h)`` returns ``advance(q, p)``; it is called once for each h.
+        Whether `step` is a factory: ``step(h)`` returns ``advance(q, p)``. It is called once for each h.
     reset : callable, optional
-        Called before every call of `step`, for codes that keep state.
+        Called before each call of `step`, for codes that keep state.
     dtype : "float32", optional
-        Where the map computes in single precision: `step` then gets arrays of it.
+        For a step that computes in single precision: it gets arrays of this type.
     jacobian : bool or "auto"
-        Whether the Jacobian of one step is also checked. With "auto", a step that takes and returns arrays of JAX or tensors of torch is
-        also called with them: ``jax.jvp`` or ``torch.func.jvp`` then gives the exact Jacobian. There is a warning
-        if the step cannot be traced. A step that ``jax.jit`` compiled needs no "auto".
+        Whether the Jacobian of one step is also tested. "auto" also calls the step with arrays of JAX or tensors of torch, if it takes
+        and returns them. ``jax.jvp`` or ``torch.func.jvp`` then gives the exact Jacobian. A step that cannot be traced causes a warning.
+        A step that ``jax.jit`` compiled does not need "auto".
     jvp : callable, optional
-        ``jvp(q, p, h, dq, dp)`` returns the derivative of the step at q, p along dq, dp: two arrays, as `step` does. The Jacobian is
-        then exact, and costs fewer evaluations than differences, by which it is checked. Not needed for a step that
-        ``jax.jit`` compiled: its derivatives are found. `args` follow dp; without a step size, ``jvp(q, p, dq, dp)``.
+        ``jvp(q, p, h, dq, dp)`` returns the derivative of the step at (q, p) along (dq, dp), as two arrays. The Jacobian is then exact,
+        and needs fewer evaluations. symplint compares the derivative with differences first. `args` follow dp. Without a step size, the
+        function is ``jvp(q, p, dq, dp)``. A step that ``jax.jit`` compiled does not need it.
     properties : bool
-        Whether other properties of the map are tested, with 40 evaluations (8 if the budget is small): see `Report.properties`.
+        Whether other properties of the map are also tested: see `Report.properties`. This takes 40 evaluations, or 8 if the budget is
+        small.
     reversal : array_like or callable, optional
-        Signs 1 or -1 of all positions, then of all momenta, that reverse time, or a function ``reversal(q, p)`` that returns the
-        reversed q and p and is its own inverse. By default, the signs of all momenta change.
+        Time reversal: signs 1 or -1 of all positions, then of all momenta. By default, the momenta change their signs. A function
+        ``reversal(q, p)`` returns the reversed q and p, and must be its own inverse.
     symmetric : bool
-        Whether a step of size -h is tested to undo a step of size h, with 20 evaluations more. `step` is called with negative h then.
+        Whether symplint tests that a step of size -h undoes a step of size h. This takes 20 evaluations, and calls `step` with negative h.
     energy : callable, optional
-        ``energy(q, p)``, or ``energy(z)`` with `form`, returns the energy of each state, of shape (samples,), or another function
-        that a step may conserve. The report says whether a step does, for states on your loop and inside it, and names the k of
-        a change that is proportional to h^k, with 80 evaluations more. With `steps`, it also says whether the change stays bounded,
-        or the energy drifts, with no further evaluation.
+        ``energy(q, p)`` returns the energy of each state, of shape (samples,), or another function that a step may conserve. With `form`,
+        it is ``energy(z)``. The report states whether a step conserves it, on your loop and inside, and the order k of a change that
+        is proportional to h^k. This takes 80 evaluations. With `steps`, the report also states whether the energy stays bounded
+        or drifts.
     steps : int
-        Your loop is also followed for this number of steps of the largest size: does the defect add up, or return? That takes as
-        many evaluations as the loop has samples (256 to 8192) times `steps`; `budget` grows by 512 for each step, if it is not given.
+        Your loop is also followed for this number of steps of the largest size. The report states whether the defect accumulates.
+        This takes `steps` evaluations for each sample of the loop (256 to 8192). If `budget` is not given, it grows by 512 for each step.
     workers : int, callable or executor, optional
-        Who takes the steps, as in scipy.optimize: a number of processes (-1: one for each processor), a function like the built-in
-        `map` (such as ``pool.map``), or anything with a method `submit` or `map` as those of `concurrent.futures`: a pool of
-        processes, a client of Dask, an ``MPIPoolExecutor``. States are cut into at most 64 arcs, or into single states if
-        `step` takes one, and `step` is called for each. Results do not depend on the number of workers. A worker that dies
-        ends the check with an error; with `run_dir` the check resumes.
+        Runs the steps: a number of processes (-1 for one per processor), a function like the built-in `map`, such as ``pool.map``, or an
+        object with a method `submit` or `map` as in `concurrent.futures`, such as a client of Dask or an ``MPIPoolExecutor``. Each
+        ensemble is cut into at most 64 arcs, or into single states with `per_sample`, and `step` is called for each arc. Results do not
+        depend on the number of workers. If a worker dies, the check ends with an error. With `run_dir`, it can be resumed.
     threads : int, optional
-        Threads for the work of the library: by default, for a function, the calling thread alone, which is faster unless
-        there are very many degrees of freedom, and for an integrator of the library, one for each core. `step` is called
-        from the calling thread alone. Results do not depend on the number. More than there are processors are not started,
-        with a warning.
+        Number of threads of the library. The default is one thread for a function, and one per core for an integrator of the library.
+        More threads for a function only help with very many degrees of freedom. `step` is always called from the calling thread.
+        Results do not depend on the number of threads. A number above the number of processors is reduced, with a warning.
     run_dir : path, optional
-        A folder to write the report to, as `Report.save` does. Every result of `step` is stored there as soon as it returns: a
-        check that was stopped at any moment resumes when it is run again, and gives the report of a check that was never stopped.
-        The folder of another run is refused: of other arguments, of another version of symplint, or of a step whose module has
-        another source text.
+        Folder for the report, as `Report.save` writes it. Each result of `step` is also stored there as soon as it returns. A check that
+        was stopped resumes when it is run again, and gives the same report. The folder is refused if it holds another run: with other
+        arguments, another version of symplint, or a step whose module has another source text.
     key : str, optional
-        With `run_dir`, identifies what the source text of the step does not show: parameters that are read from a file, the state of an
-        object, compiled code. Another key is another run.
+        With `run_dir`, a text that identifies everything that the source text of the step does not show: parameters from a file, the
+        state of an object, compiled code. Another key means another run.
     progress : bool or callable, optional
-        True shows the check under way, the evaluations made and the time left on standard error if that is a terminal. A
-        function receives the number of points measured, the number planned, and the step size of the last one.
+        True shows the progress and the time left on standard error, if this is a terminal. A function gets the number of points
+        measured, the number planned, and the step size of the last point.
 
     Returns
     -------
     Report
-        The verdict with all the numbers that led to it.
+        The verdict with the measurements behind it.
 
     Other Parameters
     ----------------
@@ -240,17 +240,17 @@ def check(
     h : float, optional
         The old name of `typical_step`.
     **settings
-        Further keys of ``[diagnostic]`` in a configuration of the program, by their names and with their values there, such as
-        ``closure="chords"`` or ``sample_sweep={"from": 64, "to": 4096}``. ``symplint init pendulum`` prints all of them.
+        Further keys of the section ``[diagnostic]`` of a configuration, such as ``closure="chords"`` or
+        ``sample_sweep={"from": 64, "to": 4096}``. ``symplint init pendulum --all`` prints all of them.
 
     Raises
     ------
     InputError
         If an argument is not valid.
     StepError
-        If the map fails on your loop, or returns states that are not finite, or its results depend on earlier calls or on the other
-        rows of the batch. Exceptions of `step` are the cause. If it fails at some of the step sizes only, the others are measured
-        first: the exception has the report on them.
+        If the map fails on your loop, or returns states that are not finite, or if its results depend on earlier calls or on other
+        rows of the batch. An exception of `step` is the cause of the error. If the map fails at some step sizes only, symplint measures
+        the other step sizes first, and the error has the report on them.
 
     Examples
     --------
@@ -501,7 +501,7 @@ def assert_symplectic(
     q0, p0 : array_like
         The centre of the loops, as in `check`.
     digits : float, optional
-        To how many digits the loop integral has to be conserved, at least.
+        Digits to which the loop integral must be conserved.
     **arguments
         Further arguments of `check`.
 

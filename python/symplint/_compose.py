@@ -16,7 +16,7 @@ Part = tuple[str, Callable[..., Any]]
 class Composition:
     """Maps one after the other, each with a name: what `compose` returns.
 
-    It is a step as `check` takes it, and may be called. If `check` finds a defect, each part is tested by itself.
+    `check` takes a composition as a step. A composition can also be called. If `check` finds a defect, it tests each part.
     """
 
     def __init__(self, parts: Iterable[Part], has_step_size: bool = True) -> None:

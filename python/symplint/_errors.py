@@ -15,7 +15,7 @@ class SymplintError(Exception):
 
 
 class InputError(SymplintError, ValueError):
-    """An argument is not valid; the text says which one and what to give instead."""
+    """An argument is not valid. The text names it and a valid value."""
 
 
 class StepError(SymplintError, RuntimeError):
@@ -30,7 +30,7 @@ class StepError(SymplintError, RuntimeError):
     s : float or None
         The loop parameter of the state that could not be advanced, from 0 to 1.
     sample : int or None
-        Its number among the samples of the loop, counted from 0; None where it lies between samples.
+        Number of the sample, counted from 0; None if the state lies between samples.
     report : Report or None
         The report on the other step sizes, if the map could take them.
     """

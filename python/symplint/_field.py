@@ -56,7 +56,7 @@ class WorstPair(NamedTuple):
     Attributes
     ----------
     first, second : str
-        "q[0]", say, or "p[2]".
+        Names such as "q[0]" and "p[2]".
     curl, error : float
         ∂G_second/∂first − ∂G_first/∂second with its error: of the force G = F, or of G = −w f_p for positions and w f_q for
         momenta of weight w.
@@ -69,9 +69,9 @@ class WorstPair(NamedTuple):
 
 
 class FieldReport:
-    """The verdict on a force or a vector field with all the numbers that led to it.
+    """The verdict on a force or a vector field, with the measurements behind it.
 
-    Printing it shows a table of the loops and the verdict with its reasons.
+    Printing it shows a table of the loops, the verdict and the findings.
     """
 
     def __init__(self, text: str) -> None:
@@ -128,12 +128,12 @@ class FieldReport:
 
     @property
     def evaluations(self) -> int:
-        """At how many states the force was evaluated."""
+        """Number of states at which the force was evaluated."""
         return int(self._dict["evidence"]["evaluations"])
 
     @property
     def summary(self) -> str:
-        """The deciding finding, as a sentence."""
+        """The reason for the verdict, as a sentence."""
         return str(self._dict["summary"])
 
     @property
@@ -207,30 +207,30 @@ def check_force(
 ) -> FieldReport:
     """Test whether a force is a gradient.
 
-    The work ∮F·dq around random loops is zero for every gradient. A force that is not a gradient is the usual reason for a defect
-    of lower order than the method has: every symplectic integrator makes a map that is not symplectic of it, and energy drifts. No
-    step is needed to find it. The number of evaluations does not depend on the degrees of freedom.
+    The work ∮F·dq around each loop is zero if the force F is a gradient. If it is not a gradient, no symplectic integrator makes a
+    symplectic map of it, and the energy drifts. This is the usual reason for a defect of lower order than the order of the method. The
+    test needs no step. The number of evaluations does not depend on the degrees of freedom.
 
     Parameters
     ----------
     force : callable
         ``force(q)`` gets an array of shape (samples, dof), or (samples, *q0.shape) if `q0` has several axes, and returns one of the
-        same shape. What happens to a row must depend on nothing but this row. A batch may end with copies of its last row. Results
-        may be arrays of any library.
+        same shape. The force of a row must depend on this row only. A batch may end with copies of its last row. Results may be
+        arrays of any library.
     q0 : array_like
         The centre of the loops: positions of any shape, such as (atoms, 3).
     args : tuple
         Further arguments of `force`.
     radius : float, array_like or "auto"
-        How far loops reach: one number, or an array like `q0` (0 keeps a coordinate at its place). "auto" is the distance on which the
-        force is nearly linear, at most a tenth of the size of `q0`; every second loop is four times as large.
+        Size of the loops: one number, or an array like `q0`. A coordinate with radius 0 is fixed. "auto" is the distance on which the
+        force is nearly linear, and at most a tenth of the size of `q0`. Every second loop is four times as large.
     loops : int
-        Random loops.
+        Number of random loops.
     budget : int, optional
-        States at which the force is evaluated, at most; 100 or more. By default 20,000; a smooth force takes some hundreds.
+        Largest number of states at which the force is evaluated, at least 100. The default is 20,000. A smooth force takes some hundreds.
     period : float or array_like, optional
-        Periods of the positions, 0 where a position is not periodic. The test then also goes around up to eight of the periods: a
-        constant force on a ring is not a gradient.
+        Periods of the positions, 0 for positions that are not periodic. The test then also follows loops around up to eight of the
+        periods: a constant force on a ring is not a gradient.
     per_sample : bool
         Whether `force` takes and returns one state: arrays of the shape of `q0`.
     dtype : "float32", optional
@@ -260,9 +260,9 @@ def check_force(
 
     Notes
     -----
-    Discontinuous forces, as those with cut-offs, are known to fewer digits, and take more evaluations. Their loop integrals are zero if
-    the potential is continuous; otherwise the report shows the jump. A curl below a thousandth counts only if larger loops do not show
-    the jumps of a solver that stops at a tolerance.
+    Discontinuous forces, such as forces with a cut-off, give fewer digits and take more evaluations. Their loop integrals are zero if the
+    potential is continuous. Otherwise the report shows the jump. The jumps of a solver that stops at a tolerance look like a small curl.
+    A curl below a thousandth is therefore reported only if larger loops show no such jumps.
 
     Examples
     --------
@@ -317,21 +317,21 @@ def check_field(
 ) -> FieldReport:
     """Test whether the vector field (q, p)' = f(q, p) is Hamiltonian in these variables.
 
-    ∮(f_q·dp − f_p·dq) is zero around every loop of phase space if it is. Otherwise no integrator makes a symplectic map of it that
-    follows its solutions. No step is needed to find that.
+    The integral ∮(f_q·dp − f_p·dq) around each loop is zero if the field is Hamiltonian. If it is not Hamiltonian, an accurate integrator
+    cannot be symplectic. The test needs no step.
 
     Parameters
     ----------
     field : callable
-        ``field(q, p)`` gets arrays of shape (samples, dof), or (samples, *q0.shape), and returns two of the same shape: the rates of q
-        and of p.
+        ``field(q, p)`` gets arrays of shape (samples, dof), or (samples, *q0.shape). It returns two arrays of the same shape: the rates of
+        q and the rates of p.
     q0, p0 : array_like
         The centre of the loops, two arrays of one shape.
     args : tuple
         Further arguments of `field`.
     radius : float, array_like, pair of them or "auto"
-        How far loops reach: one for all coordinates, an array like `q0` for positions and momenta, or a tuple of those for q and for p.
-        "auto" is the distance on which the field is nearly linear; q and p are in proportion as the field suggests.
+        Size of the loops: one number, an array like `q0`, or a tuple of the sizes in q and in p. "auto" is the distance on which the field
+        is nearly linear. The field then also determines the ratio of the sizes in q and in p.
     loops, budget, period : optional
         As in `check_force`.
     weight : float or array_like, optional

@@ -61,7 +61,7 @@ class Loop:
         Parameters
         ----------
         samples : int
-            How many, 3 or more.
+            Number of samples, at least 3.
 
         Returns
         -------
@@ -84,12 +84,12 @@ class Circle(Loop):
     q0, p0 : array_like
         Its centre, one number for each degree of freedom.
     radius : float, array_like, or a pair of them
-        Radius r: one for all, one for each degree of freedom, or a tuple of those for q and for p.
+        Radius r: one number, one for each degree of freedom, or a tuple of the radius in q and the radius in p.
     dofs : sequence of int, optional
         Degrees of freedom that the loop moves; the others stay at their centres.
     phases : {"staggered", "equal", "random"}
-        φ, where each degree of freedom starts: at multiples of the golden ratio, at 0 (the loop of the paper, which moves all
-        degrees of freedom in phase), or at random.
+        The phase φ of each degree of freedom: multiples of the golden ratio, 0 (the loop of the paper, which moves all degrees of
+        freedom in phase), or random.
     seed : int
         Seed of random phases.
 
@@ -128,7 +128,7 @@ class FourierLoop(Loop):
     radius : float, array_like, or a pair of them
         How far it reaches, as for `Circle`.
     seed : int
-        The loop depends on it alone.
+        Seed of the modes. The same seed gives the same loop.
     """
 
     def __init__(self, q0: npt.ArrayLike, p0: npt.ArrayLike, radius: Any = 1.0, *, seed: int = 1) -> None:
@@ -144,7 +144,7 @@ class SampledLoop(Loop):
     q, p : array_like of shape (samples, dof)
         Row k is the state at s = k/samples.
     period, momentum_period : float or array_like, optional
-        Periods of the positions and of the momenta, 0 where one is not periodic.
+        Periods of the positions and of the momenta, 0 for coordinates that are not periodic.
     """
 
     def __init__(
@@ -169,7 +169,7 @@ def circle(
     phases: str = "staggered",
     seed: int = 1,
 ) -> tuple[Array, Array]:
-    """Sample a circle, for a code that advances its states elsewhere: see `measure`.
+    """Sample a circle whose states another code advances: see `measure`.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def circle(
     radius : float, array_like, or a pair of them
         As in `Circle`.
     samples : int
-        How many.
+        Number of samples.
     phases : {"staggered", "equal", "random"}
         As in `Circle`.
     seed : int

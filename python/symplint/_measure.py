@@ -28,10 +28,9 @@ class LoopIntegral:
     value : float
         The integral.
     quadrature_error : float or None
-        Estimate of its distance from the integral of the loop that the samples belong to; None where they are too few
-        to tell.
+        Estimated difference from the integral of the sampled loop; None if the samples are too few for an estimate.
     roundoff : float
-        What double precision alone leaves uncertain.
+        Rounding error of the value.
     contributions : tuple of float
         The part of each degree of freedom.
     """
@@ -60,15 +59,14 @@ def loop_integral(
     Parameters
     ----------
     q, p : array_like of shape (samples, dof)
-        Row k is the state at s = k/samples. Arrays of double precision in Fortran order are read where they are; others are
-        copied.
+        Row k is the state at s = k/samples. Arrays of double precision in Fortran order are not copied.
     rule : {"auto", "pseudospectral", "finite-difference"}
-        How it is computed; "auto", or None, is pseudospectral, by central differences of order 10 or 20 where the samples of
-        a degree of freedom are smooth to rounding.
+        Rule that computes the integral. "auto" or None is the pseudospectral rule, with central differences of order 10 or 20 for
+        degrees of freedom whose samples are smooth to rounding error.
     cutoff : float or (float, float), optional
         The λ of the finite-difference rule, as in `check`.
     period, momentum_period, weight : float or array_like, optional
-        As those of `check`.
+        As in `check`.
 
     Returns
     -------
@@ -101,7 +99,7 @@ def measure(
     momentum_period: npt.ArrayLike | None = None,
     weight: npt.ArrayLike | None = None,
 ) -> Report:
-    """Tell from the samples of a loop before and after a step whether the step is symplectic.
+    """Test a step from the samples of a loop before and after it.
 
     Parameters
     ----------
@@ -114,12 +112,12 @@ def measure(
     h : float or sequence of float, optional
         Their step sizes.
     period, momentum_period, weight : float or array_like, optional
-        As those of `check`.
+        As in `check`.
 
     Returns
     -------
     Report
-        The verdict with all the numbers that led to it.
+        The verdict with the measurements behind it.
 
     Examples
     --------

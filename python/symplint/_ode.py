@@ -60,7 +60,7 @@ def from_ode(
 ) -> OdeStep:
     """A step that integrates an ordinary differential equation from t0 to t0 + h by SciPy.
 
-    Each state is integrated by itself, so that a method with adaptive steps chooses them for this state alone.
+    Each state is integrated separately. A method with adaptive steps chooses its steps for this state only.
 
     Parameters
     ----------
@@ -86,13 +86,12 @@ def from_ode(
     InputError
         If `f` is not a function, the method or an option has no steps of fixed size, or an option is not one of a step.
     RuntimeError
-        By the step, if the method or a terminal event stops before t0 + h.
+        Raised by the step, if the method or a terminal event stops before t0 + h.
 
     Notes
     -----
-    A method that controls its error conserves loop integrals to about its tolerance, whatever the method is: loops break where the
-    number of steps changes. Set `rtol` and `atol` to learn what a simulation with them conserves, and `fixed_steps` to learn what
-    the method does.
+    A method that controls its error conserves loop integrals to about its tolerance only, because loops break at states for which the
+    number of steps changes. Set `rtol` and `atol` to test a simulation with these tolerances. Set `fixed_steps` to test the method.
 
     Examples
     --------

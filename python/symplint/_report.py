@@ -70,10 +70,10 @@ class Property(NamedTuple):
     holds : bool or None
         Whether the map has it; None if it was not tested, or the test is not precise enough.
     defect, uncertainty : float or None
-        The largest deviation from the property with its uncertainty: of det DΦ from 1, of a state from where it began in half
-        ranges of the loop.
+        The largest deviation from the property, with its uncertainty: the relative change of a loop integral, the deviation of det DΦ
+        from 1, or the distance between a state and the state to which the map returns it, in units of half the range of the loop.
     factor, factor_uncertainty : float or None
-        The factor by which a step multiplies all areas, of a conformally symplectic map.
+        The factor by which a step of a conformally symplectic map multiplies all areas.
     rate, rate_uncertainty : float or None
         The rate γ of uniform damping e^(−γh).
     text : str
@@ -81,7 +81,7 @@ class Property(NamedTuple):
     growth : str or None
         The change of the energy in many steps, if `steps` is given: "none", "bounded", "grows" or "undecided".
     order : float or None
-        The k of a change of the energy by a step that is proportional to h^k.
+        The k of the change of the energy in one step, if this change is proportional to h^k.
     """
 
     holds: bool | None
@@ -97,10 +97,10 @@ class Property(NamedTuple):
 
 
 class Report:
-    """The verdict on a map with all the numbers that led to it.
+    """The verdict on a map, with the measurements behind it.
 
-    Printing it shows a table of your loop and the verdict with its reasons. It may be pickled, without the map: `plot_loop`
-    needs that.
+    Printing it shows the verdict, a table of your loop and the findings. A report can be pickled. The pickled report has no map, so
+    `plot_loop` does not work on it.
     """
 
     def __init__(self, native: _native.Report, image: Callable[[float, int], tuple[States, States]]) -> None:
@@ -115,17 +115,17 @@ class Report:
 
     @property
     def is_symplectic(self) -> bool | None:
-        """Whether the map is symplectic; None where the numbers do not decide."""
+        """Whether the map is symplectic; None if the verdict is undecided."""
         return {"symplectic": True, "undecided": None}.get(self.kind, False)
 
     @property
     def digits(self) -> float | None:
-        """To how many digits loop integrals are conserved, of a symplectic map."""
+        """Digits to which a symplectic map conserves loop integrals."""
         return self._native.digits
 
     @property
     def order(self) -> float | None:
-        """The k of defect ~ h^k, where the defects have a trend."""
+        """The k of defect ~ h^k, if the defects follow a power of h."""
         return self._native.order
 
     @property
@@ -135,7 +135,7 @@ class Report:
 
     @property
     def summary(self) -> str:
-        """The deciding finding, as a sentence."""
+        """The reason for the verdict, as a sentence."""
         return self._native.summary
 
     @property
@@ -184,12 +184,12 @@ class Report:
 
     @property
     def evaluations(self) -> int:
-        """How many states were advanced by one step."""
+        """Number of states that were advanced by one step."""
         return self._native.evaluations
 
     @property
     def points(self) -> npt.NDArray[np.void]:
-        """All measured points, as a structured array; what a rule does not give is NaN.
+        """All measured points, as a structured array. Quantities that a rule does not give are NaN.
 
         Its fields are those of ``points`` in the JSON: ``step_size``, ``samples``, ``initial`` and ``final`` (loop
         integrals), ``defect``, ``quadrature_error``, ``roundoff`` (relative to the initial integral) and others. ``loop``
@@ -199,7 +199,7 @@ class Report:
 
     @property
     def breaks(self) -> npt.NDArray[np.void]:
-        """Where advanced loops are broken, as a structured array.
+        """The breaks of the advanced loops, as a structured array.
 
         Its fields are ``loop``, ``step_size``, ``s``, ``dof``, ``jump_q``, ``jump_p`` and ``substep``.
         """
@@ -257,7 +257,7 @@ class Report:
         Parameters
         ----------
         folder : path
-            It is made if it does not exist.
+            The folder, which is created if it does not exist.
         """
         self._native.save(os.fsdecode(folder))
 
@@ -267,7 +267,7 @@ class Report:
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where; new ones by default.
+            Axes to draw into; new axes by default.
         **kwargs
             The style of the line of your loop, as ``matplotlib.axes.Axes.plot`` takes it.
 
@@ -288,11 +288,11 @@ class Report:
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where; new ones by default.
+            Axes to draw into; new axes by default.
         dof : int
             The degree of freedom whose plane is shown.
         samples : int
-            How many states are drawn. A measurement draws all.
+            Number of states to draw. The report of `measure` draws all of its states.
         **kwargs
             The style of the states after the step, as ``matplotlib.axes.Axes.plot`` takes it.
 

@@ -81,14 +81,14 @@ typedef enum {
    */
   SYMPLINT_VERDICT_BROKEN_LOOPS = 2,
   /**
-   * The numbers do not decide.
+   * There is not enough evidence.
    */
   SYMPLINT_VERDICT_UNDECIDED = 3,
 } SymplintVerdict;
 
 /**
- * The result of a test of a force or a vector field. Made by `symplint_check_force` and `symplint_check_field`, and to be freed by
- * `symplint_field_report_free`.
+ * The result of a test of a force or a vector field. `symplint_check_force` and `symplint_check_field` make it, and
+ * `symplint_field_report_free` frees it.
  */
 typedef struct SymplintFieldReport SymplintFieldReport;
 
@@ -98,19 +98,19 @@ typedef struct SymplintFieldReport SymplintFieldReport;
 typedef struct SymplintReport SymplintReport;
 
 /**
- * Advances `samples` states by one step of size `h`, in place, and returns 0; any other number says that the step cannot
- * be taken, and is named in the report.
+ * Advances `samples` states by one step of size `h`, in place, and returns 0. Any other number means that the step failed. The report
+ * names this number.
  *
  * q[i * samples + k] is the position i of the sample k, and p[i * samples + k] its momentum: one row for each of the `dof` degrees of freedom. In
- * Fortran they are q(samples, dof). The result for a sample must depend on nothing but h and the sample itself. `samples`
+ * Fortran they are q(samples, dof). The result for a sample must depend on h and this sample only. `samples`
  * may be any number from 1. The function is called on the thread that called `symplint_check`, one call at a time; it
  * must return (no longjmp, no C++ exception).
  */
 typedef int (*SymplintStep)(void *user, double h, size_t dof, size_t samples, double *q, double *p);
 
 /**
- * Advances `samples` states by one substep of a step of size `h`, in place; substeps count from 0. All of them in their order make up the
- * step. The rest is as for `SymplintStep`.
+ * Advances `samples` states by substep number `substep`, from 0, of a step of size `h`, in place. The step is all substeps in their
+ * order. The rest is as for `SymplintStep`.
  */
 typedef int (*SymplintSubstep)(void *user,
                                size_t substep,
@@ -121,13 +121,13 @@ typedef int (*SymplintSubstep)(void *user,
                                double *p);
 
 /**
- * Reverses `samples` states in time, in place, and returns 0; any other number says that it cannot, and ends the check. The function must be
- * its own inverse. The rest is as for `SymplintStep`.
+ * Reverses `samples` states in time, in place, and returns 0. Any other number ends the check with an error that names it. The function
+ * must be its own inverse. The rest is as for `SymplintStep`.
  */
 typedef int (*SymplintReversal)(void *user, size_t dof, size_t samples, double *q, double *p);
 
 /**
- * Options of `symplint_check`. Fill it by `symplint_options_init`, then change what differs.
+ * Options of `symplint_check`. Fill it by `symplint_options_init`, then change its fields.
  */
 typedef struct {
   /**
@@ -139,11 +139,11 @@ typedef struct {
    */
   const double *step_sizes;
   /**
-   * How many there are.
+   * Number of step sizes.
    */
   size_t step_count;
   /**
-   * A typical step size, or 0. Without `step_sizes`, those tried are the largest that advances the motions on the loop by
+   * A typical step size, or 0. If `step_sizes` is NULL, the step sizes are the largest one that advances the motions on the loop by
    * about a radian, and seven halvings of it.
    */
   double typical_step;
@@ -176,7 +176,7 @@ typedef struct {
    */
   const char *rule;
   /**
-   * Samples of a loop; 0, the default, finds how many are needed.
+   * Samples of a loop. 0, the default, takes as many as the loop needs.
    */
   size_t samples;
   /**
@@ -188,7 +188,7 @@ typedef struct {
    */
   size_t loops;
   /**
-   * Steps of the largest size, to see whether a defect accumulates. 0 by default.
+   * Number of steps of the largest size, to test whether a defect accumulates. 0 by default.
    */
   size_t steps;
   /**
@@ -204,7 +204,7 @@ typedef struct {
    */
   size_t threads;
   /**
-   * Whether the Jacobian of a step is checked, too: 1, the default, or 0.
+   * Whether the Jacobian of a step is also tested: 1, the default, or 0.
    */
   int32_t jacobian;
   /**
@@ -240,20 +240,20 @@ typedef struct {
   int32_t symmetric;
   /**
    * Settings that have no field here, as a JSON object with the keys of `diagnostic` in configuration files, such as
-   * "{\"cutoff_q\": 10.0, \"closure\": \"chords\"}"; or NULL. They replace the fields that say the same.
+   * "{\"cutoff_q\": 10.0, \"closure\": \"chords\"}"; or NULL. They replace the fields for the same settings.
    */
   const char *settings;
   /**
-   * A substep of a step that is a composition, such as a kick, a drift or an element of a lattice; or NULL: the step is one whole,
-   * `step`.
+   * A substep of a step that is a composition, such as a kick, a drift or an element of a lattice; or NULL: then
+   * `step` is the whole step.
    */
   SymplintSubstep substep;
   /**
-   * Substeps of one step, if there is `substep`.
+   * Number of substeps of one step, if `substep` is not NULL.
    */
   size_t substep_count;
   /**
-   * Their names in the order in which they are taken, for the report; or NULL: "part 1", "part 2", ...
+   * Names of the substeps in their order, for the report; or NULL: "part 1", "part 2", ...
    */
   const char *const *substep_names;
   /**
@@ -263,18 +263,18 @@ typedef struct {
 } SymplintOptions;
 
 /**
- * Writes the force at `samples` positions to `force`, and returns 0; any other number says that it cannot be evaluated, and is named
- * in the error.
+ * Writes the force at `samples` positions to `force`, and returns 0. Any other number means that the force cannot be evaluated. The
+ * error names this number.
  *
  * q[i * samples + k] is the position i of the sample k, and so is force: one row for each of the `dof` degrees of freedom. In Fortran
- * they are q(samples, dof). The force on a sample must depend on nothing but the sample itself. `samples` may be any number from 1. The
+ * they are q(samples, dof). The force on a sample must depend on this sample only. `samples` may be any number from 1. The
  * function is called on the thread that called `symplint_check_force`, one call at a time; it must return (no longjmp, no C++
  * exception).
  */
 typedef int (*SymplintForce)(void *user, size_t dof, size_t samples, const double *q, double *force);
 
 /**
- * Options of `symplint_check_force` and `symplint_check_field`. Fill it by `symplint_field_options_init`, then change what differs.
+ * Options of `symplint_check_force` and `symplint_check_field`. Fill it by `symplint_field_options_init`, then change its fields.
  */
 typedef struct {
   /**
@@ -282,16 +282,16 @@ typedef struct {
    */
   size_t size;
   /**
-   * How far loops reach in every coordinate; 0, the default, is as far as the force is nearly linear, and at most a tenth of the
-   * size of the centre.
+   * Size of the loops in every coordinate. 0, the default, is the distance on which the force is nearly linear, and at most a tenth
+   * of the size of the centre.
    */
   double radius;
   /**
-   * The same for each position, or NULL: `radius`. 0 keeps a position at its centre. For a field, give both or neither.
+   * Size in each position, or NULL: `radius`. A position of size 0 is fixed. For a field, give both arrays or neither.
    */
   const double *radius_q;
   /**
-   * The same for each momentum of a field, or NULL: `radius`. Not used for a force.
+   * Size in each momentum of a field, or NULL: `radius`. Not used for a force.
    */
   const double *radius_p;
   /**
@@ -303,11 +303,11 @@ typedef struct {
    */
   const double *weight;
   /**
-   * Random loops. 4 by default.
+   * Number of random loops. 4 by default.
    */
   size_t loops;
   /**
-   * States at which the force is evaluated, at most; 100 or more. 20000 by default.
+   * Largest number of states at which the force is evaluated, at least 100. 20000 by default.
    */
   size_t budget;
   /**
@@ -333,7 +333,7 @@ typedef int (*SymplintField)(void *user,
                              double *p_rate);
 
 /**
- * ∮ p·dq with what is known of its error; of one degree of freedom, of some or of all.
+ * ∮ p·dq and its errors, for one degree of freedom, some of them or all.
  */
 typedef struct {
   /**
@@ -341,11 +341,11 @@ typedef struct {
    */
   double value;
   /**
-   * Estimate of the distance from the integral of the loop that the samples belong to; NaN where it is not known.
+   * Estimated difference from the integral of the sampled loop; NaN if it is unknown.
    */
   double quadrature_error;
   /**
-   * What double precision alone leaves uncertain.
+   * Rounding error of the value.
    */
   double roundoff;
   /**
@@ -363,7 +363,7 @@ typedef struct {
    */
   double signed_defect;
   /**
-   * Quadrature errors of both integrals; NaN where one is not known.
+   * Sum of the quadrature errors of both integrals; NaN if one is unknown.
    */
   double quadrature_error;
   /**
@@ -377,16 +377,16 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * Tells whether the map `step` is symplectic.
+ * Tests whether the map `step` is symplectic.
  *
- * q0 and p0, of `dof` values each, are the centre of the loop. `options` is NULL for the defaults. `user` is handed to `step`
- * unchanged. On success `*report` is a report to be freed by `symplint_report_free`; otherwise it is NULL.
+ * q0 and p0 have `dof` values each, and are the centre of the loop. `options` is NULL for the defaults. `step` gets `user` unchanged.
+ * On success, `*report` is a report, which the caller frees by `symplint_report_free`. Otherwise it is NULL.
  *
  * With `options->substep`, the step is a composition of substeps, and `step` is NULL. The report then names the substeps that are not
  * symplectic or break a loop.
  *
- * A step size at which the step fails is left out, and named in the report; the status is SYMPLINT_STATUS_STEP_FAILED where
- * it fails at all of them.
+ * If the step fails at a step size, the report names this step size, and the diagnosis continues with the others. If it fails at all
+ * step sizes, the status is SYMPLINT_STATUS_STEP_FAILED.
  *
  * # Safety
  * `step` does what its type says, arrays that are not null have as many values as this says, and texts end with a zero.
@@ -400,12 +400,12 @@ SymplintStatus symplint_check(SymplintStep step,
                               SymplintReport **report);
 
 /**
- * Tests whether the force F(q) is a gradient: whether ∮F·dq = 0 around random loops, and λ, the antisymmetric part of its Jacobian
- * relative to the Jacobian. The number of evaluations does not depend on `dof`.
+ * Tests whether the force F(q) is a gradient: whether ∮F·dq = 0 around random loops. Also measures λ, the antisymmetric part of the
+ * Jacobian of F relative to the Jacobian. The number of evaluations does not depend on `dof`.
  *
- * q0, of `dof` values, is the centre of the loops. `options` is NULL for the defaults. `user` is handed to `force` unchanged. On
- * success `*report` is a report to be freed by `symplint_field_report_free`; otherwise it is NULL. If the force fails or is not finite on
- * a loop, the status is SYMPLINT_STATUS_STEP_FAILED.
+ * q0 has `dof` values, and is the centre of the loops. `options` is NULL for the defaults. `force` gets `user` unchanged. On success,
+ * `*report` is a report, which the caller frees by `symplint_field_report_free`. Otherwise it is NULL. If the force fails or is not
+ * finite on a loop, the status is SYMPLINT_STATUS_STEP_FAILED.
  *
  * # Safety
  * `force` does what its type says, and arrays that are not null have as many values as this says.
@@ -449,7 +449,7 @@ SymplintStatus symplint_field_options_init(SymplintFieldOptions *options, size_t
 SymplintFieldVerdict symplint_field_report_verdict(const SymplintFieldReport *report);
 
 /**
- * The digits down to which a force is a gradient or a field Hamiltonian; NaN for other verdicts, and for a constant force.
+ * The digits to which a force is a gradient or a field Hamiltonian; NaN for other verdicts, and for a constant force.
  *
  * # Safety
  * `report` is NULL or was not freed.
@@ -505,8 +505,8 @@ void symplint_field_report_free(SymplintFieldReport *report);
  * freedom, have dof_stride = samples (or more) and sample_stride = 1; columns, one state after another, have dof_stride = 1
  * and sample_stride = dof. In Fortran q(samples, dof) are rows. The sample k is the state at s = k/samples of the loop.
  *
- * `period` is NULL or has the period of each position, 0 for none. `weight` is NULL or has what makes each momentum
- * canonical: weight * p.
+ * `period` is NULL or has the period of each position, 0 if it is not periodic. `weight` is NULL or has the weight of each momentum:
+ * the canonical momentum is weight * p.
  *
  * # Safety
  * Arrays that are not null have as many values as this says.
@@ -522,14 +522,14 @@ SymplintStatus symplint_loop_integral(size_t dof,
                                       SymplintIntegral *integral);
 
 /**
- * The same for each degree of freedom apart: `parts` has room for `dof` of them.
+ * Computes a separate integral for each degree of freedom. `parts` has room for `dof` of them.
  *
  * If the state of a code is distributed over processes, each process calls this function for its degrees of freedom. Pass all parts,
  * in the order of the degrees of freedom, to `symplint_merge_integrals`. The result equals the result of `symplint_loop_integral`
  * to the last bit, on any number of processes.
  *
  * # Safety
- * That of `symplint_loop_integral`; `parts` has room for `dof` values.
+ * As for `symplint_loop_integral`; `parts` has room for `dof` values.
  */
 SymplintStatus symplint_partial_integrals(size_t dof,
                                           size_t samples,
@@ -580,7 +580,7 @@ SymplintStatus symplint_options_init(SymplintOptions *options, size_t size);
 SymplintVerdict symplint_report_verdict(const SymplintReport *report);
 
 /**
- * The digits down to which a symplectic map conserves the loop integrals; NaN for other verdicts.
+ * The digits to which a symplectic map conserves loop integrals; NaN for other verdicts.
  *
  * # Safety
  * `report` is NULL or was not freed.
@@ -620,14 +620,14 @@ const char *symplint_report_json(const SymplintReport *report);
 void symplint_report_free(SymplintReport *report);
 
 /**
- * What went wrong in the last call on this thread that returns a status, or an empty text.
+ * The error message of the last call on this thread that returns a status; empty if there was no error.
  *
  * In UTF-8. It is valid until the next call on this thread.
  */
 const char *symplint_last_error(void);
 
 /**
- * The version of the library: "0.1.0", say. It is always valid.
+ * The version of the library, such as "0.1.0". The text is always valid.
  */
 const char *symplint_version(void);
 

@@ -13,11 +13,11 @@ use symplint::{Block, Coordinates, StepFailure, TimeAdvance};
 
 use crate::status::{Failure, SymplintStatus};
 
-/// Advances `samples` states by one step of size `h`, in place, and returns 0; any other number says that the step cannot
-/// be taken, and is named in the report.
+/// Advances `samples` states by one step of size `h`, in place, and returns 0. Any other number means that the step failed. The report
+/// names this number.
 ///
 /// q[i * samples + k] is the position i of the sample k, and p[i * samples + k] its momentum: one row for each of the `dof` degrees of freedom. In
-/// Fortran they are q(samples, dof). The result for a sample must depend on nothing but h and the sample itself. `samples`
+/// Fortran they are q(samples, dof). The result for a sample must depend on h and this sample only. `samples`
 /// may be any number from 1. The function is called on the thread that called `symplint_check`, one call at a time; it
 /// must return (no longjmp, no C++ exception).
 pub type SymplintStep = Option<
@@ -31,8 +31,8 @@ pub type SymplintStep = Option<
     ) -> c_int,
 >;
 
-/// Advances `samples` states by one substep of a step of size `h`, in place; substeps count from 0. All of them in their order make up the
-/// step. The rest is as for `SymplintStep`.
+/// Advances `samples` states by substep number `substep`, from 0, of a step of size `h`, in place. The step is all substeps in their
+/// order. The rest is as for `SymplintStep`.
 pub type SymplintSubstep = Option<
     unsafe extern "C" fn(
         user: *mut c_void,
@@ -45,8 +45,8 @@ pub type SymplintSubstep = Option<
     ) -> c_int,
 >;
 
-/// Reverses `samples` states in time, in place, and returns 0; any other number says that it cannot, and ends the check. The function must be
-/// its own inverse. The rest is as for `SymplintStep`.
+/// Reverses `samples` states in time, in place, and returns 0. Any other number ends the check with an error that names it. The function
+/// must be its own inverse. The rest is as for `SymplintStep`.
 pub type SymplintReversal = Option<
     unsafe extern "C" fn(
         user: *mut c_void,

@@ -8,16 +8,16 @@ use crate::pointers::write;
 use crate::report::SymplintReport;
 use crate::status::{Failure, SymplintStatus, guarded};
 
-/// Tells whether the map `step` is symplectic.
+/// Tests whether the map `step` is symplectic.
 ///
-/// q0 and p0, of `dof` values each, are the centre of the loop. `options` is NULL for the defaults. `user` is handed to `step`
-/// unchanged. On success `*report` is a report to be freed by `symplint_report_free`; otherwise it is NULL.
+/// q0 and p0 have `dof` values each, and are the centre of the loop. `options` is NULL for the defaults. `step` gets `user` unchanged.
+/// On success, `*report` is a report, which the caller frees by `symplint_report_free`. Otherwise it is NULL.
 ///
 /// With `options->substep`, the step is a composition of substeps, and `step` is NULL. The report then names the substeps that are not
 /// symplectic or break a loop.
 ///
-/// A step size at which the step fails is left out, and named in the report; the status is SYMPLINT_STATUS_STEP_FAILED where
-/// it fails at all of them.
+/// If the step fails at a step size, the report names this step size, and the diagnosis continues with the others. If it fails at all
+/// step sizes, the status is SYMPLINT_STATUS_STEP_FAILED.
 ///
 /// # Safety
 /// `step` does what its type says, arrays that are not null have as many values as this says, and texts end with a zero.

@@ -10,11 +10,11 @@ use crate::field_report::SymplintFieldReport;
 use crate::pointers::write;
 use crate::status::{Failure, SymplintStatus, guarded};
 
-/// Writes the force at `samples` positions to `force`, and returns 0; any other number says that it cannot be evaluated, and is named
-/// in the error.
+/// Writes the force at `samples` positions to `force`, and returns 0. Any other number means that the force cannot be evaluated. The
+/// error names this number.
 ///
 /// q[i * samples + k] is the position i of the sample k, and so is force: one row for each of the `dof` degrees of freedom. In Fortran
-/// they are q(samples, dof). The force on a sample must depend on nothing but the sample itself. `samples` may be any number from 1. The
+/// they are q(samples, dof). The force on a sample must depend on this sample only. `samples` may be any number from 1. The
 /// function is called on the thread that called `symplint_check_force`, one call at a time; it must return (no longjmp, no C++
 /// exception).
 pub type SymplintForce = Option<
@@ -41,12 +41,12 @@ pub type SymplintField = Option<
     ) -> c_int,
 >;
 
-/// Tests whether the force F(q) is a gradient: whether ∮F·dq = 0 around random loops, and λ, the antisymmetric part of its Jacobian
-/// relative to the Jacobian. The number of evaluations does not depend on `dof`.
+/// Tests whether the force F(q) is a gradient: whether ∮F·dq = 0 around random loops. Also measures λ, the antisymmetric part of the
+/// Jacobian of F relative to the Jacobian. The number of evaluations does not depend on `dof`.
 ///
-/// q0, of `dof` values, is the centre of the loops. `options` is NULL for the defaults. `user` is handed to `force` unchanged. On
-/// success `*report` is a report to be freed by `symplint_field_report_free`; otherwise it is NULL. If the force fails or is not finite on
-/// a loop, the status is SYMPLINT_STATUS_STEP_FAILED.
+/// q0 has `dof` values, and is the centre of the loops. `options` is NULL for the defaults. `force` gets `user` unchanged. On success,
+/// `*report` is a report, which the caller frees by `symplint_field_report_free`. Otherwise it is NULL. If the force fails or is not
+/// finite on a loop, the status is SYMPLINT_STATUS_STEP_FAILED.
 ///
 /// # Safety
 /// `force` does what its type says, and arrays that are not null have as many values as this says.

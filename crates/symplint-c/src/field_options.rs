@@ -6,26 +6,26 @@ use symplint::field::{FieldRadius, FieldTest};
 use crate::pointers::{optional_values, overlay, write_prefix};
 use crate::status::{Failure, SymplintStatus, guarded};
 
-/// Options of `symplint_check_force` and `symplint_check_field`. Fill it by `symplint_field_options_init`, then change what differs.
+/// Options of `symplint_check_force` and `symplint_check_field`. Fill it by `symplint_field_options_init`, then change its fields.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct SymplintFieldOptions {
     /// Size of this struct in bytes.
     pub size: usize,
-    /// How far loops reach in every coordinate; 0, the default, is as far as the force is nearly linear, and at most a tenth of the
-    /// size of the centre.
+    /// Size of the loops in every coordinate. 0, the default, is the distance on which the force is nearly linear, and at most a tenth
+    /// of the size of the centre.
     pub radius: f64,
-    /// The same for each position, or NULL: `radius`. 0 keeps a position at its centre. For a field, give both or neither.
+    /// Size in each position, or NULL: `radius`. A position of size 0 is fixed. For a field, give both arrays or neither.
     pub radius_q: *const f64,
-    /// The same for each momentum of a field, or NULL: `radius`. Not used for a force.
+    /// Size in each momentum of a field, or NULL: `radius`. Not used for a force.
     pub radius_p: *const f64,
     /// Period of each position, 0 for none; or NULL. The test then also goes around up to eight of them.
     pub period: *const f64,
     /// Weight of each momentum of a field, canonical momentum = weight * p; or NULL. Not used for a force.
     pub weight: *const f64,
-    /// Random loops. 4 by default.
+    /// Number of random loops. 4 by default.
     pub loops: usize,
-    /// States at which the force is evaluated, at most; 100 or more. 20000 by default.
+    /// Largest number of states at which the force is evaluated, at least 100. 20000 by default.
     pub budget: usize,
     /// Seed of the random loops and directions. 1 by default.
     pub seed: u64,

@@ -6,8 +6,8 @@ use symplint::field::{FieldReport, FieldVerdict};
 
 use crate::status::{Failure, SymplintStatus, text_of};
 
-/// The result of a test of a force or a vector field. Made by `symplint_check_force` and `symplint_check_field`, and to be freed by
-/// `symplint_field_report_free`.
+/// The result of a test of a force or a vector field. `symplint_check_force` and `symplint_check_field` make it, and
+/// `symplint_field_report_free` frees it.
 pub struct SymplintFieldReport {
     verdict: SymplintFieldVerdict,
     digits: f64,
@@ -83,7 +83,7 @@ pub unsafe extern "C" fn symplint_field_report_verdict(
     unsafe { of(report, SymplintFieldVerdict::None, |report| report.verdict) }
 }
 
-/// The digits down to which a force is a gradient or a field Hamiltonian; NaN for other verdicts, and for a constant force.
+/// The digits to which a force is a gradient or a field Hamiltonian; NaN for other verdicts, and for a constant force.
 ///
 /// # Safety
 /// `report` is NULL or was not freed.

@@ -9,15 +9,15 @@ use symplint::{Coordinates, Defect, LoopIntegral, Rule};
 use crate::pointers::{Layout, optional_values, value, values, write};
 use crate::status::{Failure, SymplintStatus, guarded};
 
-/// ∮ p·dq with what is known of its error; of one degree of freedom, of some or of all.
+/// ∮ p·dq and its errors, for one degree of freedom, some of them or all.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SymplintIntegral {
     /// The integral, in units of momentum × position.
     pub value: f64,
-    /// Estimate of the distance from the integral of the loop that the samples belong to; NaN where it is not known.
+    /// Estimated difference from the integral of the sampled loop; NaN if it is unknown.
     pub quadrature_error: f64,
-    /// What double precision alone leaves uncertain.
+    /// Rounding error of the value.
     pub roundoff: f64,
     /// Sum of the absolute values of all terms.
     pub scale: f64,
@@ -29,7 +29,7 @@ pub struct SymplintIntegral {
 pub struct SymplintDefect {
     /// (advanced - initial) / |initial|.
     pub signed_defect: f64,
-    /// Quadrature errors of both integrals; NaN where one is not known.
+    /// Sum of the quadrature errors of both integrals; NaN if one is unknown.
     pub quadrature_error: f64,
     /// Round-off of both integrals.
     pub roundoff: f64,
@@ -161,8 +161,8 @@ unsafe fn of_each(
 /// freedom, have dof_stride = samples (or more) and sample_stride = 1; columns, one state after another, have dof_stride = 1
 /// and sample_stride = dof. In Fortran q(samples, dof) are rows. The sample k is the state at s = k/samples of the loop.
 ///
-/// `period` is NULL or has the period of each position, 0 for none. `weight` is NULL or has what makes each momentum
-/// canonical: weight * p.
+/// `period` is NULL or has the period of each position, 0 if it is not periodic. `weight` is NULL or has the weight of each momentum:
+/// the canonical momentum is weight * p.
 ///
 /// # Safety
 /// Arrays that are not null have as many values as this says.
@@ -193,14 +193,14 @@ pub unsafe extern "C" fn symplint_loop_integral(
     })
 }
 
-/// The same for each degree of freedom apart: `parts` has room for `dof` of them.
+/// Computes a separate integral for each degree of freedom. `parts` has room for `dof` of them.
 ///
 /// If the state of a code is distributed over processes, each process calls this function for its degrees of freedom. Pass all parts,
 /// in the order of the degrees of freedom, to `symplint_merge_integrals`. The result equals the result of `symplint_loop_integral`
 /// to the last bit, on any number of processes.
 ///
 /// # Safety
-/// That of `symplint_loop_integral`; `parts` has room for `dof` values.
+/// As for `symplint_loop_integral`; `parts` has room for `dof` values.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn symplint_partial_integrals(
     dof: usize,

@@ -15,7 +15,7 @@ use crate::callback::{SymplintReversal, SymplintSubstep};
 use crate::pointers::{optional_values, overlay, text, values, write_prefix};
 use crate::status::{Failure, SymplintStatus, guarded};
 
-/// Options of `symplint_check`. Fill it by `symplint_options_init`, then change what differs.
+/// Options of `symplint_check`. Fill it by `symplint_options_init`, then change its fields.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct SymplintOptions {
@@ -23,9 +23,9 @@ pub struct SymplintOptions {
     pub size: usize,
     /// Step sizes, or NULL: 2^-1, 2^-2, ..., 2^-10, or what `typical_step` finds.
     pub step_sizes: *const f64,
-    /// How many there are.
+    /// Number of step sizes.
     pub step_count: usize,
-    /// A typical step size, or 0. Without `step_sizes`, those tried are the largest that advances the motions on the loop by
+    /// A typical step size, or 0. If `step_sizes` is NULL, the step sizes are the largest one that advances the motions on the loop by
     /// about a radian, and seven halvings of it.
     pub typical_step: f64,
     /// Radius of the loop, a circle in every degree of freedom. 1 by default.
@@ -42,13 +42,13 @@ pub struct SymplintOptions {
     pub weight: *const f64,
     /// "auto", "pseudospectral", "finite-difference", "piecewise" or "streaming"; NULL is "auto".
     pub rule: *const c_char,
-    /// Samples of a loop; 0, the default, finds how many are needed.
+    /// Samples of a loop. 0, the default, takes as many as the loop needs.
     pub samples: usize,
     /// The largest number of evaluations (states advanced by one step), at least 200. 20000 by default.
     pub budget: usize,
     /// Loops in all; those after the first are random. 8 by default.
     pub loops: usize,
-    /// Steps of the largest size, to see whether a defect accumulates. 0 by default.
+    /// Number of steps of the largest size, to test whether a defect accumulates. 0 by default.
     pub steps: usize,
     /// Seed of the random loops. 1 by default.
     pub seed: u64,
@@ -56,7 +56,7 @@ pub struct SymplintOptions {
     pub tolerance: f64,
     /// Threads for the work of this library, at most one for each processor, 0 for all; the step is called on the calling thread alone. 1 by default.
     pub threads: usize,
-    /// Whether the Jacobian of a step is checked, too: 1, the default, or 0.
+    /// Whether the Jacobian of a step is also tested: 1, the default, or 0.
     pub jacobian: i32,
     /// Whether a defect is traced to a part of the loop: 1, the default, or 0.
     pub localise: i32,
@@ -76,14 +76,14 @@ pub struct SymplintOptions {
     /// Whether a step of size -h is tested to undo a step of size h: 1, or 0, the default. The step is called with negative h then.
     pub symmetric: i32,
     /// Settings that have no field here, as a JSON object with the keys of `diagnostic` in configuration files, such as
-    /// "{\"cutoff_q\": 10.0, \"closure\": \"chords\"}"; or NULL. They replace the fields that say the same.
+    /// "{\"cutoff_q\": 10.0, \"closure\": \"chords\"}"; or NULL. They replace the fields for the same settings.
     pub settings: *const c_char,
-    /// A substep of a step that is a composition, such as a kick, a drift or an element of a lattice; or NULL: the step is one whole,
-    /// `step`.
+    /// A substep of a step that is a composition, such as a kick, a drift or an element of a lattice; or NULL: then
+    /// `step` is the whole step.
     pub substep: SymplintSubstep,
-    /// Substeps of one step, if there is `substep`.
+    /// Number of substeps of one step, if `substep` is not NULL.
     pub substep_count: usize,
-    /// Their names in the order in which they are taken, for the report; or NULL: "part 1", "part 2", ...
+    /// Names of the substeps in their order, for the report; or NULL: "part 1", "part 2", ...
     pub substep_names: *const *const c_char,
     /// A function of states that reverses time, instead of `reversal`; or NULL.
     pub reversal_function: SymplintReversal,

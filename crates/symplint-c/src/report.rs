@@ -30,7 +30,7 @@ pub enum SymplintVerdict {
     NotSymplectic = 1,
     /// The map is discontinuous: it breaks loops.
     BrokenLoops = 2,
-    /// The numbers do not decide.
+    /// There is not enough evidence.
     Undecided = 3,
 }
 
@@ -76,7 +76,7 @@ pub unsafe extern "C" fn symplint_report_verdict(report: *const SymplintReport) 
     unsafe { of(report, SymplintVerdict::None, |report| report.verdict) }
 }
 
-/// The digits down to which a symplectic map conserves the loop integrals; NaN for other verdicts.
+/// The digits to which a symplectic map conserves loop integrals; NaN for other verdicts.
 ///
 /// # Safety
 /// `report` is NULL or was not freed.

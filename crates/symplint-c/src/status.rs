@@ -103,7 +103,7 @@ pub fn text_of(text: &str) -> CString {
     CString::new(bytes).unwrap_or_default()
 }
 
-/// What went wrong in the last call on this thread that returns a status, or an empty text.
+/// The error message of the last call on this thread that returns a status; empty if there was no error.
 ///
 /// In UTF-8. It is valid until the next call on this thread.
 #[unsafe(no_mangle)]
@@ -111,7 +111,7 @@ pub extern "C" fn symplint_last_error() -> *const c_char {
     LAST_ERROR.with_borrow(|last| last.as_ptr())
 }
 
-/// The version of the library: "0.1.0", say. It is always valid.
+/// The version of the library, such as "0.1.0". The text is always valid.
 #[unsafe(no_mangle)]
 pub extern "C" fn symplint_version() -> *const c_char {
     const VERSION: &CStr =

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use symplint_config::parse_number;
 
-/// Tells whether a time-advance map is symplectic.
+/// Tests whether a time-advance map is symplectic.
 ///
-/// A closed loop of initial states is advanced by one step of the map. The Poincaré loop integral ∮ p·dq is
-/// compared before and after the step, for several step sizes, loops and numbers of samples.
+/// symplint advances closed loops of states by one step of the map, and compares the loop integral ∮ p·dq before and
+/// after the step, for several step sizes, loops and numbers of samples.
 #[derive(Parser)]
 #[command(name = "symplint", version, max_term_width = 100, after_help = AFTER)]
 pub struct Cli {
@@ -22,7 +22,7 @@ const AFTER: &str = "Examples:
   symplint check pendulum.toml                    is it symplectic?
   symplint check pendulum.toml --set integrator.name=rk2 --out run
   symplint loop --dof 3 --radius 0.5              initial states for another code
-  symplint measure loop.npz after.npz             what its step did to them
+  symplint measure loop.npz after.npz             compare them with the states after its step
   symplint reproduce fig2                         a figure of the paper
 
 Exit status of `check`, `measure` and `judge`: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
@@ -36,16 +36,16 @@ const JOBS: &str = "Example:
   symplint advance run --part 1/8                   the first of eight parts; also make 2/8 to 8/8
   symplint collect run                              the next round, or the verdict
 
-Exit status of `plan` and `collect`: 4 there is a round of calls to make; else that of `check`. Of `advance`: 0 all calls of the \
-part were made; 2 some failed, or none could be made; 130 interrupted.";
+Exit status of `plan` and `collect`: 4 if there is a round of calls to make; otherwise as `check`. Exit status of `advance`: 0 all \
+calls of the part were made; 2 some calls failed, or the part could not be started; 130 interrupted.";
 
 /// The commands.
 #[derive(Subcommand)]
 pub enum Command {
-    /// Diagnose a configuration: sweeps, verdict, figures.
+    /// Test a map that a configuration describes, and give a verdict.
     ///
-    /// Sweeps the step size and, if the configuration asks for it, the number of samples. Then tests random
-    /// loops at the largest step size and gives a verdict. With --out DIR all results are written there.
+    /// Tests your loop at each step size, and then random loops and the Jacobian at the largest step size. If the configuration
+    /// has a `sample_sweep`, it also varies the number of samples. --out DIR writes the report and its figures to DIR.
     #[command(after_help = EXIT_STATUS)]
     Check(CheckArgs),
     /// Write the samples of a loop, for another code to advance.
@@ -58,52 +58,51 @@ pub enum Command {
     Loop(LoopArgs),
     /// Compare a loop before and after a step of another code.
     ///
-    /// Each file after the step holds the states of BEFORE advanced by one step. Files are as `symplint loop`
-    /// writes them; an .npz file may also hold `h`, `period` (of each position, 0 if it is not periodic),
-    /// `momentum_period` and `weight` (canonical momentum = weight × p), or, instead of `q` and `p`, non-canonical coordinates `z`
-    /// and the one-form `theta` there, whose derivative is the symplectic form. Options replace values in the files. Samples alone cannot
-    /// prove that a loop is broken, but they are evidence for it.
+    /// Each AFTER file has the states of BEFORE after one step. `symplint loop` writes the formats. An .npz file may also have
+    /// `h`, `period` (of each position, 0 if it is not periodic), `momentum_period` and `weight` (canonical momentum = weight × p).
+    /// For non-canonical coordinates, it has `z` instead of `q` and `p`, and the values `theta` of the one-form at these states.
+    /// Options replace values in the files. Samples alone cannot prove that a loop is broken, but they are evidence for it.
     #[command(after_help = EXIT_STATUS)]
     Measure(MeasureArgs),
-    /// Reach the verdict again, from the evidence in a report.
+    /// Compute the verdict again from the measurements in a report.
     ///
-    /// Nothing is measured: the verdict follows from the key `evidence` of a report that `check --out`,
-    /// `measure --out` or `--json` wrote.
+    /// The verdict depends only on the key `evidence` of a report, which `check` and `measure` write with --out or --json. The map
+    /// is not called.
     #[command(after_help = EXIT_STATUS)]
     Judge(JudgeArgs),
-    /// Go on with a run of `check` that was stopped.
+    /// Continue a run of `check` that was stopped.
     ///
-    /// With --out DIR, `check` notes every call of a program (system.name = "command") in DIR/journal, as soon as the call
+    /// With --out DIR, `check` stores each call of a program (system.name = "command") in DIR/journal as soon as the call
     /// ends. The same command, or this one, continues the run and does not repeat these calls. The report equals the report of a
     /// run without an interruption. Runs of other systems start again from the beginning.
     #[command(after_help = EXIT_STATUS)]
     Resume(ResumeArgs),
     /// Write the next calls of a program as files, for the jobs of a scheduler.
     ///
-    /// Plans as `check` does, and makes no call: the calls that it needs next, a round of them, are written to DIR/round.
-    /// `symplint advance DIR --part K/N` makes one of N parts of them, in any order and wherever DIR is seen; `symplint collect
-    /// DIR` takes the results in, and writes the next round or, at the end, what `check --out DIR` writes.
+    /// Writes a round of calls to DIR/round: the calls that `check` would make next. Each job makes a part of them by
+    /// `symplint advance DIR --part K/N`, in any order and on any machine that sees DIR. `symplint collect DIR` then reads the
+    /// results. It writes the next round or, at the end, the files of `check --out DIR`.
     #[command(after_help = JOBS)]
     Plan(PlanArgs),
     /// Make a part of a round of calls.
     ///
-    /// Part K of N has every N-th call. A job that was stopped may be started again: what it made is kept. Calls that
-    /// fail are named; the others of the part are made.
+    /// Part K of N has every N-th call. A job that was stopped can be started again, and does not repeat its finished calls. If a
+    /// call fails, the error names it, and the job continues with the next call.
     #[command(after_help = JOBS)]
     Advance(AdvanceArgs),
-    /// Take in what the jobs of a round made, and plan on or judge.
+    /// Read the results of a round, and plan the next round or give the verdict.
     ///
-    /// Calls that are missing are in the next round again. A call that failed twice counts as a failure of the map.
+    /// The next round repeats calls without a result. A call that failed twice counts as a failure of the map.
     #[command(after_help = JOBS)]
     Collect(ResumeArgs),
     /// Follow the loop integral and the energy in time.
     ///
-    /// Takes trace.steps steps of size trace.step_size. The energy is that of the orbit from the centre of the
-    /// loop. The rule is pseudospectral or finite-difference; a trace does not accept the others.
+    /// Takes trace.steps steps of size trace.step_size. The energy belongs to the orbit that starts at the centre of the loop.
+    /// The rule is pseudospectral or finite-difference. Other rules are errors.
     Trace(TraceArgs),
-    /// Reproduce the paper: figures, data, and whether its claims hold.
+    /// Reproduce the figures of the paper, and test its claims.
     ///
-    /// Writes figures (SVG, PDF, PNG), data (CSV) and the judged claims into one folder. --set changes the settings
+    /// Writes figures (SVG, PDF, PNG), data (CSV) and a list of claims with their results to one folder. --set changes the settings
     /// of a single item.
     Reproduce(ReproduceArgs),
     /// List systems, integrators, rules or figures.
@@ -128,7 +127,7 @@ pub enum Command {
     /// Write the manual pages: symplint.1, and a page for each command.
     #[command(after_help = MAN)]
     Man {
-        /// The folder to write to; it is made if it does not exist
+        /// The folder to write to; it is created if it does not exist
         #[arg(value_name = "DIR")]
         folder: PathBuf,
     },
@@ -181,10 +180,10 @@ pub enum What {
 pub struct CheckArgs {
     /// The configuration, - for standard input, or the name of a system; `symplint init SYSTEM` prints one to start from
     pub config: PathBuf,
-    /// Also take N steps of the largest size, and see whether the defect accumulates or returns
+    /// Also take N steps of the largest size, to test whether the defect accumulates
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub steps: Option<usize>,
-    /// Keep the files of all calls of a command in a new folder
+    /// Keep the files of all calls of a program in a new folder, by default symplint-calls
     #[arg(long, value_name = "DIR", num_args = 0..=1, require_equals = true, default_missing_value = "symplint-calls")]
     pub keep: Option<PathBuf>,
     /// Changes of the configuration.
@@ -207,7 +206,7 @@ pub struct JudgeArgs {
     /// Print only the headline of the verdict
     #[arg(short, long)]
     pub quiet: bool,
-    /// Print every step size and every finding
+    /// Print every row of the table and every finding
     #[arg(long)]
     pub all: bool,
 }
@@ -215,7 +214,7 @@ pub struct JudgeArgs {
 /// Arguments of `plan`.
 #[derive(Args)]
 pub struct PlanArgs {
-    /// The configuration, of a program (system.name = "command")
+    /// The configuration of a program (system.name = "command")
     pub config: PathBuf,
     /// The run folder
     #[arg(long, value_name = "DIR")]
@@ -237,7 +236,7 @@ pub struct AdvanceArgs {
     /// The folder that `plan --out` named
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Which part of how many
+    /// Make part K of N
     #[arg(long, value_name = "K/N", value_parser = part)]
     pub part: (usize, usize),
     /// Print nothing but errors
@@ -290,10 +289,10 @@ pub struct MeasureArgs {
     /// Step sizes of the files after the step, in their order; without any, no order is fitted
     #[arg(long = "h", value_name = "H", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
     pub step_sizes: Vec<f64>,
-    /// Period of the positions, 0 for none: one number, or one for each degree of freedom
+    /// Period of the positions, 0 if not periodic: one number, or one for each degree of freedom
     #[arg(long, value_name = "L", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
     pub period: Vec<f64>,
-    /// Period of the momenta, 0 for none: one number, or one for each degree of freedom
+    /// Period of the momenta, 0 if not periodic: one number, or one for each degree of freedom
     #[arg(long, value_name = "L", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
     pub momentum_period: Vec<f64>,
     /// Weight of the momenta: one number, or one for each degree of freedom
@@ -324,10 +323,10 @@ pub struct ReproduceArgs {
     /// Print the claims as JSON on standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
-    /// No progress bar; print only the numbers of claims
+    /// No progress bar; print only the numbers of claims that hold and fail
     #[arg(short, long)]
     pub quiet: bool,
-    /// Number of threads; all cores if left out. Results do not depend on it
+    /// Number of threads; all cores by default. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     pub threads: Option<usize>,
 }
@@ -343,12 +342,12 @@ const LOOP_EXAMPLES: &str = "Examples:
 pub struct LoopArgs {
     /// The configuration of the loop; its integrator is not used
     pub config: Option<PathBuf>,
-    /// Samples of the loop; if left out diagnostic.samples, or 256 where that is "auto"
+    /// Samples of the loop. The default is diagnostic.samples, or 256 if that is "auto"
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub samples: Option<usize>,
-    /// File to write: .npz holds q and p, and periods and weight if there are any; .npy is a pair of files,
-    /// loop_q.npy and loop_p.npy; .csv has columns q_0, q_1, …, p_0, p_1, …; .raw and .txt are one line `symplint h dof samples`
-    /// and the numbers of q_0, q_1, …, p_0, p_1, … as doubles or decimals
+    /// File to write: .npz has q and p, and periods and weights if they are set; .npy is a pair of files, loop_q.npy and
+    /// loop_p.npy; .csv has columns q_0, q_1, …, p_0, p_1, …; .raw and .txt have one line `symplint h dof samples`, and then all
+    /// samples of q_0, of q_1, …, of p_0, of p_1, … as doubles or decimals
     #[arg(long, short, value_name = "FILE", default_value = "loop.npz")]
     pub output: PathBuf,
     /// Folder of the file
@@ -363,10 +362,10 @@ pub struct LoopArgs {
     /// Print the names of the files as JSON on standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
-    /// Print only the names of the files, not the next command
+    /// Print the file and its size, without the next command
     #[arg(short, long)]
     pub quiet: bool,
-    /// Number of threads; all cores if left out. Results do not depend on it
+    /// Number of threads; all cores by default. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     pub threads: Option<usize>,
     /// The loop without a configuration.
@@ -378,7 +377,7 @@ pub struct LoopArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Loop without a configuration")]
 pub struct LoopShape {
-    /// Degrees of freedom; may be left out if a list of one number for each is given
+    /// Degrees of freedom; not needed if another option has one number for each
     #[arg(long, value_name = "D", value_parser = at_least_one, allow_negative_numbers = true)]
     pub dof: Option<usize>,
     /// Centre of the loop, positions: one number, or one for each degree of freedom [default: 0]
@@ -387,7 +386,7 @@ pub struct LoopShape {
     /// Centre of the loop, momenta: one number, or one for each degree of freedom [default: 0]
     #[arg(long, value_name = "P", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
     pub p0: Vec<f64>,
-    /// Centre of the loop in short: one number for all positions and momenta, or all positions and then
+    /// Centre of the loop, instead of --q0 and --p0: one number for all positions and momenta, or all positions and then
     /// all momenta
     #[arg(
         long,
@@ -399,19 +398,19 @@ pub struct LoopShape {
         conflicts_with_all = ["q0", "p0"]
     )]
     pub center: Vec<f64>,
-    /// Radius of the loop, in units of q and of p [default: 1]
+    /// Radius of the loop, the same in all positions and momenta [default: 1]
     #[arg(long, value_name = "R", value_parser = number, allow_hyphen_values = true)]
     pub radius: Option<f64>,
     /// Shape of the loop [default: circle]
     #[arg(long)]
     pub shape: Option<Shape>,
-    /// Where each degree of freedom starts on its circle [default: staggered]
+    /// Phases of the circles of the degrees of freedom [default: staggered]
     #[arg(long)]
     pub phases: Option<Phases>,
     /// Seed of random phases and of fourier loops [default: 1]
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub seed: Option<usize>,
-    /// Period of the positions, 0 for none: one number, or one for each degree of freedom
+    /// Period of the positions, 0 if not periodic: one number, or one for each degree of freedom
     #[arg(long, value_name = "L", value_delimiter = ',', value_parser = number, allow_hyphen_values = true)]
     pub period: Vec<f64>,
     /// Weight of the momenta, canonical momentum = weight × p: one number, or one for each degree of freedom
@@ -431,11 +430,11 @@ pub enum Shape {
 /// Phases of circles.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Phases {
-    /// At multiples of the golden ratio
+    /// Multiples of the golden ratio
     Staggered,
-    /// All at the same phase: the loop of the paper
+    /// The same phase for all: the loop of the paper
     Equal,
-    /// At random phases
+    /// Random phases
     Random,
 }
 
@@ -450,8 +449,8 @@ pub struct Settings {
 /// Output and threads of a run.
 #[derive(Args)]
 pub struct Run {
-    /// Folder for the results: report.html, report.json, points.csv, figures/, config.toml with all defaults. It must be
-    /// new or empty, or hold a run of the same configuration
+    /// Folder for the results: the report, points.csv, figures, and config.toml with all defaults. It must be new or empty, or
+    /// have a run of the same configuration
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace another run in that folder; files that symplint did not write are never replaced
@@ -468,13 +467,13 @@ pub struct Shown {
     /// Print the report as JSON on standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
-    /// No progress bar; print only the headline of the verdict
+    /// No progress bar; print only the headline of the verdict, or the last lines of a trace
     #[arg(short, long)]
     pub quiet: bool,
-    /// Print every step size and every finding
+    /// Print every row of the table and every finding
     #[arg(long)]
     pub all: bool,
-    /// Number of threads; all cores if left out. Results do not depend on it
+    /// Number of threads; all cores by default. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     pub threads: Option<usize>,
 }

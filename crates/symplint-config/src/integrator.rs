@@ -32,17 +32,17 @@ pub fn keys(default: &'static str) -> [Key; 8] {
         Key::optional(
             "solver",
             "\"newton\"",
-            "solver of implicit methods; \"fixed-point\" if left out",
+            "solver of implicit methods; by default \"fixed-point\"",
         ),
         Key::optional(
             "tolerance",
             "1e-8",
-            "tolerance of the solver of implicit methods; round-off if left out",
+            "tolerance of the solver of implicit methods; by default rounding error",
         ),
         Key::optional(
             "max_iterations",
             "50",
-            "iterations after which the solver fails; 1000 if left out",
+            "iterations after which the solver fails; by default 1000",
         ),
         Key::optional(
             "iterations",

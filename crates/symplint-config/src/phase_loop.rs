@@ -20,12 +20,12 @@ pub const KEYS: &[Key] = &[
     Key::new(
         "radius",
         "1.0",
-        "r; a list, one for each degree of freedom; { q = …, p = … }; or \"auto\", as the map suggests",
+        "r: a number; a list, one for each degree of freedom; { q = …, p = … }; or \"auto\", a size taken from the map",
     ),
     Key::optional(
         "dofs",
         "[0]",
-        "degrees of freedom that the circle moves, counted from 0; all if left out",
+        "degrees of freedom that the circle moves, counted from 0; by default all",
     ),
     Key::new(
         "phases",

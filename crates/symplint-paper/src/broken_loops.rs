@@ -22,7 +22,7 @@ use super::sweep::{halvings, step_of};
 
 pub const ITEM: Item = Item {
     id: "broken-loops",
-    title: "linear particle-in-cell with its breaks closed: what tells Strang from RK2",
+    title: "linear particle-in-cell with its breaks closed: the difference between Strang and RK2",
     cost: "6 s",
     keys: &[Key::whole_between(
         "particles",

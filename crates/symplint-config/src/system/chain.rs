@@ -23,7 +23,7 @@ const INITIAL: Key = Key::new(
 const MODE: Key = Key::new(
     "mode",
     "1",
-    "number of half waves between walls, or of waves round a ring",
+    "number of half waves between walls, or of waves around a ring",
 );
 const AMPLITUDE: Key = Key::new("amplitude", "1.0", "largest displacement in the mode");
 

@@ -53,7 +53,7 @@ pub const STANDARD_MAP: SystemInfo = SystemInfo {
         Key::new(
             "torus",
             "false",
-            "whether p is taken mod 2π, too; step sizes are whole numbers then",
+            "whether p is also taken mod 2π; step sizes must then be whole numbers",
         ),
         Key::new("q0", "\"pi\"", "centre of the loop, angle").numbers(),
         P0,

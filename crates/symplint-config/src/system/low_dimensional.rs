@@ -42,7 +42,7 @@ pub const PENDULUM: SystemInfo = SystemInfo {
 
 pub const ABSOLUTE_VALUE: SystemInfo = SystemInfo {
     name: "absolute-value",
-    summary: "H = p²/2 + |q|, or |√(q² + ε²) instead of |q|| (section 4.2)",
+    summary: "H = p²/2 + |q|, or √(q² + ε²) instead of |q| (section 4.2)",
     keys: &[
         Key::new("epsilon", "0.0", "0 for abs(q), above 0 for √(q² + ε²)"),
         Q0,

@@ -30,7 +30,7 @@ pub const PIC_1D2V: SystemInfo = SystemInfo {
         Key::optional(
             "length",
             "5.0",
-            "length of the box; if left out 2π/1.25, 2π/0.2, 2π/0.5 and 2π in the order of initial",
+            "length of the box; by default 2π/1.25 for \"weibel\", 2π/0.2 for \"streaming-weibel\", 2π/0.5 for \"landau\", 2π for others",
         ),
         Key::new("particles", "4", "number of electrons, of density 1"),
         Key::new(
@@ -43,7 +43,7 @@ pub const PIC_1D2V: SystemInfo = SystemInfo {
         Key::optional(
             "amplitude",
             "0.01",
-            "amplitude of the wave or of random potentials; if left out -1e-4, -1e-3, 0.5 and 0.5",
+            "amplitude of the wave or of random potentials; by default -1e-4 for \"weibel\", -1e-3 for \"streaming-weibel\", 0.5 for others",
         ),
     ],
     integrator: STRANG,

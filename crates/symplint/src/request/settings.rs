@@ -30,7 +30,7 @@ pub const SETTINGS: &[Setting] = &[
     optional(
         "step_size",
         "0.1",
-        "a typical h, instead of step_sizes: from it the largest is found that tests something, and halved",
+        "a typical step size, instead of step_sizes: symplint finds a large step size from it, and halves it",
         typical_step,
     ),
     Setting {
@@ -38,7 +38,7 @@ pub const SETTINGS: &[Setting] = &[
         ..with_default(
             "step_sizes",
             "{ from = \"2^-1\", to = \"2^-10\" }",
-            "halved from … to …, or a list, or \"auto\"; the largest matters most to the verdict; \"none\" for a map that is not a step in time",
+            "halved from … to …, or a list; random loops use the largest; \"auto\" needs step_size; \"none\" for a map without a step size",
             step_sizes,
         )
     },
@@ -62,7 +62,7 @@ pub const SETTINGS: &[Setting] = &[
     with_default(
         "budget",
         "\"auto\"",
-        "most evaluations, states advanced by one step: \"auto\", or a number from 200",
+        "largest number of evaluations (states advanced by one step): \"auto\", or a number from 200",
         |of, value| {
             let budget = value.whole_or_auto(LEAST_BUDGET as u64, MOST_WHOLE)?;
             of.budget = budget.map(|budget| budget as usize);
@@ -86,7 +86,7 @@ pub const SETTINGS: &[Setting] = &[
     with_default(
         "half_width",
         "10",
-        "m of the streaming rule, 8 to 16: differences of order 2m use m samples on either side",
+        "m of the streaming rule, 8 to 16: its differences of order 2m use m samples on either side",
         |of, value| {
             let (least, most) = (Streaming::NARROWEST as u64, Streaming::WIDEST as u64);
             (value.whole(least, most)).map(|width| of.streaming.half_width = width as usize)
@@ -97,14 +97,14 @@ pub const SETTINGS: &[Setting] = &[
         ..optional(
             "sample_sweep",
             "{ from = \"2^6\", to = \"2^15\", step_size = 0.1 }",
-            "numbers of samples, doubled from … to …; without that sweep if left out",
+            "also vary the number of samples, doubled from … to …, at this step size",
             |of, value| sample_sweep(value).map(|sweep| of.sample_sweep = Some(sweep)),
         )
     },
     with_default(
         "cutoff_q",
         "1000.0",
-        "λ_q: the finite-difference rule omits cells where |dq/ds| > λ_q max|q|",
+        "λ_q: the finite-difference rule omits cells with |dq/ds| > λ_q max|q|",
         |of, value| cutoff(of, value, Cutoff::Relative, |of| &mut of.q),
     ),
     with_default("cutoff_p", "1000.0", "λ_p: the same for p", |of, value| {
@@ -113,7 +113,7 @@ pub const SETTINGS: &[Setting] = &[
     optional(
         "cutoff_q_absolute",
         "100.0",
-        "τ_q: omits cells where |dq/ds| > τ_q, instead of cutoff_q",
+        "τ_q: the rule omits cells with |dq/ds| > τ_q, instead of cutoff_q",
         |of, value| cutoff(of, value, Cutoff::Absolute, |of| &mut of.q),
     ),
     optional(
@@ -125,7 +125,7 @@ pub const SETTINGS: &[Setting] = &[
     with_default(
         "loops",
         "8",
-        "number of loops; those after the first are random, and use the largest step size",
+        "number of loops; all after the first are random, and use the largest step size",
         |of, value| (value.whole(1, MOST_LOOPS as u64)).map(|count| of.loops = count as usize),
     ),
     with_default("seed", "1", "seed of the random loops", |of, value| {
@@ -134,25 +134,25 @@ pub const SETTINGS: &[Setting] = &[
     with_default(
         "project",
         "true",
-        "whether random loops keep to the constraint manifold of systems that have one",
+        "whether random loops stay on the constraint manifold of systems that have one",
         |of, value| value.flag().map(|flag| of.project = flag),
     ),
     with_default(
         "steps",
         "0",
-        "number of steps of the largest size, to see whether a defect accumulates; 0 for none",
+        "the loop is also followed for this number of steps of the largest size, to test whether a defect accumulates",
         |of, value| (value.whole(0, MOST_STEPS)).map(|count| of.long_time = count as usize),
     ),
     optional(
         "order",
         "2",
-        "order of the method, if you know it: a defect that it does not explain is then named",
+        "order of the method, if you know it: the report then names a defect that this order does not explain",
         |of, value| (value.whole(1, MOST_ORDER)).map(|order| of.order = Some(order as usize)),
     ),
     with_default(
         "jacobian",
         "true",
-        "whether the Jacobian of one step is also checked",
+        "whether the Jacobian of one step is also tested",
         |of, value| value.flag().map(|flag| of.jacobian = flag),
     ),
     with_default(
@@ -164,7 +164,7 @@ pub const SETTINGS: &[Setting] = &[
     optional(
         "reversal",
         "[1.0, -1.0]",
-        "signs of q, then of p, that reverse time; without them, those of all p change",
+        "signs of q, then of p, that reverse time; by default, the signs of all p change",
         |of, value| {
             let signs = value.list(|sign| sign.number(Accept::Finite))?;
             of.reversal = Some(signs);
@@ -174,7 +174,7 @@ pub const SETTINGS: &[Setting] = &[
     with_default(
         "symmetric",
         "false",
-        "whether a step of size -h is tested to undo one of size h; the map must take negative step sizes",
+        "whether to test that a step of size -h undoes a step of size h; the map must accept negative step sizes",
         |of, value| value.flag().map(|flag| of.symmetric = flag),
     ),
     with_default(

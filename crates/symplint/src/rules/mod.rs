@@ -99,24 +99,24 @@ impl RuleKind {
     pub fn summary(self) -> &'static str {
         match self {
             RuleKind::Auto => {
-                "Pseudospectral; piecewise where the advanced loop is broken or has kinks; streaming where ensembles do not fit into \
-                 memory. The default."
+                "The default: pseudospectral; piecewise if the advanced loop is broken or has kinks; streaming if an ensemble does not fit \
+                 into memory."
             }
             RuleKind::Pseudospectral => {
-                "Differentiates q by Fourier transform (paper, section 2.3 and appendix A). Exact to round-off on smooth loops; on \
-                 loops with kinks the error is a power of the number of samples."
+                "Differentiates q by Fourier transform (paper, section 2.3 and appendix A). Exact to rounding error on smooth loops. \
+                 On loops with kinks, the error falls with a power of the number of samples."
             }
             RuleKind::FiniteDifference => {
-                "Increments of q over the cells that the cut-offs keep (paper, appendix B). For broken loops as in the paper, to a \
-                 few digits."
+                "Sums p·Δq over the cells of the loop, without the cells whose slope exceeds a cut-off (paper, appendix B). Gives a few \
+                 digits on broken loops."
             }
             RuleKind::Piecewise => {
-                "Chebyshev interpolation between the breaks, each of which is located and closed. For broken loops and loops with \
-                 kinks, nearly to round-off."
+                "Locates and closes each break, and interpolates between the breaks (Chebyshev). For broken loops and loops with kinks, \
+                 nearly to rounding error."
             }
             RuleKind::Streaming => {
-                "Differences of order 20 along the loop, of samples that are made, advanced and dropped one after another. For \
-                 ensembles that do not fit into memory: a few dozen states are kept."
+                "Makes, advances and drops one sample after another, and takes differences of order 20 along the loop. For ensembles \
+                 that do not fit into memory: it keeps a few dozen states."
             }
             RuleKind::JumpDetecting => {
                 "Trapezoids between the jumps of a loop that is known by its samples only."
