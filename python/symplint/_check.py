@@ -144,7 +144,7 @@ def check(
     rule : {"auto", "pseudospectral", "finite-difference", "piecewise", "streaming"}, optional
         Rule that computes the loop integrals. None means "auto".
     cutoff : float or (float, float), optional
-        λ of the finite-difference rule, or λ_q and λ_p. The rule skips a cell of the loop if |dq/ds| exceeds λ_q times the largest
+        The λ of the finite-difference rule, or λ_q and λ_p. The rule skips a cell of the loop if |dq/ds| exceeds λ_q times the largest
         |q|, or if |dp/ds| exceeds λ_p times the largest |p|.
     samples : int or "auto"
         Samples of each loop.
