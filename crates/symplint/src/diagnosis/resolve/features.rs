@@ -11,7 +11,7 @@ use crate::diagnosis::limits::{
 };
 use crate::error::Error;
 use crate::rules::{Subject, misses, roughness};
-use crate::signal::{Extent, nearest, parameter};
+use crate::signal::{Extent, GOLDEN_RATIO, nearest};
 use crate::state::{Ensemble, coordinate, period};
 
 /// The largest number of evaluations that a search for features between samples takes for this number of samples.
@@ -70,10 +70,7 @@ pub(in crate::diagnosis) fn feature_between_samples(
 ) -> Result<Option<f64>, Error> {
     let (after, coordinates) = (&refined.after, subject.coordinates());
     let states = irregular(after.samples(), after.dof());
-    // Others than those of the Jacobian.
-    let s: Vec<f64> = (MOST_IRREGULAR..MOST_IRREGULAR + states)
-        .map(parameter)
-        .collect();
+    let s: Vec<f64> = (0..states).map(parameter).collect();
     if s.is_empty() {
         return Ok(None);
     }
@@ -139,6 +136,11 @@ fn is_continuous(
         bend.abs() <= size && off.abs() <= 0.5 * size
     };
     Ok((0..2 * again.dof()).all(is_smooth))
+}
+
+/// Parameters of irregular states: others than those of the Jacobian.
+fn parameter(j: usize) -> f64 {
+    (0.31 + j as f64 * GOLDEN_RATIO).fract()
 }
 
 #[cfg(test)]

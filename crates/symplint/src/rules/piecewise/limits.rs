@@ -100,9 +100,9 @@ pub(super) const SAMPLES_TO_UNWRAP: usize = 256;
 /// Unexplained stretches shorter than this part of the loop suggest that the map has noise.
 pub(super) const NOISE_LENGTH: f64 = 1e-3;
 
-/// Sites on a stretch at which noise is estimated. Breaks spoil two of five at most, so close together are the points of each, and their
-/// median counts.
-pub(super) const NOISE_SITES: usize = 5;
+/// Sites on a stretch at which noise is estimated, as parts of it. Breaks spoil two of five at most, so close
+/// together are the points of each, and their median counts.
+pub(super) const NOISE_SITES: [f64; 5] = [0.137, 0.289, 0.412, 0.643, 0.829];
 
 /// The points of a site, in units of the spacing.
 pub(super) const NOISE_POINTS: [f64; 7] = [0.0, 0.87, 2.13, 2.95, 4.18, 5.04, 6.0];

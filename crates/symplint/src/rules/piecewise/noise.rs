@@ -2,12 +2,12 @@
 
 use super::curves::{CurvePoint, PointImage};
 use super::limits::{NOISE_POINTS, NOISE_SITES, NOISE_SPACING, NOISE_SPACING_OF_PIECE, SAFETY};
+use crate::signal::nearest;
 use crate::signal::noise::SixthDifference;
-use crate::signal::{nearest, parameters};
 use crate::state::{Coordinates, period};
 
 /// States that are asked for.
-pub(super) const STATES: usize = NOISE_SITES * NOISE_POINTS.len();
+pub(super) const STATES: usize = NOISE_SITES.len() * NOISE_POINTS.len();
 
 /// Where they are on the stretch [a, b] of a curve.
 pub(super) fn points(curve: usize, [a, b]: [f64; 2]) -> impl Iterator<Item = CurvePoint> {
@@ -17,7 +17,7 @@ pub(super) fn points(curve: usize, [a, b]: [f64; 2]) -> impl Iterator<Item = Cur
     } else {
         NOISE_SPACING
     };
-    parameters(NOISE_SITES).into_iter().flat_map(move |site| {
+    NOISE_SITES.into_iter().flat_map(move |site| {
         let first = a + site * length;
         NOISE_POINTS
             .into_iter()
@@ -43,7 +43,7 @@ pub(super) fn allowance(images: &[PointImage], coordinates: &Coordinates) -> Vec
                 .map(of_site)
                 .collect();
             noise.sort_by(f64::total_cmp);
-            SAFETY * noise[NOISE_SITES / 2]
+            SAFETY * noise[NOISE_SITES.len() / 2]
         })
         .collect()
 }

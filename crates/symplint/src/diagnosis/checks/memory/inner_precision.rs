@@ -8,8 +8,8 @@ use crate::signal::noise::{STEPS_OF_NOISE, SixthDifferences};
 use crate::signal::{Extent, nearest};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 
-/// Loop parameters of the test: no two of them, nor their mirror images, coincide. Calibrated on the truth set: other ones take one more step
-/// that multiplies areas by thousands for single precision.
+/// Loop parameters of the test: no two of them, nor their mirror images, coincide. Calibrated on the truth set: at others, a step that
+/// multiplies areas by thousands was taken for single precision.
 const SITES: [f64; 4] = [0.137, 0.291, 0.604, 0.833];
 
 /// Sites of the first test: if none of them shows noise, the second test is left out.
