@@ -7,7 +7,7 @@ use symplint_config::parse_number;
 
 /// Tests whether a time-advance map is symplectic.
 ///
-/// symplint advances closed loops of states by one step of the map, and compares the loop integral ∮ p·dq before and
+/// symplint advances closed loops of states by one step of the map, and compares the Poincaré loop integral ∮ p·dq before and
 /// after the step, for several step sizes, loops and numbers of samples.
 #[derive(Parser)]
 #[command(name = "symplint", version, max_term_width = 100, after_help = AFTER)]
