@@ -526,8 +526,10 @@ def _run(
     if subject["workers"] is not None:
         subject["workers"].warn()
     if folder is not None:
-        with open(os.path.join(folder, "report.json"), "w", encoding="utf-8") as file:
+        path = os.path.join(folder, "report.json")
+        with open(f"{path}.part", "w", encoding="utf-8") as file:
             file.write(report.to_json())
+        os.replace(f"{path}.part", path)
     return report
 
 

@@ -222,6 +222,8 @@ class MapExecutor:
         """Runs all tasks that wait."""
         waiting = [task for task in self._waiting if task[0].set_running_or_notify_cancel()]
         self._waiting = []
+        if not waiting:
+            return
         failure: BaseException | None = None
         try:
             results = iter(self._map(_apply, [work for _, work in waiting]))

@@ -387,3 +387,22 @@ class Unordered:
 def test_results_in_another_order_are_an_error(pool, per_sample):
     with pytest.raises(symplint.InputError, match="in the order of the tasks"):
         check(verlet, pool(), per_sample=per_sample)
+
+
+class Counting:
+    """A pool that counts the tasks of each call."""
+
+    def __init__(self):
+        self.tasks = []
+
+    def map(self, function, work):
+        work = list(work)
+        self.tasks.append(len(work))
+        return [function(item) for item in work]
+
+
+def test_a_pool_is_called_only_if_there_are_tasks():
+    pool = Counting()
+    report = check(verlet, pool)
+    assert sum(pool.tasks) > 0 and 0 not in pool.tasks
+    assert bits(report) == bits(check(verlet, None))
