@@ -15,7 +15,7 @@ pub(crate) const SINGLE: usize = 24;
 /// Decimal digits that doubles do not have by accident: of 64 random ones, none has so few.
 const FEW: u8 = 10;
 
-/// The same of binary digits.
+/// Binary digits that doubles do not have by accident: arithmetic of fewer digits gives no more than these.
 pub(crate) const FEW_BITS: i32 = 40;
 
 /// Different values that are needed to tell.

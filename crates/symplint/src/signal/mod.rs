@@ -20,11 +20,11 @@ pub(crate) use random::{GOLDEN_RATIO, parameter, parameters, unit};
 pub use unwrap::unwrap_row;
 pub(crate) use unwrap::{Turns, nearest, wraps};
 
-/// Numbers that are worked on together: as many as the widest vector register holds.
+/// Numbers of one vector operation: as many as the widest register holds.
 pub(crate) const LANES: usize = 8;
 
-/// Changes of a coordinate below this part of its range may be rounding inside the map, which can be larger than that of the coordinate.
-/// Conventional: half of the digits of double precision.
+/// A map may round inside by this part of the range of a coordinate, and the coordinate itself by less. Conventional: half of the digits
+/// of double precision.
 pub(crate) const ROUNDING_INSIDE: f64 = 1.5e-8;
 
 /// A defect this many times its uncertainty is significant.
